@@ -143,6 +143,22 @@ def test_saving_within_one_step_looks_at_signals(tmp_path, monkeypatch):
         assert results.status == "stopped" and 1000 < len(results.time) < 20_000
 
 
+def test_an_energy_that_is_not_finite_is_that_of_an_element(tmp_path, monkeypatch):
+    """A cable has no output of its own mass: only the kinetic energy of all depends on it."""
+    observe, times = System.observe, []
+
+    def spoiled(system, s):
+        times.append(s.t)
+        if len(times) > 4:
+            next(batch for batch in system.batches if batch.names[0] == "cable 'cable'").p["mass"] = np.nan
+        observe(system, s)
+
+    monkeypatch.setattr(System, "observe", spoiled)
+    monkeypatch.setattr(TimeIntegrator, "ordinary", lambda integrator, run, stop: (run, None, True))
+    with pytest.raises(NonFiniteError, match="t = .* s: cable 'cable': "):
+        run(input_deck("winder", "time.end=0.05", "output.every=step"), tmp_path / "r.h5")
+
+
 def test_an_output_that_is_not_finite_ends_the_run_and_stands_in_no_file(tmp_path, monkeypatch):
     observe, times = System.observe, []
 

@@ -12,6 +12,7 @@ from mecano.solve.time.unresolved_oscillation import OscillationMonitor
 
 INTERVAL = 0.2  # s of wall-clock time after which rows go to the writer
 FORCES = ("N", "N m", "Pa")  # units of outputs that are watched for ringing
+MOST_NAMED = 5  # elements in a message
 
 
 class Recorder:
@@ -125,7 +126,11 @@ class Recorder:
         path, _, output = column.path.rpartition("/")
         section, _, name = path.partition("/")
         of_nodes = {path: f"node '{name}'"} if section == "nodes" else {}
-        titles = of_nodes | {b.paths[e][0]: b.names[e] for b in self.sampler.system.batches for e in range(len(b.p))}
+        batches = self.sampler.system.batches
+        titles = of_nodes | {b.paths[e][0]: b.names[e] for b in batches for e in range(len(b.p))}
+        if column.path.startswith("energy/"):  # the sum of those of all elements
+            wrong = [b.names[e] for b in batches for e in np.flatnonzero(~np.isfinite(b.e).all(axis=1))]
+            titles = {path: "; ".join(wrong[:MOST_NAMED])} if wrong else {}
         owner = f"{titles[path]}: {output}" if path in titles else column.path
         return NonFiniteError(
             f"cannot continue from t = {t:.9g} s: {owner} is not finite\nwhat to try: laws that stay finite near this "
