@@ -1,4 +1,10 @@
-"""Decks of users that once gave wrong results; others are in the tests of their subjects."""
+"""Decks of users that once gave wrong results.
+
+Others are in the tests of their subjects: saved values of all decks (test_saved_values.py), a platform on legs of
+prescribed length (test_closed_forms.py), a column beyond Euler's load (test_statics.py), a steady precession
+(test_adaptive.py), edges of a load down to 1e-90 s (test_time_integration.py), nothing that moves
+(test_deck_limits.py).
+"""
 
 from pathlib import Path
 
