@@ -264,8 +264,7 @@ def test_options_that_pages_cannot_have(call, words, message):
 @pytest.mark.parametrize(
     "words",
     [
-        ("post", "a.h5", "--animate", ""), ("post", "a.h5", "--at="), ("post", "a.h5", "--plot", ""),
-        ("run", "deck.yaml", "-o", ""), ("info", ""), ("check", "deck.yaml", "--set", "time.end=1", "--set", ""),
+        ("post", "a.h5", "--animate", ""), ("post", "a.h5", "--at="), ("run", "deck.yaml", "-o", ""), ("info", ""),
     ],
 )  # fmt: skip
 def test_an_empty_text_is_not_left_out(call, words):

@@ -26,8 +26,11 @@ plugins = click.option(
 
 
 def refuse_empty(context, parameter, value):
-    """Return the value of an option or argument; raise BadParameter for an empty text, which is none left out."""
-    if (value == "" and parameter.default != "") or (type(value) is tuple and "" in value):
+    """Return the value of an option or argument; raise BadParameter for an empty text, which is none left out.
+
+    Those that may be repeated are checked where they are read: an empty override has a place, as all others.
+    """
+    if value == "" and parameter.default != "":
         raise click.BadParameter("an empty text; leave it out, or give a value", context, parameter)
     return value
 
