@@ -1,6 +1,6 @@
 """The reliability scorecard: trials of mecano as software, made anew from a seed; prints trials and points by line.
 
-    python tests/scorecard/run.py                 all lines, as docs/reliability.md shows them; an hour on two cores
+    python tests/scorecard/run.py                 all trials of all lines; many hours
     python tests/scorecard/run.py --quick         a few of the trials, for continuous integration
     python tests/scorecard/run.py --line 4 --line 5 --seed 7 --keep FOLDER
     python tests/scorecard/run.py --write         and write the rows that were made into docs/reliability.md
