@@ -6,17 +6,12 @@ only).
 """
 
 from mecano.jit.kernel import kernel
-from mecano.jit.memory import integers
+from mecano.jit.memory import word
 
 HEAD = object.__basicsize__  # its last word is the type of the object
+DATA, SHAPE = HEAD, HEAD + 16  # of the addresses of the first item and of the dimensions
 C_CONTIGUOUS, ALIGNED, WRITEABLE = 0x1, 0x100, 0x400
 HAS_RECORDS = ord("V")
-
-
-@kernel
-def word(address):
-    """Return the 8 bytes at an address as an integer."""
-    return integers(address, 1)[0]
 
 
 @kernel
@@ -29,30 +24,4 @@ def fits(array, ndarray, dimensions, flags, letters, size):
         return False
     if word(array + HEAD + 48) & flags != flags or (word(word(array + HEAD + 40) + HEAD + 8) >> 8) & 0xFFFF != letters:
         return False
-    return letters & 0xFF != HAS_RECORDS or shape_1(array) == 0 or word(word(array + HEAD + 24)) == size
-
-
-@kernel
-def data(array):
-    """Return the address of the first item."""
-    return word(array + HEAD)
-
-
-@kernel
-def shape_1(array):
-    """Return the number of items."""
-    return word(word(array + HEAD + 16))
-
-
-@kernel
-def shape_2(array):
-    """Return the numbers of rows and columns."""
-    at = word(array + HEAD + 16)
-    return word(at), word(at + 8)
-
-
-@kernel
-def shape_3(array):
-    """Return the three dimensions."""
-    at = word(array + HEAD + 16)
-    return word(at), word(at + 8), word(at + 16)
+    return letters & 0xFF != HAS_RECORDS or word(word(array + SHAPE)) == 0 or word(word(array + HEAD + 24)) == size

@@ -11,17 +11,17 @@ from functools import cache
 os.environ.setdefault("NUMBA_DISABLE_INTEL_SVML", "1")  # loaded code can call only the C library, without SVML
 
 import llvmlite.binding as llvm
-import numpy as np
 from llvmlite import ir
-from numba import carray, cfunc, njit, types
+from numba import cfunc, njit, types
 from numba.core import cgutils
 from numba.core.datamodel.models import OpaqueModel
 from numba.core.imputils import lower_builtin, lower_getattr
 from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global, signature
-from numba.extending import intrinsic, overload, register_model
+from numba.extending import overload, register_model
 
-from mecano.jit import memory, methods, symbols
-from mecano.jit.array_object import ALIGNED, C_CONTIGUOUS, WRITEABLE, data, fits, shape_1, shape_2, shape_3
+from mecano.jit import convention, indexing, memory, methods, symbols  # noqa: F401  indexing registers itself
+from mecano.jit.array_object import ALIGNED, C_CONTIGUOUS, WRITEABLE, fits
+from mecano.jit.arrays import array_object, refuse
 from mecano.jit.entry import Array
 from mecano.jit.library import not_loaded
 from mecano.jit.null_matrix import NullMatrix, wanted
@@ -29,18 +29,12 @@ from mecano.jit.store import processor
 from mecano.jit.symbols import Condition, Symbol, is_number, value_of
 from mecano.process.interrupt import abandonable
 
-# Functions that machine code may call: C mathematics, C memory, and the rejection of the arguments of a call.
+# Functions that machine code may call: C mathematics, C memory, the rejection of the arguments of a call.
 KNOWN = frozenset(
     "acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs floor fma fmax "
     "fmin fmod frexp hypot ldexp log log10 log1p log2 memcpy memmove memset pow remainder rint round sin sincos sinh "
-    "sqrt tan tanh trunc calloc free PyErr_BadArgument Py_FatalError".split()
-)
-# Functions that numba calls to report an error to Python.
-ERRORS = frozenset(
-    "numba_gil_ensure numba_gil_release numba_unpickle numba_do_raise numba_runtime_build_excinfo_struct NRT_Free "
-    "NRT_MemInfo_call_dtor PyErr_Clear PyErr_SetString PyErr_SetNone PyErr_WriteUnraisable PyUnicode_FromString "
-    "PyBytes_FromStringAndSize Py_DecRef".split()
-)
+    "sqrt tan tanh trunc calloc free PyErr_BadArgument".split()
+) | {convention.ERROR}
 FATAL = b"an error in compiled code of mecano, which should have none\0"
 
 
@@ -95,38 +89,36 @@ def entry_code(entry):
 
 def _unpacking(entry):
     """Return the source of the function that unpacks the words and calls an entry, and the names it uses."""
-    names = {"function": entry, "memory": memory, "data": data, "fits": fits, "refuse": _refuse}
-    names |= {"shape_1": shape_1, "shape_2": shape_2, "shape_3": shape_3}
-    lines, given = [], []
-    refused = "return" if entry.several or not entry.returns else "return 0"
-    for i, kind in enumerate(entry.signature, start=1):  # the type of arrays precedes the arguments
+    names = {"function": entry, "word": memory.word, "number": memory.number, "fits": fits, "refuse": refuse}
+    lines, given = ["type = word(at)"], []  # the type of arrays precedes the arguments
+    refused = "    return" if entry.several or not entry.returns else "    return 0"
+    for i, kind in enumerate(entry.signature, start=1):
+        at = f"at + {8 * i}"
         if isinstance(kind, Array):
-            flags = C_CONTIGUOUS | ALIGNED | (WRITEABLE if entry.is_written(i - 1) else 0)
-            letters = ord(kind.dtype.char) | ord(kind.dtype.byteorder) << 8
-            wanted = f"{kind.dimensions}, {flags}, {letters}, {kind.dtype.itemsize}"
-            lines += [f"if not fits(words[{i}], words[0], {wanted}):", "    refuse()", f"    {refused}"]
-            given.append(_array_at(kind, i, names))
+            names[f"array_{i}"] = array_object(kind)
+            given.append(f"array_{i}(word({at}))")
+            lines += [
+                f"if not fits(word({at}), type, {_required(kind, entry.is_written(i - 1))}):",
+                "    refuse()",
+                refused,
+            ]
         else:
-            given.append({float: f"reals[{i}]", bool: f"words[{i}] != 0"}.get(kind, f"words[{i}]"))
-    call, n = f"function({', '.join(given)})", 1 + len(given)
-    lines[:0] = [f"words, reals = memory.integers(at, {n}), memory.floats(at, {n})"]
+            given.append({float: f"number({at})", bool: f"word({at}) != 0"}.get(kind, f"word({at})"))
+    call = f"function({', '.join(given)})"
     if entry.several:
         out = ", ".join(f"results[{i}]" for i in range(len(entry.returns)))
-        lines += [f"results = memory.floats(out, {len(entry.returns)})", f"{out} = {call}"]
+        names["floats"] = memory.floats
+        lines += [f"results = floats(out, {len(entry.returns)})", f"{out} = {call}"]
     else:
         lines.append(f"return {call}" if entry.returns else call)
     return "def entry(at, out):\n    " + "\n    ".join(lines) + "\n", names
 
 
-def _array_at(kind: Array, word, names):
-    """Return the source of an array expression for the array object in a word."""
-    place, shape = f"data(words[{word}])", f"shape_{kind.dimensions}(words[{word}])"
-    if kind.dtype == np.float64:
-        return f"memory.floats({place}, {shape})"
-    if kind.dtype == np.int64:
-        return f"memory.integers({place}, {shape})"
-    names[f"dtype_{word}"] = kind.dtype
-    return f"memory.items({place}, {shape}, dtype_{word})"
+def _required(kind: Array, is_written):
+    """Return the source of the arguments of ``fits`` that describe the array of an argument."""
+    flags = C_CONTIGUOUS | ALIGNED | (WRITEABLE if is_written else 0)
+    letters = ord(kind.dtype.char) | ord(kind.dtype.byteorder) << 8
+    return f"{kind.dimensions}, {flags}, {letters}, {kind.dtype.itemsize}"
 
 
 def _machine_code(signature, function):
@@ -140,33 +132,32 @@ def _machine_code(signature, function):
 
 def _code_of(signature, function):
     _learn_methods()
-    with not_loaded():
+    with not_loaded(), convention.without_errors_and_references():
         function = cfunc(signature, error_model="numpy")(function)
     module = function._library.optimized(function.native_name)
-    missing = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")} - KNOWN
-    if missing - ERRORS:
-        needs = ", ".join(sorted(missing - ERRORS))
+    needs = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")} - KNOWN
+    if needs:
+        needs = ", ".join(sorted(needs))
         raise SystemError(f"{function.native_name} needs {needs}: a kernel may not allocate, print, or call libraries")
     variables = [variable.name for variable in module.global_variables if variable.is_declaration]
-    module.link_in(llvm.parse_assembly(str(_ending(sorted(missing), variables))))
+    module.link_in(llvm.parse_assembly(str(_ending(variables))))
     for name in variables:  # avoids a table of addresses, which a loader may place too far away
         module.get_global_variable(name).visibility = "hidden"
     return function.native_name, _target().emit_object(module)
 
 
-def _ending(functions, variables):
-    """Return stubs for numba's error reporting, which end the program. Kernels raise no errors."""
+def _ending(variables):
+    """Return the function that ends the program at an error, of which kernels have none, and numba's variables."""
     module, pointer = ir.Module(), ir.IntType(8).as_pointer()
     content = ir.Constant(ir.ArrayType(ir.IntType(8), len(FATAL)), bytearray(FATAL))
     text = ir.GlobalVariable(module, content.type, "mecano_fatal")
     text.initializer, text.linkage = content, "internal"
-    end = ir.Function(module, ir.FunctionType(ir.VoidType(), [pointer]), "Py_FatalError")
-    for name in functions:
-        stub = ir.Function(module, ir.FunctionType(ir.VoidType(), []), name)
-        stub.linkage = "weak"
-        builder = ir.IRBuilder(stub.append_basic_block())
-        builder.call(end, [builder.bitcast(text, pointer)])
-        builder.unreachable()
+    report = ir.Function(module, ir.FunctionType(ir.VoidType(), [pointer]), "Py_FatalError")
+    end = ir.Function(module, ir.FunctionType(ir.VoidType(), []), convention.ERROR)
+    end.linkage = "weak"
+    builder = ir.IRBuilder(end.append_basic_block())
+    builder.call(report, [builder.bitcast(text, pointer)])
+    builder.unreachable()
     for name in variables:
         variable = ir.GlobalVariable(module, ir.IntType(64), name)
         variable.initializer, variable.linkage = ir.Constant(ir.IntType(64), 0), "weak"
@@ -177,77 +168,6 @@ def _target():
     name, features = processor()
     of = llvm.Target.from_default_triple()
     return of.create_target_machine(cpu=name, features=features, opt=3, reloc="default", codemodel="jitdefault")
-
-
-@intrinsic
-def _call(typing_context, function, first, second):
-    def generate(context, builder, signature, arguments):
-        word = ir.IntType(64)
-        kind = ir.FunctionType(ir.VoidType(), [word, word])
-        builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
-        return context.get_dummy_value()
-
-    return types.void(types.int64, types.int64, types.int64), generate
-
-
-@intrinsic
-def _pointer(typing_context, address):
-    """Convert the address to a pointer, for carray."""
-
-    def generate(context, builder, signature, arguments):
-        return builder.inttoptr(arguments[0], cgutils.voidptr_t)
-
-    return types.voidptr(types.int64), generate
-
-
-@overload(memory.floats)
-def _floats(address, shape):
-    return lambda address, shape: carray(_pointer(address), shape, np.float64)
-
-
-@overload(memory.integers)
-def _integers(address, shape):
-    return lambda address, shape: carray(_pointer(address), shape, np.int64)
-
-
-@overload(memory.items)
-def _items(address, n, dtype):
-    return lambda address, n, dtype: carray(_pointer(address), n, dtype)
-
-
-@overload(memory.call)
-def _call_at(function, first, second):
-    return lambda function, first, second: _call(function, first, second)
-
-
-_bad_argument = types.ExternalFunction("PyErr_BadArgument", types.int32())
-_calloc = types.ExternalFunction("calloc", types.voidptr(types.uintp, types.uintp))
-_free = types.ExternalFunction("free", types.void(types.voidptr))
-
-
-@overload(memory.take_zeros)
-def _take_zeros(shape):
-    def take(shape):
-        n = 1
-        for size in shape:
-            n *= size
-        return carray(_calloc(n, 8), shape, np.float64)
-
-    return take
-
-
-def _refuse():
-    """Set Python's TypeError."""
-
-
-@overload(_refuse)
-def _refuse_arguments():
-    return lambda: _bad_argument()
-
-
-@overload(memory.give_back)
-def _give_back(array):
-    return lambda array: _free(_pointer(array.ctypes.data))
 
 
 def _is_null_matrix(A):

@@ -1,6 +1,6 @@
-"""Arrays at addresses, calls of functions at addresses, and work memory, for compiled code only.
+"""Arrays and numbers at addresses, calls of functions at addresses, and work memory, for compiled code only.
 
-Only the names are declared here; compiler.py implements them.
+Only the names are declared here; arrays.py implements them.
 """
 
 import numpy as np
@@ -16,8 +16,18 @@ def integers(address, shape):
     raise RuntimeError("available in compiled code only")
 
 
-def items(address, n, dtype):
-    """Return the array (n,) of items of another type, such as records, at ``address``."""
+def items(address, shape, dtype):
+    """Return the array of this shape of items of another type, such as records, at ``address``."""
+    raise RuntimeError("available in compiled code only")
+
+
+def word(address):
+    """Return the int64 at ``address``."""
+    raise RuntimeError("available in compiled code only")
+
+
+def number(address):
+    """Return the float at ``address``."""
     raise RuntimeError("available in compiled code only")
 
 

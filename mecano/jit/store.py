@@ -30,7 +30,10 @@ try:
 except ImportError:  # not a POSIX system
     fcntl = None
 
-COMPILER = ("array_object", "compiler", "entry", "kernel", "library", "memory", "methods", "null_matrix", "symbols")
+COMPILER = (
+    "array_object", "arrays", "compiler", "convention", "entry", "indexing", "kernel", "library", "memory", "methods",
+    "null_matrix", "symbols",
+)  # fmt: skip
 """Modules that generate code."""
 DAY = 86400.0  # s
 UNUSED = 90 * DAY  # files that have not been used for this long are removed when one is added

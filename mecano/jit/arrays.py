@@ -1,0 +1,125 @@
+"""Implementation of memory.py for numba: each function becomes the few instructions that it stands for."""
+
+from functools import cache
+
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.core.imputils import lower_builtin
+from numba.extending import intrinsic, overload, type_callable
+from numba.np.arrayobj import make_array, populate_array
+from numba.np.numpy_support import from_dtype
+
+from mecano.jit import memory
+from mecano.jit.array_object import DATA, SHAPE
+
+WORD = ir.IntType(64)
+
+
+def _load(builder, address, kind=WORD):
+    return builder.load(builder.inttoptr(address, kind.as_pointer()))
+
+
+def _array(context, builder, of, address, shape):
+    """Return the contiguous array of a numba type with the first item at ``address``."""
+    array, item = make_array(of)(context, builder), context.get_data_type(of.dtype)
+    size = context.get_abi_sizeof(item)
+    strides = [context.get_constant(types.intp, size)]
+    for n in shape[:0:-1]:
+        strides.insert(0, builder.mul(strides[0], n))
+    populate_array(array, builder.inttoptr(address, item.as_pointer()), shape, strides, size, meminfo=None)
+    return array._getvalue()
+
+
+def _type_of_array(item, shape):
+    return types.Array(item, len(shape) if isinstance(shape, types.BaseTuple) else 1, "C")
+
+
+def _learn_arrays(function, item):
+    """Register a function of memory.py that returns an array of items of one type."""
+    type_callable(function)(lambda context: lambda address, shape: _type_of_array(item, shape))
+    lower_builtin(function, types.Any, types.Any)(_generate_array)
+
+
+def _generate_array(context, builder, signature, arguments):
+    address, shape = arguments[:2]
+    of = signature.args[1]
+    sizes = cgutils.unpack_tuple(builder, shape) if isinstance(of, types.BaseTuple) else [shape]
+    kinds = of.types if isinstance(of, types.BaseTuple) else [of]
+    sizes = [context.cast(builder, n, kind, types.intp) for n, kind in zip(sizes, kinds, strict=True)]
+    address = context.cast(builder, address, signature.args[0], types.int64)
+    return _array(context, builder, signature.return_type, address, sizes)
+
+
+_learn_arrays(memory.floats, types.float64)
+_learn_arrays(memory.integers, types.int64)
+type_callable(memory.items)(lambda context: lambda address, shape, dtype: _type_of_array(dtype.dtype, shape))
+lower_builtin(memory.items, types.Any, types.Any, types.Any)(_generate_array)
+
+
+def _learn_number(function, kind, of):
+    """Register a function of memory.py that returns a number."""
+    type_callable(function)(lambda context: lambda address: kind)
+    lower_builtin(function, types.Any)(lambda context, builder, _, arguments: _load(builder, arguments[0], of))
+
+
+_learn_number(memory.word, types.int64, WORD)
+_learn_number(memory.number, types.float64, ir.DoubleType())
+
+
+@cache
+def array_object(kind):
+    """Return the compiled function of an array object's address that returns the array, of a kind of entry.py."""
+    of = types.Array(from_dtype(kind.dtype), kind.dimensions, "C")
+
+    def generate(context, builder, signature, arguments):
+        at = [builder.add(arguments[0], WORD(offset)) for offset in (DATA, SHAPE)]
+        data, sizes = (_load(builder, address) for address in at)
+        shape = [_load(builder, builder.add(sizes, WORD(8 * i))) for i in range(kind.dimensions)]
+        return _array(context, builder, of, data, shape)
+
+    return intrinsic(lambda typing_context, address: (of(types.int64), generate))
+
+
+@intrinsic
+def _call(typing_context, function, first, second):
+    def generate(context, builder, signature, arguments):
+        kind = ir.FunctionType(ir.VoidType(), [WORD, WORD])
+        builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.int64, types.int64), generate
+
+
+@overload(memory.call)
+def _call_at(function, first, second):
+    return lambda function, first, second: _call(function, first, second)
+
+
+_bad_argument = types.ExternalFunction("PyErr_BadArgument", types.int32())
+_calloc = types.ExternalFunction("calloc", types.int64(types.uintp, types.uintp))
+_free = types.ExternalFunction("free", types.void(types.uintp))
+
+
+@overload(memory.take_zeros)
+def _take_zeros(shape):
+    def take(shape):
+        n = 1
+        for size in shape:
+            n *= size
+        return memory.floats(_calloc(n, 8), shape)
+
+    return take
+
+
+@overload(memory.give_back)
+def _give_back(array):
+    return lambda array: _free(array.ctypes.data)
+
+
+def refuse():
+    """Set Python's TypeError."""
+
+
+@overload(refuse)
+def _refuse_arguments():
+    return lambda: _bad_argument()
