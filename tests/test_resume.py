@@ -503,7 +503,7 @@ class TestVerify:
 
     def test_every_changed_bit_is_found(self, path):
         data, rng, named = path.read_bytes(), random.Random(5), set()
-        for _ in range(200):
+        for _ in range(80):  # the scorecard changes thousands
             bit = rng.randrange(8 * len(data))
             path.write_bytes(data[: bit // 8] + bytes([data[bit // 8] ^ 1 << bit % 8]) + data[bit // 8 + 1 :])
             with pytest.raises(ResultsError) as found:
