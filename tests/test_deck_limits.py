@@ -6,6 +6,7 @@ import time
 
 import numpy as np
 import pytest
+from machine import addition
 
 from mecano.analyses.prepare import control_of, prepare
 from mecano.deck.format import deck_error_text
@@ -108,7 +109,7 @@ def test_long_lists_are_refused_at_once():
     start = time.process_time()
     text = refused(("value: 1.0", "value: {table: {points: [" + "1, " * 3_000_000 + "1]}}"))
     assert text.startswith("deck.yaml:11:") and "a list of more than 100000 values; put a long table into a CSV" in text
-    assert time.process_time() - start < 2.0
+    assert time.process_time() - start < 3e7 * addition()
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 import pytest
 import results_samples as samples
+from machine import addition
 
 from mecano.errors import ResultsError, UnknownNameError
 from mecano.jit import store
@@ -382,7 +383,7 @@ def test_many_series_have_no_views_but_are_read(tmp_path):
 
 
 def test_appending_is_fast(tmp_path):
-    """500 numbers: under 20 us of processor time a row with all its flushes; a flush of one row under 3 ms."""
+    """500 numbers: a row with all its flushes costs some 20 us of processor time, a flush of one row some 3 ms."""
     layout = Layout([Series(f"elements/e{i}/force", "N", "force", (5,)) for i in range(100)])
     row, append_times, flush_times = np.ones(500), [], []
     with Writer.create(tmp_path / "r.h5", layout, Source("", {}), flush_interval=1e9) as writer:
@@ -396,8 +397,9 @@ def test_appending_is_fast(tmp_path):
             writer.append(index, row)
             writer.flush()
             flush_times.append(time.process_time() - start)
-    assert min(append_times) < 20e-6
-    assert np.median(flush_times) < 3e-3
+    one = addition()
+    assert min(append_times) < 300 * one
+    assert np.median(flush_times) < 50_000 * one
 
 
 def test_the_reader_needs_no_compiler():
