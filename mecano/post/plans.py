@@ -129,6 +129,7 @@ REACTIONS = Plan(
     (
         View("force", ("force.magnitude", "tension")),
         View("moment", ("moment.magnitude",)),
+        View("load", ("load_a", "load_b")),
     ),
 )  # fmt: skip
 LOADS = Plan(

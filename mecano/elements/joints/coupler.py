@@ -160,7 +160,7 @@ def _kind(a, b):
         name="coupler",
         section="joints",
         doc=__doc__,
-        display=Display("nothing", pictures=("gears",)),
+        display=Display("nothing"),
         fields=(
             *(
                 _coordinate(name, end, which)
