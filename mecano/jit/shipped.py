@@ -9,7 +9,7 @@ import sys
 from functools import cache
 from pathlib import Path
 
-import llvmlite.binding as llvm
+from mecano.jit.llvm import llvm
 
 OBJECTS = Path(__file__).with_name("objects")  # of the package; empty in a clone
 LEVELS = {

@@ -21,9 +21,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import llvmlite
-import llvmlite.binding as llvm
 
 from mecano.jit import shipped, trust
+from mecano.jit.llvm import llvm
+from mecano.process.memory import require_memory
 
 try:
     import fcntl
@@ -37,6 +38,7 @@ COMPILER = (
 """Modules that generate code."""
 DAY = 86400.0  # s
 UNUSED = 90 * DAY  # files that have not been used for this long are removed when one is added
+TO_LOAD, TO_COMPILE = 16 * 2**20, 64 * 2**20  # bytes that must be free
 FOLDER = "MECANO_CACHE_DIR"  # environment variable: parent of the folders of compiled code
 SHARED = "MECANO_SHARED_CACHE"  # environment variable: a folder written by `mecano warmup --share`, read-only here
 
@@ -162,6 +164,7 @@ def compile_code(code):
         if found is None:
             from mecano.jit import compiler
 
+            require_memory(TO_COMPILE)
             symbol, machine_code = code.generate(compiler)
             found = symbol.encode() + b"\n" + machine_code
             write(code.file, found)
@@ -331,6 +334,7 @@ def _linker():
 
 def _load(name, symbol, code):
     """Load a function as a library of its own: compilers in different processes reuse the same symbols."""
+    require_memory(TO_LOAD)
     library = llvm.JITLibraryBuilder().add_object_img(code).add_current_process().export_symbol(symbol)
     loaded = library.link(_linker(), f"{name} {len(_kept)}")
     _kept.append(loaded)

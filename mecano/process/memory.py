@@ -1,6 +1,7 @@
-"""Recognition of a lack of memory, which libraries below Python rarely report as MemoryError."""
+"""Lack of memory, which libraries below Python rarely report as MemoryError: its recognition, and a test for it."""
 
 import errno
+import mmap
 
 WORDS = (  # in errors of the dynamic loader, of threads, of C++ and of HDF5
     "failed to map segment from shared object",
@@ -24,3 +25,11 @@ def is_lack_of_memory(error):
             return True
         error = error.__cause__ or error.__context__
     return False
+
+
+def require_memory(size):
+    """Raise MemoryError if ``size`` bytes cannot be had, before a library that would abort the process without them."""
+    try:
+        mmap.mmap(-1, size).close()
+    except OSError:
+        raise MemoryError from None
