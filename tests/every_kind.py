@@ -32,6 +32,7 @@ VALUES = {
     "attached": [],
     "axis": [0.0, 1.0, 0.0],
     "radius": 0.3,
+    "plane": {"normal": [0.0, 0.0, 1.0]},
     "center": [0.0, 0.0, 0.0],
     "semi_axis_1": [0.3, 0.0, 0.0],
     "semi_axis_2": [0.0, 0.3, 0.0],

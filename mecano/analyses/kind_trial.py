@@ -246,9 +246,16 @@ def _motion(kind, values, nodes, rng):
 
 def turned_values(kind, values, Q, shift):
     """Return the deck values with all inertial quantities rotated by Q and shifted."""
+    return _turned(kind.fields, values, Q, shift)
+
+
+def _turned(fields, values, Q, shift):
+    """Return ``values`` of these ``fields``, rotated and shifted."""
     out = dict(values)
-    for field in kind.fields:
+    for field in fields:
         value = values.get(field.name)
+        if value is not None and field.type.name == "mapping":
+            out[field.name] = _turned(field.type.options, value, Q, shift)
         if value is not None and field.type in (VECTOR, DIRECTION):
             out[field.name] = Q @ np.asarray(value, float)
         if value is not None and field.type == POINT:

@@ -49,6 +49,9 @@ EXAMPLES = {
     "bushing":
         "mount: {type: bushing, nodes: [ground, crank], stiffness: [1 kN/mm, 1 kN/mm, 3 kN/mm, 50, 50, 20], "
         "axis: [0, 0, 1]}",
+    "contact": (
+        "stop: {type: contact, nodes: [crank, slider], plane: {normal: [1, 0, 0]}, radius: 10 mm, restitution: 0.3}"
+    ),
     "plane_contact": "foot: {type: plane_contact, node: slider, ground: road, restitution: 0.4}",
     "force": "push: {type: force, node: slider, direction: [1, 0, 0], value: 3 kN}",
     "follower_force":

@@ -69,7 +69,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     "bump stop, end stop, limit stop, limit, buffer": ("stop hinge.stops", "joints have 'stops', laws the term stop"),
     "backlash, clearance, free play, freeplay, gap, play": ("dead_band", ""),
     "latch, catch, locking": ("hinge.latch", ""),
-    "contact, collision, impact, unilateral": ("plane_contact rigid_wheel stop", ""),
+    "contact, collision, impact, unilateral": ("contact plane_contact rigid_wheel stop", ""),
     "coulomb, stick slip, dry friction": ("friction dry_friction", ""),
     "friction": ("dry_friction", ""),
     "brake disc, disc brake, clutch, anti skid, abs": ("brake", ""),

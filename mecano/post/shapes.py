@@ -9,6 +9,7 @@ import numpy as np
 
 from mecano.elements.joints.guiding_curve import drawn
 from mecano.model.mesh import divided_nodes, inner_names
+from mecano.post.contact_outlines import outlines
 from mecano.post.recovered import lines, nodes_inside, recovered
 
 BODY, MASS, ROD, SPRING, WHEEL, JOINT, SUPPORT = "body", "mass", "rod", "spring", "wheel", "joint", "support"
@@ -209,6 +210,10 @@ def _curve(motion, name, d):
     return [Shape(GUIDE, name, np.broadcast_to(points, (len(dot), *points.shape[-2:]))), Shape(JOINT, name, dot)]
 
 
+def _contact(motion, name, d):
+    return [Shape(GUIDE, name, points) for points in outlines(motion, d)]
+
+
 def _wheel(motion, name, d):
     if d["node"] not in motion.nodes:
         return []
@@ -238,7 +243,7 @@ BEAM, SUPERELEMENT = "beam", "superelement"
 BENDING = (BEAM, SUPERELEMENT)
 SHAPES = {
     "line": _rod, "cable": _cable, BEAM: _beam, SUPERELEMENT: _superelement, "spring": _spring,
-    "body": _body, "mass": _mass, "wheel": _wheel, "curve": _curve, "joint": _joint,
+    "body": _body, "mass": _mass, "wheel": _wheel, "curve": _curve, "contact": _contact, "joint": _joint,
     "nothing": lambda motion, name, d: [],
 }  # fmt: skip
 """Functions that draw each ``Display.shape``."""

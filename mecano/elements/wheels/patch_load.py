@@ -9,8 +9,9 @@ from mecano.constraints.tire_patch import Y, add_patch_force
 from mecano.elements.wheels.ground_surface import surface_at
 from mecano.elements.wheels.lateral_force import Lateral, lateral_law
 from mecano.elements.wheels.slip_law import Slip
-from mecano.elements.wheels.tire_law import elastic_force, radial_force
+from mecano.elements.wheels.tire_law import radial_force
 from mecano.jit.kernel import kernel
+from mecano.laws.contact_force import elastic_force
 from mecano.maths.surface import directions
 from mecano.maths.vector import add_vec, dot, mat, norm, vec
 
@@ -30,7 +31,7 @@ def load_of(p, at, k):
     """Return the Load of the Patch ``k``."""
     w = p.radius - k.g.r
     v, radial = vec(at.v, 0), radial_force(p, at.laws, w, k.w1)
-    N, damping = radial / k.g.q, (radial - elastic_force(p, at.laws, w)) / k.g.q
+    N, damping = radial / k.g.q, (radial - elastic_force(at.laws, p.radial, w)) / k.g.q
     u, (t, l) = v - dot(k.g.n, v) * k.g.n, directions(k.a, k.g)
     slip = Slip(
         N,

@@ -19,9 +19,8 @@ from mecano.elements.wheels.sliding_friction import FIELDS as FRICTION_FIELDS
 from mecano.elements.wheels.slip_law import given_law
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.jit.kernel import kernel
+from mecano.laws.contact_force import contact_force
 from mecano.laws.probe import curve_at
-from mecano.laws.table import curve_and_slope, potential
-from mecano.maths.dual import at_least, at_most
 from mecano.maths.vector import dot, norm
 from mecano.schema import CURVE, NUMBER, Field, not_negative, positive
 
@@ -102,22 +101,9 @@ def _softening(law):
 
 
 @kernel
-def elastic_force(p, laws, w):
-    """Return F(w) [N] of the deformation w [m]; below zero, its tangent at zero."""
-    F, slope = curve_and_slope(laws, p.radial, at_least(w, 0.0))
-    return F + slope * at_most(w, 0.0)
-
-
-@kernel
-def elastic_energy(p, laws, w):
-    """Return the energy [J] stored at the deformation w [m] >= 0."""
-    return potential(laws, p.radial, w) - potential(laws, p.radial, 0.0)
-
-
-@kernel
 def radial_force(p, laws, w, w1):
     """Return F_r [N] of the deformation w [m] and its rate w1 [m/s]."""
-    return elastic_force(p, laws, w) * at_least(1.0 + p.radial_damping * w1, 0.0)
+    return contact_force(laws, p.radial, p.radial_damping, w, w1)
 
 
 @kernel

@@ -9,8 +9,9 @@ from mecano.constraints.disc import CONTACT_OUTPUTS, PLACED, WHEEL_DISPLAY, carr
 from mecano.constraints.ground import check_axle, check_ground, lean_of, prepare_ground, rim_above, slope_below, too_low
 from mecano.element_interface import Event, Output
 from mecano.elements.wheels.ground_surface import check_surface, prepare_surface
-from mecano.elements.wheels.tire_law import check_tire_law, elastic_energy, elastic_force, prepare_radial
+from mecano.elements.wheels.tire_law import check_tire_law, prepare_radial
 from mecano.jit.kernel import kernel
+from mecano.laws.contact_force import elastic_energy, elastic_force
 from mecano.maths.surface import directions
 from mecano.maths.vector import dot, norm
 from mecano.schema import TIRE_LAW, Field
@@ -63,8 +64,8 @@ def put_tire(p, laws, contact, g, axis, arm, spin, grip, q, y, e):
     if touching:
         y[17] = norm(grip.force) / grip.N
     if contact:
-        e[1] = elastic_energy(p, laws, w)
-        e[2] = (grip.lost if touching else 0.0) + (F - elastic_force(p, laws, w)) * grip.w1
+        e[1] = elastic_energy(laws, p.radial, w)
+        e[2] = (grip.lost if touching else 0.0) + (F - elastic_force(laws, p.radial, w)) * grip.w1
     return touching
 
 

@@ -1,0 +1,164 @@
+r"""Touching of a ball around node b and a surface fixed in node a: a plane, sphere, cylinder or capsule.
+
+With the point o and the axis :math:`\alpha` fixed in a, :math:`d = x_b - x_a - R_a o` and the radius r of the ball, the
+gap is
+
+.. math::  g = \alpha \cdot d - r \quad\text{(plane)}, \qquad g = s\,(|e| - \rho) - r, \qquad
+           e = d - t\,\alpha, \quad t = \min(\max(\alpha \cdot d, t_0), t_1)
+
+for the surface at the distance :math:`\rho` from a point (sphere, :math:`t_0 = t_1 = 0`), a line (cylinder) or a part
+of a line (capsule). s is 1 outside of it and -1 inside (a ball in a bowl, a pin in a hole). The normal n, alpha or
+:math:`s\,e/|e|`, points from the surface to the centre of the ball. Forces act at the point
+:math:`x_b - r\,n` of the ball. The rate of the gap is
+
+.. math::  \dot g = n \cdot (v_b - v_a - \omega_a \times (x_b - x_a))
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from mecano.constraints.stop_phases import FAR
+from mecano.jit.kernel import kernel
+from mecano.maths.dual import at_least, at_most
+from mecano.maths.vector import Vec3, cross, dot, mat, norm, vec
+from mecano.schema import BOOLEAN, DIRECTION, NUMBER, POINT, Field, mapping, not_negative, positive
+
+CENTRED = 1e-100  # [m] of the middle of a hole, where there is no normal and no contact
+SURFACE_RECORD = {
+    "axis": 3,
+    "origin": 3,
+    "planar": (),
+    "side": (),
+    "distance": (),
+    "first": (),
+    "last": (),
+    "radius": (),
+}
+RADIUS = Field("radius", NUMBER, "m", "of the surface", check=positive)
+INSIDE = Field("inside", BOOLEAN, "-", "whether the ball touches it from inside", False)
+
+
+def _at(name, what):
+    return Field(name, POINT, "m", f"{what} at the start, inertial; node a when absent", None)
+
+
+SURFACES = {
+    "plane": mapping(
+        Field("normal", DIRECTION, "-", "normal at the start, inertial, towards the ball"), _at("point", "a point")
+    ),
+    "sphere": mapping(RADIUS, _at("center", "centre"), INSIDE),
+    "cylinder": mapping(
+        Field("axis", DIRECTION, "-", "axis at the start, inertial"),
+        RADIUS,
+        _at("center", "a point of the axis"),
+        INSIDE,
+    ),
+    "capsule": mapping(
+        Field("axis", DIRECTION, "-", "from the centre of the first end to the other, at the start, inertial"),
+        Field("length", NUMBER, "m", "distance of the centres of both ends", check=positive),
+        RADIUS,
+        _at("center", "centre of the first end"),
+    ),
+}
+FIELDS = (
+    Field("plane", SURFACES["plane"], "-", "plane fixed in node a", None),
+    Field("sphere", SURFACES["sphere"], "-", "sphere fixed in node a", None),
+    Field("cylinder", SURFACES["cylinder"], "-", "cylinder without ends, fixed in node a", None),
+    Field("capsule", SURFACES["capsule"], "-", "cylinder with rounded ends, fixed in node a", None),
+    Field("radius", NUMBER, "m", "of the ball around node b", 0.0, not_negative),
+)
+
+
+class Touch(NamedTuple):
+    """Gap [m], its normal, and the arms from both nodes to the contact [m], inertial."""
+
+    gap: float
+    n: Vec3
+    a: Vec3
+    b: Vec3
+
+
+@kernel
+def touch(p, at):
+    """Return the Touch of nodes with x0, R0, x1 first among the local unknowns."""
+    R, from_a = mat(at.R[0]), vec(at.q, 6) - vec(at.q, 0)
+    d, axis = from_a - R @ vec(p.origin, 0), R @ vec(p.axis, 0)
+    along = dot(axis, d)
+    if p.planar > 0.0:
+        gap, n = along - p.radius, axis
+    else:
+        e = d - at_least(at_most(along, p.last), p.first) * axis
+        away = norm(e)
+        gap, n = p.side * (away - p.distance) - p.radius, p.side / at_least(away, CENTRED) * e
+    return Touch(gap, n, from_a - p.radius * n, -p.radius * n)
+
+
+@kernel
+def approach(touched, at):
+    """Return the rate [m/s] at which the gap closes."""
+    omega = mat(at.R[0]) @ vec(at.v, 3)
+    return dot(touched.n, vec(at.v, 0) + cross(omega, touched.a - touched.b) - vec(at.v, 6))
+
+
+@kernel
+def sliding(touched, at):
+    """Return the velocity [m/s] of the ball relative to the surface at the contact, in the plane of the contact."""
+    of_a = vec(at.v, 0) + cross(mat(at.R[0]) @ vec(at.v, 3), touched.a)
+    u = vec(at.v, 6) + cross(mat(at.R[1]) @ vec(at.v, 9), touched.b) - of_a
+    return u - dot(u, touched.n) * touched.n
+
+
+def given(d):
+    """Return name and values of the surface, from the values of the deck that name exactly one."""
+    return next((name, d[name]) for name in SURFACES if d.get(name) is not None)
+
+
+def _origin(values, nodes):
+    """Return the point of the surface at the start, inertial (3,)."""
+    point = next((values[name] for name in ("point", "center") if values.get(name) is not None), nodes[0][0])
+    return np.asarray(point, float)
+
+
+def surface_record(d, nodes):
+    """Return the values of SURFACE_RECORD."""
+    (name, values), (x_a, R_a) = given(d), nodes[0]
+    axis = np.array(values.get("normal", values.get("axis", (0.0, 0.0, 1.0))), float)
+    last = {"cylinder": FAR, "capsule": values.get("length")}.get(name, 0.0)
+    return {
+        "axis": R_a.T @ axis / np.linalg.norm(axis), "origin": R_a.T @ (_origin(values, nodes) - x_a),
+        "planar": float(name == "plane"), "side": -1.0 if values.get("inside") else 1.0,
+        "distance": values.get("radius", 0.0), "first": -FAR if name == "cylinder" else 0.0, "last": last,
+        "radius": d["radius"],
+    }  # fmt: skip
+
+
+def gap_at_start(d, nodes):
+    """Return the gap [m] at the start, and the distance [m] of node b from the middle of the surface."""
+    name, values = given(d)
+    p, offset = surface_record(d, nodes), np.subtract(nodes[1][0], _origin(values, nodes))
+    axis = nodes[0][1] @ p["axis"]
+    along = float(axis @ offset)
+    if name == "plane":
+        return along - d["radius"], along
+    away = float(np.linalg.norm(offset - min(max(along, p["first"]), p["last"]) * axis))
+    return p["side"] * (away - p["distance"]) - p["radius"], away
+
+
+def check_surface(d, nodes):
+    """Return errors for none or several surfaces, and for a ball on the wrong side."""
+    if sum(d[name] is not None for name in SURFACES) != 1:
+        return [f"give exactly one of {', '.join(map(repr, SURFACES))}"]
+    name, values = given(d)
+    place = "point" if name == "plane" else "center"
+    if d["nodes"][0] == "ground" and values[place] is None:
+        return [f"'{name}' needs '{place}': the ground has no place of its own"]
+    if name == "plane":
+        return []
+    if values.get("inside"):
+        small = d["radius"] < values["radius"]
+        return [] if small else [f"'radius' of the ball must be less than that of the {name} around it"]
+    away = gap_at_start(d, nodes)[1]
+    if away >= values["radius"] or "inside" not in values:
+        return []
+    return [f"node b is {away:.3g} m from the middle of the {name}, inside of it: move it out, or say 'inside: true'"]

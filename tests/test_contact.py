@@ -1,0 +1,145 @@
+"""Contact of a ball with planes, spheres, cylinders and capsules, rigid and elastic, with and without friction."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipk
+from time_runs import RecordedRun, deck, input_deck
+
+from mecano.deck.format import deck_error_text
+from mecano.deck.read import deck_of_bytes
+from mecano.errors import DeckError
+
+S, g = "Contact", 9.81
+
+
+def test_a_follower_with_a_flat_face_leaves_its_cam(verify):
+    """It separates where m (g - e w^2 cos w t) falls to zero, and meets the cam again after a parabola."""
+    recorded = RecordedRun(input_deck("flat_follower", "time.end=0.3", "time.step=2.5e-4"))
+    e, w = 0.02, 25.0
+    leaves = math.acos(-g / (e * w**2)) / w
+
+    def height(t):
+        """Of the parabola above the cam."""
+        dt = t - leaves
+        return e * (math.cos(w * t) - math.cos(w * leaves)) + e * w * math.sin(w * leaves) * dt - g / 2 * dt**2
+
+    meets = brentq(height, leaves + 0.05, leaves + 0.2)
+    speed = e * w * (math.sin(w * meets) - math.sin(w * leaves)) + g * (meets - leaves)
+    opens, closes = (event for event in recorded.event_records if event.t > 0.0)
+    verify(S, "flat follower: leaves the cam [s]", opens.t, leaves, "N = 0 in closed form", absolute=1e-6)
+    verify(S, "flat follower: meets the cam again [s]", closes.t, meets, "parabola and sine", absolute=1e-6)
+    assert closes.impulse == pytest.approx(0.5 * speed, rel=1e-5)
+    assert closes.lost == pytest.approx(0.25 * speed**2, rel=1e-5)
+    held = recorded.time < leaves - 1e-3
+    force = 0.5 * (g + e * w**2 * np.cos(w * recorded.time[held]))
+    np.testing.assert_allclose(recorded["elements/contact/normal_force"][held][1:], force[1:], atol=1e-4 * force[0])
+
+
+def test_a_struck_ball_slides_rolls_and_hits_another(verify):
+    recorded = RecordedRun(input_deck("billiards"))
+    v, mu = 2.0, 0.2
+    t, cue, other = recorded.time, recorded["nodes/cue/velocity"][:, 0], recorded["nodes/object/velocity"][:, 0]
+    slides = recorded["elements/under_cue/sliding_speed"]
+    rolls = np.interp(-0.01, -slides[t < 0.4], t[t < 0.4])
+    verify(S, "billiards: begins to roll [s]", rolls, 2 * v / (7 * mu * g), "Coriolis 1835", relative=1e-2)
+    before = t < 0.45
+    verify(S, "billiards: speed of rolling [m/s]", cue[before][-1], 5 / 7 * v, "Coriolis 1835", relative=1e-4)
+    closes, opens = recorded.event_records
+    deepest = (5 / 8 * 0.17 * (5 / 7 * v) ** 2 / 1e8) ** 0.4
+    lasts = 2.9432749 * deepest / (5 / 7 * v)
+    verify(S, "billiards: duration of the impact [s]", opens.t - closes.t, lasts, "Hertz", relative=2e-3)
+    assert -recorded["elements/impact/gap"].min() == pytest.approx(deepest, rel=2e-3)
+    rubbed = mu * g * lasts  # change of the speeds by the cloth during the impact, which Coriolis neglects
+    for ball, speed, share in (("second", other, 25 / 49), ("first", cue, 10 / 49)):
+        verify(
+            S,
+            f"billiards: in the end the {ball} ball rolls at [m/s]",
+            speed[-1],
+            share * v,
+            "Coriolis 1835",
+            absolute=rubbed,
+        )
+    assert np.ptp(recorded["energy/balance"]) < 1e-3 * 0.34
+
+
+BALL = """
+    mecano: 1
+    gravity: [{gx}, 0, {gz}]
+    nodes:
+      ball: {{position: {start}}}
+    elements:
+      ball: {{type: rigid_body, node: ball, mass: 2, inertia: [8.0e-3, 8.0e-3, 8.0e-3]}} # solid, radius 0.1 m
+      contact: {{type: contact, nodes: [ground, ball], {contact}}}
+    time: {{end: {end}, step: {step}}}
+"""
+FLOOR = "plane: {normal: [0, 0, 1], point: [0, 0, 0]}"
+SOFT = "law: {power: {coefficient: 2.0e7, exponent: 1.5}}, damping: 0.5"
+
+
+@pytest.mark.parametrize("mu", [0.1, 0.4])
+def test_a_ball_on_an_incline_rolls_or_slips(mu):
+    """It rolls with 5/7 g sin a if mu >= 2/7 tan a, and slips with g (sin a - mu cos a) otherwise."""
+    gx, gz = g * math.sin(0.5), -g * math.cos(0.5)
+    height = 0.1 - (-2 * gz / 2e7) ** (2 / 3)
+    contact = f"{FLOOR}, radius: 0.1, {SOFT}, friction: {{coefficient: {mu}, regularization: 1.0e-4}}"
+    text = BALL.format(gx=gx, gz=gz, start=f"[0, 0, {height!r}]", contact=contact, end=0.5, step=2e-3)
+    recorded = RecordedRun(deck(text))
+    expected = 5 / 7 * gx if mu > 2 / 7 * math.tan(0.5) else gx + mu * gz
+    assert recorded["nodes/ball/velocity"][-1, 0] == pytest.approx(0.5 * expected, rel=1e-3)
+
+
+@pytest.mark.parametrize("surface", ["sphere: {", "cylinder: {axis: [0, 1, 0], "])
+def test_a_ball_swings_in_a_bowl_and_in_a_pipe(surface):
+    """Without friction its centre is a pendulum of the length R - r, from the horizontal: T = 4 K(sin^2 45 deg)/w."""
+    contact = f"{surface}radius: 1.1, center: [0, 0, 0], inside: true}}, radius: 0.1"
+    period = 4 * ellipk(0.5) / math.sqrt(g)
+    text = BALL.format(gx=0, gz=-g, start="[1.0, 0, 0]", contact=contact, end=period, step=period / 800)
+    recorded = RecordedRun(deck(text))
+    np.testing.assert_allclose(recorded["nodes/ball/position"][-1], [1.0, 0.0, 0.0], atol=2e-4)
+    assert recorded["elements/contact/normal_force"].max() == pytest.approx(3 * 2 * g, rel=1e-4)
+    assert np.abs(recorded["elements/contact/gap"]).max() < 1e-9
+
+
+def test_a_ball_bounces_off_the_end_of_a_capsule():
+    """At 45 degrees to the line of the centres, with e = 0.5: v' = v - 1.5 (n.v) n."""
+    contact = "capsule: {axis: [0, 1, 0], length: 2, radius: 0.3, center: [0, 0, 0]}, radius: 0.1, restitution: 0.5"
+    apart = 0.4 / math.sqrt(2)
+    text = BALL.format(gx=0, gz=0, start=f"[1, {2 + apart!r}, 0]", contact=contact, end=1.0, step=0.02)
+    text += "    initial: {velocities: [{nodes: [ball], velocity: [-2, 0, 0]}]}\n"
+    recorded = RecordedRun(deck(text))
+    assert recorded.event_records[0].t == pytest.approx((1 - apart) / 2, abs=1e-9)
+    np.testing.assert_allclose(recorded["nodes/ball/velocity"][-1], [-0.5, 1.5, 0.0], atol=1e-9)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+def test_damping_takes_the_energy_of_hunt_and_crossley(exponent):
+    """For small losses the coefficient of restitution is 1 - 2/3 c v."""
+    law = f"law: {{power: {{coefficient: 1.0e6, exponent: {exponent}}}}}, damping: 0.03"
+    text = BALL.format(gx=0, gz=0, start="[0, 0, 0.11]", contact=f"{FLOOR}, radius: 0.1, {law}", end=0.1, step=1e-4)
+    text += "    initial: {velocities: [{nodes: [ball], velocity: [0, 0, -1]}]}\n"
+    rebound = RecordedRun(deck(text))["nodes/ball/velocity"][-1, 2]
+    assert 1 - rebound == pytest.approx(2 / 3 * 0.03, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    "contact, message",
+    [
+        ("radius: 0.1", "give exactly one of 'plane', 'sphere', 'cylinder', 'capsule'"),
+        ("plane: {normal: [0, 0, 1]}, radius: 0.1", "'plane' needs 'point': the ground has no place of its own"),
+        ("sphere: {radius: 1, center: [0, 0, 0]}", "node b is 0.5 m from the middle of the sphere, inside of it"),
+        ("sphere: {radius: 1, center: [0, 0, 0], inside: true}, radius: 2", "'radius' of the ball must be less"),
+        (f"{FLOOR}, radius: 0.6", "the ball starts 0.1 m within the surface"),
+        (f"{FLOOR}, {SOFT}, restitution: 0.5", "'restitution' is that of a rigid"),
+        (f"{FLOOR}, damping: 2", "'damping' needs 'law': a rigid contact has none"),
+        (FLOOR + ", law: {constant: {value: 1}}", "'law' must be zero at zero depth"),
+    ],
+)  # fmt: skip
+def test_errors(contact, message):
+    text = BALL.format(gx=0, gz=-g, start="[0, 0, 0.5]", contact=contact, end=1, step=0.01)
+    with pytest.raises(DeckError) as info:
+        deck_of_bytes(text.replace("\n    ", "\n").strip().encode(), "deck.yaml")
+    found = deck_error_text(info.value)
+    assert found.startswith("deck.yaml:7:") and message in found
