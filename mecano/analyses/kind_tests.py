@@ -292,7 +292,7 @@ def check_declarations(kind):
     assert bool(kind.outputs) <= (kind.observe is not None)
     assert bool(kind.memory) == (kind.commit is not None)
     assert bool(kind.events) == (kind.event_values is not None)
-    assert kind.acts or kind.observe is not None
+    assert kind.acts or kind.observe is not None or kind.optional  # or all is in its parts
     for event in kind.events:
         assert event.before in kind.phases and event.after in kind.phases
 
@@ -313,7 +313,7 @@ def check_outputs_of_parts(kind):
         parts = chosen.parts(sample.values, sample.nodes, Context(LawTable(), GRAVITY))
         named = [o.name + part.label for part in parts for o in part.kind.outputs]
         assert len({*named, *(output.name for output in kind.outputs)}) == len(named) + len(kind.outputs)
-        found |= {(part.kind.name, part.label): part.kind for part in parts if part.kind.outputs}
+        found |= {(part.kind.name, first_of(part.label)): part.kind for part in parts if part.kind.outputs}
     assert set(found) <= {(part.name, label) for _, part, label in kind.optional}
     assert {field for field, _, _ in kind.optional} <= {field.name for field in kind.fields}
     for part in found.values():

@@ -46,6 +46,10 @@ EXAMPLES = {
     "torsion_spring_damper":
         "coil: {type: torsion_spring_damper, nodes: [crank, rod], axis: [0, 1, 0], "
         "law: {spring: {stiffness: 2 N m/deg}}}",
+    "belt": (
+        "rope: {type: belt, nodes: [crank, wheel, slider], radii: [0, 0.1 m, 0], axis: [0, 1, 0], "
+        "axial_stiffness: 50 kN}"
+    ),
     "bushing":
         "mount: {type: bushing, nodes: [ground, crank], stiffness: [1 kN/mm, 1 kN/mm, 3 kN/mm, 50, 50, 20], "
         "axis: [0, 0, 1]}",

@@ -10,13 +10,10 @@ NOTES = {  # words with the same meaning: (targets, note)
         "line_force joint_force prescribed_length bar",
         "a bar whose natural_length is a law of time pushes and pulls with an elasticity",
     ),
-    "pulley, sheave, block": (
-        "rack_and_pinion gear_pair cable",
-        "not available; a rack_and_pinion couples a rope to the rotation of a drum, a gear_pair one drum to another"
-    ),
-    "belt, chain drive, sprocket, timing belt": (
-        "gear_pair coupler",
-        "a gear_pair with a 'ratio', or a coupler of the angles of two hinges"
+    "pulley, sheave, block, tackle, reeving, drum, timing belt, belt drive": ("belt", ""),
+    "chain drive, sprocket": (
+        "belt gear_pair coupler",
+        "a belt, a gear_pair with a 'ratio', or a coupler of the angles of two hinges"
     ),
     "synchronisation, synchronization, differential, transmission, linear relation": ("coupler", ""),
     "gear, gearbox, gear train, gear wheel, planetary gear": ("gear_pair rack_and_pinion", ""),
@@ -48,7 +45,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     "rod, massless rod, distance joint, distance constraint": ("rigid_rod bar", "a bar is elastic"),
     "strut, truss, truss element": ("bar rigid_rod spring_damper", ""),
     "rope, wire, tendon, string, winch, hoist, winder": (
-        "cable", "a winch is a cable with 'payout_tension', or whose natural_length is a law of time"
+        "cable belt", "a winch is a cable with 'payout_tension', or whose natural_length is a law of time"
     ),
     "flexible body, fem, finite element, reduced model, craig bampton, substructure, component mode": (
         "superelement beam", "`mecano reduce` makes the matrices of a superelement"

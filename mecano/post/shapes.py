@@ -9,6 +9,7 @@ import numpy as np
 
 from mecano.elements.joints.guiding_curve import drawn
 from mecano.model.mesh import divided_nodes, inner_names
+from mecano.post.belt_lines import belt_lines
 from mecano.post.contact_outlines import outlines
 from mecano.post.recovered import lines, nodes_inside, recovered
 
@@ -173,6 +174,10 @@ def _cable(motion, name, d):
     return _line(motion, name, d, CABLE)
 
 
+def _belt(motion, name, d):
+    return [Shape(CABLE, name, points) for points in belt_lines(motion, d)]
+
+
 def _spring(motion, name, d):
     return _line(motion, name, d, SPRING)
 
@@ -242,7 +247,7 @@ def _flattened(points, ground):
 BEAM, SUPERELEMENT = "beam", "superelement"
 BENDING = (BEAM, SUPERELEMENT)
 SHAPES = {
-    "line": _rod, "cable": _cable, BEAM: _beam, SUPERELEMENT: _superelement, "spring": _spring,
+    "line": _rod, "cable": _cable, "belt": _belt, BEAM: _beam, SUPERELEMENT: _superelement, "spring": _spring,
     "body": _body, "mass": _mass, "wheel": _wheel, "curve": _curve, "contact": _contact, "joint": _joint,
     "nothing": lambda motion, name, d: [],
 }  # fmt: skip

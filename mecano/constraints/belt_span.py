@@ -1,0 +1,169 @@
+r"""Span of a belt: an elastic line between two pulleys, or a pulley and a point, on which it does not slip.
+
+A pulley i has the axis :math:`a_i`, fixed in its node, and the radius :math:`\rho_i`, negative where the belt turns
+clockwise about the axis and zero at a point. With :math:`d = x_1 - x_0`, its component across the axis, of the length
+:math:`D_i`, and :math:`\delta = \rho_1 - \rho_0`, the common tangent has the length L and the angle :math:`\psi_i`:
+
+.. math::  L = \sqrt{|d|^2 - \delta^2}, \qquad \psi_i = \varphi_i - \arcsin(\delta/D_i)
+
+where :math:`\varphi_i` is the angle of d in the axes of node i, over any number of turns. Belt that leaves the arc of a
+pulley enters the span, so the span stretches by
+
+.. math::  \Delta = \lambda - \lambda_0 + T_0/k, \qquad \lambda = L + \rho_0 \psi_0 - \rho_1 \psi_1
+
+since the start, where it has the tension :math:`T_0`. With the stiffness k and the damping time :math:`\tau`,
+
+.. math::  T = k\,(\Delta + \tau \dot\Delta), \qquad f = T\,\partial \lambda/\partial q, \qquad
+           V = \tfrac12 k \Delta^2
+
+while it is taut, where both :math:`\Delta` and :math:`\Delta + \tau\dot\Delta` are positive. L and the angles are exact
+for parallel axes and pulleys in one plane; small inclinations are allowed.
+"""
+
+import numpy as np
+
+from mecano.constraints.body_fixed import wrap
+from mecano.constraints.coordinates.coordinate import add_along, rate_of
+from mecano.element_interface import Event, Kind, Output, record
+from mecano.jit.kernel import kernel
+from mecano.maths.dual import atan2, sqrt
+from mecano.maths.vector import Vec3, cross, dot, mat, vec
+
+TAUT = 0
+PHASES = ("taut", "slack")
+EVENTS = (
+    Event("goes taut", "slack", "taut", "the span becomes longer than the belt in it"),
+    Event("goes slack", "taut", "slack", "the tension falls to zero"),
+)
+OUTPUTS = (
+    Output("tension", "N", "tension of the span; zero while it is slack"),
+    Output("stretch", "m", "elongation of the belt in the span, negative while it is slack"),
+    Output("span", "m", "free length between the pulleys"),
+)
+RECORD = record(
+    radius_0=(), axes_0=(3, 3), angle_0=(), radius_1=(), axes_1=(3, 3), angle_1=(), length=(), stretch=(), stiffness=(),
+    damping=(),
+)  # fmt: skip
+
+
+@kernel
+def _direction(axes, d, delta):
+    """Return the angle of the tangent in the plane of a pulley, and its gradient by d; both in axes of the node."""
+    c = axes @ d
+    across = c.x * c.x + c.y * c.y
+    tangent = sqrt(across - delta * delta)
+    lean = delta / tangent
+    gradient = Vec3((lean * c.x - c.y) / across, (c.x + lean * c.y) / across, 0.0 * c.z)
+    return atan2(c.y, c.x) - atan2(delta, tangent), axes.T @ gradient
+
+
+@kernel
+def _continued(angle, at_start, turned):
+    """Return the angle since the start, next to the last known one."""
+    return turned + wrap(angle - at_start - turned)
+
+
+@kernel
+def _between_pulleys(p, at):
+    """Return stretch, gradient, free length, and the angles since the start of the tangent on both pulleys."""
+    R_0, R_1, delta = mat(at.R[0]), mat(at.R[1]), p.radius_1 - p.radius_0
+    d = vec(at.q, 6) - vec(at.q, 0)
+    d_0, d_1, L = R_0.T @ d, R_1.T @ d, sqrt(dot(d, d) - delta * delta)
+    psi_0, g_0 = _direction(mat(p.axes_0), d_0, delta)
+    psi_1, g_1 = _direction(mat(p.axes_1), d_1, delta)
+    psi_0, psi_1 = _continued(psi_0, p.angle_0, at.m[0]), _continued(psi_1, p.angle_1, at.m[1])
+    G = d / L + p.radius_0 * (R_0 @ g_0) - p.radius_1 * (R_1 @ g_1)
+    turning = (3, -p.radius_0 * cross(d_0, g_0)), (9, p.radius_1 * cross(d_1, g_1))
+    stretch = L - p.length + p.stretch + p.radius_0 * psi_0 - p.radius_1 * psi_1
+    return stretch, ((0, -G), (6, G), *turning), L, psi_0, psi_1
+
+
+@kernel
+def _to_a_point(p, at):
+    """Return the same of a span between a pulley and a point."""
+    R_0, d = mat(at.R[0]), vec(at.q, 6) - vec(at.q, 0)
+    d_0, L = R_0.T @ d, sqrt(dot(d, d) - p.radius_0 * p.radius_0)
+    psi_0, g_0 = _direction(mat(p.axes_0), d_0, -p.radius_0)
+    psi_0 = _continued(psi_0, p.angle_0, at.m[0])
+    G = d / L + p.radius_0 * (R_0 @ g_0)
+    along = (0, -G), (6, G), (3, -p.radius_0 * cross(d_0, g_0))
+    return L - p.length + p.stretch + p.radius_0 * psi_0, along, L, psi_0, 0.0
+
+
+def _kind(name, doc, layout, memory, geometry, sample):
+    """Return the Kind of a span with this ``geometry``."""
+
+    @kernel
+    def residual(p, at, f):
+        if at.phase == TAUT:
+            stretch, along, _, _, _ = geometry(p, at)
+            add_along(f, p.stiffness * (stretch + p.damping * rate_of(along, at.v)), along)
+
+    @kernel
+    def observe(p, at, F, y, e):
+        stretch, along, L, _, _ = geometry(p, at)
+        rate = rate_of(along, at.v)
+        elastic = p.stiffness * stretch if at.phase == TAUT or stretch > 0.0 else 0.0
+        T = p.stiffness * (stretch + p.damping * rate) if at.phase == TAUT else 0.0
+        y[0], y[1], y[2] = T, stretch, L
+        e[1] = 0.5 * elastic * stretch
+        e[2] = (T - elastic) * rate
+
+    @kernel
+    def event_values(p, at, g):
+        stretch, along, _, _, _ = geometry(p, at)
+        tautness = min(stretch, stretch + p.damping * rate_of(along, at.v))
+        g[0], g[1] = tautness, -tautness
+
+    @kernel
+    def commit(p, at, m_out):
+        _, _, _, psi_0, psi_1 = geometry(p, at)
+        m_out[0] = psi_0
+        if memory > 1:
+            m_out[1] = psi_1
+
+    return Kind(
+        name=name, section="", doc=doc, dtype=RECORD, layout=layout, outputs=OUTPUTS, phases=PHASES, events=EVENTS,
+        memory=("angle_0", "angle_1")[:memory], residual=residual, observe=observe, event_values=event_values,
+        commit=commit, sample=sample,
+    )  # fmt: skip
+
+
+def span_record(first, second):
+    """Return geometry of a span at the start: values of RECORD, without stretch, stiffness and damping.
+
+    ``first`` and ``second`` are (position (3,), axes (3, 3) in the node, rotation (3, 3), radius) of both ends.
+    """
+    d = second[0] - first[0]
+    delta = second[3] - first[3]
+    found = {"length": np.sqrt(d @ d - delta * delta)}
+    for i, (_, axes, R, radius) in enumerate((first, second)):
+        x, y, _ = axes @ R.T @ d
+        angle = np.arctan2(y, x) - np.arctan2(delta, np.sqrt(x * x + y * y - delta * delta))
+        found |= {f"radius_{i}": radius, f"axes_{i}": axes, f"angle_{i}": angle}
+    return found
+
+
+def _samples(radii):
+    def sample(rng):
+        found = []
+        for phase in PHASES:
+            values = {
+                "radius_0": radii[0], "radius_1": radii[1], "angle_0": 0.2, "angle_1": -0.3, "length": 1.1,
+                "stretch": 0.4, "stiffness": 30.0, "damping": 0.2,
+                "axes_0": np.linalg.qr(rng.normal(size=(3, 3)))[0], "axes_1": np.linalg.qr(rng.normal(size=(3, 3)))[0],
+            }  # fmt: skip
+            nodes = [(rng.normal(size=3), np.eye(3)), (rng.normal(size=3) + [2.0, 2.0, 2.0], np.eye(3))]
+            found.append((values, nodes, phase))
+        return found
+
+    return sample
+
+
+BELT_SPAN = _kind(
+    "belt_span", __doc__, ("x0", "R0", "x1", "R1"), 2, _between_pulleys, _samples((0.2, -0.3))
+)  # fmt: skip
+BELT_END = _kind(
+    "belt_end", "Span of a belt between a pulley and a point, see the span.", ("x0", "R0", "x1"), 1, _to_a_point,
+    _samples((0.2, 0.0)),
+)  # fmt: skip

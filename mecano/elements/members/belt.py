@@ -1,0 +1,113 @@
+r"""Belt or cable over pulleys, on which it does not slip: hoists, block and tackle, belt drives, synchronisation loops.
+
+It runs through ``nodes`` in their order, and from the last one back to the first if it is ``closed``. A node with a
+radius is the centre of a pulley, and turns with it: give it a body (its inertia is that of the pulley) and a hinge. A
+node with the radius zero is a point, to which the belt is fixed. The radius is positive where the belt turns
+counter-clockwise about the ``axis``, negative where it turns clockwise.
+
+Each span between two nodes is an elastic line along the common tangent of both circles, with the stiffness EA/L of its
+length at the start, where its tension is ``pretension``. The belt on the pulleys is carried along: a pulley that turns
+by an angle passes its radius times this angle from one span to the next, and the difference of both tensions turns it.
+
+.. math::  T = \frac{EA}{L}\,(\Delta + \tau\dot\Delta), \qquad V = \sum \frac{EA}{2L}\,\Delta^2
+
+A span whose tension falls to zero is slack until it has its length again: both are events. The belt has no mass, and
+the stiffness of a span does not change with its length. All pulleys are in one plane, nearly; the belt stays on them.
+"""
+
+import numpy as np
+
+from mecano.constraints.belt_span import BELT_END, BELT_SPAN, span_record
+from mecano.constraints.joint_frame import triad
+from mecano.element_interface import Display, Kind, Part
+from mecano.schema import BOOLEAN, DIRECTION, NODES, NUMBER, NUMBERS, Field, not_negative, positive
+
+
+def _spans(d):
+    """Return the pairs of indices of the nodes of each span; a point is the second, as the belt runs or against it."""
+    n = len(d["nodes"])
+    pairs = [(i, i + 1) for i in range(n - 1)] + ([(n - 1, 0)] if d["closed"] else [])
+    return [(i, j, 1.0) if d["radii"][i] else (j, i, -1.0) for i, j in pairs]
+
+
+def _geometry(d, nodes):
+    """Yield the nodes of each span and its values of the record at the start; against the belt the sides change."""
+    frame = triad(d["axis"])
+    for i, j, sense in _spans(d):
+        ends = [
+            (np.asarray(nodes[k][0], float), frame @ nodes[k][1], nodes[k][1], sense * d["radii"][k]) for k in (i, j)
+        ]
+        yield (i, j), span_record(*ends)
+
+
+def parts(d, nodes, context):
+    """Return the Parts: one for each span."""
+    found = []
+    for number, (ends, values) in enumerate(_geometry(d, nodes), 1):
+        stiffness = d["axial_stiffness"] / values["length"]
+        more = {"stretch": d["pretension"] / stiffness, "stiffness": stiffness, "damping": d["damping"]}
+        kind = BELT_SPAN if d["radii"][ends[1]] else BELT_END
+        found.append(Part(kind, ends, {**values, **more}, label=f"_{number}"))
+    return found
+
+
+def check(d, nodes):
+    """Return errors in the number of nodes and radii, for neighbouring points, and for pulleys that overlap."""
+    names, radii = d["nodes"], d["radii"]
+    if len(names) != len(radii):
+        return [f"'radii' must have {len(names)} numbers, one for each node; it has {len(radii)}"]
+    if len(names) < 2 or not any(radii):
+        return ["'nodes' must name at least two nodes, one of them a pulley; a cable without pulleys is a 'cable'"]
+    frame, texts = triad(d["axis"]), []
+    for i, j, _ in _spans(d):
+        if not radii[i]:
+            texts.append(f"'radii': '{names[j]}' and '{names[i]}' are points next to each other: use a 'cable' there")
+            continue
+        offset = frame @ np.subtract(nodes[j][0], nodes[i][0])
+        least = abs(radii[j] - radii[i])
+        if np.hypot(offset[0], offset[1]) <= least:
+            texts.append(
+                f"'radii': '{names[i]}' and '{names[j]}' are {np.hypot(offset[0], offset[1]):.4g} m apart, and must be "
+                f"more than {least:.4g} m apart for the belt between them"
+            )
+        elif abs(offset[2]) > INCLINATION * np.hypot(offset[0], offset[1]):
+            texts.append(
+                f"'axis': '{names[i]}' and '{names[j]}' are {abs(offset[2]):.4g} m apart along it, not in one plane"
+            )
+    return texts
+
+
+def sample(rng):
+    """Return a hoist over two pulleys, and a crossed belt drive."""
+    turn = [np.linalg.qr(rng.normal(size=(3, 3)))[0] for _ in range(4)]
+    turn = [Q * np.linalg.det(Q) for Q in turn]
+    places = np.array([[0.0, 0.0, 0.0], [0.4, 0.05, 1.0], [1.4, 0.0, 1.1], [1.8, -0.03, 0.2]])
+    nodes = list(zip(places, turn, strict=True))
+    hoist = {
+        "nodes": ["a", "b", "c", "d"], "radii": [0.0, -0.2, -0.15, 0.0], "axis": [0.0, 1.0, 0.0],
+        "axial_stiffness": 50.0, "pretension": 20.0, "damping": 0.1,
+    }  # fmt: skip
+    drive = {**hoist, "nodes": ["b", "c"], "radii": [-0.2, 0.15], "closed": True}
+    return [(hoist, nodes, ""), (drive, nodes[1:3], "")]
+
+
+INCLINATION = 0.2  # of the distance: largest offset along the axis
+BELT = Kind(
+    name="belt",
+    section="elements",
+    doc=__doc__,
+    display=Display("belt"),
+    fields=(
+        Field("nodes", NODES, "-", "points and centres of pulleys, as the belt runs"),
+        Field("radii", NUMBERS, "m", "of the pulley at each node, > 0 counter-clockwise about the axis; 0 at a point"),
+        Field("axis", DIRECTION, "-", "axis of all pulleys at the start, inertial"),
+        Field("closed", BOOLEAN, "-", "whether it runs from the last node back to the first", False),
+        Field("axial_stiffness", NUMBER, "N", "EA: force per strain", check=positive),
+        Field("pretension", NUMBER, "N", "tension of all spans at the start", 0.0, not_negative),
+        Field("damping", NUMBER, "s", "tau: viscous over elastic stiffness", 0.0, not_negative),
+    ),
+    optional=(("nodes", BELT_SPAN, "_1"), ("nodes", BELT_END, "_1")),
+    parts=parts,
+    check=check,
+    sample=sample,
+)

@@ -1,0 +1,95 @@
+"""Belts and cables over pulleys: hoists, tackles, drives, drums."""
+
+import math
+
+import numpy as np
+import pytest
+from time_runs import RecordedRun, deck, input_deck
+
+from mecano.deck.format import deck_error_text
+from mecano.deck.read import deck_of_bytes
+from mecano.errors import DeckError
+
+S, g = "Belts and cables over pulleys", 9.81
+
+
+def test_a_block_and_tackle(verify):
+    recorded = RecordedRun(input_deck("block_and_tackle"))
+    M, m, turned = 10.5, 4.0, 2.5e-3 / 0.1**2
+    a = (M - 2 * m) * g / (M + 4 * m + 5 * turned)
+    falls = -recorded["nodes/loose/velocity"][-1, 2]
+    verify(S, "block and tackle: speed of the load after 0.5 s [m/s]", falls, 0.5 * a, "momentum", relative=1e-4)
+    assert recorded["nodes/weight/velocity"][-1, 2] == pytest.approx(a, rel=1e-4)
+    assert recorded["joints/bearing/rate"][-1] == pytest.approx(-10 * a, rel=1e-4)
+    tensions = np.array([recorded[f"elements/rope/tension_{i}"][-1] for i in (1, 2, 3)])
+    exact = m * (g + 2 * a) + turned * a * np.array([3.0, 2.0, 0.0])
+    verify(S, "block and tackle: tensions [N]", tensions, exact, "equilibrium of each pulley", relative=1e-5)
+    assert np.ptp(recorded["energy/balance"]) < 1e-6 * M * g
+
+
+@pytest.mark.parametrize(("radius", "sense"), [(0.25, 1.0), (-0.25, -1.0)], ids=["open", "crossed"])
+def test_a_belt_drive(verify, radius, sense):
+    recorded = RecordedRun(input_deck("belt_drive", f"elements.belt.radii=[0.1, {radius}]"))
+    name = "open" if sense > 0.0 else "crossed"
+    rates = [recorded[f"joints/{joint}/rate"][-1] for joint in ("motor", "machine")]
+    verify(S, f"belt drive, {name}: rates after 1 s [rad/s]", rates, [60.0, sense * 24.0], "momentum", relative=1e-4)
+    tensions = sorted(recorded[f"elements/belt/tension_{i}"][-1] for i in (1, 2))
+    verify(S, f"belt drive, {name}: tensions [N]", tensions, [176.0, 224.0], "momentum", relative=1e-4)
+
+
+def test_a_loose_belt_slackens_on_one_side():
+    """The mean of the tensions remains that at rest only while both spans are taut; then one span carries all."""
+    recorded = RecordedRun(input_deck("belt_drive", "elements.belt.pretension=10"))
+    assert "goes slack" in {event.name for event in recorded.event_records}
+    tensions = sorted(recorded[f"elements/belt/tension_{i}"][-1] for i in (1, 2))
+    np.testing.assert_allclose(tensions, [0.0, 48.0], rtol=1e-4)
+
+
+DRUM = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes:
+      drum: {position: [0, 0, 0], orientation: [0.3, 0, 0]}
+      weight: {position: [0.1, 0, -1]}
+    elements:
+      drum: {type: rigid_body, node: drum, mass: 5, inertia: [0.06, 0.06, 0.06]}
+      weight: {type: point_mass, node: weight, mass: 4}
+      rope: {type: belt, nodes: [weight, drum], radii: [0, RADIUS], axis: AXIS, axial_stiffness: 1.0e6, damping: 0.001,
+             pretension: 23.544}
+    joints:
+      bearing: {type: hinge, nodes: [ground, drum], axis: [0, 1, 0]}
+    time: {end: 1.0, step: 1.0e-3}
+"""
+
+
+@pytest.mark.parametrize(("radius", "axis"), [("-0.1", "[0, 1, 0]"), ("0.1", "[0, -1, 0]")])
+def test_a_drum_unwinds_over_many_turns(radius, axis):
+    """The weight falls with m g/(m + I/r^2) = g 4/10, three turns of the drum in 1 s; its own axes are inclined."""
+    recorded = RecordedRun(deck(DRUM.replace("RADIUS", radius).replace("AXIS", axis)))
+    a = 0.4 * g
+    assert recorded["nodes/weight/velocity"][-1, 2] == pytest.approx(-a, rel=1e-4)
+    angle = abs(recorded["joints/bearing/angle"][-1])
+    assert angle > 2 * math.pi * 3 and angle == pytest.approx(0.5 * a / 0.1, rel=1e-4)
+    assert recorded["elements/rope/tension_1"][-1] == pytest.approx(4 * (g - a), rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        (("radii: [0, 0.1]", "radii: [0, 0.1, 0]"), "'radii' must have 2 numbers, one for each node; it has 3"),
+        (("radii: [0, 0.1]", "radii: [0, 0]"), "a cable without pulleys is a 'cable'"),
+        (
+            ("radii: [0, 0.1]", "radii: [0, 2]"),
+            "'drum' and 'weight' are 1.005 m apart, and must be more than 2 m apart",
+        ),
+        (("axis: [0, -1, 0], axial", "axis: [0, -1, 0.9], axial"), "apart along it, not in one plane"),
+        (("nodes: [weight, drum]", "nodes: [weight, drum, weight]"), "node 'weight' is named twice"),
+    ],
+)
+def test_errors(change, message):
+    text = DRUM.replace("RADIUS", "0.1").replace("AXIS", "[0, -1, 0]")
+    assert change[0] in text
+    with pytest.raises(DeckError) as info:
+        deck_of_bytes(text.replace(*change).replace("\n    ", "\n").strip().encode(), "deck.yaml")
+    found = deck_error_text(info.value)
+    assert found.startswith("deck.yaml:") and message in found
