@@ -244,3 +244,37 @@ def test_anti_skid_keeps_the_slip_in_a_band(verify):
     verify.second_order(CONTROL, "anti-skid: times of the valve in 2 s [s]", *times, switches, 1e-5, "SciPy")
     locked = RecordedRun(input_deck("anti_skid", "time.end=2", "signals.valve.upper=10"))
     assert locked["signals/slip/value"][-1] > 0.99 and locked["nodes/leg/velocity"][-1, 0] > v + 1.0
+
+
+def servo_valve(t, y):
+    """Rates of displacement, velocity and both pressures of inputs/servo_valve.yaml."""
+    x, v, a, b = y
+    u = np.clip(20.0 * (0.05 - x), -1.0, 1.0)
+    into_a = 1.5e-7 * (max(u, 0.0) * np.sqrt(max(2.1e7 - a, 1.0)) + min(u, 0.0) * np.sqrt(max(a, 1.0)))
+    out_of_b = 1.5e-7 * (max(u, 0.0) * np.sqrt(max(b, 1.0)) + min(u, 0.0) * np.sqrt(max(2.1e7 - b, 1.0)))
+    rise_a, rise_b = (into_a - 1e-3 * v) / (1e-4 + 1e-3 * x), (1e-3 * v - out_of_b) / (1e-4 - 1e-3 * x)
+    return [v, 1e-3 * (a - b) / 100.0, 1.4e9 * rise_a, 1.4e9 * rise_b]
+
+
+def test_a_servo_valve_moves_a_cylinder(verify):
+    """Signals from 1e-4 m3/s to 1e13 Pa/m3 are consistent at the start."""
+    times = np.array([0.05, 0.1, 0.15, 0.4])
+    options = {"method": "Radau", "rtol": 1e-10, "atol": [1e-12, 1e-12, 1e-3, 1e-3], "t_eval": times}
+    exact = solve_ivp(servo_valve, (0.0, 0.4), [0.0, 0.0, 1.05e7, 1.05e7], **options).y
+    m = RecordedRun(input_deck("servo_valve"))
+    steps = np.searchsorted(m.time, times - 5e-5)
+    x, pressure = m["joints/rail/displacement"][steps], m["signals/pressure_a/value"][steps]
+    verify(CONTROL, "servo valve: displacement [m]", x, exact[0], "SciPy", relative=1e-5)
+    verify(CONTROL, "servo valve: pressure [Pa]", pressure, exact[2], "SciPy", relative=1e-5)
+
+
+def test_two_bodies_attract_one_another(verify):
+    """Ellipses of Kepler, closed after two periods, with the largest distance after half of one."""
+    m = RecordedRun(input_deck("two_bodies"))
+    at_start = [m[f"nodes/{body}/position"][0] for body in "ab"]
+    at_end = [m[f"nodes/{body}/position"][-1] for body in "ab"]
+    verify(CONTROL, "two bodies: places after two periods [m]", at_end, at_start, "Kepler", absolute=5e-4)
+    distance = m["signals/distance/value"]
+    verify(CONTROL, "two bodies: largest distance [m]", distance.max(), 1.5, "Kepler", relative=1e-5)
+    half = m.time < 1.0
+    assert m.time[half][np.argmax(distance[half])] == pytest.approx(np.pi / 4, abs=2e-3)

@@ -8,6 +8,8 @@ from mecano.model.instance import Instance
 from mecano.model.measured import meaning, sensor_of_node, sensor_of_output
 from mecano.model.model import title_of
 
+DIVISION = "\N{DIVISION SLASH}"  # in the name of a formula, since / separates groups of the results file
+
 
 def wire(instances, model, context):
     """Set ``inputs`` of all instances that read formulas; sensors, and formulas written in place, are appended."""
@@ -41,7 +43,8 @@ class _Wiring:
     def _append(self, owner, kind, nodes, text):
         values = {"value": text}
         record = kind.record_values(values, (), self.context)
-        self.instances.append(Instance(owner, f"formulas/{text}", kind, nodes, record, reads=kind.read(values)))
+        path = f"formulas/{text.replace('/', DIVISION)}"
+        self.instances.append(Instance(owner, path, kind, nodes, record, reads=kind.read(values)))
         return len(self.instances) - 1
 
     def _of_reference(self, name):

@@ -39,10 +39,10 @@ def solve_signals(system, s):
         J, r = _equations(system, s, signals)
         known = _finite(J, r)
         own, is_state = signals[known], system.states[signals[known]]
-        U, sigma, Vt = np.linalg.svd(J[np.ix_(known, known)])
+        scales, (U, sigma, Vt) = _decomposed(J[np.ix_(known, known)])
         if not len(own) or sigma[-1] <= SINGULAR * sigma[0]:
             break
-        change = Vt.T @ ((U.T @ r[known]) / sigma)
+        change = scales * (Vt.T @ ((U.T @ (r[known] / scales)) / sigma))
         s.z[own] -= np.where(is_state, 0.0, change)
         s.v[own] -= np.where(is_state, change, 0.0)
         size = np.maximum(np.abs(np.where(is_state, s.v[own], s.z[own])), SMALL)
@@ -68,13 +68,23 @@ def _equations(system, s, own):
     return np.where(system.states[own], J[1], J[0]), system.residual[own].copy()
 
 
+def _decomposed(J):
+    """Return scales of the signals, which have any units, and the singular values and vectors of J in these scales."""
+    if not len(J):
+        return np.ones(0), np.linalg.svd(J)
+    from scipy.linalg import matrix_balance  # not imported for decks without signals
+
+    balanced, (scales, _) = matrix_balance(J, permute=False, separate=True)
+    return scales, np.linalg.svd(balanced)
+
+
 def _refuse_undetermined(system, s):
     own = np.flatnonzero(system.signals)
     J, r = _equations(system, s, own)
     if not np.all(known := _finite(J, r)):
         name = system.numbering.name[own[np.argmin(known)]]
         raise NonFiniteError(f"at t = {s.t:.9g} s {name} is not finite")
-    _, sigma, Vt = np.linalg.svd(J)
+    _, (_, sigma, Vt) = _decomposed(J)
     if sigma[-1] <= SINGULAR * sigma[0]:
         name = system.numbering.name[own[np.argmax(np.abs(Vt[-1]))]]
         text = f"at t = {s.t:.9g} s {name} is not determined: signals need one another in a circle"
