@@ -65,6 +65,15 @@ def test_a_struck_ball_slides_rolls_and_hits_another(verify):
     assert np.ptp(recorded["energy/balance"]) < 1e-3 * 0.34
 
 
+def test_a_ball_on_a_turntable_runs_on_a_circle(verify):
+    """Its velocity turns at 2/7 of the rate of the table: 0.875 m about x = -0.375 m."""
+    last = [RecordedRun(input_deck("ball_on_turntable", f"time.step={h}"))["nodes/ball/position"] for h in (2e-3, 1e-3)]
+    error = [abs(x[-1, 1]) for x in last]
+    assert error[0] / error[1] == pytest.approx(4.0, abs=0.1)
+    radius = np.hypot(last[1][:, 0] + 0.375, last[1][:, 1])
+    verify(S, "ball on a turntable: distance from the centre [m]", radius, 0.875, "Earnshaw 1844", relative=1e-3)
+
+
 BALL = """
     mecano: 1
     gravity: [{gx}, 0, {gz}]
