@@ -3,7 +3,6 @@
 from collections import Counter
 from textwrap import wrap
 
-from mecano.analyses.equilibria import start_in_words
 from mecano.analyses.initial_state import words as words_of_start
 from mecano.analyses.memory_estimate import in_words, memory_of_run
 from mecano.analyses.prepare import amount_warnings, mass_of, prepare, some, warnings_of
@@ -129,6 +128,9 @@ def _statics(prepared):
 
 
 def _start(prepared):
+    """Yield the lines on the stability of the start."""
+    from mecano.analyses.equilibria import start_in_words  # imports SciPy, a third of the time of a small check
+
     for text in start_in_words(prepared):
         yield from wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
 

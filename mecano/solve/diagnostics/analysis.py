@@ -266,13 +266,22 @@ def groups(projector, names):
     taking_part = np.flatnonzero(np.diag(projector) > SHARE)
     if not len(taking_part):
         return ()
-    from scipy.sparse.csgraph import connected_components  # no ordinary run needs it (docs/architecture.md, Start)
-
-    block = np.abs(projector[np.ix_(taking_part, taking_part)]) > SHARE
-    n, label = connected_components(block, directed=False)
     found = []
-    for g in range(n):
-        members = taking_part[label == g]
+    for component in _connected(np.abs(projector[np.ix_(taking_part, taking_part)]) > SHARE):
+        members = taking_part[component]
         count = int(round(float(np.trace(projector[np.ix_(members, members)]))))
         found.append(Group(count, tuple(dict.fromkeys(names[i] for i in members))))
     return tuple(found)
+
+
+def _connected(coupled):
+    """Yield the masks (n,) of the connected components of the graph with edges ``coupled`` (n, n) bool."""
+    coupled, left = coupled | coupled.T, np.ones(len(coupled), bool)
+    while left.any():
+        component, reached = np.zeros_like(left), np.zeros_like(left)
+        reached[np.argmax(left)] = True
+        while reached.any():
+            component |= reached
+            reached = coupled[reached].any(axis=0) & ~component
+        left &= ~component
+        yield component
