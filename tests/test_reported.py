@@ -253,11 +253,12 @@ def test_friction_at_rest_is_reported_as_a_damper():
         ("beam_spin_up", 12, "48: 0 with flexible members held stiff, 48 deformations of these redundant 0"),
         ("flexible_pendulum", 0.0863938, "49: 1 with flexible members held stiff, 48 deformations of these mech"),
         ("caster_shimmy", 12, "5: 2 with flexible members and tyres held stiff, 3 deformations of these 1 free, each"),
+        ("digital_control", 4, "2 2 free, each by itself: node cart: displacement x; node shuttle: displacement x"),
         ("hanging_chain", 1.5, "5 3 free, each by itself: node p1: displacement y; node p2: displacement y; node p3"),
     ],
 )
 def test_check_tells_the_mass_and_what_is_loose(name, mass, loose):
-    """Masses: 1.2 kg/m over 10 m, twice; 1100 kg/m3 in a rod of 10 mm and 1 m; 2 + 10 kg; 3 times 0.5 kg."""
+    """Masses: 1.2 kg/m over 10 m, twice; 1100 kg/m3 in a rod of 10 mm and 1 m; 2 + 10 kg; 2 of 2 kg; 3 of 0.5 kg."""
     said = flowing(summary(input_deck(name)))
     assert f" mass {mass} kg " in said and f" mobility {loose}" in said
 

@@ -61,8 +61,8 @@ def _mobility(prepared, every):
     system, analysis = prepared.system, prepared.analysis
     stiff = stiff_mechanisms(system, prepared.state, prepared.length, analysis)
     text = f"mobility         {analysis.mobility}"
-    if stiff is not None:
-        rigid = sum(group.count for group in stiff)
+    rigid = analysis.mobility if stiff is None else sum(group.count for group in stiff)
+    if rigid < analysis.mobility:
         what = "flexible members and tyres" if system.massless.any() else "flexible members"
         text += f": {rigid} with {what} held stiff, {analysis.mobility - rigid} deformations of these"
     yield text
