@@ -6,7 +6,7 @@ from typing import NamedTuple
 from mecano.deck.check import CHECKS
 from mecano.deck.compose import MAX_DEPTH, Node
 from mecano.deck.json_schema import mapping_schema
-from mecano.deck.limits import at_least_one
+from mecano.deck.limits import at_least_one, not_empty
 from mecano.deck.scope import INVALID
 from mecano.deck.units import ANY, UnitError, converted, is_quantity
 from mecano.deck.wording import quoted
@@ -82,8 +82,8 @@ FIELDS = (
     Field("title", TEXT, "-", "title of the study", ""),
     Field("deck", TEXT, "-", "file of the deck, relative to the study file"),
     Field("set", SETTINGS, "-", "values of the deck that are the same in all cases", {}),
-    Field("grid", CHOICES, "-", "all combinations of values", None),
-    Field("list", list_of(SETTINGS), "-", "rows of values that belong together", None),
+    Field("grid", CHOICES, "-", "all combinations of values", None, check=not_empty),
+    Field("list", list_of(SETTINGS), "-", "rows of values that belong together", None, check=not_empty),
     Field("csv", TEXT, "-", "a CSV file of such rows; its first line names the varied values", None),
     Field("latin_hypercube", mapping(*HYPERCUBE_FIELDS), "-", "rows of random values that fill ranges evenly", None),
     Field("seeds", mapping(*SEED_FIELDS), "-", "one case for each seed of random numbers", None),
@@ -122,8 +122,10 @@ def ranges(node, field, scope):
 
 
 def _by_path(node, field, scope, value_of):
-    if type(node.value) is not dict or (not node.value and field.required):
+    if type(node.value) is not dict:
         return scope.refuse_value(node, field)
+    if not node.value and field.required:
+        return scope.refuse_value(node, field, "must not be empty")
     found = {path_of(key, scope): Entry(key, value_of(value, name)) for name, (key, value) in node.value.items()}
     return INVALID if INVALID in found or any(entry.node is INVALID for entry in found.values()) else found
 
