@@ -118,10 +118,9 @@ def check_formulas(values, scope):
             try:
                 meaning(name, kinds, values["nodes"])
             except UnknownQuantity as error:
-                near = (name.split(".")[-1] if "cannot" in error.message else name.split(".")[0], error.known)
                 exact = found.text == node.value
                 place = ExpressionError(error.message, column if exact else 0)
-                _refuse(node, place, scope.suggest(*near) if near[1] else "", scope)
+                _refuse(node, place, scope.suggest(error.word, error.known) if error.known else "", scope)
 
 
 def _refuse(node, error, hint, scope):

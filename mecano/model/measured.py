@@ -14,11 +14,11 @@ AXES = "xyz"
 
 
 class UnknownQuantity(Exception):
-    """A name in a formula is unknown or ambiguous; ``known``: names that may have been intended."""
+    """A name in a formula is unknown or ambiguous; ``word``: the part at fault, ``known``: what it may have meant."""
 
-    def __init__(self, message, known=()):
+    def __init__(self, message, word="", known=()):
         super().__init__(message)
-        self.message, self.known = message, tuple(known)
+        self.message, self.word, self.known = message, word, tuple(known)
 
 
 def measurable(kind):
@@ -37,7 +37,8 @@ def meaning(name, kinds, nodes):
     if len(words) == 1:
         if ("signals", name) in kinds:
             return "signals", name, ""
-        raise UnknownQuantity(f"there is no signal '{name}'", [n for section, n in kinds if section == "signals"])
+        signals = [n for section, n in kinds if section == "signals"]
+        raise UnknownQuantity(f"there is no signal '{name}'", name, signals)
     sections = dict.fromkeys(section for section, _ in kinds)
     if words[0] in (*sections, "nodes") and len(words) > 2:
         asked, owner, rest = (words[0],), words[1], ".".join(words[2:])
@@ -46,7 +47,7 @@ def meaning(name, kinds, nodes):
     owners = [section for section in asked if (owner in nodes if section == "nodes" else (section, owner) in kinds)]
     if not owners:
         known = [*(n for section, n in kinds if section in asked), *(nodes if "nodes" in asked else ())]
-        raise UnknownQuantity(f"there is no '{owner}' with a measurable '{rest}'", known)
+        raise UnknownQuantity(f"there is no '{owner}' with a measurable '{rest}'", owner, known)
     offered = {section: _offered(section, owner, kinds) for section in owners}
     found = [section for section in owners if rest in offered[section]]
     if len(found) == 1:
@@ -55,8 +56,8 @@ def meaning(name, kinds, nodes):
         which = " or ".join(f"{section}.{name}" for section in found)
         raise UnknownQuantity(f"'{name}' is ambiguous: write {which}")
     known = [n for section in owners for n in offered[section]]
-    can = f"measurable: {', '.join(known)}" if known else "it has no measurable outputs"
-    raise UnknownQuantity(f"'{rest}' of '{owner}' cannot be measured; {can}", known)
+    nothing = "" if known else "; it has no measurable outputs"
+    raise UnknownQuantity(f"'{rest}' of '{owner}' cannot be measured{nothing}", rest, known)
 
 
 def _offered(section, owner, kinds):
