@@ -155,7 +155,7 @@ def _check_name(name, key_node, field, scope):
 def wrong_name(name, section):
     """Return the reason why an entry of a section cannot have this name, or ""."""
     if not IDENTIFIER.fullmatch(name):
-        return "a name begins with a letter or '_' and has letters, digits, '_' and '-'"
+        return "a name begins with a letter from a to z or '_' and has such letters, digits, '_' and '-'"
     return f"the name {quoted(name)} is reserved" if name in RESERVED.get(section, ()) else ""
 
 
