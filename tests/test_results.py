@@ -225,8 +225,9 @@ def test_an_existing_file_is_kept_unless_forced(finished):
     assert os.listdir(finished.parent) == ["results.h5"]
 
 
-@pytest.mark.parametrize("target, message", [("none/r.h5", "No such file"), (".", "it is a folder")])
+@pytest.mark.parametrize("target, message", [("none/r.h5", "No such file"), (".", "it is a folder"), ("p", "a pipe")])
 def test_paths_that_cannot_be_written(tmp_path, target, message):
+    os.mkfifo(tmp_path / "p")
     with pytest.raises(ResultsError, match=message) as error:
         samples.create(tmp_path / target)
     assert error.value.exit_code == 5
@@ -274,6 +275,7 @@ def _newer(path):
     [
         (lambda path: None, "No such file"),
         (lambda path: path.mkdir(), "it is a folder"),
+        (lambda path: os.mkfifo(path), "it is a pipe"),
         (lambda path: path.write_bytes(b""), "not a results file"),
         (lambda path: path.write_text("time: 1\n" * 1000), "not a results file"),
         (lambda path: path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(10)), "cannot be read"),

@@ -441,16 +441,31 @@ def test_two_runs_at_once_do_not_share_a_file(tmp_path, monkeypatch):
     assert os.listdir(tmp_path) == ["r.h5"]
 
 
-def test_a_file_replaced_while_it_is_written_leaves_both_runs_whole(tmp_path):
+def test_a_file_replaced_while_it_is_written(tmp_path):
+    """The second run is whole; the rows of the first would reach nobody."""
     first = samples.create(tmp_path / "r.h5")
     second = samples.create(tmp_path / "r.h5", force=True)
     samples.append(second, 0)
     samples.append(first, 0)
     samples.append(first, 1)
     second.close()
-    first.close()
+    with pytest.raises(ResultsError, match="r.h5: it was replaced while it was written$"):
+        first.close()
     with open_results(tmp_path / "r.h5") as results:
         assert samples.check(results) == 1
+
+
+@pytest.mark.parametrize("size", [0, 5000, 200_000])
+@pytest.mark.parametrize("ended", ["flush", "close"])
+def test_a_file_that_is_cut_short_while_it_is_written(tmp_path, ended, size):
+    """HDF5 must not see this: it would fail at the exit of the process, with a signal."""
+    writer = samples.create(tmp_path / "r.h5")
+    samples.append(writer, 0)
+    writer.flush()
+    os.truncate(tmp_path / "r.h5", size)
+    samples.append(writer, 1)
+    with pytest.raises(ResultsError, match="r.h5: it was cut short while it was written$"):
+        getattr(writer, ended)()
 
 
 @pytest.mark.parametrize("ended", ["flush", "close"])

@@ -11,7 +11,7 @@ from mecano.errors import ResultsError, UsageError
 from mecano.model.mesh import divided, inner_names
 from mecano.model.model import Model, Node
 from mecano.model.system import System
-from mecano.results.whole_file import appearing, exists, refuse_folder
+from mecano.results.whole_file import appearing, exists, refuse_other_than_file
 from mecano.solve.diagnostics.scales import length_scale
 from mecano.solve.modal.reduction import reduce
 
@@ -27,7 +27,7 @@ def reduce_part(deck, path, *, elements=(), nodes=(), number=None, force=False):
     path = Path(path)
     if path.suffix not in (".npz", ".h5"):
         raise UsageError(f"reduced matrices are written to .npz or .h5 files, not '{path.name}'")
-    refuse_folder(path)
+    refuse_other_than_file(path)
     if exists(path) and not force:
         raise ResultsError(f"{path} exists; --force replaces it")
     part = part_of(deck, elements, nodes)

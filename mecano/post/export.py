@@ -12,7 +12,7 @@ from mecano.post.sheet import Curve
 from mecano.results.disk import hdf5_appearing
 from mecano.results.lock import locked
 from mecano.results.vtk_group import add_grids, write_grids
-from mecano.results.whole_file import appearing, exists, refuse_folder
+from mecano.results.whole_file import appearing, exists, refuse_other_than_file
 from mecano.results.writer import refuse_existing
 
 OF_COLUMNS, OF_CELLS = ".csv", ".vtkhdf"
@@ -65,7 +65,7 @@ def _target(output, vtk):
     """Return the Path to be written, with an extension, or None if ``output`` is not given."""
     target = Path(output) if output else None
     if target and not target.name:
-        refuse_folder(target)
+        refuse_other_than_file(target)
     if target and not target.suffix:
         return target.with_name(target.name + (OF_CELLS if vtk else OF_COLUMNS))
     return target
@@ -81,7 +81,7 @@ def _check(target, series, vtk):
 
 
 def _refuse(run, target, force):
-    refuse_folder(target)
+    refuse_other_than_file(target)
     if exists(target) and target.samefile(run.results.path):
         raise UsageError(f"-o {target} is the results file itself")
     if target.suffix == OF_CELLS:

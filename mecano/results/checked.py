@@ -14,6 +14,7 @@ from mecano.results.checksums import BLOCK, seal_of
 from mecano.results.global_heap import endless_heaps
 from mecano.results.live_checksums import last_table
 from mecano.results.seekable import Seekable
+from mecano.results.whole_file import other_than_file
 
 AT_ONCE = 256  # blocks
 PAGE = 4096
@@ -207,8 +208,8 @@ def format_of(path):
 def checked(path):
     """Return a Checked of an HDF5 file. Raises ResultsError if it is unreadable or not an HDF5 file."""
     try:
-        if os.path.isdir(path):
-            raise ResultsError(f"cannot read {path}: it is a folder")
+        if os.path.exists(path) and (other := other_than_file(path)):  # opening a pipe would wait for a writer
+            raise ResultsError(f"cannot read {path}: it is {other}")
         source = Checked(path)
     except (OSError, ValueError) as error:
         raise ResultsError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}") from error

@@ -110,9 +110,10 @@ class Disk(Seekable):
         self._fail(self._put, offset, memoryview(data).cast("B"))
 
     def keep_loss(self, path):
-        """Set ``error`` if the file was removed from its ``path`` and not replaced by another one."""
-        if self.error is None and os.fstat(self._descriptor).st_nlink == 0 and not os.path.lexists(path):
-            self.error = FileNotFoundError(errno.ENOENT, "it was removed while it was written")
+        """Set ``error`` if the file was removed from its ``path``, or replaced by another one."""
+        if self.error is None and os.fstat(self._descriptor).st_nlink == 0:
+            what = "replaced" if os.path.lexists(path) else "removed"
+            self.error = FileNotFoundError(errno.ENOENT, f"it was {what} while it was written")
 
     def _put(self, offset, data):
         if not len(data):

@@ -9,6 +9,7 @@ and an END follows it. Before the data grow into the table, a larger one is writ
 numbers of blocks form a fixed sequence (``sizes``), by which a reader finds the END of the last table.
 """
 
+import errno
 import itertools
 import os
 import struct
@@ -75,19 +76,19 @@ class LiveChecksums:
         last = -(-end // BLOCK)
         start, stop = BLOCK * first, BLOCK * last
         if last == first + 1:
-            before = os.pread(self._descriptor, BLOCK, start)
+            before = self._read(start, BLOCK)
             sums = [zlib.crc32(b"".join((before[: offset - start], data, before[end - start :])))]
         else:
-            head = os.pread(self._descriptor, offset - start, start) if offset > start else b""
-            tail = os.pread(self._descriptor, stop - end, end) if end < stop else b""
+            head = self._read(start, offset - start) if offset > start else b""
+            tail = self._read(end, stop - end) if end < stop else b""
             sums = crcs(b"".join((head, data, tail)) if head or tail else data)
         place = BLOCK * self._blocks + PAIR * first
         if self._certain:
-            pairs = array("I", os.pread(self._descriptor, PAIR * len(sums), place))
+            pairs = array("I", self._read(place, PAIR * len(sums)))
             pairs[1::2] = pairs[::2]
         else:
             pairs = array("I", [0, 0] * len(sums))
-            pairs[1::2] = array("I", crcs(os.pread(self._descriptor, stop - start, start)))
+            pairs[1::2] = array("I", crcs(self._read(start, stop - start)))
         pairs[::2] = array("I", sums)
         put(self._descriptor, place, pairs.tobytes())
 
@@ -100,8 +101,15 @@ class LiveChecksums:
         return self._pairs(0, blocks)[:, 0]
 
     def _pairs(self, first, last):
-        data = os.pread(self._descriptor, PAIR * (last - first), BLOCK * self._blocks + PAIR * first)
+        data = self._read(BLOCK * self._blocks + PAIR * first, PAIR * (last - first))
         return np.frombuffer(data, "<u4").reshape(-1, 2)
+
+    def _read(self, offset, size):
+        """Return bytes in front of the end of the last table."""
+        data = os.pread(self._descriptor, size, offset)
+        if len(data) < size:
+            raise OSError(errno.ENODATA, "it was cut short while it was written")
+        return data
 
     def _put(self, offset, data):
         put(self._descriptor, offset, data)

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from mecano.errors import ResultsError
 from mecano.results.provenance import lives, start_ticks
-from mecano.results.whole_file import hidden_name, refuse_folder
+from mecano.results.whole_file import hidden_name, refuse_other_than_file
 
 try:
     import fcntl
@@ -40,7 +40,7 @@ def locked(path):
         Another process is writing it, or the record cannot be written.
     """
     path = Path(path)
-    refuse_folder(path)
+    refuse_other_than_file(path)
     record = lock_of(path)
     content = json.dumps(_own_record()).encode()
     try:

@@ -18,7 +18,7 @@ def appearing(path):
 
     Raises ResultsError.
     """
-    refuse_folder(path)
+    refuse_other_than_file(path)
     ending = path.suffix if len(path.suffix) < LONGEST_ENDING else ""
     hidden = path.with_name(f"{hidden_name(path)}.{os.getpid()}{ending}")
     try:
@@ -52,10 +52,15 @@ def exists(path):
     return True
 
 
-def refuse_folder(path):
-    """Raise ResultsError if ``path`` is a folder or not a valid name of a file."""
-    if exists(path) and os.path.isdir(path):
-        raise ResultsError(f"cannot write {path}: it is a folder; give the name of a file")
+def refuse_other_than_file(path):
+    """Raise ResultsError if ``path`` is a folder, a pipe or a device, or not a valid name of a file."""
+    if exists(path) and (other := other_than_file(path)):
+        raise ResultsError(f"cannot write {path}: it is {other}; give the name of a file")
+
+
+def other_than_file(path):
+    """Return what an existing path is if it is not a file, or ""."""
+    return "a folder" if os.path.isdir(path) else "" if os.path.isfile(path) else "a pipe or a device"
 
 
 def make_folder(folder):

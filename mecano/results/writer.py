@@ -6,6 +6,7 @@ than these state. ``flush`` is called automatically when a buffer is full or ``f
 """
 
 import atexit
+import errno
 import glob
 import os
 import time as clocks
@@ -22,11 +23,12 @@ from mecano.results.empty_file import CHANGING, RUNNING, TEXT_LENGTHS, empty_fil
 from mecano.results.layout import EXTREMES
 from mecano.results.provenance import lives, provenance
 from mecano.results.table import EventTable, NumberTable, chunk_shape
-from mecano.results.whole_file import exists, hidden_name, refuse_folder
+from mecano.results.whole_file import exists, hidden_name, refuse_other_than_file
 
 STATUSES = (RUNNING, "complete", "stopped", "failed")
 _EXISTS = "{} exists already; give another name, or --force to replace it"
 WRITING = "writing failed"
+LOST = (errno.ENOENT, errno.ENODATA)  # the file was removed, replaced or cut short
 """Beginning of the reason of a run that ended because of a full disk."""
 UNSAFE = 2**14
 """Numbers that were handed to the disk and are not acknowledged: a failure of the disk loses no more."""
@@ -261,7 +263,7 @@ class Writer:
         cause = self._disk.error
         safe = f"{self.acknowledged} saved times"
         safe += f" up to t = {self._safe_time:.6g} s" if self.acknowledged else ""
-        kept = "" if isinstance(cause, FileNotFoundError) else f"; {safe} are kept"
+        kept = "" if cause.errno in LOST else f"; {safe} are kept"
         self._end("failed")
         raise ResultsError(f"cannot write {self.path}: {cause.strerror}{kept}") from cause
 
@@ -323,7 +325,7 @@ class Writer:
 
 def refuse_existing(path, force):
     """Raise ResultsError if ``path`` exists, unless ``force`` is True and it is an HDF5 file."""
-    refuse_folder(path)
+    refuse_other_than_file(path)
     if not exists(path):
         return
     if not force:
