@@ -1,8 +1,6 @@
 """Cost of a step in Python, in calls, which do not depend on the machine; docs/benchmarks.md has times."""
 
-import sys
-from collections import Counter
-
+from calls import calls
 from time_runs import input_deck
 
 from mecano.analyses.dynamic import begun
@@ -10,21 +8,6 @@ from mecano.analyses.prepare import integrator_of, prepare
 
 MOST = 0.2  # calls of Python's functions and of built-in ones for each step
 MOST_SAVED = 0.5  # with what goes into the results file, whose blocks have checksums
-
-
-def calls(action):
-    """How many calls of functions an action makes."""
-    counted = Counter()
-
-    def count(frame, event, argument):
-        counted[event] += 1
-
-    sys.setprofile(count)
-    try:
-        action()
-    finally:
-        sys.setprofile(None)
-    return counted["call"] + counted["c_call"]
 
 
 def test_steps_make_hardly_any_calls():
