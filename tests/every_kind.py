@@ -34,6 +34,7 @@ VALUES = {
     "radius": 0.3,
     "plane": {"normal": [0.0, 0.0, 1.0]},
     "radii": [0.1, 0.0],
+    "line": ["base", "tip"],
     "center": [0.0, 0.0, 0.0],
     "semi_axis_1": [0.3, 0.0, 0.0],
     "semi_axis_2": [0.0, 0.3, 0.0],

@@ -80,8 +80,9 @@ NOTES = {  # words with the same meaning: (targets, note)
     "load, external force, weight": ("force moment gravity", ""),
     "torque": ("moment couple", ""),
     "thrust, thruster, following force": ("follower_force", ""),
-    "pressure, distributed load, wind, aerodynamics, drag, lift": (
-        "force follower_force", "not available; forces at nodes, as laws of time, are similar"
+    "pressure, distributed load, wind, line force": ("line_load", ""),
+    "aerodynamics, lift, air resistance, parachute, fluid": (
+        "drag follower_force", "a lift is a follower_force whose value is a formula of signals"
     ),
     "function, time series, spline, curve": ("laws formula table polynomial", ""),
     "ramp up, smooth step": ("step ramp", ""),

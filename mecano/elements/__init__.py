@@ -6,7 +6,9 @@ from mecano.elements.bodies.rigid_link import RIGID_LINK
 from mecano.elements.bodies.superelement import SUPERELEMENT
 from mecano.elements.forces.brake import BRAKE
 from mecano.elements.forces.couple import COUPLE
+from mecano.elements.forces.drag import DRAG
 from mecano.elements.forces.joint_load import JOINT_FORCE, JOINT_MOMENT, LINE_FORCE
+from mecano.elements.forces.line_load import LINE_LOAD
 from mecano.elements.forces.nodal_load import FOLLOWER_FORCE, FOLLOWER_MOMENT, FORCE, MOMENT
 from mecano.elements.joints.contact import CONTACT
 from mecano.elements.joints.coupler import COUPLER
@@ -60,7 +62,8 @@ KINDS = {
         GEAR_PAIR, COUPLER, RACK_AND_PINION, POINT_ON_CURVE, SLIDER_ON_BEAM,
         PRESCRIBED_POSITION, PRESCRIBED_ANGLE, PRESCRIBED_LENGTH, HELD_ROTATION,
         BEAM, SUPERELEMENT, BAR, CABLE, SPRING_DAMPER, TORSION_SPRING_DAMPER, BELT, BUSHING, PLANE_CONTACT, CONTACT,
-        FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, JOINT_MOMENT, JOINT_FORCE, LINE_FORCE, BRAKE,
+        FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, JOINT_MOMENT, JOINT_FORCE, LINE_FORCE,
+        LINE_LOAD, DRAG, BRAKE,
         RIGID_WHEEL, PAPER_WHEEL, SKATE, WHEEL, TRANSIENT_WHEEL, FLEXIBLE_WHEEL, ADHESIVE_WHEEL,
         FORMULA, LAG, INTEGRATOR, WASHOUT, PID, TRANSFER_FUNCTION, STATE_SPACE, SWITCH,
         SAMPLE_AND_HOLD, DELAY,
