@@ -5,35 +5,39 @@ import numpy as np
 from mecano.constraints.touching import given
 
 POINTS = 49  # of a circle
-BEYOND = 2.0  # radii of the ball, or this
-LEAST = 0.05  # share of the way of the ball, by which a plane is drawn beyond
+BEYOND = 2.0  # radii of the ball, or distances of the farthest node: how far a plane is drawn
+PREFERRED = np.array([1e-6, 0.0, 1e-6])  # of axes along which a mechanism has no extent: pictures are seen along y
 
 
 def outlines(motion, d):
-    """Return lines [(instants, n, 3)] of the contact with the deck values ``d`` in a Motion (shapes.py)."""
+    """Return lines [(instants, n, 3)] of the contact with the deck values ``d`` in a Motion (shapes.py).
+
+    What is drawn at an instant does not depend on the other instants.
+    """
     (a, b), (name, surface) = d["nodes"], given(d)
     if b not in motion.nodes:
         return []
-    x, middle = motion.position(b), surface.get("point", surface.get("center"))
-    at = motion.run.deck["nodes"][a]["position"] if a in motion.nodes else np.zeros(3)
-    middle = np.array(at if middle is None else middle, float)
-    main = np.array(surface.get("normal", surface.get("axis", x[0] - middle)), float)
+    places = {node: np.array(values["position"], float) for node, values in motion.run.deck["nodes"].items()}
+    middle = surface.get("point", surface.get("center"))
+    middle = places[a] if middle is None else np.array(middle, float)
+    main = np.array(surface.get("normal", surface.get("axis", places[b] - middle)), float)
     main /= np.linalg.norm(main)
-    across = main if name == "cylinder" else _across(main, np.ptp(x, axis=0))
-    along = np.cross(across, _across(main, np.zeros(3)) if name == "cylinder" else main)
+    extent = np.ptp(np.stack(list(places.values())), axis=0)
+    across = main if name == "cylinder" else _across(main, extent)
+    along = np.cross(across, _across(main, extent) if name == "cylinder" else main)
     if name == "plane":
-        way = np.abs((x - middle) @ along).max()
-        line = np.array([-1.0, 1.0])[:, None] * (max(BEYOND * d["radius"], LEAST * way) + way) * along
+        farthest = max(np.linalg.norm(x - middle) for x in places.values())
+        line = np.array([-1.0, 1.0])[:, None] * BEYOND * max(d["radius"], farthest) * along
     else:
         line = _stadium(surface["radius"], surface.get("length", 0.0), np.cross(along, across), along)
     ball = _stadium(d["radius"], 0.0, np.cross(along, across), along)
-    return [_carried(motion, a, middle + line), x[:, None] + ball]
+    return [_carried(motion, a, middle + line), motion.position(b)[:, None] + ball]
 
 
-def _across(main, spread):
-    """Return the unit vector, normal to ``main``, along which the ``spread`` (3,) of the motion is least."""
+def _across(main, extent):
+    """Return the unit vector, normal to ``main``, along which the ``extent`` (3,) of the mechanism is least."""
     free = np.abs(main) < 0.9
-    axis = np.eye(3)[np.flatnonzero(free)[np.argmin(spread[free])]]
+    axis = np.eye(3)[np.flatnonzero(free)[np.argmin((extent + PREFERRED * (1.0 + extent.max()))[free])]]
     normal = axis - (axis @ main) * main
     return normal / np.linalg.norm(normal)
 
