@@ -197,7 +197,7 @@ def test_a_film_is_recorded(results, tmp_path):
     size = asked(page, """
     byId("speed").value = 0.2;
     film.start();
-    for (let i = 0; i < 1000 && !film.saved; i++) await new Promise(done => setTimeout(done, 50));
+    for (let i = 0; i < 1600 && !film.saved; i++) await new Promise(done => setTimeout(done, 50));
     return film.saved || 0;
     """, served=True)  # fmt: skip
     assert size > 1000
