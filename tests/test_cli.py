@@ -229,7 +229,7 @@ class TestRun:
         code, _, err = call("run", "deck.yaml", "-q")
         assert code == 7 and err.startswith("mecano: out of memory; ")
 
-    @pytest.mark.parametrize("megabytes", [150, 200, 260, 350, 500])
+    @pytest.mark.parametrize("megabytes", [150, 200, 265, 350, 500])
     def test_a_limit_of_memory(self, folder, megabytes):
         """Exit code 7 without a traceback, whichever library cannot be loaded or start a thread first."""
         limit = megabytes * 2**20
@@ -239,6 +239,24 @@ class TestRun:
         )  # fmt: skip
         assert ended.returncode in (0, 7) and "Traceback" not in ended.stderr
         assert megabytes > 200 or ended.stderr.startswith("mecano: out of memory; ")
+
+    @pytest.mark.parametrize("library", ["numpy.linalg", "scipy.linalg.lapack"])
+    @pytest.mark.parametrize(("room", "expected"), [(20, "MemoryError"), (80, "done")])
+    def test_no_room_for_the_buffer_of_blas(self, library, room, expected):
+        """OpenBLAS would end the process (that of NumPy) or try for ever (that of SciPy)."""
+        code = f"""
+import resource, {library} as la
+from mecano.process.memory import reserve_blas_buffer
+size = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize() + {room} * 2**20
+resource.setrlimit(resource.RLIMIT_AS, (size, size))
+try:
+    reserve_blas_buffer(getattr(la, "dgesv", None))
+    print("done")
+except MemoryError:
+    print("MemoryError")
+"""
+        ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+        assert (ended.returncode, ended.stdout.strip()) == (0, expected)
 
     def test_a_bug_is_not_hidden(self, folder):
         patch = "from mecano.analyses import dynamic; dynamic.run = lambda *a, **k: 1 / 0"

@@ -17,6 +17,7 @@ from mecano.elements import KINDS
 from mecano.elements.plugins import load_installed
 from mecano.errors import DeckError, Mark, Problem
 from mecano.laws import TERMS
+from mecano.process.memory import reserve_blas_buffer
 
 BEFORE_COPIES = re.compile(r"\s*(mecano|parameters|templates|place)\s*[.=]")  # overrides that affect the expansion
 
@@ -37,6 +38,7 @@ def read_deck(path, overrides=(), kinds=KINDS, sections=SECTIONS, terms=TERMS):
 
 def deck_of(source, digest="", overrides=(), kinds=KINDS, sections=SECTIONS, terms=TERMS):
     """Return the checked Deck of a Source; see ``read_deck``."""
+    reserve_blas_buffer()  # before the checks, which are the first to use linear algebra
     problems = []
     root = compose(source, problems)
     if root is None or type(root.value) is not dict:

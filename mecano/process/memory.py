@@ -11,6 +11,7 @@ WORDS = (  # in errors of the dynamic loader, of threads, of C++ and of HDF5
     "bad_alloc",
     "unable to allocate",
 )
+BLAS_BUFFER = 40 * 2**20  # bytes: OpenBLAS allocates 32 MiB and a little more
 
 
 def is_lack_of_memory(error):
@@ -33,3 +34,15 @@ def require_memory(size):
         mmap.mmap(-1, size).close()
     except OSError:
         raise MemoryError from None
+
+
+def reserve_blas_buffer(solve=None):
+    """Let a BLAS allocate its buffer, as OpenBLAS does at its first use; raise MemoryError if there is no room for it.
+
+    Without room, OpenBLAS itself would end the process with exit code 1 (that of NumPy) or try for ever (that of
+    SciPy, which is another one). ``solve(A, b)`` is a function that uses the BLAS; default: that of NumPy.
+    """
+    import numpy as np  # not for `mecano --help`
+
+    require_memory(BLAS_BUFFER)
+    (solve or np.linalg.solve)(np.eye(1), np.ones(1))

@@ -7,6 +7,8 @@ import heapq
 
 import numpy as np
 
+from mecano.process.memory import reserve_blas_buffer
+
 SMALL = 1000  # nodes up to which SuperLU is not used; beyond, its order takes less time and has less fill
 
 
@@ -44,9 +46,11 @@ def _of_small(neighbours):
 
 def _of_large(neighbours):
     """Return the order that SuperLU finds for a diagonally dominant matrix."""
+    import scipy.linalg as la
     import scipy.sparse as sp
     import scipy.sparse.linalg as spla
 
+    reserve_blas_buffer(la.lapack.dgesv)
     n, degree = len(neighbours), np.array([len(own) for own in neighbours])
     starts = np.concatenate([[0], np.cumsum(degree)])
     graph = sp.csr_matrix((np.full(starts[-1], -1.0), np.concatenate(neighbours), starts), shape=(n, n))

@@ -1,8 +1,11 @@
 """Fallback of the multifrontal factorization: SuperLU of the scaled matrix with partial pivoting."""
 
 import numpy as np
+import scipy.linalg as la
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
+
+from mecano.process.memory import reserve_blas_buffer
 
 
 class ScaledSuperLU:
@@ -10,6 +13,7 @@ class ScaledSuperLU:
 
     def __init__(self, n, rows, cols, values, shift=0.0):
         """Factor the scaled matrix plus ``shift`` times the identity; raises RuntimeError where a pivot is zero."""
+        reserve_blas_buffer(la.lapack.dgesv)
         self.row_scale = _inverse_maxima(n, rows, np.abs(values))
         scaled = values * self.row_scale[rows]
         self.col_scale = _inverse_maxima(n, cols, np.abs(scaled))
