@@ -16,6 +16,7 @@ from calls import calls
 from mecano.errors import ResultsError, UnknownNameError
 from mecano.jit import store
 from mecano.results import empty_file
+from mecano.results.checked import cut_short
 from mecano.results.layout import Layout, Series
 from mecano.results.lookup import Lookup
 from mecano.results.provenance import Source, lives
@@ -222,6 +223,11 @@ def test_an_existing_file_is_kept_unless_forced(finished):
         assert len(results.time) == 0 and results.status == "complete" and results.events == []
         assert np.isnan(results.extremes["energy/total"].maximum)
     assert os.listdir(finished.parent) == ["results.h5"]
+
+
+def test_a_pipe_is_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "r.h5")
+    assert list(cut_short([tmp_path / "r.h5"])) == []
 
 
 @pytest.mark.parametrize("target, message", [("none/r.h5", "No such file"), (".", "it is a folder"), ("p", "a pipe")])

@@ -47,7 +47,8 @@ class Checked(Seekable):
 
     def __init__(self, path):
         self.path, self.damaged = path, set()
-        self._descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+        flags = getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0)  # the latter: do not wait for a pipe
+        self._descriptor = os.open(path, os.O_RDONLY | flags)
         try:
             self.refresh()
             self.size = os.fstat(self._descriptor).st_size
@@ -208,7 +209,7 @@ def format_of(path):
 def checked(path):
     """Return a Checked of an HDF5 file. Raises ResultsError if it is unreadable or not an HDF5 file."""
     try:
-        if os.path.exists(path) and (other := other_than_file(path)):  # opening a pipe would wait for a writer
+        if os.path.exists(path) and (other := other_than_file(path)):
             raise ResultsError(f"cannot read {path}: it is {other}")
         source = Checked(path)
     except (OSError, ValueError) as error:
