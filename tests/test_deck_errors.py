@@ -141,6 +141,8 @@ STRUCTURE = [
      "'initial.velocities[0].nodes' must be a list of node names or 'all', got the text 'al'; did you mean 'all'?"),
     ("nodes: all", "nodes: []", 35, "[],",
      "'initial.velocities[0].nodes' must not be empty, got []"),
+    ("nodes: all", "nodes: [axle, axle]", 35, "[axle,",
+     "'initial.velocities[0].nodes' must not name 'axle' twice, got ['axle', 'axle']"),
     ("nodes: all", "nodes: all, angular_velocity: [0, 0, 1]", 35, "{no",
      "initial.velocities[0]: 'about' is missing: the point about which the nodes turn, or 'own' for each about itself"),
     ("  end: 4.0\n", "", 37, "time",

@@ -1,5 +1,7 @@
 """Checks of single values shared by several sections of a deck: value -> error text, or None."""
 
+from collections import Counter
+
 import numpy as np
 
 AUTOMATIC = "automatic"
@@ -10,6 +12,12 @@ BEYOND_FLOATS = "too large or too small in combination for floating-point arithm
 def not_empty(value):
     """Require at least one entry."""
     return None if value else "must not be empty"
+
+
+def distinct(names):
+    """Require at least one name, and each once."""
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    return not_empty(names) or (f"must not name '{twice[0]}' twice" if twice else None)
 
 
 def spectral_radius(value):

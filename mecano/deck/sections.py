@@ -7,6 +7,7 @@ from mecano.deck.limits import (
     above_rounding,
     at_least_one,
     below_one,
+    distinct,
     not_empty,
     spectral_radius,
 )  # fmt: skip
@@ -128,7 +129,7 @@ GROUND_FIELDS = (
 )
 
 VELOCITY_FIELDS = (
-    Field("nodes", either(NODES, "all"), "-", "nodes with this motion", check=not_empty),
+    Field("nodes", either(NODES, "all"), "-", "nodes with this motion", check=distinct),
     Field("velocity", VECTOR, "m/s", "velocity, inertial; with 'about', of this point", ZERO),
     Field("angular_velocity", VECTOR, "rad/s", "angular velocity, inertial axes", ZERO),
     Field(
