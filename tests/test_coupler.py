@@ -95,6 +95,7 @@ def test_both_joints_share_a_node_and_turn_many_times():
     [
         ("angle_a: bearing, factors: [1, 1]", "give either 'angle_b' or 'displacement_b'"),
         ("angle_a: bearing, displacement_a: guide, angle_b: bearing, factors: [1, 1]", "give either 'angle_a' or"),
+        ("angle_a: bearing, angle_b: bearing, factors: [1, 2]", "its two coordinates are the same one"),
         ("angle_a: bearing, displacement_b: guide, factors: [1]", "'factors' must be two numbers, h_a and h_b"),
         ("angle_a: bearing, displacement_b: guide, factors: [1, 0]", "'factors[1]' must not be zero"),
         ("angle_a: bearing, angle_b: guide, factors: [1, 1]", "prismatic 'guide' has no angle"),
