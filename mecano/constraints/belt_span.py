@@ -30,6 +30,7 @@ from mecano.maths.dual import atan2, sqrt
 from mecano.maths.vector import Vec3, cross, dot, mat, vec
 
 TAUT = 0
+INCLINATION = 0.2  # of the distance: largest offset along the axis
 PHASES = ("taut", "slack")
 EVENTS = (
     Event("goes taut", "slack", "taut", "the span becomes longer than the belt in it"),
@@ -47,7 +48,7 @@ RECORD = record(
 
 
 @kernel
-def _direction(axes, d, delta):
+def tangent_direction(axes, d, delta):
     """Return the angle of the tangent in the plane of a pulley, and its gradient by d; both in axes of the node."""
     c = axes @ d
     across = c.x * c.x + c.y * c.y
@@ -69,8 +70,8 @@ def _between_pulleys(p, at):
     R_0, R_1, delta = mat(at.R[0]), mat(at.R[1]), p.radius_1 - p.radius_0
     d = vec(at.q, 6) - vec(at.q, 0)
     d_0, d_1, L = R_0.T @ d, R_1.T @ d, sqrt(dot(d, d) - delta * delta)
-    psi_0, g_0 = _direction(mat(p.axes_0), d_0, delta)
-    psi_1, g_1 = _direction(mat(p.axes_1), d_1, delta)
+    psi_0, g_0 = tangent_direction(mat(p.axes_0), d_0, delta)
+    psi_1, g_1 = tangent_direction(mat(p.axes_1), d_1, delta)
     psi_0, psi_1 = _continued(psi_0, p.angle_0, at.m[0]), _continued(psi_1, p.angle_1, at.m[1])
     G = d / L + p.radius_0 * (R_0 @ g_0) - p.radius_1 * (R_1 @ g_1)
     turning = (3, -p.radius_0 * cross(d_0, g_0)), (9, p.radius_1 * cross(d_1, g_1))
@@ -83,7 +84,7 @@ def _to_a_point(p, at):
     """Return the same of a span between a pulley and a point."""
     R_0, d = mat(at.R[0]), vec(at.q, 6) - vec(at.q, 0)
     d_0, L = R_0.T @ d, sqrt(dot(d, d) - p.radius_0 * p.radius_0)
-    psi_0, g_0 = _direction(mat(p.axes_0), d_0, -p.radius_0)
+    psi_0, g_0 = tangent_direction(mat(p.axes_0), d_0, -p.radius_0)
     psi_0 = _continued(psi_0, p.angle_0, at.m[0])
     G = d / L + p.radius_0 * (R_0 @ g_0)
     along = (0, -G), (6, G), (3, -p.radius_0 * cross(d_0, g_0))
@@ -142,6 +143,23 @@ def span_record(first, second):
         angle = np.arctan2(y, x) - np.arctan2(delta, np.sqrt(x * x + y * y - delta * delta))
         found |= {f"radius_{i}": radius, f"axes_{i}": axes, f"angle_{i}": angle}
     return found
+
+
+def check_tangent(names, places, radii, frame):
+    """Return errors of two neighbours between which a belt has no tangent, or one that is not in the plane of both.
+
+    ``names``, ``places`` (3,) and ``radii`` are those of both nodes; ``frame`` (3, 3) has the axis in its last row.
+    """
+    across, along = np.hypot(*(frame @ np.subtract(places[1], places[0]))[:2]), frame[2] @ np.subtract(*places)
+    least, both = abs(radii[1] - radii[0]), f"'{names[0]}' and '{names[1]}'"
+    if across <= least:
+        return [
+            f"'radii': {both} are {across:.4g} m apart, and must be more than {least:.4g} m apart for the belt between "
+            "them"
+        ]
+    if abs(along) > INCLINATION * across:
+        return [f"'axis': {both} are {abs(along):.4g} m apart along it, not in one plane"]
+    return []
 
 
 def _samples(radii):

@@ -50,6 +50,10 @@ EXAMPLES = {
         "rope: {type: belt, nodes: [crank, wheel, slider], radii: [0, 0.1 m, 0], axis: [0, 1, 0], "
         "axial_stiffness: 50 kN}"
     ),
+    "reeved_cable": (
+        "rope: {type: reeved_cable, nodes: [crank, wheel, slider], radii: [0, 0.1 m, 0], axis: [0, 1, 0], "
+        "axial_stiffness: 50 kN}"
+    ),
     "bushing":
         "mount: {type: bushing, nodes: [ground, crank], stiffness: [1 kN/mm, 1 kN/mm, 3 kN/mm, 50, 50, 20], "
         "axis: [0, 0, 1]}",

@@ -10,7 +10,10 @@ NOTES = {  # words with the same meaning: (targets, note)
         "line_force joint_force prescribed_length bar",
         "a bar whose natural_length is a law of time pushes and pulls with an elasticity",
     ),
-    "pulley, sheave, block, tackle, reeving, drum, timing belt, belt drive": ("belt", ""),
+    "pulley, sheave, block, tackle, reeving": (
+        "reeved_cable belt", "a reeved_cable slides over the pulleys without friction, a belt turns them"
+    ),
+    "drum, timing belt, belt drive": ("belt", ""),
     "chain drive, sprocket": (
         "belt gear_pair coupler",
         "a belt, a gear_pair with a 'ratio', or a coupler of the angles of two hinges"
@@ -45,7 +48,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     "rod, massless rod, distance joint, distance constraint": ("rigid_rod bar", "a bar is elastic"),
     "strut, truss, truss element": ("bar rigid_rod spring_damper", ""),
     "rope, wire, tendon, string, winch, hoist, winder": (
-        "cable belt", "a winch is a cable with 'payout_tension', or whose natural_length is a law of time"
+        "cable reeved_cable belt", "a winch is a cable with 'payout_tension', or whose natural_length is a law of time"
     ),
     "flexible body, fem, finite element, reduced model, craig bampton, substructure, component mode": (
         "superelement beam", "`mecano reduce` makes the matrices of a superelement"

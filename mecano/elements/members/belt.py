@@ -17,7 +17,7 @@ the stiffness of a span does not change with its length. All pulleys are in one 
 
 import numpy as np
 
-from mecano.constraints.belt_span import BELT_END, BELT_SPAN, span_record
+from mecano.constraints.belt_span import BELT_END, BELT_SPAN, check_tangent, span_record
 from mecano.constraints.joint_frame import triad
 from mecano.element_interface import Display, Kind, Part
 from mecano.schema import BOOLEAN, DIRECTION, NODES, NUMBER, NUMBERS, Field, not_negative, positive
@@ -58,22 +58,12 @@ def check(d, nodes):
         return [f"'radii' must have {len(names)} numbers, one for each node; it has {len(radii)}"]
     if len(names) < 2 or not any(radii):
         return ["'nodes' must name at least two nodes, one of them a pulley; a cable without pulleys is a 'cable'"]
-    frame, texts = triad(d["axis"]), []
+    frame, places, texts = triad(d["axis"]), [x for x, _ in nodes], []
     for i, j, _ in _spans(d):
         if not radii[i]:
             texts.append(f"'radii': '{names[j]}' and '{names[i]}' are points next to each other: use a 'cable' there")
             continue
-        offset = frame @ np.subtract(nodes[j][0], nodes[i][0])
-        least = abs(radii[j] - radii[i])
-        if np.hypot(offset[0], offset[1]) <= least:
-            texts.append(
-                f"'radii': '{names[i]}' and '{names[j]}' are {np.hypot(offset[0], offset[1]):.4g} m apart, and must be "
-                f"more than {least:.4g} m apart for the belt between them"
-            )
-        elif abs(offset[2]) > INCLINATION * np.hypot(offset[0], offset[1]):
-            texts.append(
-                f"'axis': '{names[i]}' and '{names[j]}' are {abs(offset[2]):.4g} m apart along it, not in one plane"
-            )
+        texts += check_tangent(*([values[k] for k in (i, j)] for values in (names, places, radii)), frame)
     return texts
 
 
@@ -91,7 +81,6 @@ def sample(rng):
     return [(hoist, nodes, ""), (drive, nodes[1:3], "")]
 
 
-INCLINATION = 0.2  # of the distance: largest offset along the axis
 BELT = Kind(
     name="belt",
     section="elements",

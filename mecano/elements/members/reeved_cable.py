@@ -1,0 +1,313 @@
+r"""Cable that slides over pulleys without friction: tackles, cranes, elevators, tendons; one tension along all of it.
+
+It runs through ``nodes`` in their order, from a point to a point, to which it is fixed. Each node between them is the
+centre of a pulley, on a body or the ground, and has a radius: positive where the cable turns counter-clockwise about
+the ``axis``, negative where it turns clockwise. The pulleys need neither a body nor a hinge of their own, because the
+cable does not turn them: on pulleys with inertia or a torque use a ``belt``, which does not slip.
+
+A span from node i to node j is along the common tangent of both circles; on a pulley of the radius :math:`\rho_i` (zero
+at a point) the cable lies on an arc from the direction :math:`\psi_i^-` of the span before to that of the span behind,
+:math:`\psi_i^+`, over any number of turns. With :math:`d = x_j - x_i`, the length of its path is
+
+.. math::  \ell = \sum \sqrt{|d|^2 - (\rho_j - \rho_i)^2} + \sum \rho_i\,(\psi_i^+ - \psi_i^-)
+
+With the natural length :math:`L(t)`, that at the start plus the ``payout``, the axial stiffness EA and the damping time
+:math:`\tau`, the forces on all nodes follow from the gradient of the length:
+
+.. math::  \varepsilon = \frac{\ell - L}{L}, \qquad N = EA\,(\varepsilon + \tau \dot\varepsilon), \qquad
+   f = N\, \partial \ell/\partial q, \qquad V = \tfrac12 EA\, L\, \varepsilon^2
+
+as in a ``cable``, with the same events: it is taut while :math:`\varepsilon` and
+:math:`\varepsilon + \tau\dot\varepsilon` are positive. The power given by a varying natural length is also that of a
+cable. The cable has no mass.
+
+The length is exact for parallel axes and pulleys in one plane, and small inclinations of a span to the planes of its
+pulleys are allowed (``inclination``). The arc at the start is less than one turn. The run ends when the cable leaves a
+pulley, where the arc would become negative: without this pulley its path is another one.
+"""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from mecano.constraints.belt_span import INCLINATION, check_tangent, span_record, tangent_direction
+from mecano.constraints.body_fixed import follow
+from mecano.constraints.elastic_line import STRAIN_OF_STEEL, strained
+from mecano.constraints.joint_frame import triad
+from mecano.element_interface import Display, Event, Kind, Output, record
+from mecano.jit.kernel import kernel
+from mecano.laws.probe import curve_at
+from mecano.laws.table import evaluate_curve
+from mecano.maths.dual import sqrt
+from mecano.maths.vector import add_vec, cross, dot, mat, norm, vec
+from mecano.schema import CURVE, DIRECTION, NODES, NUMBER, NUMBERS, Field, not_negative, positive
+
+TAUT = 0
+LIFTED = 0.01  # [rad]: the length of a path off a pulley by this angle is in error by less than its square
+TURN = 2.0 * np.pi
+
+
+@kernel
+def _place(i):
+    """Return the local index of the position of node i; the rotations of pulleys follow their positions."""
+    return max(6 * i - 3, 0)
+
+
+@kernel
+def _span(p, q, i):
+    """Return d, the difference of the radii, and the free length of the span behind node i."""
+    d, delta = vec(q, _place(i + 1)) - vec(q, _place(i)), p.radii[i + 1] - p.radii[i]
+    return d, delta, sqrt(dot(d, d) - delta * delta)
+
+
+@kernel
+def _side(p, at, i, span):
+    """Return the direction of a span in the axes of pulley i, and its gradients by d and by the rotation."""
+    R = mat(at.R[i - 1])
+    d, delta, _ = _span(p, at.q, span)
+    seen = R.T @ d
+    psi, g = tangent_direction(mat(p.axes[i - 1]), seen, delta)
+    return psi, R @ g, cross(g, seen)
+
+
+@kernel
+def _arc(p, at, i):
+    """Return the angle of the arc on pulley i, and its gradients by d before and behind it and by the rotation."""
+    before, g_before, turning_before = _side(p, at, i, i - 1)
+    behind, g_behind, turning_behind = _side(p, at, i, i)
+    angle = follow(p.start[i - 1] + at.m[i - 1], behind - before)
+    return angle, -g_before, g_behind, turning_behind - turning_before
+
+
+@kernel
+def _relative(v, i):
+    """Return the velocity of node i + 1 minus that of node i."""
+    return vec(v, _place(i + 1)) - vec(v, _place(i))
+
+
+@kernel
+def _path(p, at):
+    """Return the length of the path and its rate."""
+    d, _, length = _span(p, at.q, 0)
+    rate = dot(d, _relative(at.v, 0)) / length
+    for i in range(1, len(p.radii) - 1):
+        d, _, free = _span(p, at.q, i)
+        angle, before, behind, turning = _arc(p, at, i)
+        turned = dot(before, _relative(at.v, i - 1)) + dot(behind, _relative(at.v, i)) + dot(turning, vec(at.v, 6 * i))
+        length = length + free + p.radii[i] * angle
+        rate = rate + dot(d, _relative(at.v, i)) / free + p.radii[i] * turned
+    return length, rate
+
+
+@kernel
+def _strain(p, at):
+    """Return length, strain and its rate, natural length and its rate."""
+    length, rate = _path(p, at)
+    paid_out, L_rate, _ = evaluate_curve(at.laws, p.payout, at.t)
+    L = p.natural + paid_out
+    return length, *strained(length, rate, L, L_rate), L, L_rate
+
+
+@kernel
+def _pull(f, i, pull):
+    """Add the force that stretches the span behind node i."""
+    add_vec(f, _place(i), -1.0, pull)
+    add_vec(f, _place(i + 1), 1.0, pull)
+
+
+@kernel
+def residual(p, at, f):
+    """Add the tension along the gradient of the length."""
+    if at.phase != TAUT:
+        return
+    _, strain, strain_rate, _, _ = _strain(p, at)
+    N = p.EA * (strain + p.damping * strain_rate)
+    for i in range(len(p.radii) - 1):
+        d, _, free = _span(p, at.q, i)
+        _pull(f, i, (N / free) * d)
+    for i in range(1, len(p.radii) - 1):
+        _, before, behind, turning = _arc(p, at, i)
+        couple = N * p.radii[i]
+        _pull(f, i - 1, couple * before)
+        _pull(f, i, couple * behind)
+        add_vec(f, 6 * i, couple, turning)
+
+
+@kernel
+def observe(p, at, F, y, e):
+    """Write lengths, strains, tension, state, how the path lies on the pulleys; energies."""
+    length, strain, strain_rate, L, L_rate = _strain(p, at)
+    elastic = p.EA * strain if at.phase == TAUT or strain > 0.0 else 0.0
+    N = p.EA * (strain + p.damping * strain_rate) if at.phase == TAUT else 0.0
+    viscous = N - elastic
+    y[0], y[1], y[2], y[3], y[4] = length, L, strain, strain_rate, max(N, 0.0)
+    y[5] = 1.0 if at.phase == TAUT else 0.0
+    for i in range(1, len(p.radii) - 1):
+        angle, _, _, _ = _arc(p, at, i)
+        wrap = angle if p.radii[i] > 0.0 else -angle
+        axis = mat(at.R[i - 1]) @ mat(p.axes[i - 1]).z
+        for k in (i - 1, i):
+            d, _, _ = _span(p, at.q, k)
+            y[6] = max(y[6], abs(dot(axis, d)) / norm(d))
+        y[7] = max(y[7], -wrap)
+        y[7 + i] = wrap
+    e[1] = 0.5 * elastic * strain * L
+    e[2] = viscous * L * strain_rate
+    e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
+
+
+@kernel
+def event_values(p, at, g):
+    """Write the tautness of the cable: the smaller of the elastic and the total strain, which the tension follows."""
+    _, strain, strain_rate, _, _ = _strain(p, at)
+    tautness = min(strain, strain + p.damping * strain_rate)
+    g[0], g[1] = tautness, -tautness
+
+
+@kernel
+def commit(p, at, m_out):
+    """Write the changes of the arcs since the start."""
+    for i in range(1, len(p.radii) - 1):
+        m_out[i - 1] = _arc(p, at, i)[0] - p.start[i - 1]
+
+
+def _start(d, nodes):
+    """Return axes (n - 2, 3, 3) and arcs (n - 2,) [rad] of the pulleys, and the length of the path [m]."""
+    frame, radii = triad(d["axis"]), np.array(d["radii"])
+    ends = [(np.asarray(x, float), frame, np.eye(3), radius) for (x, _), radius in zip(nodes, radii, strict=True)]
+    spans = [span_record(*pair) for pair in zip(ends, ends[1:], strict=False)]
+    turned = np.array([b["angle_0"] - a["angle_1"] for a, b in zip(spans, spans[1:], strict=False)])
+    side = np.sign(radii[1:-1])
+    arcs = side * ((side * turned + LIFTED) % TURN - LIFTED)
+    axes = np.array([frame @ R for _, R in nodes[1:-1]])
+    return axes, arcs, sum(span["length"] for span in spans) + radii[1:-1] @ arcs
+
+
+def prepare(d, nodes, context):
+    """Return the record."""
+    axes, arcs, length = _start(d, nodes)
+    return {
+        "EA": d["axial_stiffness"], "damping": d["damping"], "radii": d["radii"], "axes": axes, "start": arcs,
+        "natural": length / (1.0 + d["pretension"] / d["axial_stiffness"]),
+        "payout": context.laws.add(0.0 if d["payout"] is None else d["payout"]),
+    }  # fmt: skip
+
+
+def check(d, nodes):
+    """Return errors in the number of nodes and radii, of pulleys that overlap, and in the length at the start."""
+    names, radii = d["nodes"], d["radii"]
+    if len(names) != len(radii):
+        return [f"'radii' must have {len(names)} numbers, one for each node; it has {len(radii)}"]
+    if len(names) < 3:
+        return ["'nodes' must name two points and the pulleys between them; a cable without pulleys is a 'cable'"]
+    texts = [
+        f"'radii': the cable ends at '{names[i]}', a point with the radius 0; a drum at an end needs a 'belt'"
+        for i in (0, -1) if radii[i]
+    ]  # fmt: skip
+    texts += [
+        f"'radii': '{name}' is a pulley between the ends: give its radius, > 0 where the cable turns counter-clockwise "
+        "about the 'axis', < 0 clockwise"
+        for name, radius in zip(names[1:-1], radii[1:-1], strict=True) if not radius
+    ]  # fmt: skip
+    frame = triad(d["axis"])
+    for i in range(len(names) - 1):
+        ends = slice(i, i + 2)
+        texts += check_tangent(names[ends], [x for x, _ in nodes[ends]], radii[ends], frame)
+    if not texts and d["payout"] is not None:
+        length, paid_out = _start(d, nodes)[2], curve_at(d["payout"], 0.0)[0]
+        if not length + paid_out > 0.0:
+            texts.append(f"'payout' is {paid_out:.4g} m at t = 0, and the cable is {length:.4g} m long")
+    return texts
+
+
+def limits(d):
+    """Return the largest strain of steel, and the inclination up to which the length is a good approximation."""
+    text = "is inclined to the plane of a pulley: its length is exact in that plane only"
+    return [("inclination", INCLINATION, text), ("strain", STRAIN_OF_STEEL, "is strained beyond the yield of steel")]
+
+
+def ends(d):
+    """Return the end condition of a cable that leaves a pulley."""
+    return [("lift_off", LIFTED, "leaves one of its pulleys, where its arc (wrap_1, ...) falls below zero")]
+
+
+def variant(d):
+    """Return the kind with this number of pulleys."""
+    return _of_size(len(d["nodes"]) - 2)
+
+
+def _of_pulleys(n):
+    """Return the declarations that depend on the number of pulleys: record, unknowns, memory."""
+    pulleys = range(1, n + 1)
+    return {
+        "dtype": record(EA=(), damping=(), natural=(), payout="i", radii=(n + 2,), axes=(n, 3, 3), start=(n,)),
+        "layout": ("x0", *(f"{slot}{i}" for i in pulleys for slot in "xR"), f"x{n + 1}"),
+        "memory": tuple(f"turned_{i}" for i in pulleys),
+    }
+
+
+@cache
+def _of_size(n):
+    wraps = (Output(f"wrap_{i}", "rad", f"angle of the arc on pulley {i}") for i in range(1, n + 1))
+    return replace(REEVED_CABLE, variant=None, outputs=(*OUTPUTS, *wraps), **_of_pulleys(n))
+
+
+def sample(rng):
+    """Return a cable over two pulleys that is hauled in, taut and slack, and one around a single pulley."""
+    turns = [np.linalg.qr(rng.normal(size=(3, 3)))[0] for _ in range(4)]
+    places = np.array([[0.0, 0.0, 0.0], [0.4, 0.05, 1.0], [1.4, 0.0, 1.1], [1.8, -0.03, 0.2]])
+    nodes = [(x, Q * np.linalg.det(Q)) for x, Q in zip(places, turns, strict=True)]
+    hauled = (("linear", {"slope": -0.3, "offset": 0.1}),)
+    d = {
+        "nodes": ["a", "b", "c", "d"], "radii": [0.0, -0.2, -0.15, 0.0], "axis": [0.0, 1.0, 0.0],
+        "axial_stiffness": 50.0, "pretension": 20.0, "damping": 0.1, "payout": hauled,
+    }  # fmt: skip
+    single = {**d, "nodes": ["a", "b", "d"], "radii": [0.0, 0.2, 0.0]}
+    return [(d, nodes, "taut"), ({**d, "payout": 3.0}, nodes, "slack"), (single, [*nodes[:2], nodes[3]], "taut")]
+
+
+FIELDS = (
+    Field("nodes", NODES, "-", "a point, the centres of the pulleys as the cable runs, and a point"),
+    Field("radii", NUMBERS, "m", "of the pulley at each node, > 0 counter-clockwise about the axis; 0 at both points"),
+    Field("axis", DIRECTION, "-", "axis of all pulleys at the start, inertial; fixed in their nodes"),
+    Field("axial_stiffness", NUMBER, "N", "EA: force per strain", check=positive),
+    Field("pretension", NUMBER, "N", "tension at the start, without payout", 0.0, not_negative),
+    Field("payout", CURVE, "m", "natural length paid out since the start, as a function of time [s]; a winch that "
+          "hauls in has negative values", None),
+    Field("damping", NUMBER, "s", "tau: viscous over elastic stiffness", 0.0, not_negative),
+)  # fmt: skip
+OUTPUTS = (
+    Output("length", "m", "length of the path: free spans and arcs"),
+    Output("natural_length", "m", "length without force"),
+    Output("strain", "-", "extension over natural length"),
+    Output("strain_rate", "1/s", "rate of the strain"),
+    Output("tension", "N", "tension of the whole cable; zero while it is slack"),
+    Output("state", "-", "0 slack, 1 taut"),
+    Output("inclination", "-", "sine of the largest angle of a span to the plane of its pulleys"),
+    Output("lift_off", "rad", "angle by which the cable has left a pulley"),
+)
+REEVED_CABLE = Kind(
+    name="reeved_cable",
+    section="elements",
+    doc=__doc__,
+    display=Display("belt", axial="tension"),
+    fields=FIELDS,
+    outputs=(*OUTPUTS, Output("wrap_1", "rad", "angle of the arc on pulley 1; and so on")),
+    phases=("taut", "slack"),
+    events=(
+        Event("goes taut", "slack", "taut", "the length of the path rises to the natural length"),
+        Event("goes slack", "taut", "slack", "the tension falls to zero"),
+    ),
+    **_of_pulleys(1),
+    prepare=prepare,
+    check=check,
+    variant=variant,
+    limits=limits,
+    ends=ends,
+    residual=residual,
+    observe=observe,
+    event_values=event_values,
+    commit=commit,
+    sample=sample,
+)

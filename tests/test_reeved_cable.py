@@ -1,0 +1,134 @@
+"""Cables that slide over pulleys: cranes, machines with weights, arcs of many turns."""
+
+import math
+import textwrap
+
+import numpy as np
+import pytest
+from time_runs import RecordedRun, deck, input_deck
+
+import mecano
+from mecano.analyses.dynamic import run
+from mecano.deck.format import deck_error_text
+from mecano.deck.read import deck_of_bytes
+from mecano.errors import ConvergenceError, DeckError
+
+S, g = "Cables that slide over pulleys", 9.81
+
+
+def test_a_crane(verify):
+    recorded = RecordedRun(input_deck("crane"))
+    strain = 4905 / 5e6
+    height = recorded["nodes/hook/position"][-1, 2]
+    verify(S, "crane: height of the hook after 15 s [m]", height, 7 + 5 * (1 + strain), "geometry", relative=1e-6)
+    tension = recorded["elements/rope/tension"][-1]
+    verify(S, "crane: tension of the rope [N]", tension, 4905.0, "equilibrium", relative=1e-4)
+    np.testing.assert_allclose([recorded[f"elements/rope/wrap_{i}"][-1] for i in (1, 2, 3, 4)], math.pi, atol=1e-6)
+    length = 68 + 0.8 * math.pi
+    assert recorded["elements/rope/length"][0] == pytest.approx(length, rel=1e-12)
+    assert recorded["elements/rope/natural_length"][-1] == pytest.approx(length / (1 + strain) - 20, rel=1e-12)
+    given, lost = (recorded[f"energy/{name}"][-1] for name in ("given", "dissipated"))
+    verify(S, "crane: work of the winch [J]", given - lost, 98148.1, "energies of load and rope", relative=1e-6)
+    assert np.ptp(recorded["energy/balance"]) < 1e-6 * 98e3
+
+
+TWO_WEIGHTS = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes:
+      left: {position: [-0.2, 0, -1]}
+      wheel: {position: [0, 0, 0], fixed: true, orientation: [0.3, 0.2, 0]}
+      right: {position: [0.2, 0, -1]}
+    elements:
+      left: {type: point_mass, node: left, mass: 3}
+      right: {type: point_mass, node: right, mass: 2}
+      rope: {type: reeved_cable, nodes: [left, wheel, right], radii: [0, -0.2, 0], axis: [0, -1, 0],
+             axial_stiffness: 1.0e6, damping: 0.002, pretension: 23.544}
+    time: {end: 0.5, step: 1.0e-3}
+"""
+
+
+def test_two_weights_over_a_pulley():
+    """The heavier one falls with (m_1 - m_2) g/(m_1 + m_2), the tension is 2 m_1 m_2 g/(m_1 + m_2)."""
+    recorded = RecordedRun(deck(TWO_WEIGHTS))
+    assert recorded["nodes/left/velocity"][-1, 2] == pytest.approx(-0.5 * 0.2 * g, rel=1e-5)
+    assert recorded["elements/rope/tension"][-1] == pytest.approx(2.4 * g, rel=1e-5)
+    assert np.ptp(recorded["energy/balance"]) < 1e-6
+
+
+WOUND = """
+    mecano: 1
+    gravity: none
+    nodes:
+      start: {position: [-2, 0, -0.2], fixed: true}
+      wheel: {position: [0, 0, 0], fixed: true}
+      hub: {position: [0, 0, 0]}
+      tip: {position: [1, 0, 0]}
+    elements:
+      arm: {type: rigid_body, node: hub, mass: 1, inertia: [1, 1, 1], attached: [tip]}
+      cable: {type: reeved_cable, nodes: [start, wheel, tip], radii: [0, 0.2, 0], axis: [0, -1, 0],
+              axial_stiffness: 1.0e3, pretension: 5}
+    joints:
+      drive: {type: prescribed_angle, nodes: [ground, hub], axis: [0, -1, 0], value: {linear: {slope: 10}}}
+      bearing: {type: hinge, nodes: [ground, hub], axis: [0, -1, 0]}
+    initial: {velocities: [{nodes: [hub], angular_velocity: [0, -10, 0]}]}
+    time: {end: 2.0, step: 0.02}
+"""
+
+
+def test_an_arc_of_many_turns():
+    """The tip turns by 20 rad about the pulley: the free spans keep their lengths, the arc takes all of the angle."""
+    recorded = RecordedRun(deck(WOUND))
+    arc = math.pi / 2 - math.acos(0.2) + 20.0
+    assert recorded["elements/cable/wrap_1"][-1] == pytest.approx(arc, rel=1e-9)
+    length = 2.0 + math.sqrt(1 - 0.2**2) + 0.2 * arc
+    assert recorded["elements/cable/length"][-1] == pytest.approx(length, rel=1e-9)
+
+
+RISING = """
+    mecano: 1
+    gravity: none
+    nodes:
+      left: {position: [-1, 0, 0.1], fixed: true}
+      wheel: {position: [0, 0, 0], fixed: true}
+      right: {position: [1, 0, 0.1]}
+    elements:
+      right: {type: point_mass, node: right, mass: 1}
+      rope: {type: reeved_cable, nodes: [left, wheel, right], radii: [0, -0.2, 0], axis: [0, -1, 0],
+             axial_stiffness: 1.0}
+    initial: {velocities: [{nodes: [right], velocity: [0, 0, 1]}]}
+    time: {end: 1.0, step: 1.0e-3}
+"""
+
+
+def test_a_run_ends_where_the_cable_leaves_a_pulley(tmp_path):
+    """The right end rises through the tangent from the left end to the circle, and 0.01 rad beyond."""
+    path = tmp_path / "rising.h5"
+    with pytest.raises(ConvergenceError, match="reeved_cable 'rope' leaves one of its pulleys"):
+        run(deck(RISING), path)
+    results = mecano.open_results(path)
+    wrap, (x, _, z) = results["elements/rope/wrap_1"].values, results["nodes/right/position"].values.T
+    contact_left = math.atan2(0.1, -1.0) - math.acos(0.2 / math.hypot(1.0, 0.1))
+    contact_right = np.arctan2(z, x) + np.arccos(0.2 / np.hypot(x, z))
+    np.testing.assert_allclose(wrap, contact_left - contact_right, atol=1e-12)
+    assert wrap[0] > 0.2 and wrap[-1] < 0.0 and wrap[:-1].min() > -0.01
+
+
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        (("radii: [0, -0.2, 0]", "radii: [0, -0.2]"), "'radii' must have 3 numbers, one for each node; it has 2"),
+        (("radii: [0, -0.2, 0]", "radii: [0, 0, 0]"), "'wheel' is a pulley between the ends: give its radius, > 0"),
+        (("radii: [0, -0.2, 0]", "radii: [0, -0.2, 0.1]"), "the cable ends at 'right', a point with the radius 0"),
+        (("radii: [0, -0.2, 0]", "radii: [0, -2, 0]"), "'left' and 'wheel' are 1.02 m apart, and must be more than 2"),
+        (("nodes: [left, wheel, right], radii: [0, -0.2, 0]", "nodes: [left, right], radii: [0, 0]"), "is a 'cable'"),
+        (("axis: [0, -1, 0]", "axis: [0, -1, 0.9]"), "apart along it, not in one plane"),
+        (("damping: 0.002", "payout: -4"), "'payout' is -4 m at t = 0, and the cable is 2.628 m long"),
+    ],
+)
+def test_errors(change, message):
+    assert change[0] in TWO_WEIGHTS
+    with pytest.raises(DeckError) as info:
+        deck_of_bytes(textwrap.dedent(TWO_WEIGHTS).strip().replace(*change).encode(), "deck.yaml")
+    found = deck_error_text(info.value)
+    assert found.startswith("deck.yaml:") and message in found
