@@ -46,14 +46,51 @@ TWO_WEIGHTS = """
              axial_stiffness: 1.0e6, damping: 0.002, pretension: 23.544}
     time: {end: 0.5, step: 1.0e-3}
 """
+FALL = 0.2 * g  # (m_1 - m_2) g/(m_1 + m_2)
 
 
-def test_two_weights_over_a_pulley():
-    """The heavier one falls with (m_1 - m_2) g/(m_1 + m_2), the tension is 2 m_1 m_2 g/(m_1 + m_2)."""
-    recorded = RecordedRun(deck(TWO_WEIGHTS))
-    assert recorded["nodes/left/velocity"][-1, 2] == pytest.approx(-0.5 * 0.2 * g, rel=1e-5)
-    assert recorded["elements/rope/tension"][-1] == pytest.approx(2.4 * g, rel=1e-5)
+def test_two_weights_over_pulleys_of_which_one_turns():
+    """The heavier weight falls, with the tension 2 m_1 m_2 g/(m_1 + m_2), over one pulley and over two.
+
+    The second of two pulleys turns by 20 rad meanwhile: the cable neither turns nor brakes it.
+    """
+    text = TWO_WEIGHTS.replace("    elements:", BESIDE_NODES + "    elements:")
+    recorded = RecordedRun(deck(text.replace("    time:", BESIDE + "    time:")))
+    for weight, rope in (("left", "rope"), ("low", "line")):
+        assert recorded[f"nodes/{weight}/velocity"][-1, 2] == pytest.approx(-0.5 * FALL, rel=1e-5)
+        assert recorded[f"elements/{rope}/tension"][-1] == pytest.approx(2.4 * g, rel=1e-5)
+    wraps = [recorded[f"elements/line/wrap_{i}"] for i in (1, 2)]
+    np.testing.assert_allclose(wraps, math.pi / 2, atol=1e-9)
+    np.testing.assert_allclose(recorded["joints/bearing/rate"], 40.0, rtol=1e-9)
     assert np.ptp(recorded["energy/balance"]) < 1e-6
+
+
+BESIDE_NODES = """\
+      low: {position: [-0.2, 2, -1]}
+      first: {position: [0, 2, 0], fixed: true}
+      second: {position: [1, 2, 0]}
+      high: {position: [1.2, 2, -1]}
+"""
+BESIDE = """\
+      low: {type: point_mass, node: low, mass: 3}
+      high: {type: point_mass, node: high, mass: 2}
+      second: {type: rigid_body, node: second, mass: 1, inertia: [1, 1, 1]}
+      line: {type: reeved_cable, nodes: [low, first, second, high], radii: [0, -0.2, -0.2, 0], axis: [0, -1, 0],
+             axial_stiffness: 1.0e6, damping: 0.002, pretension: 23.544}
+    joints:
+      bearing: {type: hinge, nodes: [ground, second], axis: [0, 1, 0]}
+    initial: {velocities: [{nodes: [second], angular_velocity: [0, 40, 0]}]}
+"""
+
+
+def test_a_slack_cable_goes_taut():
+    """Both weights, thrown up at 1 m/s, fly freely until they are back after 2 v/g."""
+    thrown = "initial: {velocities: [{nodes: [left, right], velocity: [0, 0, 1]}]}\n    time:"
+    recorded = RecordedRun(deck(TWO_WEIGHTS.replace("time:", thrown)))
+    taut = next(event.t for event in recorded.event_records if event.name == "goes taut")
+    assert taut == pytest.approx(2 / g, abs=1e-4)
+    assert np.all(recorded["elements/rope/tension"][recorded.time < taut] == 0.0)
+    assert {event.name for event in recorded.event_records} == {"goes taut", "goes slack"}
 
 
 WOUND = """
