@@ -151,6 +151,12 @@ def test_a_run_ends_where_the_cable_leaves_a_pulley(tmp_path):
     assert wrap[0] > 0.2 and wrap[-1] < 0.0 and wrap[:-1].min() > -0.01
 
 
+def test_a_run_ends_where_a_load_is_hauled_into_its_pulley(tmp_path):
+    hauled = TWO_WEIGHTS.replace("damping: 0.002", "payout: {linear: {slope: -5}}")
+    with pytest.raises(ConvergenceError, match="reeved_cable 'rope' has no span any more"):
+        run(deck(hauled), tmp_path / "hauled.h5")
+
+
 @pytest.mark.parametrize(
     "change, message",
     [

@@ -23,7 +23,7 @@ cable. The cable has no mass.
 
 The length is exact for parallel axes and pulleys in one plane, and small inclinations of a span to the planes of its
 pulleys are allowed (``inclination``). The arc at the start is less than one turn. The run ends when the cable leaves a
-pulley, where the arc would become negative: without this pulley its path is another one.
+pulley, where the arc would become negative (without this pulley its path is another one), and where a span vanishes.
 """
 
 from dataclasses import replace
@@ -33,7 +33,7 @@ import numpy as np
 
 from mecano.constraints.belt_span import INCLINATION, check_tangent, span_record, tangent_direction
 from mecano.constraints.body_fixed import follow
-from mecano.constraints.elastic_line import STRAIN_OF_STEEL, strained
+from mecano.constraints.elastic_line import strained
 from mecano.constraints.joint_frame import triad
 from mecano.element_interface import Display, Event, Kind, Output, record
 from mecano.jit.kernel import kernel
@@ -45,6 +45,7 @@ from mecano.schema import CURVE, DIRECTION, NODES, NUMBER, NUMBERS, Field, not_n
 
 TAUT = 0
 LIFTED = 0.01  # [rad]: the length of a path off a pulley by this angle is in error by less than its square
+CLOSEST = 0.999  # difference of the radii of neighbours over their distance
 TURN = 2.0 * np.pi
 
 
@@ -151,7 +152,10 @@ def observe(p, at, F, y, e):
             d, _, _ = _span(p, at.q, k)
             y[6] = max(y[6], abs(dot(axis, d)) / norm(d))
         y[7] = max(y[7], -wrap)
-        y[7 + i] = wrap
+        y[8 + i] = wrap
+    for i in range(len(p.radii) - 1):
+        d, delta, _ = _span(p, at.q, i)
+        y[8] = max(y[8], abs(delta) / norm(d))
     e[1] = 0.5 * elastic * strain * L
     e[2] = viscous * L * strain_rate
     e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
@@ -222,14 +226,16 @@ def check(d, nodes):
 
 
 def limits(d):
-    """Return the largest strain of steel, and the inclination up to which the length is a good approximation."""
-    text = "is inclined to the plane of a pulley: its length is exact in that plane only"
-    return [("inclination", INCLINATION, text), ("strain", STRAIN_OF_STEEL, "is strained beyond the yield of steel")]
+    """Return the inclination up to which the length is a good approximation."""
+    return [("inclination", INCLINATION, "the length is exact only in the plane of the pulleys")]
 
 
 def ends(d):
-    """Return the end condition of a cable that leaves a pulley."""
-    return [("lift_off", LIFTED, "leaves one of its pulleys, where its arc (wrap_1, ...) falls below zero")]
+    """Return the end conditions of a cable that leaves a pulley, and of neighbours that leave no span between them."""
+    return [
+        ("lift_off", LIFTED, "leaves one of its pulleys, where its arc (wrap_1, ...) falls below zero"),
+        ("closeness", CLOSEST, "has no span any more between a pulley and the next, or its end: they are too close"),
+    ]
 
 
 def variant(d):
@@ -286,6 +292,7 @@ OUTPUTS = (
     Output("state", "-", "0 slack, 1 taut"),
     Output("inclination", "-", "sine of the largest angle of a span to the plane of its pulleys"),
     Output("lift_off", "rad", "angle by which the cable has left a pulley"),
+    Output("closeness", "-", "largest difference of radii over distance of neighbours; 1 where a span vanishes"),
 )
 REEVED_CABLE = Kind(
     name="reeved_cable",
