@@ -314,7 +314,8 @@ def check_outputs_of_parts(kind):
         named = [o.name + part.label for part in parts for o in part.kind.outputs]
         assert len({*named, *(output.name for output in kind.outputs)}) == len(named) + len(kind.outputs)
         found |= {(part.kind.name, first_of(part.label)): part.kind for part in parts if part.kind.outputs}
-    assert set(found) <= {(part.name, label) for _, part, label in kind.optional}
+    undeclared = set(found) - {(part.name, first_of(label)) for _, part, label in kind.optional}
+    assert not undeclared, f"Kind.optional does not declare the outputs of {undeclared}"
     assert {field for field, _, _ in kind.optional} <= {field.name for field in kind.fields}
     for part in found.values():
         assert part.doc.strip() and all(o.name and o.unit and o.doc for o in part.outputs)
