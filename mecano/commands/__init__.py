@@ -1,4 +1,7 @@
-"""The commands by subject: arguments and help. Their implementations are imported when they are called."""
+"""What the commands share: options, refusal of empty texts, printing; each subject has a file of arguments and help.
+
+Their implementations are imported when they are called.
+"""
 
 import os
 import sys

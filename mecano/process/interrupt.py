@@ -1,4 +1,4 @@
-"""Requests to end a process early: signals, and the limit of wall-clock time."""
+"""Requests to end a process early: signals, the limit of wall-clock time, and the command that resumes the run."""
 
 import re
 import shlex

@@ -60,7 +60,7 @@ def put_sliding(p, at, F, y, i):
 
 @kernel
 def put_translation(p, at, F, y, i):
-    """Write the outputs of ``TRANSLATION``."""
+    """Write the outputs of ``translation``."""
     for j in range(3):
         along, y[i + 3 + j] = slide(at.q, at.v, mat(at.R[0]), vec(p.mu[j], 0))
         y[i + j] = along - p.start[j]
