@@ -11,7 +11,7 @@ from time_runs import deck, input_deck
 import mecano
 from mecano.analyses import checkpoint_writer
 from mecano.analyses.dynamic import resume
-from mecano.process.interrupt import Interruption, stopped_by
+from mecano.process.interrupt import SIGNALS, Interruption, stopped_by
 
 SWING = """\
 mecano: 1
@@ -95,15 +95,16 @@ def check_same(found, expected):
 
 def forked(action, *arguments, **options):
     """Call in a fork of this process, quietly; returns its id. Its exit code is that of the command line."""
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # before ``try`` it would end in the tests
+    signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)  # before ``try`` the child would end in the tests
     child = os.fork()
     if child:
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
         return child
     code = 1
     try:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)  # as the others are until the process listens
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        for number in SIGNALS:  # which other tests in this process may have handled
+            signal.signal(number, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
         action(*arguments, **options)
         code = 0
     except BaseException as error:

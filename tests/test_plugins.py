@@ -98,7 +98,7 @@ def test_what_is_wrong_in_a_law_is_found(folder, name, old, new, failed):
 def test_a_run_with_a_plugin(folder):
     """The speed of the fall is V tanh(g t/V), as the page says; the plugin is recorded; without it there is no run."""
     code, _, err = call("run", "fall.yaml")
-    assert code == 2 and "unknown type 'drag'" in err
+    assert code == 2 and "unknown type 'air_drag'" in err
     code, _, err = call("run", "fall.yaml", "--plugin", "my_drag.py", "-q")
     assert code == 0, err
     with mecano.open_results("fall.h5") as results:
@@ -109,15 +109,15 @@ def test_a_run_with_a_plugin(folder):
         np.testing.assert_allclose(results["air.force"].values, 0.05 * speed**2, rtol=1e-12)
         recorded = json.loads(results.metadata["plugins"])
     digest = hashlib.sha256((folder / "my_drag.py").read_bytes()).hexdigest()
-    assert recorded == {str(folder / "my_drag.py"): {"sha256": digest, "names": ["drag"]}}
-    assert re.search(r"plugins +\S+my_drag.py\s+\(drag;", call("info", "fall.h5")[1])
+    assert recorded == {str(folder / "my_drag.py"): {"sha256": digest, "names": ["air_drag"]}}
+    assert re.search(r"plugins +\S+my_drag.py\s+\(air_drag;", call("info", "fall.h5")[1])
 
 
 def test_it_is_explained_listed_and_part_of_the_grammar(folder):
-    code, out, _ = call("explain", "drag", "--plugin", "my_drag.py")
+    code, out, _ = call("explain", "air_drag", "--plugin", "my_drag.py")
     assert code == 0 and "coefficient [N s2/m2]: a number; required" in out and "force [N]" in out
     assert "Drag of a body in still air" in call("list", "--plugin", "my_drag.py")[1]
-    assert '"kind drag"' in call("schema", "--plugin", "my_drag.py")[1]
+    assert '"kind air_drag"' in call("schema", "--plugin", "my_drag.py")[1]
     assert "slip law" in call("explain", "limited", "--plugin", "my_tyre.py")[1]
     assert "bell (term of a law" in call("explain", "bell", "--plugin", "my_law.py")[1]
 
@@ -169,7 +169,7 @@ def test_an_installed_package(folder):
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: drag-package\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text("[mecano.kinds]\ndrag = drag_package.drag\n")
     path = os.pathsep.join([str(folder / "site"), os.environ.get("PYTHONPATH", "")])
-    code, out, _ = call("explain", "drag", PYTHONPATH=path)
+    code, out, _ = call("explain", "air_drag", PYTHONPATH=path)
     assert code == 0 and "coefficient [N s2/m2]" in out
     code, _, err = call("run", "fall.yaml", "-q", PYTHONPATH=path)
     assert code == 0, err
@@ -183,7 +183,7 @@ def test_an_installed_package(folder):
         ("x = 1\ny = (\n", "line 2: SyntaxError"),
         ("x = 1\nimport no_such_module_anywhere\n", "line 2: ModuleNotFoundError: No module named 'no_such"),
         ("x = 1\n", "defines no Kind, SlipLaw or Term"),
-        (SOURCES["my_drag.py"].replace('name="drag"', 'name="hinge"'), "the kind 'hinge' is already in use"),
+        (SOURCES["my_drag.py"].replace('name="air_drag"', 'name="hinge"'), "the kind 'hinge' is already in use"),
     ],
 )
 def test_a_file_that_cannot_be_used(folder, text, said):

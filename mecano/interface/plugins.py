@@ -25,7 +25,7 @@ def load_plugin(path: str | os.PathLike[str]) -> list[str]:
     Examples
     --------
     >>> mecano.load_plugin("my_drag.py")
-    ['drag']
+    ['air_drag']
     """
     from mecano.elements.plugins import load
 

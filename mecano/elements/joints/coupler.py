@@ -131,9 +131,8 @@ def prepare(d, nodes, context):
 def check(d, nodes):
     """Check that there is one coordinate at each end, and not the same."""
     texts = [f"give either 'angle_{end}' or 'displacement_{end}'" for end in "ab" if len(_given(d, end)) != 1]
-    coordinates = [[(name, d[f"{name}_{end}"]) for name in _given(d, end)] for end in "ab"]
-    if not texts and coordinates[0] == coordinates[1]:
-        texts = ["its two coordinates are the same one"]
+    if any(d[f"{name}_a"] is not None and d[f"{name}_a"] is d[f"{name}_b"] for name in COORDINATES):
+        texts.append("its two coordinates are the same one")
     return texts if len(d["factors"]) == 2 else [*texts, "'factors' must be two numbers, h_a and h_b"]
 
 
