@@ -236,6 +236,11 @@ def test_what_is_refused(more, beams, text):
     assert text in "\n".join(problem.message for problem in caught.value.problems)
 
 
+def test_a_beam_whose_stiffness_is_lost_in_rounding_is_refused():
+    with pytest.raises(DeckError, match="radii of gyration"):
+        deck(member().replace("[2, 0, 0]", "[1e9, 0, 0]"))
+
+
 @pytest.mark.parametrize(
     ("section", "text"),
     [

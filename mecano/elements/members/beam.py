@@ -41,6 +41,7 @@ from mecano.maths.so3 import exp, tangent
 from mecano.maths.vector import cross, dot, mat, put
 from mecano.schema import DIRECTION, INTEGER, NODE_PAIR, NUMBER, POINT, SECTION, Field
 
+MOST_SLENDER = 1e7  # lengths over radii of gyration: stiffnesses differ by the square, of 16 digits
 MOST_ELEMENTS = 10_000
 RECORD = record(
     S=(3, 3), K_uu=(3, 3), K_up=(3, 3), K_pp=(3, 3), B=(3, 3), along=3, u0=3, phi0=3, damping=(), gravity=3,
@@ -164,8 +165,20 @@ def prepare(d, nodes, context):
 
 
 def check(d, nodes):
-    """Return errors for coincident nodes, 'up' along the beam, an impossible arc, elements that turn too far."""
-    return check_line(d, nodes, is_round(constants(d["section"])))
+    """Return errors for an impossible line (beam_line.py) and for elements whose stiffness is lost in rounding."""
+    section = constants(d["section"])
+    return check_line(d, nodes, is_round(section)) or _too_slender(d, nodes, section)
+
+
+def _too_slender(d, nodes, section):
+    C, (x_1, x_2) = section.C, (x for x, _ in nodes)
+    slenderness = np.linalg.norm(np.subtract(x_2, x_1)) / d["mesh"] * np.sqrt(C[0, 0] / np.diag(C)[4:].min())
+    if slenderness <= MOST_SLENDER:
+        return []
+    return [
+        f"an element is {slenderness:.2g} radii of gyration of its section long, {MOST_SLENDER:g} at most: correct the "
+        "places of the nodes or the 'section', or use a cable"
+    ]
 
 
 def check_mesh(n):
