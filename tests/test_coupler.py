@@ -26,8 +26,8 @@ def test_two_panels_deploy_together(verify, panels):
 def test_the_synchronisation_turns_the_outer_panel(panels):
     for m in panels:
         np.testing.assert_allclose(2.0 * m["joints/root_hinge/angle"] + m["joints/elbow_hinge/angle"], 0.0, atol=1e-9)
-        assert m["joints/synchronisation/load_b"][0] == pytest.approx(5 / 16 * MOTOR, rel=1e-6)
-        assert m["joints/synchronisation/load_a"][0] == pytest.approx(5 / 8 * MOTOR, rel=1e-6)
+        assert m["joints/synchronisation/load_2"][0] == pytest.approx(5 / 16 * MOTOR, rel=1e-6)
+        assert m["joints/synchronisation/load_1"][0] == pytest.approx(5 / 8 * MOTOR, rel=1e-6)
 
 
 SPINDLE = """
@@ -47,21 +47,14 @@ SPINDLE = """
 TRAVEL = 0.1  # m/rad, of the nut
 
 
-@pytest.mark.parametrize(
-    ("given", "of_wheel", "of_nut"),
-    [
-        ("angle_a: bearing, displacement_b: guide, factors: [0.1, -1]", "load_a", "load_b"),
-        ("displacement_a: guide, angle_b: bearing, factors: [1, -0.1]", "load_b", "load_a"),
-    ],
-)
-def test_an_angle_drives_a_displacement(given, of_wheel, of_nut):
+def test_an_angle_drives_a_displacement():
     """The moment M turns the inertia I and, by the travel r, moves the mass m: the acceleration is M/(I + m r^2)."""
-    m = RecordedRun(deck(SPINDLE.replace("GIVEN", given)))
+    m = RecordedRun(deck(SPINDLE.replace("GIVEN", "angles: [bearing], displacements: [guide], factors: [0.1, -1]")))
     acceleration = 0.3 / (0.02 + 2.0 * TRAVEL**2)
     np.testing.assert_allclose(m["joints/bearing/angle"], 0.5 * acceleration * m.time**2, rtol=1e-6, atol=1e-9)
     np.testing.assert_allclose(m["joints/guide/displacement"], TRAVEL * m["joints/bearing/angle"], atol=1e-10)
-    np.testing.assert_allclose(m[f"joints/drive/{of_nut}"], 2.0 * TRAVEL * acceleration, rtol=1e-6)
-    np.testing.assert_allclose(m[f"joints/drive/{of_wheel}"], -2.0 * TRAVEL**2 * acceleration, rtol=1e-6)
+    np.testing.assert_allclose(m["joints/drive/load_2"], 2.0 * TRAVEL * acceleration, rtol=1e-6)
+    np.testing.assert_allclose(m["joints/drive/load_1"], -2.0 * TRAVEL**2 * acceleration, rtol=1e-6)
     assert np.ptp(m["energy/balance"]) < 1e-6 * m["energy/kinetic"].max()
 
 
@@ -75,7 +68,7 @@ CHAIN = """
     joints:
       first: {type: hinge, nodes: [ground, inner], axis: [0, 0, 1]}
       second: {type: hinge, nodes: [inner, outer], axis: [0, 0, 1]}
-      relation: {type: coupler, angle_a: first, angle_b: second, factors: [3, 1], constant: 0.6}
+      relation: {type: coupler, angles: [first, second], factors: [3, 1], constant: 0.6}
     loads: {motor: {type: joint_moment, joint: first, value: 0.7}}
     time: {end: 6, step: 0.01}
     """
@@ -90,16 +83,35 @@ def test_both_joints_share_a_node_and_turn_many_times():
     assert outer[-1] < -10.0 * np.pi
 
 
+ENGINE, BRAKE = 60.0, 20.0  # N m, of the deck
+CARRIER, LEFT, RIGHT = 1.5, 0.8, 1.2  # kg m2
+
+
+def test_a_differential_halves_the_moment_of_its_carrier(verify):
+    """Lagrange's equations of both wheels, with the angle of the carrier (left + right)/2."""
+    m = RecordedRun(input_deck("differential", "time.end=0.5"))
+    inertia = np.diag([LEFT, RIGHT]) + CARRIER / 4.0
+    left, right = np.linalg.solve(inertia, [ENGINE / 2.0, ENGINE / 2.0 - BRAKE])
+    load = CARRIER * (left + right) / 2.0 - ENGINE
+    for name, acceleration in (("carrier", (left + right) / 2.0), ("left", left), ("right", right)):
+        angle = m[f"joints/{name}_bearing/angle"]
+        np.testing.assert_allclose(angle, 0.5 * acceleration * m.time**2, rtol=1e-9, atol=1e-9)
+    loads = np.array([m[f"joints/differential/load_{i}"] for i in (1, 2, 3)]).T
+    what = "differential of three shafts: moments [N m]"
+    verify("Coupler", what, loads, load * np.array([1.0, -0.5, -0.5]), "Lagrange's equations", relative=1e-9)
+    assert np.ptp(m["energy/balance"]) < 1e-9 * m["energy/kinetic"].max()
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ("angle_a: bearing, factors: [1, 1]", "give either 'angle_b' or 'displacement_b'"),
-        ("angle_a: bearing, displacement_a: guide, angle_b: bearing, factors: [1, 1]", "give either 'angle_a' or"),
-        ("angle_a: bearing, angle_b: bearing, factors: [1, 2]", "its two coordinates are the same one"),
-        ("angle_a: bearing, displacement_b: guide, factors: [1]", "'factors' must be two numbers, h_a and h_b"),
-        ("angle_a: bearing, displacement_b: guide, factors: [1, 0]", "'factors[1]' must not be zero"),
-        ("angle_a: bearing, angle_b: guide, factors: [1, 1]", "prismatic 'guide' has no angle"),
-        ("angle_a: bearing, angle_b: gide, factors: [1, 1]", "unknown joint 'gide'"),
+        ("angles: [bearing], factors: [1]", "'angles' and 'displacements' must name at least two joints together"),
+        ("angles: [bearing, bearing], factors: [1, 2]", "'angles' names the same joint twice: add its factors"),
+        ("angles: [bearing], displacements: [guide], factors: [1]", "'factors' must have 2 numbers: of the 'angles', "),
+        ("angles: [bearing], displacements: [guide], factors: [1, 0]", "'factors[1]' must not be zero"),
+        ("angles: [bearing, guide], factors: [1, 1]", "prismatic 'guide' has no angle"),
+        ("angles: [bearing, gide], factors: [1, 1]", "unknown joint 'gide'"),
+        ("angles: bearing, factors: [1, 1]", "'angles' must be a list"),
     ],
 )
 def test_wrong_couplers(given, message):

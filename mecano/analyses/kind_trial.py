@@ -266,6 +266,8 @@ def _turned(fields, values, Q, shift):
             out[field.name] = _turned_ground(value, Q, shift)
         if value is not None and field.type.name == "joint":
             out[field.name] = {**value, "axis": Q @ value["axis"]}
+        if value is not None and field.type.name == "list" and field.type.options[0].name == "joint":
+            out[field.name] = [{**joint, "axis": Q @ joint["axis"]} for joint in value]
         if value is not None and field.type == WHEEL:
             ground = _turned_ground(value["ground"], Q, shift)
             out[field.name] = {**value, "axis": Q @ value["axis"], "ground": ground}

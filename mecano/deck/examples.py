@@ -22,7 +22,7 @@ EXAMPLES = {
     "rigid_rod": "rod: {type: rigid_rod, nodes: [crank, slider]}",
     "gear_pair":
         "gears: {type: gear_pair, nodes: [ground, crank, slider], axis_a: [0, 1, 0], radius_a: 0.4 m, radius_b: 0.6 m}",
-    "coupler": "spindle: {type: coupler, angle_a: knee, displacement_b: rail, factors: [0.1, -1]}",
+    "coupler": "spindle: {type: coupler, angles: [knee], displacements: [rail], factors: [0.1, -1]}",
     "rack_and_pinion":
         "rack: {type: rack_and_pinion, nodes: [ground, rod], axis: [0, 1, 0], direction: [1, 0, 0], radius: 50 mm}",
     "point_on_curve":

@@ -30,8 +30,15 @@ def own_nodes(kind, values):
 
 def element_nodes(kind, values):
     """Return the names of the nodes of an element, joint or load: its own, then those of the joints that it names."""
-    joints = [values[field.name] for field in kind.fields if field.type.name == "joint"]
-    return [*own_nodes(kind, values), *(name for joint in joints if joint is not None for name in joint["nodes"])]
+    joints = (joint for field in kind.fields for joint in _joints(field.type, values[field.name]))
+    return [*own_nodes(kind, values), *(name for joint in joints for name in joint["nodes"])]
+
+
+def _joints(type_, value):
+    """Return the checked values of the joints that a field of this type names."""
+    if type_.name == "joint":
+        return [] if value is None else [value]
+    return value if type_.name == "list" and type_.options[0].name == "joint" else []
 
 
 def rotations(vectors):

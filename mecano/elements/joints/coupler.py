@@ -1,16 +1,21 @@
-r"""Coupler: a linear relation between the coordinates of two joints, as by a synchronisation cable, gears or a linkage.
+r"""Coupler: a linear relation between coordinates of joints: a differential, gears, a synchronisation cable, a linkage.
 
-With the coordinates :math:`c_a, c_b` of the joints, each its output ``angle`` or ``displacement``, any number of
-turns, and the ``factors`` :math:`h_a, h_b` and the ``constant`` c of the deck,
+With the coordinates :math:`c_i` of two or more joints, the output ``angle`` of each of the ``angles``, any number of
+turns, and then the output ``displacement`` of each of the ``displacements``, and with the ``factors`` :math:`h_i` in
+the same order and the ``constant`` c,
 
-.. math::  h_a c_a + h_b c_b = c, \qquad \Phi = c_a + (h_b/h_a)\, c_b - c/h_a
+.. math::  \sum h_i c_i = c, \qquad \Phi = \sum \frac{h_i}{h_1}\, c_i - \frac{c}{h_1}
 
-The multiplier is the load along :math:`c_a`, a moment or a force; the load along :math:`c_b` is :math:`h_b/h_a` times
+The multiplier is the load along :math:`c_1`, a moment or a force; the load along :math:`c_i` is :math:`h_i/h_1` times
 it. Each load acts between the two nodes of its joint, and together they do no work. A coupler has no inertia, friction
 or play of its own.
 """
 
 from collections import namedtuple
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
 
 from mecano.constraints.along_coordinate.law import counted
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
@@ -19,166 +24,199 @@ from mecano.constraints.coordinates.twist import TWIST
 from mecano.constraints.joint_samples import two_places
 from mecano.element_interface import Display, Kind, Output, Place, Row, record
 from mecano.jit.kernel import kernel
+from mecano.maths.dual import number
 from mecano.schema import NUMBER, Field, joint_with, list_of, not_zero
 
-COORDINATES = {"angle": TWIST, "displacement": SLIDE}
+COORDINATES = {"angles": ("angle", TWIST), "displacements": ("displacement", SLIDE)}
 Turning = namedtuple("Turning", TWIST.axes)
 Sliding = namedtuple("Sliding", SLIDE.axes)
+angle, along_angle = counted(TWIST), TWIST.gradient
+displacement, along_displacement = SLIDE.value, SLIDE.gradient
 
 
 @kernel
-def _turning_a(p):
-    return Turning(p.mu_a, p.xi_a)
+def _from(at, memory, unknown, rotation):
+    """Return the Place of a coordinate whose memory, unknowns and rotations begin at these local indices."""
+    q, v, a = at.q[unknown:], at.v[unknown:], at.a[unknown:]
+    return Place(at.t, at.phase, at.k, at.penalty, at.laws, at.m[memory:], q, v, a, at.R[rotation:])
 
 
 @kernel
-def _turning_b(p):
-    return Turning(p.mu_b, p.xi_b)
+def _turning(p, at, i):
+    """Return axes and Place of angle i."""
+    return Turning(p.mu[i], p.xi[i]), _from(at, i, 6 * i, 2 * i)
 
 
 @kernel
-def _sliding_a(p):
-    return Sliding(p.mu_a)
+def _sliding(p, at, i):
+    """Return axes and Place of displacement i, which follow all angles."""
+    n = len(p.mu)
+    return Sliding(p.along[i]), _from(at, n, 6 * n + 9 * i, 2 * n + i)
 
 
 @kernel
-def _sliding_b(p):
-    return Sliding(p.mu_b)
+def _row(p):
+    """Return the local index of the multiplier."""
+    return 6 * len(p.mu) + 9 * len(p.along)
 
 
-AXES = {TWIST: (_turning_a, _turning_b), SLIDE: (_sliding_a, _sliding_b)}
-"""The axes of a coordinate of the first and of the second joint, from the record of a coupler."""
+@kernel
+def residual(p, at, f):
+    """Add the constraint and its forces; their sum over the coordinates is in the row of the multiplier."""
+    turns, row = len(p.mu), _row(p)
+    g = -(number(at.q[row]) + at.penalty * p.offset)
+    f[row] += at.k * p.offset
+    for i in range(turns):
+        axes, place = _turning(p, at, i)
+        term = p.ratios[i] * angle(axes, place)
+        g = g + at.penalty * term
+        f[row] -= at.k * term
+    for i in range(len(p.along)):
+        axes, place = _sliding(p, at, i)
+        term = p.ratios[turns + i] * displacement(axes, place)
+        g = g + at.penalty * term
+        f[row] -= at.k * term
+    for i in range(turns):
+        axes, place = _turning(p, at, i)
+        add_along(f[6 * i :], p.ratios[i] * g, along_angle(axes, place))
+    for i in range(len(p.along)):
+        axes, place = _sliding(p, at, i)
+        add_along(f[6 * turns + 9 * i :], p.ratios[turns + i] * g, along_displacement(axes, place))
 
 
-def _mechanics(first, second):
-    """Return the declarations of a Kind that couples these coordinates."""
-    n, turns = 3 * len(first.layout), sum(slot[0] == "R" for slot in first.layout)
-    row, kept, more = n + 3 * len(second.layout), int(first.periodic), int(second.periodic)
-    value_a, value_b, along_a, along_b = counted(first), counted(second), first.gradient, second.gradient
-    axes_a, axes_b = AXES[first][0], AXES[second][1]
-
-    @kernel
-    def place_b(at):
-        return Place(at.t, at.phase, at.k, at.penalty, at.laws, at.m[kept:], at.q[n:], at.v[n:], at.a[n:], at.R[turns:])
-
-    @kernel
-    def difference(p, at):
-        return value_a(axes_a(p), at) + p.ratio * value_b(axes_b(p), place_b(at)) - p.offset
-
-    @kernel
-    def residual(p, at, f):
-        Phi = difference(p, at)
-        g = at.penalty * Phi - at.q[row]
-        f[row] -= at.k * Phi
-        add_along(f, g, along_a(axes_a(p), at))
-        add_along(f[n:], p.ratio * g, along_b(axes_b(p), place_b(at)))
-
-    @kernel
-    def constraints(p, at, g):
-        b = place_b(at)
-        g[0, 0] = difference(p, at)
-        g[0, 1] = rate_of(along_a(axes_a(p), at), at.v) + p.ratio * rate_of(along_b(axes_b(p), b), b.v)
-
-    @kernel
-    def observe(p, at, F, y, e):
-        y[0] = at.q[row]
-        y[1] = p.ratio * at.q[row]
-
-    @kernel
-    def commit(p, at, m_out):
-        if kept:
-            m_out[0] = value_a(axes_a(p), at)
-        if more:
-            m_out[kept] = value_b(axes_b(p), place_b(at))
-
-    memory = [name for name, one in (("angle_a", first), ("angle_b", second)) if one.periodic]
-    (load, unit), (_, unit_b) = first.load, second.load
-    return {
-        "dtype": record(**_record(first, "a"), **_record(second, "b"), ratio=(), offset=()),
-        "layout": (*first.layout, *(f"{what}{int(node) + 2}" for what, node in second.layout)),
-        "multipliers": (Row(f"{load} on the first joint", unit, first.unit),),
-        "outputs": (
-            Output("load_a", unit, "moment or force along the coordinate of the first joint, > 0 increases it"),
-            Output("load_b", unit_b, "moment or force along the coordinate of the second joint, > 0 increases it"),
-        ),
-        "memory": tuple(memory), "commit": commit if memory else None,
-        "residual": residual, "constraints": constraints, "observe": observe,
-    }  # fmt: skip
+@kernel
+def constraints(p, at, g):
+    """Write the constraint and its rate."""
+    turns = len(p.mu)
+    g[0, 0] -= p.offset
+    for i in range(turns):
+        axes, place = _turning(p, at, i)
+        g[0, 0] += p.ratios[i] * angle(axes, place)
+        g[0, 1] += p.ratios[i] * rate_of(along_angle(axes, place), place.v)
+    for i in range(len(p.along)):
+        axes, place = _sliding(p, at, i)
+        g[0, 0] += p.ratios[turns + i] * displacement(axes, place)
+        g[0, 1] += p.ratios[turns + i] * rate_of(along_displacement(axes, place), place.v)
 
 
-def _record(coordinate, end):
-    return {f"{name}_{end}": shape for name, shape in coordinate.axes.items()}
+@kernel
+def observe(p, at, F, y, e):
+    """Write the loads along the coordinates."""
+    for i in range(len(p.ratios)):
+        y[i] = p.ratios[i] * at.q[_row(p)]
 
 
-def _given(d, end):
-    """Return the names of the coordinates that the deck gives for one end; there must be one."""
-    return [name for name in COORDINATES if d[f"{name}_{end}"] is not None]
+@kernel
+def commit(p, at, m_out):
+    """Write the angles."""
+    for i in range(len(p.mu)):
+        axes, place = _turning(p, at, i)
+        m_out[i] = angle(axes, place)
+
+
+def _joints(d):
+    """Return [(output, checked values of the joint)] of all coordinates, in their order."""
+    return [(output, joint) for field, (output, _) in COORDINATES.items() for joint in d[field]]
 
 
 def prepare(d, nodes, context):
-    """Return axes and initial values of both coordinates, and the relation."""
-    found, ratio = {}, d["factors"][1] / d["factors"][0]
-    offset = d["constant"] / d["factors"][0]
-    for end, factor, ends in (("a", 1.0, nodes[:2]), ("b", ratio, nodes[2:])):
-        (name,) = _given(d, end)
-        joint = d[f"{name}_{end}"]
-        measured = context.kinds[joint["type"]].measures[name](joint, ends, context)
-        found |= {f"{axis}_{end}": value for axis, value in measured.axes.items()}
-        offset += factor * measured.zero
-    return {**found, "ratio": ratio, "offset": offset}
+    """Return axes and initial values of all coordinates, and the relation."""
+    ratios = np.array(d["factors"]) / d["factors"][0]
+    found = [
+        context.kinds[joint["type"]].measures[output](joint, nodes[2 * i : 2 * i + 2], context)
+        for i, (output, joint) in enumerate(_joints(d))
+    ]
+    turns = found[: len(d["angles"])]
+    return {
+        "mu": np.reshape([one.axes["mu"] for one in turns], (-1, 3, 3)),
+        "xi": np.reshape([one.axes["xi"] for one in turns], (-1, 3, 3)),
+        "along": np.reshape([one.axes["mu"] for one in found[len(turns) :]], (-1, 3)),
+        "ratios": ratios,
+        "offset": d["constant"] / d["factors"][0] + ratios @ [one.zero for one in found],
+    }
 
 
 def check(d, nodes):
-    """Check that there is one coordinate at each end, and not the same."""
-    texts = [f"give either 'angle_{end}' or 'displacement_{end}'" for end in "ab" if len(_given(d, end)) != 1]
-    if any(d[f"{name}_a"] is not None and d[f"{name}_a"] is d[f"{name}_b"] for name in COORDINATES):
-        texts.append("its two coordinates are the same one")
-    return texts if len(d["factors"]) == 2 else [*texts, "'factors' must be two numbers, h_a and h_b"]
+    """Check that there are two coordinates or more, no one twice, and a factor for each."""
+    n = len(_joints(d))
+    if n < 2:
+        return ["'angles' and 'displacements' must name at least two joints together"]
+    texts = [
+        f"{field!r} names the same joint twice: add its factors"
+        for field in COORDINATES
+        if len({id(joint) for joint in d[field]}) < len(d[field])
+    ]
+    if len(d["factors"]) != n:
+        given = len(d["factors"])
+        texts.append(f"'factors' must have {n} numbers: of the 'angles', then the 'displacements'; it has {given}")
+    return texts
 
 
 def variant(d):
-    """Return the kind for the coordinates of the deck."""
-    return COUPLERS[_given(d, "a")[0], _given(d, "b")[0]]
+    """Return the kind with these numbers of angles and displacements."""
+    return _of_size(len(d["angles"]), len(d["displacements"]))
 
 
 def sample(rng):
-    """Return every pair of coordinates, of joints at different places."""
-    given = {f"{name}_{end}": None for name in COORDINATES for end in "ab"}
-    joints = [{"type": "cylindrical", "axis": rng.normal(size=3), "axis_1": None} for _ in "ab"]
-    relation = {"factors": [0.5, -1.5], "constant": 0.2}
-    return [
-        ({**given, f"{a}_a": joints[0], f"{b}_b": joints[1], **relation}, [*two_places(rng), *two_places(rng)], "")
-        for a, b in COUPLERS
-    ]
+    """Return couplers of angles, of displacements, and of both."""
+    joint, samples = {"type": "cylindrical", "axis_1": None}, []
+    for turns, slides in ((2, 0), (0, 2), (2, 1)):
+        n = turns + slides
+        joints = [{**joint, "axis": rng.normal(size=3)} for _ in range(n)]
+        d = {
+            "angles": joints[:turns],
+            "displacements": joints[turns:],
+            "factors": [0.5, -1.5, 0.8][:n],
+            "constant": 0.2,
+        }
+        places = [place for _ in range(n) for place in two_places(rng)]
+        samples.append((d, places, ""))
+    return samples
 
 
-def _coordinate(name, end, which):
-    text = f"joint whose {name} is the {which} coordinate"
-    return Field(f"{name}_{end}", joint_with(name), "-", text, None)
+def _declarations(turns, slides):
+    """Return the declarations of a Kind that depend on the numbers of angles and displacements."""
+    coordinates = [TWIST] * turns + [SLIDE] * slides
+    what, unit = coordinates[0].load
+    ends = (slot for j in range(2 * turns, 2 * (turns + slides), 2) for slot in (f"x{j}", f"R{j}", f"x{j + 1}"))
+    return {
+        "dtype": record(mu=(turns, 3, 3), xi=(turns, 3, 3), along=(slides, 3), ratios=(turns + slides,), offset=()),
+        "layout": (*(f"R{i}" for i in range(2 * turns)), *ends),
+        "multipliers": (Row(f"{what} on the first joint", unit, coordinates[0].unit),),
+        "memory": tuple(f"angle_{i}" for i in range(1, turns + 1)),
+        "commit": commit if turns else None,
+    }
 
 
-def _kind(a, b):
-    return Kind(
-        name="coupler",
-        section="joints",
-        doc=__doc__,
-        display=Display("nothing"),
-        fields=(
-            *(
-                _coordinate(name, end, which)
-                for end, which in (("a", "first"), ("b", "second"))
-                for name in COORDINATES
-            ),
-            Field("factors", list_of(NUMBER, not_zero), "-", "h_a and h_b; their ratio has the unit of c_a/c_b"),
-            Field("constant", NUMBER, "-", "c, in the unit of h_a c_a", 0.0),
-        ),
-        prepare=prepare,
-        check=check,
-        variant=variant,
-        sample=sample,
-        **_mechanics(COORDINATES[a], COORDINATES[b]),
+@cache
+def _of_size(turns, slides):
+    coordinates = [TWIST] * turns + [SLIDE] * slides
+    loads = (
+        Output(f"load_{i}", c.load[1], f"{c.load[0]} along coordinate {i}, > 0 increases it")
+        for i, c in enumerate(coordinates, 1)
     )
+    return replace(COUPLER, variant=None, outputs=tuple(loads), **_declarations(turns, slides))
 
 
-COUPLERS = {(a, b): _kind(a, b) for a in COORDINATES for b in COORDINATES}
-COUPLER = COUPLERS["angle", "angle"]
+COUPLER = Kind(
+    name="coupler",
+    section="joints",
+    doc=__doc__,
+    display=Display("nothing"),
+    fields=(
+        Field("angles", list_of(joint_with("angle")), "-", "joints whose angles are the first coordinates", ()),
+        Field("displacements", list_of(joint_with("displacement")), "-", "joints whose displacements follow", ()),
+        Field("factors", list_of(NUMBER, not_zero), "-", "h_i, of the angles and then of the displacements; the ratio "
+              "of two has the unit that makes the terms alike"),
+        Field("constant", NUMBER, "-", "c, in the unit of h_1 c_1", 0.0),
+    ),
+    outputs=(Output("load_1", "N m", "moment or force along coordinate 1, > 0 increases it; and so on"),),
+    prepare=prepare,
+    check=check,
+    variant=variant,
+    residual=residual,
+    constraints=constraints,
+    observe=observe,
+    sample=sample,
+    **_declarations(1, 0),
+)  # fmt: skip
