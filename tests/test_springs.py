@@ -94,10 +94,16 @@ def test_natural_length_is_the_initial_distance_or_what_is_given():
     assert given.observe(q, 0 * q, NONE)[0][1] == pytest.approx(2.5, rel=1e-15)
 
 
+@pytest.mark.parametrize("natural", [-0.1, (("linear", {"slope": 1.0, "offset": -0.1}),)])
+def test_a_negative_natural_length_is_refused(natural):
+    texts = KINDS["spring_damper"].check({"law": LINEAR, "natural_length": natural}, at([0, 0, 0], [1, 0, 0]))
+    assert texts == ["'natural_length' must not be negative at t = 0"]
+
+
 def test_a_spring_of_no_length_is_refused_and_survives_a_trial():
-    kind, nodes = KINDS["spring_damper"], at([1, 2, 3], [1, 2, 3])
-    assert kind.check({"law": LINEAR}, nodes) == ["its nodes must not be at the same place"]
-    assert kind.check({"law": LINEAR}, at([1, 2, 3], [1, 2, 4])) == []
+    kind, d = KINDS["spring_damper"], {"law": LINEAR, "natural_length": None}
+    assert kind.check(d, at([1, 2, 3], [1, 2, 3])) == ["its nodes must not be at the same place"]
+    assert kind.check(d, at([1, 2, 3], [1, 2, 4])) == []
     spring = One(kind, {"law": LINEAR, "natural_length": 1.0}, at([0, 0, 0], [1, 0, 0]))
     for array in spring.force(np.ones(6), np.ones(6), NONE):
         assert np.all(np.isfinite(array))

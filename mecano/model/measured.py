@@ -25,7 +25,7 @@ def measurable(kind):
     """Return the names of the outputs of a kind that signals can read."""
     names = list(kind.measures)
     rates = {output.name: output.rate for output in kind.outputs}
-    return [*names, *dict.fromkeys(rates[name] for name in names if rates.get(name))]
+    return list(dict.fromkeys([*names, *(rates[name] for name in names if rates.get(name))]))
 
 
 def meaning(name, kinds, nodes):

@@ -64,7 +64,7 @@ STRUTS = Plan(
         View("compression force", ("compression_force",), against="stroke"),
         View("stroke", ("stroke",)),
         View("compression force", ("compression_force",)),
-        View("rate of extension", ("rate",)),
+        View("rate of extension", ("extension_rate",)),
     ),
     lead=2,
 )  # fmt: skip

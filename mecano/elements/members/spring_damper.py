@@ -2,69 +2,97 @@ r"""Spring-damper: a force along the line between two nodes, from a law of its e
 
 With :math:`d = x_1 - x_0`, the length :math:`\ell = |d|` and :math:`u = d/\ell` (theory.md section 3):
 
-.. math::  e = \ell - \ell_0, \qquad \dot e = u \cdot (v_1 - v_0), \qquad N = N(e, \dot e), \qquad f_1 = -f_0 = N u
+.. math::  e = \ell - \ell_0, \qquad \dot e = u \cdot (v_1 - v_0) - \dot\ell_0, \qquad N = N(e, \dot e), \qquad
+   f_1 = -f_0 = N u
 
-N > 0 pulls the nodes together.
+N > 0 pulls the nodes together. The natural length :math:`\ell_0` may be a law of time: the set point of an elastic
+actuator, whose power :math:`-N\dot\ell_0` is given by the surroundings. A set point that is a signal has no rate: use
+a ``line_force`` whose formula reads the length.
 """
 
 import numpy as np
 
+from mecano.constraints.along_coordinate.law import LAW_RECORD, extension, extension_rate, law_values, report
 from mecano.constraints.along_coordinate.signal import SIGNAL
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.joint_frame import at_one_place
 from mecano.constraints.line import line
-from mecano.constraints.stop_phases import EVENTS, PHASES, law_record, put_stop_events
+from mecano.constraints.stop_phases import EVENTS, PHASES, put_stop_events
 from mecano.element_interface import Display, Kind, Measured, Output, Part, record
 from mecano.jit.kernel import kernel
-from mecano.laws.table import evaluate_force, law_force, potential
+from mecano.laws.probe import curve_at
+from mecano.laws.table import law_force
 from mecano.maths.dual import number
 from mecano.maths.vector import add_vec
-from mecano.schema import LAW, NODE_PAIR, NUMBER, Field, not_negative
+from mecano.schema import CURVE, LAW, NODE_PAIR, Field, not_negative
 
-RECORD = record(law="i", natural_length=(), low=(), high=())
+RECORD = record(**LAW_RECORD)
+
+
+@kernel
+def _extension(p, at):
+    """Return the extension."""
+    return extension(p, at, line(at.q, at.v)[0])
+
+
+@kernel
+def _extension_rate(p, at):
+    """Return the rate of the extension."""
+    return extension_rate(p, at, line(at.q, at.v)[1])
+
+
+@kernel
+def _along(p, at, length, rate):
+    """Return the axial force at a length and its rate."""
+    return law_force(at.laws, p.law, extension(p, at, length), extension_rate(p, at, rate))
+
+
+@kernel
+def _force(p, at):
+    """Return the axial force."""
+    length, rate, _ = line(at.q, at.v)
+    return _along(p, at, length, rate)
 
 
 @kernel
 def residual(p, at, f):
     """Add equal and opposite forces along the line."""
     length, rate, (_, u, _) = line(at.q, at.v)
-    N = law_force(at.laws, p.law, length - p.natural_length, rate)
+    N = _along(p, at, length, rate)
     add_vec(f, 0, -N, u)
     add_vec(f, 3, N, u)
 
 
 @kernel
 def observe(p, at, F, y, e):
-    """Write length, extension, rate, force, stroke; energies."""
+    """Write length, extension, their rates, force, stroke; energies."""
     length, rate, _ = line(at.q, at.v)
-    extension = length - p.natural_length
-    N, _, _ = evaluate_force(at.laws, p.law, extension, rate)
-    elastic, _, _ = evaluate_force(at.laws, p.law, extension, 0.0)
     y[0] = length
-    y[1] = extension
+    y[1] = extension(p, at, length)
     y[2] = rate
-    y[3] = N
-    y[4] = -extension
-    e[1] = potential(at.laws, p.law, extension)
-    e[2] = (N - elastic) * rate
+    report(p, at, length, rate, y[3:], e)
+    y[4] = -y[1]
+    y[5] = extension_rate(p, at, rate)
 
 
 @kernel
 def event_values(p, at, g):
     """Write the event values of the stops of the law."""
-    put_stop_events(g, p.low, p.high, line(at.q, at.v)[0] - p.natural_length)
+    put_stop_events(g, p.low, p.high, _extension(p, at))
 
 
 def prepare(d, nodes, context):
     """Return the record of one spring; the natural length defaults to the initial distance."""
     distance = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
     natural = d["natural_length"]
-    return {"natural_length": distance if natural is None else natural, **law_record(d["law"], context)}
+    return law_values({}, d["law"], distance if natural is None else natural, context)
 
 
 def check(d, nodes):
-    """Check that the line has an initial direction."""
-    return at_one_place(nodes)
+    """Check that the line has an initial direction, and that the natural length is not negative at the start."""
+    texts, natural = at_one_place(nodes), d["natural_length"]
+    error = natural is not None and not_negative(curve_at(natural, 0.0)[0])
+    return [*texts, f"'natural_length' {error} at t = 0"] if error else texts
 
 
 def sample(rng):
@@ -81,28 +109,24 @@ def sample(rng):
         x, line = rng.normal(size=(2, 3))
         nodes = [(x, np.eye(3)), (x + length * line / np.linalg.norm(line), np.eye(3))]
         samples.append(({"law": strut, "natural_length": 2.0}, nodes, phase))
-    return [*samples, ({"law": cubic}, 2, "between")]
+    moved = (("sine", {"amplitude": 0.3, "frequency": 0.4, "phase": 0.2, "offset": 1.5}),)
+    return [*samples, ({"law": cubic}, 2, "between"), ({"law": cubic, "natural_length": moved}, 2, "between")]
 
 
-@kernel
-def force_residual(p, at, f):
-    """Add the row of the sensor of the force."""
-    length, rate, _ = line(at.q, at.v)
-    f[6] += number(at.q[6]) - law_force(at.laws, p.law, length - p.natural_length, rate)
+def _sensor(what, value):
+    """Return what the signal ``what`` of a spring is measured with: (deck values, nodes, Context) -> Part."""
+
+    @kernel
+    def residual(p, at, f):
+        f[6] += number(at.q[6]) - value(p, at)
+
+    kind = Kind(
+        name=f"spring_{what}_sensor", section="", doc=f"Sensor of the {what} of a spring-damper.", dtype=RECORD,
+        layout=("x0", "x1"), residual=residual, **SIGNAL,
+    )  # fmt: skip
+    return lambda d, nodes, context: Part(kind, (0, 1), prepare(d, nodes, context))
 
 
-def _measured(zero):
-    return lambda d, nodes, context: Measured(DISTANCE, (0, 1), {}, zero(prepare(d, nodes, context)))
-
-
-def _measured_force(d, nodes, context):
-    return Part(FORCE_SENSOR, (0, 1), prepare(d, nodes, context))
-
-
-FORCE_SENSOR = Kind(
-    name="spring_force_sensor", section="", doc="Sensor of the axial force of a spring-damper.", dtype=RECORD,
-    layout=("x0", "x1"), residual=force_residual, **SIGNAL,
-)  # fmt: skip
 SPRING_DAMPER = Kind(
     name="spring_damper",
     section="elements",
@@ -113,17 +137,16 @@ SPRING_DAMPER = Kind(
     fields=(
         Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
         Field("law", LAW, "-", "axial force [N] from extension [m] and rate [m/s]; > 0 pulls the nodes together"),
-        Field(
-            "natural_length", NUMBER, "m", "length at the extension zero; the initial distance when absent", None,
-            not_negative,
-        ),
+        Field("natural_length", CURVE, "m", "length at the extension zero, as a function of time [s]; the initial "
+              "distance when absent", None),
     ),
     outputs=(
         Output("length", "m", "distance of the nodes", rate="rate"),
-        Output("extension", "m", "length - natural length", rate="rate"),
-        Output("rate", "m/s", "rate of the extension"),
+        Output("extension", "m", "length - natural length", rate="extension_rate"),
+        Output("rate", "m/s", "rate of the length"),
         Output("force", "N", "axial force; > 0 pulls the nodes together"),
         Output("stroke", "m", "compression: natural length - length"),
+        Output("extension_rate", "m/s", "rate of the extension"),
     ),
     phases=PHASES,
     events=EVENTS,
@@ -135,7 +158,9 @@ SPRING_DAMPER = Kind(
     event_values=event_values,
     sample=sample,
     measures={
-        "length": _measured(lambda p: 0.0), "extension": _measured(lambda p: p["natural_length"]),
-        "force": _measured_force,
+        "length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {}),
+        "extension": _sensor("extension", _extension),
+        "extension_rate": _sensor("extension_rate", _extension_rate),
+        "force": _sensor("force", _force),
     },
 )  # fmt: skip
