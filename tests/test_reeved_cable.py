@@ -93,6 +93,71 @@ def test_a_slack_cable_goes_taut():
     assert {event.name for event in recorded.event_records} == {"goes taut", "goes slack"}
 
 
+def test_a_rope_brake(verify):
+    """The capstan formula with exp(mu theta) = 2: the drum loses its speed at m g r/I, and then both spans hold m g."""
+    recorded = RecordedRun(input_deck("rope_brake"))
+    rope = {
+        name: recorded[f"elements/rope/{name}"] for name in ("tension_1", "tension_2", "slip_1", "dissipated_power")
+    }
+    sliding = recorded.time <= 0.99
+    braked = 39.24 * (1.0 - recorded.time[sliding])
+    found = np.array([rope["tension_1"], rope["tension_2"]]).T[sliding]
+    verify(S, "rope brake: tensions [N]", found, [20 * g, 10 * g], "capstan formula", relative=1e-6)
+    np.testing.assert_allclose(recorded["joints/bearing/rate"][sliding], braked, rtol=1e-6)
+    np.testing.assert_allclose(rope["slip_1"][sliding], 0.2 * braked, rtol=1e-6)
+    np.testing.assert_allclose(rope["dissipated_power"][sliding], 10 * g * rope["slip_1"][sliding], rtol=1e-6)
+    assert np.all(rope["dissipated_power"] >= 0.0)
+    turned = recorded["joints/bearing/angle"][-1]  # the last 1 cm/s of sliding are not those of Coulomb's law
+    verify(S, "rope brake: angle at rest [rad]", turned, 19.62, "capstan formula", relative=2e-5)
+    np.testing.assert_allclose([rope["tension_1"][-1], rope["tension_2"][-1]], 10 * g, rtol=1e-6)
+    stretched, at_last = (0.5e-6 * (2.0 + 0.2 * math.pi) * N * N for N in (15 * g, 10 * g))
+    risen = 1e-6 * (2.0 + 0.2 * math.pi) * 5 * g
+    energy = 0.25 * 39.24**2 + stretched - at_last - 10 * g * risen
+    verify(S, "rope brake: energy dissipated [J]", recorded["energy/dissipated"][-1], energy, "energies", relative=1e-6)
+    assert np.ptp(recorded["energy/balance"]) < 1e-6 * energy
+
+
+HOIST = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes:
+      winch: {position: [-0.1, 0, 0], fixed: true}
+      head: {position: [0, 0, 6], fixed: true}
+      hook: {position: [0.2, 0, 2]}
+      anchor: {position: [0.3, 0, 6], fixed: true}
+    elements:
+      load: {type: rigid_body, node: hook, mass: 50, inertia: [1, 1, 1]}
+      rope: {type: reeved_cable, nodes: [winch, head, hook, anchor], radii: [0, -0.1, 0.1, 0], axis: [0, -1, 0],
+             axial_stiffness: 1.0e6, damping: 0.02, pretension: MEAN, payout: {linear: {slope: -1}},
+             friction: {coefficients: [0.1, 0.2], regularization: 0.01}}
+    joints:
+      guide: {type: prismatic, nodes: [ground, hook], axis: [0, 0, 1]}
+    initial: {velocities: [{nodes: [hook], velocity: [0, 0, 0.5]}]}
+    time: {end: 1.0, step: 2.0e-3}
+"""
+
+
+def test_a_winch_hauls_over_pulleys_with_friction(verify):
+    """Two falls with the tensions q_1 N and q_1 q_2 N carry the load: the winch pulls with N = m g/(q_1 + q_1 q_2)."""
+    q_1, q_2 = math.exp(-0.1 * math.pi), math.exp(-0.2 * math.pi)
+    N = 50 * g / (q_1 + q_1 * q_2)
+    spans = N * np.array([1.0, q_1, q_1 * q_2])
+    halves = np.array([6.0 + 0.05 * math.pi, 4.0 + 0.1 * math.pi, 4.0 + 0.05 * math.pi])
+    recorded = RecordedRun(deck(HOIST.replace("MEAN", str(halves @ spans / halves.sum()))))
+    found = [recorded[f"elements/rope/tension_{i}"][-1] for i in (1, 2, 3)]
+    verify(
+        S, "hoist of two falls with friction: tensions [N]", np.array(found), spans, "capstan formula", relative=1e-7
+    )
+    strain, strain_rate = (recorded[f"elements/rope/{name}"][-1] for name in ("strain", "strain_rate"))
+    rise, speed = recorded["nodes/hook/position"][-1, 2] - 2.0, recorded["nodes/hook/velocity"][-1, 2]
+    slips = [recorded[f"elements/rope/slip_{i}"][-1] for i in (1, 2)]
+    stretching = strain_rate / (1.0 + strain) * np.array([-halves[0], halves[2] - rise])
+    np.testing.assert_allclose(slips, np.array([1.0 + strain, speed]) + stretching, rtol=1e-9)
+    given = recorded["energy/given"][-1]
+    assert given == pytest.approx(N, rel=strain)  # over 1 m of natural length
+    assert np.ptp(recorded["energy/balance"]) < 1e-7 * given
+
+
 WOUND = """
     mecano: 1
     gravity: none
@@ -157,6 +222,9 @@ def test_a_run_ends_where_a_load_is_hauled_into_its_pulley(tmp_path):
         run(deck(hauled), tmp_path / "hauled.h5")
 
 
+ROUGH = "friction: {coefficients"
+
+
 @pytest.mark.parametrize(
     "change, message",
     [
@@ -166,6 +234,14 @@ def test_a_run_ends_where_a_load_is_hauled_into_its_pulley(tmp_path):
         (("radii: [0, -0.2, 0]", "radii: [0, -2, 0]"), "'left' and 'wheel' are 1.02 m apart, and must be more than 2"),
         (("nodes: [left, wheel, right], radii: [0, -0.2, 0]", "nodes: [left, right], radii: [0, 0]"), "is a 'cable'"),
         (("axis: [0, -1, 0]", "axis: [0, -1, 0.9]"), "apart along it, not in one plane"),
+        (
+            ("damping: 0.002", f"{ROUGH}: [0.1, 0.2], regularization: 0.01}}"),
+            "'friction' needs 1 coefficients, one for",
+        ),
+        (
+            ("damping: 0.002", f"{ROUGH}: [-0.1], regularization: 0.01}}"),
+            "'friction' needs coefficients that are not neg",
+        ),
         (("damping: 0.002", "payout: -4"), "'payout' is -4 m at t = 0, and the cable is 2.628 m long"),
     ],
 )

@@ -11,9 +11,10 @@ NOTES = {  # words with the same meaning: (targets, note)
         "a bar whose natural_length is a law of time pushes and pulls with an elasticity",
     ),
     "pulley, sheave, block, tackle, reeving": (
-        "reeved_cable belt", "a reeved_cable slides over the pulleys without friction, a belt turns them"
+        "reeved_cable belt", "a reeved_cable slides over the pulleys, without friction or with it, a belt turns them"
     ),
     "drum, timing belt, belt drive": ("belt", ""),
+    "capstan, bollard, rope brake, band brake": ("reeved_cable", "a reeved_cable with 'friction'"),
     "chain drive, sprocket": (
         "belt gear_pair coupler",
         "a belt, a gear_pair with a 'ratio', or a coupler of the angles of two hinges"

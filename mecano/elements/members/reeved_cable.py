@@ -1,4 +1,4 @@
-r"""Cable that slides over pulleys without friction: tackles, cranes, elevators, tendons; one tension along all of it.
+r"""Cable that slides over pulleys: tackles, cranes, elevators, tendons; one tension along all of it without friction.
 
 It runs through ``nodes`` in their order, from a point to a point, to which it is fixed. Each node between them is the
 centre of a pulley, on a body or the ground, and has a radius: positive where the cable turns counter-clockwise about
@@ -19,7 +19,7 @@ With the natural length :math:`L(t)`, that at the start plus the ``payout``, the
 
 as in a ``cable``, with the same events: it is taut while :math:`\varepsilon` and
 :math:`\varepsilon + \tau\dot\varepsilon` are positive. The power given by a varying natural length is also that of a
-cable. The cable has no mass.
+cable. The cable has no mass. With ``friction`` on the pulleys each span has its own tension (capstan friction).
 
 The length is exact for parallel axes and pulleys in one plane, and small inclinations of a span to the planes of its
 pulleys are allowed (``inclination``). The arc at the start is less than one turn. The run ends when the cable leaves a
@@ -31,90 +31,28 @@ from functools import cache
 
 import numpy as np
 
-from mecano.constraints.belt_span import INCLINATION, check_tangent, span_record, tangent_direction
-from mecano.constraints.body_fixed import follow
-from mecano.constraints.elastic_line import strained
+from mecano.constraints.belt_span import INCLINATION, check_tangent, span_record
+from mecano.constraints.capstan import CAPSTAN, capstan, friction_field
 from mecano.constraints.joint_frame import triad
-from mecano.element_interface import Display, Event, Kind, Output, record
+from mecano.constraints.reeved_path import (
+    PHASES,
+    TAUT,
+    arc,
+    cable_strain,
+    path_record,
+    path_unknowns,
+    pull,
+    span,
+)
+from mecano.element_interface import Display, Event, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
-from mecano.laws.table import evaluate_curve
-from mecano.maths.dual import sqrt
-from mecano.maths.vector import add_vec, cross, dot, mat, norm, vec
+from mecano.maths.vector import add_vec, dot, mat, norm
 from mecano.schema import CURVE, DIRECTION, NODES, NUMBER, NUMBERS, Field, not_negative, positive
 
-TAUT = 0
 LIFTED = 0.01  # [rad]: the length of a path off a pulley by this angle is in error by less than its square
 CLOSEST = 0.999  # difference of the radii of neighbours over their distance
 TURN = 2.0 * np.pi
-
-
-@kernel
-def _place(i):
-    """Return the local index of the position of node i; the rotations of pulleys follow their positions."""
-    return max(6 * i - 3, 0)
-
-
-@kernel
-def _span(p, q, i):
-    """Return d, the difference of the radii, and the free length of the span behind node i."""
-    d, delta = vec(q, _place(i + 1)) - vec(q, _place(i)), p.radii[i + 1] - p.radii[i]
-    return d, delta, sqrt(dot(d, d) - delta * delta)
-
-
-@kernel
-def _side(p, at, i, span):
-    """Return the direction of a span in the axes of pulley i, and its gradients by d and by the rotation."""
-    R = mat(at.R[i - 1])
-    d, delta, _ = _span(p, at.q, span)
-    seen = R.T @ d
-    psi, g = tangent_direction(mat(p.axes[i - 1]), seen, delta)
-    return psi, R @ g, cross(g, seen)
-
-
-@kernel
-def _arc(p, at, i):
-    """Return the angle of the arc on pulley i, and its gradients by d before and behind it and by the rotation."""
-    before, g_before, turning_before = _side(p, at, i, i - 1)
-    behind, g_behind, turning_behind = _side(p, at, i, i)
-    angle = follow(p.start[i - 1] + at.m[i - 1], behind - before)
-    return angle, -g_before, g_behind, turning_behind - turning_before
-
-
-@kernel
-def _relative(v, i):
-    """Return the velocity of node i + 1 minus that of node i."""
-    return vec(v, _place(i + 1)) - vec(v, _place(i))
-
-
-@kernel
-def _path(p, at):
-    """Return the length of the path and its rate."""
-    d, _, length = _span(p, at.q, 0)
-    rate = dot(d, _relative(at.v, 0)) / length
-    for i in range(1, len(p.radii) - 1):
-        d, _, free = _span(p, at.q, i)
-        angle, before, behind, turning = _arc(p, at, i)
-        turned = dot(before, _relative(at.v, i - 1)) + dot(behind, _relative(at.v, i)) + dot(turning, vec(at.v, 6 * i))
-        length = length + free + p.radii[i] * angle
-        rate = rate + dot(d, _relative(at.v, i)) / free + p.radii[i] * turned
-    return length, rate
-
-
-@kernel
-def _strain(p, at):
-    """Return length, strain and its rate, natural length and its rate."""
-    length, rate = _path(p, at)
-    paid_out, L_rate, _ = evaluate_curve(at.laws, p.payout, at.t)
-    L = p.natural + paid_out
-    return length, *strained(length, rate, L, L_rate), L, L_rate
-
-
-@kernel
-def _pull(f, i, pull):
-    """Add the force that stretches the span behind node i."""
-    add_vec(f, _place(i), -1.0, pull)
-    add_vec(f, _place(i + 1), 1.0, pull)
 
 
 @kernel
@@ -122,39 +60,39 @@ def residual(p, at, f):
     """Add the tension along the gradient of the length."""
     if at.phase != TAUT:
         return
-    _, strain, strain_rate, _, _ = _strain(p, at)
+    _, _, strain, strain_rate, _, _ = cable_strain(p, at)
     N = p.EA * (strain + p.damping * strain_rate)
     for i in range(len(p.radii) - 1):
-        d, _, free = _span(p, at.q, i)
-        _pull(f, i, (N / free) * d)
+        d, _, free = span(p, at.q, i)
+        pull(f, i, (N / free) * d)
     for i in range(1, len(p.radii) - 1):
-        _, before, behind, turning = _arc(p, at, i)
+        _, before, behind, turning = arc(p, at, i)
         couple = N * p.radii[i]
-        _pull(f, i - 1, couple * before)
-        _pull(f, i, couple * behind)
+        pull(f, i - 1, couple * before)
+        pull(f, i, couple * behind)
         add_vec(f, 6 * i, couple, turning)
 
 
 @kernel
 def observe(p, at, F, y, e):
     """Write lengths, strains, tension, state, how the path lies on the pulleys; energies."""
-    length, strain, strain_rate, L, L_rate = _strain(p, at)
+    length, _, strain, strain_rate, L, L_rate = cable_strain(p, at)
     elastic = p.EA * strain if at.phase == TAUT or strain > 0.0 else 0.0
     N = p.EA * (strain + p.damping * strain_rate) if at.phase == TAUT else 0.0
     viscous = N - elastic
     y[0], y[1], y[2], y[3], y[4] = length, L, strain, strain_rate, max(N, 0.0)
     y[5] = 1.0 if at.phase == TAUT else 0.0
     for i in range(1, len(p.radii) - 1):
-        angle, _, _, _ = _arc(p, at, i)
+        angle, _, _, _ = arc(p, at, i)
         wrap = angle if p.radii[i] > 0.0 else -angle
         axis = mat(at.R[i - 1]) @ mat(p.axes[i - 1]).z
         for k in (i - 1, i):
-            d, _, _ = _span(p, at.q, k)
+            d, _, _ = span(p, at.q, k)
             y[6] = max(y[6], abs(dot(axis, d)) / norm(d))
         y[7] = max(y[7], -wrap)
         y[8 + i] = wrap
     for i in range(len(p.radii) - 1):
-        d, delta, _ = _span(p, at.q, i)
+        d, delta, _ = span(p, at.q, i)
         y[8] = max(y[8], abs(delta) / norm(d))
     e[1] = 0.5 * elastic * strain * L
     e[2] = viscous * L * strain_rate
@@ -164,16 +102,9 @@ def observe(p, at, F, y, e):
 @kernel
 def event_values(p, at, g):
     """Write the tautness of the cable: the smaller of the elastic and the total strain, which the tension follows."""
-    _, strain, strain_rate, _, _ = _strain(p, at)
+    _, _, strain, strain_rate, _, _ = cable_strain(p, at)
     tautness = min(strain, strain + p.damping * strain_rate)
     g[0], g[1] = tautness, -tautness
-
-
-@kernel
-def commit(p, at, m_out):
-    """Write the changes of the arcs since the start."""
-    for i in range(1, len(p.radii) - 1):
-        m_out[i - 1] = _arc(p, at, i)[0] - p.start[i - 1]
 
 
 def _start(d, nodes):
@@ -198,6 +129,13 @@ def prepare(d, nodes, context):
     }  # fmt: skip
 
 
+def parts(d, nodes, context):
+    """Return the Part of the friction, if there is any."""
+    if d["friction"] is None:
+        return []
+    return [Part(capstan(len(nodes) - 2), tuple(range(len(nodes))), {**prepare(d, nodes, context), **d["friction"]})]
+
+
 def check(d, nodes):
     """Return errors in the number of nodes and radii, of pulleys that overlap, and in the length at the start."""
     names, radii = d["nodes"], d["radii"]
@@ -218,6 +156,11 @@ def check(d, nodes):
     for i in range(len(names) - 1):
         ends = slice(i, i + 2)
         texts += check_tangent(names[ends], [x for x, _ in nodes[ends]], radii[ends], frame)
+    if d["friction"] is not None and len(d["friction"]["coefficients"]) != len(names) - 2:
+        given = len(d["friction"]["coefficients"])
+        texts.append(f"'friction' needs {len(names) - 2} coefficients, one for each pulley; it has {given}")
+    if d["friction"] is not None and min(d["friction"]["coefficients"], default=0.0) < 0.0:
+        texts.append("'friction' needs coefficients that are not negative")
     if not texts and d["payout"] is not None:
         length, paid_out = _start(d, nodes)[2], curve_at(d["payout"], 0.0)[0]
         if not length + paid_out > 0.0:
@@ -243,20 +186,12 @@ def variant(d):
     return _of_size(len(d["nodes"]) - 2)
 
 
-def _of_pulleys(n):
-    """Return the declarations that depend on the number of pulleys: record, unknowns, memory."""
-    pulleys = range(1, n + 1)
-    return {
-        "dtype": record(EA=(), damping=(), natural=(), payout="i", radii=(n + 2,), axes=(n, 3, 3), start=(n,)),
-        "layout": ("x0", *(f"{slot}{i}" for i in pulleys for slot in "xR"), f"x{n + 1}"),
-        "memory": tuple(f"turned_{i}" for i in pulleys),
-    }
-
-
 @cache
 def _of_size(n):
     wraps = (Output(f"wrap_{i}", "rad", f"angle of the arc on pulley {i}") for i in range(1, n + 1))
-    return replace(REEVED_CABLE, variant=None, outputs=(*OUTPUTS, *wraps), **_of_pulleys(n))
+    return replace(
+        REEVED_CABLE, variant=None, outputs=(*OUTPUTS, *wraps), dtype=record(**path_record(n)), **path_unknowns(n)
+    )
 
 
 def sample(rng):
@@ -270,7 +205,11 @@ def sample(rng):
         "axial_stiffness": 50.0, "pretension": 20.0, "damping": 0.1, "payout": hauled,
     }  # fmt: skip
     single = {**d, "nodes": ["a", "b", "d"], "radii": [0.0, 0.2, 0.0]}
-    return [(d, nodes, "taut"), ({**d, "payout": 3.0}, nodes, "slack"), (single, [*nodes[:2], nodes[3]], "taut")]
+    rough = [{**d, "friction": {"coefficients": [0.3, 0.1], "regularization": u}} for u in (0.01, 30.0)]
+    return [
+        (d, nodes, "taut"), ({**d, "payout": 3.0}, nodes, "slack"), (single, [*nodes[:2], nodes[3]], "taut"),
+        *((one, nodes, "taut") for one in rough), ({**rough[0], "payout": 3.0}, nodes, "slack"),
+    ]  # fmt: skip
 
 
 FIELDS = (
@@ -278,17 +217,18 @@ FIELDS = (
     Field("radii", NUMBERS, "m", "of the pulley at each node, > 0 counter-clockwise about the axis; 0 at both points"),
     Field("axis", DIRECTION, "-", "axis of all pulleys at the start, inertial; fixed in their nodes"),
     Field("axial_stiffness", NUMBER, "N", "EA: force per strain", check=positive),
-    Field("pretension", NUMBER, "N", "tension at the start, without payout", 0.0, not_negative),
-    Field("payout", CURVE, "m", "natural length paid out since the start, as a function of time [s]; a winch that "
-          "hauls in has negative values", None),
+    Field("pretension", NUMBER, "N", "tension at the start, without payout and friction", 0.0, not_negative),
+    Field("payout", CURVE, "m", "natural length paid out at the first node since the start, as a function of time [s]; "
+          "a winch that hauls in has negative values", None),
     Field("damping", NUMBER, "s", "tau: viscous over elastic stiffness", 0.0, not_negative),
+    friction_field(),
 )  # fmt: skip
 OUTPUTS = (
     Output("length", "m", "length of the path: free spans and arcs"),
     Output("natural_length", "m", "length without force"),
     Output("strain", "-", "extension over natural length"),
     Output("strain_rate", "1/s", "rate of the strain"),
-    Output("tension", "N", "tension of the whole cable; zero while it is slack"),
+    Output("tension", "N", "tension of the whole cable, with friction its mean; zero while it is slack"),
     Output("state", "-", "0 slack, 1 taut"),
     Output("inclination", "-", "sine of the largest angle of a span to the plane of its pulleys"),
     Output("lift_off", "rad", "angle by which the cable has left a pulley"),
@@ -301,13 +241,16 @@ REEVED_CABLE = Kind(
     display=Display("belt", axial="tension"),
     fields=FIELDS,
     outputs=(*OUTPUTS, Output("wrap_1", "rad", "angle of the arc on pulley 1; and so on")),
-    phases=("taut", "slack"),
+    phases=PHASES,
     events=(
         Event("goes taut", "slack", "taut", "the length of the path rises to the natural length"),
         Event("goes slack", "taut", "slack", "the tension falls to zero"),
     ),
-    **_of_pulleys(1),
+    dtype=record(**path_record(1)),
+    **path_unknowns(1),
+    optional=(("friction", CAPSTAN, ""),),
     prepare=prepare,
+    parts=parts,
     check=check,
     variant=variant,
     limits=limits,
@@ -315,6 +258,5 @@ REEVED_CABLE = Kind(
     residual=residual,
     observe=observe,
     event_values=event_values,
-    commit=commit,
     sample=sample,
 )

@@ -1,0 +1,193 @@
+r"""Capstan friction of a cable on the pulleys over which it slides: the tensions of neighbouring spans differ.
+
+Over pulley i, with the angle of its arc :math:`\theta_i` and the coefficient :math:`\mu_i`, the cable slides at the
+speed :math:`u_i`, > 0 towards the span before it. The tensions of the spans before and behind it (:math:`N_0` is the
+output ``tension_1``) satisfy
+
+.. math::  N_i = N_{i-1}\, \exp(-\mu_i\, \theta_i\, \phi(|u_i|)\, \mathrm{sign}\, u_i)
+
+with :math:`\phi(u) = (u/\epsilon)(2 - u/\epsilon)` below :math:`\epsilon`, the ``regularization``, and 1 above: beyond
+this speed their ratio is that of the capstan, below it the cable creeps as fast as its tensions require.
+
+The stretch is spread evenly over the cable, whose mean tension N follows from the strain as without friction. With the
+parts :math:`w_i` of the path of length :math:`\ell`, a span and half of the arcs at its ends,
+
+.. math::  \sum w_i N_i = N, \qquad
+   u_i = \sum_{j<i} (\dot\lambda_j - w_j \dot\ell) - (1 + \varepsilon)\,\dot L \sum_{j\ge i} w_j
+
+where :math:`\dot\lambda_i` is the rate at which span i becomes longer and its pulleys take up cable, and
+:math:`\dot L` is paid out at the first node. The forces that this adds, and their power, are
+
+.. math::  f = \sum (N_i - N)\, \partial\lambda_i/\partial q, \qquad
+   P_{dissipated} = \sum (N_{i-1} - N_i)\, u_i \ge 0, \qquad P_{given} = -(1 + \varepsilon)\,\dot L\,(N_0 - N)
+
+The surface of a pulley moves with its node alone, and the difference of the tensions turns this node. In a static
+equilibrium nothing slides, and there is no friction.
+"""
+
+from functools import cache
+
+from mecano.constraints.body_fixed import follow
+from mecano.constraints.reeved_path import (
+    PHASES,
+    TAUT,
+    cable_strain,
+    path_record,
+    path_unknowns,
+    pull,
+    relative,
+    side,
+    span,
+)
+from mecano.element_interface import Kind, Output, record
+from mecano.jit.kernel import kernel
+from mecano.laws.friction import sticking
+from mecano.maths.dual import at_least, constant, exp
+from mecano.maths.vector import add_vec, dot, vec
+from mecano.schema import NUMBER, NUMBERS, Field, mapping, positive
+
+
+@kernel
+def _cable(p, at):
+    """Return the length of the path, its rate, the speed of the payout, and the mean tension."""
+    length, rate, strain, strain_rate, _, L_rate = cable_strain(p, at)
+    return length, rate, (1.0 + strain) * L_rate, p.EA * (strain + p.damping * strain_rate)
+
+
+@kernel
+def _pulley(p, at, i):
+    """Return half of the arc on pulley i, and the gradients of what it takes up of the spans before and behind it."""
+    before, g_before, turning_before = side(p, at, i, i - 1)
+    behind, g_behind, turning_behind = side(p, at, i, i)
+    r = p.radii[i]
+    half = at_least(0.5 * r * follow(p.start[i - 1] + at.m[i - 1], behind - before), 0.0)
+    return half, (-r * g_before, -r * turning_before), (r * g_behind, r * turning_behind)
+
+
+@kernel
+def _rate(at, i, k, taken_up):
+    """Return the rate at which pulley i takes up cable of span k."""
+    g, turning = taken_up
+    return dot(g, relative(at.v, k)) + dot(turning, vec(at.v, 6 * i))
+
+
+@kernel
+def _begin(p, at, cable, tension):
+    """Return the sums of ``_over`` before the first pulley; ``tension`` is that of span 0."""
+    d, _, free = span(p, at.q, 0)
+    part = free / cable[0]
+    return part, dot(d, relative(at.v, 0)) / free, constant(1.0, part) * tension, part * tension
+
+
+@kernel
+def _over(p, at, i, pulley, cable, sums):
+    """Return the sliding speed over pulley i, and the ``sums`` continued to the end of the free span behind it.
+
+    They are the part of the path, the rate at which it takes up cable, the tension, and the contribution to the mean.
+    """
+    half, before, behind = pulley
+    length, rate, feed, _ = cable
+    part, taken, tension, mean = sums
+    d, _, free = span(p, at.q, i)
+    arc, own = half / length, (half + free) / length
+    part, taken = part + arc, taken + _rate(at, i, i - 1, before)
+    u = taken - part * rate - feed * (1.0 - part)
+    angle = 2.0 * half / abs(p.radii[i])
+    after = tension * exp(-p.coefficients[i - 1] * angle * sticking(p.regularization, abs(u)) * u)
+    taken = taken + _rate(at, i, i, behind) + dot(d, relative(at.v, i)) / free
+    return u, (part + own, taken, after, mean + arc * tension + own * after)
+
+
+@kernel
+def _first_tension(p, at, cable):
+    """Return the tension of span 0, from the mean if it were 1."""
+    sums = _begin(p, at, cable, 1.0)
+    for i in range(1, len(p.radii) - 1):
+        _, sums = _over(p, at, i, _pulley(p, at, i), cable, sums)
+    return cable[3] / sums[3]
+
+
+@kernel
+def _pull_span(p, at, f, i, T):
+    """Add the tension T of the free span behind node i."""
+    d, _, free = span(p, at.q, i)
+    pull(f, i, (T / free) * d)
+
+
+@kernel
+def _pull_pulley(f, i, k, taken_up, T):
+    """Add the tension T of span k on pulley i."""
+    g, turning = taken_up
+    pull(f, k, T * g)
+    add_vec(f, 6 * i, T, turning)
+
+
+@kernel
+def residual(p, at, f):
+    """Add the differences of the tensions to their mean."""
+    if at.phase != TAUT:
+        return
+    cable = _cable(p, at)
+    mean, first = cable[3], _first_tension(p, at, cable)
+    sums = _begin(p, at, cable, first)
+    _pull_span(p, at, f, 0, first - mean)
+    for i in range(1, len(p.radii) - 1):
+        pulley, tension = _pulley(p, at, i), sums[2]
+        _, sums = _over(p, at, i, pulley, cable, sums)
+        _pull_pulley(f, i, i - 1, pulley[1], tension - mean)
+        _pull_pulley(f, i, i, pulley[2], sums[2] - mean)
+        _pull_span(p, at, f, i, sums[2] - mean)
+
+
+@kernel
+def observe(p, at, F, y, e):
+    """Write the dissipated power, the tensions of the spans and the sliding speeds; the powers."""
+    if at.phase != TAUT:
+        return
+    n, cable = len(p.coefficients), _cable(p, at)
+    first = _first_tension(p, at, cable)
+    sums = _begin(p, at, cable, first)
+    y[1] = max(first, 0.0)
+    for i in range(1, n + 1):
+        tension = sums[2]
+        u, sums = _over(p, at, i, _pulley(p, at, i), cable, sums)
+        y[0] += (tension - sums[2]) * u
+        y[1 + i], y[1 + n + i] = max(sums[2], 0.0), u
+    e[2] = y[0]
+    e[3] = -cable[2] * (first - cable[3])
+
+
+def friction_field():
+    """Return the field ``friction`` of a cable."""
+    given = (
+        Field("coefficients", NUMBERS, "-", "mu on each pulley, in their order; 0 where the cable slides freely"),
+        Field(
+            "regularization", NUMBER, "m/s",
+            "sliding speed at which friction reaches its full value; a sticking cable creeps below it", check=positive,
+        ),
+    )  # fmt: skip
+    doc = "capstan friction on the pulleys, which turn with their nodes alone; none when absent"
+    return Field("friction", mapping(*given), "-", doc, None)
+
+
+@cache
+def capstan(n):
+    """Return the Kind of the friction on n pulleys."""
+    return Kind(
+        name="capstan_friction",
+        section="",
+        doc=__doc__,
+        dtype=record(coefficients=(n,), regularization=(), **path_record(n)),
+        **path_unknowns(n),
+        outputs=(
+            Output("dissipated_power", "W", "power dissipated by friction"),
+            *(Output(f"tension_{i}", "N", f"tension of span {i}") for i in range(1, n + 2)),
+            *(Output(f"slip_{i}", "m/s", f"sliding speed over pulley {i}, > 0 to span {i}") for i in range(1, n + 1)),
+        ),
+        phases=PHASES,
+        residual=residual,
+        observe=observe,
+    )
+
+
+CAPSTAN = capstan(1)

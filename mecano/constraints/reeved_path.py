@@ -1,0 +1,108 @@
+r"""Path of a cable over pulleys: its spans, arcs and strain (equations in elements/members/reeved_cable.py).
+
+The record p of its users has the fields of ``path_record``; the local unknowns are the position of the first node,
+position and rotation of each pulley, and the position of the last node.
+"""
+
+from mecano.constraints.belt_span import tangent_direction
+from mecano.constraints.body_fixed import follow
+from mecano.constraints.elastic_line import strained
+from mecano.jit.kernel import kernel
+from mecano.laws.table import evaluate_curve
+from mecano.maths.dual import sqrt
+from mecano.maths.vector import add_vec, cross, dot, mat, vec
+
+TAUT = 0
+PHASES = ("taut", "slack")
+
+
+def path_record(n):
+    """Return the fields of the record of a path over n pulleys: {name: shape}."""
+    return {
+        "EA": (), "damping": (), "natural": (), "payout": "i", "radii": (n + 2,), "axes": (n, 3, 3), "start": (n,),
+    }  # fmt: skip
+
+
+def path_unknowns(n):
+    """Return the declarations of a Kind on a path over n pulleys: unknowns and memory."""
+    pulleys = range(1, n + 1)
+    return {
+        "layout": ("x0", *(f"{slot}{i}" for i in pulleys for slot in "xR"), f"x{n + 1}"),
+        "memory": tuple(f"turned_{i}" for i in pulleys),
+        "commit": commit,
+    }
+
+
+@kernel
+def place(i):
+    """Return the local index of the position of node i; the rotations of pulleys follow their positions."""
+    return max(6 * i - 3, 0)
+
+
+@kernel
+def span(p, q, i):
+    """Return d, the difference of the radii, and the free length of the span behind node i."""
+    d, delta = vec(q, place(i + 1)) - vec(q, place(i)), p.radii[i + 1] - p.radii[i]
+    return d, delta, sqrt(dot(d, d) - delta * delta)
+
+
+@kernel
+def side(p, at, i, k):
+    """Return the direction of span k in the axes of pulley i, and its gradients by d and by the rotation."""
+    R = mat(at.R[i - 1])
+    d, delta, _ = span(p, at.q, k)
+    seen = R.T @ d
+    psi, g = tangent_direction(mat(p.axes[i - 1]), seen, delta)
+    return psi, R @ g, cross(g, seen)
+
+
+@kernel
+def arc(p, at, i):
+    """Return the angle of the arc on pulley i, and its gradients by d before and behind it and by the rotation."""
+    before, g_before, turning_before = side(p, at, i, i - 1)
+    behind, g_behind, turning_behind = side(p, at, i, i)
+    angle = follow(p.start[i - 1] + at.m[i - 1], behind - before)
+    return angle, -g_before, g_behind, turning_behind - turning_before
+
+
+@kernel
+def relative(v, i):
+    """Return the velocity of node i + 1 minus that of node i."""
+    return vec(v, place(i + 1)) - vec(v, place(i))
+
+
+@kernel
+def path(p, at):
+    """Return the length of the path and its rate."""
+    d, _, length = span(p, at.q, 0)
+    rate = dot(d, relative(at.v, 0)) / length
+    for i in range(1, len(p.radii) - 1):
+        d, _, free = span(p, at.q, i)
+        angle, before, behind, turning = arc(p, at, i)
+        turned = dot(before, relative(at.v, i - 1)) + dot(behind, relative(at.v, i)) + dot(turning, vec(at.v, 6 * i))
+        length = length + free + p.radii[i] * angle
+        rate = rate + dot(d, relative(at.v, i)) / free + p.radii[i] * turned
+    return length, rate
+
+
+@kernel
+def cable_strain(p, at):
+    """Return length and its rate, strain and its rate, natural length and its rate."""
+    length, rate = path(p, at)
+    paid_out, L_rate, _ = evaluate_curve(at.laws, p.payout, at.t)
+    L = p.natural + paid_out
+    return length, rate, *strained(length, rate, L, L_rate), L, L_rate
+
+
+@kernel
+def pull(f, i, pull):
+    """Add the force that stretches the span behind node i."""
+    add_vec(f, place(i), -1.0, pull)
+    add_vec(f, place(i + 1), 1.0, pull)
+
+
+@kernel
+def commit(p, at, m_out):
+    """Write the changes of the arcs since the start."""
+    for i in range(1, len(p.radii) - 1):
+        m_out[i - 1] = arc(p, at, i)[0] - p.start[i - 1]
