@@ -15,7 +15,7 @@ from mecano.laws import TERMS
 
 TEXT = (Path(__file__).parent.parent / "docs" / "coming-from.md").read_text(encoding="utf-8")
 FALLING, CANTILEVER, DRIVEN = re.findall(r"^```yaml\n(.*?)^```", TEXT, re.DOTALL | re.MULTILINE)
-VALUES = {"true", "hht", "ground"}
+VALUES = {"true", "hht", "radau", "ground"}
 
 
 def solved(deck, folder):

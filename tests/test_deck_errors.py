@@ -158,7 +158,7 @@ STRUCTURE = [
     ("end: 4.0", "end: 4.0\n  rho_inf: 0.4\n  method: hht", 39, "0.4",
      "time: 'rho_inf' must be at least 0.5 with the method hht"),
     ("end: 4.0", "end: 4.0\n  method: rk4", 39, "rk4",
-     "'time.method' cannot be 'rk4'; known: generalized_alpha, hht, newmark"),
+     "'time.method' cannot be 'rk4'; known: generalized_alpha, hht, newmark, radau"),
     ("end: 4.0", "end: 4.0\n  newton: {maximum_iterations: 0}", 39, "0",
      "'time.newton.maximum_iterations' must be at least 1, got 0"),
     ("end: 4.0", "end: 4.0\n  scale: {penalty: -1}", 39, "-1",

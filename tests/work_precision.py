@@ -82,10 +82,10 @@ CASES = {
 }
 
 
-def adaptive(name, tolerance):
+def adaptive(name, tolerance, method="generalized_alpha"):
     """Return (march, error) of a deck with error control."""
     case = CASES[name]
-    control = f"time={{end: {case.end}, step: {case.step}, adaptive: {{tolerance: {tolerance}}}}}"
+    control = f"time={{end: {case.end}, step: {case.step}, method: {method}, adaptive: {{tolerance: {tolerance}}}}}"
     recorded = RecordedRun(input_deck(name, control))
     return recorded, case.error(recorded)
 

@@ -15,14 +15,25 @@ TIME_INTEGRATION = (
     multifrontal.solve, attempt, stride, record_step, multifrontal.substitute,
     assembly_driver.add, assembly_driver.assemble, assembly_driver.assemble_residual,
     assembly_driver.constraint_derivatives, assembly_driver.observe, assembly_driver.event_values,
-    assembly_driver.commit, sampler.fill, increments.place_rotations, increments.tangents, increments.largest_change,
+    assembly_driver.commit, sampler.fill, increments.move, increments.tangents, increments.largest_change,
     count_changes, extremes.update, some_happened,
 )  # fmt: skip
 
 
-def compile_time_integration(system):
+def radau():
+    """Return the functions that Radau IIA needs beside those of the time integration."""
+    from mecano.solve.time import interpolate, radau_stages, radau_tangent  # no ordinary run needs them
+
+    return (
+        radau_tangent.weigh, radau_tangent.split, radau_tangent.join, radau_stages.residual,
+        radau_stages.place, radau_stages.predict, radau_stages.correct, interpolate.between_smooth_states,
+    )  # fmt: skip
+
+
+def compile_time_integration(system, method="generalized_alpha"):
     """Compile the time integration and the loops of all kinds of ``system`` on all cores, as far as no store has them.
 
     Everything else is compiled when it is needed.
     """
-    compile_ahead([*(entry.code for entry in TIME_INTEGRATION), *system.codes()])
+    own = radau() if method == "radau" else ()
+    compile_ahead([*(entry.code for entry in (*TIME_INTEGRATION, *own)), *system.codes()])

@@ -49,7 +49,7 @@ def begun(
 @contextmanager
 def _from_the_start(deck, path, force, observers, reporters, announce, interruption, interval):
     """Run ``begun`` while no other process writes the file."""
-    prepared = prepare(deck, compile_time_integration)
+    prepared = prepare(deck, partial(compile_time_integration, method=deck.values["time"]["method"]))
     found = abandonable(bring_to_start, prepared)
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
     start = abandonable(integrator.begin, prepared.state, deck.values["time"]["step"])
@@ -122,7 +122,7 @@ def _resume(deck, path, *around):
 
 def _go_on(deck, left, observers, reporters, announce, interruption, interval):
     """Continue from the checkpoint of the InterruptedRun ``left``, in a new file that replaces its file."""
-    prepared = prepare(deck, compile_time_integration)
+    prepared = prepare(deck, partial(compile_time_integration, method=deck.values["time"]["method"]))
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
     start, recorded = restore(left.checkpoint["run"], integrator)
     layout = layout_of(sampler)

@@ -29,6 +29,7 @@ METHODS = {
     "hht": Coefficients.hht,
     "newmark": Coefficients.newmark,
 }
+ORDERS = {"radau": 5}  # of the others 2
 SMALLEST_STEP = 1e-7  # of the first step, unless given in the deck
 MOST_NAMES = 8  # constraints named in a warning
 AUTOMATIC = "automatic"
@@ -96,14 +97,18 @@ def integrator_of(prepared, observers=()):
         constraint=newton["constraint_tolerance"],
         max_iterations=newton["maximum_iterations"],
     )
-    method = GeneralizedAlpha(
-        system, prepared.linear, METHODS[values["method"]](values["rho_inf"]), prepared.length, tolerances,
-        k=given(scale["k"], None), penalty=given(scale["penalty"], None), compliance=prepared.compliance,
-        duration=values["end"] - values["start"],
-    )  # fmt: skip
-    return TimeIntegrator(
-        system, method, control_of(values), tuple(observers), time_breakpoints(deck), values["rest_speed"]
-    )
+    control = control_of(values)
+    duration, k, penalty = values["end"] - values["start"], given(scale["k"], None), given(scale["penalty"], None)
+    if values["method"] == "radau":
+        from mecano.solve.time.radau import Radau  # no ordinary run needs it (docs/architecture.md, Start)
+
+        method = Radau(system, prepared.linear, prepared.length, control, tolerances, k, prepared.compliance)
+    else:
+        method = GeneralizedAlpha(
+            system, prepared.linear, METHODS[values["method"]](values["rho_inf"]), prepared.length, tolerances,
+            k=k, penalty=penalty, compliance=prepared.compliance, duration=duration,
+        )  # fmt: skip
+    return TimeIntegrator(system, method, control, tuple(observers), time_breakpoints(deck), values["rest_speed"])
 
 
 def control_of(values):
@@ -117,6 +122,7 @@ def control_of(values):
         adaptive["tolerance"], duration,
         minimum=given(adaptive["minimum_step"], smallest),
         maximum=given(adaptive["maximum_step"], duration / 20),
+        order=ORDERS.get(values["method"], 2),
     )  # fmt: skip
 
 

@@ -5,6 +5,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
+from mecano.analyses.dense_output import DenseOutput
 from mecano.errors import ConvergenceError, NonFiniteError, ResultsError
 from mecano.model.output_limits import watched_outputs
 from mecano.solve.time.output import ENDED, FULL, NOT_FINITE, Output
@@ -67,6 +68,8 @@ class Recorder:
         """Write one accepted step: its line in the history, the saved times it covers, its events."""
         t = accepted.run.motion.t
         if accepted.h:
+            if accepted.info.stages:
+                self._save_within(accepted)
             share = accepted.info.error / self.control.allowed(accepted.h)
             code = self.output.record_step(self._workspace, accepted, share)
             again = False
@@ -80,6 +83,21 @@ class Recorder:
                 event.t, event.element, event.name, event.before, event.after, event.impulse,
                 event.unit, event.lost,
             )  # fmt: skip
+
+    def _save_within(self, accepted):
+        """Write the saved times before the end of a step with stages, and add the stages to the extremes."""
+        dense, end = DenseOutput(self.sampler, accepted, self.row), accepted.run.motion.t
+        rows = list(zip(dense.times[1:-1], dense.rows[1:-1], strict=True))
+        while (t := self.output.due(end)) is not None:
+            row = dense.at(t)
+            rows.append((t, row))
+            if not self.output.save(t, row):
+                self.empty()
+                self.output.save(t, row)
+        for t, row in rows:
+            if (i := self.writer.extremes.take(t, row)) >= 0:
+                raise self._not_finite(t, i)
+        self.sampler.system.observe(accepted.run.motion)
 
     def report(self, run):
         """Pass the contents of the buffers to the writer, at intervals."""

@@ -7,7 +7,7 @@ from pathlib import Path
 from pkgutil import walk_packages
 
 from mecano import constraints, elements
-from mecano.analyses.compilation import TIME_INTEGRATION
+from mecano.analyses.compilation import TIME_INTEGRATION, radau
 from mecano.analyses.dynamic import run
 from mecano.analyses.prepare import prepare
 from mecano.analyses.static import run as run_static
@@ -84,7 +84,7 @@ def _longer(time):
 
 def _compile(kinds):
     codes = [code for kind in kinds for purpose in PURPOSES if (code := code_of(kind, purpose))]
-    compile_ahead([*(entry.code for entry in TIME_INTEGRATION), *codes])
+    compile_ahead([*(entry.code for entry in (*TIME_INTEGRATION, *radau())), *codes])
     for code in codes:
         store.address(code)
 

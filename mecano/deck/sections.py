@@ -175,7 +175,8 @@ TIME_FIELDS = (
     Field("end", NUMBER, "s", "time at the end"),
     Field("step", NUMBER, "s", "time step; with 'adaptive' the first one", check=positive),
     Field(
-        "method", choice("generalized_alpha", "hht", "newmark"), "-", "time integration (Lie group)",
+        "method", choice("generalized_alpha", "hht", "newmark", "radau"), "-",
+        "time integration (Lie group); radau: Radau IIA of order 5, for smooth motion and tight tolerances",
         "generalized_alpha",
     ),
     Field(

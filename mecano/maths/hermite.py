@@ -14,6 +14,17 @@ def hermite(u, h, x0, x1, v0, v1):
 
 
 @kernel
+def quintic(u, h, x0, x1, v0, v1, a0, a1):
+    """Return the quintic Hermite value and rate at the fraction u of an interval of length h."""
+    v0, v1, a0, a1 = h * v0, h * v1, 0.5 * h * h * a0, 0.5 * h * h * a1
+    d = x1 - x0 - v0 - a0
+    e, f = v1 - v0 - 2.0 * a0, a1 - a0
+    c3, c4, c5 = 10.0 * d - 4.0 * e + f, 7.0 * e - 15.0 * d - 2.0 * f, 6.0 * d - 3.0 * e + f
+    value = x0 + u * (v0 + u * (a0 + u * (c3 + u * (c4 + u * c5))))
+    return value, (v0 + u * (2.0 * a0 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))) / h
+
+
+@kernel
 def between(u, x0, x1):
     """Return the linear interpolant at the fraction u; it stays within [x0, x1] in spite of round-off."""
     x = x0 + u * (x1 - x0)

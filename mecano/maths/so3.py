@@ -7,7 +7,7 @@ r"""Rotations: exponential map, logarithm and tangent operators, on tuples.
 
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, atan2, select, sin, sqrt, tan
-from mecano.maths.vector import EYE, Vec3, dot, skew
+from mecano.maths.vector import EYE, Vec3, cross, dot, skew
 
 TINY = 1e-150  # half the angle [rad] below which a rotation has no axis
 SERIES = 1e-2  # below this angle [rad] the series of four terms is exact to round-off
@@ -88,3 +88,17 @@ def tangent_inverse(psi):
         d = (1.0 - 0.5 * t / tan(0.5 * t)) / t2
     H = skew(psi)
     return EYE + (0.5 * H + d * (H @ H))
+
+
+@kernel
+def tangent_rate(psi, rate):
+    """Return dT(psi)/dt rate for the ``rate`` of psi: material acceleration of constant rates of the components."""
+    t2 = dot(psi, psi)
+    if t2 < SERIES * SERIES:
+        d_c, d_b = -1.0 / 24.0 + t2 / 360.0, -1.0 / 120.0 + t2 / 2520.0
+    else:
+        s, c, b = coefficients(t2)
+        d_c, d_b = 0.5 * (s - 2.0 * c) / t2, 0.5 * (c - 3.0 * b) / t2
+    turning = 2.0 * dot(psi, rate)
+    once = cross(psi, rate)
+    return turning * (d_b * cross(psi, once) - d_c * once) + coefficients(t2)[2] * cross(rate, once)

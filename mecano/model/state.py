@@ -41,3 +41,15 @@ class History:
     tangent: object = None  # State whose tangent the next step may reuse, or None if it must evaluate a new one
     age: int = 0  # accepted steps since that state
     drift: float = 0.0  # fraction of the residual that an iteration with an old tangent leaves, per step of its age
+
+
+@dataclass
+class RadauHistory:
+    """Variables of Radau IIA besides the motion."""
+
+    a: np.ndarray  # (n_all,) accelerations at the end of the last step
+    h: float  # size of the last step, or of the next one at a start [s]
+    v: np.ndarray  # (4, n_q) velocities at the beginning and at the stages of the last step
+    reactions: np.ndarray  # (3, n_l) at the stages
+    known: int  # 0 at a start
+    k: float  # mean stiffness of the tangent of a step [N/m]

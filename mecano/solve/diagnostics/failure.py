@@ -16,8 +16,8 @@ TRY = {
     "a smaller time.step or time.adaptive, if the motion so far looks wrong",
     Failure.CONTRADICTION: "remove one of these constraints, or make their laws of time consistent",
     Failure.SINGULAR: "a mass, an inertia or a stiffness where one is missing above; `mecano check` for mechanisms",
-    Failure.NOT_CONVERGED: "a smaller time.step; a smaller time.rho_inf; laws without jumps near this state; "
-    "`mecano check` for redundant constraints and mechanisms",
+    Failure.NOT_CONVERGED: "a smaller time.step; a smaller time.rho_inf (not of radau); laws without jumps near "
+    "this state; `mecano check` for redundant constraints and mechanisms",
 }
 
 

@@ -257,6 +257,25 @@ class Consistent:
         return self.system.constraint_derivatives(turning)[:, 1] - self.system.constraint_derivatives(s)[:, 1]
 
 
+def consistent_state(system, linear, s, h, contradictions, compliance=None, consistent=None):
+    """Return ``s`` with consistent velocities, accelerations and multipliers for steps of size h, and its Consistent.
+
+    ``consistent``, if given, is factored for ``s``. Raises AssemblyError where constraints contradict one another.
+    """
+    s = s.copy()
+    consistent = consistent or Consistent(system, linear, s, compliance)
+    consistent.project_velocity(s)
+    contradictions.refuse(s, h)
+    consistent.settle(s, h)
+    consistent.accelerate(s)
+    if len(consistent.massless) and system.n_l:  # reactions may act on the scalars without inertia
+        consistent.settle(s, h)
+        consistent.accelerate(s)
+    if compliance is not None:
+        s = consistent.apply_compliance(s, compliance)
+    return s, consistent
+
+
 def _with(s, v, a):
     out = s.copy()
     out.v[:], out.a[:] = v, a

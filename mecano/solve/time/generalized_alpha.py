@@ -15,12 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.errors import AssemblyError, Failure
+from mecano.errors import Failure
 from mecano.model.loops import residual, tangent
-from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, RELEASED, ROTATION, TRANSLATION
+from mecano.model.numbering import MASSLESS, RELEASED, ROTATION
 from mecano.model.state import History
-from mecano.solve.diagnostics.analysis import analyse
-from mecano.solve.diagnostics.joint_redundancy import redundant_groups
 from mecano.solve.diagnostics.scales import Tolerances, balance
 from mecano.solve.events.compliance import NO_ROWS, soften
 from mecano.solve.linear import multifrontal
@@ -37,24 +35,17 @@ from mecano.solve.linear.newton import (
     SINGULAR,
     STALE,
 )
-from mecano.solve.time.consistent import Consistent
+from mecano.solve.time.consistent import Consistent, consistent_state
+from mecano.solve.time.contradictions import Contradictions
 from mecano.solve.time.increments import largest_change, tangents
 from mecano.solve.time.modal_filter import modal_filter
 from mecano.solve.time.step import attempt
+from mecano.solve.time.step_info import MOST_TURN, PATIENCE, TURNS_TOO_FAR, StepInfo
 from mecano.solve.time.workspace import BEGIN, RENEWED, TRIAL, Workspace
 
-MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed by less than half a turn
 TURN = 0.8  # of it: a step that is planned to turn a body by more would often fail
 TOO_FAST = 0.1  # of the accelerations of a start lost to the filter: below, its error is all that it would bring
-MOST_OTHERS = 12  # constraints named that contradict one
 FREE = 1e6  # times the weight of the masses: no stiffness has a say
-PATIENCE = 0.2  # s of wall-clock time between two calls of ``pause``
-CONTRADICTION = "constraints contradict one another: {} of {} to {}{}"
-GAP = 1e-6  # of the length scale, or rad: of constraints that repeat one another, which give way by 1e-11 of it
-CONTRADICTS = 1e-6  # of the speeds: the rate of a deactivated constraint while the others hold exactly
-SLIPS = 0.02  # of the speeds: the same at the end of a step
-CREEPING = 1e-3  # of the length scale per second: no speeds count for less
-TURNS_TOO_FAR = f"a body turns by more than {MOST_TURN} rad in one step"
 
 
 @dataclass(frozen=True)
@@ -92,24 +83,10 @@ class Coefficients:
         return self.beta + 0.5 * (self.am - self.af) - 1.0 / 6.0
 
 
-@dataclass(slots=True)
-class StepInfo:
-    """Outcome of a trial step."""
-
-    ok: bool
-    iterations: int
-    norms: tuple  # force, constraint, increment over their tolerances
-    error: float  # local error, relative to the length scale (or rad); nan if not ok
-    began: History  # what the step began with
-    message: str = ""
-    failure: Failure = Failure.NOT_CONVERGED  # where not ok
-    lag: float = 0.0  # local error of scalars without inertia, which forget it
-    turning: float = 0.0  # error [rad] of bodies that spin about an axis which turns
-    plain: float = np.nan  # the error before what swings was bounded
-
-
 class GeneralizedAlpha:
     """The method for one system: coefficients, tolerances, linear solver. Holds no motion."""
+
+    in_compiled_code = True  # ordinary steps (stride.py)
 
     def __init__(
         self, system, linear, coefficients, length, tolerances=None, k=None, penalty=None, compliance=None,
@@ -133,24 +110,16 @@ class GeneralizedAlpha:
 
     def use(self, compliance):
         """Give redundant constraints these compliances, or none (None), from now on."""
-        self.compliance, self._redundant = compliance, None
+        self.compliance, of = compliance, self.system.numbering
+        self.contradictions = Contradictions(self.system, self.length, compliance)
         self._rows = NO_ROWS if compliance is None else compliance.rows
         # constraints on velocities hold exactly at the end of every step, except deactivated ones
-        self.released = NO_ROWS[1] if compliance is None else compliance.released
-        self._soft = NO_ROWS[1] if compliance is None else compliance.soft
-        of = self.system.numbering
-        allowed = GAP * np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, self.length, 1.0)
-        self.share_of_gap = np.where(np.isin(np.arange(of.n_l), self._soft) & ~of.of_rates, 1.0 / allowed, 0.0)
+        self.released = self.contradictions.released
         self._exact_rates = self.system.numbering.of_rates.copy()
         self._exact_rates[self.released] = False
         self._kind[of.n_q : of.n] = of.kind[of.n_q : of.n]
         self._kind[of.n_q + self.released] = RELEASED
         self._bind()
-
-    @property
-    def gives_way(self):
-        """Whether redundant constraints have compliances."""
-        return len(self._soft) > 0
 
     def _bind(self):
         """Enter the constants of all steps into the workspace of the compiled step."""
@@ -187,25 +156,9 @@ class GeneralizedAlpha:
         The accelerations of the history are those that a step of h resolves (modal_filter.py): those of a member that
         oscillates much faster would give it the velocity h q''_0 in the first step, with (omega h)^2 times its energy.
         """
-        s = s.copy()
-        consistent = consistent or Consistent(self.system, self.linear, s, self.compliance)
-        consistent.project_velocity(s)
-        for rows, others in (
-            (self.released, "those on positions leave a slip"),
-            (self._soft, "the others leave a rate"),
-        ):
-            if len(rows) and (
-                text := self._contradiction(s, h, rows, self.system.constraint_derivatives(s)[:, 1], CONTRADICTS)
-            ):
-                text = f"at t = {s.t:.9g} s {CONTRADICTION.format(others, *text)}"
-                raise AssemblyError(text, Failure.CONTRADICTION, timed=True)
-        consistent.settle(s, h)
-        consistent.accelerate(s)
-        if len(consistent.massless) and self.system.n_l:  # reactions may act on the scalars without inertia
-            consistent.settle(s, h)
-            consistent.accelerate(s)
-        if self.compliance is not None:
-            s = consistent.apply_compliance(s, self.compliance)
+        s, consistent = consistent_state(
+            self.system, self.linear, s, h, self.contradictions, self.compliance, consistent
+        )
         nothing = np.zeros(self.system.n)
         return s, self._history(consistent, s, np.zeros_like(s.a), s.a, h, nothing, nothing, 0)
 
@@ -269,38 +222,6 @@ class GeneralizedAlpha:
     def _size(self, a):
         """Return the largest of ``a`` (n_q,): of a node over the length scale, or of a scalar with inertia."""
         return largest_change(np.zeros(len(a)), a, self._kind, len(a), self.length)
-
-    def _contradiction(self, s, h, rows, rates, share):
-        """Return rate, name and others of a row whose rate, of ``rates`` (n_l,), exceeds a ``share`` of speeds."""
-        of = self.system.numbering
-        kind, along = of.kind[: of.n_q], of.kind[of.n_q + rows] == LENGTH_CONSTRAINT
-        speeds = np.abs(s.v[: of.n_q]) + h * np.abs(s.a[: of.n_q])
-        linear = speeds[kind == TRANSLATION].max(initial=CREEPING * self.length)
-        slip = np.abs(rates[rows]) / np.where(along, linear, speeds[kind == ROTATION].max(initial=CREEPING))
-        worst = int(np.argmax(slip))
-        if slip[worst] <= share:
-            return ()
-        name = of.name[of.n_q + rows[worst]]
-        return f"{rates[rows[worst]]:.3g} {'m/s' if along[worst] else 'rad/s'}", name, self._others(s, name)
-
-    def _gap(self, s):
-        """Return size, name and others of a redundant constraint violated at ``s`` by more than GAP, or ()."""
-        off = self.system.constraint_derivatives(s)[:, 0]
-        size = off * self.share_of_gap
-        if size @ size <= 1.0:
-            return ()
-        worst, of = int(np.abs(size).argmax()), self.system.numbering
-        unit = "m" if of.kind[of.n_q + worst] == LENGTH_CONSTRAINT else "rad"
-        name = of.name[of.n_q + worst]
-        return f"{off[worst]:.3g} {unit}", name, self._others(s, name)
-
-    def _others(self, s, name):
-        """Name the constraints that are redundant together with the one of this ``name``."""
-        if self._redundant is None:
-            self._redundant = redundant_groups(self.system, s, self.length, analyse(self.system, s, self.length))
-        others = [other for group in self._redundant if name in group.names for other in group.names if other != name]
-        more = f"; and {len(others) - MOST_OTHERS} more" if len(others) > MOST_OTHERS else ""
-        return f"; the others are: {'; '.join(others[:MOST_OTHERS])}{more}" if others else ""
 
     def _lag(self, h, a0, a):
         """Return the largest local error of a scalar without inertia, over the length scale."""
@@ -386,17 +307,13 @@ class GeneralizedAlpha:
         if code != CONVERGED:
             message = MESSAGES[code].format(int(report[ITERATIONS]))
             return s, history, StepInfo(False, iterations, reached, np.nan, history, message, FAILURES[code])
-        change, turn, turning, lag = (float(w.record[name][0]) for name in ("change", "turn", "turning", "lag"))
+        change, turn, turning, lag = [float(w.record[name][0]) for name in ("change", "turn", "turning", "lag")]
         if turn > MOST_TURN:
             return s, history, StepInfo(False, iterations, reached, np.nan, history, TURNS_TOO_FAR)
+        slips = np.zeros(self.system.n_l)  # rates of the deactivated rows, without the equations in their place
         if len(self.released):
-            slips = np.zeros(self.system.n_l)  # rates of the deactivated rows, without the equations in their place
             soften(float(w.record["cC"][0]), *self._rows, s.z[self.system.n_q : self.system.n], slips)
-            if text := self._contradiction(s, h, self.released, slips, SLIPS):
-                text = CONTRADICTION.format("those on positions leave a slip", *text)
-                return s, history, StepInfo(False, iterations, reached, np.nan, history, text, Failure.CONTRADICTION)
-        if len(self._soft) and (text := self._gap(s)):
-            text = CONTRADICTION.format("the others leave a gap", *text)
+        if text := self.contradictions.at_the_end(s, h, slips):
             return s, history, StepInfo(False, iterations, reached, np.nan, history, text, Failure.CONTRADICTION)
         new = w.new_history(TRIAL, self._no_shift, self.linear.label)
         error = self.coefficients.error * h * h * change

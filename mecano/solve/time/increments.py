@@ -24,8 +24,8 @@ def put_matrix(A, out):
         out[i, 2] = row[2]
 
 
-@entry
-def place_rotations(rotation_dof: Indices, n_q: int, z: Vector, R0: Matrices, R_out: Matrices):
+@kernel
+def place_rotations(rotation_dof, n_q, z, R0, R_out):
     """Compute R = R0 exp(hat(psi)) of all free rotations, with psi in z."""
     for r in range(rotation_dof.shape[0]):
         d = rotation_dof[r]
@@ -146,19 +146,29 @@ def largest_change(x0: Vector, x: Vector, kind: Indices, n_q: int, length: float
     return math.sqrt(worst)
 
 
+@entry
+def move(
+    kind: Indices, rotation_dof: Indices, n_q: int, dt: float, z: Vector, v: Vector, a: Vector, R: Matrices,
+    z_out: Vector, R_out: Matrices,
+):  # fmt: skip
+    """Move positions and rotations by dt v + dt^2/2 a; v, a (>= n_q,), rotations by material increments."""
+    half = 0.5 * dt * dt
+    for i in range(n_q):
+        z_out[i] = (0.0 if kind[i] == ROTATION else z[i]) + (dt * v[i] + half * a[i])
+    place_rotations(rotation_dof, n_q, z_out, R, R_out)
+
+
 def displaced(s, dq, of):
     """Return a copy of ``s`` with positions (and rotations, by material increments) moved by dq (n_q,)."""
     out = s.copy()
-    rotations = of.kind[: of.n_q] == ROTATION
-    out.z[: of.n_q] = np.where(rotations, 0.0, out.z[: of.n_q]) + dq
-    place_rotations(of.rotation_dof, of.n_q, out.z, s.R, out.R)
+    move(of.kind, of.rotation_dof, of.n_q, 1.0, s.z, dq, np.zeros(of.n_q), s.R, out.z, out.R)
     return out
 
 
 def moved(s, dt, of):
     """Return the state extrapolated by dt [s] along its velocities and accelerations (second order)."""
-    n_q = of.n_q
-    out = displaced(s, dt * s.v[:n_q] + 0.5 * dt * dt * s.a[:n_q], of)
+    out = s.copy()
+    move(of.kind, of.rotation_dof, of.n_q, dt, s.z, s.v, s.a, s.R, out.z, out.R)
     out.v += dt * s.a
     out.t = s.t + dt
     return out

@@ -225,6 +225,24 @@ class Output:
         record_step(self.record, workspace.record)
         return int(self.record["code"][0])
 
+    def due(self, t):
+        """Return the next time to be saved if it lies before ``t``, the end of a step; else None."""
+        o = self.record[0]
+        if o["every"] == 0.0 or o["saved"] < 0:
+            return None
+        wanted = min(o["start"] + (o["saved"] + 1) * o["every"], o["end"])
+        return float(wanted) if wanted <= t - NEGLIGIBLE_TIME * o["every"] else None
+
+    def save(self, t, row):
+        """Append the row of the time that was due; return whether there was room."""
+        o = self.record[0]
+        if o["n_rows"] == o["most_rows"]:
+            return False
+        line = self.rows[o["n_rows"]]
+        line[0], line[1:] = t, row
+        o["n_rows"], o["saved"] = o["n_rows"] + 1, o["saved"] + 1
+        return True
+
     def outcome(self):
         """Return the code of the last step, and the number to which it refers."""
         return int(self.record["code"][0]), int(self.record["which"][0])

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, fields
 
-from mecano.model.state import History, State
+from mecano.model.state import History, RadauHistory, State
 from mecano.solve.events.compliance import Compliance
 
 STORED = {"phases": "modes"}  # names of fields in checkpoints, if different
@@ -13,7 +13,7 @@ class RunState:
     """Motion, history, planned step and counters of a run; never changed in place."""
 
     motion: State
-    history: History
+    history: History | RadauHistory
     h: float  # size of the next step [s]
     steps: int = 0  # accepted
     rejected: int = 0
@@ -36,7 +36,8 @@ class RunState:
 def to_plain(run):
     """Return nested dicts of arrays and numbers, from which ``from_plain`` restores the same run, bit for bit."""
     plain, history = _values(run), _values(run.history)
-    history["tangent"] = history["tangent"] and _values(history["tangent"])
+    if "tangent" in history:
+        history["tangent"] = history["tangent"] and _values(history["tangent"])
     dissipated, given = run.powers
     powers = {"dissipated": dissipated, "given": given}
     plain["compliance"] = run.compliance and run.compliance.to_plain()
@@ -45,17 +46,22 @@ def to_plain(run):
 
 def from_plain(plain):
     """Return the RunState from the result of ``to_plain``."""
-    history = dict(plain["history"])
-    history["tangent"] = history["tangent"] and _state(history["tangent"])
+    history = _history(dict(plain["history"]))
     powers = plain["powers"]["dissipated"], plain["powers"]["given"]
     motion = _state(plain["motion"])
     soft = plain["compliance"] and Compliance.from_plain(plain["compliance"])
     plain = plain | {"compliance": soft}
-    return RunState(**(plain | {"motion": motion, "history": History(**history), "powers": powers}))
+    return RunState(**(plain | {"motion": motion, "history": history, "powers": powers}))
 
 
 def _values(record):
     return {STORED.get(field.name, field.name): getattr(record, field.name) for field in fields(record)}
+
+
+def _history(plain):
+    if "tangent" not in plain:
+        return RadauHistory(**plain)
+    return History(**(plain | {"tangent": plain["tangent"] and _state(plain["tangent"])}))
 
 
 def _state(plain):

@@ -36,7 +36,12 @@ def factor(error, share):
 @kernel
 def planned(error, share, h, minimum, maximum):
     """Return the next step size after an accepted step of size h, whose error was allowed a ``share``."""
-    change = factor(error, share)
+    return resized(factor(error, share), h, minimum, maximum)
+
+
+@kernel
+def resized(change, h, minimum, maximum):
+    """Return the next step size after one of size h that may ``change`` by this factor."""
     if 1.0 <= change < HOLD:
         return h
     change = min(change, GROWTH) if change > 1.0 else change * RESERVE
@@ -47,20 +52,28 @@ def planned(error, share, h, minimum, maximum):
 class StepControl:
     """Error per unit step: the local errors of a run of ``duration`` [s] add up to ``tolerance`` at most.
 
-    The tolerance is relative to the length scale of the mechanism (or to one radian). The local error falls as h^3,
-    its sum as h^2, which gives the exponent 1/2. Steps of one size have any error; they are smaller only where Newton
-    fails, at events and at times that must be met.
+    The tolerance is relative to the length scale of the mechanism (or to one radian). The sum of the local errors falls
+    as h to the power ``order``. Steps of one size have any error; they are smaller only where Newton fails, at events
+    and at times that must be met.
     """
 
     tolerance: float
     duration: float
     minimum: float
     maximum: float
+    order: int = 2  # of the method
 
     @classmethod
     def fixed(cls, step, minimum):
         """Steps of one size."""
         return cls(math.inf, AT_ONCE, minimum, step)
+
+    def _change(self, error, h):
+        """Return the change of the step size for which the ``error`` becomes its share of the tolerance."""
+        share = self.allowed(h)
+        if not 0.0 < error < math.inf or share == math.inf:
+            return factor(error, share)
+        return factor(error, share) if self.order == 2 else SAFETY * (share / error) ** (1.0 / self.order)
 
     def allowed(self, h):
         """Return the share of the tolerance of a step of size h."""
@@ -76,12 +89,12 @@ class StepControl:
 
     def holds(self, error, h):
         """Return whether the error keeps an accepted step of size h from growing."""
-        return h < self.maximum and factor(error, self.allowed(h)) < HOLD
+        return h < self.maximum and self._change(error, h) < HOLD
 
     def after(self, error, h):
         """Return the next step size after an accepted step of size h."""
-        return planned(error, self.allowed(h), h, self.minimum, self.maximum)
+        return resized(self._change(error, h), h, self.minimum, self.maximum)
 
     def retry(self, error, h):
         """Return the step size to try after a rejected step of size h."""
-        return max(h * max(factor(error, self.allowed(h)), SHRINK), self.minimum)
+        return max(h * max(self._change(error, h), SHRINK), self.minimum)

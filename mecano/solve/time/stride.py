@@ -16,11 +16,12 @@ from mecano.model.loops import BATCH, fields, record
 from mecano.model.numbering import ROTATION
 from mecano.solve.events.events import some_happened
 from mecano.solve.linear.newton import CONVERGED, PAUSE
-from mecano.solve.time.generalized_alpha import MOST_TURN, TURN, StepInfo
+from mecano.solve.time.generalized_alpha import TURN
 from mecano.solve.time.output import DONE, FULL, OUTPUT, record_step
 from mecano.solve.time.run_state import RunState
 from mecano.solve.time.step import attempt
 from mecano.solve.time.step_control import HOLD, allowed, factor, forgotten, planned
+from mecano.solve.time.step_info import MOST_TURN, StepInfo
 from mecano.solve.time.workspace import (
     BEGIN,
     RENEWED,
@@ -327,8 +328,8 @@ class Strides:
         r["phase"], r["planned"], r["steps"], r["iterations"] = READY, run.h, run.steps, run.iterations
         r["dissipated"], r["given"] = run.dissipated, run.given
         r["power_dissipated"], r["power_given"] = run.powers
-        r["n_constraints"] = len(self._constraints[0]) if self.method.gives_way else 0
-        r["share_of_gap"] = self.method.share_of_gap.ctypes.data
+        r["n_constraints"] = len(self._constraints[0]) if self.method.contradictions.possible else 0
+        r["share_of_gap"] = self.method.contradictions.share_of_gap.ctypes.data
 
     def _note_tangents(self, before):
         """Keep the States of tangents that were evaluated, for the factor that the solver holds."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from mecano.errors import AssemblyError, NonFiniteError
 from mecano.solve.diagnostics import failure
-from mecano.solve.events.events import EventMonitor, locate
+from mecano.solve.events.events import EventMonitor, locate, some_happened
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.run_state import RunState
 from mecano.solve.time.signals import solve_signals
@@ -126,6 +126,8 @@ class TimeIntegrator:
 
     def ordinary(self, run, stop):
         """Make ordinary steps towards ``stop`` (``Strides.advance``), one at a time if there are observers."""
+        if not self.method.in_compiled_code:
+            return run, None, True
         if self._strides is None:
             self._strides = Strides(self.system, self.method, self.control, self.shocks, self.recorder)
         if not self.observers:
@@ -143,6 +145,8 @@ class TimeIntegrator:
             trial = trial if trial and not rejected else self._step(run, h)
             iterations += trial[2].iterations
             smaller = self._instead(run, trial, h, cuts)
+            if smaller is None and (within := self._event_within(g0, trial)) is not None:
+                smaller = max(within.t - run.motion.t, self.control.minimum) if h > self.control.minimum else None
             if smaller is None:
                 found = (
                     locate(self.monitor, lambda d: self._step(run, d), run.motion, g0, trial, h) if len(g0) else None
@@ -158,6 +162,13 @@ class TimeIntegrator:
         if found.trial is None:
             return self._change_phases(counted, trial[2], found, rejected)
         return self._accept_event(replace(counted, h=h) if rejected else counted, found, rejected)
+
+    def _event_within(self, g0, trial):
+        """Return the first stage of a trial at which an event has happened that its end does not show, or None."""
+        s, _, info = trial
+        if not len(g0) or not info.stages or some_happened(g0, self.monitor.values(s)):
+            return None
+        return next((stage for stage in info.stages if np.any((g0 < 0.0) & (self.monitor.values(stage) >= 0.0))), None)
 
     def _instead(self, run, trial, h, cuts):
         """Return the step size to try instead of h, or None if the trial is accepted; add failures to ``cuts``."""
@@ -213,7 +224,7 @@ class TimeIntegrator:
         met = abs(s.t - stop) <= max(NEGLIGIBLE_TIME * h, math.ulp(stop))
         if met and h <= SHORT * run.h and stop in self.breakpoints:
             s = self._consistent(s, run.h)
-        new = self._stepped(run, s, history, planned, h)
+        new = self._stepped(run, s, history, planned, h, work=info.work)
         if met:
             s.t = stop
         self._notify(Accepted(run.motion, new, info, h, rejected))
@@ -261,7 +272,7 @@ class TimeIntegrator:
         reached = self._powers_before(run, s, h)
         s = self._consistent(s, run.h)
         here = self.monitor.values(s)
-        new = self._stepped(run, s, history, run.h, h, reached)
+        new = self._stepped(run, s, history, run.h, h, reached, info.work)
         hit = self.monitor.together(hit, self.monitor.values(run.motion), here, self.monitor.values(s))
         after, s, event_records, consistent = self._apply_events(new, s, hit)
         self._notify(Accepted(run.motion, new, info, h, rejected, tuple(event_records)))
@@ -294,21 +305,23 @@ class TimeIntegrator:
             {element for (element, _), count in self._at_once.items() if count >= MOST_REBOUNDS}
         )
 
-    def _stepped(self, run, s, history, planned, h, reached=None):
-        """Return the run after an accepted step to ``s``: memories committed, work added by the trapezoidal rule.
+    def _stepped(self, run, s, history, planned, h, reached=None, work=None):
+        """Return the run after an accepted step to ``s``: memories committed, work added.
 
-        ``reached`` are the powers at the end of the step if ``s`` has new accelerations. Afterwards the outputs of the
-        batches are those of ``s``, at which the elements have just been evaluated.
+        ``work`` (m, 2), if the step has none, is that of the trapezoidal rule; ``reached`` are the powers at the end of
+        the step if ``s`` has new accelerations. Afterwards the outputs of the batches are those of ``s``, at which the
+        elements have just been evaluated.
         """
         s.memory = self.system.commit(s)
         self.system.observe_assembled(s)
         powers = self._powers()
-        dissipated, given = powers if reached is None else reached
+        if work is None:
+            reached = powers if reached is None else reached
+            work = [[0.5 * h * (power0 + power) for power0, power in zip(run.powers, reached, strict=True)]]
         return RunState(
             motion=s, history=history, h=planned, steps=run.steps + 1, powers=powers, compliance=run.compliance,
             rejected=run.rejected, iterations=run.iterations,
-            dissipated=run.dissipated + 0.5 * h * (run.powers[0] + dissipated),
-            given=run.given + 0.5 * h * (run.powers[1] + given),
+            dissipated=run.dissipated + float(work[-1][0]), given=run.given + float(work[-1][1]),
         )  # fmt: skip
 
     def _start_again(self, run, s, consistent=None):

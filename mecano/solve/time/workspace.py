@@ -149,7 +149,7 @@ class Workspace:
 
     def state(self, which, phases, memory=None):
         """Return one of the states as a State with these phases, which are not copied."""
-        z, v, a, R, own = (part.copy() for part in self.parts(which))
+        z, v, a, R, own = [part.copy() for part in self.parts(which)]
         return State(float(self.states[which, -1]), z, v, a, R, phases, own if memory is None else memory)
 
     def put_history(self, history):

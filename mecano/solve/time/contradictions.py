@@ -1,0 +1,94 @@
+"""Contradictions of redundant or deactivated constraints: motions that the others impose on them."""
+
+import numpy as np
+
+from mecano.errors import AssemblyError, Failure
+from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, TRANSLATION
+from mecano.solve.diagnostics.analysis import analyse
+from mecano.solve.diagnostics.joint_redundancy import redundant_groups
+from mecano.solve.events.compliance import NO_ROWS
+
+MOST_OTHERS = 12  # constraints named that contradict one
+TEXT = "constraints contradict one another: {} of {} to {}{}"
+GAP = 1e-6  # of the length scale, or rad: of constraints that repeat one another, which give way by 1e-11 of it
+AT_START = 1e-6  # of the speeds: the rate of a deactivated constraint while the others hold exactly
+SLIPS = 0.02  # of the speeds: the same at the end of a step
+CREEPING = 1e-3  # of the length scale per second: no speeds count for less
+
+
+class Contradictions:
+    """Checks of the constraints of one system that have a compliance, or none (None).
+
+    Attributes
+    ----------
+    released : (m,) int
+        Numbers of the deactivated constraints.
+    share_of_gap : (n_l,) float
+        What a constraint is multiplied by to become 1 where its violation is a contradiction; 0 if it is not checked.
+    """
+
+    def __init__(self, system, length, compliance):
+        self.system, self.length, self._redundant = system, length, None
+        self.released = NO_ROWS[1] if compliance is None else compliance.released
+        self._soft = NO_ROWS[1] if compliance is None else compliance.soft
+        of = system.numbering
+        allowed = GAP * np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, length, 1.0)
+        self.share_of_gap = np.where(np.isin(np.arange(of.n_l), self._soft) & ~of.of_rates, 1.0 / allowed, 0.0)
+
+    @property
+    def possible(self):
+        """Whether redundant constraints have compliances."""
+        return len(self._soft) > 0
+
+    def refuse(self, s, h):
+        """Raise AssemblyError where the exact constraints impose rates on others at the consistent state ``s``."""
+        for rows, others in (
+            (self.released, "those on positions leave a slip"),
+            (self._soft, "the others leave a rate"),
+        ):
+            if len(rows) and (text := self._rate(s, h, rows, self.system.constraint_derivatives(s)[:, 1], AT_START)):
+                text = f"at t = {s.t:.9g} s {TEXT.format(others, *text)}"
+                raise AssemblyError(text, Failure.CONTRADICTION, timed=True)
+
+    def at_the_end(self, s, h, slips):
+        """Return the text of a contradiction after a step of size h to ``s``, or "".
+
+        ``slips`` (n_l,) are the rates of the deactivated constraints.
+        """
+        if len(self.released) and (text := self._rate(s, h, self.released, slips, SLIPS)):
+            return TEXT.format("those on positions leave a slip", *text)
+        if len(self._soft) and (text := self._gap(s)):
+            return TEXT.format("the others leave a gap", *text)
+        return ""
+
+    def _rate(self, s, h, rows, rates, share):
+        """Return rate, name and others of a row whose rate, of ``rates`` (n_l,), exceeds a ``share`` of speeds."""
+        of = self.system.numbering
+        kind, along = of.kind[: of.n_q], of.kind[of.n_q + rows] == LENGTH_CONSTRAINT
+        speeds = np.abs(s.v[: of.n_q]) + h * np.abs(s.a[: of.n_q])
+        linear = speeds[kind == TRANSLATION].max(initial=CREEPING * self.length)
+        slip = np.abs(rates[rows]) / np.where(along, linear, speeds[kind == ROTATION].max(initial=CREEPING))
+        worst = int(np.argmax(slip))
+        if slip[worst] <= share:
+            return ()
+        name = of.name[of.n_q + rows[worst]]
+        return f"{rates[rows[worst]]:.3g} {'m/s' if along[worst] else 'rad/s'}", name, self._others(s, name)
+
+    def _gap(self, s):
+        """Return size, name and others of a redundant constraint violated at ``s`` by more than GAP, or ()."""
+        off = self.system.constraint_derivatives(s)[:, 0]
+        size = off * self.share_of_gap
+        if size @ size <= 1.0:
+            return ()
+        worst, of = int(np.abs(size).argmax()), self.system.numbering
+        unit = "m" if of.kind[of.n_q + worst] == LENGTH_CONSTRAINT else "rad"
+        name = of.name[of.n_q + worst]
+        return f"{off[worst]:.3g} {unit}", name, self._others(s, name)
+
+    def _others(self, s, name):
+        """Name the constraints that are redundant together with the one of this ``name``."""
+        if self._redundant is None:
+            self._redundant = redundant_groups(self.system, s, self.length, analyse(self.system, s, self.length))
+        others = [other for group in self._redundant if name in group.names for other in group.names if other != name]
+        more = f"; and {len(others) - MOST_OTHERS} more" if len(others) > MOST_OTHERS else ""
+        return f"; the others are: {'; '.join(others[:MOST_OTHERS])}{more}" if others else ""

@@ -1,0 +1,169 @@
+r"""Radau IIA of order 5 on the Lie group, for smooth motion and tight tolerances (theory.md, section 2.6).
+
+Within a step :math:`R = R_0 \exp(\hat\theta)`, :math:`x = x_0 + \theta` and :math:`\dot\theta = T^{-1}(\theta) v`
+(Munthe-Kaas 1999). Increments and velocities are collocated at the three stages, where the equations of motion hold
+together with the second rates of all constraints: with index 1 all components have order 5. At the end of the step
+positions and velocities are projected on the constraints, in the metric of the mass, and accelerations and multipliers
+follow from them (Hairer & Wanner 1996, IV.8 and VII.2).
+"""
+
+import numpy as np
+
+from mecano.model.numbering import ROTATION
+from mecano.model.state import RadauHistory
+from mecano.solve.diagnostics.scales import Tolerances, balance
+from mecano.solve.linear.newton import DIVERGES, FAILURES, MESSAGES, NOT_FINITE, SINGULAR, TOO_MANY
+from mecano.solve.time.consistent import Consistent, consistent_state
+from mecano.solve.time.contradictions import Contradictions
+from mecano.solve.time.increments import displaced, largest
+from mecano.solve.time.radau_stages import Stages
+from mecano.solve.time.radau_tableau import ERROR, REAL, TO_CUBIC, A
+from mecano.solve.time.radau_tangent import StageTangent
+from mecano.solve.time.step_info import MOST_TURN, PATIENCE, TURNS_TOO_FAR, StepInfo
+from mecano.solve.time.workspace import Workspace
+
+SHARE = 0.01  # of the allowed error of a step: a correction that leaves less ends Newton's iteration
+LEAST = 1e-17  # of the length scale, or rad: increments are known to more digits than positions
+ROUNDING, STALLS = 1e-12, 0.3  # a smaller correction, over the length scale or in rad, that falls less is rounding
+CAUTION = 8.0  # times the estimate: errors of velocities add up to more than themselves
+TURN = 1.0  # rad in a step: with more, the frozen tangent converges slowly
+SLOW = 0.9  # ratio of two corrections above which the iteration diverges
+
+
+class Radau:
+    """The method for one system: tolerances, linear systems. Holds no motion.
+
+    Has the same methods as GeneralizedAlpha.
+    """
+
+    in_compiled_code = False
+
+    def __init__(self, system, linear, length, control, tolerances=None, k=None, compliance=None):
+        self.system, self.linear, self.length, self.control = system, linear, length, control
+        self.tolerances, self.k, self.penalty = tolerances or Tolerances(), k, 0.0
+        self.patience = PATIENCE
+        self.pause = lambda: None  # called in a step as often as the program may be late for a signal; may raise
+        of, self.workspace = system.numbering, Workspace(system)
+        self.workspace.point_to(kind=of.kind.copy(), rotation_dof=of.rotation_dof)  # for the recorder
+        self.use(compliance)
+
+    def use(self, compliance):
+        """Give redundant constraints these compliances, or none (None), from now on."""
+        self.compliance = compliance
+        self.contradictions = Contradictions(self.system, self.length, compliance)
+        self.stages = Stages(self.system, compliance, self.length)
+        self.tangent = StageTangent(self.system, compliance)
+
+    def start(self, s, h, consistent=None):
+        """Return a consistent state and the history for a first step of size h, at the start and after events.
+
+        ``consistent``, if given, is factored for ``s``. Raises AssemblyError where constraints contradict one another.
+        """
+        s, _ = consistent_state(self.system, self.linear, s, h, self.contradictions, self.compliance, consistent)
+        none = np.zeros((4, self.system.n_q)), np.zeros((3, self.system.n_l))
+        return s, RadauHistory(s.a, h, *none, 0, self._stiffness(s, h))
+
+    def restart(self, s, history, h):
+        """Return the history for a new step size: the same, because steps do not depend on those before."""
+        return history
+
+    def longest(self, s):
+        """Return the longest step [s] for the velocities of the state ``s``."""
+        of = self.system.numbering
+        fastest = np.abs(s.v[of.rotation_dof[of.rotation_dof < of.n_q][:, None] + np.arange(3)]).max(initial=0.0)
+        return TURN / fastest if fastest > 0.0 else np.inf
+
+    def bounded_error(self, s, history, info):
+        """Return the local error of a step; stages resolve what oscillates, or damp it."""
+        return info.plain
+
+    def _stiffness(self, s, h):
+        return self.k or balance(self.system, s, 1.0, REAL / h, (REAL / h) ** 2)
+
+    def step(self, s0, history, h):
+        """Make a step of size h from ``s0`` with its ``history``; return (state, history, StepInfo). Pure."""
+        stages = self.stages
+        code, iterations, size = SINGULAR, 0, np.inf
+        goal = self._goal(h)
+        stages.begin(s0, h, history)
+        if self.tangent.prepare(s0, history.k, h):
+            code = TOO_MANY
+        while code == TOO_MANY and iterations < self.tolerances.max_iterations:
+            self.pause()
+            correction = self.tangent.solve(stages.residuals(history.k))
+            last, size = size, stages.correct(correction, self.tangent.turn)
+            iterations += 1
+            ratio = size / last if iterations > 1 else 1.0
+            if not size < np.inf:
+                code = NOT_FINITE
+            elif size < goal or size * ratio < goal * (1.0 - ratio) or (size < ROUNDING and STALLS < ratio != 1.0):
+                return self._finished(s0, history, h, iterations, size / goal)
+            elif iterations > 2 and ratio > SLOW:
+                code = DIVERGES
+        message = MESSAGES[code].format(iterations)
+        info = StepInfo(False, iterations, (0.0, 0.0, size / goal), np.nan, history, message, FAILURES[code])
+        return s0, history, info
+
+    def _goal(self, h):
+        """Return the error of the increments that ends Newton's iteration, relative to the length scale, or rad.
+
+        In velocities it counts 1/h times, which add up to the end of the run.
+        """
+        allowed = self.control.allowed(h)
+        if allowed == np.inf:
+            return self.tolerances.constraint
+        return max(SHARE * allowed * h / self.control.duration, LEAST)
+
+    def _finished(self, s0, history, h, iterations, increment):
+        """Return the step whose stages have converged."""
+        stages, k = self.stages, history.k
+        within = stages.states()
+        error = self._error(s0, k, h)
+        powers = []
+        for s in within:
+            self.system.observe(s)
+            powers.append(self.system.energy[2:].copy())
+        work = h * A @ np.array(powers)
+        s, drift = self._projected(within[2])
+        of = self.system.numbering
+        turn = np.abs(stages.increments[-1][of.kind[: of.n_q] == ROTATION]).max(initial=0.0)
+        text = TURNS_TOO_FAR if turn > MOST_TURN else self.contradictions.at_the_end(s, h, np.zeros(of.n_l))
+        if text:
+            return (
+                s,
+                history,
+                StepInfo(False, iterations, (0.0, drift, increment), np.nan, history, text, FAILURES[TOO_MANY]),
+            )
+        new = RadauHistory(s.a, h, stages.velocities.copy(), stages.reactions.copy(), 1, k)
+        info = StepInfo(
+            True, iterations, (0.0, drift, increment), error, history, plain=error,
+            stages=tuple(within[:2]), work=work,
+        )  # fmt: skip
+        self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
+        return s, new, info
+
+    def _projected(self, s):
+        """Return ``s`` projected on the constraints, with its accelerations and multipliers, and the way there."""
+        of = self.system.numbering
+        consistent = Consistent(self.system, self.linear, s, self.compliance)
+        change = consistent.change(-self.stages.gap(s))
+        increment = s.z.copy()
+        s = displaced(s, change, of)
+        s.z[of.rotation_dof] = increment[of.rotation_dof]
+        consistent.project_velocity(s)
+        consistent.accelerate(s)
+        return s, largest(change, of.kind, of.n_q, self.length)
+
+    def _error(self, s0, k, h):
+        r"""Return the local error of a step.
+
+        Hairer and Wanner's embedded formula (IV.8, 8.19) is of order 3; its error, of order 4 in h, times
+        :math:`(\omega h)^2` estimates that of order 6. omega follows from the accelerations in the step.
+        """
+        stages, of = self.stages, self.system.numbering
+        V = stages.velocities - stages.velocities[0]
+        x = s0.v[: of.n_q] + ERROR @ stages.increments / h
+        e = self.tangent.solve_real(stages.residual_at(s0, x, -ERROR @ V[1:] / h - REAL / h * x, k))
+        first, second, third = (largest(c, of.kind, of.n_q, self.length) for c in (TO_CUBIC @ V)[1:])
+        fast = 6.0 * third / (first + 2.0 * second) if third else 0.0
+        return CAUTION * largest(e, of.kind, of.n_q, self.length) * min(fast, 1.0)

@@ -1,0 +1,30 @@
+"""What a method of integration reports of a trial step."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mecano.errors import Failure
+from mecano.model.state import History, RadauHistory
+
+MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed by less than half a turn
+TURNS_TOO_FAR = f"a body turns by more than {MOST_TURN} rad in one step"
+PATIENCE = 0.2  # s of wall-clock time between two calls of ``pause``
+
+
+@dataclass(slots=True)
+class StepInfo:
+    """Outcome of a trial step."""
+
+    ok: bool
+    iterations: int
+    norms: tuple  # force, constraint, increment over their tolerances
+    error: float  # local error, relative to the length scale (or rad); nan if not ok
+    began: History | RadauHistory  # what the step began with
+    message: str = ""
+    failure: Failure = Failure.NOT_CONVERGED  # where not ok
+    lag: float = 0.0  # local error of scalars without inertia, which forget it
+    turning: float = 0.0  # error [rad] of bodies that spin about an axis which turns
+    plain: float = np.nan  # the error before what swings was bounded
+    stages: tuple = ()  # States within the step that satisfy the equations, in the order of time
+    work: np.ndarray | None = None  # (m, 2) dissipated and given from the beginning to the stages and the end [J]

@@ -1,0 +1,191 @@
+"""Radau IIA on the Lie group: orders, tolerance, output between steps, events, resumed runs (docs/theory.md, 2.6)."""
+
+import numpy as np
+import pytest
+from time_runs import RecordedRun, deck, input_deck
+from work_precision import adaptive
+
+from mecano.analyses.dynamic import run
+from mecano.errors import ConvergenceError
+from mecano.maths.hermite import quintic
+from mecano.maths.so3 import tangent, tangent_rate
+from mecano.maths.vector import Vec3
+from mecano.model.numbering import ROTATION
+from mecano.results.reader import open_results
+
+RADAU = "time.method=radau"
+
+
+def last(name, h, end, tolerance=1e-14):
+    """Motion at the end of a run in steps of size h, and the system."""
+    newton = f"time.newton.constraint_tolerance={tolerance}"
+    recorded = RecordedRun(input_deck(name, RADAU, f"time.end={end}", f"time.step={h}", newton))
+    return recorded.run.motion, recorded.system
+
+
+def distances(system, s, exact):
+    """Largest differences of positions and rotations, velocities, accelerations, multipliers."""
+    of, n_q = system.numbering, system.n_q
+    place = np.where(of.kind[:n_q] == ROTATION, 0.0, (s.z - exact.z)[:n_q])
+    turn = np.einsum("rji,rjk->rik", exact.R, s.R) - np.eye(3)
+    return np.array([
+        max(np.abs(place).max(), np.abs(turn).max(initial=0.0)), np.abs(s.v - exact.v).max(),
+        np.abs(s.a - exact.a).max(), np.abs((s.z - exact.z)[n_q : system.n]).max(initial=0.0),
+    ])  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "h", "end", "less"),
+    [("heavy_top", 2.5e-3, 0.05, 2), ("four_bar", 0.02, 0.4, 4), ("bicycle", 0.02, 0.2, 2)],
+)
+def test_all_components_have_order_five(name, h, end, less):
+    """A spinning top, holonomic constraints, and wheels that roll; accelerations and reactions too."""
+    exact, system = last(name, h / 16, end)
+    errors = [distances(system, last(name, step, end)[0], exact) for step in (h, h / less)]
+    there = [True, True, True, system.n_l > 0]
+    errors = np.array(errors)[:, there]
+    assert np.all(errors[0] > 1e-10)  # rounding is far below
+    assert np.all(np.log(errors[0] / errors[1]) / np.log(less) >= 4.7)
+
+
+@pytest.mark.parametrize(
+    ("name", "tolerances"),
+    [("four_bar", (1e-4, 1e-6, 1e-8)), ("heavy_top", (1e-4, 1e-6, 1e-8)), ("wheel_drop", (1e-4, 1e-6))],
+)
+def test_error_follows_the_tolerance(name, tolerances):
+    """Within 3 tolerances of independent solutions, also over the events of a bouncing wheel."""
+    errors = []
+    for tolerance in tolerances:
+        recorded, error = adaptive(name, tolerance, "radau")
+        errors.append(error)
+        assert error <= 3.0 * tolerance
+    assert np.all(np.diff(errors) < 0.0)
+
+
+def test_saved_motion_has_the_accuracy_of_the_steps(tmp_path):
+    """Positions at 1 ms between steps of 20 ms and more: to 1e-8 those of a run with a hundredth of the tolerance."""
+    found = []
+    for tolerance in (1e-8, 1e-10):
+        path = tmp_path / f"{tolerance}.h5"
+        run(input_deck("four_bar", RADAU, f"time.adaptive.tolerance={tolerance}", "output.every=1e-3"), path)
+        with open_results(path) as results:
+            names = ("joints/hinge_a/angle", "joints/hinge_a/rate", "nodes/coupler_end/position")
+            found.append([results[name].values for name in names])
+    for saved, exact, tolerance in zip(*found, (3e-8, 1e-6, 3e-8), strict=True):
+        assert np.abs(saved - exact).max() <= tolerance
+
+
+DAMPED = """
+mecano: 1
+gravity: none
+nodes:
+  end: {position: [1, 0, 0]}
+  post: {position: [0, 0, 0], fixed: true}
+elements:
+  ball: {type: point_mass, node: end, mass: 2.0}
+  strut:
+    type: spring_damper
+    nodes: [post, end]
+    natural_length: 0.9
+    law: {spring: {stiffness: 800.0}, damper: {coefficient: 24.0}}
+time: {end: 1.0, step: 0.05, method: radau}
+"""
+
+
+def test_a_linear_oscillation_converges_at_once_and_balances_its_energy():
+    """x = exp(-6 t) sin/cos along a line: one correction is exact, and the work follows from the stages."""
+    recorded = RecordedRun(deck(DAMPED))
+    d, w = 24.0 / 4.0, np.sqrt(400.0 - 36.0)
+    t = recorded.time
+    exact = 0.9 + np.exp(-d * t) * 0.1 * (np.cos(w * t) + d / w * np.sin(w * t))
+    assert np.abs(recorded["nodes/end/position"][:, 0] - exact).max() < 3e-5
+    assert all(info.iterations <= 2 for info in recorded.infos)
+    assert np.ptp(recorded["energy/balance"]) < 1e-3 * recorded["energy/total"][0]
+
+
+def test_a_passage_and_return_within_a_step_is_not_missed():
+    """A ball thrown up between two steps that both end below a stop meets it."""
+    recorded = RecordedRun(input_deck("bouncing_ball", RADAU, "time.step=0.5", "time.end=2"))
+    usual = RecordedRun(input_deck("bouncing_ball", "time.end=2"))
+    times = [[e.t for e in one.event_records] for one in (recorded, usual)]
+    assert len(times[0]) == len(times[1]) > 1
+    assert np.allclose(*times, atol=1e-5)
+
+
+def test_a_resumed_run_has_the_same_bits(tmp_path):
+    from surviving import StopAfter, check_same, contents
+
+    from mecano.analyses.dynamic import resume
+    from mecano.process.interrupt import Stopped
+
+    of, whole, parts = (
+        input_deck("four_bar", RADAU, "time.adaptive.tolerance=1e-7", "time.end=0.5"),
+        *(tmp_path / name for name in ("whole.h5", "parts.h5")),
+    )
+    run(of, whole)
+    for steps in (10, 20):
+        end = StopAfter(steps)
+        with pytest.raises(Stopped):
+            resume(of, parts, interruption=end, observers=(end,))
+    resume(of, parts)
+    check_same(contents(parts), contents(whole))
+
+
+def test_forces_between_steps_stay_within_those_of_the_stages(tmp_path):
+    """At 1 ms between steps of 20 ms no force exceeds the extremes of ends and stages."""
+    rows, steps = tmp_path / "rows.h5", tmp_path / "steps.h5"
+    for path, every in ((rows, "1e-3"), (steps, "step")):
+        run(input_deck("four_bar", RADAU, "time.step=0.02", f"output.every={every}"), path)
+    with open_results(rows) as saved, open_results(steps) as accepted:
+        for name in ("joints/hinge_a/force", "joints/hinge_c/force"):
+            force = saved[name].values
+            assert len(force) == 3001
+            for of, component in zip(force.T, "xyz", strict=True):
+                extreme = accepted.extremes[f"{name}.{component}"]
+                assert extreme.minimum <= of.min() <= of.max() <= extreme.maximum
+
+
+def test_a_step_that_is_too_long_is_named():
+    text = deck(
+        "mecano: 1\ngravity: none\nnodes: {a: {position: [0, 0, 0]}}\nelements:\n"
+        "  top: {type: rigid_body, node: a, mass: 1.0, inertia: [1.0, 2.0, 3.0]}\n"
+        "initial: {velocities: [{nodes: [a], angular_velocity: [1.0, 2000.0, 3.0]}]}\n"
+        "time: {end: 10.0, step: 1.0, method: radau, adaptive: {tolerance: 1e-6, minimum_step: 0.5}}\n"
+    )
+    with pytest.raises(ConvergenceError, match="(?s)no step could be taken at t = 0 s.*moment about material y"):
+        RecordedRun(text)
+
+
+def test_no_step_turns_a_body_by_more_than_joints_can_follow():
+    """A wheel of 1000 rad/s in steps of 10 ms: they are cut, and all turns are counted."""
+    recorded = RecordedRun(deck(WHEEL))
+    assert recorded["joints/axle/angle"][-1] == pytest.approx(100.0, abs=1e-6)
+    assert recorded.integrator.cuts
+
+
+WHEEL = """
+mecano: 1
+gravity: none
+nodes: {hub: {position: [0, 0, 0]}}
+elements:
+  wheel: {type: rigid_body, node: hub, mass: 1.0, inertia: [0.1, 0.2, 0.1]}
+joints:
+  axle: {type: hinge, nodes: [ground, hub], axis: [0, 1, 0]}
+initial: {velocities: [{nodes: [hub], angular_velocity: [0, 1000, 0]}]}
+time: {end: 0.1, step: 0.01, method: radau}
+"""
+
+
+def test_the_rate_of_the_tangent_by_differences():
+    psi, rate, h = np.array([0.7, -1.1, 0.4]), np.array([1.3, 0.2, -2.0]), 1e-6
+    for scale in (1.0, 1e-3):
+        turned = [np.array(tangent(Vec3(*(scale * psi + sign * h * rate)))) @ rate for sign in (1.0, -1.0)]
+        found = tangent_rate(Vec3(*(scale * psi)), Vec3(*rate))
+        assert np.allclose(found, (turned[0] - turned[1]) / (2 * h), atol=1e-8)
+
+
+def test_the_quintic_is_exact_for_polynomials_of_degree_five():
+    p = np.polynomial.Polynomial([0.3, -1.0, 2.0, 0.5, -0.7, 1.1])
+    ends = [part for q in (p, p.deriv(), p.deriv(2)) for part in (q(0.0), q(0.4))]
+    value, rate = quintic(0.3, 0.4, *ends)
+    assert value == pytest.approx(p(0.12), abs=1e-14) and rate == pytest.approx(p.deriv()(0.12), abs=1e-13)
