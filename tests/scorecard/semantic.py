@@ -76,7 +76,7 @@ FAMILIES = (
     ("no direction", r"\baxis: (?P<old>\[[^\]]*\])", "[0, 0, 0]", r"zero|not all"),
     ("unknown node", r"\bnode: (?P<old>\w+)", "nobody", r"node"),
     ("unknown node of a pair", r"nodes: \[(?P<old>\w+), \w+\]", "nobody", r"node"),
-    ("one node of two", r"nodes: (?P<old>\[\w+, \w+\])", "[ground]", r"2 node|list of 2"),
+    ("one node of two", r"nodes: (?P<old>\[\w+, \w+\])", "[ground]", r"2 node|list of 2|one of two"),
     ("a node twice", r"nodes: (?P<old>\[(\w+), \w+\])", "[ground, ground]", r"ground|different|two|same"),
     ("unknown kind", r"type: (?P<old>\w+)", "gadget", r"kind|type|one of|mecano list"),
     ("a joint among elements", r"type: (?P<old>rigid_body)\b", "hinge", r"joints"),
