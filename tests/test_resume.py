@@ -89,9 +89,12 @@ class TestTheSameBits:
         """kill -9 while checkpoints are written every 5 ms."""
         deck, expected = whole
         path, kills, rng = tmp_path / "r.h5", 0, random.Random(3)
+        begin = time.monotonic()
+        assert ended(forked(listening_resume, deck, tmp_path / "one.h5", 0.005)) == 0
+        took = time.monotonic() - begin
         for _ in range(3):
             child = forked(listening_resume, deck, path, 0.005)
-            time.sleep(rng.uniform(0.05, 0.25))
+            time.sleep(rng.uniform(0.1, 0.6) * took)
             os.kill(child, signal.SIGKILL)
             kills += ended(child) == -signal.SIGKILL
             if path.exists():

@@ -43,6 +43,10 @@ EXAMPLES = {
     "bar": "tie: {type: bar, nodes: [crank, slider], E: 210 GPa, area: 80 mm2}",
     "cable": "rope: {type: cable, nodes: [crank, slider], axial_stiffness: 50 kN, natural_length: 0.9 m}",
     "spring_damper": "strut: {type: spring_damper, nodes: [crank, slider], law: viscous}",
+    "oleo": (
+        "strut: {type: oleo, nodes: [crank, slider], gas: {pressure: 12 bar, volume: 1.4e-3, area: 4.0e-3}, "
+        "oil: {area: 4.0e-3, volume: 1.5e-3, orifice: 1.2e-4}}"
+    ),
     "torsion_spring_damper":
         "coil: {type: torsion_spring_damper, nodes: [crank, rod], axis: [0, 1, 0], "
         "law: {spring: {stiffness: 2 N m/deg}}}",

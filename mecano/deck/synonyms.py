@@ -62,8 +62,9 @@ NOTES = {  # words with the same meaning: (targets, note)
     "damper, dashpot, viscous damper": ("spring_damper torsion_spring_damper damper", ""),
     "torsion spring, rotational spring, torsional spring, rotational damper": ("torsion_spring_damper hinge", ""),
     "bush, rubber mount, silent block, mount, six dof spring": ("bushing", ""),
-    "shock absorber, shock strut, oleo, oleo strut, landing gear strut, damper strut": (
-        "spring_damper gas_spring oil_damper metering_pin", "its law is a sum of terms: gas spring, oil damper, stop"
+    "shock absorber, shock strut, oleo strut, landing gear strut, damper strut, two stage strut, recoil valve": (
+        "oleo spring_damper gas_spring oil_damper metering_pin",
+        "oleo takes pressures, volumes and areas; a spring_damper a law: gas spring, oil damper, stop"
     ),
     "gas, air spring, nitrogen": ("gas_spring", ""),
     "orifice, oil, hydraulic damper": ("oil_damper metering_pin", ""),

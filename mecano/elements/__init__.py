@@ -35,6 +35,7 @@ from mecano.elements.members.beam import BEAM
 from mecano.elements.members.belt import BELT
 from mecano.elements.members.bushing import BUSHING
 from mecano.elements.members.cable import BAR, CABLE
+from mecano.elements.members.oleo import OLEO
 from mecano.elements.members.reeved_cable import REEVED_CABLE
 from mecano.elements.members.spring_damper import SPRING_DAMPER
 from mecano.elements.members.torsion_spring_damper import TORSION_SPRING_DAMPER
@@ -62,7 +63,7 @@ KINDS = {
         HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, PLANAR, SCREW, FIXED, GENERIC_JOINT, RIGID_ROD,
         GEAR_PAIR, COUPLER, RACK_AND_PINION, POINT_ON_CURVE, SLIDER_ON_BEAM,
         PRESCRIBED_POSITION, PRESCRIBED_ANGLE, PRESCRIBED_LENGTH, HELD_ROTATION,
-        BEAM, SUPERELEMENT, BAR, CABLE, SPRING_DAMPER, TORSION_SPRING_DAMPER, BELT, REEVED_CABLE,
+        BEAM, SUPERELEMENT, BAR, CABLE, SPRING_DAMPER, OLEO, TORSION_SPRING_DAMPER, BELT, REEVED_CABLE,
         BUSHING, PLANE_CONTACT, CONTACT,
         FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, JOINT_MOMENT, JOINT_FORCE, LINE_FORCE,
         LINE_LOAD, DRAG, BRAKE,

@@ -32,15 +32,20 @@ def gas_spring(a, i, s, v):
 
 
 @kernel
-def gas_energy(a, i, s):
+def gas_work(F0, L, n, s):
     """Return the potential, zero at s = 0; the form with expm1 is accurate for n near and equal to 1."""
-    F0, L, n = a[i], a[i + 1], a[i + 2]
     column = max(1.0 + s / L, LEAST)
     x = (1.0 - n) * math.log(column)
     mean = math.expm1(x) / x if x != 0.0 else 1.0
     beyond = s - L * (column - 1.0)
     F, slope = gas_force(F0, L, n, L * (column - 1.0))
     return -F0 * L * math.log(column) * mean + beyond * (F + 0.5 * slope * beyond)
+
+
+@kernel
+def gas_energy(a, i, s):
+    """Return the potential of the term; numbers as of ``gas_spring``."""
+    return gas_work(a[i], a[i + 1], a[i + 2], s)
 
 
 GAS_SPRING = Term(

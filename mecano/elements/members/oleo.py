@@ -1,0 +1,239 @@
+r"""Oleo-pneumatic shock strut: a gas chamber above oil that is forced through an orifice.
+
+The axial force along the line between the nodes follows from pressures, areas and volumes, as they are on a drawing
+(Milwitzky and Cook, Analysis of Landing-Gear Behavior, NACA Report 1154, 1953). With the stroke s, the shortening from
+the fully extended length, and the piston speed u at which oil passes the orifice,
+
+.. math::  N = -(p_g - p_a) A_g - F_h, \qquad F_h = \frac{\rho A_h^3}{2 (C_d A_o)^2}\, (|u| + u_0)\, u
+
+* gas: :math:`p_g = p_1 (V_1/(V_1 - A_g s))^n`, absolute. A second chamber behind a separator opens when :math:`p_g`
+  reaches its pressure :math:`p_2`; from there both have the same pressure, as one chamber of their volumes.
+* oil: the orifice area :math:`A_o` is a curve of the stroke (a metering pin), with another one for the rebound (a
+  recoil valve). :math:`u_0` = 1 mm/s makes the flow laminar near rest.
+* the oil in the chamber is compressed by c, the unknown of the element: :math:`u = \dot s - \dot c` and
+  :math:`F_h = k c` with :math:`k = K A_h^2/V`.
+
+N > 0 pulls the nodes together. A ``law`` of the extension -s adds stops and dry friction; friction from the reactions
+of the bearings is that of the joint (``sliding_friction`` of a cylindrical joint). Gas and compressed oil store energy,
+the orifice dissipates :math:`F_h u`. Cavitation is not modelled: it begins where ``oil_pressure`` falls to zero.
+"""
+
+import numpy as np
+
+from mecano.constraints.along_coordinate.law import LAW_RECORD, extension, law_values, report
+from mecano.constraints.coordinates.distance import DISTANCE
+from mecano.constraints.joint_frame import at_one_place
+from mecano.constraints.line import line
+from mecano.constraints.stop_phases import EVENTS, FAR, PHASES, put_stop_events
+from mecano.element_interface import Display, Kind, Measured, Output, record
+from mecano.jit.kernel import kernel
+from mecano.laws.gas_spring import gas_force, gas_work
+from mecano.laws.probe import curve_at
+from mecano.laws.table import curve, law_force, terms_of
+from mecano.maths.dual import chain, number, select, value
+from mecano.maths.vector import add_vec
+from mecano.schema import CURVE, LAW, NODE_PAIR, NUMBER, Field, mapping, positive
+
+OIL = 6  # local unknown: compression c of the oil [m], measured along the stroke
+LAMINAR = 1e-3  # u_0 [m/s]
+RECORD = record(
+    **LAW_RECORD, push=2, column=2, exponent=(), second=(), gas_area=(), ambient=(), oil_area=(), oil_stiffness=(),
+    orifice="i", rebound_orifice="i", drag=(),
+)  # fmt: skip
+
+
+@kernel
+def gas_at(p, e):
+    """Return force [N] > 0 in tension, its derivative, and energy [J] of the gas, without the air around, at e."""
+    if e > -p.second:
+        F, slope = gas_force(p.push[0], p.column[0], p.exponent, e)
+        return F, slope, gas_work(p.push[0], p.column[0], p.exponent, e)
+    F, slope = gas_force(p.push[1], p.column[1], p.exponent, e + p.second)
+    first = gas_work(p.push[0], p.column[0], p.exponent, -p.second)
+    return F, slope, first + gas_work(p.push[1], p.column[1], p.exponent, e + p.second)
+
+
+@kernel
+def gas_pull(p, e):
+    """Return the force of the gas [N], without the air around; a Dual if e is one."""
+    F, slope, _ = gas_at(p, value(e))
+    return chain(e, F, slope)
+
+
+@kernel
+def through_orifice(p, at, e, u):
+    """Return F_h [N] at the extension e and the flow speed u."""
+    inwards, outwards = curve(at.laws, p.orifice, -e), curve(at.laws, p.rebound_orifice, -e)
+    area = select(u > 0.0, inwards, outwards)
+    return p.drag / (area * area) * (select(u > 0.0, u, -u) + LAMINAR) * u
+
+
+@kernel
+def residual(p, at, f):
+    """Add the axial force along the line, and the balance of the pressure in the oil with that at the orifice."""
+    length, rate, (_, along, _) = line(at.q, at.v)
+    e, oil, oil_rate = extension(p, at, length), number(at.q[OIL]), number(at.v[OIL])
+    F_h = through_orifice(p, at, e, -rate - oil_rate)
+    N = gas_pull(p, e) + p.ambient * p.gas_area - F_h + law_force(at.laws, p.law, e, rate)
+    add_vec(f, 0, -N, along)
+    add_vec(f, 3, N, along)
+    f[OIL] += p.oil_stiffness * oil - F_h
+
+
+@kernel
+def observe(p, at, F, y, e):
+    """Write length, extension, rate, force, stroke, pressures, flow and compression of the oil; energies."""
+    length, rate, _ = line(at.q, at.v)
+    s, oil, u = extension(p, at, length), at.q[OIL], -rate - at.v[OIL]
+    report(p, at, length, rate, y[3:], e)
+    gas, _, energy = gas_at(p, s)
+    F_h = through_orifice(p, at, s, u)
+    y[0], y[1], y[2] = length, s, rate
+    y[3] += gas + p.ambient * p.gas_area - F_h
+    y[4] = -s
+    y[5] = -gas / p.gas_area
+    y[6] = y[5] + F_h / p.oil_area
+    y[7] = p.oil_area * u
+    y[8] = oil
+    e[1] += energy + p.ambient * p.gas_area * s + 0.5 * p.oil_stiffness * oil * oil
+    e[2] += F_h * u
+
+
+@kernel
+def event_values(p, at, g):
+    """Write the event values of the stops of the law."""
+    put_stop_events(g, p.low, p.high, extension(p, at, line(at.q, at.v)[0]))
+
+
+def prepare(d, nodes, context):
+    """Return the record of one strut; the extended length defaults to the initial distance."""
+    gas, oil = d["gas"], d["oil"]
+    k = oil["bulk_modulus"] * oil["area"] ** 2 / oil["volume"]
+    drag = oil["density"] * oil["area"] ** 3 / (2.0 * oil["discharge_coefficient"] ** 2)
+    rebound = oil["orifice"] if oil["rebound_orifice"] is None else oil["rebound_orifice"]
+    return {
+        **law_values({}, d["law"], extended(d, nodes), context), **_chambers(gas, d["second_gas"]),
+        "exponent": gas["exponent"], "gas_area": gas["area"], "ambient": gas["ambient_pressure"],
+        "oil_area": oil["area"], "oil_stiffness": k, "drag": drag,
+        "orifice": context.laws.add(oil["orifice"]), "rebound_orifice": context.laws.add(rebound),
+    }  # fmt: skip
+
+
+def extended(d, nodes):
+    """Return the length at the stroke zero [m]."""
+    given = d["extended_length"]
+    return np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0])) if given is None else given
+
+
+def _chambers(gas, second):
+    """Return the push [N] and the gas column [m] of one and of both chambers, and the stroke that opens the second."""
+    area, column, opens = gas["area"], gas["volume"] / gas["area"], FAR
+    pushes, columns = [gas["pressure"] * area] * 2, [column] * 2
+    if second is not None:
+        opens = column * (1.0 - (gas["pressure"] / second["pressure"]) ** (1.0 / gas["exponent"]))
+        pushes[1], columns[1] = second["pressure"] * area, column - opens + second["volume"] / area
+    return {"push": np.array(pushes), "column": np.array(columns), "second": opens}
+
+
+def check(d, nodes):
+    """Check that the line has a direction, the orifices are open, and the second chamber has the higher pressure."""
+    texts, gas, second = at_one_place(nodes), d["gas"], d["second_gas"]
+    if second is not None and second["pressure"] <= gas["pressure"]:
+        texts.append("'second_gas.pressure' must be higher than 'gas.pressure': its separator opens under compression")
+    return texts + [text for name in ("orifice", "rebound_orifice") for text in _closed(name, d["oil"][name])]
+
+
+def _closed(name, area):
+    """Return a text if an orifice is closed at a point of its curve within a metre of stroke."""
+    corners = [x for _, values in terms_of(area) for x, _ in values.get("points") or ()]
+    if area is None or all(curve_at(area, float(x))[0] > 0 for x in [0.0, *corners]):
+        return []
+    return [f"'oil.{name}' must have areas greater than zero"]
+
+
+def sample(rng):
+    """Return a strut with one chamber and a metering pin, and one with two chambers, a recoil valve and stops."""
+    gas = {"pressure": 3.0, "volume": 4.0, "exponent": 1.3, "area": 1.2, "ambient_pressure": 0.4}
+    oil = {
+        "area": 1.1, "orifice": (("polynomial", {"coefficients": [1.2, -0.1]}),), "rebound_orifice": None,
+        "discharge_coefficient": 0.8, "density": 1.5, "bulk_modulus": 20.0, "volume": 2.0,
+    }  # fmt: skip
+    one = {"gas": gas, "oil": oil, "second_gas": None, "law": None, "extended_length": 2.5}
+    valve, both = {**oil, "rebound_orifice": 0.7}, {"pressure": 3.6, "volume": 2.0}
+    stop = (("stop", {"stiffness": 30.0, "lower": -0.9, "upper": 0.1, "damping": 0.1}),)
+    two = {"gas": gas, "oil": valve, "second_gas": both, "law": stop, "extended_length": 2.0}
+    samples = [(one, 2, "between")]
+    for phase, length in zip(PHASES, (1.0, 1.5, 2.3), strict=True):
+        x, line = rng.normal(size=(2, 3))
+        nodes = [(x, np.eye(3)), (x + length * line / np.linalg.norm(line), np.eye(3))]
+        samples.append((two, nodes, phase))
+    return samples
+
+
+def _length(d, nodes, context):
+    return Measured(DISTANCE, (0, 1), {})
+
+
+def _extension(d, nodes, context):
+    return Measured(DISTANCE, (0, 1), {}, extended(d, nodes))
+
+
+GAS_FIELDS = (
+    Field("pressure", NUMBER, "Pa", "absolute pressure p_1 of the extended strut", check=positive),
+    Field("volume", NUMBER, "m3", "volume V_1 of the gas in the extended strut", check=positive),
+    Field("area", NUMBER, "m2", "area A_g by which the stroke compresses the gas", check=positive),
+    Field("exponent", NUMBER, "-", "polytropic exponent n: 1 isothermal, 1.4 adiabatic", 1.3, positive),
+    Field("ambient_pressure", NUMBER, "Pa", "pressure p_a of the air around", 101325.0, positive),
+)
+SECOND_FIELDS = (
+    Field("pressure", NUMBER, "Pa", "absolute pressure p_2 at which its separator opens", check=positive),
+    Field("volume", NUMBER, "m3", "volume of its gas", check=positive),
+)
+OIL_FIELDS = (
+    Field("area", NUMBER, "m2", "area A_h of the piston that displaces the oil", check=positive),
+    Field("orifice", CURVE, "m2", "area A_o of the orifice, less that of the metering pin; a curve of the stroke [m]"),
+    Field("rebound_orifice", CURVE, "m2", "area during the rebound; that of 'orifice' when absent", None),
+    Field("volume", NUMBER, "m3", "volume V of the oil under pressure", check=positive),
+    Field("discharge_coefficient", NUMBER, "-", "C_d of the orifice", 0.7, positive),
+    Field("density", NUMBER, "kg/m3", "density rho", 860.0, positive),
+    Field("bulk_modulus", NUMBER, "Pa", "bulk modulus K, with the air dissolved in the oil", 1.4e9, positive),
+)
+OLEO = Kind(
+    name="oleo",
+    section="elements",
+    doc=__doc__,
+    display=Display("spring", pictures=("struts", "drop_test"), axial="force"),
+    dtype=RECORD,
+    layout=("x0", "x1"),
+    scalars=("oil",),
+    massless=("oil",),
+    fields=(
+        Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
+        Field("gas", mapping(*GAS_FIELDS), "-", "the gas chamber"),
+        Field("oil", mapping(*OIL_FIELDS), "-", "the oil chamber and its orifice"),
+        Field("second_gas", mapping(*SECOND_FIELDS), "-", "a second gas chamber, of a higher pressure", None),
+        Field("extended_length", NUMBER, "m", "length at the stroke zero; the initial distance when absent", None,
+              positive),
+        Field("law", LAW, "-", "further axial force [N] from extension [m] and rate [m/s]: stops, dry friction", None),
+    ),
+    outputs=(
+        Output("length", "m", "distance of the nodes", rate="rate"),
+        Output("extension", "m", "length - extended length", rate="rate"),
+        Output("rate", "m/s", "rate of the length"),
+        Output("force", "N", "axial force; > 0 pulls the nodes together"),
+        Output("stroke", "m", "compression: extended length - length"),
+        Output("gas_pressure", "Pa", "absolute pressure of the gas"),
+        Output("oil_pressure", "Pa", "absolute pressure of the oil before the orifice"),
+        Output("flow", "m3/s", "flow through the orifice; > 0 in compression"),
+        Output("oil_compression", "m", "part of the stroke by which the oil is compressed"),
+    ),
+    phases=PHASES,
+    events=EVENTS,
+    prepare=prepare,
+    check=check,
+    residual=residual,
+    observe=observe,
+    event_values=event_values,
+    sample=sample,
+    measures={"length": _length, "extension": _extension},
+)  # fmt: skip

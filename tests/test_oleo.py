@@ -1,0 +1,79 @@
+"""Oleo-pneumatic struts compared with SciPy and closed forms."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.interpolate import PchipInterpolator
+from scipy.optimize import brentq
+from static_solution import Equilibrium
+from time_runs import INPUTS, RecordedRun, input_deck
+
+from mecano.errors import DeckError
+
+G, M, M_AXLE, AREA, LENGTH = 9.81, 1000.0, 40.0, 4e-3, 0.8
+P1, V1, N, P2, V2, P_A = 1.2e6, 1.45e-3, 1.2, 4e6, 1.5e-4, 101325.0
+COMPRESSED, DRAG = 1.4e9 * AREA**2 / 1.5e-3, 860.0 * AREA**3 / (2 * 0.7**2)
+ORIFICE = PchipInterpolator([0, 0.1, 0.3], [1.3e-4, 1.1e-4, 0.6e-4])
+OPENS = V1 / AREA * (1 - (P1 / P2) ** (1 / N))
+
+
+def gas_pressure(s):
+    """Absolute pressure of both chambers; they hold the same gas from the pressure P2 on."""
+    first = P1 * (V1 / (V1 - AREA * s)) ** N
+    both = V1 * (P1 / P2) ** (1 / N) + V2
+    return np.where(s < OPENS, first, P2 * (both / (V1 + V2 - AREA * s)) ** N)
+
+
+def flow_speed(F, s):
+    """Speed of the piston at which the orifice holds the force F: DRAG/A^2 (|u| + u_0) u = F."""
+    area = float(ORIFICE(np.clip(s, 0, 0.3))) if F > 0 else 0.6e-4
+    return np.sign(F) * (np.sqrt(0.25e-6 + abs(F) * area**2 / DRAG) - 0.5e-3)
+
+
+def drop(t, y):
+    """Equations of inputs/oleo_drop.yaml."""
+    z, z_axle, v, v_axle, oil = y
+    s, s_rate = LENGTH - z + z_axle, v_axle - v
+    stop = 5e6 * min(s, 0.0) * max(1 - s_rate, 0.0)
+    push = (gas_pressure(s) - P_A) * AREA + COMPRESSED * oil + stop
+    tyre = 3e5 * (0.3 - z_axle) - 500 * v_axle
+    return [v, v_axle, push / M - G, (tyre - push) / M_AXLE - G, s_rate - flow_speed(COMPRESSED * oil, s)]
+
+
+def test_drop_test_of_second_order():
+    """Stroke and compression of the oil; measured 6.3e-7 and 1.5e-7 m, 1e-8 of them from the reference."""
+    reference = solve_ivp(drop, (0, 0.5), [1.10088, 0.3, -3, -3, 0], "Radau", rtol=1e-9, atol=1e-11,
+                          max_step=1e-3, dense_output=True)  # fmt: skip
+    errors = []
+    for step in (2e-4, 1e-4):
+        m = RecordedRun(input_deck("oleo_drop", "time.end=0.5", f"time.step={step}"))
+        z, z_axle, _, _, oil = reference.sol(m.time)
+        errors.append(np.abs(m["elements/strut/stroke"] - (LENGTH - z + z_axle)).max())
+        assert np.abs(m["elements/strut/oil_compression"] - oil).max() < 3e-8
+        assert np.abs(m["elements/strut/gas_pressure"] / gas_pressure(LENGTH - z + z_axle) - 1).max() < 1e-4
+    assert errors[0] < 8e-7 and 3.3 < errors[0] / errors[1] < 5
+    assert m["energy/balance"] == pytest.approx(m["energy/balance"][0], abs=2e-6 * m["energy/dissipated"][-1])
+
+
+def test_it_rests_where_the_gas_carries_the_weight():
+    """The weight is the load of the static path; the strut begins at its stop."""
+    text = (INPUTS / "oleo_drop.yaml").read_text().partition("initial:")[0].replace("-9.81]", "0]")
+    push = "loads: {weight: {type: force, node: airframe, direction: [0, 0, -1], value: 9810}}"
+    end = Equilibrium(f"{text}\n{push}\nstatic: {{steps: 20}}\n")
+    stroke = brentq(lambda s: (gas_pressure(s) - P_A) * AREA - M * G, 0, 0.3)
+    assert end.output("elements/strut/stroke")[0] == pytest.approx(stroke, rel=1e-8)  # tolerance of the equilibrium
+    assert end.output("elements/strut/oil_pressure")[0] == pytest.approx(M * G / AREA + P_A, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        ("elements.strut.second_gas.pressure=1 MPa", "higher than 'gas.pressure'"),
+        ("elements.strut.oil.rebound_orifice=0", "'oil.rebound_orifice' must have areas greater than zero"),
+        ("elements.strut.gas.volume=0", "must be greater than zero"),
+        ("nodes.airframe.position=[0, 0, 0.3]", "same place"),
+    ],
+)
+def test_what_is_refused(change, text):
+    with pytest.raises(DeckError, match=text):
+        input_deck("oleo_drop", change)
