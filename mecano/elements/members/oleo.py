@@ -8,8 +8,9 @@ the fully extended length, and the piston speed u at which oil passes the orific
 
 * gas: :math:`p_g = p_1 (V_1/(V_1 - A_g s))^n`, absolute. A second chamber behind a separator opens when :math:`p_g`
   reaches its pressure :math:`p_2`; from there both have the same pressure, as one chamber of their volumes.
-* oil: the orifice area :math:`A_o` is a curve of the stroke (a metering pin), with another one for the rebound (a
-  recoil valve). :math:`u_0` = 1 mm/s makes the flow laminar near rest.
+* oil: the orifice area :math:`A_o` is a curve of the stroke (a metering pin). The rebound has an orifice of its own (a
+  recoil valve) and, with a recoil chamber, its area in place of :math:`A_h`; without one the oil is sucked back.
+  :math:`u_0` = 1 mm/s makes the flow laminar near rest.
 * the oil in the chamber is compressed by c, the unknown of the element: :math:`u = \dot s - \dot c` and
   :math:`F_h = k c` with :math:`k = K A_h^2/V`.
 
@@ -37,8 +38,8 @@ from mecano.schema import CURVE, LAW, NODE_PAIR, NUMBER, Field, mapping, positiv
 OIL = 6  # local unknown: compression c of the oil [m], measured along the stroke
 LAMINAR = 1e-3  # u_0 [m/s]
 RECORD = record(
-    **LAW_RECORD, push=2, column=2, exponent=(), second=(), gas_area=(), ambient=(), oil_area=(), oil_stiffness=(),
-    orifice="i", rebound_orifice="i", drag=(),
+    **LAW_RECORD, push=2, column=2, exponent=(), second=(), gas_area=(), ambient=(), oil_stiffness=(),
+    orifice="i", rebound_orifice="i", drag=2, pressing=2,
 )  # fmt: skip
 
 
@@ -64,8 +65,8 @@ def gas_pull(p, e):
 def through_orifice(p, at, e, u):
     """Return F_h [N] at the extension e and the flow speed u."""
     inwards, outwards = curve(at.laws, p.orifice, -e), curve(at.laws, p.rebound_orifice, -e)
-    area = select(u > 0.0, inwards, outwards)
-    return p.drag / (area * area) * (select(u > 0.0, u, -u) + LAMINAR) * u
+    resistance = select(u > 0.0, p.drag[0] / (inwards * inwards), p.drag[1] / (outwards * outwards))
+    return resistance * (select(u > 0.0, u, -u) + LAMINAR) * u
 
 
 @kernel
@@ -92,8 +93,9 @@ def observe(p, at, F, y, e):
     y[3] += gas + p.ambient * p.gas_area - F_h
     y[4] = -s
     y[5] = -gas / p.gas_area
-    y[6] = y[5] + F_h / p.oil_area
-    y[7] = p.oil_area * u
+    pressing = p.pressing[0 if u > 0.0 else 1]
+    y[6] = y[5] + F_h * pressing
+    y[7] = u / abs(pressing)
     y[8] = oil
     e[1] += energy + p.ambient * p.gas_area * s + 0.5 * p.oil_stiffness * oil * oil
     e[2] += F_h * u
@@ -109,12 +111,15 @@ def prepare(d, nodes, context):
     """Return the record of one strut; the extended length defaults to the initial distance."""
     gas, oil = d["gas"], d["oil"]
     k = oil["bulk_modulus"] * oil["area"] ** 2 / oil["volume"]
-    drag = oil["density"] * oil["area"] ** 3 / (2.0 * oil["discharge_coefficient"] ** 2)
+    recoil = oil["recoil_area"]
+    areas = np.array([oil["area"], oil["area"] if recoil is None else recoil])
+    pressing = np.array([1.0, 1.0 if recoil is None else -1.0]) / areas
+    drag = oil["density"] * areas**3 / (2.0 * oil["discharge_coefficient"] ** 2)
     rebound = oil["orifice"] if oil["rebound_orifice"] is None else oil["rebound_orifice"]
     return {
         **law_values({}, d["law"], extended(d, nodes), context), **_chambers(gas, d["second_gas"]),
         "exponent": gas["exponent"], "gas_area": gas["area"], "ambient": gas["ambient_pressure"],
-        "oil_area": oil["area"], "oil_stiffness": k, "drag": drag,
+        "oil_stiffness": k, "drag": drag, "pressing": pressing,
         "orifice": context.laws.add(oil["orifice"]), "rebound_orifice": context.laws.add(rebound),
     }  # fmt: skip
 
@@ -156,10 +161,10 @@ def sample(rng):
     gas = {"pressure": 3.0, "volume": 4.0, "exponent": 1.3, "area": 1.2, "ambient_pressure": 0.4}
     oil = {
         "area": 1.1, "orifice": (("polynomial", {"coefficients": [1.2, -0.1]}),), "rebound_orifice": None,
-        "discharge_coefficient": 0.8, "density": 1.5, "bulk_modulus": 20.0, "volume": 2.0,
+        "recoil_area": None, "discharge_coefficient": 0.8, "density": 1.5, "bulk_modulus": 20.0, "volume": 2.0,
     }  # fmt: skip
     one = {"gas": gas, "oil": oil, "second_gas": None, "law": None, "extended_length": 2.5}
-    valve, both = {**oil, "rebound_orifice": 0.7}, {"pressure": 3.6, "volume": 2.0}
+    valve, both = {**oil, "rebound_orifice": 0.7, "recoil_area": 0.9}, {"pressure": 3.6, "volume": 2.0}
     stop = (("stop", {"stiffness": 30.0, "lower": -0.9, "upper": 0.1, "damping": 0.1}),)
     two = {"gas": gas, "oil": valve, "second_gas": both, "law": stop, "extended_length": 2.0}
     samples = [(one, 2, "between")]
@@ -193,6 +198,14 @@ OIL_FIELDS = (
     Field("area", NUMBER, "m2", "area A_h of the piston that displaces the oil", check=positive),
     Field("orifice", CURVE, "m2", "area A_o of the orifice, less that of the metering pin; a curve of the stroke [m]"),
     Field("rebound_orifice", CURVE, "m2", "area during the rebound; that of 'orifice' when absent", None),
+    Field(
+        "recoil_area",
+        NUMBER,
+        "m2",
+        "area of the recoil chamber, from which the rebound displaces oil; without such a chamber when absent",
+        None,
+        positive,
+    ),
     Field("volume", NUMBER, "m3", "volume V of the oil under pressure", check=positive),
     Field("discharge_coefficient", NUMBER, "-", "C_d of the orifice", 0.7, positive),
     Field("density", NUMBER, "kg/m3", "density rho", 860.0, positive),
@@ -223,7 +236,8 @@ OLEO = Kind(
         Output("force", "N", "axial force; > 0 pulls the nodes together"),
         Output("stroke", "m", "compression: extended length - length"),
         Output("gas_pressure", "Pa", "absolute pressure of the gas"),
-        Output("oil_pressure", "Pa", "absolute pressure of the oil before the orifice"),
+        Output("oil_pressure", "Pa", "absolute pressure of the oil in the chamber of the piston; in the rebound "
+               "that of a recoil chamber"),
         Output("flow", "m3/s", "flow through the orifice; > 0 in compression"),
         Output("oil_compression", "m", "part of the stroke by which the oil is compressed"),
     ),
