@@ -35,6 +35,7 @@ PLOTS = {
     "fiala_sweep": "tire.lateral_force:tire.slip_angle",
     "filters": "lag.value,integral.value,washout.value",
     "magic_formula_sweep": "*.lateral_force:*.slip_angle",
+    "main_gear": "wheel.normal_force,wheel.longitudinal_force",
     "oleo_drop": "strut.compression_force:strut.stroke",
     "snap_through": "static.load_factor",
     "step_slip": "*.lateral_force",

@@ -27,7 +27,7 @@ from mecano.commands import plugins, show
     "--animate", "page", metavar="PAGE.html", type=click.Path(),
     help="Write a page that plays the motion; or a film, .gif, .webp or .mp4.",
 )  # fmt: skip
-@click.option("--report", metavar="PAGE.html", type=click.Path(), help="Write a report page on one run.")
+@click.option("--report", metavar="PAGE.html", type=click.Path(), help="Write a report page on one run or study.")
 @plugins
 def post(results, plots, spectra, at, output, kind, columns, title, page, report):
     """Draw pictures of results; several files are drawn into the same pictures.

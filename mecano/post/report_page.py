@@ -11,31 +11,42 @@ from mecano.errors import UsageError
 from mecano.post.figure import save
 from mecano.post.report import Picture, Table, report_of
 from mecano.post.runs import open_runs
+from mecano.post.study_report import study_report
+from mecano.results import study_file
+from mecano.results.checked import format_of
 from mecano.results.whole_file import appearing, make_folder
 
 
 def write_report(path, page, title=None, plots=(), spectra=()):
-    """Write the report on the results file ``path`` to ``page``, and return its Path.
+    """Write the report on a results file, or on the table of a study, to ``page``, and return its Path.
 
     ``plots`` and ``spectra``, as for ``mecano post``, are shown before the standard plots.
 
     Raises
     ------
     UsageError, UnknownNameError
-        The name of the page does not end with .html, or a plot is invalid or names an unknown output.
+        The name of the page does not end with .html, a plot is invalid, names an unknown output, or is of a study.
     ResultsError
         The file cannot be read or has no saved times, or the page cannot be written.
     """
     page = Path(page)
     if page.suffix not in (".html", ".htm"):
         raise UsageError(f"--report {page}: the name of a page ends with .html")
-    [run] = open_runs([path])
+    text = page_of(_report(path, title, plots, spectra))
     make_folder(page.parent)
-    with run.results:
-        text = page_of(report_of(run, title, plots, spectra))
     with appearing(page) as hidden:
         hidden.write_text(text, encoding="utf-8")
     return page
+
+
+def _report(path, title, plots, spectra):
+    if format_of(path) == study_file.FORMAT:
+        if plots or spectra:
+            raise UsageError("--plot and --spectrum are of runs, not of the table of a study")
+        return study_report(path, title)
+    [run] = open_runs([path])
+    with run.results:
+        return report_of(run, title, plots, spectra)
 
 
 def page_of(report):

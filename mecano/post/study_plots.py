@@ -1,6 +1,5 @@
-"""Picture of a study: each output over each varied parameter, with a dot for each complete case."""
+"""Picture of a study: a bar for each named case, or each output over each varied parameter, a dot for each case."""
 
-from collections import Counter
 from pathlib import Path
 
 import matplotlib
@@ -8,6 +7,7 @@ import numpy as np
 
 from mecano.errors import ResultsError
 from mecano.post.figure import plain_figure, save
+from mecano.post.study_bars import bar_figure
 from mecano.post.style import COLOURS, DASHES, GREY, SETTINGS, shown_unit, with_unit
 from mecano.results.study_file import read_study
 
@@ -20,12 +20,9 @@ def draw_study(path, output=None, kind="png"):
     """Draw the picture of a table of a study beside it, or at ``output``, and return its Path. Raises ResultsError."""
     table = read_study(path)
     target = Path(output) if output else Path(path).with_suffix(f".{kind}")
-    parameters = [column for column in table.group("parameters") if len(set(column.values)) > 1]
-    outputs = [column for column in table.group("outputs") if np.any(np.isfinite(column.values))]
-    if not parameters or not outputs:
+    figure = study_figure(table)
+    if figure is None:
         raise ResultsError(f"there is nothing to draw in {path}: it has no outputs, or nothing is varied")
-    with matplotlib.rc_context(SETTINGS):
-        figure = _figure(table, parameters, outputs)
     try:
         save(figure, target)
     except OSError as error:
@@ -33,11 +30,20 @@ def draw_study(path, output=None, kind="png"):
     return target
 
 
+def study_figure(table):
+    """Return the figure of a StudyTable: bars if its cases have names, else dots over each parameter; None if empty."""
+    outputs = [column for column in table.group("outputs") if np.any(np.isfinite(column.values))]
+    parameters = [column for column in table.group("parameters") if len(set(column.values)) > 1]
+    names = table.case_names if table.named else ()
+    if not outputs or not (parameters or names):
+        return None
+    with matplotlib.rc_context(SETTINGS):
+        return bar_figure(table, outputs, names) if names else _figure(table, parameters, outputs)
+
+
 def _figure(table, parameters, outputs):
-    counts = Counter(table["case/status"])
-    facts = f"{len(table['case/status'])} cases: " + ", ".join(f"{count} {word}" for word, count in counts.items())
     size = len(parameters) * PANEL[0], len(outputs) * PANEL[1]
-    figure = plain_figure(max(size[0], 5.0), size[1], table.title or Path(table.deck).stem, facts)
+    figure = plain_figure(max(size[0], 5.0), size[1], table.title or Path(table.deck).stem, table.verdict)
     grid = figure.subplots(len(outputs), len(parameters), squeeze=False, sharex="col", sharey="row")
     for i, output in enumerate(outputs):
         for j, parameter in enumerate(parameters):

@@ -1,6 +1,7 @@
 """The table of a study by `mecano sweep`, as HDF5 (layout in docs/studies.md) and as CSV."""
 
 import csv
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -55,6 +56,23 @@ class StudyTable:
     def __getitem__(self, path):
         """Return the values of a column, by its path such as "case/status"."""
         return next(column.values for column in self.columns if column.path == path)
+
+    @property
+    def named(self):
+        """Whether cases have names."""
+        return any(column.path == "case/name" for column in self.columns)
+
+    @property
+    def case_names(self):
+        """Names of the cases; of those without one, the numbers."""
+        numbers = [f"{n:.0f}" for n in self["case/case"]]
+        return [name or n for name, n in zip(self["case/name"], numbers, strict=True)] if self.named else numbers
+
+    @property
+    def verdict(self):
+        """Numbers of cases by status, as text."""
+        counts = Counter(self["case/status"])
+        return f"{counts.total()} cases: " + ", ".join(f"{count} {word}" for word, count in counts.items())
 
 
 def column(group, name, unit, doc, values):

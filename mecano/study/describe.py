@@ -13,8 +13,8 @@ grid:                                                            # 5 x 2 cases
   parameters.speed: {from: 40 m/s, to: 80 m/s, number: 5}
   tire_laws.nose_tire.radial_damping: [0.1, 0.2]
 list:                                                            # times these 2
-  - {elements.rim.mass: 40, elements.aircraft.mass: 6 t}
-  - {elements.rim.mass: 50, elements.aircraft.mass: 7 t}
+  - {case: light, elements.rim.mass: 40, elements.aircraft.mass: 6 t}
+  - {case: heavy, elements.rim.mass: 50, elements.aircraft.mass: 7 t}
 csv: cases.csv                                                   # such rows from a file
 latin_hypercube: {ranges: {parameters.bump_amplitude: [0 mm, 30 mm]}, number: 20, seed: 1}
 seeds: {path: laws.road.random.seed, number: 10, first: 1}       # of a deck with a random road

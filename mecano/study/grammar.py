@@ -13,6 +13,7 @@ from mecano.deck.wording import quoted
 from mecano.schema import INTEGER, NUMBER, TEXT, Field, Type, choice, list_of, mapping, named
 
 VERSION = 1
+NAME = "case"  # key of a row that names the case
 PATH = "a path in the deck, as in --set: 'time.end'"
 OF_SERIES = ("max", "min", "time_of_max", "time_of_min", "final", "mean")
 OF_EVENTS = ("first", "last", "count")
@@ -83,8 +84,9 @@ FIELDS = (
     Field("deck", TEXT, "-", "file of the deck, relative to the study file"),
     Field("set", SETTINGS, "-", "values of the deck that are the same in all cases", {}),
     Field("grid", CHOICES, "-", "all combinations of values", None, check=not_empty),
-    Field("list", list_of(SETTINGS), "-", "rows of values that belong together", None, check=not_empty),
-    Field("csv", TEXT, "-", "a CSV file of such rows; its first line names the varied values", None),
+    Field("list", list_of(SETTINGS), "-", "rows of values that belong together; 'case' names a row", None,
+          check=not_empty),
+    Field("csv", TEXT, "-", "a CSV file of such rows; its first line has the varied values, and 'case'", None),
     Field("latin_hypercube", mapping(*HYPERCUBE_FIELDS), "-", "rows of random values that fill ranges evenly", None),
     Field("seeds", mapping(*SEED_FIELDS), "-", "one case for each seed of random numbers", None),
     Field("outputs", named(mapping(*OUTPUT_FIELDS), check_output), "-", "numbers of each case, for the table", {}),

@@ -13,7 +13,7 @@ from mecano.deck.source import Unreadable, read_source
 from mecano.errors import DeckError, Mark, Problem
 from mecano.schema import TEXT, Field
 from mecano.study.error_location import in_study
-from mecano.study.grammar import FIELDS, STUDY_CHECKS, VERSION, plain, shown
+from mecano.study.grammar import FIELDS, NAME, STUDY_CHECKS, VERSION, plain, shown
 from mecano.study.outputs import Output, checked_outputs
 from mecano.study.variation import rows_of
 
@@ -22,10 +22,11 @@ TRIED = 5  # cases, spread over the study, of which at least one must have a val
 
 @dataclass(frozen=True)
 class Case:
-    """One run of a study: its number, from 1, and {path: Entry} of the varied values."""
+    """One run of a study: its number, from 1, {path: Entry} of the varied values, and its name, if given."""
 
     number: int
     entries: dict = field(repr=False, compare=False)
+    name: str = ""
 
     @property
     def values(self):
@@ -82,7 +83,7 @@ def read_study(path):
     _stop_at(problems)
     deck = os.path.join(os.path.dirname(path), values["deck"])
     _, digest = _source(deck, root.value["deck"][1].mark, "deck")
-    cases = tuple(Case(i + 1, row) for i, row in enumerate(rows))
+    cases = tuple(_case(i + 1, row) for i, row in enumerate(rows))
     outputs = tuple(Output(name, **given) for name, given in values["outputs"].items())
     return Study(str(path), source.text, values["title"], deck, digest, values["set"], cases, outputs, root)
 
@@ -99,6 +100,11 @@ def try_deck(study):
         )
     _stop_at(scope.problems)
     return checked
+
+
+def _case(number, row):
+    name = str(shown(plain(row[NAME].node))) if NAME in row else ""
+    return Case(number, {path: entry for path, entry in row.items() if path != NAME}, name)
 
 
 def _plain(entries):

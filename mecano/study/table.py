@@ -63,6 +63,8 @@ class Table:
         cases, records = self.study.cases, [self.records[case.number] for case in self.study.cases]
         shown = [case.shown for case in cases]
         yield column("case", "case", "", "number of the case, and name of its files", [case.number for case in cases])
+        if any(case.name for case in cases):
+            yield column("case", "name", "", "name of the case", [case.name for case in cases])
         for path in self.study.paths:
             values = [values.get(path) for values in shown]
             yield column("parameters", path, self.varied.get(path, ""), "value of the deck", values)

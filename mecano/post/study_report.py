@@ -1,0 +1,79 @@
+"""The report on a study as data: governing cases, all cases, those that are not complete, pictures, the study file."""
+
+from pathlib import Path
+
+import numpy as np
+
+from mecano.post.report import Picture, Report, Section, Table, Text, number
+from mecano.post.study_plots import study_figure
+from mecano.post.style import shown_unit, with_unit
+from mecano.results.study_file import read_study
+
+COMPLETE = "complete"
+
+
+def study_report(path, title=None):
+    """Return the Report of the table of a study. Raises ResultsError."""
+    table = read_study(path)
+    sections = (
+        Section("Governing cases", tuple(_governing(table))), Section("Cases", tuple(_cases(table))),
+        Section("Cases that are not complete", tuple(_incomplete(table))), Section("Pictures", tuple(_pictures(table))),
+        Section("Study", (Text(f"Deck: {table.deck}"), Text(table.text, True, "The study file"))),
+    )  # fmt: skip
+    kept = tuple(section for section in sections if section.parts)
+    sound = all(status == COMPLETE for status in table["case/status"])
+    return Report(title or table.title or Path(table.deck).stem, table.verdict, sound, "", kept)
+
+
+def _governing(table):
+    """Yield the table of the smallest and largest value of each output, with their cases."""
+    names, rows = table.case_names, []
+    for output in table.group("outputs"):
+        if not np.any(np.isfinite(output.values)):
+            continue
+        factor, unit = shown_unit(output.unit, output.values)
+        low, high = int(np.nanargmin(output.values)), int(np.nanargmax(output.values))
+        rows.append((
+            output.name.replace("_", " "), output.doc, unit, number(output.values[low] / factor), names[low],
+            number(output.values[high] / factor), names[high],
+        ))  # fmt: skip
+    if rows:
+        yield Table(("output", "which is", "unit", "smallest", "in case", "largest", "in case"), rows, 3)
+
+
+def _cases(table):
+    """Yield the table of varied values and outputs of all cases."""
+    columns = (*table.group("parameters"), *table.group("outputs"))
+    scales = [shown_unit(one.unit, one.values) if one.numeric else (None, one.unit) for one in columns]
+    head = [
+        with_unit(one.name.removeprefix("parameters."), unit) for one, (_, unit) in zip(columns, scales, strict=True)
+    ]
+    rows = [
+        (name, *(_cell(one.values[i], factor) for one, (factor, _) in zip(columns, scales, strict=True)))
+        for i, name in enumerate(table.case_names)
+    ]
+    yield Table(("case", *head), rows)
+
+
+def _cell(value, factor):
+    if factor is None:
+        return value
+    return "" if np.isnan(value) else number(value / factor)
+
+
+def _incomplete(table):
+    """Yield the table of the cases that are not complete, with their reasons."""
+    facts = zip(table["case/status"], table["case/exit_code"], table["case/reason"], strict=True)
+    rows = [
+        (name, status, "" if np.isnan(code) else f"{code:.0f}", reason)
+        for name, (status, code, reason) in zip(table.case_names, facts, strict=True)
+        if status != COMPLETE
+    ]
+    if rows:
+        yield Table(("case", "status", "exit code", "reason"), rows, 4)
+
+
+def _pictures(table):
+    figure = study_figure(table)
+    if figure:
+        yield Picture("Outputs of all cases", figure)
