@@ -19,6 +19,7 @@ OIL = {"density": 870.0, "piston_area": 0.01, "discharge_coefficient": 0.7, "int
 RANDOM = {
     "density": 0.1, "reference": 0.1, "exponent": 2.0, "lowest": 0.05, "highest": 1.0, "waves": 12, "seed": 5,
 }  # fmt: skip
+QUAKE = {"points": CUBIC["points"], "factor": 0.7, "initial_rate": -0.3, "baseline": "as_given"}
 
 # name of the case: term, values, corners in s (no differences are taken across them)
 CASES = {
@@ -41,6 +42,8 @@ CASES = {
     "exponential, rate 0": ("exponential", {"start": 0.8, "limit": 0.3, "rate": 0.0, "origin": -0.5}, []),
     "bump": ("bump", {"start": -1.0, "length": 2.5, "height": 0.6}, [-1.0, 1.5]),
     "random": ("random", RANDOM, []),
+    "acceleration": ("acceleration", QUAKE, [-2, 2]),
+    "acceleration, at rest in the end": ("acceleration", {**QUAKE, "baseline": "end_at_rest"}, [-2, 2]),
     "spring": ("spring", {"stiffness": 7.0}, []),
     "preload": ("preload", {"force": -5.0}, []),
     "damper": ("damper", {"coefficient": 3.0}, []),

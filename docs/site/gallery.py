@@ -32,6 +32,7 @@ PLOTS = {
     "bicycle": "frame.angular_velocity.x",
     "binding_strut": "rail_1.displacement,rail_2.displacement",
     "digital_control": "rail.displacement,shuttle_rail.displacement",
+    "earthquake": "storey_1.displacement,storey_2.displacement",
     "fiala_sweep": "tire.lateral_force:tire.slip_angle",
     "filters": "lag.value,integral.value,washout.value",
     "magic_formula_sweep": "*.lateral_force:*.slip_angle",

@@ -124,6 +124,7 @@ EXAMPLES = {
     "ramp": "pull: {ramp: {start: 0.5 s, end: 1 s, from: 0, to: 3 kN}}",
     "step": "pull: {step: {time: 0.5 s, rise: 0.1 s, from: 0, to: 3 kN}}",
     "exponential": "friction: {exponential: {start: 0.8, limit: 0.3, rate: 0.05}}",
+    "acceleration": "quake: {acceleration: {points: [[0 s, 0], [0.1 s, 2], [0.3 s, -1], [0.5 s, 0]]}}",
     "bump": "bump: {bump: {start: 10 m, length: 2 m, height: 50 mm}}",
     "random": "road: {random: {density: 1.0e-6, seed: 1}}",
     "spring": "coil: {spring: {stiffness: 20 kN/m}}",

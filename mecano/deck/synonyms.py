@@ -68,6 +68,9 @@ NOTES = {  # words with the same meaning: (targets, note)
     ),
     "gas, air spring, nitrogen": ("gas_spring", ""),
     "orifice, oil, hydraulic damper": ("oil_damper metering_pin", ""),
+    "earthquake, base excitation, base acceleration, accelerogram, ground motion, vibration test": (
+        "acceleration prescribed_position prescribed_angle", "the law acceleration as 'value' of a prescribed motion"
+    ),
     "bump stop, end stop, limit stop, limit, buffer": ("stop hinge.stops", "joints have 'stops', laws the term stop"),
     "backlash, clearance, free play, freeplay, gap, play": ("dead_band", ""),
     "latch, catch, locking": ("hinge.latch", ""),

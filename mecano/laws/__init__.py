@@ -4,6 +4,7 @@ A checked law is a tuple of (term name, {field: value}), whose terms are summed.
 line each; see mecano.laws.table for their evaluation.
 """
 
+from mecano.laws.acceleration import ACCELERATION
 from mecano.laws.dampers import DAMPER_POLYNOMIAL, DAMPER_TABLE, METERING_PIN, OIL_DAMPER
 from mecano.laws.dry_friction import DRY_FRICTION
 from mecano.laws.gas_spring import GAS_SPRING
@@ -27,6 +28,7 @@ TERMS = {
         RAMP,
         STEP,
         EXPONENTIAL,
+        ACCELERATION,
         BUMP,
         RANDOM,
         SPRING,
