@@ -8,6 +8,7 @@ from scipy.interpolate import CubicHermiteSpline
 from small_motions import eigenvalues
 from time_runs import RecordedRun, deck, input_deck
 
+from mecano.analyses.prepare import prepare
 from mecano.errors import AssemblyError
 
 CONTROL = "Signals and control"
@@ -75,8 +76,21 @@ def test_signals_may_need_one_another():
 
 
 def test_signals_that_do_not_determine_one_another_are_refused():
-    with pytest.raises(AssemblyError, match="first.*not determined: signals need one another in a circle"):
-        RecordedRun(deck(LOOP.replace("SIGNAL", '"2*second"')))
+    """A circle is named, without the signals that it reads and that read it, before a run and at its start."""
+    circle = (
+        "signals need one another in a circle that does not determine them: formula 'first' -> formula 'second' -> "
+    )
+    more = '"2*second + rail.velocity", after: 3*first, before: time'
+    found = deck(LOOP.replace('"2 + 0.5*first"', '"2 + 0.5*first + before"').replace("SIGNAL", more))
+    with pytest.raises(AssemblyError, match=f":7:11: {circle}formula 'first'$"):
+        prepare(found)
+    with pytest.raises(AssemblyError, match=f"at t = 0 s {circle}"):  # singular there only
+        RecordedRun(deck(LOOP.replace("SIGNAL", '"2*second*cos(cart.position.x)"')))
+
+
+def test_a_circle_of_one_signal_is_refused():
+    with pytest.raises(AssemblyError, match="formula 'first' -> formula 'first'$"):
+        prepare(deck(LOOP.replace("SIGNAL", '"first + 1"')))
 
 
 def ramp_response(t, w, d):

@@ -10,6 +10,7 @@ from mecano.deck.build import asked_velocities, build, set_velocities, time_brea
 from mecano.deck.run_size import size_warnings
 from mecano.deck.sections import finest_step
 from mecano.errors import AssemblyError, DeckError, Problem
+from mecano.model.model import title_of
 from mecano.model.sampler import row_size
 from mecano.model.system import System
 from mecano.process.interrupt import abandonable
@@ -21,6 +22,7 @@ from mecano.solve.events.compliance import compliance
 from mecano.solve.linear.sparse import LinearSolver
 from mecano.solve.time.generalized_alpha import Coefficients, GeneralizedAlpha
 from mecano.solve.time.initial import assemble_start
+from mecano.solve.time.signals import refuse_circles
 from mecano.solve.time.step_control import StepControl
 from mecano.solve.time.time_integration import TimeIntegrator
 
@@ -75,6 +77,7 @@ def _prepare(deck, compile_ahead):
     if problems := system.inadmissible(state):
         raise AssemblyError("the initial positions were assembled the wrong way round:\n  " + "\n  ".join(problems))
     set_velocities(deck, system, state)
+    _refuse_circles(deck, system, state)
     analysis = analyse(system, state, length)
     soft = compliance(system, state, length, analysis)
     return Prepared(deck, system, linear, length, state, displacement, analysis, soft)
@@ -86,6 +89,17 @@ def _refuse_fixed(deck, system):
         text = "nothing can move: every node is fixed, or held by a joint to one that is"
         mark = deck.mark("nodes", system.nodes[0].name)
         raise DeckError([Problem(text, mark, "free a node, or a joint to 'ground'")])
+
+
+def _refuse_circles(deck, system, state):
+    """Raise AssemblyError, with line and column, for signals that need one another in a circle."""
+    try:
+        refuse_circles(system, state)
+    except AssemblyError as error:
+        titles = {title_of(d["type"], name): name for name, d in deck.values["signals"].items()}
+        marks = [deck.mark("signals", titles[title]) for title in error.elements if title in titles]
+        mark = f"{marks[0]}: " if marks and marks[0] else ""
+        raise AssemblyError(f"{mark}{error}", error.failure) from None
 
 
 def integrator_of(prepared, observers=()):

@@ -3,11 +3,13 @@
 import numpy as np
 
 from mecano.errors import AssemblyError, Failure, NonFiniteError
-from mecano.solve.time.increments import SMALL, moved
+from mecano.solve.time.increments import SMALL, displaced, moved
 
 ITERATIONS = 30
 TOLERANCE = 1e-13  # of the signals
 SINGULAR = 1e-13  # of the largest singular value
+PART = 1e-6  # of the largest entry of a singular vector: signals that take part in it
+ELSEWHERE = 1e-2  # m, rad, m/s, rad/s: distance of another state, in which a circle is tried again
 
 
 def settle_signals(system, s, dt):
@@ -84,8 +86,47 @@ def _refuse_undetermined(system, s):
     if not np.all(known := _finite(J, r)):
         name = system.numbering.name[own[np.argmin(known)]]
         raise NonFiniteError(f"at t = {s.t:.9g} s {name} is not finite")
-    _, (_, sigma, Vt) = _decomposed(J)
-    if sigma[-1] <= SINGULAR * sigma[0]:
-        name = system.numbering.name[own[np.argmax(np.abs(Vt[-1]))]]
-        text = f"at t = {s.t:.9g} s {name} is not determined: signals need one another in a circle"
-        raise AssemblyError(text, Failure.SINGULAR, timed=True)
+    if circle := _undetermined(J):
+        raise _error([system.numbering.name[own[i]].place for i in circle], f"at t = {s.t:.9g} s ")
+
+
+def refuse_circles(system, s):
+    """Raise AssemblyError, with the titles of the signals in ``elements``, where a circle of signals determines none.
+
+    ``s`` is a state before its velocities are known. A circle that determines its signals at other positions and
+    velocities is left to ``settle_signals``.
+    """
+    if not (own := np.flatnonzero(system.signals)).size:
+        return
+    elsewhere = displaced(s, ELSEWHERE * np.cos(np.arange(system.n_q)), system.numbering)
+    elsewhere.v[: system.n_q] += ELSEWHERE * np.sin(1.0 + np.arange(system.n_q))
+    circles = []
+    for state in (s.copy(), elsewhere):
+        J, r = _equations(system, solve_signals(system, state), own)
+        circles.append(_undetermined(J) if np.all(_finite(J, r)) else [])
+    if all(circles):
+        raise _error([system.numbering.name[own[i]].place for i in circles[0]])
+
+
+def _undetermined(J):
+    """Return the signals (list of int) of a circle that does not determine them, in the order in which they read."""
+    _, (U, sigma, Vt) = _decomposed(J)
+    if sigma[-1] > SINGULAR * sigma[0]:
+        return []
+    taking_part = [np.abs(vector) > PART * np.abs(vector).max() for vector in (U[:, -1], Vt[-1])]
+    members = np.flatnonzero(taking_part[0] & taking_part[1])
+    circle = [int(members[0] if len(members) else np.argmax(np.abs(Vt[-1])))]
+    while len(circle) < len(members):
+        following = [int(i) for i in members if i not in circle and J[circle[-1], i]]
+        if not following:
+            break
+        circle.append(following[0])
+    return circle
+
+
+def _error(titles, when=""):
+    circle = " -> ".join([*titles, titles[0]])
+    text = f"{when}signals need one another in a circle that does not determine them: {circle}"
+    error = AssemblyError(text, Failure.SINGULAR, timed=True)
+    error.elements = tuple(titles)
+    return error
