@@ -36,7 +36,7 @@ def at_rest(sample):
 def test_a_thousand_turns_leave_no_strain():
     """Turned step by step about changing axes, 1000 turns in all; and carried away."""
     rng = np.random.default_rng(1)
-    for sample in samples(BEAM):
+    for sample in samples(BEAM)[:3]:  # the last one is heated
         instance, start = at_rest(sample)
         R, Q = start.R, np.eye(3)
         for axis in rng.normal(size=(50, 3)):
@@ -106,7 +106,7 @@ def test_inertia_of_rigid_motions():
     mass = np.block([[3.0 * np.eye(3), first], [first.T, J]])
     section = {"type": "matrix", "stiffness": np.eye(6) * 9.0, "mass": mass, "E": 0.0, "G": 0.0,
                "torsion_radius": 0.0, "points": [], "damping": 0.0}  # fmt: skip
-    values = {"section": section, "up": [0, 0, 1], "mesh": 1, "via": None, "twist": 0.0}
+    values = {"section": section, "up": [0, 0, 1], "mesh": 1, "via": None, "twist": 0.0, "thermal": None}
     nodes = [(np.zeros(3), np.eye(3)), (np.array([2.0, 0, 0]), np.eye(3))]
     instance = expand(BEAM, values, nodes, "", np.zeros(3), np.random.default_rng())[0]
     x, turn = np.zeros((2, 2, 3, 3))

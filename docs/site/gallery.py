@@ -31,6 +31,7 @@ PLOTS = {
     "base_excitation": "table.position.z,weight.position.z",
     "bicycle": "frame.angular_velocity.x",
     "binding_strut": "rail_1.displacement,rail_2.displacement",
+    "boom_in_sun": "tip.position.z",
     "digital_control": "rail.displacement,shuttle_rail.displacement",
     "earthquake": "storey_1.displacement,storey_2.displacement",
     "fiala_sweep": "tire.lateral_force:tire.slip_angle",

@@ -71,6 +71,9 @@ NOTES = {  # words with the same meaning: (targets, note)
     "earthquake, base excitation, base acceleration, accelerogram, ground motion, vibration test": (
         "acceleration prescribed_position prescribed_angle", "the law acceleration as 'value' of a prescribed motion"
     ),
+    "thermal strain, temperature, heating, thermal expansion, thermal load": (
+        "beam cable", "a beam has 'thermal', a cable or bar a 'natural_length' that is a law of time"
+    ),
     "bump stop, end stop, limit stop, limit, buffer": ("stop hinge.stops", "joints have 'stops', laws the term stop"),
     "backlash, clearance, free play, freeplay, gap, play": ("dead_band", ""),
     "latch, catch, locking": ("hinge.latch", ""),

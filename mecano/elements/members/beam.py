@@ -17,6 +17,7 @@ stress of the shear forces.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -35,10 +36,12 @@ from mecano.elements.members.beam_flexibility import elastic_constants, hat
 from mecano.elements.members.beam_inertia import add_inertia, energies, inertia_record
 from mecano.elements.members.beam_line import check_line, screw, stations
 from mecano.elements.members.cross_section import MOST_POINTS, constants, is_round
+from mecano.elements.members.heated_beam import THERMAL, observed, thermal_record, thermal_values
+from mecano.elements.members.heated_beam import force as heated_force
 from mecano.jit.kernel import kernel
 from mecano.maths.rotation_vector import first_derivative
 from mecano.maths.so3 import exp, tangent
-from mecano.maths.vector import cross, dot, mat, put
+from mecano.maths.vector import cross, dot, mat, put, vec
 from mecano.schema import DIRECTION, INTEGER, NODE_PAIR, NUMBER, POINT, SECTION, Field
 
 MOST_SLENDER = 1e7  # lengths over radii of gyration: stiffnesses differ by the square, of 16 digits
@@ -55,8 +58,7 @@ RECORD = record(
 def force(p, at, f, K, C, M):
     """Add elastic forces, damping, inertia and weight; see element_interface.py for the arguments."""
     R1, R2 = mat(at.R[0]), mat(at.R[1])
-    W = R1.T @ R2
-    add_elastic(p, at.q, at.v, W, R2, f, K, C)
+    add_elastic(p, at.q, at.v, R1.T @ R2, R2, vec(p.u0, 0), vec(p.phi0, 0), f, K, C)
     add_inertia(p, at.v, at.a, R1, R2, f, K, C, M)
 
 
@@ -105,9 +107,15 @@ def _stress(p, N, M):
 @kernel
 def observe(p, at, F, y, e):
     """Write section forces, strains, stress, energies."""
+    observe_from(p, at, vec(p.u0, 0), vec(p.phi0, 0), y, e)
+
+
+@kernel
+def observe_from(p, at, u0, phi0, y, e):
+    """Write outputs and energies for the strain-free screw (u0, phi0); return its generalized forces."""
     R1, R2 = mat(at.R[0]), mat(at.R[1])
     W = R1.T @ R2
-    phi, d, H, c, c1, _, e_u, e_phi = strains(p, at.q, W, R2)
+    phi, d, H, c, c1, _, e_u, e_phi = strains(p, at.q, W, R2, u0, phi0)
     E, b = first_derivative(phi, d, -0.5, c, c1), mat(p.B) @ e_u
     u_rate, phi_rate, _ = strain_rates(p, at.v, d, R2, H, E)
     e_u, u_rate = stretched(p, e_u, b), stretched(p, u_rate, 2.0 * b)
@@ -133,6 +141,7 @@ def observe(p, at, F, y, e):
     e[0] = kinetic
     e[1] = elastic + weight
     e[2] = dissipated
+    return p_u, p_phi
 
 
 def divide(d, nodes):
@@ -162,6 +171,11 @@ def prepare(d, nodes, context):
         "axes": S_2, "F_uu": F[:3, :3], "F_up": F[:3, 3:], "F_pp": F[3:, 3:], "E": section.E, "G": section.G,
         "radius": section.radius, "torsion_radius": section.torsion_radius, "points": points,
     }  # fmt: skip
+
+
+def variant(d):
+    """Return the beam whose shape is constant, or the heated one."""
+    return BEAM if d["thermal"] is None else HEATED_BEAM
 
 
 def check(d, nodes):
@@ -203,11 +217,14 @@ def sample(rng):
     axis, across = axis / np.linalg.norm(axis), np.cross(axis, across) / np.linalg.norm(np.cross(axis, across))
     R = [np.linalg.qr(rng.normal(size=(3, 3)))[0] for _ in range(2)]
     nodes = [(x, R[0] * np.linalg.det(R[0])), (x + 1.4 * axis, R[1] * np.linalg.det(R[1]))]
+    sine = (("sine", {"amplitude": 0.1, "frequency": 0.4, "phase": 0.3, "offset": 0.05}),)
+    heat = {"strain": sine, "curvature_2": 0.2, "curvature_3": sine}
     bow = {"via": x + 0.7 * axis + 0.55 * across, "twist": 0.8, "up": across + 0.5 * axis}
     return [
         ({"section": tube}, 2, ""),
         ({"section": plank, "up": across, "twist": -1.1}, nodes, ""),
         ({"section": general, **bow}, nodes, ""),
+        ({"section": general, **bow, "thermal": heat}, nodes, ""),
     ]
 
 
@@ -225,6 +242,7 @@ BEAM = Kind(
         Field("up", DIRECTION, "-", "towards axis 3 of the section at the start; not needed if it is round", None),
         Field("via", POINT, "m", "point through which it bends as a circular arc; straight when absent", None),
         Field("twist", NUMBER, "rad", "angle by which the section turns about axis 1 from start to end", 0.0),
+        THERMAL,
     ),
     outputs=(
         Output("force", "N", "section force (N, V_2, V_3) in the middle, section axes", (3,)),
@@ -232,7 +250,7 @@ BEAM = Kind(
         Output("moment_start", "N m", "section moment at the first node, section axes there", (3,)),
         Output("moment_end", "N m", "section moment at the second node, section axes there", (3,)),
         Output("strain", "-", "elongation and shear strains in the middle", (3,)),
-        Output("curvature", "1/m", "twist and curvatures in the middle, beyond those at the start", (3,)),
+        Output("curvature", "1/m", "twist and curvatures in the middle, beyond those of the free shape", (3,)),
         Output("normal_stress", "Pa", "largest normal stress of the outer fibres, at the ends and in the middle"),
         Output("torsion_stress", "Pa", "largest shear stress of torsion"),
         Output("stress", "Pa", "largest von Mises stress, from the normal stress and the shear stress of torsion"),
@@ -240,6 +258,7 @@ BEAM = Kind(
         Output("kinetic_energy", "J", "kinetic energy"),
     ),
     flexible=True,
+    variant=variant,
     prepare=prepare,
     divide=divide,
     check=check,
@@ -248,3 +267,11 @@ BEAM = Kind(
     observe=observe,
     sample=sample,
 )  # fmt: skip
+HEATED_BEAM = replace(
+    BEAM,
+    name="heated_beam",
+    dtype=thermal_record(RECORD),
+    prepare=lambda d, nodes, context: thermal_values(d, prepare(d, nodes, context), context),
+    force=heated_force,
+    observe=observed(observe_from),
+)

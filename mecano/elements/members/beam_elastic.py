@@ -35,13 +35,13 @@ from mecano.maths.vector import add_mat, add_vec, cross, cross_columns, dot, mat
 
 
 @inlined
-def strains(p, q, W, R2):
+def strains(p, q, W, R2, u0, phi0):
     """Return phi, y, H, c, c1, c2, and the strains u - u0, phi - phi0; W = R1^T R2."""
     phi = log(mat(p.S).T @ W)
     c, c1, c2 = inverse_coefficients(dot(phi, phi))
     y = R2.T @ (vec(q, 6) - vec(q, 0))
     H = inverse_tangent(phi, c)
-    return phi, y, H, c, c1, c2, H @ y - vec(p.u0, 0), phi - vec(p.phi0, 0)
+    return phi, y, H, c, c1, c2, H @ y - u0, phi - phi0
 
 
 @kernel
@@ -83,9 +83,9 @@ def end_loads(p, y, H, E, p_u, p_phi):
 
 
 @kernel
-def add_elastic(p, q, v, W, R2, f, K, C):
-    """Add residual and tangents of the elastic and viscous forces."""
-    phi, y, H, c, c1, c2, e_u, e_phi = strains(p, q, W, R2)
+def add_elastic(p, q, v, W, R2, u0, phi0, f, K, C):
+    """Add residual and tangents of the elastic and viscous forces; (u0, phi0) is the strain-free screw."""
+    phi, y, H, c, c1, c2, e_u, e_phi = strains(p, q, W, R2, u0, phi0)
     E = first_derivative(phi, y, -0.5, c, c1)
     b = mat(p.B) @ e_u
     e_u = stretched(p, e_u, b)
