@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
+from time_runs import RecordedRun, deck
 
 from mecano.analyses.kind_trial import Instance
 from mecano.element_interface import Context, Place
@@ -370,3 +371,30 @@ def test_samples_show_every_mode():
         f, K, C, _ = wheel.force(x, R, rng.normal(size=6), WHEEL.phases.index(phase))
         assert f.any() == K.any() == C.any() == (phase == "contact")
         assert WHEEL.check(values, [(x, R)]) == []
+
+
+LATERAL = ", friction: 0.8, slip_regularization: 0.1, lateral: {relaxation: {cornering_stiffness: 5.0e4, relaxation_length: 0.3}}"
+FIALA = ", fiala: {cornering_stiffness: 5.0e4, friction: 0.8, contact_length: 0.1, carcass_stiffness: [1.0e5, 1.0e5]}"
+
+
+@pytest.mark.parametrize(
+    ("kind", "more"),
+    [("wheel", ", friction: 0.8, slip_regularization: 0.1"), ("flexible_wheel", LATERAL), ("transient_wheel", FIALA)],
+)
+def test_the_slip_in_the_air_is_that_of_the_lowest_point_of_the_rim(kind, more):
+    m = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: none
+        nodes: {{hub: {{position: [0, 0, 1.7]}}}}
+        elements:
+          rim: {{type: rigid_body, node: hub, mass: 10, inertia: [1, 2, 1]}}
+          tyre: {{type: {kind}, node: hub, axis: [0, 1, 0], tire_law: law, ground: road}}
+        tire_laws: {{law: {{radius: 0.4, radial: {{linear: {{slope: 1.0e5}}}}{more}}}}}
+        grounds: {{road: {{plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}}}}}
+        initial: {{velocities: [{{nodes: all, velocity: [30, 2, 0], angular_velocity: [0, 50, 0], about: own}}]}}
+        time: {{end: 0.01, step: 1 ms}}
+        """)
+    )
+    assert m["elements/tyre/longitudinal_slip"] == pytest.approx(30 - 50 * 0.4, rel=1e-12)
+    assert abs(m["elements/tyre/lateral_slip"]) == pytest.approx(2.0, rel=1e-12)

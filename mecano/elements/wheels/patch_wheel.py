@@ -27,7 +27,7 @@ from mecano.elements.wheels.tire_wheel import (
 from mecano.elements.wheels.tire_wheel import FIELDS as WHEEL_FIELDS
 from mecano.elements.wheels.tire_wheel import OUTPUTS as TIRE_OUTPUTS
 from mecano.jit.kernel import kernel
-from mecano.maths.vector import dot, mat, put, vec
+from mecano.maths.vector import cross, dot, mat, put, vec
 from mecano.schema import NUMBER, Field, mapping
 
 INITIAL = mapping(
@@ -72,8 +72,10 @@ def put_patch(p, at, k, load, force, lost, y, e):
     ``force`` (3,) [N] of the ground on the wheel in the ground; ``lost`` [W] what friction dissipates.
     """
     q, v, contact, law = at.q, at.v, at.phase == CONTACT, load.law
-    grip = Grip(load.radial, force, load.N, k.v_C, lost, k.w1)
     arm = k.rho if contact else p.radius * k.g.c
+    lowest = vec(v, 0) + cross(k.omega, arm)
+    v_C = k.v_C if contact else lowest - dot(k.g.n, lowest) * k.g.n
+    grip = Grip(load.radial, force, load.N, v_C, lost, k.w1)
     touching = put_tire(p, at.laws, contact, k.g, k.a, arm, dot(k.omega, k.a), grip, q, y, e)
     put(y, 18, vec(q, Y))
     put(y, 24, vec(v, Y))
