@@ -41,6 +41,7 @@ COLUMNS = Type("columns", "a list of 2 column headers, or column numbers from 1"
 UNITS = Type("units", "a list of 2 units")
 LAW = Type("law", "the name of a law, or a law written in place")
 CURVE = Type("curve", "a number, the name of a law, or a law of one variable written in place")
+TIME_CURVE = Type("curve", "a number, the name of a law, or a law of time written in place")
 DRIVE = Type("drive", "a number, the name of a law or of a signal, a law of time, or a formula of signals")
 FORMULA = Type("formula", "a formula of signals, outputs of elements, motions of nodes and the time")
 CONDITION = Type("condition", "a condition, such as hinge.angle > 1.5")

@@ -202,3 +202,62 @@ def test_no_warning_of_good_models(name):
     said = warnings_of(prepare(input_deck(name)))
     assert len(said) == (name in SUSPICIOUS_INPUTS)
     assert all(SUSPICIOUS_INPUTS[name] in line for line in said)
+
+
+WAVE = "{sine: {amplitude: 1, frequency: 30}}"  # three steps of HEAD a period and a third
+SPRING = "{type: spring_damper, nodes: [a, b], law: {linear: {slope: 1}}, natural_length: FIELD}"
+OF_TIME = {
+    "push": "    loads: {push: {type: force, node: b, direction: [1, 0, 0], value: FIELD}}",
+    "held": "    joints: {held: {type: prescribed_position, node: b, direction: [1, 0, 0], value: FIELD}}",
+    "spring": f"      spring: {SPRING}",
+}
+
+
+@pytest.mark.parametrize("name", OF_TIME)
+@pytest.mark.parametrize("wave", [WAVE, "{sine: {amplitude: 1, frequency: -30, offset: 2}, constant: 3}"])
+def test_waves_of_time_that_the_steps_do_not_sample(name, wave):
+    text = HEAD + OF_TIME[name].replace("FIELD", wave) + "\n"
+    (found,) = deck(text).warnings
+    assert f"'{name}': " in found.message and "a wave of 30 Hz, which steps of 0.01 s (time.step)" in found.message
+    assert "sample 3.33 times a period" in found.message and "0.00833 s is the longest step" in found.message
+    assert str(found.mark).startswith(at(text, OF_TIME[name].strip()[:12]).rpartition(":")[0].rpartition(":")[0])
+
+
+LOAD = HEAD + "    loads: {push: {type: force, node: b, direction: [1, 0, 0], value: FIELD}}\n"
+FIXED, ADAPTIVE = "step: 0.01", "step: {step}, adaptive: {{tolerance: 1e-3, maximum_step: {longest}}}"
+
+
+@pytest.mark.parametrize(
+    ("value", "time", "text"),
+    [
+        ("{sine: {amplitude: 1, frequency: 25}}", FIXED, ""),  # four steps a period
+        ("{sine: {amplitude: 0, frequency: 30}}", FIXED, ""),
+        ("{random: {density: 1, highest: 30}}", FIXED, "a wave of 30 Hz"),
+        ("sin(2*pi*30*time)", FIXED, "a wave of 30 Hz"),
+        ("1 + cos(3 - 2*pi*30*time)**2", FIXED, "a wave of 30 Hz"),
+        ("sin(2*pi*25*time)", FIXED, ""),
+        ("sin(pi*30*time**2)", FIXED, "a wave of 30 Hz"),  # a sweep, at the end of the run
+        ("sin(200*b.position.x) + 200*time", FIXED, ""),
+        ("sin(sqrt(-1 - time))", FIXED, ""),
+        (WAVE, ADAPTIVE.format(step=0.001, longest=0.01), "steps of 0.01 s (time.adaptive.maximum_step)"),
+        (WAVE, ADAPTIVE.format(step=0.001, longest=0.008), ""),
+        (WAVE, ADAPTIVE.format(step=0.001, longest="automatic"), ""),
+        (WAVE, ADAPTIVE.format(step=0.1, longest="automatic"), "steps of 0.1 s (time.step, the first step)"),
+    ],
+)
+def test_waves_of_time(value, time, text):
+    found = deck(LOAD.replace("FIELD", value).replace(FIXED, time)).warnings
+    assert len(found) == bool(text) and all(text in one.message for one in found)
+
+
+def test_a_law_of_time_with_several_uses_is_one_warning():
+    more = "pull: {type: force, node: b, direction: [0, 1, 0], value: FIELD}}"
+    given = LOAD.replace("FIELD}}", f"FIELD}}, {more}").replace("FIELD", "shake") + f"    laws: {{shake: {WAVE}}}\n"
+    (found,) = deck(given).warnings
+    assert "force 'push'" in found.message and "(and 1 more uses)" in found.message
+
+
+def test_a_ground_that_moves_by_a_wave_of_time():
+    ground = "plane: {point: [0, 0, 0], normal: [0, 0, 1]}, motion: {direction: [1, 0, 0], speed: FIELD}"
+    found, _ = deck(HEAD + f"    grounds: {{belt: {{{ground.replace('FIELD', WAVE)}}}}}\n").warnings
+    assert "ground 'belt': 'motion.speed' has a wave of 30 Hz" in found.message

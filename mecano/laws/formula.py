@@ -14,6 +14,7 @@ from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, at_most, atan2, chain, constant, cos, exp, number, select, sin, sqrt, tan, value
 
 DEPTH = 8  # places of the stack
+DIFFERENCE = 1e-5  # s, or of the time: of the difference for the rate of a phase
 LONGEST, DEEPEST = 500, 50  # characters, levels of brackets
 
 NUMBER, INPUT, TIME = 0, 1, 2
@@ -175,6 +176,34 @@ class _Reader:
 
     def _column(self, tree):
         return self.skipped + tree.col_offset
+
+
+def phases_of_time(formula):
+    """Return the programs of the arguments of sin, cos and tan in a Formula that depend on the time alone."""
+    starts, found = [], []  # first step of every number on the stack
+    for i, (code, _) in enumerate(formula.program):
+        if code < NEGATIVE:
+            starts.append(i)
+        elif code >= ADD:
+            starts.pop()
+        elif code in (SIN, COS, TAN):
+            phase = formula.program[starts[-1] : i]
+            codes = {code for code, _ in phase}
+            if TIME in codes and INPUT not in codes:
+                found.append(phase)
+    return found
+
+
+def phase_rate(program, t):
+    """Return the absolute rate [1/s], by differences, of a program of the time alone at ``t`` [s]; 0 if undefined."""
+    laws = [float(len(program)), *(x for step in program for x in step)]
+    dt = DIFFERENCE * max(1.0, abs(t))
+    try:
+        low, high = (value(evaluate_formula(laws, 0, t + by, [0.0], 0)) for by in (-dt, dt))
+        rate = abs(high - low) / (2.0 * dt)
+    except (ArithmeticError, ValueError, TypeError):  # as of the root of a negative number
+        return 0.0
+    return rate if math.isfinite(rate) else 0.0
 
 
 @kernel

@@ -118,5 +118,6 @@ RANDOM = Term(
     evaluate=waves,
     integral=waves_integral,
     shape=shape_of_random,
+    frequency=lambda values: values["highest"] if values["density"] else 0.0,
     check=check_random,
 )  # fmt: skip

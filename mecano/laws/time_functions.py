@@ -137,6 +137,7 @@ SINE = Term(
     evaluate=sine,
     integral=sine_integral,
     shape=shape_of_sine,
+    frequency=lambda values: abs(values["frequency"]) if values["amplitude"] else 0.0,
 )
 
 RAMP = Term(

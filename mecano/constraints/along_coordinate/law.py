@@ -10,13 +10,13 @@ from mecano.constraints.stop_phases import EVENTS, PHASES, law_record, put_stop_
 from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve, evaluate_force, law_force, potential
-from mecano.schema import CURVE, LAW, Field
+from mecano.schema import LAW, TIME_CURVE, Field
 
 SET_POINT = "at which the extension of the {} law is zero, as a function of time [s]"
 
 TURNING_FIELDS = (
     Field("turning_law", LAW, "-", "moment [N m] from angle [rad] and rate [rad/s]; > 0 opposes the angle", None),
-    Field("natural_angle", CURVE, "rad", f"angle {SET_POINT.format('turning')}", 0.0),
+    Field("natural_angle", TIME_CURVE, "rad", f"angle {SET_POINT.format('turning')}", 0.0),
 )
 SLIDING_FIELDS = (
     Field(
@@ -26,7 +26,7 @@ SLIDING_FIELDS = (
         "force [N] from displacement [m] and velocity [m/s]; > 0 opposes the displacement",
         None,
     ),
-    Field("natural_displacement", CURVE, "m", f"displacement {SET_POINT.format('sliding')}", 0.0),
+    Field("natural_displacement", TIME_CURVE, "m", f"displacement {SET_POINT.format('sliding')}", 0.0),
 )
 LAW_RECORD = {"law": "i", "natural": (), "low": (), "high": (), "set_point": "i"}
 

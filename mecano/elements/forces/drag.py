@@ -13,7 +13,7 @@ from mecano.element_interface import Display, Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.laws.table import curve
 from mecano.maths.vector import add_vec, dot, norm, put, vec
-from mecano.schema import CURVE, DIRECTION, NODE, NUMBER, Field, positive
+from mecano.schema import DIRECTION, NODE, NUMBER, TIME_CURVE, Field, positive
 
 RECORD = record(factor=(), stream=3, law="i")
 AIR = 1.225  # kg/m3, at sea level in the standard atmosphere
@@ -78,7 +78,7 @@ DRAG = Kind(
         Field("coefficient", NUMBER, "-", "c_d", check=positive),
         Field("density", NUMBER, "kg/m3", "rho of the fluid; air at sea level when absent", AIR, positive),
         Field("direction", DIRECTION, "-", "direction of the stream, inertial, made a unit vector", None),
-        Field("speed", CURVE, "m/s", "speed of the stream, a function of time [s]; at rest when absent", None),
+        Field("speed", TIME_CURVE, "m/s", "speed of the stream, a function of time [s]; at rest when absent", None),
     ),
     outputs=(
         Output("force", "N", "drag on the node, inertial", (3,)),

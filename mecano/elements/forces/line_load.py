@@ -14,7 +14,7 @@ from mecano.element_interface import Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.laws.table import curve, evaluate_curve
 from mecano.maths.vector import add_vec, dot, mat, vec
-from mecano.schema import BOOLEAN, CURVE, DIRECTION, NODES, Field
+from mecano.schema import BOOLEAN, DIRECTION, NODES, TIME_CURVE, Field
 
 RECORD = record(load=3, law="i")  # load of a node per unit of the law
 OF_LINE = record(length=(), law="i")
@@ -108,7 +108,7 @@ LINE_LOAD = Kind(
     fields=(
         Field("line", NODES, "-", "nodes from one end to the other, including those created by 'mesh'"),
         Field("direction", DIRECTION, "-", "direction at the start, inertial, made a unit vector"),
-        Field("value", CURVE, "N/m", "force per length: a number, or a function of time [s]"),
+        Field("value", TIME_CURVE, "N/m", "force per length: a number, or a function of time [s]"),
         Field("follows", BOOLEAN, "-", "whether the direction turns with each node", False),
     ),
     outputs=(

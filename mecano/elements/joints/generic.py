@@ -36,13 +36,13 @@ from mecano.element_interface import Display, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve
 from mecano.maths.vector import mat, vec
-from mecano.schema import CURVE, DIRECTION, Field, choice, list_of, mapping
+from mecano.schema import DIRECTION, TIME_CURVE, Field, choice, list_of, mapping
 
 RECORD = record(drive=6, row=6, law=6, **AXES_FIELDS)
 DRIVABLE = ("along_1", "along_2", "along_axis", "about_axis")
 DRIVEN = mapping(
     *(
-        Field(axis, CURVE, unit, f"{what} since the start as a function of time [s]", None)
+        Field(axis, TIME_CURVE, unit, f"{what} since the start as a function of time [s]", None)
         for axis, unit, what in zip(DRIVABLE, ("m", "m", "m", "rad"), ("displacement",) * 3 + ("twist",), strict=True)
     )
 )

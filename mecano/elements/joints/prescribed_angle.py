@@ -18,7 +18,7 @@ from mecano.constraints.of_coordinates import RELATIVE_ANGLE
 from mecano.element_interface import BY_COMMAND, Display, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec
-from mecano.schema import CURVE, DIRECTION, Field
+from mecano.schema import DIRECTION, TIME_CURVE, Field
 
 RECORD = record(mu=(3, 3), xi=(3, 3), **TARGET)
 
@@ -63,7 +63,7 @@ PRESCRIBED_ANGLE = Kind(
     fields=(
         NODES,
         Field("axis", DIRECTION, "-", "axis at the start, inertial; fixed in both nodes"),
-        Field("value", CURVE, "rad", "rotation of b relative to a since the start as a function of time [s]"),
+        Field("value", TIME_CURVE, "rad", "rotation of b relative to a since the start as a function of time [s]"),
     ),
     outputs=(
         *angle_outputs("rotation of b relative to a about the axis since the start"),

@@ -15,7 +15,7 @@ from mecano.constraints.of_coordinates import DISTANCE
 from mecano.element_interface import Display, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, norm, vec
-from mecano.schema import CURVE, Field
+from mecano.schema import TIME_CURVE, Field
 
 RECORD = record(**TARGET)
 
@@ -64,8 +64,8 @@ PRESCRIBED_LENGTH = Kind(
     layout=("x0", "x1"),
     fields=(
         NODES,
-        Field("value", CURVE, "m", "change of the distance since the start as a function of time [s]", None),
-        Field("length", CURVE, "m", "the distance itself as a function of time [s], instead of 'value'", None),
+        Field("value", TIME_CURVE, "m", "change of the distance since the start as a function of time [s]", None),
+        Field("length", TIME_CURVE, "m", "the distance itself as a function of time [s], instead of 'value'", None),
     ),
     outputs=(
         Output("length", "m", "distance of the nodes", rate="rate"),

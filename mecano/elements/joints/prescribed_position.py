@@ -14,7 +14,7 @@ from mecano.constraints.of_coordinates import HELD_COORDINATE
 from mecano.element_interface import Display, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, vec
-from mecano.schema import CURVE, DIRECTION, NODE, Field
+from mecano.schema import DIRECTION, NODE, TIME_CURVE, Field
 
 RECORD = record(direction=3, origin=3, **TARGET)
 
@@ -56,7 +56,7 @@ PRESCRIBED_POSITION = Kind(
     fields=(
         Field("node", NODE, "-", "node that is moved"),
         Field("direction", DIRECTION, "-", "direction of the displacement, inertial"),
-        Field("value", CURVE, "m", "displacement from the position in the deck as a function of time [s]"),
+        Field("value", TIME_CURVE, "m", "displacement from the position in the deck as a function of time [s]"),
     ),
     outputs=(
         Output("displacement", "m", "displacement of the node along the direction", rate="velocity"),

@@ -40,7 +40,7 @@ from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.element_interface import Display, Kind, Output, Part, nothing, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
-from mecano.schema import CURVE, DIRECTION, LAW, Field
+from mecano.schema import DIRECTION, LAW, TIME_CURVE, Field
 
 RECORD = record(mu=(3, 3), xi=(3, 3))
 CROSS = "about_cross"
@@ -208,7 +208,7 @@ UNIVERSAL = Kind(
                     f"turning_law_{end}", LAW, "-",
                     f"moment [N m] from angle_{end} [rad] and its rate [rad/s]; > 0 turns b back", None,
                 ),
-                Field(f"natural_angle_{end}", CURVE, "rad", f"angle_{end} {SET_POINT.format('turning')}", 0.0),
+                Field(f"natural_angle_{end}", TIME_CURVE, "rad", f"angle_{end} {SET_POINT.format('turning')}", 0.0),
             )
         ),
         friction_fields(

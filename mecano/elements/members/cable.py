@@ -46,7 +46,7 @@ from mecano.element_interface import Display, Event, Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.laws.table import evaluate_curve, terms_of
-from mecano.schema import CURVE, NODE_PAIR, NUMBER, Field, choice, not_negative, positive
+from mecano.schema import CURVE, NODE_PAIR, NUMBER, TIME_CURVE, Field, choice, not_negative, positive
 
 RECORD = record(**LINE_RECORD)
 TAUT = 0  # a bar is always in this phase
@@ -187,7 +187,9 @@ FIELDS = (
     Field("axial_stiffness", NUMBER, "N", "EA: force per strain; or give E and area", None, positive),
     Field("E", NUMBER, "Pa", "modulus of elasticity, where axial_stiffness is not given", None, positive),
     Field("area", NUMBER, "m2", "area of the cross-section; without it the stress is written as zero", None, positive),
-    Field("natural_length", CURVE, "m", "length without force, as a function of time [s]; the initial distance", None),
+    Field(
+        "natural_length", TIME_CURVE, "m", "length without force, as a function of time [s]; the initial distance", None
+    ),
     Field("damping", NUMBER, "s", "tau: viscous over elastic stiffness", 0.0, not_negative),
     Field("mass_per_length", NUMBER, "kg/m", "mass per natural length at t = 0", 0.0, not_negative),
     Field(

@@ -48,7 +48,7 @@ from mecano.element_interface import Display, Event, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.maths.vector import add_vec, dot, mat, norm
-from mecano.schema import CURVE, DIRECTION, NODES, NUMBER, NUMBERS, Field, not_negative, positive
+from mecano.schema import DIRECTION, NODES, NUMBER, NUMBERS, TIME_CURVE, Field, not_negative, positive
 
 LIFTED = 0.01  # [rad]: the length of a path off a pulley by this angle is in error by less than its square
 CLOSEST = 0.999  # difference of the radii of neighbours over their distance
@@ -218,8 +218,8 @@ FIELDS = (
     Field("axis", DIRECTION, "-", "axis of all pulleys at the start, inertial; fixed in their nodes"),
     Field("axial_stiffness", NUMBER, "N", "EA: force per strain", check=positive),
     Field("pretension", NUMBER, "N", "tension at the start, without payout and friction", 0.0, not_negative),
-    Field("payout", CURVE, "m", "natural length paid out at the first node since the start, as a function of time [s]; "
-          "a winch that hauls in has negative values", None),
+    Field("payout", TIME_CURVE, "m", "natural length paid out at the first node since the start, as a function of time "
+          "[s]; a winch that hauls in has negative values", None),
     Field("damping", NUMBER, "s", "tau: viscous over elastic stiffness", 0.0, not_negative),
     friction_field(),
 )  # fmt: skip

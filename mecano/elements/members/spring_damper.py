@@ -24,7 +24,7 @@ from mecano.laws.probe import curve_at
 from mecano.laws.table import law_force
 from mecano.maths.dual import number
 from mecano.maths.vector import add_vec
-from mecano.schema import CURVE, LAW, NODE_PAIR, Field, not_negative
+from mecano.schema import LAW, NODE_PAIR, TIME_CURVE, Field, not_negative
 
 RECORD = record(**LAW_RECORD)
 
@@ -137,7 +137,7 @@ SPRING_DAMPER = Kind(
     fields=(
         Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
         Field("law", LAW, "-", "axial force [N] from extension [m] and rate [m/s]; > 0 pulls the nodes together"),
-        Field("natural_length", CURVE, "m", "length at the extension zero, as a function of time [s]; the initial "
+        Field("natural_length", TIME_CURVE, "m", "length at the extension zero, as a function of time [s]; the initial "
               "distance when absent", None),
     ),
     outputs=(

@@ -19,7 +19,7 @@ from mecano.constraints.of_coordinates import TWIST_LAW
 from mecano.constraints.stop_phases import EVENTS, PHASES
 from mecano.element_interface import Display, Kind, Measured, Output
 from mecano.jit.kernel import kernel
-from mecano.schema import CURVE, DIRECTION, LAW, Field
+from mecano.schema import DIRECTION, LAW, TIME_CURVE, Field
 
 
 @kernel
@@ -75,7 +75,7 @@ TORSION_SPRING_DAMPER = Kind(
         NODES,
         Field("axis", DIRECTION, "-", "axis at the start, inertial"),
         Field("law", LAW, "-", "moment [N m] from angle [rad] and rate [rad/s]; > 0 turns against a positive angle"),
-        Field("natural_angle", CURVE, "rad", f"angle {SET_POINT.format('spring')}", 0.0),
+        Field("natural_angle", TIME_CURVE, "rad", f"angle {SET_POINT.format('spring')}", 0.0),
     ),
     outputs=(
         *angle_outputs(OVER_TURNS),

@@ -1,0 +1,84 @@
+"""Warnings of laws and formulas of time whose waves are too short for the steps of a run.
+
+A wave that is sampled less often than about four times a period acts with another amplitude and frequency, in an
+extreme case as a constant, and no error estimate notices.
+"""
+
+import math
+
+import numpy as np
+
+from mecano.element_interface import SECTIONS
+from mecano.laws import TERMS
+from mecano.laws.formula import phase_rate, phases_of_time, read_formula
+from mecano.schema import TIME_CURVE
+
+LEAST, ENOUGH = 4.0, 20.0  # steps per period; a fortieth of the amplitude is lost between 20 samples
+ROUNDING = 1e-6  # of a step, so that exactly four steps a period are enough
+INSTANTS = 5  # of a run, at which the frequency of a wave in a formula is looked at
+
+
+def unsampled(values, kinds):
+    """Yield (path, text) on waves of time with fewer than ``LEAST`` steps a period, one for all uses of a law.
+
+    ``values`` are those of a checked deck, ``kinds`` is {name: Kind} of all elements.
+    """
+    time = values["time"]
+    if not time:
+        return
+    (step, key), found = longest_step(time), {}
+    for owner, path, value in _uses(values, kinds):
+        frequency = _frequency(value, time)
+        if LEAST * frequency * step > 1.0 + ROUNDING:
+            found.setdefault(id(value), (frequency, path, owner, []))[3].append(owner)
+    for frequency, path, owner, owners in found.values():
+        more = f" (and {len(owners) - 1} more uses)" if len(owners) > 1 else ""
+        text = (
+            f"{owner}: {'.'.join(path[2:])!r} has a wave of {frequency:.4g} Hz, which steps of {step:g} s "
+            f"({key}) sample {1.0 / (frequency * step):.3g} times a period{more}: another motion than that of the deck "
+            f"results; {1.0 / (LEAST * frequency):.3g} s is the longest step that samples it {LEAST:g} times, "
+            f"{1.0 / (ENOUGH * frequency):.3g} s resolves it"
+        )
+        yield path, text
+
+
+def longest_step(time):
+    """Return the longest step [s] that no error estimate shortens, and the key of the deck that gives it.
+
+    An adaptive run without 'maximum_step' lengthens its first step only as long as it sees small errors.
+    """
+    longest = time["adaptive"] and time["adaptive"]["maximum_step"]
+    if isinstance(longest, float):
+        return longest, "time.adaptive.maximum_step"
+    return time["step"], "time.step, the first step" if time["adaptive"] else "time.step"
+
+
+def _uses(values, kinds):
+    """Yield (owner, path, value) of all checked laws and formulas of time."""
+    for section in SECTIONS:
+        for name, d in values[section].items():
+            for path, value in _of_time(kinds[d["type"]].fields, d, (section, name)):
+                yield f"{d['type']} '{name}'", path, value
+    for name, d in values["grounds"].items():
+        for key in ("speed", "rate"):
+            if d["motion"] and d["motion"][key] is not None:
+                yield f"ground '{name}'", ("grounds", name, "motion", key), d["motion"][key]
+
+
+def _of_time(fields, values, path):
+    for field in fields:
+        value = values[field.name]
+        if value is None:
+            continue
+        if field.type == TIME_CURVE or field.type.name in ("drive", "formula"):
+            yield (*path, field.name), value
+        elif field.type.name == "mapping":
+            yield from _of_time(field.type.options, value, (*path, field.name))
+
+
+def _frequency(value, time):
+    """Return the highest frequency [Hz] of the waves of a checked law or formula of time; 0 without any."""
+    if not isinstance(value, str):
+        return max((TERMS[name].frequency(values) for name, values in value), default=0.0)
+    phases, times = phases_of_time(read_formula(value)), np.linspace(time["start"], time["end"], INSTANTS)
+    return max((phase_rate(phase, t) for phase in phases for t in times), default=0.0) / (2.0 * math.pi)
