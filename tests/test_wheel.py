@@ -373,7 +373,10 @@ def test_samples_show_every_mode():
         assert WHEEL.check(values, [(x, R)]) == []
 
 
-LATERAL = ", friction: 0.8, slip_regularization: 0.1, lateral: {relaxation: {cornering_stiffness: 5.0e4, relaxation_length: 0.3}}"
+LATERAL = (
+    ", friction: 0.8, slip_regularization: 0.1, "
+    "lateral: {relaxation: {cornering_stiffness: 5.0e4, relaxation_length: 0.3}}"
+)
 FIALA = ", fiala: {cornering_stiffness: 5.0e4, friction: 0.8, contact_length: 0.1, carcass_stiffness: [1.0e5, 1.0e5]}"
 
 
