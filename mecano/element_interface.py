@@ -197,9 +197,10 @@ class NodeAtStart(NamedTuple):
     """A node in the assembled state at the start of an analysis."""
 
     orientation: np.ndarray  # (3, 3) of the deck
+    x: np.ndarray  # (3,) position [m]
     R: np.ndarray  # (3, 3) after the assembly
     v: np.ndarray  # (3,) velocity [m/s]
-    inertia: np.ndarray  # (3, 3) of all that is attached, material [kg m2]
+    inertia: Callable  # () -> (3, 3) of all that is attached, material [kg m2]
 
 
 @dataclass(frozen=True, kw_only=True)

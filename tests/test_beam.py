@@ -1,12 +1,16 @@
 """One beam element: strains under rigid motions, tangents far from the start, inertia, sections, members of decks."""
 
+import math
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from time_runs import RecordedRun, deck
 
+from mecano.analyses.equilibria import follow
 from mecano.analyses.kind_tests import close, slope
 from mecano.analyses.kind_trial import Motion, expand, samples, seed_of
+from mecano.analyses.prepare import prepare, warnings_of
 from mecano.analyses.static import run
 from mecano.deck.build import build
 from mecano.elements.members.beam import BEAM
@@ -90,6 +94,28 @@ def test_stiffness_of_a_slender_element_is_that_of_the_cubic_beam():
     L = 0.8
     K = element_stiffness(C, np.array([L, 0, 0, 0, 0, 0]))
     np.testing.assert_allclose(np.diag(K), [3e9 / L, 48 / L**3, 60 / L**3, 7 / L, 5 / L, 4 / L], rtol=1e-6)
+
+
+@pytest.mark.parametrize(("slenderness", "mesh", "digits"), [(1e5, 1, None), (3e5, 1, 5), (3e4, 100, 5), (1e6, 10, 3)])
+def test_slender_beams_keep_the_digits_that_are_stated(slenderness, mesh, digits):
+    """Deflection of a cantilever, F L^3/(3 EI); up to a factor of 30, as rounding is random."""
+    bar = math.pi * (4.0 / slenderness) ** 4 / 64.0 * 210e9  # its EI [N m2], at a length of 1 m
+    text = f"""
+    mecano: 1
+    gravity: none
+    nodes: {{a: {{position: [0.3, 0.2, 0.1], fixed: true}}, b: {{position: [1.1, 0.2, 0.7]}}}}
+    sections: {{wire: {{type: circle, diameter: {4.0 / slenderness}, E: 210 GPa, nu: 0.3, density: 7850}}}}
+    elements: {{beam: {{type: beam, nodes: [a, b], section: wire, mesh: {mesh}}}}}
+    loads: {{F: {{type: force, node: b, direction: [-0.6, 0, 0.8], value: {3e-3 * bar}}}}}
+    static: {{}}
+    """
+    prepared = prepare(deck(text))
+    texts = [one for one in warnings_of(prepared) if "digits" in one]
+    assert len(texts) == bool(digits) and all(f"beam 'beam': it is {slenderness:.2g}" in one for one in texts)
+    assert all(f"about {digits} digits" in one for one in texts)
+    state = follow(prepared).point.state
+    x = state.z[prepared.system.numbering.x[1] :][:3] - [1.1, 0.2, 0.7]
+    assert abs(x @ [-0.6, 0, 0.8] / 1e-3 - 1.0) < 30 * 10.0 ** -(digits or 6)
 
 
 def inertia(instance, motion):

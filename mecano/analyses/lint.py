@@ -1,5 +1,7 @@
 """Legal but suspicious input seen in the assembled model: massless nodes, strains, states at the start."""
 
+from functools import partial
+
 import numpy as np
 
 from mecano.deck.physics import element_nodes
@@ -73,11 +75,18 @@ def _suspicious(deck, system, s):
 
 def _at_start(system, s, i):
     of = system.numbering
+    x = slice(of.x[i], of.x[i] + 3)
+    return NodeAtStart(system.nodes[i].R, s.z[x], s.R[of.rotation[i]], s.v[x], partial(_inertia, system, s, i))
+
+
+def _inertia(system, s, i):
+    """Return the inertia (3, 3) of all that is attached to the node ``i``, material [kg m2]."""
+    of = system.numbering
     system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
     rows, cols = (numbers - of.r[i] for numbers in (system.rows, system.cols))
     turning, M = (0 <= rows) & (rows < 3) & (0 <= cols) & (cols < 3), np.zeros((3, 3))
     np.add.at(M, (rows[turning], cols[turning]), system.data[: len(rows)][turning])
-    return NodeAtStart(system.nodes[i].R, s.R[of.rotation[i]], s.v[of.x[i] : of.x[i] + 3], M)
+    return M
 
 
 def _massless(deck, system, s, length):

@@ -46,6 +46,8 @@ from mecano.schema import DIRECTION, INTEGER, NODE_PAIR, NUMBER, POINT, SECTION,
 
 MOST_SLENDER = 1e7  # lengths over radii of gyration: stiffnesses differ by the square, of 16 digits
 MOST_ELEMENTS = 10_000
+LOST = 3e-17  # relative error of the deflection, per element and square of the slenderness of the beam (measured)
+INACCURATE = 1e-6  # of the deflection
 RECORD = record(
     S=(3, 3), K_uu=(3, 3), K_up=(3, 3), K_pp=(3, 3), B=(3, 3), along=3, u0=3, phi0=3, damping=(), gravity=3,
     mass=(), eccentric="i", J1=(3, 3), J2=(3, 3), J12=(3, 3), c1=3, t1=3, c2=3, t2=3,
@@ -184,14 +186,36 @@ def check(d, nodes):
     return check_line(d, nodes, is_round(section)) or _too_slender(d, nodes, section)
 
 
+def _slenderness(section, x_1, x_2):
+    """Return the distance of two points over the least radius of gyration of a section."""
+    C = section.C
+    return np.linalg.norm(np.subtract(x_2, x_1)) * np.sqrt(C[0, 0] / np.diag(C)[4:].min())
+
+
 def _too_slender(d, nodes, section):
-    C, (x_1, x_2) = section.C, (x for x, _ in nodes)
-    slenderness = np.linalg.norm(np.subtract(x_2, x_1)) / d["mesh"] * np.sqrt(C[0, 0] / np.diag(C)[4:].min())
+    slenderness = _slenderness(section, *(x for x, _ in nodes)) / d["mesh"]
     if slenderness <= MOST_SLENDER:
         return []
     return [
         f"an element is {slenderness:.2g} radii of gyration of its section long, {MOST_SLENDER:g} at most: correct the "
         "places of the nodes or the 'section', or use a cable"
+    ]
+
+
+def suspicious(d, nodes):
+    """Return a warning about a beam of whose deflections rounding leaves few digits.
+
+    The bending stiffness is smaller than the axial one by the square of the slenderness, and follows from differences
+    of the positions of nodes.
+    """
+    slenderness = _slenderness(constants(d["section"]), *(node.x for node in nodes))
+    error = LOST * d["mesh"] * slenderness**2
+    if error <= INACCURATE:
+        return []
+    digits = max(0, math.floor(-math.log10(error)))
+    return [
+        f"it is {slenderness:.2g} radii of gyration of its section long: rounding leaves about {digits} digits of its "
+        "deflections; is the 'section' intended? A cable has no bending stiffness to lose"
     ]
 
 
@@ -262,6 +286,7 @@ BEAM = Kind(
     prepare=prepare,
     divide=divide,
     check=check,
+    suspicious=suspicious,
     strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
     force=force,
     observe=observe,

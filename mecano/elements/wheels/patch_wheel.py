@@ -145,7 +145,7 @@ def suspicious(d, nodes):
     along, across = abs(node.v @ ahead), abs(node.v @ np.cross(normal, ahead)) / np.linalg.norm(normal)
     speed, angle = np.hypot(along, across) / np.linalg.norm(ahead), math.atan2(across, along)
     stiffness = law["torsional_stiffness"] * law["yaw_coefficient"] * law["lateral_stiffness"]
-    needed = speed * (axis @ node.inertia @ axis) * angle**2 / (d["tire_law"]["radius"] ** 2 * stiffness)
+    needed = speed * (axis @ node.inertia() @ axis) * angle**2 / (d["tire_law"]["radius"] ** 2 * stiffness)
     if not 0.0 < law["yaw_time"] < needed:
         return []
     return [
