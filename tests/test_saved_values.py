@@ -5,11 +5,13 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from time_runs import deck as deck_of
 from time_runs import input_deck
 
 from mecano.analyses.dense_output import DenseOutput
 from mecano.analyses.dynamic import run
 from mecano.analyses.recorder import Recorder
+from mecano.results.reader import open_results
 
 DECKS = sorted(path.stem for path in (Path(__file__).parent.parent / "inputs").glob("*.yaml"))
 LATER = {"reflector", "reflector_template"}  # many steps: a beginning with events is enough
@@ -60,3 +62,32 @@ def test_no_saved_value_lies_beyond_those_of_the_steps_around_it(name, tmp_path,
         high, low = file["extremes/maximum"][:].max(0), file["extremes/minimum"][:].min(0)
     assert np.all(rows[:count] <= high) and np.all(rows[:count] >= low)
     assert checked or deck.values["output"]["every"] == "step" or not deck.values["time"]["adaptive"]
+
+
+BALL = """
+    mecano: 1
+    gravity: [0, 0, -8]
+    nodes: {ball: {position: [0, 0, 1]}}
+    grounds: {table: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}}
+    elements:
+      body: {type: point_mass, node: ball, mass: 1}
+      floor: {type: plane_contact, node: ball, ground: table, restitution: 0.5}
+    time: {end: 0.6, step: 0.01}
+    output: {every: EVERY}
+    """
+
+
+@pytest.mark.parametrize("every", ["step", "0.5", "0.025"])
+def test_the_row_at_the_time_of_an_event_holds_the_values_before_it(every, tmp_path):
+    """A ball falls from 1 m with 8 m/s2: it meets the floor at 0.5 s with 4 m/s and rebounds with 2 m/s."""
+    run(deck_of(BALL.replace("EVERY", every)), tmp_path / "ball.h5")
+    with h5py.File(tmp_path / "ball.h5") as file:
+        time, velocity = file["time"][:], file["nodes/ball/velocity"][:, 2]
+        (at,) = np.flatnonzero(np.abs(time - 0.5) < 1e-9)
+        np.testing.assert_allclose(file["events/event_time"][:], 0.5, rtol=1e-12)
+        np.testing.assert_allclose(velocity[at], -4.0, rtol=1e-12)
+        np.testing.assert_allclose(velocity[at + 1], 2.0 - 8.0 * (time[at + 1] - 0.5), rtol=1e-12)
+    with open_results(tmp_path / "ball.h5") as results:
+        of_velocity = results.extremes["nodes/ball/velocity.z"]
+    np.testing.assert_allclose([of_velocity.maximum, of_velocity.minimum], [2.0, -4.0], rtol=1e-12)
+    np.testing.assert_allclose([of_velocity.maximum_time, of_velocity.minimum_time], 0.5, rtol=1e-12)
