@@ -8,8 +8,11 @@ import h5py
 import pytest
 from scorecard.damage import subjects
 from surviving import decks
+from time_runs import INPUTS
 
+import mecano
 from mecano.analyses.dynamic import resume, run
+from mecano.cli import main
 from mecano.errors import ResultsError
 from mecano.post.info import info
 from mecano.results import checked, layout
@@ -82,3 +85,89 @@ def test_texts_that_the_library_would_read_for_ever_are_refused(tmp_path):
         source.readinto(bytearray(8))
     source.close()
     assert checked.format_of(path) == ""
+
+
+def _set_attribute(name, value):
+    def change(file):
+        file["run"].attrs[name] = value
+
+    return change
+
+
+def _replace(name, value):
+    def change(file):
+        del file[name]
+        file[name] = value
+
+    return change
+
+
+def _delete_attribute(name):
+    return lambda file: file["run"].attrs.__delitem__(name)
+
+
+RUBBISH = [
+    ("run/status", _replace("run/status", b"rubbish"), "'rubbish' is none of complete, stopped, failed, running"),
+    ("run/status", _replace("run/status", b"\xff\xfe"), "'utf-8' codec"),
+    ("run/status", _replace("run/status", 3.0), "it is not a text"),
+    ("run/reason", _replace("run/reason", [1.0, 2.0]), "it is not a text"),
+    ("run/started", _delete_attribute("started"), "started"),
+    ("run/host", _set_attribute("host", 5), "it is not a text"),
+    ("run/process", _set_attribute("process", "five"), "it is not a whole number"),
+    ("run/processor", _set_attribute("processor", [0.0, 1.0]), "it is neither a text nor a number"),
+    ("run/plugins", _set_attribute("plugins", "[1, 2"), "delimiter"),
+    ("run/clock", _replace("run/clock", [b"x", b"y"]), "could not convert"),
+    ("run/acknowledged", _replace("run/acknowledged", [1, 2]), "not enough values"),
+    ("storage/output", lambda file: file.__delitem__("storage/output"), "object 'output' doesn't exist"),
+    ("events/name", _replace("events/name", 5), "scalar dataset"),
+    ("deck/displays", _replace("deck/displays", b'{"hinge": 1}'), "must be a mapping"),
+    ("deck/resolved", _replace("deck/resolved", b"[]"), "it is not a mapping"),
+    ("deck/remarks", _replace("deck/remarks", b"{}"), "it is not a list"),
+]
+
+
+@pytest.fixture(scope="module")
+def left(tmp_path_factory):
+    """A deck, and the file of its run as it was left in the middle."""
+    folder = tmp_path_factory.mktemp("left")
+    with mecano.Simulation(INPUTS / "panel_lock.yaml", folder / "r.h5") as simulation:
+        simulation.advance(0.05)
+    return folder / "r.h5"
+
+
+@pytest.mark.parametrize(("place", "change", "text"), RUBBISH)
+def test_other_contents_are_named_by_file_and_place(place, change, text, left, tmp_path, monkeypatch, capsys):
+    """HDF5 that another program has rewritten, without checksums."""
+    monkeypatch.chdir(tmp_path)
+    ends = {}
+    for command in (
+        "info r.h5",
+        "verify r.h5",
+        "post r.h5",
+        "export r.h5",
+        f"run {INPUTS}/panel_lock.yaml -o r.h5 --resume",
+    ):
+        (tmp_path / "r.h5").write_bytes(left.read_bytes())
+        with h5py.File(tmp_path / "r.h5", "r+") as file:
+            change(file)
+        monkeypatch.setattr("sys.argv", ["mecano", *command.split()])
+        try:
+            main()
+            code = 0
+        except SystemExit as end:
+            code = end.code
+        ends[command.split()[0]] = code, capsys.readouterr().err
+    assert all(code in (0, 5) for code, _ in ends.values())
+    assert any(f"'{place}' in r.h5 cannot be read" in said and text in said for _, said in ends.values()), ends
+    assert all(place in said or "checksums" in said or "cut short" in said for code, said in ends.values() if code), (
+        ends
+    )
+
+
+def test_options_that_exclude_one_another_are_no_damage(left, tmp_path, monkeypatch, capsys):
+    path = tmp_path / "r.h5"
+    path.write_bytes(left.read_bytes()[:-100])  # without checksums
+    monkeypatch.setattr("sys.argv", ["mecano", "post", str(path), "--report", str(tmp_path / "r.html"), "--csv"])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 2 and "cannot be read" not in capsys.readouterr().err

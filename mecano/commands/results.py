@@ -42,6 +42,10 @@ def post(results, plots, spectra, at, output, kind, columns, title, page, report
     """
     from mecano.results.checked import blaming, cut_short
 
+    if page or report:
+        _refuse_strays(results, at=at, output=output, format=kind != "png", csv=columns)
+    if page and spectra and not report:
+        raise click.UsageError("--spectrum: the page of --animate has plots over time only")
     for warning in cut_short(results):
         click.echo(f"mecano: {warning}", err=True)
     with blaming(*results):
@@ -49,10 +53,6 @@ def post(results, plots, spectra, at, output, kind, columns, title, page, report
 
 
 def _post(results, plots, spectra, at, output, kind, columns, title, page, report):
-    if page or report:
-        _refuse_strays(results, at=at, output=output, format=kind != "png", csv=columns)
-    if page and spectra and not report:
-        raise click.UsageError("--spectrum: the page of --animate has plots over time only")
     if page:
         from mecano.post.animation import animate
 

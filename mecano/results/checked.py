@@ -18,7 +18,9 @@ from mecano.results.whole_file import other_than_file
 
 AT_ONCE = 256  # blocks
 PAGE = 4096
-UNREADABLE = (OSError, RuntimeError, KeyError, ValueError, TypeError, IndexError, OverflowError, struct.error)
+UNREADABLE = (
+    OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, IndexError, OverflowError, struct.error,
+)  # fmt: skip
 """Exceptions raised for damaged files by h5py and by the interpretation of its data."""
 PATIENCE = 5.0  # s of processor time in which HDF5 must read the metadata of a file without checksums
 SHORT = 2**20  # bytes
@@ -282,6 +284,7 @@ def unreadable(source, error, what=""):
         )
     if source.missing:
         return f"{name} cannot be read: the file is cut short by {source.missing} bytes ({error})"
-    text = str(error).strip("\"'")
+    text = str(error.args[0]) if isinstance(error, KeyError) and error.args else str(error)
+    text = f"there is no '{text}'" if isinstance(error, KeyError) and text.isidentifier() else text
     lost = "; the checksums at its end are missing or have changed" if source.sums is None else ""
     return f"{name} cannot be read: {text}{lost}"

@@ -22,13 +22,15 @@ from mecano.results.checkpoints import latest
 from mecano.results.layout import EVENT_NUMBERS, EVENT_TEXTS, EXTREMES, FORMAT, FORMAT_VERSION, Layout
 from mecano.results.lookup import Lookup
 from mecano.results.provenance import began, lives, read_displays
+from mecano.results.run_attributes import ENDS, read_attributes
 from mecano.results.salvage import rows_within
 
 _ATTEMPTS = 5
 _CLOCKS = 60.0  # s by which clocks may have been set
 MOST_NUMBERS = 2**24  # of a table that is kept in memory: 128 MB
 _KEPT = tuple(
-    "_table time events _subjects steps extremes resolved displays metadata automatic model warnings checkpoint".split()
+    "_table time events _subjects steps extremes resolved displays metadata _run_attributes automatic model warnings "
+    "checkpoint".split()
 )
 _EVENT_COLUMNS = tuple(f"events/{name}" for name in ("event_time", *EVENT_TEXTS, *EVENT_NUMBERS))
 
@@ -109,12 +111,14 @@ class Results:
             self.__dict__.pop(name, None)
         try:
             self._source, self._file = _open_patiently(self.path)
-            with self._reading("run/acknowledged, storage/layout"):
+            with self._reading("format"):
                 self._check_format()
-                counters = self._file["run/acknowledged"][:]
+            with self._reading("run/acknowledged"):
+                counters = self._file["run/acknowledged"][:4]
+                self._rows, self._step_rows, self._event_rows, self._slot = map(int, counters)
+            with self._reading("storage/layout"):
                 self._layout = Layout.from_json(self._file["storage/layout"][()])
-                self._rows, self._step_rows, self._event_rows, self._slot = map(int, counters[:4])
-                self._clip()
+            self._clip()
         except BaseException:
             self.close()
             raise
@@ -154,9 +158,10 @@ class Results:
         self._event_rows = min(self._present(name, self._event_rows) for name in self._event_columns)
 
     def _present(self, name, rows):
-        dataset = self._file[name]
-        rows = max(min(rows, len(dataset)), 0)
-        return rows_within(dataset, rows, self._source.size) if self._source.missing else rows
+        with self._reading(name):
+            dataset = self._file[name]
+            rows = max(min(rows, len(dataset)), 0)
+            return rows_within(dataset, rows, self._source.size) if self._source.missing else rows
 
     def _read(self, name, selection):
         """Return part of a dataset; open the file again if the writer has changed it meanwhile. Raises ResultsError."""
@@ -296,24 +301,35 @@ class Results:
     @cached_property
     def metadata(self):
         """Provenance: versions, machine, command line, overrides, hashes of included files, ..."""
-        with self._reading("run"):
-            stored = self._file["run"].attrs.items()
-            metadata = {key: value.item() if isinstance(value, np.generic) else value for key, value in stored}
-        metadata["overrides"] = self._json("deck/overrides")
-        metadata["includes"] = self._json("deck/includes")
+        metadata = dict(self._run_attributes)
+        metadata["overrides"] = self._json("deck/overrides", list)
+        metadata["includes"] = self._json("deck/includes", dict)
         metadata["format_version"] = self.format_version
-        metadata["wall_time"], metadata["processor_time"] = self._read("run/clock", slice(None)).tolist()
-        reported = "compile_time" in self._file["run"]  # older files count it as wall time
-        metadata["compile_time"] = float(self._read("run/compile_time", ())) if reported else 0.0
+        with self._reading("run/clock"):
+            metadata["wall_time"], metadata["processor_time"] = map(float, self._read("run/clock", slice(None)))
+        with self._reading("run/compile_time"):
+            reported = "compile_time" in self._file["run"]  # older files count it as wall time
+            metadata["compile_time"] = float(self._read("run/compile_time", ())) if reported else 0.0
         return metadata
+
+    @cached_property
+    def _run_attributes(self):
+        return read_attributes(self._file["run"], self._reading)
 
     def _text(self, name):
         with self._reading(name):
-            return self._read(name, ()).decode()
+            text = self._read(name, ())
+            if not isinstance(text, bytes):
+                raise TypeError("it is not a text")
+            return text.decode()
 
-    def _json(self, name):
+    def _json(self, name, type_):
+        text = self._text(name)
         with self._reading(name):
-            return json.loads(self._read(name, ()))
+            data = json.loads(text)
+            if not isinstance(data, type_):
+                raise TypeError(f"it is not a {'mapping' if type_ is dict else 'list'}")
+            return data
 
     @property
     def deck_text(self):
@@ -323,27 +339,28 @@ class Results:
     @cached_property
     def resolved(self):
         """The resolved deck: plain data after overrides, includes and defaults."""
-        return self._json("deck/resolved")
+        return self._json("deck/resolved", dict)
 
     @cached_property
     def displays(self):
         """Displays of the kinds of the deck: {kind: Display}; for older files, those of the current kinds."""
-        return read_displays(self._file, self.resolved)
+        with self._reading("deck/displays"):
+            return read_displays(self._file, self.resolved)
 
     @cached_property
     def automatic(self):
         """Values chosen where the deck says "automatic": name -> number."""
-        return self._json("deck/automatic")
+        return self._json("deck/automatic", dict)
 
     @cached_property
     def model(self):
         """Properties of the model: name -> number; empty for older files."""
-        return self._json("deck/model") if "deck/model" in self._file else {}
+        return self._json("deck/model", dict) if "deck/model" in self._file else {}
 
     @cached_property
     def warnings(self):
         """Warnings about the model issued before the run: list of str."""
-        return self._json("deck/remarks")
+        return self._json("deck/remarks", list)
 
     @cached_property
     def checkpoint(self):
@@ -376,13 +393,15 @@ class Results:
         if self._source.missing:
             return "truncated"
         stored = self._text("run/status")
+        with self._reading("run/status"):
+            if stored not in ENDS:
+                raise ValueError(f"'{stored}' is none of {', '.join(ENDS)}")
         return "killed" if stored == "running" and self.written_here and not self._writer_lives else stored
 
     @property
     def written_here(self):
         """Whether the file was written on this machine."""
-        with self._reading("run"):
-            return self._file["run"].attrs["host"] == platform.node() and os.name == "posix"
+        return self._run_attributes["host"] == platform.node() and os.name == "posix"
 
     @property
     def reason(self):
@@ -391,9 +410,9 @@ class Results:
 
     @property
     def _writer_lives(self):
-        with self._reading("run"):
-            run = self._file["run"].attrs
-            process, started = int(run["process"]), datetime.fromisoformat(run["started"]).timestamp()
+        process = self._run_attributes["process"]
+        with self._reading("run/started"):
+            started = datetime.fromisoformat(self._run_attributes["started"]).timestamp()
         return lives(process) and began(process) < started + _CLOCKS  # otherwise the number was reused
 
 
