@@ -68,6 +68,23 @@ def test_arc_length_ends_where_it_is_reported():
     assert path.factors[-1] == pytest.approx(-0.2, abs=1e-8) and path.positions("top")[-1, 2] > -0.2
 
 
+@pytest.mark.parametrize(("end", "factor"), [("", 1.0), ("lowest: -0.2, ", -0.2)])
+def test_arc_length_that_ends_before_its_displacement(end, factor, tmp_path):
+    """The end of the load factor is an end, with a warning in file and messages that says how far the node came."""
+    until = "{node: top, direction: [0, 0, -1], displacement: 5.0}"
+    said, path = [], tmp_path / "truss.h5"
+    run(deck(truss(f"{{method: arc_length, {end}until: {until}}}")), path, announce=said.append)
+    with open_results(path) as results:
+        reached = 0.3 - results["nodes/top/position"].values[-1, 2]
+        text = (
+            f"the path ended at load factor {factor:g} before node 'top' was displaced by 5 m (static.until): it is "
+            f"displaced by {reached:.6g} m"
+        )
+        assert text in results.reason and any(one.startswith(text) for one in said)
+    met = Path(truss(f"{{method: arc_length, until: {until.replace('5.0', '0.25')}}}"))
+    assert not any("static.until" in one for one in met.result.warnings)
+
+
 def test_arc_length_that_does_not_reach_its_end(tmp_path):
     """The run fails, says where and why it stopped, and the file keeps the points on the way."""
     with pytest.raises(ConvergenceError) as caught:

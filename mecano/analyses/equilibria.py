@@ -107,7 +107,8 @@ def _follow_path(prepared, statics, path, start, observers, state=None):
     follower = Follower(statics, tuple(observers), _ended(prepared))
     first = follower.start(_settled(prepared) if state is None else state, start)
     point, reason = path.follow(follower, first)
-    return Result(point, reason, tuple(_stability_warnings(prepared, follower, point)), statics.loading)
+    missed = path.missed(point) if isinstance(path, ArcLength) else ()
+    return Result(point, reason, (*missed, *_stability_warnings(prepared, follower, point)), statics.loading)
 
 
 def _ended(prepared):

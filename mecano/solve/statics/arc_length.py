@@ -38,10 +38,13 @@ class Target:
     origin: np.ndarray  # (3,) [m]
     value: float  # [m]
 
+    def displacement(self, s):
+        """Return the displacement [m] of the node at the state ``s``."""
+        return float(self.direction @ (s.z[self.place : self.place + 3] - self.origin))
+
     def gap(self, s):
         """Return the displacement beyond the value, relative to the value."""
-        moved = float(self.direction @ (s.z[self.place : self.place + 3] - self.origin))
-        return moved / self.value - 1.0
+        return self.displacement(s) / self.value - 1.0
 
 
 @dataclass
@@ -83,6 +86,15 @@ class ArcLength:
         why = f"{self.most} steps were made, as many as static.maximum_steps allows"
         free = freedom(follower.statics.system, point.state, point.stability, follower.statics.length)
         raise ConvergenceError(f"{self._stopped(point)}: {why}\nthere: {free}\nwhat to try: {self.more_steps}")
+
+    def missed(self, point):
+        """Yield a warning if the path ended, at ``point``, before the target was reached."""
+        if self.target and self.target.gap(point.state) < -MET:
+            yield (
+                f"the path ended at load factor {point.parameter:.6g} before node '{self.target.name}' was displaced "
+                f"by {self.target.value:g} m (static.until): it is displaced by "
+                f"{self.target.displacement(point.state):.6g} m; static.end and static.lowest bound the load factor"
+            )
 
     def _stopped(self, point):
         """Return as text where the path stopped before it reached an end."""
