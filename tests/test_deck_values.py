@@ -50,7 +50,7 @@ def test_defaults_are_filled_in():
         "laws": {},
         "grounds": {},
         "tire_laws": {},
-        "initial": {"static": None, "steady": None, "velocities": []},
+        "initial": {"static": None, "steady": None, "from": None, "velocities": []},
         "time": {
             "start": 0.0,
             "end": 1.0,

@@ -35,7 +35,7 @@ def words(deck):
     if initial["steady"]:
         velocity = ", ".join(f"{c:.9g}" for c in initial["steady"]["velocity"])
         return f"straight steady running at [{velocity}] m/s"
-    return "initial state"
+    return f"saved state of {initial['from']}" if initial["from"] else "initial state"
 
 
 def _reshaped(prepared, before):

@@ -4,10 +4,10 @@ import numpy as np
 
 from mecano.analyses.equilibria import loaded, rest
 from mecano.analyses.prepare import integrator_of
+from mecano.analyses.replay import replayed, scalars_in
 from mecano.errors import ResultsError, UsageError
 from mecano.results.checked import blaming
 from mecano.results.reader import open_results
-from mecano.solve.events.events import EventMonitor
 
 
 def parse(text):
@@ -67,57 +67,17 @@ def _saved(prepared, text):
 
 
 def _placed(prepared, results, row):
-    """Return the State of a row; memory and phases are reconstructed from all rows and events before it."""
+    """Return the State of a row. Raises ResultsError if the results lack a node or an unknown of the deck."""
     system = prepared.system
-    first = row if not any(b.kind.memory for b in system.batches) else 0
     nodes = [(i, node.name) for i, node in enumerate(system.nodes) if " " not in node.name]
-    columns = ("position", "rotation", "velocity", "angular_velocity")
     missing = [name for _, name in nodes if f"nodes/{name}/position" not in results.series]
     if missing:
         raise ResultsError(f"{results.path} does not belong to this deck: it has no node '{missing[0]}'")
-    scalars = list(_scalars(system, results))
-    traces = {name: [results.find(f"nodes/{name}/{c}").values for c in columns] for _, name in nodes}
-    monitor, state = EventMonitor(system), prepared.state.copy()
-    events = [event for event in results.events if event.time <= results.time[row]]
-    for r in range(first, row + 1):
-        for i, name in nodes:
-            _place_node(system, state, i, *(values[r] for values in traces[name]))
-        for place, value, rate in scalars:
-            state.z[place], state.v[place] = value[r], rate[r]
-        state.memory = system.commit(state)
-        state = monitor.settle(state)
-        while events and events[0].time <= results.time[r]:  # positions do not determine open or closed
-            state = monitor.entered(state, events.pop(0))
-    return state
-
-
-def _scalars(system, results):
-    """Yield (index in z, values, rates) of all scalar unknowns of elements, from the outputs NAME and NAME_rate."""
-    for b in system.batches:
-        first = 3 * len(b.kind.layout)
-        for owner, dofs in zip(b.names if b.kind.scalars else (), b.dofs, strict=False):
-            path = f"{b.kind.section}/{owner.split(chr(39))[1]}"
-            for i, name in enumerate(b.kind.scalars):
-                if f"{path}/{name}" not in results.series or f"{path}/{name}_rate" not in results.series:
-                    raise ResultsError(f"{results.path} does not hold the unknowns of {owner}: {name}")
-                traces = (results[f"{path}/{name}"].values, results[f"{path}/{name}_rate"].values)
-                yield dofs[first + i], *traces
-
-
-def _place_node(system, s, i, position, quaternion, velocity, omega):
-    of = system.numbering
-    x, r = of.x[i], of.r[i]
-    R = _matrix(quaternion)
-    s.z[x : x + 3], s.v[x : x + 3] = position, velocity
-    s.R[of.rotation[i]] = R
-    s.z[r : r + 3], s.v[r : r + 3] = 0.0, R.T @ omega
-
-
-def _matrix(q):
-    """Return the rotation matrix (3, 3) of a unit quaternion (w, x, y, z)."""
-    w, u = q[0], q[1:]
-    H = np.array([[0.0, -u[2], u[1]], [u[2], 0.0, -u[0]], [-u[1], u[0], 0.0]])
-    return np.eye(3) + 2.0 * w * H + 2.0 * H @ H
+    scalars, unknown = scalars_in(system, results)
+    if unknown:
+        owner, name = unknown[0]
+        raise ResultsError(f"{results.path} does not hold the unknowns of {owner}: {name}")
+    return replayed(system, prepared.state, results, row, nodes, scalars)
 
 
 def _moving(prepared, state):

@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from mecano.analyses.carry_over import carried_over
 from mecano.analyses.lint import suspicious_model
 from mecano.deck.build import asked_velocities, build, set_velocities, time_breakpoints
 from mecano.deck.run_size import size_warnings
@@ -49,6 +50,7 @@ class Prepared:
     displacement: float  # [m] largest correction of the deck's positions by the assembly
     analysis: object  # redundant constraints and mechanisms
     compliance: object  # Compliance, or None
+    carried: tuple = ()  # texts on what was carried over from another run
 
     @cached_property
     def redundant(self):
@@ -73,14 +75,16 @@ def _prepare(deck, compile_ahead):
     linear = LinearSolver(system.n, system.rows, system.cols, of.group, of.n_q)
     wanted = (values.get("adaptive") or values).get("length_scale", AUTOMATIC)
     length = given(wanted, length_scale(system.nodes))
-    state, displacement = assemble_start(system, linear, system.initial_state(values["start"]), length)
+    begin, carried = carried_over(deck, system, system.initial_state(values["start"]))
+    state, displacement = assemble_start(system, linear, begin, length)
     if problems := system.inadmissible(state):
         raise AssemblyError("the initial positions were assembled the wrong way round:\n  " + "\n  ".join(problems))
     set_velocities(deck, system, state)
+    state.v += begin.v
     _refuse_circles(deck, system, state)
     analysis = analyse(system, state, length)
     soft = compliance(system, state, length, analysis)
-    return Prepared(deck, system, linear, length, state, displacement, analysis, soft)
+    return Prepared(deck, system, linear, length, state, displacement, analysis, soft, tuple(carried))
 
 
 def _refuse_fixed(deck, system):
@@ -147,7 +151,7 @@ def given(value, otherwise):
 
 def startup_warnings(prepared, start=None):
     """Return the warnings about a model before it runs, one text each; ``start`` is the initial RunState."""
-    texts, analysis = [], prepared.analysis
+    texts, analysis = [*prepared.carried], prepared.analysis
     if start is not None:
         texts += _changed_velocities(prepared, start.motion)
     if prepared.displacement > 1e-6 * prepared.length:

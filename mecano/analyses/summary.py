@@ -40,6 +40,7 @@ def summary_of(prepared, every=False):
         f"length scale     {prepared.length:.6g} m",
         f"memory           about {in_words(memory_of_run(prepared))} in a run",
         *(_statics(prepared) if values["static"] else _amounts(prepared)),
+        *(line for text in prepared.carried for line in _labelled("start", text)),
         *(line for text in warnings_of(prepared) for line in _labelled("warning", text)),
     ]
     if not analysis.complete:

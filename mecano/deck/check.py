@@ -119,7 +119,7 @@ def checked_values(root, sections, scope):
     if problems:
         unknown_names(root, scope)
     _stop_at(problems, UNCHECKED)
-    for start in ("static", "steady"):
+    for start in ("static", "steady", "from"):
         if result.get("static") and result["initial"][start]:
             scope.refuse(root.value["initial"][0], f"'initial.{start}' belongs to a deck with 'time'")
     _check_saved_times(result, root, scope)

@@ -46,7 +46,8 @@ def write_example(name, path):
     known = examples()
     if name not in known:
         raise UsageError(f"there is no example {quoted(name)}; {_similar(name, known, 'example')}")
-    needed = [file for file in EXAMPLES.iterdir() if not file.name.endswith(".yaml") and file.name in known[name]]
+    files = (file for file in EXAMPLES.iterdir() if file.is_file() and not file.name.endswith(".yaml"))
+    needed = [file for file in files if file.name in known[name]]
     for file in needed:
         beside = Path(path).with_name(file.name)
         if not (beside.is_file() and beside.read_bytes() == file.read_bytes()):

@@ -56,14 +56,14 @@ def deck_of(source, digest="", overrides=(), kinds=KINDS, sections=SECTIONS, ter
     root = overridden(root, [text for text in overrides if text not in first], sections, problems)
     values = checked_values(root, sections, scope)
     warnings = tuple(suspicious(values, root, scope.used_names(), kinds))
-    keys = {section: _keys(root, section) for section in ("nodes", *ELEMENT_SECTIONS)}
+    keys = {section: _keys(root, section) for section in ("nodes", "initial", *ELEMENT_SECTIONS)}
     return Deck(source.file, source.text, digest, values, tuple(overrides), scope.files, warnings, keys)
 
 
 def _keys(root, section):
     """Return {name: node of the name} of a section of a checked tree."""
     given = root.value.get(section)
-    return {name: key for name, (key, _) in given[1].value.items()} if given and given[1].value else {}
+    return {name: key for name, (key, _) in given[1].value.items()} if given and type(given[1].value) is dict else {}
 
 
 def deck_of_bytes(data, file, **options):

@@ -80,9 +80,8 @@ def finest_step(time):
 
 def check_initial(initial):
     """Check that only one kind of initial state is given; return the error text or None."""
-    if initial["static"] is not None and initial["steady"] is not None:
-        return "'steady' and 'static' exclude one another"
-    return None
+    given = [name for name in ("static", "steady", "from") if initial[name] is not None]
+    return f"'{given[0]}' and '{given[1]}' exclude one another" if len(given) > 1 else None
 
 
 def check_velocity(entry):
@@ -148,6 +147,11 @@ INITIAL_FIELDS = (
         "steady", mapping(*STEADY_FIELDS), "-",
         "start from straight steady running, solved for deflections, spins of the wheels and reactions; the velocities "
         "below are added as a disturbance", None,
+    ),
+    Field(
+        "from", TEXT, "-",
+        "start from a saved time of another run: 'stowed.h5:2.0' (file, relative to the deck, and time [s]; without a "
+        "time the last one); the velocities below are added", None,
     ),
     Field(
         "velocities", list_of(mapping(*VELOCITY_FIELDS), check_velocity), "-",
@@ -221,7 +225,8 @@ SECTIONS = (
     Field("sections", named(one_of_kinds("sections"), check_section), "-", "cross sections of beams", {}),
     Field(
         "initial", shorthand(mapping(*INITIAL_FIELDS), {"static": {"static": {}}}), "-",
-        "initial state: velocities, static equilibrium ('initial: static'), steady running", {}, check_initial,
+        "initial state: velocities, static equilibrium ('initial: static'), steady running, a state of another run",
+        {}, check_initial,
     ),
     Field("time", mapping(*TIME_FIELDS), "-", "interval, step and method of the integration", None, check_time),
     Field("static", mapping(*STATIC_FIELDS), "-", "loading and method of a static analysis", None, check_static),

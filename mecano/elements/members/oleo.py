@@ -83,7 +83,7 @@ def residual(p, at, f):
 
 @kernel
 def observe(p, at, F, y, e):
-    """Write length, extension, rate, force, stroke, pressures, flow and compression of the oil; energies."""
+    """Write length, extension, rate, force, stroke, pressures, flow, compression of the oil; energies."""
     length, rate, _ = line(at.q, at.v)
     s, oil, u = extension(p, at, length), at.q[OIL], -rate - at.v[OIL]
     report(p, at, length, rate, y[3:], e)
@@ -96,7 +96,7 @@ def observe(p, at, F, y, e):
     pressing = p.pressing[0 if u > 0.0 else 1]
     y[6] = y[5] + F_h * pressing
     y[7] = u / abs(pressing)
-    y[8] = oil
+    y[8], y[9] = oil, at.v[OIL]
     e[1] += energy + p.ambient * p.gas_area * s + 0.5 * p.oil_stiffness * oil * oil
     e[2] += F_h * u
 
@@ -218,8 +218,8 @@ OLEO = Kind(
     display=Display("spring", pictures=("struts", "drop_test"), axial="force"),
     dtype=RECORD,
     layout=("x0", "x1"),
-    scalars=("oil",),
-    massless=("oil",),
+    scalars=("oil_compression",),
+    massless=("oil_compression",),
     fields=(
         Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
         Field("gas", mapping(*GAS_FIELDS), "-", "the gas chamber"),
@@ -239,7 +239,9 @@ OLEO = Kind(
         Output("oil_pressure", "Pa", "absolute pressure of the oil in the chamber of the piston; in the rebound "
                "that of a recoil chamber"),
         Output("flow", "m3/s", "flow through the orifice; > 0 in compression"),
-        Output("oil_compression", "m", "part of the stroke by which the oil is compressed"),
+        Output("oil_compression", "m", "part of the stroke by which the oil is compressed",
+               rate="oil_compression_rate"),
+        Output("oil_compression_rate", "m/s", "rate of oil_compression"),
     ),
     phases=PHASES,
     events=EVENTS,

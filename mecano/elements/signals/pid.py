@@ -16,8 +16,8 @@ import math
 from dataclasses import replace
 from functools import cache
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INITIAL, INPUT
-from mecano.element_interface import Event, Kind, record
+from mecano.constraints.along_coordinate.signal import IN_DECK, INITIAL, INPUT, VALUE
+from mecano.element_interface import Event, Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select
 from mecano.schema import NUMBER, Field, positive
@@ -29,6 +29,20 @@ RECORD = record(
     at_integral="i", at_filtered="i", at_input="i",
 )  # fmt: skip
 """Gains, times, limits; local indices of the states x_I and x_D, or -1, and of the input. The value is unknown 0."""
+STATES = (
+    Output("integral", "SI", "integral x_I, in SI units; zero without an integral gain"),
+    Output("filtered", "SI", "filtered error x_D, in SI units; zero without a derivative gain"),
+)
+
+
+@kernel
+def observe(p, at, F, y, e):
+    """Write value and states."""
+    y[0] = at.q[0]
+    if p.at_integral >= 0:
+        y[1] = at.q[p.at_integral]
+    if p.at_filtered >= 0:
+        y[2] = at.q[p.at_filtered]
 
 
 @kernel
@@ -163,5 +177,5 @@ PID = Kind(
     residual=residual,
     event_values=event_values,
     sample=sample,
-    **IN_DECK,
+    **IN_DECK | {"outputs": (VALUE, *STATES), "observe": observe},
 )

@@ -9,17 +9,19 @@ with several inputs u and one value y. ``transfer_function`` has one input,
 in controllable canonical form; coefficients are in ascending powers of s. The states are zero at the start.
 """
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT
-from mecano.element_interface import Kind, record
+from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT, VALUE
+from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.schema import FORMULA, NUMBERS, ROWS, Field, list_of
 
 MOST_COEFFICIENTS = 101  # of a polynomial: roots of higher ones depend on the rounding of the coefficients
 
+STATE = Output("state_1", "SI", "state of the system, one for each: x_1, x_2...")
 RECORD = record(n="i", m="i", table="i")
 """Numbers of states and of inputs; start of the rows of [A B] in the table of laws, followed by the row [C D]."""
 
@@ -44,6 +46,13 @@ def force(p, at, f, K, C, M):
         f[1 + i] += at.v[1 + i]
         C[1 + i, 1 + i] += 1.0
         _subtract_row(p, at, i, 1 + i, f, K)
+
+
+@kernel
+def observe(p, at, F, y, e):
+    """Write the value and all states."""
+    for i in range(p.n + 1):
+        y[i] = at.q[i]
 
 
 def _packed(A, B, C, D, context):
@@ -112,7 +121,10 @@ def check_transfer(d, nodes):
 def _of_size(name, n, m):
     states = tuple(f"state_{i}" for i in range(1, n + 1))
     inputs = tuple(f"input_{i}" for i in range(1, m + 1))
-    return Kind(**DECLARED[name] | {"scalars": ("value", *states), "states": states, "inputs": inputs})
+    outputs = (VALUE, *(replace(STATE, name=state) for state in states))
+    return Kind(
+        **DECLARED[name] | {"scalars": ("value", *states), "states": states, "inputs": inputs, "outputs": outputs}
+    )
 
 
 def sample_space(rng):
@@ -133,7 +145,9 @@ def sample_transfer(rng):
     ]
 
 
-SHARED = {**IN_DECK, "doc": __doc__, "dtype": RECORD, "force": force}
+SHARED = {
+    **IN_DECK, "doc": __doc__, "dtype": RECORD, "force": force, "outputs": (VALUE, STATE), "observe": observe,
+}  # fmt: skip
 DECLARED = {
     "state_space": {
         **SHARED,

@@ -5,12 +5,13 @@ r"""Washout: a high-pass filter, which passes changes and removes constant value
 x follows the input with the time constant T. With the gain g = 1/T, y is the rate of x, a filtered derivative of u.
 """
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT
-from mecano.element_interface import Kind, record
+from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT, VALUE
+from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.schema import NUMBER, Field, positive
 
+STATE = Output("state", "SI", "state x: the input without its changes, in SI units")
 OWN, X, U = 0, 1, 2  # local unknowns: the value, the state; the input
 
 
@@ -20,6 +21,12 @@ def residual(p, at, f):
     change = number(at.q[U]) - number(at.q[X])
     f[OWN] += number(at.q[OWN]) - p.gain * change
     f[X] += number(at.v[X]) - change / p.time_constant
+
+
+@kernel
+def observe(p, at, F, y, e):
+    """Write value and state."""
+    y[0], y[1] = at.q[OWN], at.q[X]
 
 
 WASHOUT = Kind(
@@ -37,5 +44,5 @@ WASHOUT = Kind(
     start=lambda p: [0.0, p["initial_state"]],
     residual=residual,
     sample=lambda rng: [({"input": "a", "time_constant": 0.3, "gain": 2.0}, 1, "")],
-    **IN_DECK | {"scalars": ("value", "state")},
+    **IN_DECK | {"scalars": ("value", "state"), "outputs": (VALUE, STATE), "observe": observe},
 )

@@ -1,0 +1,77 @@
+"""The state of a model at a saved time of a results file: its saved rows and events are replayed from the first.
+
+Memory (angles over many turns, the places at which latches hold) and phases follow from the rows and events before
+the time; positions, rotations, velocities and scalars are those of its row.
+"""
+
+import numpy as np
+
+from mecano.solve.events.events import EventMonitor
+from mecano.solve.time.signals import solve_signals
+
+COLUMNS = ("position", "rotation", "velocity", "angular_velocity")
+
+
+def replayed(system, state, results, row, nodes, scalars):
+    """Return the State of a row; ``state`` is that of the deck, which keeps what the rows do not have.
+
+    Parameters
+    ----------
+    nodes : list of (int, str)
+        Indices and names of the nodes whose motion is in the results.
+    scalars : list of (int, values, rates)
+        Index in z, values and rates (n_rows,) of scalar unknowns in the results.
+    """
+    rows = range(row + 1) if any(b.kind.memory for b in system.batches) else sorted({0, row})
+    traces = {name: [results.find(f"nodes/{name}/{c}").values for c in COLUMNS] for _, name in nodes}
+    monitor, state = EventMonitor(system), state.copy()
+    events = [event for event in results.events if event.time <= results.time[row]]
+    for r in rows:
+        for i, name in nodes:
+            _place_node(system, state, i, *(values[r] for values in traces[name]))
+        for place, value, rate in scalars:
+            state.z[place], state.v[place] = value[r], rate[r]
+        state.t = float(results.time[r])
+        state.memory = system.commit(solve_signals(system, state))
+        state = monitor.settle(state) if r == 0 else state  # later changes are events
+        while events and events[0].time <= results.time[r]:  # positions do not determine open or closed
+            state = monitor.entered(state, events.pop(0))
+    return state
+
+
+def scalars_in(system, results):
+    """Return the scalar unknowns in the results, by the outputs NAME and NAME_rate, and those which are not.
+
+    The former as in ``replayed``, the latter as (title of the element, name).
+    """
+    found, missing = [], []
+    for b in system.batches:
+        first = 3 * len(b.kind.layout)
+        for owner, dofs in zip(b.names if b.kind.scalars else (), b.dofs, strict=False):
+            path = f"{b.kind.section}/{owner.split(chr(39))[1]}"
+            for i, name in enumerate(b.kind.scalars):
+                value, rate = f"{path}/{name}", f"{path}/{name}_rate"
+                if value not in results.series or (rate not in results.series and not b.kind.of_signals):
+                    # algebraic signals follow from the rest
+                    missing += [(owner, name)] if name in b.kind.states or not b.kind.of_signals else []
+                    continue
+                values = results[value].values
+                rates = results[rate].values if rate in results.series else np.zeros_like(values)
+                found.append((dofs[first + i], values, rates))
+    return found, missing
+
+
+def _place_node(system, s, i, position, quaternion, velocity, omega):
+    of = system.numbering
+    x, r = of.x[i], of.r[i]
+    R = _matrix(quaternion)
+    s.z[x : x + 3], s.v[x : x + 3] = position, velocity
+    s.R[of.rotation[i]] = R
+    s.z[r : r + 3], s.v[r : r + 3] = 0.0, R.T @ omega
+
+
+def _matrix(q):
+    """Return the rotation matrix (3, 3) of a unit quaternion (w, x, y, z)."""
+    w, u = q[0], q[1:]
+    H = np.array([[0.0, -u[2], u[1]], [u[2], 0.0, -u[0]], [-u[1], u[0], 0.0]])
+    return np.eye(3) + 2.0 * w * H + 2.0 * H @ H
