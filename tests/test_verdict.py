@@ -1,5 +1,7 @@
 """The verdict: a run that warns is not praised, in no picture and on no page."""
 
+from html import escape
+
 import every_kind
 import pytest
 
@@ -15,9 +17,31 @@ KIND = {name: KINDS[name] for name in ("hinge", "wheel", "spring_damper", "force
 CASES = {  # warnings before, status, reason -> verdict, whether it is sound
     "sound": ((), "complete", "the end was reached", "complete", True),
     "warned before": (("a pole is near",), "complete", "the end was reached", "complete with warnings", False),
-    "warned at the end": ((), "complete", "the end was reached; energy is off", "complete with warnings", False),
+    "warned at the end": (
+        (),
+        "complete",
+        "the end was reached;\nenergy is off;\na; b",
+        "complete with warnings",
+        False,
+    ),
+    "warned at the end, an older file": (
+        (),
+        "complete",
+        "the end was reached; it is off",
+        "complete with warnings",
+        False,
+    ),
+    "warned at another end": ((), "complete", "node 'a' was displaced;\nit is off", "complete with warnings", False),
+    "at another end": ((), "complete", "node 'a' was displaced; so far", "complete", True),
     "failed": ((), "failed", "no way on from t = 1 s", "failed", False),
     "failed, warned": (("a pole is near",), "failed", "no way on", "failed with warnings", False),
+}
+
+
+END_OF = {  # reason -> warnings at the end of the run
+    "the end was reached;\nenergy is off;\na; b": ["energy is off", "a; b"],
+    "the end was reached; it is off": ["it is off"],
+    "node 'a' was displaced;\nit is off": ["it is off"],
 }
 
 
@@ -37,10 +61,13 @@ def written(path, warnings, status, reason):
 def test_all_pages_and_pictures_say_the_same(tmp_path, warnings, status, reason, words, sound):
     path = written(tmp_path / "each.h5", warnings, status, reason)
     text = write_report(path, tmp_path / "report.html").read_text()
-    assert f'<b class="{"sound" if sound else ""}">{words}</b>{reason}' in text
-    assert ("<h2>Warnings</h2>" in text) == bool(warnings) and all(remark in text for remark in warnings)
-    assert f"status      {words}: {reason}" in info(path)
     [run] = open_runs([path])
+    end, at_the_end = run.results.end, run.results.warnings[len(warnings) :]
+    assert at_the_end == END_OF.get(reason, []) and "; ".join([end, *at_the_end]) == reason.replace("\n", " ")
+    assert f'<b class="{"sound" if sound else ""}">{words}</b>{escape(end)}' in text
+    assert ("<h2>Warnings</h2>" in text) == bool(run.results.warnings)
+    assert all(f"{remark}<" in text and f"warning     {remark}\n" in info(path) for remark in run.results.warnings)
+    assert f"status      {words}: {end}" in info(path)
     assert one_line([run]).startswith(f"{words}; ")
     data = page_data(run)
     assert (data["status"], data["sound"]) == (words, sound)

@@ -16,6 +16,7 @@ from mecano.results.disk import undisturbed
 from mecano.results.layout import Layout, Series
 from mecano.results.lock import locked
 from mecano.results.provenance import Source
+from mecano.results.reason import ENDED, with_warnings
 from mecano.results.whole_file import exists
 from mecano.results.writer import Writer, refuse_existing
 
@@ -199,7 +200,7 @@ class Ongoing:
         warnings += unresolved(values, sampler, self.recorder.ringing)
         for text in warnings:
             self._announce(text)
-        writer.close("complete", "; ".join(["the end was reached", *warnings]))
+        writer.close("complete", with_warnings(ENDED, warnings))
 
     def leave(self):
         """Close the file: as complete at the end time of the deck, otherwise with a checkpoint."""

@@ -8,6 +8,7 @@ from mecano.model.sampler import Sampler, StaticSample
 from mecano.results.layout import Layout, Series
 from mecano.results.lock import locked
 from mecano.results.provenance import Source
+from mecano.results.reason import with_warnings
 from mecano.results.whole_file import exists
 from mecano.results.writer import Writer, refuse_existing
 
@@ -118,5 +119,5 @@ def _follow(deck, path, force, observers, announce):
         result = follow(prepared, (recorder, *observers))
         for text in result.warnings:
             announce(text)
-        writer.close("complete", "; ".join([result.reason, *result.warnings]))
+        writer.close("complete", with_warnings(result.reason, result.warnings))
     return result.point

@@ -91,7 +91,7 @@ def _run(results):
     warnings = [("warning", text) for text in results.warnings]
     for label, text in [*facts(results), *warnings, ("status", _status(results))]:
         lines += wrap(text, WIDTH, initial_indent=f"  {label:<12}", subsequent_indent=" " * 14)
-    lines += [f"              {line}" for line in results.reason.strip().split("\n")[1:]]
+    lines += [f"              {line}" for line in results.end.strip().split("\n")[1:]]
     return [*lines, *(f"  {'resume with':<12}{command}" for command in _going_on(results))]  # to be copied: not wrapped
 
 
@@ -123,7 +123,7 @@ def _energy(results):
 
 def _status(results):
     status = ENDS.get(results.status, verdict(results))
-    reason = results.reason.strip().partition("\n")[0]
+    reason = results.end.strip().partition("\n")[0]
     return f"{status}: {reason}" if reason else status
 
 

@@ -87,7 +87,7 @@ def report_of(run, title=None, plots=(), spectra=()):
         Section("Pictures", tuple(_pictures([*asked, *sheets]))), Section("Extremes", tuple(_extremes(results))),
         Section("Deck", tuple(_deck(results))),
     )  # fmt: skip
-    reason = results.reason.strip()
+    reason = results.end.strip()
     kept = tuple(section for section in sections if section.parts)
     return Report(title or run.title, verdict(results), sound(results), reason, kept)
 

@@ -22,6 +22,7 @@ from mecano.results.checkpoints import latest
 from mecano.results.layout import EVENT_NUMBERS, EVENT_TEXTS, EXTREMES, FORMAT, FORMAT_VERSION, Layout
 from mecano.results.lookup import Lookup
 from mecano.results.provenance import began, lives, read_displays
+from mecano.results.reason import parted
 from mecano.results.run_attributes import ENDS, read_attributes
 from mecano.results.salvage import rows_within
 
@@ -359,8 +360,8 @@ class Results:
 
     @cached_property
     def warnings(self):
-        """Warnings about the model issued before the run: list of str."""
-        return self._json("deck/remarks", list)
+        """Warnings about the model issued before the run and, if it is complete, about its results: list of str."""
+        return [*self._json("deck/remarks", list), *self._ended[1]]
 
     @cached_property
     def checkpoint(self):
@@ -405,8 +406,19 @@ class Results:
 
     @property
     def reason(self):
-        """Reason of the end of the run; empty while it runs."""
-        return self._text("run/reason")
+        """Reason of the end of the run, with warnings about its results; empty while it runs."""
+        reason, warnings = self._ended
+        return "; ".join([reason, *warnings])
+
+    @property
+    def end(self):
+        """Reason of the end of the run, without warnings."""
+        return self._ended[0]
+
+    @property
+    def _ended(self):
+        stored = self._text("run/reason")
+        return parted(stored) if self._text("run/status") == "complete" else (stored, [])
 
     @property
     def _writer_lives(self):

@@ -1,0 +1,21 @@
+"""The reason of the end of a run, as stored in ``run/reason``, with the warnings found at its end."""
+
+SEPARATOR = ";\n"
+ENDED = "the end was reached"  # reason of most complete runs
+
+
+def with_warnings(reason, warnings):
+    """Return the text to store of a complete run that ends for a ``reason``, with ``warnings`` found at its end."""
+    return SEPARATOR.join([reason, *(text.replace("\n", " ") for text in warnings)])
+
+
+def parted(stored):
+    """Return (reason, list of warnings) of the stored text of a complete run.
+
+    Older files do not separate several warnings, which are one text then.
+    """
+    reason, *warnings = stored.split(SEPARATOR)
+    if reason.startswith(f"{ENDED}; "):
+        warnings = [stored.removeprefix(f"{ENDED}; ")]
+        reason = ENDED
+    return reason, warnings
