@@ -14,7 +14,7 @@ from mecano import __version__
 from mecano.commands import decks, refuse_empty, results, shell, solving, studies, viewing
 from mecano.process.interrupt import stopped_by
 from mecano.process.lifeline import watch_parent
-from mecano.process.memory import is_lack_of_memory
+from mecano.process.memory import guard_imports, is_lack_of_memory
 
 OUT_OF_MEMORY = "mecano: out of memory; `mecano check` estimates the memory of a run, `ulimit -v` shows the limit"
 
@@ -100,6 +100,7 @@ def program():
     if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:  # set by __main__
         signal.signal(signal.SIGINT, signal.default_int_handler)
     watch_parent()
+    guard_imports()
     try:
         main()
         code = 0

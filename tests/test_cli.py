@@ -240,6 +240,25 @@ class TestRun:
         assert ended.returncode in (0, 7) and "Traceback" not in ended.stderr
         assert megabytes > 200 or ended.stderr.startswith("mecano: out of memory; ")
 
+    @pytest.mark.parametrize("module", ["scipy.linalg", "scipy.sparse.linalg", "scipy.optimize"])
+    @pytest.mark.parametrize(("room", "expected"), [(20, "MemoryError"), (90, "MemoryError"), (300, "done")])
+    def test_no_room_for_scipy(self, module, room, expected):
+        """Its OpenBLAS would try for ever at 70 to 100 MB, while it is loaded."""
+        code = f"""
+import resource, importlib, numpy
+from mecano.process.memory import guard_imports, is_lack_of_memory
+size = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize() + {room} * 2**20
+resource.setrlimit(resource.RLIMIT_AS, (size, size))
+guard_imports()
+try:
+    importlib.import_module("{module}")
+    print("done")
+except Exception as error:
+    print("MemoryError" if is_lack_of_memory(error) else repr(error))
+"""
+        ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+        assert (ended.returncode, ended.stdout.strip()) == (0, expected)
+
     @pytest.mark.parametrize("library", ["numpy.linalg", "scipy.linalg.lapack"])
     @pytest.mark.parametrize(("room", "expected"), [(20, "MemoryError"), (80, "done")])
     def test_no_room_for_the_buffer_of_blas(self, library, room, expected):

@@ -2,6 +2,7 @@
 
 import errno
 import mmap
+import sys
 
 WORDS = (  # in errors of the dynamic loader, of threads, of C++ and of HDF5
     "failed to map segment from shared object",
@@ -12,6 +13,8 @@ WORDS = (  # in errors of the dynamic loader, of threads, of C++ and of HDF5
     "unable to allocate",
 )
 BLAS_BUFFER = 40 * 2**20  # bytes: OpenBLAS allocates 32 MiB and a little more
+SCIPY = 144 * 2**20  # bytes of address space: the libraries of scipy.linalg, and the buffer of its BLAS
+WITH_BLAS = ("scipy.linalg", "scipy.sparse.linalg")  # modules that load it first
 
 
 def is_lack_of_memory(error):
@@ -46,3 +49,22 @@ def reserve_blas_buffer(solve=None):
 
     require_memory(BLAS_BUFFER)
     (solve or np.linalg.solve)(np.eye(1), np.ones(1))
+
+
+class RoomForSciPy:
+    """Finder of modules that finds none, but raises MemoryError without room for the libraries of SciPy.
+
+    Without room, the OpenBLAS of SciPy would try for ever while it is loaded.
+    """
+
+    @classmethod
+    def find_spec(cls, name, path=None, target=None):
+        """Require memory before the first module that loads a BLAS."""
+        if name in WITH_BLAS:
+            require_memory(SCIPY)
+            sys.meta_path.remove(cls)
+
+
+def guard_imports():
+    """Let the import of SciPy raise MemoryError in this process where there is no room for it."""
+    sys.meta_path.insert(0, RoomForSciPy)

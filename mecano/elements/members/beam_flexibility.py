@@ -14,6 +14,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from mecano.process.memory import reserve_blas_buffer
+
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(8)  # exact to round-off up to half a turn
 STRAIGHT = 1e-9  # rad: an element with a smaller rotation between its ends is straight
 
@@ -63,9 +65,10 @@ def _exponentials(X, stations):
     s = stations[:, None, None]
     if np.abs(X[:3, :3]).max() < STRAIGHT:
         return np.eye(6) - s * X + 0.5 * s**2 * (X @ X)
-    from scipy.linalg import expm  # not imported for decks without curved beams
+    import scipy.linalg as la  # not imported for decks without curved beams
 
-    return expm(-s * X)
+    reserve_blas_buffer(la.lapack.dgesv)
+    return la.expm(-s * X)
 
 
 def elongation(C, K, length):

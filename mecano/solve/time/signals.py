@@ -3,6 +3,7 @@
 import numpy as np
 
 from mecano.errors import AssemblyError, Failure, NonFiniteError
+from mecano.process.memory import reserve_blas_buffer
 from mecano.solve.time.increments import SMALL, displaced, moved
 
 ITERATIONS = 30
@@ -74,9 +75,10 @@ def _decomposed(J):
     """Return scales of the signals, which have any units, and the singular values and vectors of J in these scales."""
     if not len(J):
         return np.ones(0), np.linalg.svd(J)
-    from scipy.linalg import matrix_balance  # not imported for decks without signals
+    import scipy.linalg as la  # not imported for decks without signals
 
-    balanced, (scales, _) = matrix_balance(J, permute=False, separate=True)
+    reserve_blas_buffer(la.lapack.dgesv)
+    balanced, (scales, _) = la.matrix_balance(J, permute=False, separate=True)
     return scales, np.linalg.svd(balanced)
 
 
