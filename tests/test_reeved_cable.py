@@ -251,3 +251,35 @@ def test_errors(change, message):
         deck_of_bytes(textwrap.dedent(TWO_WEIGHTS).strip().replace(*change).encode(), "deck.yaml")
     found = deck_error_text(info.value)
     assert found.startswith("deck.yaml:") and message in found
+
+
+SWINGING = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes:
+      anchor: {position: [-0.2, 0, 0], fixed: true}
+      block: {position: [0, 0, -4]}
+      head: {position: [0.35, 0, 0], fixed: true}
+      weight: {position: [0.5, 0, -3]}
+    elements:
+      block: {type: rigid_body, node: block, mass: 100, inertia: [2, 2, 2]}
+      weight: {type: rigid_body, node: weight, mass: 45, inertia: [1, 1, 1]}
+      rope: {type: reeved_cable, nodes: [anchor, block, head, weight], radii: [0, 0.2, -0.15, 0], axis: [0, -1, 0],
+        axial_stiffness: 1.0e5, pretension: 450}
+    initial: {velocities: [{nodes: [block], velocity: [1.5, 0, 0]}]}
+    time: {end: 2, step: STEP, rho_inf: 1.0}
+"""
+SWUNG = np.array([[0.16048129, 0, -4.79376100], [0.5, 0, -1.41107754]])
+
+
+def test_a_swinging_block_and_tackle():
+    """Positions of block and weight by SciPy (DOP853, 1e-10) from the potential EA (l - L)^2/(2 L) of the path alone.
+
+    With the same steps Exudyn 1.13 gives those of mecano to 5e-11 m (tests/benchmarks/reeving.py).
+    """
+    errors = []
+    for step in ("2e-3", "1e-3"):
+        m = RecordedRun(deck(SWINGING.replace("STEP", step)))
+        ends = [m[f"nodes/{name}/position"][-1] for name in ("block", "weight")]
+        errors.append(np.abs(np.array(ends) - SWUNG).max())
+    assert errors[1] < 4e-6 and 3.8 < errors[0] / errors[1] < 4.2
