@@ -183,6 +183,7 @@ def test_an_installed_package(folder):
         ("x = 1\ny = (\n", "line 2: SyntaxError"),
         ("x = 1\nimport no_such_module_anywhere\n", "line 2: ModuleNotFoundError: No module named 'no_such"),
         ("x = 1\n", "defines no Kind, SlipLaw or Term"),
+        ("import sys\nsys.exit()\n", "line 2: SystemExit"),
         (SOURCES["my_drag.py"].replace('name="air_drag"', 'name="hinge"'), "the kind 'hinge' is already in use"),
     ],
 )

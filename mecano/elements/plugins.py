@@ -116,7 +116,7 @@ def _run(source, path, name):
     sys.modules[name] = module
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit, GeneratorExit) as error:  # a script that ends itself would end mecano, as if done
         del sys.modules[name]
         raise UsageError(f"plugin {path} {_failed(error, source)}") from error
     return module
