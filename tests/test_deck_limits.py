@@ -57,6 +57,7 @@ def test_numbers_that_vanish_are_refused_by_place(old, tiny):
     line = 1 + DECK[: DECK.index(old)].count("\n")
     text = refused((old, old.replace(number, tiny)))
     assert text.startswith(f"deck.yaml:{line}:") and "is not zero, but less than 1e-100" in text
+    assert ("write 0" in text) == (old in ("position: [1", "value: 1.0"))  # where zero is allowed
 
 
 def test_numbers_that_vanish_together_are_refused_by_place():

@@ -49,7 +49,8 @@ def number(node, field, scope):
     if in_range(value):
         return float(value)
     if abs(value) < SMALLEST:
-        return scope.refuse_value(node, field, f"is not zero, but less than {SMALLEST:g}", hint="write 0")
+        hint = "" if field.check and field.check(0.0) else "write 0"
+        return scope.refuse_value(node, field, f"is not zero, but less than {SMALLEST:g}", hint=hint)
     return scope.refuse_value(node, field, "is out of range" if math.isfinite(value) else "must be finite")
 
 
