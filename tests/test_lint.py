@@ -261,3 +261,11 @@ def test_a_ground_that_moves_by_a_wave_of_time():
     ground = "plane: {point: [0, 0, 0], normal: [0, 0, 1]}, motion: {direction: [1, 0, 0], speed: FIELD}"
     found, _ = deck(HEAD + f"    grounds: {{belt: {{{ground.replace('FIELD', WAVE)}}}}}\n").warnings
     assert "ground 'belt': 'motion.speed' has a wave of 30 Hz" in found.message
+
+
+@pytest.mark.parametrize(("x", "far"), [(9e4, False), (1e6, True)])
+def test_a_mechanism_far_from_the_origin(x, far):
+    text = HEAD.replace("position: [0, 0, 0]", f"position: [{x}, 0, 0]").replace("[1, 0, 0]", f"[{x + 1}, 0, 0]")
+    found = [one for one in warned(text) if "from the origin" in one]
+    assert len(found) == far and all("the nearest node, 'a', is 1e+06 m from the origin" in one for one in found)
+    assert all(one.startswith("test.yaml:5:") for one in found)
