@@ -311,6 +311,11 @@ def test_an_empty_text_is_not_left_out(call, words):
     assert code == 2 and "an empty text; leave it out, or give a value" in err
 
 
+def test_an_interval_is_a_number(call):
+    code, _, err = call("run", "deck.yaml", "--checkpoint", "nan")
+    assert code == 2 and "'--checkpoint': it is not a number" in err
+
+
 def test_equilibria_have_no_checkpoints(call, folder):
     code, _, err = call("run", "deck.yaml", "-q", "--checkpoint", "5", "--set", "static.end=1", "--set", "time=null")
     assert code == 2 and "checkpoint: this deck asks for equilibria ('static'), which have no checkpoints" in err

@@ -475,6 +475,12 @@ def test_table_and_file(tmp_path, monkeypatch):
         modes(deck(row_of_masses(4)), path)
     with pytest.raises(UsageError, match="there is no node 'q'"):
         modes(deck(row_of_masses(4)), None, frame="q")
+    for frame in ("1,2,nan", "inf,0,0", "1e300,0,0"):
+        with pytest.raises(UsageError, match="out of range"):
+            modes(deck(row_of_masses(4)), None, frame=frame)
+    for time in ("nan", "inf", "-inf", "soon"):
+        with pytest.raises(UsageError, match="cannot be understood; write results.h5:time"):
+            modes(deck(row_of_masses(4)), None, at=f"results.h5:{time}")
 
 
 def test_info_of_a_file_of_modes(tmp_path):

@@ -1,5 +1,7 @@
 """Reconstruction of the state of a model at a saved time of a results file."""
 
+import math
+
 import numpy as np
 
 from mecano.analyses.equilibria import loaded, rest
@@ -15,12 +17,15 @@ def parse(text):
     path, colon, time = text.rpartition(":")
     if not colon:
         return text, None
+    if time.endswith(".h5"):
+        return text, None
     try:
-        return path, float(time)
+        number = float(time)
     except ValueError:
-        if time.endswith(".h5"):
-            return text, None
-        raise UsageError(f"'{text}' cannot be understood; write results.h5:time, such as results.h5:1.25") from None
+        number = math.nan
+    if not math.isfinite(number):
+        raise UsageError(f"'{text}' cannot be understood; write results.h5:time, such as results.h5:1.25")
+    return path, number
 
 
 def state_at(prepared, text):

@@ -22,6 +22,7 @@ from mecano.solve.modal.modes import CONVERGED, solve
 from mecano.solve.statics.stability import words
 from mecano.solve.time.increments import displaced
 
+LARGEST = 1e100  # rad/s
 CONSTANT = 1e-3  # change by a turn of one radian below which matrices count as constant
 NUDGE = 1e-5  # of a shape, whose largest displacement is 1: error of the differences about 1e-10
 NOT_CONVERGED = "not converged"
@@ -108,6 +109,8 @@ def turning_of(system, s, frame):
         turning = np.zeros(0)
     if turning.shape != (3,):
         raise UsageError(f"there is no node '{frame}'; --frame takes 'inertial', a node, or three numbers [rad/s]")
+    if not np.all(np.abs(turning) <= LARGEST):  # nor not a number
+        raise UsageError(f"--frame '{frame}': an angular velocity [rad/s] is out of range")
     return turning
 
 

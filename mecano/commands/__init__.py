@@ -3,6 +3,7 @@
 Their implementations are imported when they are called.
 """
 
+import math
 import os
 import sys
 
@@ -29,12 +30,14 @@ plugins = click.option(
 
 
 def refuse_empty(context, parameter, value):
-    """Return the value of an option or argument; raise BadParameter for an empty text, which is none left out.
+    """Return the value of an option or argument; raise BadParameter for an empty text, which is none left out, or nan.
 
     Those that may be repeated are checked where they are read: an empty override has a place, as all others.
     """
     if value == "" and parameter.default != "":
         raise click.BadParameter("an empty text; leave it out, or give a value", context, parameter)
+    if isinstance(value, float) and math.isnan(value):
+        raise click.BadParameter("it is not a number", context, parameter)
     return value
 
 
