@@ -12,8 +12,8 @@ from mecano.laws.table import evaluate_curve
 from mecano.maths.dual import sqrt
 from mecano.maths.vector import add_vec, cross, dot, mat, vec
 
-TAUT = 0
-PHASES = ("taut", "slack")
+TAUT, RELEASED = 0, 2
+PHASES = ("taut", "slack")  # and "released" of a cable with a release, which has no path any more
 
 
 def path_record(n):
@@ -104,5 +104,7 @@ def pull(f, i, pull):
 @kernel
 def commit(p, at, m_out):
     """Write the changes of the arcs since the start."""
+    if at.phase == RELEASED:
+        return
     for i in range(1, len(p.radii) - 1):
         m_out[i - 1] = arc(p, at, i)[0] - p.start[i - 1]

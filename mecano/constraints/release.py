@@ -1,7 +1,7 @@
-"""Release of a joint at a given time or by a condition: from then on its constraints are inactive permanently.
+"""Release of a joint or a cable at a given time or by a condition: from then on it carries no force, permanently.
 
-The trigger is an input of the joint, a formula that rises through zero. The release does not change velocities: no
-energy is lost, and accelerations jump.
+The trigger is an input, a formula that rises through zero. The release does not change velocities, accelerations jump.
+That of a joint loses no energy; the elastic energy of a cable is lost, and recorded with the event.
 """
 
 from dataclasses import replace
@@ -18,9 +18,17 @@ FIRST_ROW = TRIGGER + 1
 EVENT = Event("releases", "held", "free", "the joint is released")
 FIELDS = (
     Field("time", NUMBER, "s", "time of the release", None),
-    Field("when", CONDITION, "-", "condition of signals, outputs and motions that releases the joint", None),
+    Field("when", CONDITION, "-", "condition of signals, outputs and motions that releases it", None),
 )
 RELEASE = Field("release", mapping(*FIELDS), "-", "release of the joint: {time: ...} or {when: ...}", None)
+CABLE_RELEASE = Field(
+    "release",
+    mapping(*FIELDS),
+    "-",
+    "release of the cable, which carries no force from then on: {time: ...} or {when: ...}",
+    None,
+)
+RELEASED_PHASE = "released"
 SAMPLE = {"release": {"time": 0.3, "when": None}}
 
 
@@ -45,6 +53,28 @@ def releasable(kind, parts):
     return replace(
         kind, name=f"{kind.name}_release", phases=RELEASE_PHASES, events=(EVENT,), event_values=event_values,
         inputs=("release",), reads=lambda d: [trigger_of(d)], parts=held, variant=None,
+    )  # fmt: skip
+
+
+def cut(kind):
+    """Return the ``kind`` of a cable with a release, after which it is in the additional phase "released".
+
+    In this phase its forces must vanish, and its ``observe`` must give neither force nor elastic energy.
+    """
+    trigger, n_events, n_phases, put = kind.n_local, len(kind.events), len(kind.phases), kind.event_values
+
+    @kernel
+    def event_values(p, at, g):
+        put(p, at, g)
+        for i in range(n_phases):
+            g[n_events + i] = at.q[trigger]
+
+    releases = tuple(
+        Event("releases", phase, RELEASED_PHASE, "the cable is released", frees_energy=True) for phase in kind.phases
+    )
+    return replace(
+        kind, name=f"{kind.name}_release", phases=(*kind.phases, RELEASED_PHASE), events=(*kind.events, *releases),
+        event_values=event_values, inputs=("release",), reads=lambda d: [trigger_of(d)], variant=None,
     )  # fmt: skip
 
 

@@ -8,7 +8,8 @@ With the length :math:`\ell`, the natural length :math:`L(t)`, the axial stiffne
 
 A cable is taut as long as both :math:`\varepsilon` and :math:`\varepsilon + \tau \dot\varepsilon` are positive: it
 never pushes, even with damping. The changes from slack to taut and back are events. If elastic energy remains when it
-goes slack with :math:`\varepsilon > 0`, it is dissipated while the cable shortens to its natural length.
+goes slack with :math:`\varepsilon > 0`, it is dissipated while the cable shortens to its natural length. A ``release``
+cuts the cable: it carries no force from then on, its elastic energy is lost at that instant, and its mass stays.
 
 A varying natural length does work, which is supplied by the surroundings (a winder). With
 :math:`N_d = N - EA\varepsilon` (:math:`-EA\varepsilon` in a slack cable that is still longer than L) the powers are
@@ -41,6 +42,7 @@ from mecano.constraints.elastic_line import (
 )
 from mecano.constraints.joint_frame import at_one_place
 from mecano.constraints.line import add_line_force, line
+from mecano.constraints.release import CABLE_RELEASE, SAMPLE, check_release, cut
 from mecano.constraints.wound_line import CATCHES
 from mecano.element_interface import Display, Event, Kind, Output, record
 from mecano.jit.kernel import kernel
@@ -51,6 +53,7 @@ from mecano.schema import CURVE, NODE_PAIR, NUMBER, TIME_CURVE, Field, choice, n
 RECORD = record(**LINE_RECORD)
 TAUT = 0  # a bar is always in this phase
 CABLE_PHASES = ("taut", "slack")
+RELEASED = 2  # phase of a cable with a release
 
 
 @kernel
@@ -78,7 +81,7 @@ def observe(p, at, F, y, e):
     """Write length, strain, tension, stress; energies."""
     length, rate, _ = line(at.q, at.v)
     strain, strain_rate, L, L_rate = _strain(p, at.laws, at.t, length, rate)
-    elastic = p.EA * strain if at.phase == TAUT or strain > 0.0 else 0.0
+    elastic = p.EA * strain if at.phase == TAUT or (strain > 0.0 and at.phase != RELEASED) else 0.0
     N = p.EA * (strain + p.damping * strain_rate) if at.phase == TAUT else 0.0
     viscous = N - elastic
     put_line(p, y, length, L, strain, strain_rate, N)
@@ -121,7 +124,9 @@ def prepare_wound(d, nodes, context):
 
 
 def variant(d):
-    """Return the purely elastic cable, or the one with a winder or a shock."""
+    """Return the purely elastic cable, the one with a release, or the one with a winder or a shock."""
+    if d["release"] is not None:
+        return RELEASED_CABLE
     return CABLE if d["payout_tension"] is None and d["at_full_length"] == "stretch" else WOUND_CABLE
 
 
@@ -138,8 +143,10 @@ def check(d, nodes):
 
 
 def check_cable(d, nodes):
-    """Check the values as for a bar, and that a winder has a full length that is not yet reached."""
-    texts = check(d, nodes)
+    """Check the values as for a bar, a release, and that a winder has a full length that is not yet reached."""
+    texts = check(d, nodes) + check_release(d, ["payout_tension"])
+    if d["release"] is not None and d["at_full_length"] != "stretch":
+        texts.append("'release' and 'at_full_length' exclude one another")
     if d["payout_tension"] is None or texts:
         return texts
     full = terms_of(d["natural_length"])
@@ -171,6 +178,8 @@ def sample_cable(rng):
     return [
         ({**d, "natural_length": wound}, _apart(rng, 2.0), "taut"),
         ({**d, "natural_length": 3.0}, _apart(rng, 2.0), "slack"),
+        *(({**d, **SAMPLE, "natural_length": 1.5}, _apart(rng, 2.0), phase) for phase in ("taut", "released")),
+        ({**d, **SAMPLE, "natural_length": 3.0}, _apart(rng, 2.0), "slack"),
         ({**d, "natural_length": wound, "at_full_length": "hold"}, _apart(rng, 2.0), "held"),
         ({**d, "natural_length": 3.0, "at_full_length": "hold"}, _apart(rng, 2.0), "slack"),
         *(({**d, **winder, "natural_length": 2.6}, _apart(rng, 2.0), phase) for phase in ("taut", "paying out")),
@@ -238,8 +247,8 @@ CABLE = Kind(
     display=DRAWN,
     dtype=RECORD,
     layout=("x0", "x1"),
-    fields=(*FIELDS, *WINDER_FIELDS),
-    outputs=(*OUTPUTS, Output("state", "-", "0 slack, 1 taut, 2 paying out")),
+    fields=(*FIELDS, *WINDER_FIELDS, CABLE_RELEASE),
+    outputs=(*OUTPUTS, Output("state", "-", "0 slack or released, 1 taut, 2 paying out")),
     phases=CABLE_PHASES,
     events=(
         Event("goes taut", "slack", "taut", "the length rises to the natural length"),
@@ -254,6 +263,8 @@ CABLE = Kind(
     event_values=event_values,
     sample=sample_cable,
 )
+
+RELEASED_CABLE = cut(CABLE)
 
 WOUND_CABLE = replace(
     CABLE,

@@ -19,7 +19,8 @@ With the natural length :math:`L(t)`, that at the start plus the ``payout``, the
 
 as in a ``cable``, with the same events: it is taut while :math:`\varepsilon` and
 :math:`\varepsilon + \tau\dot\varepsilon` are positive. The power given by a varying natural length is also that of a
-cable. The cable has no mass. With ``friction`` on the pulleys each span has its own tension (capstan friction).
+cable. The cable has no mass. With ``friction`` on the pulleys each span has its own tension (capstan friction). A
+``release`` cuts the cable: it carries no force from then on, its elastic energy is lost, and its outputs are zero.
 
 The length is exact for parallel axes and pulleys in one plane, and small inclinations of a span to the planes of its
 pulleys are allowed (``inclination``). The arc at the start is less than one turn. The run ends when the cable leaves a
@@ -36,6 +37,7 @@ from mecano.constraints.capstan import CAPSTAN, capstan, friction_field
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.reeved_path import (
     PHASES,
+    RELEASED,
     TAUT,
     arc,
     cable_strain,
@@ -44,6 +46,7 @@ from mecano.constraints.reeved_path import (
     pull,
     span,
 )
+from mecano.constraints.release import CABLE_RELEASE, RELEASED_PHASE, SAMPLE, check_release, cut
 from mecano.element_interface import Display, Event, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
@@ -76,6 +79,8 @@ def residual(p, at, f):
 @kernel
 def observe(p, at, F, y, e):
     """Write lengths, strains, tension, state, how the path lies on the pulleys; energies."""
+    if at.phase == RELEASED:
+        return
     length, _, strain, strain_rate, L, L_rate = cable_strain(p, at)
     elastic = p.EA * strain if at.phase == TAUT or strain > 0.0 else 0.0
     N = p.EA * (strain + p.damping * strain_rate) if at.phase == TAUT else 0.0
@@ -133,7 +138,9 @@ def parts(d, nodes, context):
     """Return the Part of the friction, if there is any."""
     if d["friction"] is None:
         return []
-    return [Part(capstan(len(nodes) - 2), tuple(range(len(nodes))), {**prepare(d, nodes, context), **d["friction"]})]
+    n = len(nodes) - 2
+    kind = capstan(n) if d["release"] is None else _released_capstan(n)
+    return [Part(kind, tuple(range(len(nodes))), {**prepare(d, nodes, context), **d["friction"]})]
 
 
 def check(d, nodes):
@@ -161,6 +168,7 @@ def check(d, nodes):
         texts.append(f"'friction' needs {len(names) - 2} coefficients, one for each pulley; it has {given}")
     if d["friction"] is not None and min(d["friction"]["coefficients"], default=0.0) < 0.0:
         texts.append("'friction' needs coefficients that are not negative")
+    texts += check_release(d, [])
     if not texts and d["payout"] is not None:
         length, paid_out = _start(d, nodes)[2], curve_at(d["payout"], 0.0)[0]
         if not length + paid_out > 0.0:
@@ -182,8 +190,19 @@ def ends(d):
 
 
 def variant(d):
-    """Return the kind with this number of pulleys."""
-    return _of_size(len(d["nodes"]) - 2)
+    """Return the kind with this number of pulleys, and with a release if there is one."""
+    n = len(d["nodes"]) - 2
+    return _of_size(n) if d["release"] is None else _released(n)
+
+
+@cache
+def _released_capstan(n):
+    return replace(capstan(n), phases=(*PHASES, RELEASED_PHASE))
+
+
+@cache
+def _released(n):
+    return cut(_of_size(n))
 
 
 @cache
@@ -206,8 +225,9 @@ def sample(rng):
     }  # fmt: skip
     single = {**d, "nodes": ["a", "b", "d"], "radii": [0.0, 0.2, 0.0]}
     rough = [{**d, "friction": {"coefficients": [0.3, 0.1], "regularization": u}} for u in (0.01, 30.0)]
+    released = [({**one, **SAMPLE}, nodes, phase) for one in (d, rough[0]) for phase in ("taut", "slack", "released")]
     return [
-        (d, nodes, "taut"), ({**d, "payout": 3.0}, nodes, "slack"), (single, [*nodes[:2], nodes[3]], "taut"),
+        *released, (d, nodes, "taut"), ({**d, "payout": 3.0}, nodes, "slack"), (single, [*nodes[:2], nodes[3]], "taut"),
         *((one, nodes, "taut") for one in rough), ({**rough[0], "payout": 3.0}, nodes, "slack"),
     ]  # fmt: skip
 
@@ -222,6 +242,7 @@ FIELDS = (
           "[s]; a winch that hauls in has negative values", None),
     Field("damping", NUMBER, "s", "tau: viscous over elastic stiffness", 0.0, not_negative),
     friction_field(),
+    CABLE_RELEASE,
 )  # fmt: skip
 OUTPUTS = (
     Output("length", "m", "length of the path: free spans and arcs"),
@@ -229,7 +250,7 @@ OUTPUTS = (
     Output("strain", "-", "extension over natural length"),
     Output("strain_rate", "1/s", "rate of the strain"),
     Output("tension", "N", "tension of the whole cable, with friction its mean; zero while it is slack"),
-    Output("state", "-", "0 slack, 1 taut"),
+    Output("state", "-", "0 slack or released, 1 taut"),
     Output("inclination", "-", "sine of the largest angle of a span to the plane of its pulleys"),
     Output("lift_off", "rad", "angle by which the cable has left a pulley"),
     Output("closeness", "-", "largest difference of radii over distance of neighbours; 1 where a span vanishes"),

@@ -53,10 +53,22 @@ class EventMonitor:
         self.system = system
         within = [e.before == e.after for batch in system.batches for _ in batch.names for e in batch.kind.events]
         self.within = np.array(within, bool)
+        frees = [e.frees_energy for batch in system.batches for _ in batch.names for e in batch.kind.events]
+        self.frees_energy = np.array(frees, bool)
 
     def within_a_phase(self, hit):
         """Return whether some events ``hit`` (n_events,) bool make accelerations jump without a change of phase."""
         return bool(np.any(hit & self.within))
+
+    def freed(self, hit):
+        """Return {name of the element: (batch, its index)} of the events ``hit`` after which energy is lost."""
+        found, first = {}, 0
+        for batch in self.system.batches if np.any(hit & self.frees_energy) else ():
+            n, shape = batch.event_values.size, batch.event_values.shape
+            of_batch = (hit & self.frees_energy)[first : first + n].reshape(shape)
+            found |= {batch.names[e]: (batch, e) for e in np.flatnonzero(of_batch.any(axis=1))}
+            first += n
+        return found
 
     def values(self, s):
         """Return the event values (n_events,) of all elements; -inf for events not active in the current phase."""

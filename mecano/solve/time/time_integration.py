@@ -240,8 +240,30 @@ class TimeIntegrator:
     def _apply_events(self, run, s, hit, at_once=False):
         """Apply events ``hit`` at ``s``.
 
-        Return (run with the energy of shocks, state after, [EventRecord], Consistent or None).
+        Return (run with the energy of shocks and releases, state after, [EventRecord], Consistent or None).
         """
+        freed = self.monitor.freed(hit)
+        if not freed:
+            return self._exchange(run, s, hit, at_once)
+        before = self._potentials(s, freed)
+        run, after, event_records, consistent = self._exchange(run, s, hit, at_once)
+        rest = self._potentials(after, freed)
+        self.system.observe(s)  # the row at the event holds the values before it
+        lost = {name: before[name] - rest[name] for name in freed}
+        event_records = [
+            replace(event, lost=event.lost + lost.pop(event.element)) if event.element in lost else event
+            for event in event_records
+        ]
+        run = replace(run, dissipated=run.dissipated + sum(before.values()) - sum(rest.values()))
+        return run, after, event_records, consistent
+
+    def _potentials(self, s, elements):
+        """Return the potential energy [J] at ``s`` of the ``elements`` {name: (batch, index)}."""
+        self.system.observe(s)
+        return {name: float(batch.e[e, 1]) for name, (batch, e) in elements.items()}
+
+    def _exchange(self, run, s, hit, at_once):
+        """Apply events ``hit`` at ``s`` with their shocks; return the same as ``_apply_events``."""
         if not self.shocks.impact_candidates.among(hit):
             before, compliance, consistent = s.phases, self.method.compliance, None
             s, event_records = self.monitor.apply(s, hit)
