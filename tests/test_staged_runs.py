@@ -35,6 +35,8 @@ def solved(folder, name, text, **settings):
     [
         ("panel_lock", 0.3, 1.0, 1e-6),  # before its latch locks
         ("panel_lock", 0.8, 1.0, 1e-6),  # and after
+        ("panel_release", 0.4, 1.0, 2e-6),  # before its cable is cut
+        ("panel_release", 0.8, 1.3, 2e-6),  # and after
         ("flexible_pendulum", 0.5, 1.0, 2e-6),
         ("oleo_drop", 0.15, 0.3, 1e-8),
         ("crosswind_landing", 0.5, 0.8, 1e-3),  # tyres that roll and slide, in adaptive steps of a tolerance of 1e-2
@@ -54,6 +56,18 @@ def test_two_stages_are_one_run(name, cut, end, tolerance, tmp_path):
         np.testing.assert_allclose(
             staged[path].values[-1], whole[path].values[-1], rtol=scale, atol=scale, err_msg=path
         )
+
+
+def test_a_cut_cable_stays_cut(tmp_path):
+    """Its trigger, a time of the second run, has not been reached; a longer first run is the same motion."""
+    text = (INPUTS / "panel_release.yaml").read_text()
+    whole = solved(tmp_path, "w", text, **{"time.end": 1.0})
+    solved(tmp_path, "s", text, **{"time.end": 0.8})
+    staged = solved(tmp_path, "t", text + "\ninitial: {from: s.h5}\n", **{"time.end": 0.2})
+    np.testing.assert_array_equal(staged["elements/tie/tension"].values, 0.0)
+    angles = [results["joints/left_hinge/angle"].values[-1] for results in (staged, whole)]
+    assert angles[0] == pytest.approx(angles[1], abs=2e-6)
+    assert not len(staged.events)
 
 
 def test_a_saved_time_and_what_is_new_and_gone(tmp_path):
