@@ -2,8 +2,11 @@
 
 import numpy as np
 import pytest
-from time_runs import RecordedRun, deck, input_deck
+from click.testing import CliRunner
+from time_runs import INPUTS, RecordedRun, deck, input_deck
 
+import mecano
+from mecano.cli import commands
 from mecano.errors import DeckError
 
 HANGING = """
@@ -127,3 +130,13 @@ def test_panels_deploy_when_their_tie_is_cut(verify):
     moving = (m.time > 0.5) & (m.time < known[0])
     turned = np.pi / 2 * (1 - np.cos(w * (m.time[moving] - 0.5)))
     np.testing.assert_allclose(m["joints/left_hinge/angle"][moving], turned, atol=5e-6)
+
+
+def test_info_and_report_give_the_energy_lost_in_a_cable(tmp_path):
+    results = mecano.run(INPUTS / "panel_release.yaml", tmp_path / "r.h5", quiet=True, set={"time.step": 0.002})
+    results.close()
+    lines = CliRunner().invoke(commands, ["info", str(tmp_path / "r.h5")]).output.splitlines()
+    (release,) = [line for line in lines if "releases" in line]
+    assert release.endswith("(taut -> released)  0.000941536 J lost")
+    (title,) = [line for line in lines if line.startswith("Events")]
+    assert float(title.split()[-5]) == pytest.approx(np.pi**2 / 2, rel=1e-6)  # of both latches, without the cable

@@ -200,7 +200,7 @@ def _events(results, every):
     if len(shown) < len(found):
         lines[0] += f"; the first {len(shown)} lines, mecano info FILE --events lists all"
     if any(group.is_shock for group in found):
-        lines[0] += f"; {sum(group.lost for group in found):.6g} J lost in shocks"
+        lines[0] += f"; {sum(group.lost for group in found if group.is_shock):.6g} J lost in shocks"
     width = max(len(group.title) for group in shown)
     return lines + [_event(group, results.axis.unit, width) for group in shown]
 
@@ -213,6 +213,8 @@ def _event(group, unit, width):
     if group.is_shock:
         each, all_ = ("up to ", " in all") if number > 1 else ("", "")
         text += f"  impulse {each}{group.impulse:.6g} {first.impulse_unit}, {group.lost:.6g} J lost{all_}"
+    elif group.lost:
+        text += f"  {group.lost:.6g} J lost"
     return f"  {group.time:12.6g} {unit:1}  {group.title:<{width}}  {text}"
 
 

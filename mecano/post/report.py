@@ -155,20 +155,22 @@ def _events(results):
     """Yield the parts on events; shocks with impulse and energy lost."""
     events = results.events
     shown, shocks = events[:MOST_EVENTS], any(event.impulse_unit for event in events)
+    losses = shocks or any(event.energy_lost for event in events)
     columns = (f"{results.axis.path} [{results.axis.unit}]", "where", "what", "phase", "impulse", "energy lost [J]")
     if shown:
-        yield Table(columns if shocks else columns[:4], [_event(event)[: None if shocks else 4] for event in shown], 4)
+        yield Table(columns if losses else columns[:4], [_event(event)[: None if losses else 4] for event in shown], 4)
     if len(shown) < len(events):
         yield Text(f"These are the first {len(shown)} of {len(events)}.")
     if shocks:
-        yield Text(f"Shocks took {sum(event.energy_lost for event in events):.6g} J in all.")
+        lost = sum(event.energy_lost for event in events if event.impulse_unit)
+        yield Text(f"Shocks took {lost:.6g} J in all.")
 
 
 def _event(event):
     modes = f"{event.before} to {event.after}" if event.before != event.after else ""
     reported = (number(event.time), event.element, event.name.replace("_", " "), modes)
     if not event.impulse_unit:
-        return (*reported, "", "")
+        return (*reported, "", number(event.energy_lost) if event.energy_lost else "")
     return (*reported, f"{number(event.impulse)} {event.impulse_unit}", number(event.energy_lost))
 
 
