@@ -121,3 +121,22 @@ def test_another_model_is_refused(tmp_path):
 def test_statics_do_not_begin_with_a_run():
     with pytest.raises(DeckError, match="'initial.from' belongs to a deck with 'time'"):
         deck(STAGED.replace("time: {end: 1, step: 0.01}", "static: {}"))
+
+
+def test_a_run_begins_with_a_static_equilibrium(tmp_path):
+    """A cantilever that hangs under its weight stays where statics left it."""
+    hanging = """
+    mecano: 1
+    gravity: [0, 0, -10]
+    nodes: {root: {position: [0, 0, 0], fixed: true}, tip: {position: [2, 0, 0]}}
+    sections: {rod: {type: circle, diameter: 20 mm, E: 2 GPa, nu: 0.3, density: 2000}}
+    elements: {rod: {type: beam, nodes: [root, tip], section: rod, mesh: 6}}
+    static: {}
+    """
+    still = solved(tmp_path, "s", hanging)
+    moving = solved(
+        tmp_path, "t", hanging.replace("static: {}", "initial: {from: s.h5}\n    time: {end: 1, step: 0.01}")
+    )
+    rest = still["tip.position"].values[-1]
+    assert rest[2] < -0.1
+    np.testing.assert_allclose(moving["tip.position"].values - rest, 0.0, atol=1e-8)
