@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from time_runs import RecordedRun, deck
+from time_runs import RecordedRun, deck, input_deck
 from work_precision import CASES, adaptive, fixed
 
 from mecano.solve.time.step_control import StepControl
@@ -112,6 +112,8 @@ initial: {{velocities: [{{nodes: all, velocity: [60, 0, -3.05]}}]}}
 time: {{end: 3.0, step: 1.0e-3, rho_inf: 0.8, adaptive: {{tolerance: {tolerance}}}}}
 """
 
+LOOSE = (1e-1, 1e-2, 1e-3)
+
 
 def test_a_looser_tolerance_never_costs_more():
     """Trials of a landing gear whose wheel spins at 186 rad/s, which no step may turn by more than 2.4 rad."""
@@ -121,6 +123,14 @@ def test_a_looser_tolerance_never_costs_more():
         work.append(recorded.run.steps + recorded.run.rejected)
         assert len(recorded.integrator.cuts) <= 3
     assert work == sorted(work) and work[-1] > 5 * work[0]
+
+
+@pytest.mark.parametrize("name", ["main_gear", "wheel_drop", "oleo_drop"])
+def test_a_looser_tolerance_never_costs_more_iterations(name):
+    """A step after many iterations shrinks, and one after a rejected trial does not grow."""
+    runs = [RecordedRun(input_deck(name, f"time.adaptive={{tolerance: {tolerance}}}")).run for tolerance in LOOSE]
+    work = [run.iterations for run in runs]
+    assert work == sorted(work)
 
 
 def test_what_scalars_without_inertia_forget():

@@ -11,6 +11,8 @@ SHRINK = 0.2
 HOLD = 1.25  # a step that could grow by less keeps its size, because a change costs a projection
 RESERVE = 0.85  # a step that must shrink shrinks by that much more, so that the next ones keep their size
 AFTER_FAILURE = 0.25
+LABORIOUS = 12  # Newton iterations of a step after which the next one shrinks: rejected ones would cost more
+EASE = 0.7  # by at least this factor
 FORGOTTEN = 1e-3  # of the tolerance: the error of one step in what forgets it
 AT_ONCE = 1e-300  # s: the duration for which any step is long
 
@@ -34,9 +36,15 @@ def factor(error, share):
 
 
 @kernel
-def planned(error, share, h, minimum, maximum):
+def eased(change, share, iterations):
+    """Return the ``change`` of the step size, less after many Newton iterations; steps of one size keep it."""
+    return min(change, EASE) if iterations >= LABORIOUS and share < math.inf else change
+
+
+@kernel
+def planned(error, share, h, minimum, maximum, iterations):
     """Return the next step size after an accepted step of size h, whose error was allowed a ``share``."""
-    return resized(factor(error, share), h, minimum, maximum)
+    return resized(eased(factor(error, share), share, iterations), h, minimum, maximum)
 
 
 @kernel
@@ -91,9 +99,10 @@ class StepControl:
         """Return whether the error keeps an accepted step of size h from growing."""
         return h < self.maximum and self._change(error, h) < HOLD
 
-    def after(self, error, h):
-        """Return the next step size after an accepted step of size h."""
-        return resized(self._change(error, h), h, self.minimum, self.maximum)
+    def after(self, error, h, iterations=0):
+        """Return the next step size after an accepted step of size h with so many Newton iterations."""
+        change = eased(self._change(error, h), self.allowed(h), iterations)
+        return resized(change, h, self.minimum, self.maximum)
 
     def retry(self, error, h):
         """Return the step size to try after a rejected step of size h."""

@@ -197,7 +197,7 @@ def observe(m, w):
 @kernel
 def plan(m, w, error, share):
     """Plan the size of the next step; one that grows turns no body too far."""
-    wanted = planned(error, share, w.h, m.minimum, m.maximum)
+    wanted = planned(error, share, w.h, m.minimum, m.maximum, int(floats(w.report, 8)[0]))
     if wanted > w.h:
         longest = longest_step(w)
         wanted = min(wanted, longest) if longest >= HOLD * w.h else w.h

@@ -215,9 +215,11 @@ class TimeIntegrator:
         s, history, info = trial
         if run.steps % PROBE == PROBE - 1 and self.control.holds(info.error, h):
             info.error = self._bounded(trial, h)
-        planned = self.control.after(info.error, h)
+        planned = self.control.after(info.error, h, info.iterations)
         if not rejected and h < run.h:
             planned = max(planned, run.h)  # a step shortened to end at a given time does not shorten the next
+        if rejected:
+            planned = min(planned, h)  # what failed would fail again
         if planned > h:
             longest = self.method.longest(s)
             planned = min(planned, longest) if longest >= HOLD * h else h
