@@ -127,7 +127,7 @@ def test_a_looser_tolerance_never_costs_more():
 
 @pytest.mark.parametrize("name", ["main_gear", "wheel_drop", "oleo_drop"])
 def test_a_looser_tolerance_never_costs_more_iterations(name):
-    """A step after many iterations shrinks, and one after a rejected trial does not grow."""
+    """A step after many iterations shrinks, and one after a failed trial does not grow."""
     runs = [RecordedRun(input_deck(name, f"time.adaptive={{tolerance: {tolerance}}}")).run for tolerance in LOOSE]
     work = [run.iterations for run in runs]
     assert work == sorted(work)

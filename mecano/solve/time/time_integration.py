@@ -158,7 +158,7 @@ class TimeIntegrator:
         self.cuts += cuts  # only now: ``pause`` may raise during the trials, and the resumed run repeats them
         counted = run.tried(rejected, iterations)
         if found is None:
-            return self._accept(counted, trial, h, rejected, stop)
+            return self._accept(counted, trial, h, rejected, stop, failed=bool(cuts))
         if found.trial is None:
             return self._change_phases(counted, trial[2], found, rejected)
         return self._accept_event(replace(counted, h=h) if rejected else counted, found, rejected)
@@ -211,15 +211,15 @@ class TimeIntegrator:
         left = np.nextafter(stop, run.motion.t) - run.motion.t  # the step ends before a jump of a law
         return left if run.motion.t + left < stop else np.nextafter(left, 0.0)  # the sum was rounded up
 
-    def _accept(self, run, trial, h, rejected, stop):
+    def _accept(self, run, trial, h, rejected, stop, failed):
         s, history, info = trial
         if run.steps % PROBE == PROBE - 1 and self.control.holds(info.error, h):
             info.error = self._bounded(trial, h)
         planned = self.control.after(info.error, h, info.iterations)
         if not rejected and h < run.h:
             planned = max(planned, run.h)  # a step shortened to end at a given time does not shorten the next
-        if rejected:
-            planned = min(planned, h)  # what failed would fail again
+        if failed:
+            planned = min(planned, h)  # what Newton's iteration did not solve would fail again
         if planned > h:
             longest = self.method.longest(s)
             planned = min(planned, longest) if longest >= HOLD * h else h
