@@ -149,7 +149,7 @@ class Pattern:
     def holds(self, error, h):
         return False
 
-    def after(self, error, h):
+    def after(self, error, h, iterations=0):
         self.taken += 1
         return self.step * self.factors[self.taken % len(self.factors)]
 

@@ -499,3 +499,31 @@ def test_pictures(tmp_path):
     assert picture == tmp_path / "c.png" and picture.stat().st_size > 10_000
     with pytest.raises(ResultsError, match="is not a file of modes|is not a results file"):
         draw_modes(picture)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3, 1e5])
+def test_poles_of_a_control_loop_do_not_depend_on_the_units_of_its_signals(scale, tmp_path):
+    """The servo of inputs/position_servo.yaml with mass, gains and limits multiplied by a factor has the same poles.
+
+    That is m s^2 (T s + 1) = -(K_P + K_I/s + K_D s/(T_D s + 1)), in ascending powers.
+    """
+    text = f"""
+    mecano: 1
+    gravity: none
+    nodes: {{cart: {{position: [0, 0, 0]}}}}
+    elements: {{body: {{type: rigid_body, node: cart, mass: {2 * scale}, inertia: [0.1, 0.1, 0.1]}}}}
+    joints: {{rail: {{type: prismatic, nodes: [ground, cart], axis: [1, 0, 0]}}}}
+    signals:
+      command: {{type: pid, input: 0 - rail.displacement, proportional: {80 * scale}, integral: {60 * scale},
+        derivative: {20 * scale}, derivative_time: 0.02}}
+      thrust: {{type: lag, input: command, time_constant: 0.01}}
+    loads: {{motor: {{type: joint_force, joint: rail, value: thrust}}}}
+    time: {{end: 1, step: 1 ms}}
+    """
+    found = modes(deck(text), None)[1]
+    filtered = np.polynomial.Polynomial([1, 0.02])
+    controller = np.polynomial.Polynomial([60, 80]) * filtered + np.polynomial.Polynomial([0, 0, 20])
+    loop = np.polynomial.Polynomial([0, 0, 0, 2]) * np.polynomial.Polynomial([1, 0.01]) * filtered + controller
+    expected = sorted(loop.roots(), key=abs)
+    np.testing.assert_allclose(np.sort_complex(found.values), np.sort_complex(np.array(expected)), rtol=1e-7)
+    assert found.converged.all()

@@ -47,6 +47,7 @@ class Linearization:
     root: np.ndarray  # (n_q,) 1 for displacements, the length scale [m] for rotations: makes motions comparable
     variation: float = 0.0  # relative change of the matrices over one radian of rotation; zero for an equilibrium
     pace: float = 0.0  # [1/s] rate of change of the matrices: smaller eigenvalues have no meaning
+    signals: np.ndarray | None = None  # (n_q,) bool: scalars that are signals, whose equations have any unit
 
 
 def linearize(system, s, length, frame=(0.0, 0.0, 0.0), assemble=None, compliance=None):
@@ -67,7 +68,7 @@ def linearize(system, s, length, frame=(0.0, 0.0, 0.0), assemble=None, complianc
         at = corner.row + system.n_q, corner.col + system.n_q
         K = (K - sp.csr_matrix((corner.data, at), shape=K.shape)).tocsr()
     root = np.where(system.numbering.kind[: system.n_q] == ROTATION, length, 1.0)
-    return Linearization(M, C, K, system.n_q, system.numbering.group, root, variation, variation * rate)
+    return Linearization(M, C, K, system.n_q, system.numbering.group, root, variation, variation * rate, system.signals)
 
 
 def _matrices(system, s, w, Q, assemble):

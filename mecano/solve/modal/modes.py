@@ -84,7 +84,7 @@ def solve(lin, number=10, method="automatic"):
     growing = [i for i in order[number:] if _kind(values[i]) in ("flutter", "divergence")]
     chosen = np.array([*order[:number], *growing], int)
     residuals = np.array([scaled.residual(values[i], shapes[i]) for i in chosen])
-    shapes = np.array([_normal(shapes[i]) / lin.root for i in chosen]).reshape(len(chosen), lin.n_q)
+    shapes = np.array([_normal(shapes[i] * scaled.units) / lin.root for i in chosen]).reshape(len(chosen), lin.n_q)
     return Modes(values[chosen], shapes, residuals, text, len(values))
 
 

@@ -71,8 +71,9 @@ def _first_order(M, C, K):
     rates -= U2 @ np.linalg.solve(drag, U2.T @ np.hstack([K, C @ U1]))
     forces = np.hstack([K, np.zeros_like(U1)]) + C @ rates
     A = np.vstack([rates, -np.linalg.solve(U1.T @ M @ U1, U1.T @ forces)])
+    A, T = la.matrix_balance(A, permute=False)  # signals have any unit
     values, vectors = _without_zeros(A, np.eye(len(A)), EXACT_ZERO * np.linalg.norm(A, 2), _all)
-    return values * rate, vectors[:r].T
+    return values * rate, (T @ vectors)[:r].T
 
 
 def _all(A, E):

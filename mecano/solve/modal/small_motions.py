@@ -6,20 +6,25 @@ import scipy.sparse.linalg as spla
 
 SYMMETRIC = 1e-9  # of the largest entry: largest asymmetry of a symmetric stiffness
 ROUNDED = 1e-8  # of the largest stiffness: lower bound of the magnitude to which residuals are relative
+BALANCED = 20  # rounds of the balance of signals
 DENSE_ROWS = 1200  # motions up to which multipliers are found by dense least squares
 
 
 class SmallMotions:
-    """The matrices of a Linearization with rotations times the length scale, split into blocks.
+    """The matrices of a Linearization with rotations times the length scale and signals balanced, split into blocks.
 
-    M, C, K (n_q, n_q): of motions; D (n_q, n_l): columns of multipliers; B: holonomic constraints, B y = 0;
+    A signal is counted in its own of the ``units`` (n_q,), and its equation is multiplied by a factor, such that the
+    entries of the equations of all signals are at most and mostly one: gains of 1e5 are no reason to drop an equation.
+        M, C, K (n_q, n_q): of motions; D (n_q, n_l): columns of multipliers; B: holonomic constraints, B y = 0;
     E, F: constraints on velocities, (value E + F) y = 0.
     """
 
     def __init__(self, lin):
         n_q = self.n_q = lin.n_q
-        S = sp.diags(np.concatenate([1.0 / lin.root, np.ones(lin.K.shape[0] - n_q)]))
-        self.full = tuple((S @ A @ S).tocsr() for A in (lin.M, lin.C, lin.K))
+        rows, self.units = _balance(lin)
+        rest = np.ones(lin.K.shape[0] - n_q)
+        L, R = (sp.diags(np.concatenate([by / lin.root, rest])) for by in (rows, self.units))
+        self.full = tuple((L @ A @ R).tocsr() for A in (lin.M, lin.C, lin.K))
         self.M, self.C, self.K = (A[:n_q, :n_q] for A in self.full)
         self.D = self.full[2][:n_q, n_q:]
         rows_K, rows_C = -self.full[2][n_q:, :n_q], -self.full[1][n_q:, :n_q]
@@ -56,6 +61,22 @@ class SmallMotions:
             return np.linalg.lstsq(self.D.toarray(), -r, rcond=1e-12)[0]
         parts = [spla.lsqr(self.D, -part, atol=1e-14, btol=1e-14, iter_lim=2000)[0] for part in (r.real, r.imag)]
         return parts[0] + 1j * parts[1]
+
+
+def _balance(lin):
+    """Return factors of equations and units of unknowns (n_q,), one except for signals (Ruiz, CERFACS TR/PA/01/35)."""
+    rows, columns = np.ones(lin.n_q), np.ones(lin.n_q)
+    own = np.flatnonzero(lin.signals) if lin.signals is not None else []
+    if not len(own):
+        return rows, columns
+    A = sum(abs(part[: lin.n_q, : lin.n_q].tocsr()[own][:, own]).toarray() for part in (lin.C, lin.K))
+    r, c = np.ones(len(own)), np.ones(len(own))
+    for _ in range(BALANCED):
+        B = r[:, None] * A * c
+        for factors, largest in ((r, B.max(axis=1)), (c, B.max(axis=0))):
+            factors /= np.sqrt(np.where(largest > 0.0, largest, 1.0))
+    rows[own], columns[own] = r, c
+    return rows, columns
 
 
 def _relative(A, y):
