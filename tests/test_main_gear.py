@@ -75,3 +75,14 @@ def test_the_report_names_the_governing_cases(table):
 def test_a_report_on_a_study_has_no_plots(table):
     result = CliRunner().invoke(commands, ["post", str(table), "--report", "r.html", "--plot", "wheel.normal_force"])
     assert "not of the table of a study" in str(result.exception)
+
+
+@pytest.mark.parametrize(("given", "found"), [("pic", "pic.png"), ("some.svg", "some.svg"), ("new/", "new/table.png")])
+def test_names_of_the_picture_of_a_study(table, given, found, tmp_path):
+    result = CliRunner().invoke(commands, ["post", str(table), "-o", f"{tmp_path}/{given}"], catch_exceptions=False)
+    assert result.exit_code == 0 and (tmp_path / found).stat().st_size > 1000
+
+
+def test_a_picture_of_a_study_has_a_known_format(table):
+    result = CliRunner().invoke(commands, ["post", str(table), "-o", "table.pdf"])
+    assert "pictures are written as png or svg" in str(result.exception)

@@ -92,12 +92,27 @@ def _alone(paths, others, plots, output, kind):
         raise UsageError(
             f"{others[0]} is a file of modes or of a study: it is drawn alone, without --plot or --spectrum"
         )
-    if len(paths) > 1 and output and not os.path.isdir(output):
+    folder = output and (os.path.isdir(output) or str(output).endswith(("/", os.sep)))
+    if len(paths) > 1 and output and not folder:
         raise UsageError(f"{output} names one picture, but there will be {len(paths)}: give a folder")
     for path in paths:
-        name = f"{Path(path).stem}.{kind}"
-        target = Path(output) / name if output and os.path.isdir(output) else output
+        target = Path(output) / f"{Path(path).stem}.{kind}" if folder else _named(output, kind)
+        if target is not None:
+            make_folder(target.parent)
         yield ALONE[format_of(path)](path, target, kind)
+
+
+def _named(output, kind):
+    """Return the Path of a picture with this name or, without an ending, prefix; None if there is none."""
+    if not output or Path(output).suffix[1:] in FORMATS:
+        return Path(output) if output else None
+    _refuse_other_formats(output)
+    return Path(f"{output}.{kind}")
+
+
+def _refuse_other_formats(output):
+    if Path(output).suffix[1:].lower() in OTHER_FORMATS:
+        raise UsageError(f"{output}: pictures are written as {' or '.join(FORMATS)}")
 
 
 def _default_pictures(runs):
@@ -120,8 +135,8 @@ def _targets(names, output, kind, runs):
         if len(names) > 1:
             raise UsageError(f"{output} names one picture, but there will be {len(names)}: give a folder or a prefix")
         return [whole]
-    if whole is not None and whole.suffix[1:].lower() in OTHER_FORMATS:
-        raise UsageError(f"{output}: pictures are written as {' or '.join(FORMATS)}")
+    if whole is not None:
+        _refuse_other_formats(whole)
     first = runs[0].results.path
     if whole is None:
         prefix = first.with_name(_stem(runs))
