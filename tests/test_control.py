@@ -8,6 +8,7 @@ from scipy.interpolate import CubicHermiteSpline
 from small_motions import eigenvalues
 from time_runs import RecordedRun, deck, input_deck
 
+import mecano
 from mecano.analyses.prepare import prepare
 from mecano.errors import AssemblyError
 
@@ -292,3 +293,24 @@ def test_two_bodies_attract_one_another(verify):
     verify(CONTROL, "two bodies: largest distance [m]", distance.max(), 1.5, "Kepler", relative=1e-5)
     half = m.time < 1.0
     assert m.time[half][np.argmax(distance[half])] == pytest.approx(np.pi / 4, abs=2e-3)
+
+
+def test_what_lasts_no_time_is_no_extreme(tmp_path):
+    """A switch moves the set point beyond the limits of a controller: two events at one instant."""
+    (tmp_path / "deck.yaml").write_text(
+        """
+        mecano: 1
+        gravity: none
+        nodes: {m: {position: [0, 0, 0]}}
+        elements: {body: {type: rigid_body, node: m, mass: 60, inertia: [1, 1, 1]}}
+        joints: {rail: {type: prismatic, nodes: [ground, m], axis: [0, 0, 1]}}
+        signals:
+          target: {type: switch, input: time, upper: 0.2, high: 0.02, low: 0}
+          u: {type: pid, input: target - rail.displacement, proportional: 4.0e+5, lower: -5000, upper: 5000}
+        loads: {act: {type: joint_force, joint: rail, value: u}}
+        time: {end: 0.25, step: 1 ms}
+        """
+    )
+    with mecano.run(tmp_path / "deck.yaml", tmp_path / "r.h5", quiet=True) as results:
+        assert [event.time for event in results.events][:2] == pytest.approx([0.2, 0.2], abs=1e-12)
+        assert results.extremes["loads/act/force"].maximum == 5000.0

@@ -34,8 +34,8 @@ def test_no_saved_value_lies_beyond_those_of_the_steps_around_it(name, tmp_path,
         pytest.skip("points of a path are saved as they are")
     checked, recorders, row0 = [], [], []
 
-    def restarted(recorder, state):
-        original(recorder, state)
+    def restarted(recorder, state, **passing):
+        original(recorder, state, **passing)
         recorders[:], row0[:] = [recorder], [recorder.row.copy()]
 
     def check(accepted):

@@ -46,10 +46,14 @@ class Recorder:
         self.restarted(run)
         self.writer.append(run.motion.t, self.row)
 
-    def restarted(self, run):
-        """Begin the next step with the row of ``run``, whose forces are not those with which the last step ended."""
+    def restarted(self, run, passing=False):
+        """Begin the next step with the row of ``run``, whose forces are not those with which the last step ended.
+
+        Between two events of one instant a state is ``passing``: a controller may be beyond its limit there, for no
+        time. It is not counted in the extremes.
+        """
         row = self.sampler.take(run)
-        if (i := self.writer.extremes.take(run.motion.t, row)) >= 0:
+        if not passing and (i := self.writer.extremes.take(run.motion.t, row)) >= 0:
             raise self._not_finite(run.motion.t, i)
         self.row[:] = row
         self.ringing.begin()

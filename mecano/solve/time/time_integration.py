@@ -354,8 +354,13 @@ class TimeIntegrator:
         self.system.observe(s)
         new = replace(run, motion=s, history=history, powers=self._powers())
         if self.recorder is not None:
-            self.recorder.restarted(new)  # forces may jump
+            self.recorder.restarted(new, passing=self._passes(s))  # forces may jump
         return new
+
+    def _passes(self, s):
+        """Return whether the state after an event is left at once, by another event at the same instant."""
+        values = self.monitor.values(s)
+        return len(values) > 0 and bool(np.any(self.shocks.departing(s, values) > 0.0))
 
     def _powers_before(self, run, s, h):
         """Return the powers at the end of a step of size h to an event, before the accelerations jump there."""
