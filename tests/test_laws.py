@@ -32,6 +32,7 @@ CASES = {
     "damper_power": ("damper_power", {"coefficient": 3.0, "exponent": 2.0}, []),
     "cubic table": ("table", CUBIC, []),
     "cubic table, held": ("table", {**CUBIC, "beyond": "hold"}, [-2, 2]),
+    "spline": ("table", {**CUBIC, "interpolation": "spline"}, []),
     "linear table": ("table", LINEAR, [-2, -1, 0, 0.5, 2]),
     "linear table, extended": ("table", {**LINEAR, "beyond": "extend"}, [-1, 0, 0.5]),
     "sine": ("sine", {"amplitude": 2.0, "frequency": 0.4, "phase": 0.3, "offset": 1.0}, []),
@@ -94,6 +95,16 @@ def test_derivatives_of_curves(name, values, corners):
         slope, second, _ = difference(lambda x: evaluate_curve(laws, start, x), s)
         assert d == pytest.approx(slope, rel=1e-8, abs=1e-8)
         assert h == pytest.approx(second, rel=1e-7, abs=1e-7)
+
+
+def test_a_spline_has_no_jumps_of_its_second_derivative():
+    """A prescribed motion through samples of a sine: its acceleration to the order of the spacing squared."""
+    t = np.linspace(0, 2, 41)
+    law = (("table", {"points": np.stack([t, np.sin(np.pi * t)], 1), "interpolation": "spline", "beyond": "hold"}),)
+    for at in t[5:-5]:
+        before, after = (curve_at(law, at + side)[2] for side in (-1e-9, 1e-9))
+        assert before == pytest.approx(after, abs=1e-6)
+        assert after == pytest.approx(-(np.pi**2) * np.sin(np.pi * at), abs=0.03)
 
 
 @every_case

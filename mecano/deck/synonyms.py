@@ -4,7 +4,11 @@ import re
 
 NOTES = {  # words with the same meaning: (targets, note)
     "motor, actuator, drive, servo, angle driver, rheonomic": (
-        "joint_moment joint_force prescribed_angle prescribed_position", ""
+        "joint_moment joint_force line_force prescribed_angle prescribed_position prescribed_length", ""
+    ),
+    "inverse dynamics, inverse kinematics, leg": (
+        "prescribed_position prescribed_angle prescribed_length",
+        "prescribe the motion, read the reactions; lengths of that run drive legs by tables, interpolation: spline"
     ),
     "linear actuator, hydraulic cylinder, jack, ram": (
         "line_force joint_force prescribed_length bar",

@@ -1,10 +1,10 @@
-r"""Table: a curve through given points, monotone cubic or linear between them.
+r"""Table: a curve through given points, monotone cubic, spline or linear between them.
 
 The cubic is the Hermite cubic with the slopes of Fritsch & Butland (SIAM J. Sci. Stat. Comput. 5, 1984), which
 satisfies the theorem of Fritsch & Carlson (SIAM J. Numer. Anal. 17, 1980): it is monotone where the points are and
-never overshoots. It is C1; its second derivative jumps at the points. The linear curve has a corner at every
-point. Outside the points the curve holds its last value (a corner, unless the end slope is zero) or continues
-along its end tangent.
+never overshoots. It is C1; its second derivative jumps at the points. The spline is C2 and may overshoot: it is meant
+for prescribed motions, whose accelerations must not jump. The linear curve has a corner at every point. Outside the
+points the curve holds its last value (a corner, unless the end slope is zero) or continues along its end tangent.
 """
 
 import numpy as np
@@ -95,6 +95,13 @@ def monotone_slopes(x, y):
     return d
 
 
+def spline_slopes(x, y):
+    """Return the slopes (n,) of the C2 cubic spline through the points, which is not-a-knot at its ends."""
+    from scipy.interpolate import CubicSpline  # slow to import, and not needed by other tables
+
+    return CubicSpline(x, y)(x, 1)
+
+
 def end_slope(h0, h1, m0, m1):
     """Return the slope at an end from three points, bounded to preserve the shape of the curve."""
     d = ((2 * h0 + h1) * m0 - h0 * m1) / (h0 + h1)
@@ -112,7 +119,7 @@ def pack_points(points, interpolation, beyond):
     if interpolation == "linear":
         d, bulge = np.append(chord, chord[-1]), 0.0
     else:
-        d = monotone_slopes(x, y)
+        d = spline_slopes(x, y) if interpolation == "spline" else monotone_slopes(x, y)
         bulge = h**2 / 12 * (d[:-1] - d[1:])
     area = np.concatenate([[0.0], np.cumsum(h * (y[:-1] + y[1:]) / 2 + bulge)])
     return np.concatenate([[interpolation == "linear", beyond == "hold", len(x)], x, y, d, area])
@@ -164,8 +171,9 @@ FILE_FIELDS = (
     Field("units", UNITS, "-", "units of the columns, in place of those in the header, as in 'force [kN]'", None),
 )
 INTERPOLATION = Field(
-    "interpolation", choice("cubic", "linear"), "-", "monotone cubic (C1) or linear between the points", "cubic"
-)
+    "interpolation", choice("cubic", "spline", "linear"), "-",
+    "monotone cubic (C1), spline (C2, for prescribed motions) or linear between the points", "cubic",
+)  # fmt: skip
 BEYOND = Field(
     "beyond", choice("hold", "extend"), "-", "outside the points: hold the last value or extend the end tangent",
     "hold",
@@ -173,7 +181,7 @@ BEYOND = Field(
 
 TABLE = Term(
     name="table",
-    doc="Curve through given points: monotone cubic (no overshoot) or linear.",
+    doc="Curve through given points: monotone cubic (no overshoot), spline (C2) or linear.",
     role="curve",
     fields=(POINTS_FIELD, *FILE_FIELDS, INTERPOLATION, BEYOND),
     pack=pack_table,

@@ -56,7 +56,7 @@ def meaning(name, kinds, nodes):
         which = " or ".join(f"{section}.{name}" for section in found)
         raise UnknownQuantity(f"'{name}' is ambiguous: write {which}")
     known = [n for section in owners for n in offered[section]]
-    nothing = "" if known else "; it has no measurable outputs"
+    nothing = "" if known else "; it has no measurable outputs (of a load, give its formula a name among the signals)"
     raise UnknownQuantity(f"'{rest}' of '{owner}' cannot be measured{nothing}", rest, known)
 
 
