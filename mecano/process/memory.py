@@ -27,8 +27,18 @@ def is_lack_of_memory(error):
         text = str(error).lower()
         if isinstance(error, OSError | ImportError | RuntimeError) and any(words in text for words in WORDS):
             return True
+        if isinstance(error, SystemError) and not _is_room():  # C code of Python that could not make its exception
+            return True
         error = error.__cause__ or error.__context__
     return False
+
+
+def _is_room():
+    try:
+        require_memory(BLAS_BUFFER)
+    except MemoryError:
+        return False
+    return True
 
 
 def require_memory(size):
