@@ -240,7 +240,8 @@ def _changed_velocities(prepared, motion):
             was, is_ = (", ".join(f"{c + 0.0:.4g}" for c in vector) for vector in (asked[i], reached[i]))
             return [
                 "the initial velocities do not fit the constraints and were changed to the nearest that do (momenta "
-                f"kept): node '{system.nodes[i].name}' from [{was}] to [{is_}] {unit}"
+                f"kept): node '{system.nodes[i].name}' from [{was}] to [{is_}] {unit}. Nodes that are not named, also "
+                "those attached to a body, were given none: name all that move, with 'about' for a rotation"
             ]
     return []
 
