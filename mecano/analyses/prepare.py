@@ -8,7 +8,7 @@ import numpy as np
 from mecano.analyses.carry_over import carried_over
 from mecano.analyses.lint import suspicious_model
 from mecano.deck.build import asked_velocities, build, set_velocities, time_breakpoints
-from mecano.deck.run_size import size_warnings
+from mecano.deck.run_size import LOOSEST, size_warnings
 from mecano.deck.sections import finest_step
 from mecano.errors import AssemblyError, DeckError, Problem
 from mecano.model.model import title_of
@@ -137,7 +137,7 @@ def control_of(values):
         return StepControl.fixed(step, smallest)
     duration = values["end"] - values["start"]
     return StepControl(
-        adaptive["tolerance"], duration,
+        min(adaptive["tolerance"], LOOSEST), duration,
         minimum=given(adaptive["minimum_step"], smallest),
         maximum=given(adaptive["maximum_step"], duration / 20),
         order=ORDERS.get(values["method"], 2),

@@ -1,10 +1,11 @@
-"""Size of a run (steps, saved times, bytes of results), with warnings if it is probably unintended."""
+"""Size of a run (steps, saved times, bytes of results, tolerance), with warnings if it is probably unintended."""
 
 import math
 
 MOST_STEPS = 1e7
 MOST_BYTES = 4e9
 NUMBER = 8  # bytes
+LOOSEST = 0.03  # tolerance of adaptive steps: in longer ones Newton's iteration costs more than the steps save
 
 
 def steps(values):
@@ -33,6 +34,12 @@ def result_bytes(values, row, history):
 def size_warnings(values, row, history):
     """Return warnings about a step or an interval that is probably mistyped; arguments as in ``result_bytes``."""
     texts, count = [], steps(values) or 0
+    adaptive = values["time"] and values["time"]["adaptive"]
+    if adaptive and adaptive["tolerance"] > LOOSEST:
+        texts.append(
+            f"'time.adaptive.tolerance' counts as {LOOSEST:g}, not {adaptive['tolerance']:g}: longer steps would cost "
+            "more"
+        )
     time, every = values["time"], values["output"]["every"]
     if time and isinstance(every, float) and every > time["end"] - time["start"]:
         texts.append(

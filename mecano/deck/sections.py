@@ -161,7 +161,13 @@ INITIAL_FIELDS = (
 )  # fmt: skip
 
 ADAPTIVE_FIELDS = (
-    Field("tolerance", NUMBER, "-", "error of the run relative to 'length_scale', or [rad]", check=below_one),
+    Field(
+        "tolerance",
+        NUMBER,
+        "-",
+        "error of the run relative to 'length_scale', or [rad]; counts as 0.03 at most",
+        check=below_one,
+    ),
     Field(
         "minimum_step", either(NUMBER, AUTOMATIC), "s", "the run stops if a smaller step is needed", AUTOMATIC, positive
     ),
