@@ -15,6 +15,7 @@ import mecano
 from mecano.errors import ResultsError
 
 KILLS = 30
+ATTEMPTS = 3
 # `mecano run` that reports, as soon as each flush has returned, the acknowledged data: saved times, steps, events
 WITNESS = """
 import os
@@ -81,28 +82,34 @@ def killed(path, after):
     return tuple(map(int, counts[-1])) if counts else (0, 0, 0)
 
 
+def check_killed(path, said, run):
+    """Compare what a killed process has left with the whole run; return whether it died within the run."""
+    try:
+        left = Held.of(path)
+    except ResultsError as error:
+        raise AssertionError(f"{path.name} cannot be read") from error
+    count = len(left.times)
+    found = (count, len(left.steps), len(left.events))
+    assert all(there >= promised for there, promised in zip(found, said, strict=True)), (path.name, found, said)
+    assert left.status == "killed" or found == (14001, 28000, 0)
+    assert np.array_equal(left.times, run.times[:count])
+    assert np.array_equal(left.steps, run.steps[: len(left.steps)])
+    assert left.events == run.events[: len(left.events)]
+    for name, array in left.series.items():
+        assert np.array_equal(array, run.series[name][:count]), name
+    return 0 < said[0] <= count < len(run.times)
+
+
 def test_acknowledged_steps_survive_a_kill(whole, tmp_path):
+    """A third of the processes dies after the first flush and before the end; on a loaded machine more are tried."""
     run, duration = whole
     assert run.status == "complete" and (len(run.times), len(run.steps)) == (14001, 28000)
-    rng = random.Random(0)
-    plans = [(tmp_path / f"{i}.h5", rng.uniform(0.0, 1.0) * duration) for i in range(KILLS)]
-    with ThreadPoolExecutor(2) as pool:
-        acknowledged = list(pool.map(lambda plan: killed(*plan), plans))
-    counts = []
-    for (path, _), said in zip(plans, acknowledged, strict=True):
-        try:
-            left = Held.of(path)
-        except ResultsError as error:
-            raise AssertionError(f"{path.name} cannot be read") from error
-        count = len(left.times)
-        found = (count, len(left.steps), len(left.events))
-        assert all(there >= promised for there, promised in zip(found, said, strict=True)), (path.name, found, said)
-        assert left.status == "killed" or found == (14001, 28000, 0)
-        assert np.array_equal(left.times, run.times[:count])
-        assert np.array_equal(left.steps, run.steps[: len(left.steps)])
-        assert left.events == run.events[: len(left.events)]
-        for name, array in left.series.items():
-            assert np.array_equal(array, run.series[name][:count]), name
-        counts.append((count, said[0]))
-    # not all died before the first flush or after the end: a third is the least that even a loaded machine gives
-    assert sum(0 < said <= count < len(run.times) for count, said in counts) >= KILLS // 3
+    rng, within = random.Random(0), 0
+    for attempt in range(ATTEMPTS):
+        plans = [(tmp_path / f"{attempt}_{i}.h5", rng.uniform(0.0, 1.0) * duration) for i in range(KILLS)]
+        with ThreadPoolExecutor(2) as pool:
+            acknowledged = list(pool.map(lambda plan: killed(*plan), plans))
+        within += sum(check_killed(path, said, run) for (path, _), said in zip(plans, acknowledged, strict=True))
+        if within >= KILLS // 3:
+            break
+    assert within >= KILLS // 3
