@@ -246,6 +246,7 @@ def test_signals():
 def test_orphans_are_found(tmp_path):
     process = signals.begun(["--help"], tmp_path)
     os.kill(process.pid, signal.SIGSTOP)
+    os.waitpid(process.pid, os.WUNTRACED)  # a process that is still in execve has no command line
     try:
         assert signals.orphans(tmp_path) == [process.pid]
     finally:
