@@ -61,3 +61,8 @@ def test_no_kind_is_hidden():
 def test_an_unknown_word_gets_the_nearest():
     with pytest.raises(UsageError, match="did you mean 'motor'"):
         explain("motro")
+
+
+def test_without_a_name_all_are_listed():
+    runner = CliRunner()
+    assert runner.invoke(commands, ["explain"]).output == runner.invoke(commands, ["list"]).output != ""

@@ -30,15 +30,20 @@ def list_():
 
 
 @click.command()
-@click.argument("name", nargs=-1, required=True)
+@click.argument("name", nargs=-1)
 @plugins
 def explain(name):
     """Explain a kind, a term of a law or a section of the deck: fields, units, defaults, outputs, equations.
 
+    Without NAME it lists the names that it knows, as `mecano list`.
     For a word of other programs, such as "motor" or "ball joint", it names the counterparts in mecano.
     `mecano explain study` describes the files of `mecano sweep`.
     """
     name = " ".join(name)
+    if not name:
+        from mecano.deck.catalogue import catalogue
+
+        return show(catalogue())
     if name == "study":
         from mecano.study.describe import explain_study
 
