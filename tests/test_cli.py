@@ -104,7 +104,6 @@ class TestHelp:
         ("run", "deck.yaml", "--speed"),
         ("post",),
         ("post", "a.h5", "--format", "bmp"),
-        ("explain",),
     ],
 )
 def test_usage_errors(call, arguments):
