@@ -39,6 +39,41 @@ def test_load_factor_is_the_share_of_dead_and_follower_loads():
     np.testing.assert_allclose(path.turns_about_y("pin"), expected, atol=1e-12)
 
 
+def controlled(static, torque, gravity=G, signals=""):
+    """The arm without its spring, held by a motor with this torque."""
+    more = f"signals: {{torque: {torque}{signals}}}"
+    more += "\n        loads: {motor: {type: joint_moment, joint: hinge, value: torque}}"
+    text = arm(static, gravity=gravity, more=more)
+    return "\n".join(line for line in text.splitlines() if "spring:" not in line)
+
+
+@pytest.mark.parametrize("method", ["steps", "relaxation", "arc_length"])
+def test_stiffness_of_a_controller(method):
+    """k (theta - theta_0) = mu m g c cos(theta) - (1 - mu) k theta_0: the motor acts wholly at every load factor."""
+    path = Path(controlled(f"static: {{method: {method}}}", "6*(0.3 - hinge.angle)"))
+
+    def out_of_balance(t, mu):
+        return 6.0 * (t - mu * 0.3) - mu * 2.0 * G * 0.5 * np.cos(t)
+
+    expected = [brentq(out_of_balance, -2, 2, args=(mu,), xtol=1e-13) for mu in path.factors]
+    np.testing.assert_allclose(path.turns_about_y("pin"), expected, atol=2e-8)
+    assert path.factors[-1] == 1.0 and np.all(path.unstable == 0) and len(path.points) < 20
+
+
+@pytest.mark.parametrize("torque, unstable", [("-6*hinge.angle", 0), ("6*hinge.angle", 1)])
+def test_stability_with_a_controller(torque, unstable):
+    path = Path(controlled("static: {}", torque, gravity=0.0))
+    assert np.all(path.unstable == unstable)
+    assert path.points[-1].stability.stiffness == pytest.approx(6.0 if not unstable else -6.0)
+
+
+def test_stability_is_unknown_with_an_integrator():
+    """The integral of the error has any value at rest: no stiffness tells whether the loop is stable."""
+    signals = ", sum: {type: integrator, input: hinge.angle}"
+    path = Path(controlled("static: {}", "-6*hinge.angle - sum", gravity=0.0, signals=signals))
+    assert np.all(path.unstable == -1)
+
+
 def test_what_the_start_lacks_of_an_equilibrium_is_released():
     """A preloaded spring without loads: it ends where the spring is slack, the angle is followed over half a turn."""
     text = arm("static: {}", gravity=0.0).replace("axis: [0, 1, 0], law", "axis: [0, 1, 0], natural_angle: 4.0, law")

@@ -5,6 +5,7 @@ import numpy as np
 from mecano.analyses.equilibria import follow
 from mecano.analyses.prepare import model_facts, prepare, startup_warnings
 from mecano.model.sampler import Sampler, StaticSample
+from mecano.model.system import is_scaled
 from mecano.results.layout import Layout, Series
 from mecano.results.lock import locked
 from mecano.results.provenance import Source
@@ -41,7 +42,7 @@ class Recorder:
         columns = [c for c in self.sampler.columns if not c.path.startswith("energy/") or "potential" in c.path]
         self.series = [Series(c.path, c.unit, c.doc, c.shape) for c in columns] + list(PATH)
         self.places = np.concatenate([np.arange(c.start, c.start + c.size) for c in columns])
-        self.loads = [(b, _forces(b.kind)) for b in system.batches if b.kind.section == "loads" and b.n_outputs]
+        self.loads = [(b, _forces(b.kind)) for b in system.batches if is_scaled(b.kind) and b.n_outputs]
 
     def __call__(self, point):
         """Write one Point."""

@@ -145,8 +145,7 @@ class System:
 
     @cached_property
     def _add_scaled_loads(self):
-        loads = lambda kind: kind.section == "loads"  # noqa: E731
-        return self._driver(assembly_driver.add_scaled, loops.tangent, loads)
+        return self._driver(assembly_driver.add_scaled, loops.tangent, is_scaled)
 
     @cached_property
     def _add_coupled_multipliers(self):
@@ -241,7 +240,7 @@ class System:
             data[:-1] += np.where(self.cols >= self.n_q, by_positions[:-1], of_motions)
 
     def scale_loads(self, s, factor, cK, cC, cM, T=None):
-        """Scale the contribution of the section "loads" by ``factor`` in the sums of the last ``assemble`` at ``s``."""
+        """Scale the contribution of the loads (``is_scaled``) by ``factor`` in the sums of the last ``assemble``."""
         T, scratch = self._no_turn if T is None else T, np.zeros((2, self.n_slots))
         self._add_scaled_loads(*_motion(s), T, cK, cC, cM, factor - 1.0, *scratch)
 
@@ -316,6 +315,11 @@ def _joined(batches, name, width):
     for b, size, end in zip(batches, sizes, np.cumsum(sizes), strict=True):
         setattr(b, name, whole[end - size : end].reshape(len(b.p), -1))
     return whole
+
+
+def is_scaled(kind):
+    """Return whether a load factor multiplies the kind: a load, unless signals give its value, as by a controller."""
+    return kind.section == "loads" and not kind.inputs
 
 
 def _followers(instances, batches):

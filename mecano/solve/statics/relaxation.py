@@ -126,8 +126,9 @@ class Relaxation:
         """Return (residual over its tolerance, largest residual force [N], moments over the length scale)."""
         k, _ = statics.scales(statics.begin(s))
         size = max(statics.evaluate(s.copy(), self.end, k, 0.0, False))
-        force = np.abs(statics.system.residual[: statics.system.n_q] / np.sqrt(statics.weight)).max(initial=0.0)
-        return size, max(float(force), 1e-300)
+        own = statics.weight > 0.0
+        force = statics.system.residual[: statics.system.n_q][own] / np.sqrt(statics.weight[own])
+        return size, max(float(np.abs(force).max(initial=0.0)), 1e-300)
 
     def _accepted(self, follower, s, found, work):
         found.iterations += work.iterations

@@ -1,11 +1,12 @@
 r"""Stability of an equilibrium, and its softest motion.
 
 Stability follows from the tangent on the motions that the constraints allow, :math:`Z^T K Z` with :math:`B Z = 0`;
-displacements are in metres, rotations times the length scale. Small models: the eigenvalues of the tangent. If it is
-not symmetric to rounding (as it is under conservative forces), only real negative ones count; complex ones concern the
-motion (modes.py). Large models: the signs of the pivots of the bordered matrix without row exchanges (Sylvester's law:
-one negative pivot for each constraint, and one for each unstable direction); for an unsymmetric tangent only the parity
-of their number indicates divergence.
+displacements are in metres, rotations times the length scale. Signals follow the motion: the stiffness of a controller
+counts as that of a spring. Small models: the eigenvalues of the tangent. If it is not symmetric to rounding (as it is
+under conservative forces), only real negative ones count; complex ones concern the motion (modes.py). Large models: the
+signs of the pivots of the bordered matrix without row exchanges (Sylvester's law: one negative pivot for each
+constraint, and one for each unstable direction); for an unsymmetric tangent only the parity of their number indicates
+divergence.
 """
 
 from dataclasses import dataclass
@@ -53,6 +54,7 @@ class Judge:
         self.system, self.length, self.neutral = system, length, NEUTRAL_WHERE_SOFT if soft else NEUTRAL
         self.dense = system.n_q <= DENSE
         self.root = np.where(system.numbering.kind[: system.n_q] == ROTATION, length, 1.0)
+        self.metric = np.where(system.signals, 0.0, self.root**2)
         self._solver = None
 
     def __call__(self, data, drag=0.0):
@@ -65,7 +67,7 @@ class Judge:
 
     def _dragged(self, data, drag):
         data = data.copy()
-        data[self.system.diagonal[: self.system.n_q]] += drag * self.root**2
+        data[self.system.diagonal[: self.system.n_q]] += drag * self.metric
         return data
 
     def _matrix(self, data):
@@ -73,13 +75,14 @@ class Judge:
         return sp.csr_matrix((data[: self.system.nnz], (self.system.rows, self.system.cols)), shape=shape)
 
     def _dense(self, data):
-        n_q, full = self.system.n_q, self._matrix(data).toarray()
-        if not n_q:
-            return Stability(0, 0)
-        Z = null_space(full[n_q:, :n_q] / self.root)
+        n_q, full, own = self.system.n_q, self._matrix(data).toarray(), ~self.system.signals
+        K, root = condensed(full[:n_q, :n_q], own), self.root[own]
+        if K is None:
+            return Stability(UNKNOWN, UNKNOWN)
+        Z = null_space(full[n_q:, :n_q][:, own] / root)
         if not Z.shape[1]:
             return Stability(0, 0)
-        K = full[:n_q, :n_q] / np.outer(self.root, self.root)
+        K = K / np.outer(root, root)
         largest = np.abs(K).max()
         K = Z.T @ K @ Z
         if np.abs(K - K.T).max() <= SYMMETRIC * largest:
@@ -89,7 +92,8 @@ class Judge:
         if not len(values):
             return Stability(0, 0)
         limit = self.neutral * max(largest, np.finfo(float).tiny)
-        shape = (Z @ vectors[:, 0]) / self.root
+        shape = np.zeros(n_q)
+        shape[own] = (Z @ vectors[:, 0]) / root
         unstable, neutral = int(np.sum(values < -limit)), int(np.sum(np.abs(values) <= limit))
         return Stability(unstable, neutral, float(values[0]), _scaled(shape, self.root))
 
@@ -131,7 +135,7 @@ class Judge:
         By inverse iteration; the shift exceeds the most negative stiffness.
         """
         n, n_q = self.system.n, self.system.n_q
-        metric = sp.diags(np.concatenate([self.root**2, np.zeros(n - n_q)])).tocsc()
+        metric = sp.diags(np.concatenate([self.metric, np.zeros(n - n_q)])).tocsc()
         matrix = self._matrix(data).tocsc()
         shift = 1e-9 * (np.abs(data[self.system.diagonal[:n_q]]).mean() or 1.0)
         while unstable > 0:
@@ -148,6 +152,19 @@ class Judge:
         if not np.all(np.isfinite(x)):
             return np.nan, None
         return float(x @ (matrix @ x)), _scaled(x[:n_q], self.root)
+
+
+def condensed(K, own):
+    """Return the stiffness (m, m) of the m unknowns ``own`` if the others follow them; None if they are undetermined.
+
+    The others are signals: those of a controller add its stiffness, those of an integrator have no value at rest.
+    """
+    if own.all():
+        return K
+    others = K[~own][:, ~own]
+    if np.linalg.matrix_rank(others) < len(others):
+        return None
+    return K[own][:, own] - K[own][:, ~own] @ np.linalg.solve(others, K[~own][:, own])
 
 
 def null_space(B):

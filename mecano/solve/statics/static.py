@@ -17,7 +17,7 @@ from mecano.solve.events.compliance import soften
 from mecano.solve.events.events import EventMonitor
 from mecano.solve.linear.iteration import iterate
 from mecano.solve.statics.velocity_constraints import NONE, VelocityConstraints
-from mecano.solve.time.increments import correct, tangents
+from mecano.solve.time.increments import correct, largest, tangents
 
 MOST_TURN = 2.4  # rad in one step, so that angles of joints are followed
 PHASE_CHANGES = 10  # rounds of phase changes at one point
@@ -52,7 +52,8 @@ class Statics:
         self.tolerances, self.given_k, self.given_penalty, self.compliance = tolerances, k, penalty, compliance
         self.monitor = monitor or EventMonitor(system)
         self.rolling = VelocityConstraints(system, NONE if compliance is None else compliance.released)
-        self.weight = np.where(system.numbering.kind[: system.n_q] == ROTATION, length**2, 1.0)
+        turns = system.numbering.kind[: system.n_q] == ROTATION
+        self.weight = np.where(turns, length**2, np.where(system.signals, 0.0, 1.0))  # signals follow at once
         self._increment = np.zeros(system.n)
         self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
         self._rotations = np.flatnonzero(system.numbering.kind[: system.n_q] == ROTATION)
@@ -204,7 +205,8 @@ class Statics:
 
     def judged(self, result, s, s0, first=np.inf):
         """Return the Found of a Newton iteration from ``s0`` to ``s``; it fails if a rotation is too large."""
-        change = float(np.abs(self.displacement(s, s0) * np.sqrt(self.weight)).max(initial=0.0)) / self.length
+        of = self.system.numbering
+        change = largest(self.displacement(s, s0), of.kind, of.n_q, self.length)
         ok, message, failure = result.ok, result.message, result.failure
         if ok and np.abs(s.z[self._rotations]).max(initial=0.0) > MOST_TURN:
             ok, failure = False, Failure.NOT_CONVERGED
