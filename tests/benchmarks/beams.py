@@ -27,6 +27,7 @@ DECK = Path(__file__).parents[2] / "inputs" / "flexible_pendulum.yaml"
 STEP, STEPS, REPETITIONS = 1e-3, 1000, 3
 LONGER = 10e-3, 8e-3, 5e-3, 4e-3, 2.5e-3, 2e-3, 1.6e-3, 1.25e-3, STEP  # [s]
 LENGTH, DIAMETER, E, NU, DENSITY, GRAVITY = 1.0, 0.01, 1e8, 0.3, 1100.0, 9.81
+ELEMENTS, ELEMENT_KINDS = (8, 64, 512), ("exact beam", "ANCF cable")
 LIMITS = {"mecano": 0.007979, "exact beam": 0.007979, "ANCF cable": 0.007782}
 
 
@@ -128,17 +129,29 @@ def _cable(mbs, n, exu, lib):
     return nodes[-1]
 
 
-def main():
-    for n in [int(text) for text in sys.argv[1:]] or [8, 64, 512]:
+def measured(elements):
+    """Yield for each number of elements and each element of Exudyn what is in one row of the table."""
+    for n in elements:
         own, error = mecano(n)
-        print(f"{n:4d} elements: mecano {1e6 * own / STEPS:7.1f} us/step, tip off by {error:.1e} m")
-        for element in ("exact beam", "ANCF cable"):
-            if found := exudyn(n, element):
-                spent, off = found
+        for element in ELEMENT_KINDS:
+            found = {"elements": n, "us_per_step": 1e6 * own / STEPS, "error": error, "element": element}
+            if theirs := exudyn(n, element):
+                spent, off = theirs
                 step, equal = longest(n, off)
-                us = 1e6 * spent / STEPS
-                print(f"     Exudyn, {element}: {us:7.1f} us/step, {off:.1e} m, ratio {own / spent:.2f}; ", end="")
-                print(f"with steps of {1e3 * step:g} ms {equal / spent:.2f}")
+                found |= {"exudyn": 1e6 * spent / STEPS, "exudyn_error": off, "ratio": own / spent}
+                found |= {"equal_step": step, "equal_ratio": equal / spent}
+            yield found
+
+
+def main():
+    for row in measured([int(text) for text in sys.argv[1:]] or ELEMENTS):
+        print(
+            f"{row['elements']:4d} elements: mecano {row['us_per_step']:7.1f} us/step, tip off by {row['error']:.1e} m"
+        )
+        if "exudyn" in row:
+            us, off = row["exudyn"], row["exudyn_error"]
+            print(f"     Exudyn, {row['element']}: {us:7.1f} us/step, {off:.1e} m, ratio {row['ratio']:.2f}; ", end="")
+            print(f"with steps of {1e3 * row['equal_step']:g} ms {row['equal_ratio']:.2f}")
 
 
 if __name__ == "__main__":

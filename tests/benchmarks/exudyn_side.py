@@ -13,7 +13,7 @@ import warnings
 from dataclasses import dataclass, replace
 
 import numpy as np
-from cases import GEAR, GRAVITY, LENGTH, MASS, THICKNESS, TOP_SPEED
+from cases import DISC, GEAR, GRAVITY, LENGTH, MASS, THICKNESS, TOP_SPEED
 
 sys.exudynFast = True  # the module compiled without range checks
 with warnings.catch_warnings():
@@ -46,7 +46,7 @@ class Settings:
     method: str = "index 3"  # or "trapezoidal", which is index 2
     rho: float = 0.9
     redundant: bool = False  # continue with a singular matrix
-    planar: bool = False  # for the reference of four-bars: hinges without redundancy
+    model: str = ""  # if not that of the case
     tyre: str = "own"  # "script": the law of mecano's tyre as a Python function
 
 
@@ -55,7 +55,14 @@ BEST = {
     "chain-10": Settings(node="Tait-Bryan", method="trapezoidal"),
     "chain-100": Settings(method="trapezoidal"),
     "chain-1000": Settings(method="trapezoidal"),
+    "four-bar-1-planar": Settings("dense", modified=False, method="trapezoidal", rho=0.95, model="four_bar_planar"),
+    "four-bar-1-spatial": Settings(
+        "full pivoting", modified=False, node="Tait-Bryan", method="trapezoidal", rho=0.95, model="four_bar_isostatic"
+    ),
+    "four-bar-10-planar": Settings(modified=False, method="trapezoidal", rho=0.95, model="four_bar_planar"),
+    "four-bar-10-spatial": Settings(modified=False, method="trapezoidal", rho=0.95, model="four_bar_isostatic"),
     "four-bar-10": Settings("full pivoting", node="Tait-Bryan", rho=0.95, redundant=True),
+    "rolling-disc": Settings("dense", modified=False, node="rotation vector", method="trapezoidal"),
     "gear-drop": Settings("dense", node="Tait-Bryan", rho=0.8),
 }
 
@@ -78,7 +85,9 @@ def precise(case):
     """Settings of the reference: full Newton, tight tolerances; isostatic hinges, which Exudyn solves anyway."""
     solver = "sparse" if case.model == "four_bar" else BEST[case.name].solver
     tight = replace(BEST[case.name], solver=solver, modified=False, relative=1e-10, absolute=1e-12)
-    return replace(tight, redundant=False, planar=True)
+    if case.model != "four_bar":
+        return tight
+    return replace(tight, redundant=False, method="index 3", model="four_bar_isostatic")
 
 
 def same_law(settings):
@@ -109,34 +118,74 @@ def chain(mbs, n, settings):
     return bodies
 
 
-def four_bar(mbs, n, settings):
-    """Cranks, then bars between them."""
-    ground = mbs.CreateGround()
-    upright = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+def _bars(n):
+    """(centre, angle [rad], velocity, rate of turn) of the cranks, then of the bars between them."""
+    L, v = LENGTH, TOP_SPEED
+    cranks = [([i * L, 0.5 * L, 0], 0.5 * math.pi, [0.5 * v, 0, 0], -v / L) for i in range(n + 1)]
+    return cranks + [([(i + 0.5) * L, L, 0], 0.0, [v, 0, 0], 0.0) for i in range(n)]
 
-    def bar(position, rotation, velocity, turning):
-        return mbs.CreateRigidBody(
-            referencePosition=position, referenceRotationMatrix=rotation, initialVelocity=velocity,
-            initialAngularVelocity=[0, 0, turning], inertia=_bar(), gravity=[0, -GRAVITY, 0],
-            nodeType=NODE_TYPES[settings.node],
+
+def _spatial(mbs, n, settings, last):
+    """A four-bar in space; ``last(bodies, place)`` joins the right end of each bar to the next crank."""
+    ground, bodies = mbs.CreateGround(), []
+    for place, angle, velocity, turning in _bars(n):
+        c, s = math.cos(angle), math.sin(angle)
+        body = mbs.CreateRigidBody(
+            referencePosition=place, referenceRotationMatrix=np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]),
+            initialVelocity=velocity, initialAngularVelocity=[0, 0, turning], inertia=_bar(),
+            gravity=[0, -GRAVITY, 0], nodeType=NODE_TYPES[settings.node],
         )  # fmt: skip
-
-    cranks = [
-        bar([i * LENGTH, 0.5 * LENGTH, 0], upright, [0.5 * TOP_SPEED, 0, 0], -TOP_SPEED / LENGTH) for i in range(n + 1)
-    ]
-    bars = [bar([(i + 0.5) * LENGTH, LENGTH, 0], np.eye(3), [TOP_SPEED, 0, 0], 0.0) for i in range(n)]
+        bodies.append(body)
+    cranks, bars = bodies[: n + 1], bodies[n + 1 :]
     for i, crank in enumerate(cranks):
         _hinge(mbs, [ground, crank], [i * LENGTH, 0, 0], [0, 0, 1])
-    for i, body in enumerate(bars):
-        _hinge(mbs, [cranks[i], body], [i * LENGTH, LENGTH, 0], [0, 0, 1])
-        end, pair = [(i + 1) * LENGTH, LENGTH, 0], [body, cranks[i + 1]]
-        if settings.planar:
-            mbs.CreateGenericJoint(
-                bodyNumbers=pair, position=end, constrainedAxes=[1, 1, 0, 0, 0, 0], useGlobalFrame=True, show=False
-            )
-        else:
-            _hinge(mbs, pair, end, [0, 0, 1])
-    return cranks + bars
+    for i, bar in enumerate(bars):
+        _hinge(mbs, [cranks[i], bar], [i * LENGTH, LENGTH, 0], [0, 0, 1])
+        last([bar, cranks[i + 1]], [(i + 1) * LENGTH, LENGTH, 0])
+    return bodies
+
+
+def four_bar(mbs, n, settings):
+    """Hinges everywhere, which are redundant."""
+    return _spatial(mbs, n, settings, lambda bodies, place: _hinge(mbs, bodies, place, [0, 0, 1]))
+
+
+def four_bar_isostatic(mbs, n, settings):
+    """The last joint of each window holds two coordinates only."""
+
+    def last(bodies, place):
+        mbs.CreateGenericJoint(
+            bodyNumbers=bodies, position=place, constrainedAxes=[1, 1, 0, 0, 0, 0], useGlobalFrame=True, show=False
+        )
+
+    return _spatial(mbs, n, settings, last)
+
+
+def four_bar_planar(mbs, n, settings):
+    """Bodies with three coordinates each."""
+    ground, bodies = mbs.AddObject(lib.ObjectGround()), []
+    for place, angle, velocity, turning in _bars(n):
+        rates = [*velocity[:2], turning]
+        node = mbs.AddNode(lib.NodeRigidBody2D(referenceCoordinates=[*place[:2], angle], initialVelocities=rates))
+        inertia = MASS * (LENGTH**2 + THICKNESS**2) / 12.0
+        bodies.append(mbs.AddObject(lib.RigidBody2D(nodeNumber=node, physicsMass=MASS, physicsInertia=inertia)))
+        marker = mbs.AddMarker(lib.MarkerBodyMass(bodyNumber=bodies[-1]))
+        mbs.AddLoad(lib.LoadMassProportional(markerNumber=marker, loadVector=[0, -GRAVITY, 0]))
+
+    def at(body, place):
+        return mbs.AddMarker(lib.MarkerBodyPosition(bodyNumber=body, localPosition=place))
+
+    def pin(a, b):
+        mbs.AddObject(lib.RevoluteJoint2D(markerNumbers=[a, b]))
+
+    left, right = [-0.5 * LENGTH, 0, 0], [0.5 * LENGTH, 0, 0]
+    for i in range(n + 1):
+        pin(at(ground, [i * LENGTH, 0, 0]), at(bodies[i], left))
+    for i in range(n):
+        bar = bodies[n + 1 + i]
+        pin(at(bodies[i], right), at(bar, left))
+        pin(at(bar, right), at(bodies[i + 1], right))
+    return bodies
 
 
 def gear_drop(mbs, n, settings):
@@ -200,7 +249,27 @@ def _script_tyre(mbs, ground, wheel):
     )  # fmt: skip
 
 
-MODELS = {"chain": chain, "four_bar": four_bar, "gear_drop": gear_drop}
+def rolling_disc(mbs, n, settings):
+    """The disc, held by constraints on velocities."""
+    d = DISC
+    R = np.array(lib.RotationMatrixX(d.lean))
+    centre, turning = R @ [0, 0, d.radius], R @ [0, d.spin, 0] + [0, 0, d.turning]
+    disc = mbs.CreateRigidBody(
+        referencePosition=centre, referenceRotationMatrix=R, initialVelocity=np.cross(turning, centre),
+        initialAngularVelocity=turning, inertia=lib.RigidBodyInertia(d.mass, np.diag(d.inertia)),
+        gravity=[0, 0, -GRAVITY], nodeType=NODE_TYPES[settings.node],
+    )  # fmt: skip
+    mbs.CreateRollingDisc(
+        bodyNumbers=[mbs.CreateGround(), disc], axisPosition=[0, 0, 0], axisVector=[0, 1, 0], discRadius=d.radius,
+        planePosition=[0, 0, 0], planeNormal=[0, 0, 1], constrainedAxes=[1, 1, 1], show=False,
+    )  # fmt: skip
+    return [disc]
+
+
+MODELS = {
+    "chain": chain, "four_bar": four_bar, "four_bar_isostatic": four_bar_isostatic, "four_bar_planar": four_bar_planar,
+    "gear_drop": gear_drop, "rolling_disc": rolling_disc,
+}  # fmt: skip
 
 
 class Exudyn:
@@ -214,7 +283,7 @@ class Exudyn:
     def _build(self):
         container = exu.SystemContainer()
         mbs = container.AddSystem()
-        bodies = MODELS[self.case.model](mbs, self.case.size, self.settings)
+        bodies = MODELS[self.settings.model or self.case.model](mbs, self.case.size, self.settings)
         return container, mbs, bodies
 
     def integrate(self):

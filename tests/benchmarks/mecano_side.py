@@ -1,11 +1,12 @@
 """The cases in mecano: decks, solved without a results file."""
 
+import math
 import time
 from itertools import pairwise
 
 import numpy as np
 import yaml
-from cases import GEAR, GRAVITY, LENGTH, MASS, THICKNESS, TOP_SPEED
+from cases import DISC, GEAR, GRAVITY, LENGTH, MASS, THICKNESS, TOP_SPEED
 
 from mecano.analyses.prepare import integrator_of, prepare
 from mecano.deck.read import deck_of_bytes
@@ -100,7 +101,26 @@ def gear_drop(n):
     return deck, [("top", 0), ("slider", 0), ("axle", 0)]
 
 
-MODELS = {"chain": chain, "four_bar": four_bar, "gear_drop": gear_drop}
+def rolling_disc(n):
+    """A disc that rolls without slip: (deck, places of the bodies)."""
+    d = DISC
+    c, s = math.cos(d.lean), math.sin(d.lean)
+    centre, turning = d.radius * np.array([0, -s, c]), np.array([0, d.spin * c, d.spin * s + d.turning])
+    deck = {
+        "gravity": [0, 0, -GRAVITY],
+        "nodes": {"centre": {"position": centre.tolist(), "orientation": [d.lean, 0, 0]}},
+        "elements": {
+            "disc": {"type": "rigid_body", "node": "centre", "mass": d.mass, "inertia": d.inertia},
+            "rim": {"type": "rigid_wheel", "node": "centre", "radius": d.radius, "axis": [0, c, s], "ground": "floor"},
+        },
+        "grounds": {"floor": {"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}}},
+    }
+    velocity = np.cross(turning, centre).tolist()
+    moving = [{"nodes": ["centre"], "velocity": velocity, "angular_velocity": turning.tolist()}]
+    return {**deck, "initial": {"velocities": moving}}, [("centre", 0)]
+
+
+MODELS = {"chain": chain, "four_bar": four_bar, "gear_drop": gear_drop, "rolling_disc": rolling_disc}
 
 
 class Mecano:
@@ -150,6 +170,6 @@ class Mecano:
             if probe.what == "turning":
                 values.append(R[probe.axis] @ s.v[of.r[i] : of.r[i] + 3])
             else:
-                offset = 0.5 * LENGTH + probe.point if self.case.model != "gear_drop" else 0.0
+                offset = 0.5 * LENGTH + probe.point if self.case.model in ("chain", "four_bar") else 0.0
                 values.append(s.z[of.x[i] + probe.axis] + offset * R[probe.axis, along])
         return values

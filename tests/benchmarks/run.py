@@ -1,6 +1,7 @@
 """CPU time and accuracy of mecano on a few models, beside Exudyn where that is installed.
 
     python tests/benchmarks/run.py CASE [--json]      one case, or "all"
+    python tests/benchmarks/run.py all --write        all cases and beams, into the tables of docs/benchmarks.md
     python tests/benchmarks/run.py tune CASE          every setting of Exudyn worth trying
     python tests/benchmarks/run.py startup            whole process of `mecano run inputs/pendulum.yaml`
     python tests/benchmarks/run.py beams|deploy|mast  what the file of that name in this folder says
@@ -10,7 +11,9 @@ What is measured and how: docs/benchmarks.md.
 
 import argparse
 import dataclasses
+import functools
 import json
+import math
 import os
 import statistics
 import sys
@@ -29,6 +32,37 @@ from mecano_side import Mecano
 from process import processor_time
 
 STUDIES = ("beams", "deploy", "mast")
+ALIKE = 1.02  # errors up to this ratio are equal
+PER_SAMPLE = (
+    1,
+    2,
+    3,
+    4,
+    5,
+    6,
+    8,
+    10,
+    13,
+    16,
+    20,
+    25,
+    32,
+    40,
+    50,
+    64,
+    80,
+    100,
+    128,
+    160,
+    200,
+    256,
+    320,
+    400,
+    512,
+    640,
+    800,
+    1280,
+)  # steps between two samples that are tried for an error
 PENDULUM = Path(__file__).parent.parent.parent / "inputs" / "pendulum.yaml"
 
 
@@ -58,7 +92,7 @@ def measure(case, repetitions, other):
     ours = Mecano(case)
     theirs = other and other.Exudyn(case)
     own = converged(case, lambda step: Mecano(case, step).trace())
-    found = {"case": case.name, "steps": case.steps, "step": case.step, "required": case.required}
+    found = {"case": case.name, "words": case.words, "steps": case.steps, "step": case.step, "required": case.required}
     found["mecano"] = {"error": error(case, ours.trace(), own), "rho_inf": case.rho}
     if theirs:
         found["exudyn"], found["agreement"] = _accuracy(case, theirs, own, other)
@@ -71,17 +105,45 @@ def measure(case, repetitions, other):
     if theirs:
         found["ratio"] = found["mecano"]["us_per_step"] / found["exudyn"]["us_per_step"]
         found["equal_accuracy"] = _equal_accuracy(case, found, own, repetitions)
+        found["at_errors"] = at_errors(case, theirs, own, repetitions, other)
     return found
 
 
 def _equal_accuracy(case, found, own, repetitions):
-    """The longest steps, doubled from those of the case, with an error no larger than Exudyn's, and the ratio then."""
-    best, step = Mecano(case), case.step
-    while error(case, (longer := Mecano(case, 2.0 * step)).trace(), own) <= found["exudyn"]["error"]:
-        best, step = longer, 2.0 * step
-    spent = statistics.median(best.integrate() for _ in range(repetitions))
+    """The longest steps with the error of Exudyn or less, and the ratio then."""
+    spent, step, off = cheapest(case, Mecano, ALIKE * found["exudyn"]["error"], own, repetitions)
     theirs = 1e-6 * found["exudyn"]["us_per_step"] * case.steps
-    return {"step": step, "error": error(case, best.trace(), own), "ratio": spent / theirs}
+    return {"step": step, "error": off, "ratio": spent / theirs}
+
+
+def cheapest(case, code, least, reference, repetitions):
+    """CPU [s], step [s] and error of the longest steps of a code with an error of at most ``least``."""
+
+    @functools.cache
+    def tried(i):
+        step = case.step * case.every / PER_SAMPLE[i]
+        return step, error(case, code(case, step=step).trace(), reference)
+
+    i = PER_SAMPLE.index(case.every)
+    while tried(i)[1] > least and i + 1 < len(PER_SAMPLE):
+        i += 1
+    while tried(i)[1] <= least and i > 0 and tried(i - 1)[1] <= least:
+        i -= 1
+    step, reached = tried(i)
+    model = code(case, step=step)
+    return statistics.median(model.integrate() for _ in range(repetitions)), step, reached
+
+
+def at_errors(case, theirs, own, repetitions, other):
+    """CPU ratios where both codes reach the same errors, each with its longest steps that do."""
+    own_law = converged(case, lambda step: other.Exudyn(case, other.precise(case), step).trace())
+    found = []
+    for least in case.errors:
+        ours, step, _ = cheapest(case, Mecano, least, own, repetitions)
+        others, their_step, reached = cheapest(case, other.Exudyn, least, own_law, repetitions)
+        met = reached <= least
+        found.append({"error": least, "ratio": ours / others if met else None, "step": step, "their_step": their_step})
+    return found
 
 
 def _accuracy(case, theirs, own, other):
@@ -128,6 +190,8 @@ def table(found):
         equal = found["equal_accuracy"]
         text += f"; with steps of {equal['step']:g} s and error {equal['error']:.1e} ratio {equal['ratio']:.2f}"
         text += f"; converged solutions agree to {found['agreement']:.1e}"
+        for level in found["at_errors"]:
+            text += f"; at error {level['error']:.0e} ratio {level['ratio'] or math.nan:.2f}"
     return text
 
 
@@ -136,6 +200,7 @@ def main():
     parser.add_argument("what", choices=[*CASES, "all", "tune", "startup", *STUDIES])
     parser.add_argument("case", nargs="?", choices=list(CASES))
     parser.add_argument("--json", action="store_true", help="one JSON object per case")
+    parser.add_argument("--write", action="store_true", help="write the tables of docs/benchmarks.md")
     parser.add_argument("--repetitions", type=int, default=7)
     parser.add_argument("--steps", type=int, help="take so many steps only")
     parser.add_argument("--mecano-only", action="store_true", help="leave Exudyn out even where it is installed")
@@ -152,10 +217,16 @@ def main():
         tune(CASES[given.case], given.repetitions, other)
         return
     cases = list(CASES.values()) if given.what == "all" else [CASES[given.what]]
+    measured = []
     for case in cases:
         case = dataclasses.replace(case, steps=given.steps or case.steps)
-        found = measure(case, given.repetitions, other)
+        measured.append(found := measure(case, given.repetitions, other))
         print(json.dumps(found) if given.json else table(found), flush=True)
+    if given.write:
+        import beams
+        from tables import write
+
+        write(measured, list(beams.measured(beams.ELEMENTS)))
 
 
 if __name__ == "__main__":
