@@ -43,5 +43,5 @@ def test_its_lines_of_python_run(tmp_path, monkeypatch):
 def test_its_numbers_are_those_of_their_pages():
     speeds = (ROOT / "docs/benchmarks.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| (?:chain|four-bar).*\|$", TEXT, re.MULTILINE)
-    assert len(rows) == 3 and all(row in speeds for row in rows)
+    assert len(rows) == 3 and all(row in speeds for row in rows)  # without their last columns
     assert f"one\nof {len(examples())} decks" in TEXT
