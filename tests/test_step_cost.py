@@ -4,6 +4,7 @@ from calls import calls
 from time_runs import input_deck
 
 from mecano.analyses.dynamic import begun
+from mecano.analyses.equilibria import follow
 from mecano.analyses.prepare import integrator_of, prepare
 
 MOST = 0.2  # calls of Python's functions and of built-in ones for each step
@@ -16,6 +17,12 @@ def test_steps_make_hardly_any_calls():
     integrator = integrator_of(prepared)
     run = integrator.to(0.1, integrator.begin(prepared.state, 1e-3))
     assert calls(lambda: integrator.to(1.1, run)) <= MOST * 1000
+
+
+def test_equilibria_are_found_in_compiled_code():
+    """Kernels also run as plain Python, a hundred times slower: none of their operators may be called."""
+    prepared = prepare(input_deck("princeton_beam"))
+    assert calls(lambda: follow(prepared), of="jit/methods.py") == 0
 
 
 def test_saved_steps_make_few_calls(tmp_path):

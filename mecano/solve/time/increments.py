@@ -71,8 +71,11 @@ def predict(
     return reach
 
 
-@kernel
-def correct(length, kind, rotation_dof, n_q, n, dz, k, cC, cM, R0, z_out, v_out, a_out, R_out):
+@entry
+def correct(
+    length: float, kind: Indices, rotation_dof: Indices, n_q: int, n: int, dz: Vector, k: float, cC: float, cM: float,
+    R0: Matrices, z_out: Vector, v_out: Vector, a_out: Vector, R_out: Matrices,
+) -> float:  # fmt: skip
     """Subtract the correction dz (n,); velocities and accelerations by cC and cM, multipliers by k.
 
     Returns the largest displacement over ``length``, rotation [rad], or change of a signal relative to it; inf when it
