@@ -34,14 +34,18 @@ def place_members(members, at):
     check of their kind rejects, and the members with an end node that does not exist.
     """
     pieces, left = {}, list(members)
-    while ready := [member for member in left if all(node in at for node in member.nodes)]:
-        left = [member for member in left if not any(member is one for one in ready)]
+    while ready := [member for member in left if _is_placed(member, at)]:
+        left = [member for member in left if not _is_placed(member, at)]
         for member in ready:
             ends = [at[node] for node in member.nodes]
             if not member.kind.check(member.values, ends):
                 inner, pieces[member.name] = member.kind.divide(member.values, ends)
                 at.update(zip(inner_names(member.name, member.values), inner, strict=True))
     return pieces, left
+
+
+def _is_placed(member, at):
+    return all(node in at for node in member.nodes)
 
 
 def divided(model):

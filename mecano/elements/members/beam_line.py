@@ -6,8 +6,8 @@ A station is (x (3,) [m], A (3, 3)): a point of the line and the section axes th
 import numpy as np
 
 from mecano.constraints.joint_frame import PLACE, at_one_place, cross, triad
-from mecano.maths.so3 import exp, log, tangent_inverse
-from mecano.maths.vector import Vec3, mat, vec
+from mecano.maths.so3 import log, tangent_inverse
+from mecano.maths.vector import mat, vec
 
 MOST_TURN = 3.0  # rad between the ends of one element
 PARALLEL = 1e-6  # sine of the angle up to which directions are parallel
@@ -20,13 +20,19 @@ def stations(d, nodes):
     """Return the stations at the ends of each of the ``mesh`` elements, mesh + 1 in all."""
     (x_1, _), (x_2, _) = nodes
     axis, about, angle, centre = _arc(x_1, d["via"], x_2)
-    A = _section_axes(axis, d["up"])
-    found = []
-    for s in np.linspace(0.0, 1.0, d["mesh"] + 1):
-        turned = np.array(exp(vec(s * angle * about, 0)))
-        x = x_1 + s * (x_2 - x_1) if centre is None else centre + turned @ (x_1 - centre)
-        found.append((x, turned @ A @ np.array(exp(Vec3(s * d["twist"], 0.0, 0.0)))))
-    return found
+    shares = np.linspace(0.0, 1.0, d["mesh"] + 1)[:, None]
+    turned = _rotations(about, angle * shares)
+    axes = turned @ _section_axes(axis, d["up"]) @ _rotations(np.array([1.0, 0.0, 0.0]), d["twist"] * shares)
+    x = x_1 + shares * np.subtract(x_2, x_1) if centre is None else centre + turned @ (x_1 - centre)
+    return list(zip(x, axes, strict=True))
+
+
+def _rotations(about, angles):
+    """Return the rotations (n, 3, 3) by ``angles`` (n, 1) [rad] about a unit vector (Rodrigues)."""
+    x, y, z = about
+    hat = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    sines, versines = np.sin(angles)[..., None], (1.0 - np.cos(angles))[..., None]
+    return np.eye(3) + sines * hat + versines * (hat @ hat)
 
 
 def screw(first, second):
@@ -35,7 +41,8 @@ def screw(first, second):
     For a straight element it is (length, 0, ...) without round-off, so that equal elements are recognized as equal.
     """
     (x_1, A_1), (x_2, A_2) = first, second
-    line, phi = np.subtract(x_2, x_1), np.array(log(mat(A_1.T @ A_2)))
+    line = np.subtract(x_2, x_1)
+    phi = np.zeros(3) if np.array_equal(A_1, A_2) else np.array(log(mat(A_1.T @ A_2)))
     if np.abs(phi).max() <= ROUNDING:
         return np.array([np.linalg.norm(line), 0.0, 0.0, 0.0, 0.0, 0.0])
     return np.concatenate([np.array(tangent_inverse(vec(phi, 0))) @ A_2.T @ line, phi])
