@@ -29,6 +29,7 @@ from mecano.solve.time.workspace import (
     time_of,
 )
 
+TINY = 1e-300
 SLOW = 0.1  # a kept factor is used again as long as the residual falls by more than this
 SHARE = 0.001  # of the tolerances is met with an old tangent: what it leaves is not squared by the last iteration
 MOST_MOVED = 3.0  # length scales, or rad, in one correction: iterations that go so far do not come back
@@ -55,8 +56,8 @@ def newton(w):
     """Iterate from the state TRIAL of the workspace, moved in place: one of the codes above.
 
     ``stale``: the tangent must be renewed. ``pending``: the increment solves for the present residual, whose largest
-    norm is report[WORST]. ``kept``: the factor belongs to an earlier solution and is expected to do for two
-    iterations. ``usable``: the factor may be used at all.
+    norm is report[WORST]. ``kept``: the factor belongs to an earlier solution, and ``most_kept`` iterations with it are
+    expected to converge. ``usable``: the factor may be used at all.
     """
     while True:
         if w.stale:
@@ -96,7 +97,7 @@ def iterate(w):
         forces, constraints = norms(
             r, size, kind, w.n, w.length, w.force_tolerance, w.constraint_tolerance, share, w.k, w.stiffness, w.reach
         )
-        code = judge(report, forces, constraints, w.most, w.kept, w.usable)
+        code = judge(report, forces, constraints, w.most, w.kept, w.usable, w.most_kept)
         if code >= 0:
             return code
         call(w.substitute, w.substitute_words, 0)
@@ -104,7 +105,7 @@ def iterate(w):
 
 
 @kernel
-def judge(report, forces, constraints, most, kept, usable):
+def judge(report, forces, constraints, most, kept, usable, most_kept):
     """Enter the present norms; one of the codes, or -1 to go on with the factor at hand."""
     worst = max(forces, constraints)
     report[WORST], report[FORCES], report[CONSTRAINTS] = worst, forces, constraints
@@ -123,7 +124,8 @@ def judge(report, forces, constraints, most, kept, usable):
         return STALE
     if iteration == 0:
         return -1
-    slow = worst * worst > report[LAST] if kept and iteration == 1 else worst > SLOW * report[LAST]
+    rate = worst / max(report[LAST], TINY)
+    slow = worst * rate ** (most_kept - iteration) > 1.0 if kept and iteration < most_kept else rate > SLOW
     return STALE if slow else -1
 
 

@@ -1,21 +1,30 @@
 """Decide when to refactor the Newton tangent.
 
 An iteration with a tangent that is ``age`` steps old reduces the residual to about drift * age of its norm. Two such
-iterations cost less than a factorization, so a tangent is kept as long as two are expected to converge.
+iterations cost less than a factorization, in models with many unknowns four; a tangent is kept as long as so many are
+expected to converge.
 """
 
 from mecano.jit.kernel import kernel
 from mecano.solve.linear.newton import FIRST, ITERATIONS, SECOND, SHARE
 
-TRUST = 0.5  # of the residual norm: expected residual after two iterations up to which a tangent is kept
+FEW, MANY = 2, 4  # iterations of small and of larger models
+LARGER = 90  # unknowns
+TRUST = 0.5  # of the residual norm: expected residual after the iterations up to which a tangent is kept
 FORGET = 0.9  # factor of the drift in every step without an old tangent
 
 
+def most_kept(n):
+    """Return how many iterations with a kept tangent cost less than a factorization of n unknowns (measured)."""
+    return FEW if n < LARGER else MANY
+
+
 @kernel
-def choose_tangent(has, age, drift, renewed, report):
+def choose_tangent(has, age, drift, renewed, report, most_kept):
     """Decide whether the next step uses the tangent of this one: (whether, age in steps, drift).
 
-    ``has``, ``age`` and ``drift`` are those with which this step began; ``renewed``: it evaluated a tangent.
+    ``has``, ``age`` and ``drift`` are those with which this step began; ``renewed``: it evaluated a tangent;
+    ``most_kept``: iterations that may be made with an old one.
     """
     first, before = report[FIRST], age
     age, drift = age + 1, drift * FORGET
@@ -24,9 +33,9 @@ def choose_tangent(has, age, drift, renewed, report):
     elif first > 0.0:
         drift = report[SECOND] / first / before
     if renewed:  # keep it if it converges quickly
-        has = report[ITERATIONS] <= (2.0 if has else 1.0)
+        has = report[ITERATIONS] <= (most_kept if has else 1.0)
         age = 1 if has else 0
     share = drift * age
-    if not first * (share * share) <= TRUST:
+    if not first * share**most_kept <= TRUST:
         has = False
     return has, age, drift

@@ -35,6 +35,7 @@ from mecano.solve.linear.newton import (
     SINGULAR,
     STALE,
 )
+from mecano.solve.linear.refactorization import most_kept
 from mecano.solve.time.consistent import Consistent, consistent_state
 from mecano.solve.time.contradictions import Contradictions
 from mecano.solve.time.increments import largest_change, tangents
@@ -133,7 +134,8 @@ class GeneralizedAlpha:
         self.workspace.point_to(
             am=c.am, af=c.af, beta=c.beta, gamma=c.gamma, error=c.error, length=self.length, duration=self.duration,
             force_tolerance=to.force, constraint_tolerance=to.constraint, increment_tolerance=to.increment,
-            most=to.max_iterations, n_massless=len(self._massless), massless=self._massless,
+            most=to.max_iterations, most_kept=most_kept(self.system.n),
+            n_massless=len(self._massless), massless=self._massless,
             n_loops=len(loops), loops=loops, batches=batches, n_tangents=len(tangent_loops), tangents=tangent_loops,
             tangent_batches=tangent_batches, residual=self.system.residual, size=self.system.size,
             increment=self._increment, T=self._T, kind=self._kind, rotation_dof=of.rotation_dof,

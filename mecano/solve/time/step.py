@@ -63,4 +63,6 @@ def complete(w):
         largest = max(largest, abs(algorithmic[massless[i]] - before[massless[i]]))
     w.lag = w.error * w.h * w.h * largest / w.length
     w.next_known = min(w.known + 1, 2)
-    w.next_has, w.next_age, w.next_drift = choose_tangent(w.has, w.age, w.drift, w.renewed, floats(w.report, 8))
+    w.next_has, w.next_age, w.next_drift = choose_tangent(
+        w.has, w.age, w.drift, w.renewed, floats(w.report, 8), w.most_kept
+    )

@@ -21,7 +21,7 @@ STEP = fields(
     floats="due am af beta gamma error length duration force_tolerance constraint_tolerance increment_tolerance "
     "h k penalty cC cM stiffness reach change lag turn turning drift next_drift",
     words="code begun paused has kept usable stale pending renewed age known next_has next_age next_known most "
-    "factorizations n_q n n_all n_rotations n_memory n_phases n_massless n_entries state_size "
+    "most_kept factorizations n_q n n_all n_rotations n_memory n_phases n_massless n_entries state_size "
     "n_loops loops batches n_tangents tangents tangent_batches system residual size increment T kind rotation_dof "
     "massless soft_starts soft_columns soft_values entry_places entry_values "
     "solve solve_words solve_results substitute substitute_words clock clock_id now "
