@@ -20,7 +20,8 @@ from time_runs import INPUTS
 
 from mecano.analyses.preview import preview
 from mecano.deck.read import read_deck
-from mecano.post.serve import LOOPBACK, Server, Source
+from mecano.post.serve import LOOPBACK, Server, Source, serve
+from mecano.process.interrupt import Interruption, Stopped
 from mecano.results.reader import open_results
 
 PATIENCE = 120.0  # s: elements may have to be compiled
@@ -142,6 +143,18 @@ def test_a_deck_is_shown_until_ctrl_c(tmp_path):
         process.send_signal(signal.SIGINT)
         assert process.wait(PATIENCE) == 0
     assert os.listdir(tmp_path) == []
+
+
+def test_an_interrupt_is_not_lost(model):
+    """One that is raised where Python ignores exceptions, as while a thread ends, ends the server a moment later."""
+    interruption = Interruption()
+
+    def lose():
+        with suppress(Stopped):
+            interruption._ask(signal.SIGINT, None)
+
+    with pytest.raises(Stopped):
+        serve(Source(model), lambda address: lose(), lambda: interruption.raise_if_asked("by Ctrl-C"))
 
 
 def test_what_cannot_be_shown_is_reported(tmp_path):

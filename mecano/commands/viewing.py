@@ -1,6 +1,7 @@
 """Commands that show a model or a motion in a browser."""
 
 import os
+import signal
 import sys
 from contextlib import contextmanager, suppress
 
@@ -68,8 +69,14 @@ def _view_deck(file, overrides):
 
 def _serve(path, title=None, status=None):
     from mecano.post.serve import Source, serve
+    from mecano.process.interrupt import Interruption
 
-    serve(Source(path, title, status), lambda address: click.echo(UNTIL.format(address)))
+    interruption = Interruption()
+    interruption.listen((signal.SIGINT,))  # its exception may be lost while a thread of the server ends
+    serve(
+        Source(path, title, status), lambda address: click.echo(UNTIL.format(address)),
+        lambda: interruption.raise_if_asked("by Ctrl-C"),
+    )  # fmt: skip
 
 
 @contextmanager

@@ -56,13 +56,17 @@ class Source:
 
 
 class Server(ThreadingHTTPServer):
-    """Server of one page at ``address``, on a free port of the loopback address."""
+    """Server of one page at ``address``, on a free port of the loopback address.
+
+    ``pause`` is called twice a second and after requests; it may raise to end the server.
+    """
 
     daemon_threads = True
 
-    def __init__(self, source):
+    def __init__(self, source, pause=lambda: None):
         super().__init__((LOOPBACK, 0), _Handler)
         self.source, self.token = source, secrets.token_urlsafe(18)
+        self.service_actions = pause
         self.hosts = {f"{name}:{self.server_port}" for name in (LOOPBACK, "localhost")}
 
     @property
@@ -120,8 +124,11 @@ class _Handler(BaseHTTPRequestHandler):
         """Suppress log messages, as the terminal shows those of the run."""
 
 
-def serve(source, announce):
-    """Serve the page of a Source until a signal ends the program; ``announce`` is called with the address."""
-    with Server(source) as server:
+def serve(source, announce, pause=lambda: None):
+    """Serve the page of a Source until a signal ends the program or ``pause`` raises an exception.
+
+    ``announce`` is called with the address.
+    """
+    with Server(source, pause) as server:
         announce(server.address)
         server.serve_forever()
