@@ -84,6 +84,20 @@ def test_the_clock_of_the_run_leaves_compiling_out(tmp_path, monkeypatch):
         assert results.metadata["compile_time"] == 0.0
 
 
+def test_status_and_rows_are_of_the_same_time(tmp_path):
+    """A run that ends while it is read: what was opened as running stays so until the file is opened again."""
+    with samples.create(tmp_path / "r.h5") as writer:
+        samples.append(writer, 0)
+        writer.flush()
+        with open_results(tmp_path / "r.h5") as results:
+            before = results.status, len(results.time)
+            samples.append(writer, 1)
+            writer.close()
+            assert (results.status, len(results.time)) == before
+            results.refresh()
+            assert (results.status, len(results.time)) == ("complete", 2)
+
+
 def test_named_views_carry_units_meanings_and_time(finished):
     with h5py.File(finished, "r") as file:
         for series in samples.LAYOUT.series:

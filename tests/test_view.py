@@ -10,8 +10,10 @@ import sys
 import threading
 import time
 from contextlib import contextmanager, suppress
+from datetime import UTC, datetime, timedelta
 from urllib.parse import parse_qs, urlsplit
 
+import h5py
 import numpy as np
 import pytest
 from browser import asked, browser
@@ -155,6 +157,25 @@ def test_an_interrupt_is_not_lost(model):
 
     with pytest.raises(Stopped):
         serve(Source(model), lambda address: lose(), lambda: interruption.raise_if_asked("by Ctrl-C"))
+
+
+def test_a_killed_run_is_shown_as_killed(model, tmp_path):
+    """The file stays as it is when its writer is killed: only the process tells."""
+    path = tmp_path / "run.h5"
+    path.write_bytes(model.read_bytes())
+    with h5py.File(path, "r+") as file:
+        file["run/reason"][()], file["run/status"][()] = b"", b"running"
+        started = datetime.now(UTC) + timedelta(hours=1)  # the process of the test counts as the writer
+        file["run"].attrs["process"], file["run"].attrs["started"] = os.getpid(), started.isoformat()
+    source = Source(path)
+    before = source.data()
+    assert before["growing"] and before["status"].startswith("running")
+    began, source._next = os.stat(path).st_mtime_ns, 0.0
+    with h5py.File(path, "r+") as file:
+        file["run"].attrs["process"] = 4194305  # Linux gives no process this number
+    os.utime(path, ns=(began, began))
+    after = source.data()
+    assert not after["growing"] and after["status"].startswith("killed") and after["key"] != before["key"]
 
 
 def test_what_cannot_be_shown_is_reported(tmp_path):

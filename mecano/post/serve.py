@@ -33,11 +33,15 @@ class Source:
         """Return the data of the page as they are now, with a key that changes with them. Raises ResultsError."""
         with self._lock:
             begun = time.monotonic()
-            if self._data is None or (begun >= self._next and self._key != self._state()):
+            if self._data is None or (begun >= self._next and self._changed()):
                 self._read()
                 now = time.monotonic()
                 self._next = now + (now - begun) / SHARE
             return self._data
+
+    def _changed(self):
+        """Return whether the data may have changed; a file stays as it is when the run is killed."""
+        return self._data["growing"] or self._key != self._state()
 
     def _state(self):
         """Return data that change whenever the file changes."""
@@ -49,8 +53,9 @@ class Source:
         [run] = open_runs([self.path])
         with run.results as results:
             data = page_data(run, title=self.title)
-            growing = results.status == "running"
-        self._key, self._data = key, data | {"growing": growing, "key": "-".join(map(str, key))}
+            status = results.status
+        growing = status == "running"
+        self._key, self._data = key, data | {"growing": growing, "key": "-".join(map(str, [*key, status]))}
         if self.status:
             self._data["status"] = self.status
 

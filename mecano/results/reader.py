@@ -114,6 +114,7 @@ class Results:
             self._source, self._file = _open_patiently(self.path)
             with self._reading("format"):
                 self._check_format()
+            self._status = self._text("run/status")  # before the counters: those of a complete run are the last
             with self._reading("run/acknowledged"):
                 counters = self._file["run/acknowledged"][:4]
                 self._rows, self._step_rows, self._event_rows, self._slot = map(int, counters)
@@ -393,11 +394,12 @@ class Results:
         """
         if self._source.missing:
             return "truncated"
-        stored = self._text("run/status")
         with self._reading("run/status"):
-            if stored not in ENDS:
-                raise ValueError(f"'{stored}' is none of {', '.join(ENDS)}")
-        return "killed" if stored == "running" and self.written_here and not self._writer_lives else stored
+            if self._status not in ENDS:
+                raise ValueError(f"'{self._status}' is none of {', '.join(ENDS)}")
+        if self._status == "running" and self.written_here and not self._writer_lives:
+            return "killed" if self._text("run/status") == "running" else "running"  # it may have ended since
+        return self._status
 
     @property
     def written_here(self):
@@ -418,7 +420,7 @@ class Results:
     @property
     def _ended(self):
         stored = self._text("run/reason")
-        return parted(stored) if self._text("run/status") == "complete" else (stored, [])
+        return parted(stored) if self._status == "complete" else (stored, [])
 
     @property
     def _writer_lives(self):
