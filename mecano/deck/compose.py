@@ -230,6 +230,8 @@ def _syntax_hint(error, place):
         return "indent with spaces, not with tabs"
     if rest[:1] in ("%", "@", "`"):
         return "put the text in quotes"
+    if "alias" in (error.context or ""):
+        return "'*' begins a reference of YAML; lists have no products: multiply each of their numbers"
     if "flow" in (error.context or "") and error.context_mark:
         return f"the bracket opened in line {error.context_mark.line + 1} is not closed before this"
     if "expected key" in problem:

@@ -18,6 +18,10 @@ LANGUAGE_KEYS = ("include", "templates", "place", "repeat")  # of a deck or of a
 KEYS_ELSEWHERE = {  # names of some fields in other programs, without '_'
     "youngmodulus": "E", "youngsmodulus": "E", "elasticmodulus": "E", "modulus": "E", "shearmodulus": "G",
     "poisson": "nu", "poissonratio": "nu", "rho": "density",
+    "bodies": "elements", "constraints": "elements", "forces": "elements",
+    "springs": "elements", "dampers": "elements", "loads": "elements", "wheels": "elements", "contacts": "elements",
+    "objects": "elements", "markers": "nodes", "points": "nodes", "variables": "parameters",
+    "controllers": "signals", "filters": "signals", "simulation": "time", "solver": "time", "integrator": "time",
 }  # fmt: skip
 RESERVED = {"nodes": ("ground", "all")}
 
@@ -78,7 +82,8 @@ def filled(node, field, fields, scope, given=None):
         scope.path.append(field.name)
     for key, (key_node, _) in node.value.items():
         if key not in known:
-            scope.refuse(key_node, f"unknown key {quoted(scope.name_of(key))}", _meant(key, known, field, scope))
+            hint = _meant(key, known, fields, field, scope)
+            scope.refuse(key_node, f"unknown key {quoted(scope.name_of(key))}", hint)
     for inner in fields:
         pair = node.value.get(inner.name)
         if pair and not _left_out(pair[1], inner):
@@ -95,7 +100,7 @@ def filled(node, field, fields, scope, given=None):
     return INVALID if refused else values
 
 
-def _meant(key, known, field, scope):
+def _meant(key, known, fields, field, scope):
     """Return a hint for an unknown key."""
     if ":" in key:
         return "write a space after ':'"
@@ -105,7 +110,13 @@ def _meant(key, known, field, scope):
     if name in known:
         return f"here it is called {quoted(name)}"
     near = similar(key, [*sorted(known), *(() if field.name else LANGUAGE_KEYS)])
-    return scope.suggest(key, near or sorted(known))
+    inside = () if near else [f"{outer.name}.{key}" for outer in fields if key in _keys_of(outer)]
+    return f"did you mean {quoted(inside[0])}?" if inside else scope.suggest(key, near or sorted(known))
+
+
+def _keys_of(field):
+    """Return the keys of a field that is a mapping."""
+    return [inner.name for inner in field.type.options] if field.type.name == "mapping" else ()
 
 
 def _as_mapping(node, fields):
