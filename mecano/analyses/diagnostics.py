@@ -54,13 +54,17 @@ def unbalanced(values, sampler, extremes):
     )
 
 
-def unresolved(values, sampler, ringing):
-    """Yield a warning if forces oscillate from step to step, as found by the OscillationMonitor of the run."""
+def unresolved(values, sampler, ringing, length):
+    """Yield a warning if forces oscillate from step to step, as found by the OscillationMonitor of the run.
+
+    Moments are compared with those of the forces of the model at its ``length`` [m], too.
+    """
     columns = sorted((c for c in sampler.columns if c.unit in FORCES), key=lambda column: column.start)
     starts = [column.start for column in columns]
     of = [columns[bisect_right(starts, place) - 1] for place in ringing.columns]
     largest = {unit: max((x for c, x in zip(of, ringing.largest, strict=True) if c.unit == unit), default=0.0)
                for unit in FORCES}  # fmt: skip
+    largest["N m"] = max(largest["N m"], length * largest["N"])
     found = ringing.found(np.array([LEAST_SWING * largest[c.unit] for c in of]))
     if not found:
         return

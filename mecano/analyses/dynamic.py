@@ -197,7 +197,7 @@ class Ongoing:
         warnings += exceeded(deck, sampler, writer.extremes)
         warnings += open_latches(deck, self.recorder.row, sampler)
         warnings += unbalanced(values, sampler, writer.extremes)
-        warnings += unresolved(values, sampler, self.recorder.ringing)
+        warnings += unresolved(values, sampler, self.recorder.ringing, integrator.method.length)
         for text in warnings:
             self._announce(text)
         writer.close("complete", with_warnings(ENDED, warnings))

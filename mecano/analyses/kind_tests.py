@@ -105,7 +105,16 @@ def check_purity(kind):
                 assert array.tobytes() == old.tobytes()
 
 
-FREE = {"air", "open", "free", "between", "slack", "taut", "paying out"}  # phases in which constraints do not hold
+FREE = {
+    "air",
+    "open",
+    "released",
+    "free",
+    "between",
+    "slack",
+    "taut",
+    "paying out",
+}  # phases in which constraints do not hold
 
 
 def lets_go(instance):

@@ -23,6 +23,10 @@ KEYS_ELSEWHERE = {  # names of some fields in other programs, without '_'
     "objects": "elements", "markers": "nodes", "points": "nodes", "variables": "parameters",
     "controllers": "signals", "filters": "signals", "simulation": "time", "solver": "time", "integrator": "time",
 }  # fmt: skip
+ELSEWHERE = dict.fromkeys(
+    ("velocity", "velocities", "angular_velocity"),
+    "give it in 'initial': velocities: [{nodes: [...], velocity: [...], angular_velocity: [...]}]",
+)
 RESERVED = {"nodes": ("ground", "all")}
 
 
@@ -109,6 +113,8 @@ def _meant(key, known, fields, field, scope):
     name = KEYS_ELSEWHERE.get(key.lower().replace("_", ""))
     if name in known:
         return f"here it is called {quoted(name)}"
+    if key in ELSEWHERE and "position" in known:
+        return ELSEWHERE[key]
     near = similar(key, [*sorted(known), *(() if field.name else LANGUAGE_KEYS)])
     inside = () if near else [f"{outer.name}.{key}" for outer in fields if key in _keys_of(outer)]
     return f"did you mean {quoted(inside[0])}?" if inside else scope.suggest(key, near or sorted(known))

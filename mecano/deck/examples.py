@@ -19,6 +19,7 @@ EXAMPLES = {
     "planar": "table: {type: planar, nodes: [ground, slider], axis: [0, 0, 1]}",
     "screw": "jack: {type: screw, nodes: [ground, slider], axis: [1, 0, 0], pitch: 5 mm}",
     "fixed": "weld: {type: fixed, nodes: [ground, crank]}",
+    "grip": "gripper: {type: grip, nodes: [crank, slider], close: {time: 0.2 s}, release: {time: 0.6 s}}",
     "rigid_rod": "rod: {type: rigid_rod, nodes: [crank, slider]}",
     "gear_pair":
         "gears: {type: gear_pair, nodes: [ground, crank, slider], axis_a: [0, 1, 0], radius_a: 0.4 m, radius_b: 0.6 m}",

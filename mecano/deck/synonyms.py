@@ -35,6 +35,9 @@ NOTES = {  # words with the same meaning: (targets, note)
     ),
     "rail, guide, track, guide way, curve joint, slot": ("prismatic point_on_curve slider_on_beam", ""),
     "cam, follower": ("point_on_curve", ""),
+    "gripper, grab, hook, magnet, suction cup, docking, berthing, capture, attach, activate": (
+        "grip latch", "a grip closes and is released by command; a latch locks a joint where it is reached"
+    ),
     "weld, rigid, rigid joint, clamp, fixed joint, lock, glue": (
         "fixed rigid_link", "a node that is held where it is has 'fixed: true'"
     ),

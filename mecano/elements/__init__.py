@@ -16,6 +16,7 @@ from mecano.elements.joints.cylindrical import CYLINDRICAL
 from mecano.elements.joints.fixed import FIXED
 from mecano.elements.joints.gear_pair import GEAR_PAIR
 from mecano.elements.joints.generic import GENERIC_JOINT
+from mecano.elements.joints.grip import GRIP
 from mecano.elements.joints.held_rotation import HELD_ROTATION
 from mecano.elements.joints.hinge import HINGE
 from mecano.elements.joints.planar import PLANAR
@@ -60,7 +61,7 @@ KINDS = {
     kind.name: kind
     for kind in (
         POINT_MASS, RIGID_BODY, RIGID_LINK,
-        HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, PLANAR, SCREW, FIXED, GENERIC_JOINT, RIGID_ROD,
+        HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, PLANAR, SCREW, FIXED, GRIP, GENERIC_JOINT, RIGID_ROD,
         GEAR_PAIR, COUPLER, RACK_AND_PINION, POINT_ON_CURVE, SLIDER_ON_BEAM,
         PRESCRIBED_POSITION, PRESCRIBED_ANGLE, PRESCRIBED_LENGTH, HELD_ROTATION,
         BEAM, SUPERELEMENT, BAR, CABLE, SPRING_DAMPER, OLEO, TORSION_SPRING_DAMPER, BELT, REEVED_CABLE,

@@ -28,7 +28,7 @@ class EventRecord:
     name: str
     before: str
     after: str
-    impulse: float = 0.0  # [N s, N m s] along growing Phi, of a shock
+    impulse: float = 0.0  # [N s, N m s] of a shock, along growing Phi; the magnitude where it is a vector
     unit: str = ""  # of the impulse; "" for an event without shock
     lost: float = 0.0  # energy [J]
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mecano.element_interface import CONTACT, Event
+from mecano.element_interface import CONTACT, LOCK, Event
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,7 +18,8 @@ class ImpactCandidate:
     through: int
     opened: int  # phase after the event that reopens the contact; -1 if it never opens
     rows: np.ndarray  # numbers of the multipliers of the element and of the parts that share its phase, the lead first
-    unit: str  # of the impulse of the lead
+    along: np.ndarray  # those of them whose impulses are recorded with the event: the lead, or the force of a LOCK
+    unit: str  # of these impulses
     restitution: float  # coefficient; negative if it never opens
     element: str
     closing: Event
@@ -28,6 +29,11 @@ class ImpactCandidate:
     def lead(self):
         """Number of the multiplier along the contact normal."""
         return self.rows[0]
+
+    def impulse(self, impulses):
+        """Return the impulse that is recorded, from those (n_l,) of all constraints: a magnitude, if of a vector."""
+        found = impulses[self.along]
+        return float(found[0] if len(found) == 1 else np.linalg.norm(found))
 
     def rests(self, phases):
         """Return whether the contact is closed and its constraints hold; of several ways to close, the first."""
@@ -96,11 +102,13 @@ def _impact_candidate(batch, e, event, first, number, rows):
     restitution = restitution if event.shock == CONTACT else -1.0
     opens = bool(back) and restitution >= 0.0
     leads = sorted(rows[place], key=lambda row: not row[1].unilateral)
+    unit = leads[0][1].unit
+    along = [number for number, row in leads if row.unit == unit] if event.shock == LOCK else [leads[0][0]]
     return ImpactCandidate(
         first + number, place,
         *(kind.phases.index(phase) for phase in (event.before, event.after, event.through or event.after)),
         kind.phases.index(back[0].after) if opens else -1,
-        np.array([number for number, _ in leads], np.int64), f"{leads[0][1].unit} s",
+        np.array([number for number, _ in leads], np.int64), np.array(along, np.int64), f"{unit} s",
         restitution, batch.names[e], event, back[0] if opens else None,
     )  # fmt: skip
 

@@ -238,10 +238,10 @@ class _Solution:
         return candidate in stay or self.impulses[candidate.lead] != 0.0
 
     def _met(self, t, candidate, stays, lost):
-        event, lead = candidate.closing, candidate.lead
+        event = candidate.closing
         return EventRecord(
             t, candidate.element, event.name, event.before, event.after if stays else event.before,
-            float(self.impulses[lead]), candidate.unit, float(lost[candidate.rows].sum()),
+            candidate.impulse(self.impulses), candidate.unit, float(lost[candidate.rows].sum()),
         )  # fmt: skip
 
     def _leaving(self, stay, h):

@@ -1,0 +1,270 @@
+r"""Grip: holds node b in node a as it stands when the grip closes, by command: a gripper, a docking port, a magnet.
+
+It closes at a time or by a condition with a shock (docs/shocks.md): momentum is exchanged, and the kinetic energy of
+the relative motion is lost. From then on the relative position :math:`d = R_a^T (x_b - x_a)` and the relative rotation
+:math:`R_a^T R_b` are held at those of that instant, :math:`d_0` and :math:`Q_0 = \exp\hat\psi_0`:
+
+.. math::  d - d_0 = 0, \qquad \tfrac12 \operatorname{axial}(S - S^T) = 0, \quad S = Q_0^T R_a^T R_b
+
+until it opens, without a shock. With ``close``, and perhaps ``release``, it closes once, and opens at most once. With
+``while`` it closes whenever the condition becomes true and opens whenever it becomes false. With ``rotation: false``
+it holds the position alone, as a hook does; then node b needs no orientation.
+"""
+
+from dataclasses import replace
+
+from mecano.constraints.augmented_lagrangian import add_reaction
+from mecano.constraints.joint_samples import two_parallel
+from mecano.constraints.release import trigger_of
+from mecano.element_interface import LOCK, Display, Event, Kind, Output, Row, record
+from mecano.jit.kernel import kernel
+from mecano.laws.formula import difference_of
+from mecano.maths.so3 import exp, log
+from mecano.maths.vector import Vec3, cross, mat, put, vec
+from mecano.schema import BOOLEAN, CONDITION, NODE_PAIR, NUMBER, Field, mapping
+
+OPEN, CLOSED = 0, 1
+PHASES = ("open", "closed", "released")
+INPUTS = ("closing", "opening")
+FOR_EVER, UNTIL_RELEASED, WHILE = 0.0, 1.0, 2.0  # how long it is closed
+NEVER = -1.0  # number of an event that does not occur
+COMMAND = mapping(
+    Field("time", NUMBER, "s", "time of the command", None),
+    Field("when", CONDITION, "-", "condition of signals, outputs and motions, which gives the command", None),
+)
+COMMANDS, FORCE, MOMENT = 12, 14, 17  # local indices of the inputs and multipliers, after positions and rotations
+COMMANDS_OF_POSITION, FORCE_OF_POSITION = 9, 11  # where the rotation of b is no unknown
+UNIT = (Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, 1.0))
+
+
+@kernel
+def _position(at):
+    """Return the position of b relative to a, in the axes of a."""
+    return mat(at.R[0]).T @ (vec(at.q, 6) - vec(at.q, 0))
+
+
+@kernel
+def _gradient_of_position(at, i):
+    """Return the gradient of component i of the relative position, by blocks of the local unknowns."""
+    along = mat(at.R[0]) @ UNIT[i]
+    return (0, -along), (3, cross(UNIT[i], _position(at))), (6, along)
+
+
+@kernel
+def _turned(at):
+    """Return S, the rotation of b relative to a since the grip closed, in axes of b."""
+    return exp(vec(at.m, 3)).T @ (mat(at.R[0]).T @ mat(at.R[1]))
+
+
+@kernel
+def _turn(S):
+    """Return half of the axial vector of S - S^T."""
+    return Vec3(0.5 * (S[2][1] - S[1][2]), 0.5 * (S[0][2] - S[2][0]), 0.5 * (S[1][0] - S[0][1]))
+
+
+@kernel
+def _moment_on_b(S, moment):
+    """Return the material moment on b of the multipliers ``moment`` of the turn: (tr S - S) moment / 2."""
+    return 0.5 * ((S[0][0] + S[1][1] + S[2][2]) * moment - S @ moment)
+
+
+@kernel
+def _gradient_of_turn(at, S, i):
+    """Return the gradient of component i of the turn, by blocks of the local unknowns."""
+    on_b = _moment_on_b(S, UNIT[i])
+    return (3, -(mat(at.R[0]).T @ (mat(at.R[1]) @ on_b))), (9, on_b)
+
+
+@kernel
+def _hold_position(at, row, f):
+    """Add the constraint of the position, whose first multiplier is at ``row``."""
+    Phi = _position(at) - vec(at.m, 0)
+    for i in range(3):
+        add_reaction(f, row + i, at.k, at.penalty, Phi[i], at.q[row + i], _gradient_of_position(at, i))
+
+
+@kernel
+def _put_position(at, g):
+    """Write the constraint of the position and its rate."""
+    d = _position(at)
+    rate = mat(at.R[0]).T @ (vec(at.v, 6) - vec(at.v, 0)) - cross(vec(at.v, 3), d)
+    for i in range(3):
+        g[i, 0], g[i, 1] = d[i] - at.m[i], rate[i]
+
+
+@kernel
+def grip_residual(p, at, f):
+    """Add the constraints of position and rotation."""
+    if at.phase != CLOSED:
+        for i in range(6):
+            f[FORCE + i] -= at.q[FORCE + i]
+        return
+    _hold_position(at, FORCE, f)
+    S = _turned(at)
+    Phi = _turn(S)
+    for i in range(3):
+        add_reaction(f, MOMENT + i, at.k, at.penalty, Phi[i], at.q[MOMENT + i], _gradient_of_turn(at, S, i))
+
+
+@kernel
+def position_residual(p, at, f):
+    """Add the constraints of position."""
+    if at.phase != CLOSED:
+        for i in range(3):
+            f[FORCE_OF_POSITION + i] -= at.q[FORCE_OF_POSITION + i]
+    else:
+        _hold_position(at, FORCE_OF_POSITION, f)
+
+
+@kernel
+def grip_constraints(p, at, g):
+    """Write the constraints and their rates."""
+    if at.phase == CLOSED:
+        _put_position(at, g)
+        S = _turned(at)
+        Phi = _turn(S)
+        omega = vec(at.v, 9) - mat(at.R[1]).T @ (mat(at.R[0]) @ vec(at.v, 3))
+        rate = 0.5 * ((S[0][0] + S[1][1] + S[2][2]) * omega - S.T @ omega)
+        for i in range(3):
+            g[3 + i, 0], g[3 + i, 1] = Phi[i], rate[i]
+
+
+@kernel
+def position_constraints(p, at, g):
+    """Write the constraints and their rates."""
+    if at.phase == CLOSED:
+        _put_position(at, g)
+
+
+@kernel
+def observe_grip(p, at, F, y, e):
+    """Write force and moment on b, and the state."""
+    put(y, 0, mat(at.R[0]) @ vec(at.q, FORCE))
+    if at.phase == CLOSED:
+        put(y, 3, mat(at.R[1]) @ _moment_on_b(_turned(at), vec(at.q, MOMENT)))
+    y[6] = 1.0 if at.phase == CLOSED else 0.0
+
+
+@kernel
+def observe_position(p, at, F, y, e):
+    """Write the force on b, no moment, and the state."""
+    put(y, 0, mat(at.R[0]) @ vec(at.q, FORCE_OF_POSITION))
+    y[6] = 1.0 if at.phase == CLOSED else 0.0
+
+
+@kernel
+def _put_events(p, closing, opening, g):
+    """Write the numbers of the events from both commands."""
+    g[0] = closing
+    g[1] = opening if p.duration == UNTIL_RELEASED else NEVER
+    g[2] = -closing if p.duration == WHILE else NEVER
+
+
+@kernel
+def grip_events(p, at, g):
+    """Write the numbers of the events."""
+    _put_events(p, at.q[COMMANDS], at.q[COMMANDS + 1], g)
+
+
+@kernel
+def position_events(p, at, g):
+    """Write the numbers of the events."""
+    _put_events(p, at.q[COMMANDS_OF_POSITION], at.q[COMMANDS_OF_POSITION + 1], g)
+
+
+@kernel
+def commit_position(p, at, m_out):
+    """Keep the relative position of the last step before it closed."""
+    put(m_out, 0, vec(at.m, 0) if at.phase == CLOSED else _position(at))
+
+
+@kernel
+def commit_grip(p, at, m_out):
+    """Keep relative position and rotation of the last step before it closed."""
+    commit_position(p, at, m_out)
+    put(m_out, 3, vec(at.m, 3) if at.phase == CLOSED else log(mat(at.R[0]).T @ mat(at.R[1])))
+
+
+def prepare(d, nodes, context):
+    """Return the record of one grip."""
+    return {"duration": WHILE if d["while"] is not None else FOR_EVER if d["release"] is None else UNTIL_RELEASED}
+
+
+def reads(d):
+    """Return the formulas that rise through zero when the grip closes and when it is released."""
+    if d["while"] is not None:
+        return [difference_of(d["while"])] * 2
+    return [trigger_of({"release": d["close"]}), trigger_of({"release": d["release"] or d["close"]})]
+
+
+def check(d, nodes):
+    """Return errors for a grip that has no command, two of them, or one with neither or both of time and condition."""
+    texts = [] if (d["close"] is None) != (d["while"] is None) else ["give either 'close' or 'while'"]
+    if d["release"] is not None and d["while"] is not None:
+        texts.append("'release' and 'while' exclude one another: it opens when the condition of 'while' is false")
+    commands = [name for name in ("close", "release") if d[name] is not None]
+    unclear = [name for name in commands if (d[name]["time"] is None) == (d[name]["when"] is None)]
+    return texts + [f"{name!r} needs either 'time' or 'when'" for name in unclear]
+
+
+def variant(d):
+    """Return the kind that holds position and rotation, or that of the position alone."""
+    return GRIP if d["rotation"] else POSITION_GRIP
+
+
+def sample(rng):
+    """Return grips of position and rotation, and of the position, open and closed."""
+    nodes = two_parallel(rng)
+    d = {"close": {"time": 0.3, "when": None}, "release": {"time": 0.5, "when": None}, "while": None}
+    while_true = {"close": None, "release": None, "while": "time > 0.3"}
+    found = [({**d, "rotation": held}, nodes, phase) for held in (True, False) for phase in PHASES]
+    return [*found, (while_true, nodes, "closed"), ({**d, "release": None}, nodes, "closed")]
+
+
+GRIP = Kind(
+    name="grip",
+    section="joints",
+    doc=__doc__,
+    display=Display(support=False, force="force"),
+    dtype=record(duration=()),
+    layout=("x0", "R0", "x1", "R1"),
+    fields=(
+        Field("nodes", NODE_PAIR, "-", "node a, which grips, and node b, which is held"),
+        Field("close", COMMAND, "-", "when it closes: {time: ...} or {when: ...}", None),
+        Field("release", COMMAND, "-", "when it opens for good: {time: ...} or {when: ...}; never when absent", None),
+        Field("while", CONDITION, "-", "condition of signals, outputs and motions while which it is closed", None),
+        Field("rotation", BOOLEAN, "-", "whether it also holds the rotation of b", True),
+    ),
+    outputs=(
+        Output("force", "N", "force of a on b, inertial axes", (3,)),
+        Output("moment", "N m", "moment of a on b, inertial axes", (3,)),
+        Output("closed", "-", "1 while it holds b, 0 else"),
+    ),
+    multipliers=(
+        *(Row(f"force of the grip along axis {i} of a", "N", "m") for i in (1, 2, 3)),
+        *(Row(f"moment of the grip about axis {i} of b", "N m", "rad") for i in (1, 2, 3)),
+    ),
+    inputs=INPUTS,
+    reads=reads,
+    phases=PHASES,
+    events=(
+        Event("closes", "open", "closed", "the command to close; a shock", LOCK),
+        Event("releases", "closed", "released", "the command to release"),
+        Event("opens", "closed", "open", "the condition becomes false"),
+    ),
+    memory=tuple(f"held_{i}" for i in range(1, 7)),
+    prepare=prepare,
+    variant=variant,
+    check=check,
+    residual=grip_residual,
+    constraints=grip_constraints,
+    observe=observe_grip,
+    event_values=grip_events,
+    commit=commit_grip,
+    sample=sample,
+)
+POSITION_GRIP = replace(
+    GRIP, name="position_grip", layout=("x0", "R0", "x1"), multipliers=GRIP.multipliers[:3], memory=GRIP.memory[:3],
+    residual=position_residual, constraints=position_constraints, observe=observe_position,
+    event_values=position_events, commit=commit_position,
+)  # fmt: skip
