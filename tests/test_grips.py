@@ -9,6 +9,7 @@ from mecano.errors import DeckError
 
 M_CHASER, M_TARGET, J_CHASER, J_TARGET = 600.0, 900.0, 300.0, 450.0
 ARM = np.array([-1.0, 0.3])  # [m] of the chaser from the target when the grip closes
+REACHED = "part.position.x > -0.5"
 PASSING = """
     mecano: 1
     gravity: none
@@ -83,7 +84,7 @@ def test_a_grip_holds_a_body_as_it_stands_in_space():
     np.testing.assert_allclose(momentum[closed + 1], momentum[closed], atol=2e-6)
 
 
-@pytest.mark.parametrize("command", ["close: {time: 0.5}", "close: {when: part.position.x > -0.5}", "while: part.position.x > -0.5"])
+@pytest.mark.parametrize("command", ["close: {time: 0.5}", f"close: {{when: {REACHED}}}", f"while: {REACHED}"])
 def test_a_hook_holds_the_position(command):
     run = RecordedRun(deck(PASSING.replace("MORE", command)))
     assert events(run) == [("closes", 0.5, "closed")]
