@@ -4,14 +4,39 @@ The joints involved are known from statics: a group is a set of constraints that
 any of its joints out makes what is left isostatic.
 """
 
+import numpy as np
 import pytest
-from time_runs import deck, input_deck
+from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.prepare import prepare, startup_warnings
 from mecano.analyses.summary import summary
 from mecano.errors import AssemblyError
 
 HEAD = "mecano: 1\ngravity: none\ntime: {end: 1, step: 0.1}\n"
+ARRAY = """
+    mecano: 1
+    gravity: none
+    nodes:
+      bus: {position: [0, 0, 0]}
+      root: {position: [0, 0.8, 0]}
+      p1: {position: [0, 0.8, 0]}
+      e1: {position: [2, 0.8, 0]}
+      p2: {position: [2, 0.8, 0]}
+    elements:
+      bus: {type: rigid_body, node: bus, attached: [root], mass: 900, inertia: [500, 400, 600]}
+      one: {type: rigid_body, node: p1, attached: [e1], mass: 8, center_of_mass: [1, 0, 0], inertia: [0.96, 2.67, 3.63]}
+      two: {type: rigid_body, node: p2, mass: 8, center_of_mass: [-1, 0, 0], inertia: [0.96, 2.67, 3.63]}
+    laws: {drive: {spring: {stiffness: 0.6}}}
+    joints:
+      h1:
+        {type: hinge, nodes: [root, p1], axis: [0, 0, 1], turning_law: drive, natural_angle: 110 deg,
+         latch: {angle: 90 deg}}
+      h2:
+        {type: hinge, nodes: [e1, p2], axis: [0, 0, -1], turning_law: drive, natural_angle: 220 deg,
+         latch: {angle: 180 deg}}
+      cable: {type: coupler, angles: [h1, h2], factors: [2, -1]}
+    time: {end: 10, step: 0.01}
+    """
 BODY = "type: rigid_body, mass: 1, inertia: [1, 1, 1]"
 # two bodies at the same places, a with the nodes a1, a2 and a3 of a triangle, b with b1, b2 and b3
 PLACES = {"1": "[0, 0, 0]", "2": "[1, 0, 0]", "3": "[0, 1, 0]"}
@@ -66,6 +91,8 @@ BAD = {  # what it is: text, redundant constraints, joints that take part
         1, "f m"),
     "two prismatics": (PAIR + joints(r=f"prismatic a1,b1 {Z}", s=f"prismatic a2,b2 {Z}"), 5, "r s"),
     "fixed and a hinge": (PAIR + joints(f="fixed a1,b1", h=f"hinge a2,b2 {Z}"), 5, "f h"),
+    "fixed and a hinge with an open latch": (
+        PAIR + joints(f="fixed a1,b1 release: {time: 1}", h=f"hinge a2,b2 {Z}, latch: {{angle: 1}}"), 5, "f h"),
     "rod and spherical": (
         PAIR + joints(r="spherical a1,b1", s="spherical a2,b2", t="rigid_rod a1,b2"), 2, "r s t"),
 }  # fmt: skip
@@ -127,6 +154,26 @@ def test_the_count_is_that_of_the_shared_unknowns():
         prepared = prepare(input_deck(name))
         counts = [sum(group.count for group in groups) for groups in (prepared.redundant, prepared.analysis.redundant)]
         assert counts[0] == counts[1] > 0
+
+
+def test_groups_of_the_same_names_are_one():
+    """Two hinges that lie on one axis repeat one another about both axes across it."""
+    groups = prepare(deck(HEAD + BAD["two hinges on one axis"][0])).redundant
+    assert len({group.names for group in groups}) == len(groups)
+
+
+def test_reactions_of_latches_that_cables_repeat_are_quiet():
+    """Without gravity, compliances suit what moves: a folded array, at rest after its latches, keeps still moments.
+
+    The latches hold against the springs, 0.6 N m/rad * 20 and 40 deg; the couplers repeat what they hold.
+    """
+    run = RecordedRun(deck(ARRAY))
+    last = run.time > run.event_records[-1].t + 1.0
+    assert len(run.event_records) == 2 and last.sum() > 200
+    for name, degrees in (("h1", 20.0), ("h2", 40.0)):
+        held = run[f"joints/{name}/latch_moment"][last]
+        np.testing.assert_allclose(held.mean(), -0.6 * np.radians(degrees), rtol=0.02)
+        assert held.std() < 0.02
 
 
 def test_what_cannot_be_met_together_is_named():

@@ -138,12 +138,14 @@ def gradient(system, s, length):
     return B, size, data[system.diagonal[system.n_q :]] == 0.0
 
 
-def dependent_rows(B, group):
+def dependent_rows(B, group, holds):
     """Return (indices (m,) of the rows of B in closed loops, orthonormal basis (m, d) of their left null space).
 
-    The basis is None for more than ``DENSE_ROWS`` rows; ``group`` (n,) is the number of the node of each column.
+    The basis is None for more than ``DENSE_ROWS`` rows; ``group`` (n,) is the number of the node of each column,
+    ``holds`` (bool) selects the rows that are active.
     """
     loops = in_loops(B, group)
+    loops = loops[holds[loops]]
     return loops, (None if len(loops) > DENSE_ROWS else _left_null(B.dense(loops)))
 
 
@@ -262,16 +264,22 @@ def _directions(system, projector, loops, size):
 
 
 def groups(projector, names):
-    """Return the Groups of ``names`` that a projector couples, each with the number of its dimensions."""
+    """Return the Groups of ``names`` that a projector couples, each with the number of its dimensions.
+
+    Groups of the same names, such as those of one joint about two axes, are one.
+    """
     taking_part = np.flatnonzero(np.diag(projector) > SHARE)
     if not len(taking_part):
         return ()
-    found = []
+    found = {}
     for component in _connected(np.abs(projector[np.ix_(taking_part, taking_part)]) > SHARE):
         members = taking_part[component]
-        count = int(round(float(np.trace(projector[np.ix_(members, members)]))))
-        found.append(Group(count, tuple(dict.fromkeys(names[i] for i in members))))
-    return tuple(found)
+        count, of = (
+            int(round(float(np.trace(projector[np.ix_(members, members)])))),
+            dict.fromkeys(names[i] for i in members),
+        )
+        found[tuple(of)] = found.get(tuple(of), 0) + count
+    return tuple(Group(count, of) for of, count in found.items())
 
 
 def _connected(coupled):

@@ -30,8 +30,8 @@ def redundant_groups(system, s, length, analysis):
     """
     if not analysis.complete or not (analysis.redundant or _identified_twice(system)):
         return analysis.redundant
-    B, _, names, group = _apart(system, s, length)
-    loops, null = dependent_rows(B, group)
+    B, _, names, group, holds = _apart(system, s, length)
+    loops, null = dependent_rows(B, group, holds)
     if null is None:
         return analysis.redundant
     return groups(null @ null.T, [names[row] for row in loops])
@@ -43,7 +43,7 @@ def contradicting(system, s, length, phi):
     ``phi`` (n_l,) are then reactions in balance with those of identifications; all constraints whose reactions are not
     small are named.
     """
-    B, size, names, _ = _apart(system, s, length)
+    B, size, names, _, _ = _apart(system, s, length)
     if B.shape[0] > DENSE_ROWS:
         return []
     rows, n_l = B.dense(np.arange(B.shape[0])), len(size)
@@ -70,7 +70,7 @@ def _identified_twice(system):
 
 
 def _apart(system, s, length):
-    """Return (gradient without identifications, sizes of the rows of ``system``, names of rows, nodes of columns).
+    """Return (gradient without identifications, sizes of the rows of ``system``, names, nodes of columns, active rows).
 
     The rows of ``system`` come first, followed by 3 for each identification. There are 6 columns for each node (empty
     for fixed ones), followed by those of the scalars of elements.
@@ -94,7 +94,8 @@ def _apart(system, s, length):
     n_scalars = whole.numbering.n_scalars
     group = np.concatenate([np.repeat(np.arange(len(system.nodes)), 6), len(system.nodes) + np.arange(n_scalars)])
     shape = (len(names), n + n_scalars)
-    return Entries(*(np.concatenate(part) for part in (rows, cols, values)), shape), size, names, group
+    holds = np.concatenate([holds, np.ones(len(names) - len(holds), bool)])
+    return Entries(*(np.concatenate(part) for part in (rows, cols, values)), shape), size, names, group, holds
 
 
 def _unshared(element, kinds):

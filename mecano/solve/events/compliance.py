@@ -15,6 +15,7 @@ from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
 SOFTNESS = 1e-11  # of the length scale, or rad: a tenth of the tolerance of the constraints
 SHARE_OF_PENALTY = 1e-3
 RELEASED_COMPLIANCE = 1e3  # over the mean stiffness of the tangent: compliance of a released constraint
+LEAST_ACCELERATION = 1.0  # [m/s2] of the mean mass, where no forces act at the start
 TINY = 1e-300
 
 
@@ -126,8 +127,8 @@ def compliance(system, s, length, analysis):
     """Return the Compliance of a model from the ``analysis`` of its constraints; None if none is redundant.
 
     Reactions in the directions that the projector ``analysis.dependent`` (n_l, n_l) holds meet a compliance under which
-    the forces at work in ``s``, or the weight of the heaviest body, move them by SOFTNESS of the length scale, or
-    rad; all others are exact.
+    the forces at work in ``s``, or those that accelerate the mean mass by LEAST_ACCELERATION, move them by SOFTNESS of
+    the length scale, or rad; all others are exact.
     """
     if analysis.dependent is None and analysis.release_matrix is None:
         return None
@@ -138,7 +139,7 @@ def compliance(system, s, length, analysis):
     sizes = np.where(of.kind == ROTATION, system.size / length, system.size)
     inertias = system.data[system.diagonal[: system.n_q]]
     masses = np.where(of.kind[: system.n_q] == ROTATION, inertias / length**2, inertias)
-    force = max(sizes.max(), 9.81 * masses.max(initial=0.0), TINY)
+    force = max(sizes.max(), LEAST_ACCELERATION * masses.sum() / max(np.count_nonzero(masses), 1), TINY)
     angular = of.kind[system.n_q : system.n] != LENGTH_CONSTRAINT
     root = sp.diags(np.sqrt(SOFTNESS * np.where(angular, 1.0 / (force * length), length / force)))
     none = sp.csr_matrix((system.n_l, system.n_l))
