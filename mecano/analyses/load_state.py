@@ -29,28 +29,31 @@ def parse(text):
 
 
 def state_at(prepared, text):
-    """Return (State, assemble, words) of the saved time nearest to that of ``text``, "results.h5:time".
+    """Return (Prepared, State, assemble, words) of the saved time nearest to that of ``text``, "results.h5:time".
 
-    Velocities, accelerations and reactions are made consistent; elements are in the phases implied by the state and
-    the events. ``assemble`` replaces that of the system for the load factor of a static result, otherwise it is None.
-    Raises UsageError, and ResultsError if the results do not belong to the deck or lack some of its unknowns.
+    The Prepared is the model there, with the redundant constraints of its phases. Velocities, accelerations and
+    reactions are made consistent; elements are in the phases implied by the state and the events. ``assemble`` replaces
+    that of the system for the load factor of a static result, otherwise it is None. Raises UsageError, and ResultsError
+    if the results do not belong to the deck or lack some of its unknowns.
     """
     state, factor, words = _saved(prepared, text)
     if factor is None:
-        return _moving(prepared, state), None, words
-    return *_resting(prepared, state, factor), words
+        prepared = prepared.at(state)
+        return prepared, _moving(prepared, state), None, words
+    return prepared, *_resting(prepared, state, factor), words
 
 
 def rest_at(prepared, text):
-    """Return (State, words, warnings) of the rest position near the saved time ``text``, see ``equilibria.rest``.
+    """Return (Prepared, State, words, warnings) of the rest position near a saved time, see ``equilibria.rest``.
 
     Raises the errors of ``state_at`` and ``rest``.
     """
     state, factor, words = _saved(prepared, text)
     if factor is not None:
         raise UsageError("the results are those of statics: the model is at rest there already; leave out --at-rest")
+    prepared = prepared.at(state)
     state, warnings = rest(prepared, _moving(prepared, state))
-    return state, f"equilibrium at rest near {words}", warnings
+    return prepared, state, f"equilibrium at rest near {words}", warnings
 
 
 def _saved(prepared, text):

@@ -48,10 +48,10 @@ def about(deck, at=None, at_rest=False):
     """
     prepared = prepare(deck)
     if at is not None and at_rest:
-        state, text, reported = rest_at(prepared, at)
+        prepared, state, text, reported = rest_at(prepared, at)
         return About(prepared, state, None, text, (*startup_warnings(prepared), *reported))
     if at is not None:
-        state, assemble, text = state_at(prepared, at)
+        prepared, state, assemble, text = state_at(prepared, at)
         return About(prepared, state, assemble, text, tuple(startup_warnings(prepared)))
     if deck.values["static"]:
         result = follow(prepared)

@@ -1,6 +1,6 @@
 """Preparation of a run: from a checked deck to a model with an initial state and a time integration."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -54,8 +54,14 @@ class Prepared:
 
     @cached_property
     def redundant(self):
-        """Groups of redundant constraints at the start, with all joints involved."""
+        """Groups of redundant constraints at the state, with all joints involved."""
         return redundant_groups(self.system, self.state, self.length, self.analysis)
+
+    def at(self, state):
+        """Return the same model at another state, whose phases may make other constraints redundant."""
+        analysis = analyse(self.system, state, self.length)
+        soft = compliance(self.system, state, self.length, analysis)
+        return replace(self, state=state, analysis=analysis, compliance=soft)
 
 
 def prepare(deck, compile_ahead=lambda system: None):
@@ -82,9 +88,7 @@ def _prepare(deck, compile_ahead):
     set_velocities(deck, system, state)
     state.v += begin.v
     _refuse_circles(deck, system, state)
-    analysis = analyse(system, state, length)
-    soft = compliance(system, state, length, analysis)
-    return Prepared(deck, system, linear, length, state, displacement, analysis, soft, tuple(carried))
+    return Prepared(deck, system, linear, length, state, displacement, None, None, tuple(carried)).at(state)
 
 
 def _refuse_fixed(deck, system):
