@@ -39,6 +39,16 @@ def test_margin_is_torque_over_weight(panel):
     assert margin.curves[0].y.unit == "-"
 
 
+def test_friction_and_dampers_of_motors_resist(tmp_path):
+    """Without weight, the friction of 0.5 N m resists the 2 (pi/2 - angle) N m of the spring."""
+    law = "joints.hinge.turning_law={spring: {stiffness: 2}, dry_friction: {force: 0.5, regularization: 1.0e-4}}"
+    run(input_deck("panel_lock", law, "output.every=1e-3"), tmp_path / "panel.h5")
+    motor, resisting = (c.y for c in deployment_sheet(open_runs([tmp_path / "panel.h5"])).panels[0].curves)
+    angle = deployment_sheet(open_runs([tmp_path / "panel.h5"])).panels[0].curves[0].x.values
+    np.testing.assert_allclose(motor.values, 2.0 * (np.pi / 2.0 - angle), rtol=0, atol=5e-3)
+    np.testing.assert_allclose(resisting.values[1:], 0.5, rtol=0, atol=5e-3)
+
+
 def test_least_margin_on_the_way_is_not_hidden_by_members_that_tighten_at_its_end():
     """4 - sin(pi a / 2.6) has its least value, 3, in the middle of 40 intervals; the last two bend members."""
     angle = (np.arange(40) + 0.5) * 2.6 / 40

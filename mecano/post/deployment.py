@@ -2,9 +2,9 @@
 
 Motors are hinges with a law and a latch. Over the mean of their angles, from the start to the first lock:
 
-    torque       work of their laws per angle, mean of all motors
-    resisting    work against everything else per angle: energy stored (weight, springs, deformation), dissipated, or
-                 transferred to prescribed motion and winders; the rest of the torque accelerates the structure
+    torque       work of their laws per angle, mean of all motors; without what these dissipate (dampers, dry friction)
+    resisting    work against everything else per angle: energy stored (weight, springs, deformation), dissipated, also
+                 in the motors, or transferred to prescribed motion and winders; the rest of the torque accelerates
     margin       torque over resisting torque
 
 All are means over small intervals of the angle, between saved times, so that small oscillations do not matter. The
@@ -96,5 +96,7 @@ def _torques(run, found):
 
 
 def _power(results, name):
-    """Return the power [W] of a motor, > 0 into the mechanism."""
-    return -results.find(f"joints/{name}/law_moment").values * results.find(f"joints/{name}/rate").values
+    """Return the power [W] of a motor, > 0 into the mechanism, to which what it dissipates is added."""
+    power = -results.find(f"joints/{name}/law_moment").values * results.find(f"joints/{name}/rate").values
+    dissipation = f"joints/{name}/law_moment_dissipation"
+    return power + results.find(dissipation).values if dissipation in results.series else power

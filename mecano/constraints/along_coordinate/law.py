@@ -89,6 +89,7 @@ def law_kind(name, doc, coordinate):
     @kernel
     def observe(p, at, F, y, e):
         report(p, at, value(p, at), rate_of(gradient(p, at), at.v), y, e)
+        y[1] = e[2]
 
     @kernel
     def event_values(p, at, g):
@@ -101,7 +102,10 @@ def law_kind(name, doc, coordinate):
     what, unit = coordinate.load
     return Kind(
         name=name, section="", doc=doc, dtype=record(**coordinate.axes, **LAW_RECORD), layout=coordinate.layout,
-        outputs=(Output(f"law_{what}", unit, f"{what} of the law; > 0 acts against the coordinate"),),
+        outputs=(
+            Output(f"law_{what}", unit, f"{what} of the law; > 0 acts against the coordinate"),
+            Output(f"law_{what}_dissipation", "W", "power dissipated by the law"),
+        ),
         phases=PHASES, events=EVENTS, memory=("angle",) if coordinate.periodic else (),
         residual=residual, observe=observe, event_values=event_values, commit=commit if coordinate.periodic else None,
     )  # fmt: skip
