@@ -15,8 +15,8 @@ from mecano.schema import INTEGER, NUMBER, TEXT, Field, Type, choice, list_of, m
 VERSION = 1
 NAME = "case"  # key of a row that names the case
 PATH = "a path in the deck, as in --set: 'time.end'"
-OF_SERIES = ("max", "min", "time_of_max", "time_of_min", "final", "mean")
-OF_EVENTS = ("first", "last", "count")
+OF_SERIES = ("max", "min", "largest", "time_of_max", "time_of_min", "final", "mean")
+OF_EVENTS = ("first", "last", "count", "impulse", "energy_lost")
 
 
 class Entry(NamedTuple):

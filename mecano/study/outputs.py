@@ -1,4 +1,4 @@
-"""Numbers of a run for the table of a study, from a series or from the times of an event."""
+"""Numbers of a run for the table of a study, from a series or from the occurrences of an event."""
 
 from dataclasses import dataclass
 
@@ -11,6 +11,11 @@ from mecano.model.sampler import Sampler
 from mecano.results.lookup import Lookup
 
 MAGNITUDE = ".magnitude"
+
+
+def _word(event):
+    """Return the name of an event as it is written in a study: meets_lower_stop."""
+    return event.replace(" ", "_")
 
 
 @dataclass(frozen=True)
@@ -33,12 +38,16 @@ class Output:
 
     def _of_events(self, results):
         element, name = self.event.split()
-        times = [e.time for e in results.events if e.name == name and results.subject(e)[1] == element]
+        found = [e for e in results.events if _word(e.name) == name and results.subject(e)[1] == element]
         if self.take == "count":
-            return float(len(times)), ""
-        if not times:
-            return np.nan, results.axis.unit
-        return times[0 if self.take == "first" else -1], results.axis.unit
+            return float(len(found)), ""
+        if self.take == "energy_lost":
+            return sum(event.energy_lost for event in found), "J"
+        if not found:
+            return np.nan, "" if self.take == "impulse" else results.axis.unit
+        if self.take == "impulse":
+            return max(abs(event.impulse) for event in found), found[0].impulse_unit
+        return found[0 if self.take == "first" else -1].time, results.axis.unit
 
     def _of_series(self, results):
         trace = results.find(self.of.removesuffix(MAGNITUDE))
@@ -49,12 +58,16 @@ class Output:
         if self.take == "mean":
             span = trace.time[-1] - trace.time[0]
             return np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(trace.time)) / span, trace.unit
-        return self._extreme(results.extremes.get(trace.path), trace, values, results.axis.unit)
+        extreme = None if self.of.endswith(MAGNITUDE) else results.extremes.get(trace.path)
+        if self.take == "largest":
+            ends = (extreme.maximum, extreme.minimum) if extreme else values
+            return np.abs(ends).max(), trace.unit
+        return self._extreme(extreme, trace, values, results.axis.unit)
 
     def _extreme(self, extreme, trace, values, axis_unit):
         """Return the extreme over all accepted steps if these are recorded, else over the saved times."""
         largest, of_time = self.take.endswith("max"), self.take.startswith("time")
-        if extreme and not self.of.endswith(MAGNITUDE):
+        if extreme:
             found = (extreme.maximum, extreme.maximum_time) if largest else (extreme.minimum, extreme.minimum_time)
         else:
             i = np.argmax(values) if largest else np.argmin(values)
@@ -101,5 +114,5 @@ def _happenings(system):
     for batch in system.batches:
         for path, _ in batch.paths:
             if batch.kind.events:
-                found.setdefault(path.partition("/")[2], []).extend(event.name for event in batch.kind.events)
+                found.setdefault(path.partition("/")[2], []).extend(_word(event.name) for event in batch.kind.events)
     return found
