@@ -1,8 +1,9 @@
 r"""All modes of a small model, by dense matrices.
 
-Holonomic constraints restrict motions to y = Z p with an orthonormal basis Z of the null space of B, so no eigenvalue
-belongs to a constraint, redundant or not. Constraints on velocities restrict them further to
-:math:`\dot p = N r + G p`, with N the null space of E Z and :math:`G = -(E Z)^+ F Z`. Motions without inertia and
+Signals without a state follow at once from motions and other signals: they are eliminated. Holonomic constraints
+restrict motions to y = Z p with an orthonormal basis Z of the null space of B, so no eigenvalue belongs to a
+constraint, redundant or not. Constraints on velocities restrict them further to :math:`\dot p = N r + G p`, with N the
+null space of E Z and :math:`G = -(E Z)^+ F Z`. Motions without inertia and
 damping are condensed. A symmetric undamped problem is solved by eigh, any other one in first-order form: by QR if the
 rates of motions without inertia follow from their damping, by QZ if that damping is singular.
 """
@@ -15,26 +16,57 @@ from mecano.solve.statics.stability import null_space
 MASSLESS = 1e-13  # of the largest inertia: a smaller one counts as zero
 ZERO, SINGULAR = 1e-12, 1e-9  # of the largest singular value: rounding; a singular matrix
 EXACT_ZERO = 2e-14  # of the largest singular value: tighter bound of rounding, as stiff and soft motions occur together
+ROUNDED = 1e-15  # of the largest entry of its row: an entry that is rounding
 INFINITE = 3e-7  # smaller denominators of the generalized eigenvalues count as zero
 
 
 def dense(scaled):
     """Return all eigenvalues and shapes: (values (m,), shapes (m, n_q), name of the method)."""
-    Z = null_space(scaled.B.toarray())
-    M, C, K = (Z.T @ A @ Z for A in (scaled.M.toarray(), scaled.C.toarray(), scaled.K.toarray()))
+    kept, (M, C, K), follow = _without_signals(scaled)
+    B, E, F, D = (A.toarray() for A in (scaled.B[:, kept], scaled.E[:, kept], scaled.F[:, kept], scaled.D[kept]))
+    Z = null_space(B)
     if not Z.shape[1]:
         return np.zeros(0, complex), np.zeros((0, scaled.n_q), complex), "dense: nothing moves"
+    M, C, K = (Z.T @ A @ Z for A in (M, C, K))
     if scaled.on_velocity.any():
-        values, p = _on_velocities(scaled, Z, M, C, K)
-        return values, p @ Z.T, "dense, first order, with constraints on velocities"
+        values, p = _on_velocities(E @ Z, F @ Z, Z.T @ D[:, scaled.on_velocity], M, C, K)
+        return values, follow(values, p @ Z.T), "dense, first order, with constraints on velocities"
     M, C, K, back = _condensed(M, C, K)
-    if scaled.undamped:
+    if scaled.undamped and kept.all():
         squares, vectors = la.eigh(0.5 * (K + K.T), 0.5 * (M + M.T))
         values = np.where(squares < 0.0, np.sqrt(np.abs(squares)), 1j * np.sqrt(np.abs(squares)))
         both = np.concatenate([values, -values[squares < 0.0]])
         return both, (np.concatenate([vectors.T, vectors.T[squares < 0.0]]) @ back.T) @ Z.T, "dense, undamped"
     values, p = _first_order(M, C, K)
-    return values, (p @ back.T) @ Z.T, "dense, first order"
+    return values, follow(values, (p @ back.T) @ Z.T), "dense, first order"
+
+
+def _without_signals(scaled):
+    r"""Return (kept (n_q,) bool, [M, C, K] of what is kept, function (values, shapes (m, kept)) -> shapes (m, n_q)).
+
+    Signals whose rates act on nothing are eliminated: :math:`s = -K_{ss}^{-1} (K_{sy} + \lambda C_{sy} + \lambda^2
+    M_{sy})\, y`.
+    """
+    M, C, K = (A.toarray() for A in (scaled.M, scaled.C, scaled.K))
+    at_once = scaled.signals & ~M.any(axis=0) & ~C.any(axis=0) & (np.diff(scaled.D.tocsr().indptr) == 0)
+    own = K[np.ix_(at_once, at_once)]
+    sigma = np.linalg.svd(own, compute_uv=False)
+    if len(sigma) and sigma[-1] <= SINGULAR * sigma[0]:
+        at_once[:] = False
+    kept = ~at_once
+    if kept.all():
+        return kept, (M, C, K), lambda values, shapes: shapes
+    by = [np.linalg.solve(own, A[np.ix_(at_once, kept)]) for A in (M, C, K)]
+    reduced = [A[np.ix_(kept, kept)] - K[np.ix_(kept, at_once)] @ part for A, part in zip((M, C, K), by, strict=True)]
+
+    def follow(values, shapes):
+        whole = np.zeros((len(shapes), scaled.n_q), complex)
+        powers = (values[:, None] ** 2, values[:, None], 1.0)
+        whole[:, kept] = shapes
+        whole[:, at_once] = -sum(power * (shapes @ part.T) for power, part in zip(powers, by, strict=True))
+        return whole
+
+    return kept, reduced, follow
 
 
 def _condensed(M, C, K):
@@ -71,6 +103,7 @@ def _first_order(M, C, K):
     rates -= U2 @ np.linalg.solve(drag, U2.T @ np.hstack([K, C @ U1]))
     forces = np.hstack([K, np.zeros_like(U1)]) + C @ rates
     A = np.vstack([rates, -np.linalg.solve(U1.T @ M @ U1, U1.T @ forces)])
+    A[np.abs(A) <= ROUNDED * np.abs(A).max(axis=1, keepdims=True)] = 0.0  # else undetermined angles would be balanced
     A, T = la.matrix_balance(A, permute=False)  # signals have any unit
     values, vectors = _without_zeros(A, np.eye(len(A)), EXACT_ZERO * np.linalg.norm(A, 2), _all)
     return values * rate, (T @ vectors)[:r].T
@@ -89,11 +122,10 @@ def _finite(A, E):
     return alpha[finite] / beta[finite], vectors[:, finite]
 
 
-def _on_velocities(scaled, Z, M, C, K):
-    """Return eigenvalues (m,) and p (m, r) of a model with constraints on velocities."""
-    E, F = scaled.E @ Z, scaled.F @ Z
+def _on_velocities(E, F, D, M, C, K):
+    """Return eigenvalues (m,) and p (m, r) under (value E + F) p = 0, whose multipliers act along D (r, n)."""
     N, G = null_space(E), -np.linalg.pinv(E, rcond=1e-12) @ F
-    L = null_space((Z.T @ scaled.D[:, scaled.on_velocity]).T).T
+    L = null_space(D.T).T
     M, C, K = L @ M, L @ (C + M @ G), L @ (M @ G @ G + C @ G + K)
     mass = np.abs(M).max(initial=0.0) or 1.0
     rate = np.sqrt(np.abs(K).max(initial=0.0) / mass) or 1.0  # makes the rows, and p and r, comparable

@@ -30,6 +30,7 @@ class SmallMotions:
         rows_K, rows_C = -self.full[2][n_q:, :n_q], -self.full[1][n_q:, :n_q]
         self.on_velocity = np.asarray(abs(rows_C).sum(axis=1)).ravel() > 0.0
         self.B, self.E, self.F = rows_K[~self.on_velocity], rows_C[self.on_velocity], rows_K[self.on_velocity]
+        self.signals = np.zeros(n_q, bool) if lin.signals is None else lin.signals
         self.groups = lin.groups
         self.size = [float(abs(A).max()) if A.nnz else 0.0 for A in (self.M, self.C, self.K)]
 
