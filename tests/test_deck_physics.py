@@ -105,6 +105,16 @@ time: {end: 1, step: 0.1}
 """
 
 
+def test_an_error_of_a_value_names_the_lines_of_its_parameters():
+    """The value is wrong where a parameter is used; what to change is where it is given."""
+    text = MOTOR.replace("mass: 1,", "mass: $heavy - 3,").replace("mecano: 1", "mecano: 1\nparameters: {heavy: 2}")
+    (problem,) = problems(text)
+    line = text.splitlines().index("parameters: {heavy: 2}") + 1
+    assert problem.message.endswith("'mass' must be greater than zero [kg], got -1.0 ($heavy - 3)")
+    assert problem.hint == f"$heavy is given in line {line}"
+    assert problem.mark.line == text.splitlines().index(next(x for x in text.splitlines() if "$heavy" in x)) + 1
+
+
 def test_a_latch_lies_before_the_stops():
     """Otherwise the joint would never come to it; at the stop itself it does."""
     hinge = RAIL.replace("prismatic", "hinge").replace("displacement: -0.5", "angle: 90 deg")

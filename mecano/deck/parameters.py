@@ -38,6 +38,10 @@ class Parameters:
         """Return the names of all parameters."""
         return [*self.nodes, *(self.outer.names() if self.outer else ())]
 
+    def node(self, name):
+        """Return the node of the value of a parameter, or None."""
+        return self.nodes.get(name) or (self.outer.node(name) if self.outer else None)
+
     def word(self, name):
         """Return the node of a parameter that is a word, or None."""
         if name not in self.nodes:

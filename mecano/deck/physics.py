@@ -139,7 +139,7 @@ def _check_element(kind, element, names, at, entry, root, scope, noted):
         place = pointed_at(text, kind, entry, root)
         if (id(place), text) not in noted:
             noted.add((id(place), text))
-            scope.refuse(place, text)
+            scope.refuse(place, text, "" if place is entry[0] else scope.where_given(place))
     return not texts
 
 

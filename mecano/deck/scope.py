@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass, field
 
 from mecano.deck.compose import Node
-from mecano.deck.expressions import ExpressionError, evaluate, is_evaluated
+from mecano.deck.expressions import ExpressionError, evaluate, is_evaluated, is_expression, names_in
 from mecano.deck.parameters import Parameters, Refused
 from mecano.deck.similar import similar
 from mecano.deck.source import Source
@@ -22,6 +22,8 @@ KEYWORDS = {  # type -> keywords that may replace a value
     "shorthand": lambda type_: ["true" if word is True else word for word, _ in type_.options[1]],
 }
 MAX_KEYWORD = 20  # letters
+MOST_PARAMETERS = 3  # named in a hint
+MOST_NODES = 1000  # of a value, in which parameters are looked for
 DEFAULT = Source("default", "")
 INVALID = object()  # stands for a value that has been refused
 
@@ -70,13 +72,23 @@ class Scope:
             raise DeckError(self.problems)
         return INVALID
 
+    def where_given(self, node):
+        """Return a hint on the lines of the parameters from which a value comes, or "" if there are none or many."""
+        names = list(dict.fromkeys(name for text in texts_in(node) for name in names_in(text, self.parameters)))
+        given = [(name, self.parameters.node(name)) for name in names]
+        if not 0 < len(given) <= MOST_PARAMETERS or not all(found for _, found in given):
+            return ""
+        files = [f"line {at.line + 1}" if at.source is node.source else str(at.mark) for _, at in given]
+        return ", ".join(f"${name} is given in {where}" for (name, _), where in zip(given, files, strict=True))
+
     def refuse_value(self, node, declared, what=None, hint=""):
         """Report that the value of a field is not of the required form; return INVALID."""
         name = self.name_of(declared.name)
         what = what or f"must be {declared.type.expects}"
         subject = f"{quoted(name)} " if name else ""
         expression = type(node.value) is str and is_evaluated(node.value)
-        hint = hint or ("" if expression else self._keyword(node, declared) or how_to_write(node, declared))
+        hint = hint or (self.where_given(node) if expression else self._keyword(node, declared))
+        hint = hint or ("" if expression else how_to_write(node, declared))
         return self.refuse(node, f"{subject}{what}{unit_text(declared)}, got {self.got(node)}", hint)
 
     def _keyword(self, node, declared):
@@ -134,6 +146,22 @@ class Scope:
         exact = line[start : start + len(node.value)] == node.value
         place = Node(node.value, node.source, node.line, start + error.column) if exact else node
         return self.refuse(place, error.message, hint)
+
+
+def texts_in(node):
+    """Return the expressions in the first MOST_NODES values of a node."""
+    todo, found = [node], []
+    for _ in range(MOST_NODES):
+        if not todo:
+            break
+        value = todo.pop().value
+        if type(value) is str and is_expression(value):
+            found.append(value)
+        elif type(value) is list:
+            todo += reversed(value)
+        elif type(value) is dict:
+            todo += [item for _, item in reversed(value.values())]
+    return found
 
 
 def place(container, key, value, scope):

@@ -143,7 +143,8 @@ def judged(outcome, line, wanted):
     if outcome.code != 2:
         return f"exit code {outcome.code}: {last_line(outcome.err or outcome.out)[:80]}"
     places = re.findall(r"^[^\s:][^\n:]*:(\d+):\d+: (.*)$", outcome.err, re.MULTILINE)
-    here = [message for number, message in places if int(number) == line]
+    of_parameter = re.compile(rf"\bis given in line {line}\b")  # an error where a parameter is used names its line
+    here = [message for number, message in places if int(number) == line or of_parameter.search(message)]
     if not here:
         return f"line {[int(number) for number, _ in places][:3]} instead of {line}"
     return (
