@@ -119,21 +119,27 @@ def _fastest(system, s, w):
 
 
 def _variation(system, s, w, rate, assemble, now):
-    """Return the largest relative change of the matrices in the time of one radian at angular velocity ``rate``."""
-    of = system.numbering
+    """Return the largest relative change of the matrices in the time of one radian at angular velocity ``rate``.
+
+    It is that from PROBE to twice PROBE: at rest, jumps of a tangent, such as that between compression and rebound of
+    an oleo, depend on the sign of a rate that is rounding.
+    """
     if rate == 0.0:
         return 0.0
-    dt = PROBE / rate
-    later = moved(s, dt, of)
-    Q = _turn(w * dt)
+    near, far = (_matrices_after(system, s, w, i * PROBE / rate, assemble) for i in (1, 2))
+    sizes = [sp.linalg.norm(A) for A in now]
+    changes = [sp.linalg.norm(B - A) / size for A, B, size in zip(near, far, sizes, strict=True) if size > 0.0]
+    return float(max(changes, default=0.0)) / PROBE
+
+
+def _matrices_after(system, s, w, dt, assemble):
+    """Return M', C', K' after the motion of ``s`` for dt [s], in axes that have turned with it."""
+    of, later, Q = system.numbering, moved(s, dt, system.numbering), _turn(w * dt)
     for first in np.unique(of.x):
         later.a[first : first + 3] = Q @ s.a[first : first + 3]
     for r, first in enumerate(of.rotation_dof):
         later.a[first : first + 3] = later.R[r].T @ Q @ s.R[r] @ s.a[first : first + 3]
-    then = _matrices(system, displaced(later, np.zeros(system.n_q), of), w, Q, assemble)
-    sizes = [sp.linalg.norm(A) for A in now]
-    changes = [sp.linalg.norm(B - A) / size for A, B, size in zip(now, then, sizes, strict=True) if size > 0.0]
-    return float(max(changes, default=0.0)) / PROBE
+    return _matrices(system, displaced(later, np.zeros(system.n_q), of), w, Q, assemble)
 
 
 def _hat(a):
