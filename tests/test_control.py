@@ -107,6 +107,7 @@ FILTERS = {
     "washout": lambda t: 1.0 - np.exp(-5.0 * t),
     "second_order": lambda t: ramp_response(t, 10.0, 0.3),
     "same_in_space": lambda t: ramp_response(t, 10.0, 0.3),
+    "curve": lambda t: 1.0 + 3.0 * t * t,
 }
 
 
@@ -120,7 +121,7 @@ def test_filters_of_a_ramp(filters, verify, name):
     times = np.arange(0.1, 1.0, 0.1)
     found = [at_times(m, m[f"signals/{name}/value"], times) for m in filters]
     expected = FILTERS[name](times)
-    if name == "integral":  # of second order, exact for a parabola
+    if name in ("integral", "curve"):  # exact for a parabola, or without a rate
         np.testing.assert_allclose(found[1], expected, atol=1e-10)
     else:
         verify.second_order(
@@ -314,3 +315,26 @@ def test_what_lasts_no_time_is_no_extreme(tmp_path):
     with mecano.run(tmp_path / "deck.yaml", tmp_path / "r.h5", quiet=True) as results:
         assert [event.time for event in results.events][:2] == pytest.approx([0.2, 0.2], abs=1e-12)
         assert results.extremes["loads/act/force"].maximum == 5000.0
+
+
+def test_curves_of_time_and_of_signals():
+    """A table of the time, with steps that end at its corners, and the square of what it gives."""
+    run = RecordedRun(
+        deck("""
+        mecano: 1
+        gravity: none
+        nodes: {a: {position: [0, 0, 0]}}
+        elements: {body: {type: point_mass, node: a, mass: 1}}
+        signals:
+          command:
+            {type: curve, input: time,
+             law: {table: {points: [[0, 0], [0.3333, 2], [0.7777, -1], [2, 0]], interpolation: linear}}}
+          square: {type: curve, input: command, law: {polynomial: {coefficients: [1, 0, 3]}}}
+        loads: {push: {type: force, node: a, direction: [1, 0, 0], value: square}}
+        time: {end: 1, step: 0.1}
+        """)
+    )
+    command, square = (run[f"signals/{name}/value"] for name in ("command", "square"))
+    np.testing.assert_allclose(command, np.interp(run.time, [0, 0.3333, 0.7777, 2], [0, 2, -1, 0]), atol=1e-12)
+    np.testing.assert_allclose(square, 1.0 + 3.0 * command**2, rtol=1e-12)
+    assert {0.3333, 0.7777} <= set(run.time.tolist())

@@ -80,6 +80,7 @@ EXAMPLES = {
     "joint_force": "thruster: {type: joint_force, joint: rail, value: 3 kN}",
     "line_force": "cylinder: {type: line_force, nodes: [crank, slider], value: -200*slider.velocity.x}",
     "formula": "speed: {type: formula, value: 'hypot(slider.velocity.x, slider.velocity.z)'}",
+    "curve": "command: {type: curve, input: time, law: {table: {points: [[0, 0], [2, 1.2], [5, 0.4]]}}}",
     "lag": "smooth: {type: lag, input: knee.rate, time_constant: 20 ms}",
     "integrator": "offset: {type: integrator, input: 0.3 - rail.displacement}",
     "washout": "shock: {type: washout, input: slider.velocity.z, time_constant: 0.5 s}",

@@ -111,6 +111,9 @@ NOTES = {  # words with the same meaning: (targets, note)
         "all outputs of all elements are in the results; `mecano post --plot` draws them",
     ),
     "controller, feedback, control, pd, regulator": ("pid formula signals joint_moment joint_force", ""),
+    "lookup table, characteristic, map, command profile, nonlinear gain": (
+        "curve table", "a curve is a signal: a law of its input, which may be the time"
+    ),
     "filter, low pass, high pass, derivative": ("lag washout transfer_function state_space", ""),
     "integral, accumulator": ("integrator", ""),
     "initial conditions, initial condition, initial velocity, start": ("initial", ""),

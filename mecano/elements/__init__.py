@@ -40,6 +40,7 @@ from mecano.elements.members.oleo import OLEO
 from mecano.elements.members.reeved_cable import REEVED_CABLE
 from mecano.elements.members.spring_damper import SPRING_DAMPER
 from mecano.elements.members.torsion_spring_damper import TORSION_SPRING_DAMPER
+from mecano.elements.signals.curve import CURVE
 from mecano.elements.signals.delay import DELAY
 from mecano.elements.signals.formula import FORMULA
 from mecano.elements.signals.integrator import INTEGRATOR
@@ -69,7 +70,7 @@ KINDS = {
         FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, JOINT_MOMENT, JOINT_FORCE, LINE_FORCE,
         LINE_LOAD, DRAG, BRAKE,
         RIGID_WHEEL, PAPER_WHEEL, SKATE, WHEEL, TRANSIENT_WHEEL, FLEXIBLE_WHEEL, ADHESIVE_WHEEL,
-        FORMULA, LAG, INTEGRATOR, WASHOUT, PID, TRANSFER_FUNCTION, STATE_SPACE, SWITCH,
+        FORMULA, CURVE, LAG, INTEGRATOR, WASHOUT, PID, TRANSFER_FUNCTION, STATE_SPACE, SWITCH,
         SAMPLE_AND_HOLD, DELAY,
     )
 }  # fmt: skip

@@ -1,0 +1,54 @@
+r"""Curve: a law of its input, such as a table of commands over time, a characteristic, a gain that varies.
+
+.. math::  y = c(u)
+
+Time steps end at the breakpoints of the law if the input is ``time``; in a function of anything else they are corners
+of the signal, as those of ``max`` and ``abs``.
+"""
+
+from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT
+from mecano.element_interface import Kind, record
+from mecano.jit.kernel import kernel
+from mecano.laws.table import breakpoints, curve
+from mecano.maths.dual import number
+from mecano.schema import CURVE as CURVE_LAW
+from mecano.schema import Field
+
+OWN, U = 0, 1  # local unknowns: the value; the input
+
+
+@kernel
+def residual(p, at, f):
+    """Add the equation of the value."""
+    f[OWN] += number(at.q[OWN]) - curve(at.laws, p.law, number(at.q[U]))
+
+
+def prepare(d, nodes, context):
+    """Return the record: start of the law in the table of laws."""
+    return {"law": context.laws.add(d["law"])}
+
+
+def times(d, start, end):
+    """Return the breakpoints [s] of a law of time."""
+    return [t for t in breakpoints(d["law"]) if start < t < end] if d["input"].strip() == "time" else []
+
+
+def sample(rng):
+    """Return a table, and a polynomial."""
+    table = (("table", {"points": [(-2.0, 0.5), (0.0, 1.0), (2.0, 4.0)], "interpolation": "cubic", "beyond": "hold"}),)
+    square = (("polynomial", {"coefficients": [1.0, 0.3, 2.0]}),)
+    return [({"input": "a", "law": law}, 1, "") for law in (table, square)]
+
+
+CURVE = Kind(
+    name="curve",
+    doc=__doc__,
+    dtype=record(law="i"),
+    fields=(INPUT, Field("law", CURVE_LAW, "SI", "c, the value as a function of the input, both in SI units")),
+    inputs=("input",),
+    prepare=prepare,
+    residual=residual,
+    times=times,
+    sample=sample,
+    **IN_DECK,
+)
