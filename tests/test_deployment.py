@@ -5,10 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from time_runs import deck, input_deck
+from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.dynamic import run
-from mecano.errors import ConvergenceError
+from mecano.errors import ConvergenceError, DeckError
 from mecano.post import pictures
 from mecano.post.deployment import deployment_sheet, margin_text
 from mecano.post.event_groups import groups, shock_sheet
@@ -135,3 +135,25 @@ def test_a_run_that_cannot_go_on_says_which_latches_are_open(tmp_path):
         run(deck(STOPPED), tmp_path / "stopped.h5")
     results = open_results(tmp_path / "stopped.h5")
     assert results.status == "failed" and "hinge 'knee' at 0." in info(results.path) and len(results.time) > 5
+
+
+@pytest.mark.parametrize("release", ["{time: 1}", "{when: time > 1}"])
+def test_a_latch_that_is_released_lets_the_panel_swing(release):
+    """From 1 rad, at rest, about 2 rad: 2 - cos(w t), with w^2 = 2 N m/rad over 1/3 kg m2. The shock took 3 J."""
+    changes = "joints.hinge.natural_angle=2", f"joints.hinge.latch={{angle: 1, release: {release}}}", "time.end=2"
+    run = RecordedRun(input_deck("panel_lock", *changes))
+    assert [(h.name, h.after) for h in run.event_records] == [("locks", "locked"), ("unlocks", "released")]
+    locks, unlocks = run.event_records
+    assert (locks.t, unlocks.t) == (pytest.approx(np.arccos(0.5) / np.sqrt(6.0), abs=1e-6), pytest.approx(1.0))
+    assert locks.lost == pytest.approx(3.0, rel=1e-5) and unlocks.lost == 0.0
+    after = run.time > 1.0 + 1e-9
+    known = 2.0 - np.cos(np.sqrt(6.0) * (run.time[after] - 1.0))
+    np.testing.assert_allclose(run["joints/hinge/angle"][after], known, atol=2e-6)
+    np.testing.assert_array_equal(run["joints/hinge/latch_moment"][after], 0.0)
+    np.testing.assert_array_equal(run["joints/hinge/latched"], (run.time > locks.t + 1e-9) & ~after)
+
+
+def test_a_release_of_a_latch_needs_a_trigger():
+    with pytest.raises(DeckError) as error:
+        input_deck("panel_lock", "joints.hinge.latch={angle: 1, release: {}}")
+    assert "'latch.release' needs either 'time' or 'when'" in error.value.problems[0].message

@@ -79,7 +79,7 @@ def _option(field, found):
     for doc in dict.fromkeys(part.doc for part, _ in found):
         lines += ["", markdown_of(doc)]
     outputs = [replace(output, name=output.name + label) for part, label in found for output in part.outputs]
-    return [*lines, "", *_outputs(outputs)]
+    return [*lines, "", *_outputs(list(dict.fromkeys(outputs)))]
 
 
 def _deck_page():

@@ -110,12 +110,16 @@ def explained(error, deck, warnings):
 
 
 def open_latches(deck, row, sampler):
-    """Yield a text that names open latches, with the coordinates and rates of their joints from a row of outputs."""
+    """Yield a text that names open latches, with the coordinates and rates of their joints from a row of outputs.
+
+    Latches with a release may have been closed before.
+    """
     columns, found = {column.path: column.start for column in sampler.columns}, []
-    latched = {name: d for name, d in deck.values["joints"].items() if d.get("latch")}
+    joints = deck.values["joints"].items()
+    latched = {name: d for name, d in joints if d.get("latch") and not d["latch"]["release"]}
     for name, d in latched.items():
         if not row[columns[f"joints/{name}/latched"]]:
-            ((quantity, wanted),) = d["latch"].items()
+            quantity, wanted = next(iter(d["latch"].items()))
             rate, unit = ("rate", "rad") if quantity == "angle" else ("velocity", "m")
             at, moving = (row[columns[f"joints/{name}/{output}"]] for output in (quantity, rate))
             found.append(f"{d['type']} '{name}' at {at:.4g} of {wanted:.4g} {unit}, moving at {moving:.3g} {unit}/s")

@@ -5,19 +5,24 @@ from dataclasses import dataclass
 
 from mecano.constraints.along_coordinate.friction import check_friction, friction_fields
 from mecano.constraints.along_coordinate.law import SLIDING_FIELDS, TURNING_FIELDS, law_values
-from mecano.constraints.along_coordinate.stops import end_fields, end_parts
+from mecano.constraints.along_coordinate.stops import check_ends, end_fields, end_parts
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
 from mecano.constraints.of_coordinates import (
     ANGLE_LATCH,
+    ANGLE_LATCH_RELEASE,
     ANGLE_STOP,
     BOTH,
     SLIDE_LATCH,
+    SLIDE_LATCH_RELEASE,
     SLIDE_LAW,
     SLIDE_STOP,
     TWIST_LAW,
 )
 from mecano.element_interface import Part
+
+ANGLE_LATCHES = ANGLE_LATCH, ANGLE_LATCH_RELEASE
+SLIDE_LATCHES = SLIDE_LATCH, SLIDE_LATCH_RELEASE
 
 
 @dataclass(frozen=True)
@@ -46,11 +51,15 @@ def _sliding_parts(d, place, context):
 
 
 def _angle_end_parts(d, place, context):
-    return end_parts(d, TWIST, {"mu": place["mu"], "xi": place["xi"]}, 0.0, ANGLE_LATCH, ANGLE_STOP)
+    return end_parts(d, TWIST, {"mu": place["mu"], "xi": place["xi"]}, 0.0, ANGLE_LATCHES, ANGLE_STOP)
 
 
 def _slide_end_parts(d, place, context):
-    return end_parts(d, SLIDE, {"mu": place["mu"][2]}, place["start"][2], SLIDE_LATCH, SLIDE_STOP)
+    return end_parts(d, SLIDE, {"mu": place["mu"][2]}, place["start"][2], SLIDE_LATCHES, SLIDE_STOP)
+
+
+def _ends(latches, stop):
+    return (*(("latch", latch, "") for latch in latches), ("stops", stop, ""))
 
 
 def friction_option(kind, values, *geometry):
@@ -70,5 +79,5 @@ def friction_option(kind, values, *geometry):
 
 TURNING_LAW = Option(TURNING_FIELDS, _turning_parts, (("turning_law", TWIST_LAW, ""),))
 SLIDING_LAW = Option(SLIDING_FIELDS, _sliding_parts, (("sliding_law", SLIDE_LAW, ""),))
-ANGLE_ENDS = Option(end_fields(TWIST), _angle_end_parts, (("latch", ANGLE_LATCH, ""), ("stops", ANGLE_STOP, "")))
-SLIDE_ENDS = Option(end_fields(SLIDE), _slide_end_parts, (("latch", SLIDE_LATCH, ""), ("stops", SLIDE_STOP, "")))
+ANGLE_ENDS = Option(end_fields(TWIST), _angle_end_parts, _ends(ANGLE_LATCHES, ANGLE_STOP), check_ends)
+SLIDE_ENDS = Option(end_fields(SLIDE), _slide_end_parts, _ends(SLIDE_LATCHES, SLIDE_STOP), check_ends)

@@ -6,7 +6,10 @@ SPRUNG = (("spring", {"stiffness": 3.0}), ("damper_polynomial", {"coefficients":
 FALLING = (("exponential", {"start": 0.5, "limit": 0.3, "rate": 0.1, "origin": 0.0}),)
 RUBBING = {"coefficient": FALLING, "regularization": 0.2, "length": 0.7}
 STICKING = {"coefficient": FALLING, "regularization": 50.0, "length": None}
-SLIDE_STOPPED = {"latch": {"displacement": -0.5}, "stops": {"lower": -1.0, "upper": 2.0, "restitution": 0.4}}
+SLIDE_STOPPED = {
+    "latch": {"displacement": -0.5, "release": None},
+    "stops": {"lower": -1.0, "upper": 2.0, "restitution": 0.4},
+}
 ORIENTATIONS = np.eye(3), np.diag([-1.0, 1.0, -1.0])
 
 

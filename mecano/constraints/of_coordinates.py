@@ -2,7 +2,7 @@
 
 from mecano.constraints.along_coordinate.hold import drive_kind, hold_kind, release_kind
 from mecano.constraints.along_coordinate.law import law_kind
-from mecano.constraints.along_coordinate.stops import latch_kind, stop_kind
+from mecano.constraints.along_coordinate.stops import latch_kind, releasable_latch_kind, stop_kind
 from mecano.constraints.coordinates.displacement import DISPLACEMENT
 from mecano.constraints.coordinates.distance import DISTANCE as LENGTH
 from mecano.constraints.coordinates.level import LEVEL
@@ -47,8 +47,10 @@ TILT_LAW = law_kind("tilt_law", "Tilt law: a moment from a law of the tilt, the 
 PIN_LAW = law_kind("pin_law", "Pin law: a moment from a law of the angle of a pin.", PIN_ANGLE)
 
 SLIDE_LATCH = latch_kind("slide_latch", "Latch of the sliding.", SLIDE)
+SLIDE_LATCH_RELEASE = releasable_latch_kind("slide_latch_release", "Latch of the sliding, with a release.", SLIDE)
 SLIDE_STOP = stop_kind("slide_stop", "Stops of the sliding.", SLIDE)
 ANGLE_LATCH = latch_kind("angle_latch", "Latch of the twist, over any turns.", TWIST)
+ANGLE_LATCH_RELEASE = releasable_latch_kind("angle_latch_release", "Latch of the twist, with a release.", TWIST)
 ANGLE_STOP = stop_kind("angle_stop", "Stops of the twist, over any turns.", TWIST)
 
 BOTH = (0, 1)

@@ -7,23 +7,19 @@ That of a joint loses no energy; the elastic energy of a cable is lost, and reco
 from dataclasses import replace
 
 from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
+from mecano.constraints.along_coordinate.trigger import TRIGGER, check_trigger, trigger_of
 from mecano.constraints.of_coordinates import RELEASED
 from mecano.element_interface import Event
 from mecano.jit.kernel import kernel
-from mecano.laws.formula import difference_of
-from mecano.schema import CONDITION, NUMBER, Field, mapping
+from mecano.schema import Field
 
-TRIGGER = 12  # local index of the trigger, after the positions and rotations of two nodes
-FIRST_ROW = TRIGGER + 1
+INPUT = 12  # local index of the trigger, after the positions and rotations of two nodes
+FIRST_ROW = INPUT + 1
 EVENT = Event("releases", "held", "free", "the joint is released")
-FIELDS = (
-    Field("time", NUMBER, "s", "time of the release", None),
-    Field("when", CONDITION, "-", "condition of signals, outputs and motions that releases it", None),
-)
-RELEASE = Field("release", mapping(*FIELDS), "-", "release of the joint: {time: ...} or {when: ...}", None)
+RELEASE = Field("release", TRIGGER, "-", "release of the joint: {time: ...} or {when: ...}", None)
 CABLE_RELEASE = Field(
     "release",
-    mapping(*FIELDS),
+    TRIGGER,
     "-",
     "release of the cable, which carries no force from then on: {time: ...} or {when: ...}",
     None,
@@ -35,13 +31,7 @@ SAMPLE = {"release": {"time": 0.3, "when": None}}
 @kernel
 def event_values(p, at, g):
     """Write the trigger."""
-    g[0] = at.q[TRIGGER]
-
-
-def trigger_of(d):
-    """Return the formula that rises through zero when a joint with these deck values is released."""
-    release = d["release"]
-    return f"time - ({release['time']!r})" if release["when"] is None else difference_of(release["when"])
+    g[0] = at.q[INPUT]
 
 
 def releasable(kind, parts):
@@ -52,7 +42,7 @@ def releasable(kind, parts):
 
     return replace(
         kind, name=f"{kind.name}_release", phases=RELEASE_PHASES, events=(EVENT,), event_values=event_values,
-        inputs=("release",), reads=lambda d: [trigger_of(d)], parts=held, variant=None,
+        inputs=("release",), reads=lambda d: [trigger_of(d["release"])], parts=held, variant=None,
     )  # fmt: skip
 
 
@@ -74,7 +64,7 @@ def cut(kind):
     )
     return replace(
         kind, name=f"{kind.name}_release", phases=(*kind.phases, RELEASED_PHASE), events=(*kind.events, *releases),
-        event_values=event_values, inputs=("release",), reads=lambda d: [trigger_of(d)], variant=None,
+        event_values=event_values, inputs=("release",), reads=lambda d: [trigger_of(d["release"])], variant=None,
     )  # fmt: skip
 
 
@@ -84,6 +74,4 @@ def check_release(d, options):
         return []
     given = [name for name in options if d[name]]
     found = [f"'release' and {name!r} exclude one another" for name in given]
-    if (d["release"]["time"] is None) == (d["release"]["when"] is None):
-        found.append("'release' needs either 'time' or 'when'")
-    return found
+    return found + check_trigger("release", d["release"])

@@ -35,9 +35,8 @@ def _option(field, found):
     for doc in dict.fromkeys(part.doc for part, _ in found):
         lines += ["", doc.strip()]
     lines += ["", f"Outputs with '{field}'"]
-    for part, label in found:
-        lines += output_lines(replace(output, name=output.name + label) for output in part.outputs)
-    return lines
+    named = [replace(output, name=output.name + label) for part, label in found for output in part.outputs]
+    return lines + output_lines(dict.fromkeys(named))
 
 
 def describe_shape(shape):

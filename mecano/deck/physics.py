@@ -102,7 +102,7 @@ def _check_latches(joints, root, scope):
     for name, d in joints.items():
         if not d.get("latch") or not d.get("stops"):
             continue
-        ((quantity, value),) = d["latch"].items()
+        quantity, value = next(iter(d["latch"].items()))
         side, unit = "upper" if value > 0.0 else "lower", "rad" if quantity == "angle" else "m"
         stop = d["stops"][side]
         if abs(value) > abs(stop):

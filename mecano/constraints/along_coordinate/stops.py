@@ -1,17 +1,19 @@
 r"""Latches and stops of a joint coordinate c: constraints that become active at a located event, with a shock.
 
-A latch is reached by c on its way from the initial value, and then holds it permanently. A stop is reached at the
-``lower`` or at the ``upper`` value; it pushes c back, :math:`\Phi = \pm (c - c_0) \ge 0`, rebounds with the coefficient
-of ``restitution``, and opens where its reaction falls to zero.
+A latch is reached by c on its way from the initial value, and then holds it, for good or until its release. A stop is
+reached at the ``lower`` or at the ``upper`` value; it pushes c back, :math:`\Phi = \pm (c - c_0) \ge 0`, rebounds with
+the coefficient of ``restitution``, and opens where its reaction falls to zero.
 
 The held value :math:`c_0` is that at the end of the last step before the event, the memory of the part: several latches
 and stops reached together hold consistent values, to the last bit. Docs: docs/shocks.md.
 """
 
+from dataclasses import replace
 from math import inf
 
 from mecano.constraints.along_coordinate.hold import holding
 from mecano.constraints.along_coordinate.law import counted
+from mecano.constraints.along_coordinate.trigger import TRIGGER, check_trigger, trigger_of
 from mecano.constraints.augmented_lagrangian import deactivate
 from mecano.constraints.stop_phases import FAR
 from mecano.element_interface import CONTACT, LOCK, Event, Kind, Output, Part, Row, record
@@ -25,6 +27,7 @@ BETWEEN, LOWER, UPPER = 0, 1, 2
 LATCH_PHASES = ("free", "locked")
 STOP_PHASES = ("between", "lower stop", "upper stop")
 LATCH_EVENTS = (Event("locks", "free", "locked", "it reaches the latch; a shock", LOCK),)
+UNLOCKS = Event("unlocks", "locked", "released", "the latch is released, for good")
 STOP_EVENTS = (
     Event("meets lower stop", "between", "lower stop", "it rests on the stop or rebounds; a shock", CONTACT,
           "restitution"),
@@ -54,7 +57,7 @@ def latch_kind(name, doc, coordinate):
 
     @kernel
     def observe(p, at, F, y, e):
-        y[0], y[1] = at.q[row], float(at.phase)
+        y[0], y[1] = at.q[row], 1.0 if at.phase == LOCKED else 0.0
 
     @kernel
     def event_values(p, at, g):
@@ -69,12 +72,29 @@ def latch_kind(name, doc, coordinate):
         name=name, section="", doc=doc, dtype=record(**coordinate.axes, **LATCH_RECORD), layout=coordinate.layout,
         outputs=(
             Output(f"latch_{what}", unit, f"{what} of the latch on b, towards increasing {of}"),
-            Output("latched", "-", "1 after locking, 0 before"),
+            Output("latched", "-", "1 while it is locked, 0 else"),
         ),
         multipliers=(Row(f"{what} of the latch", unit, coordinate.unit),),
         phases=LATCH_PHASES, events=LATCH_EVENTS, memory=("held",), sample=_samples(coordinate, LATCH_PHASES),
         force=force,
         constraint_derivatives=constraint_derivatives, observe=observe, event_values=event_values, commit=commit,
+    )  # fmt: skip
+
+
+def releasable_latch_kind(name, doc, coordinate):
+    """Return the Kind of a latch of a coordinate that a trigger, its input, releases."""
+    latch, trigger = latch_kind(name, doc, replace(coordinate, inputs=1)), coordinate.row
+    put = latch.event_values
+
+    @kernel
+    def event_values(p, at, g):
+        put(p, at, g)
+        g[1] = at.q[trigger]
+
+    phases = (*LATCH_PHASES, UNLOCKS.after)
+    return replace(
+        latch, inputs=("release",), phases=phases, events=(*LATCH_EVENTS, UNLOCKS), event_values=event_values,
+        sample=_samples(coordinate, phases),
     )  # fmt: skip
 
 
@@ -131,7 +151,7 @@ def _quantity(coordinate):
 def _samples(coordinate, phases):
     """Return one sample in each phase."""
     values = {"value": 0.7, "direction": 1.0, "lower": -0.5, "upper": 0.9, "restitution": 0.5}
-    names = LATCH_RECORD if phases is LATCH_PHASES else STOP_RECORD
+    names = STOP_RECORD if phases is STOP_PHASES else LATCH_RECORD
     ends = {name: values[name] for name in names}
     return lambda rng: [({**coordinate.sample(rng), **ends}, 2, phase) for phase in phases]
 
@@ -139,14 +159,17 @@ def _samples(coordinate, phases):
 def end_fields(coordinate):
     """Return the fields ``latch`` and ``stops`` of a joint for a coordinate."""
     quantity, unit = _quantity(coordinate), coordinate.unit
-    latch = Field(quantity, NUMBER, unit, f"{quantity} since the start at which b locks to a", check=_not_zero)
+    latch = (
+        Field(quantity, NUMBER, unit, f"{quantity} since the start at which b locks to a", check=_not_zero),
+        Field("release", TRIGGER, "-", "when it unlocks for good: {time: ...} or {when: ...}; never when absent", None),
+    )
     stops = (
         Field("lower", NUMBER, unit, f"{quantity} since the start of the lower stop; none when absent", -inf, _below),
         Field("upper", NUMBER, unit, f"{quantity} since the start of the upper stop; none when absent", inf, _above),
         Field("restitution", NUMBER, "-", "ratio of the speeds after and before a shock, 0 to 1", 0.0, share),
     )
     return (
-        Field("latch", mapping(latch), "-", "locks permanently when reached, with a shock (docs/shocks.md)", None),
+        Field("latch", mapping(*latch), "-", "locks when reached, with a shock (docs/shocks.md)", None),
         Field("stops", mapping(*stops), "-", "rigid stops, reached with a shock (docs/shocks.md)", None, _some),
     )
 
@@ -167,13 +190,22 @@ def _above(value):
     return None if value >= 0.0 else "must not be less than zero, the initial value"
 
 
-def end_parts(d, coordinate, axes, start, latch, stop):
-    """Return [Part] for the fields ``end_fields`` of a joint; ``axes``, ``start``: axes and initial value of c."""
+def check_ends(d):
+    """Return errors for the release of a latch."""
+    return check_trigger("latch.release", d["latch"]["release"]) if d["latch"] else []
+
+
+def end_parts(d, coordinate, axes, start, latches, stop):
+    """Return [Part] for the fields ``end_fields`` of a joint; ``axes``, ``start``: axes and initial value of c.
+
+    ``latches`` are the Kinds of a latch for good, and of one that is released.
+    """
     parts = []
     if d["latch"]:
-        value = d["latch"][_quantity(coordinate)]
+        value, release = d["latch"][_quantity(coordinate)], d["latch"]["release"]
         ends = {"value": start + value, "direction": 1.0 if value > 0.0 else -1.0}
-        parts.append(Part(latch, (0, 1), {**axes, **ends}))
+        reads = () if release is None else (trigger_of(release),)
+        parts.append(Part(latches[len(reads)], (0, 1), {**axes, **ends}, reads=reads))
     if d["stops"]:
         lower, upper = max(d["stops"]["lower"], -FAR), min(d["stops"]["upper"], FAR)
         ends = {"lower": start + lower, "upper": start + upper, "restitution": d["stops"]["restitution"]}

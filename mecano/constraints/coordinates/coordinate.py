@@ -27,6 +27,7 @@ class Coordinate:
     """(p, at, g, K): add g times the derivative of the gradient to K; None if nothing holds the coordinate"""
     rates: Callable | None = None  # (p, at) -> dc/dt, d2c/dt2 along at.v, at.a; None if nothing holds it
     periodic: bool = False  # an angle, in (-pi, pi]
+    inputs: int = 0  # of the elements that hold it
 
     @property
     def sliding(self):
@@ -40,8 +41,8 @@ class Coordinate:
 
     @property
     def row(self):
-        """Local index of the multiplier of an element that holds the coordinate."""
-        return 3 * len(self.layout)
+        """Local index of the multiplier of an element that holds the coordinate, after its inputs."""
+        return 3 * len(self.layout) + self.inputs
 
 
 @kernel

@@ -9,7 +9,7 @@ The constants c_i are the initial values: the axis passes through node b. The mu
 for the hinge, and the assembly rejects :math:`\xi_3 = -\mu_3`.
 
 Options. ``turning_law`` and ``sliding_law`` give a moment from the angle and a force from the displacement, with their
-rates. ``latch`` locks the sliding permanently at a displacement; ``stops`` of it are rigid and may rebound
+rates. ``latch`` locks the sliding at a displacement; ``stops`` of it are rigid and may rebound
 (docs/shocks.md). ``friction`` is driven by the four multipliers. ``compliance`` replaces rigid constraints by laws. The
 outputs force and moment include only what holds b; laws and friction have outputs of their own.
 """

@@ -13,25 +13,21 @@ it holds the position alone, as a hook does; then node b needs no orientation.
 
 from dataclasses import replace
 
+from mecano.constraints.along_coordinate.trigger import TRIGGER, check_trigger, trigger_of
 from mecano.constraints.augmented_lagrangian import add_reaction
 from mecano.constraints.joint_samples import two_parallel
-from mecano.constraints.release import trigger_of
 from mecano.element_interface import LOCK, Display, Event, Kind, Output, Row, record
 from mecano.jit.kernel import kernel
 from mecano.laws.formula import difference_of
 from mecano.maths.so3 import exp, log
 from mecano.maths.vector import Vec3, cross, mat, put, vec
-from mecano.schema import BOOLEAN, CONDITION, NODE_PAIR, NUMBER, Field, mapping
+from mecano.schema import BOOLEAN, CONDITION, NODE_PAIR, Field
 
 OPEN, CLOSED = 0, 1
 PHASES = ("open", "closed", "released")
 INPUTS = ("closing", "opening")
 FOR_EVER, UNTIL_RELEASED, WHILE = 0.0, 1.0, 2.0  # how long it is closed
 NEVER = -1.0  # number of an event that does not occur
-COMMAND = mapping(
-    Field("time", NUMBER, "s", "time of the command", None),
-    Field("when", CONDITION, "-", "condition of signals, outputs and motions, which gives the command", None),
-)
 COMMANDS, FORCE, MOMENT = 12, 14, 17  # local indices of the inputs and multipliers, after positions and rotations
 COMMANDS_OF_POSITION, FORCE_OF_POSITION = 9, 11  # where the rotation of b is no unknown
 UNIT = (Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, 1.0))
@@ -194,7 +190,7 @@ def reads(d):
     """Return the formulas that rise through zero when the grip closes and when it is released."""
     if d["while"] is not None:
         return [difference_of(d["while"])] * 2
-    return [trigger_of({"release": d["close"]}), trigger_of({"release": d["release"] or d["close"]})]
+    return [trigger_of(d["close"]), trigger_of(d["release"] or d["close"])]
 
 
 def check(d, nodes):
@@ -202,9 +198,7 @@ def check(d, nodes):
     texts = [] if (d["close"] is None) != (d["while"] is None) else ["give either 'close' or 'while'"]
     if d["release"] is not None and d["while"] is not None:
         texts.append("'release' and 'while' exclude one another: it opens when the condition of 'while' is false")
-    commands = [name for name in ("close", "release") if d[name] is not None]
-    unclear = [name for name in commands if (d[name]["time"] is None) == (d[name]["when"] is None)]
-    return texts + [f"{name!r} needs either 'time' or 'when'" for name in unclear]
+    return texts + [text for name in ("close", "release") for text in check_trigger(name, d[name])]
 
 
 def variant(d):
@@ -230,8 +224,8 @@ GRIP = Kind(
     layout=("x0", "R0", "x1", "R1"),
     fields=(
         Field("nodes", NODE_PAIR, "-", "node a, which grips, and node b, which is held"),
-        Field("close", COMMAND, "-", "when it closes: {time: ...} or {when: ...}", None),
-        Field("release", COMMAND, "-", "when it opens for good: {time: ...} or {when: ...}; never when absent", None),
+        Field("close", TRIGGER, "-", "when it closes: {time: ...} or {when: ...}", None),
+        Field("release", TRIGGER, "-", "when it opens for good: {time: ...} or {when: ...}; never when absent", None),
         Field("while", CONDITION, "-", "condition of signals, outputs and motions while which it is closed", None),
         Field("rotation", BOOLEAN, "-", "whether it also holds the rotation of b", True),
     ),

@@ -11,7 +11,7 @@ equations also hold for :math:`\xi_3 = -\mu_3`: the assembly rejects that soluti
 inertial axis initially most perpendicular to the axis, made perpendicular; :math:`\mu_2 = \mu_3 \times \mu_1`.
 
 Options. ``turning_law`` gives a moment from the angle and its rate: stiffness, damping, free play, a motor.
-``latch`` locks the hinge permanently at an angle; ``stops`` are rigid and may rebound; both exchange momentum at the
+``latch`` locks the hinge at an angle; ``stops`` are rigid and may rebound; both exchange momentum at the
 instant at which they are reached (docs/shocks.md).
 ``friction`` and ``compliance`` need the reactions along all five axes: the joint then shares no unknowns but has one
 multiplier, or the replacing law, for each axis. The outputs force and moment include only what holds b; law and
@@ -61,10 +61,10 @@ def sample(rng):
     nodes = [(x, rotation) for rotation in np.linalg.qr(rng.normal(size=(2, 3, 3)))[0]]
     nodes = [(x, R * np.linalg.det(R)) for x, R in nodes]
     radii, stops = {"radius": 0.3, "collar_radius": 0.4}, {"lower": -1.0, "upper": 2.0, "restitution": 0.4}
-    d, law = {"axis": rng.normal(size=3)}, {"turning_law": SPRUNG}
+    d, law, skew = {"axis": rng.normal(size=3)}, {"turning_law": SPRUNG}, {"axis": (1, 0, 0), "axis_b": (1, 0.1, 0)}
     return [
         (d, nodes, ""),
-        ({"axis": (1, 0, 0), "axis_b": (1, 0.1, 0), "latch": {"angle": 1.5}}, nodes, ""),
+        *(({**skew, "latch": {"angle": 1.5, "release": release}}, nodes, "") for release in (None, SAMPLE["release"])),
         ({**d, **law, "natural_angle": 0.3, "friction": {**RUBBING, **radii}}, nodes, ""),
         ({**d, "friction": {**STICKING, **radii}, "stops": stops}, nodes, ""),
         ({**d, "axis_1": rng.normal(size=3), **law, "compliance": dict.fromkeys(HELD, SPRUNG)}, nodes, ""),
