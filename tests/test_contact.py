@@ -100,6 +100,51 @@ def test_a_ball_on_an_incline_rolls_or_slips(mu):
     assert recorded["nodes/ball/velocity"][-1, 0] == pytest.approx(0.5 * expected, rel=1e-3)
 
 
+RUBBING = f"{FLOOR}, radius: 0.1, friction: {{coefficient: MU, regularization: 1.0e-4}}"
+
+
+@pytest.mark.parametrize("mu", [0.1, 0.4])
+def test_a_ball_on_a_rigid_incline_rolls_or_slips(verify, mu):
+    gx, gz = g * math.sin(0.5), -g * math.cos(0.5)
+    contact = RUBBING.replace("MU", str(mu))
+    recorded = RecordedRun(deck(BALL.format(gx=gx, gz=gz, start="[0, 0, 0.1]", contact=contact, end=0.5, step=2e-3)))
+    what, expected = ("rolls", 5 / 7 * gx) if mu > 2 / 7 * math.tan(0.5) else ("slips", gx + mu * gz)
+    v = recorded["nodes/ball/velocity"][-1, 0]
+    verify(S, f"ball on a rigid incline, {what}: speed after 0.5 s [m/s]", v, 0.5 * expected, "Newton", relative=5e-4)
+    np.testing.assert_allclose(recorded["elements/contact/normal_force"][recorded.time > 1e-3], -2 * gz, rtol=1e-8)
+    assert np.ptp(recorded["energy/balance"]) < 1e-4 * recorded["energy/kinetic"][-1]
+
+
+def test_a_ball_slides_on_a_rigid_floor_until_it_rolls(verify):
+    """From 2 m/s: it rolls after 2 v/(7 mu g), having slid 12 v^2/(49 mu g); the error is of second order."""
+    text = BALL.format(gx=0, gz=-g, start="[0, 0, 0.1]", contact=RUBBING.replace("MU", "0.2"), end=1, step="STEP")
+    text = text.replace("    time:", "    initial: {velocities: [{nodes: [ball], velocity: [2, 0, 0]}]}\n    time:")
+    run = RecordedRun(deck(text.replace("STEP", "5.0e-4")))
+    slides = 2 * 2.0 / (7 * 0.2 * g)
+    x = 12 * 2.0**2 / (49 * 0.2 * g) + 5 / 7 * 2.0 * (1.0 - slides)
+    verify(
+        S, "ball on a rigid floor: way after 1 s [m]", run["nodes/ball/position"][-1, 0], x, "Coriolis", relative=1e-4
+    )
+    verify(
+        S, "ball on a rigid floor: speed of rolling [m/s]", run["nodes/ball/velocity"][-1, 0], 10 / 7,
+        "Coriolis", relative=1e-4,
+    )  # fmt: skip
+    rolling = run["elements/contact/sliding_speed"] < 1e-3
+    assert run.time[np.argmax(rolling)] == pytest.approx(slides, abs=2e-3)
+
+
+def test_a_bouncing_ball_is_rubbed_only_where_it_rests():
+    """Shocks are without friction; when it has come to rest on the floor, it slides until it rolls with 5/7 of v."""
+    contact = RUBBING.replace("MU", "0.5") + ", restitution: 0.5"
+    text = BALL.format(gx=0, gz=-g, start="[0, 0, 0.15]", contact=contact, end=1.2, step=1e-3)
+    text = text.replace("    time:", "    initial: {velocities: [{nodes: [ball], velocity: [0.7, 0, 0]}]}\n    time:")
+    run = RecordedRun(deck(text))
+    rests = 3.0 * math.sqrt(0.1 / g)  # the fall, and bounces that last half as long each time
+    v, flies = run["nodes/ball/velocity"][:, 0], run.time < rests - 0.02
+    np.testing.assert_allclose(v[flies], 0.7, atol=1e-9)
+    assert v[-1] == pytest.approx(0.5, rel=1e-3) and run["elements/contact/closed"][-1] == 1.0
+
+
 @pytest.mark.parametrize("surface", ["sphere: {", "cylinder: {axis: [0, 1, 0], "])
 def test_a_ball_swings_in_a_bowl_and_in_a_pipe(surface):
     """Without friction its centre is a pendulum of the length R - r, from the horizontal: T = 4 K(sin^2 45 deg)/w."""

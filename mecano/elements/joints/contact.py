@@ -10,7 +10,7 @@ With a law ``law`` of the depth w, by which both bodies overlap, it is elastic, 
 
 ``friction`` opposes the velocity u of the ball along the surface, :math:`F_t = -\mu(|u|)\,\phi(|u|)\,N u/|u|`, with
 :math:`\phi(u) = (u/\epsilon)(2 - u/\epsilon)` below the speed :math:`\epsilon` of the ``regularization``, 1 beyond: a
-resting ball creeps. A shock is without friction.
+resting ball creeps. A rigid contact exerts it while it is closed, with its multiplier N; a shock is without friction.
 Node a needs an orientation (a body, a beam or the ground), with friction node b, too. A capsule or a box that touches a
 plane is a ball at each end or corner, on nodes attached to the body. The surface of a cylinder has no ends; a pin in
 a hole is a ball of the radius of the pin ``inside`` of a cylinder.
@@ -33,7 +33,7 @@ from mecano.constraints.touching import (
     touch,
 )
 from mecano.element_interface import CONTACT as SHOCK
-from mecano.element_interface import Display, Event, Kind, Output, Row, record
+from mecano.element_interface import Display, Event, Kind, Output, Part, Row, record
 from mecano.jit.kernel import kernel
 from mecano.laws.contact_force import contact_force, elastic_energy, elastic_force
 from mecano.laws.friction import friction
@@ -47,6 +47,8 @@ OPEN, CLOSED = 0, 1
 PHASES = ("open", "closed")
 ROUNDING = 1e-9  # [m]
 MULTIPLIER = 9  # of a rigid contact, after positions and the rotation of a
+ROUGH_MULTIPLIER = 12  # of a rigid contact with friction, after positions and rotations
+NORMAL = Row("normal force of the contact", "N", "m", unilateral=True)
 OPENS = Event("opens", "closed", "open", "the normal force falls to zero")
 
 
@@ -164,6 +166,31 @@ def observe_rigid(p, at, F, y, e):
 
 
 @kernel
+def friction_residual(p, at, f):
+    """Add the friction of a rigid contact, whose multiplier is coupled."""
+    touched = touch(p, at)
+    on_b = _friction(p, at, touched, at_least(at.q[ROUGH_MULTIPLIER], 0.0))[0]
+    _add_on_a(f, at, touched, on_b)
+    add_vec(f, 6, -1.0, on_b)
+    add_vec(f, 9, -1.0, mat(at.R[1]).T @ cross(touched.b, on_b))
+
+
+@kernel
+def observe_rigid_rough(p, at, F, y, e):
+    """Write the outputs of a rigid contact with friction, and the power that it dissipates."""
+    touched, N = touch(p, at), at_least(at.q[ROUGH_MULTIPLIER], 0.0)
+    F_t, u = _friction(p, at, touched, N)
+    e[2] = -dot(F_t, u)
+    _put(p, at, touched, N, F_t, u, y)
+
+
+@kernel
+def rigid_rough_events(p, at, g):
+    """Write the depth [m], and -N [N]."""
+    g[0], g[1] = -touch(p, at).gap, -at.q[ROUGH_MULTIPLIER]
+
+
+@kernel
 def elastic_events(p, at, g):
     """Write the depth [m], and the gap."""
     gap = touch(p, at).gap
@@ -193,10 +220,16 @@ def prepare(d, nodes, context):
     return values
 
 
+def rigid_rough_parts(d, nodes, context):
+    """Return the constraint of a rigid contact, and the friction that it causes."""
+    p = prepare(d, nodes, context)
+    return [Part(RIGID_PART, (0, 1), p), Part(FRICTION_PART, (0, 1), p, coupled_to=(0,))]
+
+
 def variant(d):
-    """Return the kind of a rigid contact, of an elastic one, or of one with friction."""
+    """Return the kind of a rigid or elastic contact, with or without friction."""
     if d["law"] is None:
-        return CONTACT
+        return CONTACT if d["friction"] is None else RIGID_ROUGH_CONTACT
     return SMOOTH_CONTACT if d["friction"] is None else ROUGH_CONTACT
 
 
@@ -204,7 +237,8 @@ def check(d, nodes):
     """Return errors in the surface, in the law, and for values that have no effect on this contact."""
     texts = check_surface(d, nodes)
     if d["law"] is None:
-        texts += [f"{name!r} needs 'law': a rigid contact has none" for name in ("damping", "friction") if d[name]]
+        texts += ["'damping' needs 'law': a rigid contact has none"] if d["damping"] else []
+        texts += check_friction(d)
         if not texts and (gap := gap_at_start(d, nodes)[0]) < -ROUNDING:
             texts.append(f"the ball starts {-gap:.6g} m within the surface, which is rigid without 'law'")
         return texts
@@ -230,9 +264,9 @@ def sample(rng):
         {"capsule": {"axis": axis, "length": 0.4, "radius": 0.4, "center": x}, "radius": 0.4},
     )  # fmt: skip
     found = [({**surface, **rough}, nodes, "closed") for surface in surfaces]
-    found += [
-        ({**surface, "nodes": ["a", "b"], "radius": 0.04}, nodes, phase) for surface in surfaces for phase in PHASES
-    ]
+    rigid = {"nodes": ["a", "b"], "radius": 0.04}
+    found += [({**surface, **rigid}, nodes, phase) for surface in surfaces for phase in PHASES]
+    found += [({**surfaces[2], **rigid, "friction": rubbing}, nodes, phase) for phase in PHASES]
     return [*found, ({**surfaces[2], **elastic}, nodes, "closed"), ({**surfaces[0], **rough}, nodes, "open")]
 
 
@@ -262,7 +296,7 @@ CONTACT = Kind(
         Output("point", "m", "point of the ball nearest to the surface, inertial", (3,)),
         Output("closed", "-", "1 while they touch, 0 else"),
     ),
-    multipliers=(Row("normal force of the contact", "N", "m", unilateral=True),),
+    multipliers=(NORMAL,),
     phases=PHASES,
     events=(Event("closes", "open", "closed", "the ball reaches the surface; a shock", SHOCK, "restitution"), OPENS),
     memory=("held",),
@@ -284,4 +318,18 @@ SMOOTH_CONTACT = replace(
 ROUGH_CONTACT = replace(
     SMOOTH_CONTACT, name="rough_contact", layout=("x0", "R0", "x1", "R1"), residual=rough_residual,
     observe=observe_rough,
+)  # fmt: skip
+RIGID_PART = Kind(
+    name="rigid_contact_part", section="", doc="Constraint of a rigid contact with friction.", dtype=RECORD,
+    layout=CONTACT.layout, multipliers=CONTACT.multipliers, phases=PHASES, memory=CONTACT.memory, commit=commit,
+    residual=rigid_residual, constraints=rigid_constraints,
+)  # fmt: skip
+FRICTION_PART = Kind(
+    name="contact_friction", section="", doc="Friction of a rigid contact.", dtype=RECORD,
+    layout=ROUGH_CONTACT.layout, coupled_multipliers=(NORMAL,), residual=friction_residual,
+)  # fmt: skip
+RIGID_ROUGH_CONTACT = replace(
+    CONTACT, name="rigid_rough_contact", layout=ROUGH_CONTACT.layout, multipliers=(), memory=(), commit=None,
+    constraints=None, residual=None, parts=rigid_rough_parts, observe=observe_rigid_rough,
+    event_values=rigid_rough_events,
 )  # fmt: skip
