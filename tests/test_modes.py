@@ -527,3 +527,33 @@ def test_poles_of_a_control_loop_do_not_depend_on_the_units_of_its_signals(scale
     expected = sorted(loop.roots(), key=abs)
     np.testing.assert_allclose(np.sort_complex(found.values), np.sort_complex(np.array(expected)), rtol=1e-7)
     assert found.converged.all()
+
+
+ROTOR = """
+    mecano: 1
+    gravity: none
+    parameters: {omega: 30, e: 0.3, l: 4.7}
+    nodes:
+      hub: {position: [0, 0, 0]}
+      arm: {position: [$e, 0, 0]}
+      root: {position: [$e, 0, 0]}
+    elements:
+      hub: {type: rigid_body, node: hub, attached: [arm], mass: 20, inertia: [1, 1, 1]}
+      blade: {type: rigid_body, node: root, mass: 30, center_of_mass: [$l/2, 0, 0],
+              inertia: [1.0e-3, 2.5*$l**2, 2.5*$l**2]}
+    joints:
+      shaft: {type: hinge, nodes: [ground, hub], axis: [0, 0, 1]}
+      drive: {type: prescribed_angle, nodes: [ground, hub], axis: [0, 0, 1], value: {linear: {slope: $omega}}}
+      flap: {type: hinge, nodes: [arm, root], axis: [0, 1, 0]}
+    initial: {velocities: [{nodes: all, angular_velocity: [0, 0, $omega], about: [0, 0, 0]}]}
+    time: {end: 1, step: 0.001}
+"""
+
+
+def test_a_flapping_blade_in_the_axes_of_its_hub(verify):
+    """The axes turn with the reactions, some of which have inertial components: the equations are constant there."""
+    text, found, _ = modes(deck(ROTOR), None, frame="hub")
+    known = 30.0 * np.sqrt(1.0 + 1.5 * 0.3 / 4.7 - 1e-3 / (10.0 * 4.7**2))
+    verify("Modes", "flapping blade [rad/s]", found.values.imag, [known], "uniform blade on a hinge", relative=1e-9)
+    assert "not constant" not in text
+    assert "not constant" in modes(deck(ROTOR), None)[0]

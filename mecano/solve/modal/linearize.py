@@ -27,6 +27,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from mecano.model.numbering import ROTATION
+from mecano.solve.modal.small_motions import DENSE_ROWS
 from mecano.solve.time.increments import displaced, moved
 
 PROBE = 1e-6  # [rad] motion over which the change of the matrices is measured
@@ -139,7 +140,22 @@ def _matrices_after(system, s, w, dt, assemble):
         later.a[first : first + 3] = Q @ s.a[first : first + 3]
     for r, first in enumerate(of.rotation_dof):
         later.a[first : first + 3] = later.R[r].T @ Q @ s.R[r] @ s.a[first : first + 3]
-    return _matrices(system, displaced(later, np.zeros(system.n_q), of), w, Q, assemble)
+    later = displaced(later, np.zeros(system.n_q), of)
+    _react(system, later, assemble)
+    return _matrices(system, later, w, Q, assemble)
+
+
+def _react(system, s, assemble):
+    """Set the reactions of ``s`` in place to those in balance with its motion: some have inertial components.
+
+    Of more than DENSE_ROWS motions they stay as they are.
+    """
+    n_q, n = system.n_q, system.n
+    if not system.n_l or n_q > DENSE_ROWS:
+        return
+    assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0)
+    D = sp.csr_matrix((system.data[: system.nnz], (system.rows, system.cols)), shape=(n, n))[:n_q, n_q:].toarray()
+    s.z[n_q:n] -= np.linalg.lstsq(D, system.residual[:n_q], rcond=1e-12)[0]
 
 
 def _hat(a):
