@@ -192,7 +192,7 @@ def _above(value):
 
 def check_ends(d):
     """Return errors for the release of a latch."""
-    return check_trigger("latch.release", d["latch"]["release"]) if d["latch"] else []
+    return check_trigger("latch.release", d["latch"]["release"]) if d.get("latch") else []
 
 
 def end_parts(d, coordinate, axes, start, latches, stop):

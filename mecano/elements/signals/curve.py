@@ -44,7 +44,7 @@ CURVE = Kind(
     name="curve",
     doc=__doc__,
     dtype=record(law="i"),
-    fields=(INPUT, Field("law", CURVE_LAW, "SI", "c, the value as a function of the input, both in SI units")),
+    fields=(INPUT, Field("law", CURVE_LAW, "-", "c, the value as a function of the input, both in SI units")),
     inputs=("input",),
     prepare=prepare,
     residual=residual,
