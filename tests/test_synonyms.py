@@ -66,3 +66,9 @@ def test_an_unknown_word_gets_the_nearest():
 def test_without_a_name_all_are_listed():
     runner = CliRunner()
     assert runner.invoke(commands, ["explain"]).output == runner.invoke(commands, ["list"]).output != ""
+
+
+@pytest.mark.parametrize("name", ["ground", "node", "tire law", "signal", "element", "law"])
+def test_an_entry_of_a_section_is_explained_by_the_section(name):
+    """A user who wants to know what a ground has asks for it in the singular."""
+    assert explain(name).startswith(f"{name.replace(' ', '_')}s (section of the deck)")

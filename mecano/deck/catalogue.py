@@ -26,7 +26,6 @@ from mecano.laws import TERMS
 from mecano.schema import Type
 
 ROLES = {"curve": "laws of one variable", "force": "laws of extension and rate"}
-ALSO = {"law": "laws"}
 SEPARATOR = "\n" + "-" * WIDTH + "\n\n"
 ELSEWHERE = {  # topics of `mecano explain` besides kinds, terms, sections and fields
     "units": "Units of numbers, as in 25 mm, 3 bar, 12 deg.", "study": "The files of `mecano sweep`.",
@@ -116,7 +115,8 @@ def _called(name):
     if name == "units":
         return [UNITS_TEXT], ()
     sections = {section.name: section for section in (*SECTIONS, *LANGUAGE, REPEAT)}
-    name = ALSO.get(name, name)
+    section = f"{name.replace(' ', '_')}s"  # ground, tire law: an entry of a section
+    name = section if section in sections else name
     slip_laws = {key: law for key, law in SLIP_LAWS.items() if law.type.name == "mapping"}  # friction is of many
     found = [
         (KINDS, describe), (SHAPES, describe_shape), (TERMS, describe_term), (slip_laws, describe_slip_law),
