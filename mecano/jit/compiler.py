@@ -25,6 +25,7 @@ from mecano.jit.arrays import array_object, refuse
 from mecano.jit.entry import Array
 from mecano.jit.library import not_loaded
 from mecano.jit.null_matrix import NullMatrix, wanted
+from mecano.jit.passes import KernelCompiler
 from mecano.jit.store import processor
 from mecano.jit.symbols import Condition, Symbol, is_number, value_of
 from mecano.process.interrupt import abandonable
@@ -64,7 +65,9 @@ class _PlainModel(OpaqueModel):
 
 def compiled(function):
     """Return the type of numba of a function that compiled functions call; it compiles it for the types they use."""
-    dispatcher = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)(function)
+    dispatcher = njit(
+        error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=KernelCompiler
+    )(function)
     found = PlainDispatcher(dispatcher)
     found.kept = dispatcher  # to which numba's own reference is weak
     return found
@@ -133,7 +136,7 @@ def _machine_code(signature, function):
 def _code_of(signature, function):
     _learn_methods()
     with not_loaded(), convention.without_errors_and_references():
-        function = cfunc(signature, error_model="numpy")(function)
+        function = cfunc(signature, error_model="numpy", pipeline_class=KernelCompiler)(function)
     module = function._library.optimized(function.native_name)
     needs = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")} - KNOWN
     if needs:
