@@ -159,6 +159,12 @@ def test_while_it_compiles(folder, started):
     assert code == 75 and "stopped by SIGUSR1" in said
 
 
+def rows(path):
+    """Return the number of saved times of a results file that is being written."""
+    with mecano.open_results(path) as results:
+        return len(results.time)
+
+
 def test_a_limit_of_processor_time(folder, started):
     """That of batch systems: SIGXCPU every second from the soft limit on, SIGKILL at the hard one."""
     limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (3, 30))  # noqa: E731
@@ -171,7 +177,7 @@ def test_a_limit_of_processor_time(folder, started):
     process = started("run", "deck.yaml", "--resume", "-q")
     inode = os.stat("deck.h5").st_ino
     wait_until(lambda: os.stat("deck.h5").st_ino != inode)
-    time.sleep(0.2)
+    wait_until(lambda: rows("deck.h5") > len(reached))
     assert reported(process, signal.SIGTERM)[0] == 143
     with mecano.open_results("deck.h5") as results:
         angle = results["hinge.angle"].values
