@@ -4,19 +4,18 @@ from mecano.jit.ahead import compile_ahead
 from mecano.model import assembly_driver, extremes, sampler
 from mecano.solve.events.events import some_happened
 from mecano.solve.linear import multifrontal
-from mecano.solve.time import increments
 from mecano.solve.time.output import record_step
 from mecano.solve.time.step import attempt
+from mecano.solve.time.step_change import change_step
 from mecano.solve.time.stride import stride
 from mecano.solve.time.unresolved_oscillation import count_changes
 
 # The longest first, so that no core waits for them at the end.
 TIME_INTEGRATION = (
-    multifrontal.solve, attempt, stride, record_step, multifrontal.substitute,
+    multifrontal.solve, attempt, change_step, record_step, stride, multifrontal.substitute,
     assembly_driver.add, assembly_driver.assemble, assembly_driver.assemble_residual,
     assembly_driver.constraint_derivatives, assembly_driver.observe, assembly_driver.event_values,
-    assembly_driver.commit, sampler.fill, increments.move, increments.tangents, increments.largest_change,
-    count_changes, extremes.update, some_happened,
+    assembly_driver.commit, sampler.fill, count_changes, extremes.update, some_happened,
 )  # fmt: skip
 
 

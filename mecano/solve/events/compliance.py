@@ -46,7 +46,7 @@ class Compliance:
         return np.unique(self.matrix.tocoo().row[~self.released_entries])
 
     @cached_property
-    def _in_tangent(self):
+    def in_tangent_share(self):
         """Factors (matrix.nnz,) of ``values`` in the tangent, where the identity replaces P."""
         entries = self.matrix.tocoo()
         return np.where(self.released_entries, (entries.row == entries.col) / entries.data, 1.0)
@@ -80,7 +80,7 @@ class Compliance:
 
     def in_tangent(self, k, values):
         """Return what ``values`` (matrix.nnz,) add to the tangent, whose rows of constraints count k times."""
-        return -k * k * values * self._in_tangent
+        return -k * k * values * self.in_tangent_share
 
     def sharing(self, k, bottom, x):
         r"""Return the right-hand sides (n_l,) of the constraints for which released reactions bear their share.
@@ -112,7 +112,24 @@ class Compliance:
         return cls(matrix, plain["places"], plain["of_rates"], plain["let_go"], plain["values"].copy())
 
 
+OF_POSITIONS, OF_RATES, OF_RELEASED = range(3)  # kinds of the entries of compliances
 NO_ROWS = np.zeros(1, np.int64), np.zeros(0, np.int64), np.zeros(0)
+
+
+def compliances_of_a_step(compliance):
+    """Return the numbers and arrays with which compiled code sets the compliances for a step size, as a dict.
+
+    ``compliance`` is a Compliance or None.
+    """
+    if compliance is None:
+        none = {"soft_base": NO_ROWS[2], "soft_kinds": NO_ROWS[1], "soft_in_tangent": NO_ROWS[2]}
+        return none | {"largest_penalty": np.inf, "largest_penalty_share": np.inf}
+    kinds = np.where(compliance.released_entries, OF_RELEASED, np.where(compliance.of_rates, OF_RATES, OF_POSITIONS))
+    return {
+        "soft_base": compliance.matrix.data, "soft_kinds": kinds, "soft_in_tangent": compliance.in_tangent_share,
+        "largest_penalty": compliance.largest_penalty(np.inf),
+        "largest_penalty_share": 1.0 / RELEASED_COMPLIANCE if len(compliance.released) else np.inf,
+    }  # fmt: skip
 
 
 @entry

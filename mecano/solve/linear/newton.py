@@ -172,8 +172,17 @@ def evaluate(w, which):
     t, phases, memory = time_of(w, which)[0], integers(w.phases, w.n_phases), memory_of(w, which)
     assemble(loops, batches, system, t, z, v, a, R, phases, memory, T, w.k, w.penalty, 1.0, w.cC, w.cM)
     soften_rows(w, z, floats(w.residual, w.n_all))
-    places, values = integers(w.entry_places, w.n_entries), floats(w.entry_values, w.n_entries)
-    data = floats(system[0].data, system[0].n_data)
+    soften_tangent(w, system[0])
+
+
+@kernel
+def soften_tangent(w, s):
+    """Add the compliances of redundant constraints to the tangent."""
+    places, values, data = (
+        integers(w.entry_places, w.n_entries),
+        floats(w.entry_values, w.n_entries),
+        floats(s.data, s.n_data),
+    )
     for i in range(w.n_entries):
         data[places[i]] += values[i]
 

@@ -18,7 +18,7 @@ from mecano.solve.diagnostics.failure import not_finite
 from mecano.solve.time.increments import displaced, moved
 from mecano.solve.time.signals import settle_signals
 
-DIFFERENCE = 0.02  # of a step, for the difference in ``jerk_rate``
+DIFFERENCE = 0.02  # of a step, for differences along the motion
 RATE_ITERATIONS = 100
 FIRST_REACH = 1e-3  # m/s or rad/s
 RATE_TOLERANCE = 1e-12  # of the forces at work
@@ -28,8 +28,7 @@ FAST = 1e-4  # of a step: a scalar without inertia that settles within this time
 SETTLING = 3  # rounds in which values and rates of scalars without inertia are fitted to one another
 RUBBING = 20  # iterations on the friction at most
 DEPENDENT = 1e-10  # of what elimination made of a diagonal: a constraint that repeats others
-NEXT, LAST = [1, 2, 0], [2, 0, 1]  # components after and before each in the cycle of x, y, z
-ROUNDING = 1e-12  # of the largest multiplier: the friction has converged
+ROUNDING = 1e-12  # of the largest multiplier, value or rate: an iteration on them has converged
 
 
 class Consistent:
@@ -104,10 +103,9 @@ class Consistent:
         """Return ``change`` and its impulses (n_l,) k*lambda, less k times the rates reached."""
         return self._solve_again(np.zeros(self.system.n_q), -self.k * rate)
 
-    def project_velocity(self, s, target=0.0):
-        """Change v of ``s`` in place so that the rates of the constraints become ``target`` (n_l,)."""
-        rate = self.system.constraint_derivatives(s)[:, 1]
-        s.v[: self.system.n_q] += self.change(target - rate)
+    def project_velocity(self, s):
+        """Change v of ``s`` in place so that the rates of the constraints become zero."""
+        s.v[: self.system.n_q] += self.change(-self.system.constraint_derivatives(s)[:, 1])
 
     def settle_rates(self, s):
         """Set the rates of the scalars without inertia of ``s`` in place from their own equations (Levenberg)."""
@@ -145,6 +143,7 @@ class Consistent:
             signals = np.flatnonzero(self.system.signals)
             self.bare.z[signals] = s.z[signals]
         for _ in range(SETTLING if len(own) else 0):
+            last = s.z[own], s.v[own]
             self.settle_rates(s)
             fast = self._fast(s, FAST * h)
             if fast is None:
@@ -152,9 +151,11 @@ class Consistent:
             s.v[own] -= fast @ self._own(s, 1.0, 0.0) @ s.v[own]
             s.z[own] -= fast @ self._unbalanced(s)
             dt, steady = DIFFERENCE * h, _with(s, s.v, np.zeros_like(s.a))
-            now, next_, last = (self._unbalanced(moved(steady, i * dt, of)) for i in range(3))
-            s.v[own] -= fast @ (4.0 * next_ - 3.0 * now - last) / (2.0 * dt)
+            now, next_, after = (self._unbalanced(moved(steady, i * dt, of)) for i in range(3))
+            s.v[own] -= fast @ (4.0 * next_ - 3.0 * now - after) / (2.0 * dt)
             s.z[own] -= fast @ self._unbalanced(s)
+            if all(_same(*pair) for pair in zip(last, (s.z[own], s.v[own]), strict=True)):
+                return
 
     def _fast(self, s, limit):
         """Return P K^-1 (n, n), P the projector on scalars without inertia settling within ``limit`` [s], or None."""
@@ -190,11 +191,6 @@ class Consistent:
     def _unbalanced(self, s):
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
         return self.system.residual[self.massless].copy()
-
-    def project_acceleration(self, s, a, target=0.0):
-        """Change ``a`` (n_all,) in place so that the second rates of the constraints become ``target`` (n_l,)."""
-        here = _with(self.bare, s.v, a)
-        a[: self.system.n_q] += self.change(target - self.system.constraint_derivatives(here)[:, 2])
 
     def accelerate(self, s):
         """Set accelerations and multipliers of ``s`` in place from the equations of motion at its q and v."""
@@ -238,24 +234,6 @@ class Consistent:
         gap[self.system.numbering.of_rates] = 0.0
         return displaced(s, self.change(-gap), self.system.numbering)
 
-    def jerk_rate(self, s, h):
-        """Return -B d3q/dt3 (n_l,), the change of the second rates along the motion at constant accelerations.
-
-        Forward difference of second order over a small part of the step h: what happened before ``s`` does not count
-        (a law of time may have a corner there). Only geometry enters, no force, so stiff laws do no harm.
-        """
-        dt, of = DIFFERENCE * h, self.system.numbering
-        now, next_, last = (self.system.constraint_derivatives(moved(s, i * dt, of))[:, 2] for i in range(3))
-        return (4.0 * next_ - 3.0 * now - last) / (2.0 * dt)
-
-    def turning_rate(self, s):
-        """Return B (omega x alpha) (n_l,), material, of all rotations of ``s`` (``GeneralizedAlpha._history``)."""
-        of, turning = self.system.numbering, s.copy()
-        at = of.rotation_dof[of.rotation_dof < of.n_q][:, None] + np.arange(3)
-        omega, alpha = s.v[at], s.a[at]
-        turning.v[at] += omega[:, NEXT] * alpha[:, LAST] - omega[:, LAST] * alpha[:, NEXT]  # np.cross takes far longer
-        return self.system.constraint_derivatives(turning)[:, 1] - self.system.constraint_derivatives(s)[:, 1]
-
 
 def consistent_state(system, linear, s, h, contradictions, compliance=None, consistent=None):
     """Return ``s`` with consistent velocities, accelerations and multipliers for steps of size h, and its Consistent.
@@ -274,6 +252,11 @@ def consistent_state(system, linear, s, h, contradictions, compliance=None, cons
     if compliance is not None:
         s = consistent.apply_compliance(s, compliance)
     return s, consistent
+
+
+def _same(before, now):
+    """Return whether vectors differ by rounding only."""
+    return np.abs(now - before).max() <= ROUNDING * np.abs(now).max()
 
 
 def _with(s, v, a):

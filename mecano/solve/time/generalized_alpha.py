@@ -10,17 +10,19 @@ Chung & Hulbert 1993; Arnold & Bruels 2007; Bruels, Cardona & Arnold 2012; theor
 with residual and constraints satisfied at the end of the step. HHT and Newmark are choices of the coefficients.
 """
 
+import ctypes
 import time as clock
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from mecano.errors import Failure
-from mecano.model.loops import residual, tangent
+from mecano.model.loops import constraint_derivatives, residual, tangent
 from mecano.model.numbering import MASSLESS, RELEASED, ROTATION
 from mecano.model.state import History
-from mecano.solve.diagnostics.scales import Tolerances, balance
-from mecano.solve.events.compliance import NO_ROWS, soften
+from mecano.solve.diagnostics.scales import Tolerances
+from mecano.solve.events.compliance import NO_ROWS, compliances_of_a_step, soften
 from mecano.solve.linear import multifrontal
 from mecano.solve.linear.newton import (
     CONVERGED,
@@ -36,16 +38,17 @@ from mecano.solve.linear.newton import (
     STALE,
 )
 from mecano.solve.linear.refactorization import most_kept
-from mecano.solve.time.consistent import Consistent, consistent_state
+from mecano.solve.time.consistent import consistent_state
 from mecano.solve.time.contradictions import Contradictions
 from mecano.solve.time.increments import largest_change, tangents
 from mecano.solve.time.modal_filter import modal_filter
 from mecano.solve.time.step import attempt
+from mecano.solve.time.step_change import change_step
 from mecano.solve.time.step_info import MOST_TURN, PATIENCE, TURNS_TOO_FAR, StepInfo
-from mecano.solve.time.workspace import BEGIN, RENEWED, TRIAL, Workspace
+from mecano.solve.time.workspace import BEGIN, RENEWED, TANGENT, TRIAL, Workspace
 
 TURN = 0.8  # of it: a step that is planned to turn a body by more would often fail
-TOO_FAST = 0.1  # of the accelerations of a start lost to the filter: below, its error is all that it would bring
+Substitution = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
 FREE = 1e6  # times the weight of the masses: no stiffness has a say
 
 
@@ -107,6 +110,13 @@ class GeneralizedAlpha:
         self._no_shift = np.zeros(system.numbering.n_all)
         self._tangents = tangents.bind(system.numbering.rotation_dof, system.numbering.n_q)
         self.workspace = Workspace(system)
+        loops, batches = system.loops(constraint_derivatives)
+        self.workspace.point_to(
+            n_constraints=len(loops), constraints=loops, constraint_batches=batches,
+            derivatives=np.zeros((5, system.n_l, 3)),
+            gap=np.zeros(system.n_l), added=np.zeros((2, system.numbering.n_all)),
+            nnz=system.nnz, rows=system.rows, columns=system.cols, diagonal=system.diagonal,
+        )  # fmt: skip
         self.use(compliance)
 
     def use(self, compliance):
@@ -114,10 +124,7 @@ class GeneralizedAlpha:
         self.compliance, of = compliance, self.system.numbering
         self.contradictions = Contradictions(self.system, self.length, compliance)
         self._rows = NO_ROWS if compliance is None else compliance.rows
-        # constraints on velocities hold exactly at the end of every step, except deactivated ones
         self.released = self.contradictions.released
-        self._exact_rates = self.system.numbering.of_rates.copy()
-        self._exact_rates[self.released] = False
         self._kind[of.n_q : of.n] = of.kind[of.n_q : of.n]
         self._kind[of.n_q + self.released] = RELEASED
         self._bind()
@@ -131,6 +138,9 @@ class GeneralizedAlpha:
         starts, columns, values = self._rows
         entries = NO_ROWS[1] if self.compliance is None else self.compliance.places
         self._entry_values = np.zeros(len(entries))
+        exact_rates = of.of_rates.astype(np.int64)
+        exact_rates[self.released] = 0  # constraints on velocities hold exactly at the end of a step, except these
+        self.workspace.point_to(**compliances_of_a_step(self.compliance))
         self.workspace.point_to(
             am=c.am, af=c.af, beta=c.beta, gamma=c.gamma, error=c.error, length=self.length, duration=self.duration,
             force_tolerance=to.force, constraint_tolerance=to.constraint, increment_tolerance=to.increment,
@@ -139,6 +149,8 @@ class GeneralizedAlpha:
             n_loops=len(loops), loops=loops, batches=batches, n_tangents=len(tangent_loops), tangents=tangent_loops,
             tangent_batches=tangent_batches, residual=self.system.residual, size=self.system.size,
             increment=self._increment, T=self._T, kind=self._kind, rotation_dof=of.rotation_dof,
+            fixed_k=self.k or 0.0, fixed_penalty=-1.0 if self.penalty is None else self.penalty,
+            exact_rates=exact_rates,
             n_entries=len(entries), soft_starts=starts, soft_columns=columns, soft_values=values, entry_places=entries,
             entry_values=self._entry_values, solve=new.function, solve_words=new.words,
             solve_results=np.zeros(len(multifrontal.solve.returns)), substitute=kept.function,
@@ -158,61 +170,45 @@ class GeneralizedAlpha:
         The accelerations of the history are those that a step of h resolves (modal_filter.py): those of a member that
         oscillates much faster would give it the velocity h q''_0 in the first step, with (omega h)^2 times its energy.
         """
-        s, consistent = consistent_state(
-            self.system, self.linear, s, h, self.contradictions, self.compliance, consistent
-        )
-        nothing = np.zeros(self.system.n)
-        return s, self._history(consistent, s, np.zeros_like(s.a), s.a, h, nothing, nothing, 0)
+        s, _ = consistent_state(self.system, self.linear, s, h, self.contradictions, self.compliance, consistent)
+        none = np.zeros(self.system.n)
+        return s, self.restart(s, History(s.a, h, none, none, 0, self._no_shift, 1.0), h)
+
+    @cached_property
+    def change_step(self):
+        """The PackedCall with which compiled code changes the step size in the workspace."""
+        return change_step.call_from_compiled_code(self.workspace.record)
 
     def restart(self, s, history, h):
-        """Return the history for a new step size h at an accepted state (multipliers stay of second order).
+        """Return the history for a new step size h at an accepted state (step_change.py).
 
-        Of the shift of the accelerations to where steps of h keep them, a longer step takes what it can follow.
+        Where the tangent is singular the history stays as it is; the next step fails with the reason.
         """
-        c = self.coefficients
-        consistent = Consistent(self.system, self.linear, s, self.compliance)
-        ratio, n_q = h / history.h, self.system.n_q
-        a, shift = history.a.copy(), np.zeros_like(history.a)
-        shift[:n_q] = (c.am - c.af) * (ratio - 1.0) * history.slope[:n_q]
-        if not history.known:  # no step has been made: as at the start
-            a, shift = np.zeros_like(a), s.a
-        elif ratio <= 1.0:
-            a, shift = a + shift, np.zeros_like(shift)
-        bend = ratio**2 * history.bend
-        slope = ratio * (history.slope + 0.5 * history.bend) - 0.5 * bend
-        return self._history(consistent, s, a, shift, h, slope, bend, history.known)
+        w = self.workspace
+        w.held = None
+        w.put_state(BEGIN, s)
+        w.put_history(history)
+        w.point_to(next_h=h, factored=False)
+        change_step(w.record)
+        tangent = w.state(TANGENT, s.phases)
+        self.linear.solved(tangent)
+        if w.record["code"][0] != CONVERGED and not self._change_with_superlu(tangent):
+            return replace(history, h=h, tangent=None)
+        return w.new_history(BEGIN, w.v_shift.copy(), tangent)
 
-    def _history(self, consistent, s, a, more, h, slope, bend, known):
-        """Return the history with accelerations ``a``, changed in place, and the resolved part of ``more`` (n_all,).
+    def _change_with_superlu(self, tangent):
+        """Change the step size with the factors of SuperLU; return whether the tangent is regular."""
+        w = self.workspace
+        if not self.linear.solve(self.system.data, self._equations, self._increment, tangent).ok:
+            return False
+        own, of_superlu = w.record["substitute"][0], Substitution(lambda words, results: self._substitute())
+        w.point_to(substitute=ctypes.cast(of_superlu, ctypes.c_void_p).value, factored=True)
+        change_step(w.record)
+        w.point_to(substitute=own)
+        return True
 
-        The constrained parts of accelerations and velocities are shifted to where the method keeps them. A rotation
-        without a fixed axis turns in a step by more than the integral of its angular velocity, by
-        h^3 omega x omega'/12 (Magnus 1954), which the increment of the method does not have: B v makes up for it.
-        """
-        c, n_q = self.coefficients, self.system.n_q
-        v_shift, whole, added = np.zeros_like(a), a + more, more.any()
-        if self.system.n_l:
-            rate = consistent.jerk_rate(s, h)
-            for part in (a, whole) if added else (a,):
-                consistent.project_acceleration(s, part, -(c.am - c.af) * h * rate)
-            shifted = s.copy()
-            shift = h * h * (c.error * rate + consistent.turning_rate(s) / 12.0)
-            consistent.project_velocity(shifted, np.where(self._exact_rates, 0.0, shift))
-            v_shift[:n_q] = shifted.v[:n_q] - s.v[:n_q]
-        cC, cM = self._weights(h)
-        history = History(a, h, slope, bend, known, v_shift, balance(self.system, s, 1.0, cC, cM))
-        if added:
-            a[:n_q] += self._resolved_part(s, (whole - a)[:n_q], self._scales(history, h))
-        return history
-
-    def _resolved_part(self, s, a, scales):
-        """Return the part of the accelerations ``a`` (n_q,) that steps resolve; all of them if none is too fast."""
-        modal_filter = self._modal_filter(s, scales)
-        if modal_filter is None:
-            return a
-        alone = self.system.massless | self.system.signals
-        part = np.where(alone, a, modal_filter(a))  # scalars without inertia swing with nothing
-        return part if self._size(a - part) > TOO_FAST * self._size(a) else a
+    def _substitute(self):
+        self.linear.solve_again(self._equations, self._increment)
 
     def _modal_filter(self, s, scales):
         """Return the modal filter at ``s``, or None if the tangent is singular."""

@@ -28,6 +28,7 @@ from mecano.solve.time.workspace import (
     STEP,
     TANGENT,
     TRIAL,
+    copy_history,
     copy_state,
     history_of,
     is_due,
@@ -48,8 +49,7 @@ STRIDE = fields(
     words="phase steps done most iterations renewed_tangents attempt attempt_words records record record_words "
     "n_events n_event_batches events event_batches event_values before_values n_departing departing "
     "n_observed observed observed_batches n_committed committed committed_batches "
-    "n_constraints constraints constraint_batches constraint_derivatives "
-    "share_of_gap energy",
+    "checks_gaps share_of_gap change_step change_step_words energy",
 )
 
 
@@ -64,7 +64,9 @@ def stride(integrator: Records(STRIDE), work: Records(STEP), output: Records(OUT
     m, w, o = integrator[0], work[0], output[0]
     while True:
         if m.phase == READY:
-            if m.done == m.most or m.planned != w.h or m.until - time_of(w, BEGIN)[0] < STRETCH * w.h:
+            if m.done == m.most or m.until - time_of(w, BEGIN)[0] < STRETCH * m.planned:
+                return ENOUGH
+            if m.planned != w.h and not changes(m, w):
                 return ENOUGH
             if departs(m, w):
                 return REPEAT
@@ -90,6 +92,19 @@ def stride(integrator: Records(STRIDE), work: Records(STEP), output: Records(OUT
             move_on(m, w)
         if is_due(w):
             return WAIT
+
+
+@kernel
+def changes(m, w):
+    """Change the step size to the planned one; return whether it was possible in compiled code."""
+    if not m.change_step:
+        return False
+    w.next_h = m.planned
+    call(m.change_step, m.change_step_words, 0)
+    m.renewed_tangents += 1
+    if w.code != CONVERGED:
+        w.h = w.last_h
+    return w.code == CONVERGED
 
 
 @kernel
@@ -142,12 +157,12 @@ def happens(m, w):
 @kernel
 def parts(m, w):
     """Return whether constraints that repeat one another are apart at TRIAL by more than is allowed."""
-    if not m.n_constraints:
+    if not m.checks_gaps:
         return False
-    n = w.n - w.n_q
-    g, weight = floats(m.constraint_derivatives, (n, 3)), floats(m.share_of_gap, n)
+    n, weight = w.n_l, floats(m.share_of_gap, w.n_l)
+    g = floats(w.derivatives, (n, 3))
     assembly_driver.constraint_derivatives(
-        integers(m.constraints, m.n_constraints), items(m.constraint_batches, m.n_constraints, BATCH), system_of(w),
+        integers(w.constraints, w.n_constraints), items(w.constraint_batches, w.n_constraints, BATCH), system_of(w),
         time_of(w, TRIAL)[0], *motion_of(w, TRIAL), integers(w.phases, w.n_phases), memory_of(w, TRIAL), g,
     )  # fmt: skip
     largest = 0.0
@@ -218,10 +233,8 @@ def longest_step(w):
 def move_on(m, w):
     """Make TRIAL the beginning of the next step."""
     copy_state(w, TRIAL, BEGIN)
-    n = w.n_all + 2 * w.n
-    new, old = floats(w.history + 8 * n, n), floats(w.history, n)
-    for i in range(n):
-        old[i] = new[i]
+    copy_history(w, TRIAL, BEGIN)
+    w.changed = 0
     floats(w.v_shift, w.n_all)[:] = 0.0
     if w.renewed:
         copy_state(w, RENEWED, TANGENT)
@@ -248,24 +261,16 @@ class Strides:
         self.workspace, self.linear = method.workspace, method.linear
         self._output = record(OUTPUT) if recorder is None else recorder.output.record
         departing = np.array([c.event for c in shocks.impact_candidates if c.opened >= 0], np.int64)
-        self._constraint_derivatives, self._values = (
-            np.zeros((system.n_l, 3)),
-            np.zeros((2, len(system.values_of_events))),
-        )
-        self._constraints = system.loops(loops.constraint_derivatives)
+        self._values = np.zeros((2, len(system.values_of_events)))
         found = {
             "events": system.loops(loops.event_values), "observed": system.loops(loops.observe),
-            "committed": system.loops(loops.commit), "constraints": self._constraints,
+            "committed": system.loops(loops.commit),
         }  # fmt: skip
         calls = {"attempt": attempt.call_from_compiled_code(self.workspace.record)}
         if recorder is not None:
             calls["record"] = record_step.call_from_compiled_code(self._output, self.workspace.record)
         self._kept = departing, found, calls  # their addresses stand in the record
-        addresses = {
-            "departing": departing,
-            "constraint_derivatives": self._constraint_derivatives,
-            "before_values": self._values,
-        }
+        addresses = {"departing": departing, "before_values": self._values}
         addresses |= {"event_values": system.values_of_events, "energy": system.energy}
         addresses |= {name: addressed for name, (addressed, _) in found.items()}
         addresses |= {f"{name[:-1] if name[-1] == 's' else name}_batches": b for name, (_, b) in found.items()}
@@ -322,19 +327,27 @@ class Strides:
         history = run.history
         if history.h != run.h:
             history = self.method.restart(run.motion, history, run.h)
+            self._change_steps()
         self.method.prepare(run.motion, history, run.h)
         self._phases, self._tangent = run.motion.phases, history.tangent
         r = self.record[0]
         r["phase"], r["planned"], r["steps"], r["iterations"] = READY, run.h, run.steps, run.iterations
         r["dissipated"], r["given"] = run.dissipated, run.given
         r["power_dissipated"], r["power_given"] = run.powers
-        r["n_constraints"] = len(self._constraints[0]) if self.method.contradictions.possible else 0
+        r["checks_gaps"] = self.method.contradictions.possible
         r["share_of_gap"] = self.method.contradictions.share_of_gap.ctypes.data
+
+    def _change_steps(self):
+        """Let compiled code change the step size from now on; runs that never do need no code for it."""
+        if not self.record["change_step"][0]:
+            packed = self.method.change_step
+            self._kept += (packed,)
+            self.record["change_step"], self.record["change_step_words"] = packed.function, packed.words.ctypes.data
 
     def _note_tangents(self, before):
         """Keep the States of tangents that were evaluated, for the factor that the solver holds."""
         if self.record["renewed_tangents"][0] != before:
-            self._tangent = self.workspace.state(TANGENT, self._phases)
+            self._tangent = self.workspace.state(TANGENT, self._phases) if self.workspace.record["usable"][0] else None
             self.linear.solved(self._tangent)
         if self.workspace.record["renewed"][0]:
             self.linear.solved(self.workspace.state(RENEWED, self._phases))
@@ -344,7 +357,7 @@ class Strides:
         r, w = self.record[0], self.workspace
         s = w.state(BEGIN, self._phases, None if len(run.motion.memory) else run.motion.memory)
         return RunState(
-            motion=s, history=w.new_history(BEGIN, np.zeros(len(s.v)), self._tangent), h=float(r["planned"]),
+            motion=s, history=w.last_history(self._tangent), h=float(r["planned"]),
             steps=int(r["steps"]), rejected=run.rejected, iterations=int(r["iterations"]),
             dissipated=float(r["dissipated"]), given=float(r["given"]),
             powers=(float(r["power_dissipated"]), float(r["power_given"])), compliance=run.compliance,

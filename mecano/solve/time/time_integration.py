@@ -10,6 +10,7 @@ from mecano.errors import AssemblyError, NonFiniteError
 from mecano.solve.diagnostics import failure
 from mecano.solve.events.events import EventMonitor, locate, some_happened
 from mecano.solve.events.shocks import Shocks
+from mecano.solve.time.consistent import consistent_state
 from mecano.solve.time.run_state import RunState
 from mecano.solve.time.signals import solve_signals
 from mecano.solve.time.step_control import AFTER_FAILURE, HOLD
@@ -307,7 +308,8 @@ class TimeIntegrator:
 
         Those of a very short step have the rounding error of the positions over the square of the step size.
         """
-        s, _ = self.method.start(s, h)
+        method = self.method
+        s, _ = consistent_state(self.system, method.linear, s, h, method.contradictions, method.compliance)
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
         return s
 

@@ -6,6 +6,7 @@ step was evaluated, RENEWED that of a tangent evaluated in this step; BETWEEN is
 
 import ctypes
 import time
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,15 +16,19 @@ from mecano.model.loops import SYSTEM, fields, record
 from mecano.model.state import History, State
 
 BEGIN, TRIAL, TANGENT, RENEWED, BETWEEN = range(5)
+UNCHANGED = 2  # row of ``history``: that at BEGIN before the step size was changed
 
 # Numbers and addresses of a step; the lengths of the arrays stand in the model's numbering (n_...).
 STEP = fields(
     floats="due am af beta gamma error length duration force_tolerance constraint_tolerance increment_tolerance "
-    "h k penalty cC cM stiffness reach change lag turn turning drift next_drift",
-    words="code begun paused has kept usable stale pending renewed age known next_has next_age next_known most "
-    "most_kept factorizations n_q n n_all n_rotations n_memory n_phases n_massless n_entries state_size "
+    "h k penalty cC cM stiffness reach change lag turn turning drift next_drift "
+    "next_h last_h last_stiffness fixed_k fixed_penalty largest_penalty largest_penalty_share",
+    words="code begun paused factored changed has kept usable stale pending renewed age last_age known "
+    "next_has next_age next_known most most_kept factorizations "
+    "n_q n_l n n_all n_rotations n_memory n_phases n_massless n_entries state_size "
     "n_loops loops batches n_tangents tangents tangent_batches system residual size increment T kind rotation_dof "
-    "massless soft_starts soft_columns soft_values entry_places entry_values "
+    "n_constraints constraints constraint_batches derivatives gap exact_rates added nnz rows columns diagonal "
+    "massless soft_starts soft_columns soft_values soft_base soft_kinds soft_in_tangent entry_places entry_values "
     "solve solve_words solve_results substitute substitute_words clock clock_id now "
     "states phases history guess v_shift report",
 )
@@ -60,10 +65,19 @@ def copy_state(w, source, target):
 
 @kernel
 def history_of(w, which):
-    """Return the algorithmic acceleration (n_all,), slope (n,) and bend (n,) at BEGIN or TRIAL."""
+    """Return the algorithmic acceleration (n_all,), slope (n,) and bend (n,) at BEGIN or TRIAL, or UNCHANGED."""
     at = w.history + 8 * which * (w.n_all + 2 * w.n)
     slope = at + 8 * w.n_all
     return floats(at, w.n_all), floats(slope, w.n), floats(slope + 8 * w.n, w.n)
+
+
+@kernel
+def copy_history(w, source, target):
+    """Copy one of the rows of ``history``."""
+    n = w.n_all + 2 * w.n
+    read, written = floats(w.history + 8 * source * n, n), floats(w.history + 8 * target * n, n)
+    for i in range(n):
+        written[i] = read[i]
 
 
 @kernel
@@ -107,13 +121,13 @@ class Workspace:
         n_all, n_rotations, n_memory = of.n_all, len(of.rotation_dof), len(state.memory)
         self.states = np.zeros((5, 3 * n_all + 9 * n_rotations + n_memory + 1))
         self.phases = np.zeros(len(state.phases), np.int64)
-        self.history = np.zeros((2, n_all + 2 * of.n))
+        self.history = np.zeros((3, n_all + 2 * of.n))
         self.guess, self.v_shift, self.report = np.zeros((2, of.n)), np.zeros(n_all), np.zeros(8)
         own = ("states", "phases", "history", "guess", "v_shift", "report")
         self.held = None  # RunState from which compiled code can step on without anything being entered
         self._kept = {"now": np.zeros(2, np.int64)}  # what the record points to
         self.record = record(
-            STEP, n_q=of.n_q, n=of.n, n_all=n_all, n_rotations=n_rotations, n_memory=n_memory,
+            STEP, n_q=of.n_q, n_l=of.n_l, n=of.n, n_all=n_all, n_rotations=n_rotations, n_memory=n_memory,
             n_phases=len(state.phases), state_size=self.states.shape[1], clock=CLOCK, clock_id=time.CLOCK_MONOTONIC,
             now=self._kept["now"].ctypes.data, system=system.record.ctypes.data,
             **{name: getattr(self, name).ctypes.data for name in own},
@@ -158,12 +172,20 @@ class Workspace:
         row[: len(history.a)], row[-2 * n : -n], row[-n:] = history.a, history.slope, history.bend
         self.v_shift[:] = history.v_shift
         r = self.record
-        r["known"], r["stiffness"], r["h"] = history.known, history.k, history.h
+        r["known"], r["stiffness"], r["h"], r["changed"] = history.known, history.k, history.h, False
         r["has"], r["age"], r["drift"] = history.tangent is not None, history.age, history.drift
+
+    def last_history(self, tangent):
+        """Return the History at BEGIN with which the last step ended; ``tangent`` is a State."""
+        r = self.record[0]
+        if not r["changed"]:
+            return self.new_history(BEGIN, self.v_shift.copy(), tangent)
+        changed = self.new_history(UNCHANGED, np.zeros(len(self.v_shift)), tangent)
+        return replace(changed, h=float(r["last_h"]), k=float(r["last_stiffness"]), age=int(r["last_age"]))
 
     def new_history(self, which, v_shift, tangent):
         """Return the History at BEGIN or TRIAL; ``v_shift`` is not copied, ``tangent`` a State."""
-        n, row, r, now = self.system.n, self.history[which], self.record[0], "" if which == BEGIN else "next_"
+        n, row, r, now = self.system.n, self.history[which], self.record[0], "next_" if which == TRIAL else ""
         return History(
             row[: -2 * n].copy(), float(r["h"]), row[-2 * n : -n].copy(), row[-n:].copy(), int(r[f"{now}known"]),
             v_shift, float(r["stiffness"]), tangent if r[f"{now}has"] else None, int(r[f"{now}age"]),

@@ -1,0 +1,317 @@
+r"""Change of the step size between two steps of generalized-alpha, in one compiled call.
+
+The history moves to where steps of the new size h keep it (docs/theory.md, 2.1): the accelerations along their slope,
+then the constrained parts of accelerations and velocities by
+
+.. math:: \begin{bmatrix} S & -k B^T \\ -k B & -k^2 c \end{bmatrix} \begin{bmatrix} \delta \\ \mu \end{bmatrix} =
+   \begin{bmatrix} 0 \\ -k r \end{bmatrix}
+
+with r (n_l,), by which rates or second rates of the constraints are to change, and the effective tangent S of the new
+size at the state between the steps. The next step begins its iterations with the factor of this matrix.
+"""
+
+from mecano.jit.entry import Records, entry
+from mecano.jit.kernel import kernel
+from mecano.jit.memory import call, floats, integers, items
+from mecano.maths.vector import cross, vec
+from mecano.model import assembly_driver
+from mecano.model.loops import BATCH
+from mecano.model.numbering import MASSLESS, ROTATION, SIGNAL
+from mecano.solve.events.compliance import OF_RATES, OF_RELEASED, RELEASED_COMPLIANCE
+from mecano.solve.linear.newton import CONVERGED, OTHERWISE, soften_tangent
+from mecano.solve.linear.sparse import ACCEPT_BELOW
+from mecano.solve.time.increments import largest_change, move
+from mecano.solve.time.workspace import (
+    BEGIN,
+    STEP,
+    TANGENT,
+    TRIAL,
+    UNCHANGED,
+    copy_history,
+    copy_state,
+    history_of,
+    memory_of,
+    motion_of,
+    system_of,
+    time_of,
+)
+
+DIFFERENCE = 0.02  # of a step, for differences along the motion
+TOO_FAST = 0.1  # of the accelerations lost to the filter: below, its error is all that it would bring
+HERE, NEXT, AFTER, TURNING, ALGORITHMIC = range(5)  # rows of ``derivatives``
+
+
+@entry
+def change_step(work: Records(STEP)):
+    """Give BEGIN the history for steps of size ``next_h``; overwrites TANGENT and TRIAL.
+
+    ``code`` is CONVERGED, or OTHERWISE if the fixed order of elimination does not factor the matrix, which is then to
+    be solved with the right-hand side in ``residual`` before a second call, with ``factored``.
+    """
+    w = work[0]
+    if not w.factored:
+        copy_history(w, BEGIN, UNCHANGED)
+        w.changed, w.last_h, w.last_stiffness, w.last_age = 1, w.h, w.stiffness, w.age
+        refer(w)
+        weigh(w, w.next_h)
+        differentiate_constraints(w)
+        velocity_gap(w)
+        if not factor(w):
+            w.code = OTHERWISE
+            return
+    w.factored = 0
+    ratio = w.h / w.last_h
+    shift_velocities(w)
+    shift_accelerations(w, ratio)
+    scale_differences(w, ratio)
+    w.age, w.code = 1, CONVERGED
+
+
+@kernel
+def refer(w):
+    """Make TANGENT the state BEGIN, from which the rotation increments of the next step are counted."""
+    copy_state(w, BEGIN, TANGENT)
+    z = motion_of(w, TANGENT)[0]
+    kind = integers(w.kind, w.n_all)
+    for i in range(w.n_q):
+        if kind[i] == ROTATION:
+            z[i] = 0.0
+
+
+@kernel
+def weigh(w, h):
+    """Set the step size and the weights of velocities and accelerations in its tangent."""
+    w.h, w.cC, w.cM = h, w.gamma / (w.beta * h), (1 - w.am) / (1 - w.af) / (w.beta * h * h)
+
+
+@kernel
+def differentiate_constraints(w):
+    """Evaluate the constraints at BEGIN, along the motion at constant accelerations, and with v + omega x omega'."""
+    z, v, a, R = motion_of(w, BEGIN)
+    z_moved, v_moved, _, R_moved = motion_of(w, TRIAL)
+    kind, rotation_dof = integers(w.kind, w.n_all), integers(w.rotation_dof, w.n_rotations)
+    for row in range(4 if w.n_l else 0):
+        dt = row * DIFFERENCE * w.h if row < TURNING else 0.0
+        copy_state(w, BEGIN, TRIAL)
+        move(kind, rotation_dof, w.n_q, dt, z, v, a, R, z_moved, R_moved)
+        time_of(w, TRIAL)[0] += dt
+        for i in range(w.n_all):
+            v_moved[i] += dt * a[i]
+        for r in range(w.n_rotations if row == TURNING else 0):
+            d = rotation_dof[r]
+            turned = cross(vec(v, d), vec(a, d))
+            for i in range(3):
+                v_moved[d + i] += turned[i]
+        evaluate_constraints(w, TRIAL, a, row)
+
+
+@kernel
+def evaluate_constraints(w, which, a, row):
+    """Write value, rate and second rate of all constraints at one of the states with accelerations ``a`` (n_all,)."""
+    z, v, _, R = motion_of(w, which)
+    assembly_driver.constraint_derivatives(
+        integers(w.constraints, w.n_constraints), items(w.constraint_batches, w.n_constraints, BATCH), system_of(w),
+        time_of(w, which)[0], z, v, a, R, integers(w.phases, w.n_phases), memory_of(w, which), derivatives(w, row),
+    )  # fmt: skip
+
+
+@kernel
+def derivatives(w, row):
+    """Return value, rate and second rate (n_l, 3) of the constraints in one of the rows."""
+    return floats(w.derivatives + 24 * row * w.n_l, (w.n_l, 3))
+
+
+@kernel
+def jerk_rate(w, i):
+    """Return d = -B q''', the change of the second rate of a constraint along the motion at constant accelerations."""
+    here, next_, after = derivatives(w, HERE), derivatives(w, NEXT), derivatives(w, AFTER)
+    return (4.0 * next_[i, 2] - 3.0 * here[i, 2] - after[i, 2]) / (2.0 * DIFFERENCE * w.h)
+
+
+@kernel
+def velocity_gap(w):
+    """Write r (n_l,) for the velocities, which steps keep off the constraints by O(h^2), those on rates excepted."""
+    if w.n_l == 0:
+        return
+    gap, here, turned = floats(w.gap, w.n_l), derivatives(w, HERE), derivatives(w, TURNING)
+    exact_rates = integers(w.exact_rates, w.n_l)
+    for i in range(w.n_l):
+        kept = w.h * w.h * (w.error * jerk_rate(w, i) + (turned[i, 1] - here[i, 1]) / 12.0)
+        gap[i] = (0.0 if exact_rates[i] else kept) - here[i, 1]
+
+
+@kernel
+def factor(w):
+    """Factor the matrix and solve it for the gap of the velocities; return whether the solution is accurate."""
+    w.k, w.penalty = 1.0, 0.0
+    for scaled in range(2):  # its rows of constraints are scaled by what it is without them
+        assemble_at_tangent(w, 1.0, w.cC, w.cM)
+        if not scaled:
+            scale_constraints(w)
+    soften_tangent(w, system_of(w)[0])
+    put_gap(w)
+    w.factorizations += 1
+    results = floats(w.solve_results, 3)
+    call(w.solve, w.solve_words, w.solve_results)
+    w.usable = 1 if results[2] <= ACCEPT_BELOW else 0
+    return w.usable == 1
+
+
+@kernel
+def scale_constraints(w):
+    """Set the scales and compliances of the constraints for the mean stiffness of the tangent."""
+    w.stiffness = mean_stiffness(w)
+    w.k = w.fixed_k if w.fixed_k > 0.0 else w.stiffness
+    w.penalty = w.stiffness if w.fixed_penalty < 0.0 else w.fixed_penalty
+    w.penalty = min(w.penalty, w.largest_penalty, w.stiffness * w.largest_penalty_share)
+    set_compliances(w)
+
+
+@kernel
+def set_compliances(w):
+    """Set the compliances for steps of this size (compliance.py)."""
+    n = w.n_entries
+    base, kinds, in_tangent = floats(w.soft_base, n), integers(w.soft_kinds, n), floats(w.soft_in_tangent, n)
+    values, entries = floats(w.soft_values, n), floats(w.entry_values, n)
+    for i in range(n):
+        if kinds[i] == OF_RELEASED:
+            values[i] = RELEASED_COMPLIANCE / w.stiffness * base[i]
+        else:
+            values[i] = (1.0 / w.cC if kinds[i] == OF_RATES else 1.0) * base[i]
+        entries[i] = -w.k * w.k * values[i] * in_tangent[i]
+
+
+@kernel
+def mean_stiffness(w):
+    """Return the mean of the diagonal of the assembled tangent (scales.balance)."""
+    s = system_of(w)[0]
+    data, diagonal = floats(s.data, s.n_data), integers(w.diagonal, w.n)
+    total, number = 0.0, 0
+    for i in range(w.n_q):
+        size = abs(data[diagonal[i]])
+        if size > 0.0:
+            total += size
+            number += 1
+    return total / number if number else 1.0
+
+
+@kernel
+def assemble_at_tangent(w, cK, cC, cM):
+    """Assemble a tangent of these weights at TANGENT, where rotation increments are zero."""
+    z, v, a, R = motion_of(w, TANGENT)
+    T = floats(w.T, (w.n_rotations, 3, 3))
+    for r in range(w.n_rotations):
+        for i in range(3):
+            for j in range(3):
+                T[r, i, j] = 1.0 if i == j else 0.0
+    assembly_driver.assemble(
+        integers(w.tangents, w.n_tangents), items(w.tangent_batches, w.n_tangents, BATCH), system_of(w),
+        time_of(w, TANGENT)[0], z, v, a, R, integers(w.phases, w.n_phases), memory_of(w, TANGENT), T,
+        w.k, w.penalty, cK, cC, cM,
+    )  # fmt: skip
+
+
+@kernel
+def put_gap(w):
+    """Write the right-hand side (0, -k r)."""
+    b, gap = floats(w.residual, w.n_all), floats(w.gap, w.n_l)
+    for i in range(w.n_q):
+        b[i] = 0.0
+    for i in range(w.n_l):
+        b[w.n_q + i] = -w.k * gap[i]
+
+
+@kernel
+def moves(w, i):
+    """Return whether an unknown has inertia or constraints that move it; others move as their own equations say."""
+    kind = integers(w.kind, w.n_all)[i]
+    return kind != MASSLESS and kind != SIGNAL
+
+
+@kernel
+def shift_velocities(w):
+    """Write the correction of the velocities, from the solution for their gap."""
+    shift, x = floats(w.v_shift, w.n_all), floats(w.increment, w.n)
+    shift[:] = 0.0
+    for i in range(w.n_q):
+        if moves(w, i):
+            shift[i] = x[i]
+
+
+@kernel
+def shift_accelerations(w, ratio):
+    """Move the algorithmic accelerations along their slope; a longer step takes of it what it resolves."""
+    a, slope, _ = history_of(w, BEGIN)
+    true, more = motion_of(w, BEGIN)[2], floats(w.added, w.n_all)
+    longer = w.known == 0 or ratio > 1.0
+    for i in range(w.n_all):
+        added = (w.am - w.af) * (ratio - 1.0) * slope[i] if i < w.n_q else 0.0
+        if w.known == 0:  # no step has been made: as at a start
+            a[i], added = 0.0, true[i]
+        elif not longer:
+            a[i] += added
+        more[i] = a[i] + added if longer else 0.0
+    for whole in range(2 if longer else 1):
+        project(w, more if whole else a)
+    if longer:
+        for i in range(w.n_q):
+            more[i] -= a[i]
+        add_resolved_part(w, more, a)
+
+
+@kernel
+def project(w, a):
+    """Move accelerations ``a`` (n_all,) to where the second rates of the constraints are -(am - af) h d."""
+    if w.n_l == 0:
+        return
+    evaluate_constraints(w, BEGIN, a, ALGORITHMIC)
+    gap, found = floats(w.gap, w.n_l), derivatives(w, ALGORITHMIC)
+    for i in range(w.n_l):
+        gap[i] = -(w.am - w.af) * w.h * jerk_rate(w, i) - found[i, 2]
+    put_gap(w)
+    call(w.substitute, w.substitute_words, 0)
+    x = floats(w.increment, w.n)
+    for i in range(w.n_q):
+        if moves(w, i):
+            a[i] += x[i]
+
+
+@kernel
+def add_resolved_part(w, more, a):
+    """Add to ``a`` what steps resolve of ``more`` (n_all,), or all of it if none is too fast (modal_filter.py)."""
+    b, x, kind = floats(w.residual, w.n_all), floats(w.increment, w.n), integers(w.kind, w.n_all)
+    none = floats(w.added + 8 * w.n_all, w.n_all)
+    times_masses(w, more, b)
+    call(w.substitute, w.substitute_words, 0)
+    for i in range(w.n_q):
+        if not moves(w, i):
+            x[i] = more[i]
+    lost = largest_change(x, more, kind, w.n_q, w.length)
+    filtered = lost > TOO_FAST * largest_change(none, more, kind, w.n_q, w.length)
+    for i in range(w.n_q):
+        a[i] += x[i] if filtered else more[i]
+
+
+@kernel
+def times_masses(w, x, out):
+    """Write cM M x (n,), zero for the multipliers."""
+    assemble_at_tangent(w, 0.0, 0.0, 1.0)
+    s = system_of(w)[0]
+    data, rows, columns = floats(s.data, s.n_data), integers(w.rows, w.nnz), integers(w.columns, w.nnz)
+    for i in range(w.n):
+        out[i] = 0.0
+    for i in range(w.nnz):
+        if rows[i] < w.n_q and columns[i] < w.n_q:
+            out[rows[i]] += data[i] * x[columns[i]]
+    for i in range(w.n_q):
+        out[i] *= w.cM
+
+
+@kernel
+def scale_differences(w, ratio):
+    """Scale slope and bend, the differences over a step, to the new size."""
+    _, slope, bend = history_of(w, BEGIN)
+    for i in range(w.n):
+        scaled = ratio * ratio * bend[i]
+        slope[i] = ratio * (slope[i] + 0.5 * bend[i]) - 0.5 * scaled
+        bend[i] = scaled
