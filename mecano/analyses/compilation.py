@@ -4,6 +4,7 @@ from mecano.jit.ahead import compile_ahead
 from mecano.model import assembly_driver, extremes, sampler
 from mecano.solve.events.events import some_happened
 from mecano.solve.linear import multifrontal
+from mecano.solve.time.interpolate import between_states
 from mecano.solve.time.output import record_step
 from mecano.solve.time.step import attempt
 from mecano.solve.time.step_change import change_step
@@ -35,4 +36,5 @@ def compile_time_integration(system, method="generalized_alpha"):
     Everything else is compiled when it is needed.
     """
     own = radau() if method == "radau" else ()
+    own += (between_states,) if system.has_events else ()
     compile_ahead([*(entry.code for entry in (*TIME_INTEGRATION, *own)), *system.codes()])

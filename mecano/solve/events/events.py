@@ -1,22 +1,13 @@
-"""Events: detect them in a step, locate their time, and apply the change of phase.
-
-A step has no side effects, so an event is located by repeating the step with a smaller h.
-"""
+"""Events: detect them in a step, and apply the change of phase."""
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
 from mecano.jit.entry import Vector, entry
 from mecano.solve.time.signals import solve_signals
 
-TIME_TOLERANCE = 1e-10  # of the step in which the event lies
-AT_ONCE = 1e-7  # of a step: an event before this happens at its beginning
-TOGETHER = 1e-6  # of its change in the step: event values nearer to zero cross with the located one
 EQUAL = 1e-6  # of its value at the beginning of the step: values that differ by less are equal
-NEAR = 0.01  # of the step: the first trial point is no nearer to its ends
-MAX_RESTEPS = 60
 
 
 @dataclass(frozen=True)
@@ -31,19 +22,6 @@ class EventRecord:
     impulse: float = 0.0  # [N s, N m s] of a shock, along growing Phi; the magnitude where it is a vector
     unit: str = ""  # of the impulse; "" for an event without shock
     lost: float = 0.0  # energy [J]
-
-
-class Located(NamedTuple):
-    """Location of the first event in a step."""
-
-    h: float  # size of the step that ends at it [s]; 0 when it happens at the beginning
-    trial: tuple | None  # that step, or the one in which Newton failed, which ends the search; None if h is 0
-    hit: np.ndarray  # (n_events,) bool, events that happen there
-
-    @property
-    def ok(self):
-        """False if Newton failed in a step of the search."""
-        return self.trial is None or self.trial[2].ok
 
 
 class EventMonitor:
@@ -144,58 +122,3 @@ def some_happened(g0: Vector, g1: Vector) -> bool:
         if (g0[i] < 0.0 and g1[i] >= 0.0) or (g0[i] >= 0.0 and g1[i] > 0.0):
             return True
     return False
-
-
-def locate(monitor, step, s0, g0, trial, h):
-    """Return the first event in a trial step as Located, or None if there is none.
-
-    step(h) -> trial, whose first item is the state; trial = step(h); g0: event values at s0. Chandrupatla's method
-    (Adv. Eng. Software 28, 1997, 145-149) is applied to the step size, for the largest of the event values that
-    crossed zero; it takes five to eight steps if they are smooth.
-    """
-    g1 = monitor.values(trial[0])
-    if not some_happened(g0, g1):
-        return None
-    if np.any((g0 > 0) & (g1 > 0)):  # already crossed at the start of the step
-        return Located(0.0, None, (g0 > 0) & (g1 > 0))
-    crossed = ((g0 < 0) & (g1 >= 0)) | ((g0 == 0) & (g1 > 0))
-    early, late, best = (0.0, float(g0[crossed].max())), (h, float(g1[crossed].max())), trial
-    newest, opposite, share = late, early, late[1] / (late[1] - early[1]) if np.isfinite(early[1]) else 0.5
-    share = min(max(share, NEAR), 1.0 - NEAR)  # contacts that have just separated may close again
-    for _ in range(MAX_RESTEPS):
-        between = late[0] - early[0]
-        if between <= TIME_TOLERANCE * h or late[0] <= AT_ONCE * h or late[1] == 0.0:
-            break
-        least = 0.5 * TIME_TOLERANCE * h / between
-        middle = newest[0] + min(max(share, least), 1.0 - least) * (opposite[0] - newest[0])
-        new = step(middle)
-        if not new[2].ok:
-            return Located(middle, new, crossed)
-        place = middle, float(monitor.values(new[0])[crossed].max())
-        older, opposite = (newest, opposite) if (place[1] >= 0) == (newest[1] >= 0) else (opposite, newest)
-        newest = place
-        if place[1] >= 0:
-            late, best = place, new
-        else:
-            early = place
-        share = _share(newest, opposite, older)
-    hit = crossed.copy()
-    rise = g1[crossed] - np.maximum(g0[crossed], -g1[crossed])
-    hit[crossed] = monitor.values(best[0])[crossed] >= np.where(monitor.within[crossed], 0.0, -TOGETHER * rise)
-    # an event within a phase is recorded only by the memory that a step commits: it needs a step, however short
-    at_once = late[0] <= AT_ONCE * h and not monitor.within_a_phase(hit)
-    return Located(0.0, None, hit) if at_once else Located(late[0], best, hit)
-
-
-def _share(newest, opposite, older):
-    """Return the fraction of the way from the ``newest`` point to the ``opposite`` one at which the value vanishes.
-
-    Points are (step size, value). By inverse quadratic interpolation where it is monotonic, else by bisection.
-    """
-    (a, f_a), (b, f_b), (c, f_c) = newest, opposite, older
-    if not np.isfinite([f_a, f_b, f_c]).all() or f_c == f_b:
-        return 0.5
-    x, f = (a - b) / (c - b), (f_a - f_b) / (f_c - f_b)
-    if f * f >= x or (1.0 - f) ** 2 >= 1.0 - x:
-        return 0.5
-    return f_a / (f_b - f_a) * f_c / (f_b - f_c) + (c - a) / (b - a) * f_a / (f_c - f_a) * f_b / (f_c - f_b)

@@ -8,7 +8,8 @@ import numpy as np
 
 from mecano.errors import AssemblyError, NonFiniteError
 from mecano.solve.diagnostics import failure
-from mecano.solve.events.events import EventMonitor, locate, some_happened
+from mecano.solve.events.events import EventMonitor, some_happened
+from mecano.solve.events.location import locate
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.consistent import consistent_state
 from mecano.solve.time.run_state import RunState

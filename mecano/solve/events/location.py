@@ -1,0 +1,184 @@
+"""Location of the first event in a step.
+
+A step has no side effects, so it is repeated with the size with which it ends at the event: where the motion between
+two trial steps, interpolated, crosses zero. Two repetitions do where the event value is smooth.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from mecano.solve.events.events import some_happened
+from mecano.solve.time.interpolate import interpolate
+
+TIME_TOLERANCE = 1e-10  # of the step in which the event lies
+AT_ONCE = 1e-7  # of a step: an event before this happens at its beginning
+PAST = 0.01  # of the tolerance: beside a step that just misses the event, one aims so far past it
+TOGETHER = 1e-6  # of its change in the step: event values nearer to zero cross with the located one
+NEAR = 0.01  # of the interval: the first point tried is no nearer to its ends
+MOST_INTERPOLATED = 2  # steps that end where the interpolated motion crosses zero
+MOST_GUESSES = 6  # with those that end where a line through the last two crosses zero
+MOST_STEPS = 60
+MOST_EVALUATIONS = 20  # of an event value along the interpolated motion
+
+
+class Located(NamedTuple):
+    """Location of the first event in a step."""
+
+    h: float  # size of the step that ends at it [s]; 0 when it happens at the beginning
+    trial: tuple | None  # that step, or the one in which Newton failed, which ends the search; None if h is 0
+    hit: np.ndarray  # (n_events,) bool, events that happen there
+
+    @property
+    def ok(self):
+        """False if Newton failed in a step of the search."""
+        return self.trial is None or self.trial[2].ok
+
+
+class Point(NamedTuple):
+    """The largest of the event values at the end of a trial step of size h."""
+
+    h: float
+    value: float
+    trial: tuple
+
+    @property
+    def state(self):
+        """The state at the end of the step."""
+        return self.trial[0]
+
+
+def locate(monitor, step, s0, g0, trial, h):
+    """Return the first event in a trial step as Located, or None if there is none.
+
+    step(h) -> trial, whose first item is the state; trial = step(h); g0: event values at s0.
+    """
+    g1 = monitor.values(trial[0])
+    if not some_happened(g0, g1):
+        return None
+    if np.any((g0 > 0) & (g1 > 0)):  # already crossed at the start of the step
+        return Located(0.0, None, (g0 > 0) & (g1 > 0))
+    crossed = ((g0 < 0) & (g1 >= 0)) | ((g0 == 0) & (g1 > 0))
+    search = Search(monitor, step, crossed, s0, g0, trial, h)
+    if not search.succeeds():
+        return Located(search.failed[0].t - s0.t, search.failed, crossed)
+    late, hit = search.late, crossed.copy()
+    rise = g1[crossed] - np.maximum(g0[crossed], -g1[crossed])
+    level = np.where(monitor.within[crossed], 0.0, -TOGETHER * rise)
+    hit[crossed] = monitor.values(late.state)[crossed] >= level
+    # an event within a phase is recorded only by the memory that a step commits: it needs a step, however short
+    at_once = late.h <= AT_ONCE * h and not monitor.within_a_phase(hit)
+    return Located(0.0, None, hit) if at_once else Located(late.h, late.trial, hit)
+
+
+class Search:
+    """Search for the step size at whose end the largest event value is zero, between the Points early and late.
+
+    ``failed`` is a trial in which Newton's iteration failed, which ends the search.
+    """
+
+    def __init__(self, monitor, step, crossed, s0, g0, trial, h):
+        self.monitor, self.step, self.crossed, self.failed = monitor, step, crossed, None
+        self.tolerance, self.at_once = TIME_TOLERANCE * h, AT_ONCE * h
+        self.early, self.late = Point(0.0, float(g0[crossed].max()), (s0,)), self._point(h, trial)
+        self.last = self.early, self.late
+
+    def succeeds(self):
+        """Narrow the interval to the tolerance; return False if Newton's iteration failed on the way."""
+        for tried in range(MOST_GUESSES):
+            if self._is_over(self.early, self.late):
+                return True
+            root = self._interpolated() if tried < MOST_INTERPOLATED else self._secant()
+            if not self.early.h < root <= self.late.h:
+                break
+            if self.late.h - root <= self.tolerance:
+                return True
+            past = PAST * min(self.tolerance, self.late.h - root) if root - self.early.h <= self.tolerance else 0.0
+            if not self._narrow(self._try(root + past)):
+                return False
+        found = chandrupatla(self._try, self.early, self.late, self._is_over, self.tolerance, MOST_STEPS)
+        self.early, self.late = found or (self.early, self.late)
+        return found is not None
+
+    def _is_over(self, early, late):
+        """Return whether the event is known to the tolerance, or happens at the beginning of the step."""
+        return late.h - early.h <= self.tolerance or late.h <= self.at_once or late.value == 0.0
+
+    def _interpolated(self):
+        """Return the step size at which the motion interpolated between the two points crosses zero, or nan."""
+        early, late, of = self.early, self.late, self.monitor.system.numbering
+        if not np.isfinite(early.value):
+            return np.nan
+
+        def at(h):
+            return h, self._value(interpolate(early.state, late.state, early.state.t + (h - early.h), of))
+
+        near = 0.05 * self.tolerance
+        return chandrupatla(at, early[:2], late[:2], lambda a, b: b[0] - a[0] <= near, near, MOST_EVALUATIONS)[1][0]
+
+    def _secant(self):
+        """Return the step size at which the line through the last two trials crosses zero, or nan."""
+        (a, f_a, _), (b, f_b, _) = self.last
+        return b - f_b * (b - a) / (f_b - f_a) if f_a != f_b else np.nan
+
+    def _try(self, h):
+        """Return the Point of a step of size h, or None if Newton's iteration failed."""
+        trial = self.step(h)
+        if not trial[2].ok:
+            self.failed = trial
+            return None
+        point = self._point(h, trial)
+        self.last = self.last[1], point
+        return point
+
+    def _narrow(self, point):
+        """Replace one end of the interval by a Point inside; return whether there is one."""
+        if point is not None and point.value >= 0.0:
+            self.late = point
+        elif point is not None:
+            self.early = point
+        return point is not None
+
+    def _point(self, h, trial):
+        return Point(h, self._value(trial[0]), trial)
+
+    def _value(self, s):
+        """Return the largest of the event values that crossed zero."""
+        return float(self.monitor.values(s)[self.crossed].max())
+
+
+def chandrupatla(at, early, late, is_over, tolerance, most):
+    """Return the ends of the interval around a zero, of which ``is_over`` is true, or None if ``at`` fails.
+
+    Points are tuples that begin with x and the value there; at(x) -> point, or None. Chandrupatla (Adv. Eng. Software
+    28, 1997, 145-149); at most ``most`` points.
+    """
+    newest, opposite, drop = late, early, late[1] - early[1]
+    share = late[1] / drop if 0.0 < drop < np.inf else 0.5
+    share = min(max(share, NEAR), 1.0 - NEAR)  # contacts that have just separated may close again
+    for _ in range(most):
+        if is_over(early, late):
+            break
+        least = 0.5 * tolerance / (late[0] - early[0])
+        point = at(newest[0] + min(max(share, least), 1.0 - least) * (opposite[0] - newest[0]))
+        if point is None:
+            return None
+        older, opposite = (newest, opposite) if (point[1] >= 0) == (newest[1] >= 0) else (opposite, newest)
+        newest = point
+        early, late = (early, point) if point[1] >= 0 else (point, late)
+        share = _share(newest, opposite, older)
+    return early, late
+
+
+def _share(newest, opposite, older):
+    """Return the fraction of the way from the ``newest`` point to the ``opposite`` one at which the value vanishes.
+
+    By inverse quadratic interpolation where it is monotonic, else by bisection.
+    """
+    (a, f_a), (b, f_b), (c, f_c) = newest[:2], opposite[:2], older[:2]
+    if not np.isfinite([f_a, f_b, f_c]).all() or f_c == f_b:
+        return 0.5
+    x, f = (a - b) / (c - b), (f_a - f_b) / (f_c - f_b)
+    if f * f >= x or (1.0 - f) ** 2 >= 1.0 - x:
+        return 0.5
+    return f_a / (f_b - f_a) * f_c / (f_b - f_c) + (c - a) / (b - a) * f_a / (f_c - f_a) * f_b / (f_c - f_b)
