@@ -21,7 +21,7 @@ REFERENCE = {  # deck and overrides: steps accepted, Newton iterations of all tr
     ("rolling_disc",): (4000, 6374, 630),
     ("nose_gear_rigid", "time.end=0.8"): (687, 1227, 937),
     ("strut", "time.end=1"): (1001, 1279, 38),
-    ("bouncing_ball",): (535, 535, 297),
+    ("bouncing_ball",): (535, 535, 282),
     ("flexible_pendulum", "time.end=0.2"): (200, 400, 202),
 }
 
