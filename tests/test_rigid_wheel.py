@@ -124,7 +124,7 @@ def test_wobble_of_the_upright_disc(verify):
 def test_the_wheel_of_the_paper_has_no_critical_speed(verify):
     """omega = sqrt(C (C + m r^2)/(A (A + m r^2))) v/r at any speed (a6)."""
     for v, omega in ((2.0, 9.607400548731578), (5.0, 24.018501371828943), (0.5, 9.607400548731578 / 4)):
-        what, found = f"wheel of the paper: wobble at {v:g} m/s [rad/s]", abs(upright("paper_wheel", v)[-1].imag)
+        what, found = f"wheel of the paper: wobble at {v:g} m/s [rad/s]", abs(upright("cardona_wheel", v)[-1].imag)
         verify("Rolling", what, found, omega, "closed form", relative=1e-9)
 
 
@@ -351,7 +351,7 @@ def test_a_unilateral_wheel_leaves_a_crest_and_lands():
 
 
 def test_what_cannot_be_is_refused():
-    from mecano.elements.wheels.cardona_wheel import PAPER_WHEEL
+    from mecano.elements.wheels.cardona_wheel import CARDONA_WHEEL
     from mecano.elements.wheels.rigid_wheel import RIGID_WHEEL
 
     flat = {"plane": {"point": [0, 0, 0], "normal": [0, 0, 1]}, "profile": None}
@@ -365,7 +365,7 @@ def test_what_cannot_be_is_refused():
     assert "below the ground" in RIGID_WHEEL.check(values, low)[0]
     assert "lies flat" in RIGID_WHEEL.check({**values, "axis": [0, 0, 1]}, node)[0]
     assert "'axle'" in RIGID_WHEEL.check({**values, "axle": "level", "unilateral": True}, node)[0]
-    assert "plane only" in PAPER_WHEEL.check({**values, "ground": wavy}, node)[0]
+    assert "plane only" in CARDONA_WHEEL.check({**values, "ground": wavy}, node)[0]
 
 
 def test_a_level_axle_needs_a_moment():

@@ -109,8 +109,8 @@ def upright(kind, height, joints=""):
         ("rigid_wheel", 0.2, "the rim is 0.1 m below the ground"),
         ("rigid_wheel", 0.5, "the rim is 0.2 m above the ground at the start, but this wheel must touch it: lower "
          "its node by 0.2 m along the normal of the ground, or let it leave the ground ('unilateral: true')"),
-        ("paper_wheel", 0.2, "the rim is 0.1 m below the ground"),
-        ("paper_wheel", 0.5, "lower its node by 0.2 m along the normal of the ground"),
+        ("cardona_wheel", 0.2, "the rim is 0.1 m below the ground"),
+        ("cardona_wheel", 0.5, "lower its node by 0.2 m along the normal of the ground"),
     ],
 )  # fmt: skip
 def test_a_rim_far_from_the_ground_is_refused(kind, height, text):
@@ -124,7 +124,7 @@ def test_a_rim_far_from_the_ground_is_refused(kind, height, text):
     ("kind", "height", "start"),
     [
         (LEAVING, 0.2998, 0.3), (LEAVING, 0.3002, 0.3), (LEAVING, 0.3004, 0.3004), (LEAVING, 0.5, 0.5),
-        ("rigid_wheel", 0.28, 0.3), ("rigid_wheel", 0.32, 0.3), ("paper_wheel", 0.28, 0.3),
+        ("rigid_wheel", 0.28, 0.3), ("rigid_wheel", 0.32, 0.3), ("cardona_wheel", 0.28, 0.3),
     ],
 )  # fmt: skip
 def test_a_wheel_starts_on_the_ground_or_in_the_air(kind, height, start):

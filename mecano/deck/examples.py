@@ -96,7 +96,7 @@ EXAMPLES = {
     "delay": "late: {type: delay, input: knee.rate, time: 30 ms}",
     "brake": "brake: {type: brake, nodes: [crank, rod], axis: [0, 1, 0], torque: 400 N m}",
     "rigid_wheel": "disc: {type: rigid_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road}",
-    "paper_wheel": "disc: {type: paper_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road}",
+    "cardona_wheel": "disc: {type: cardona_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road}",
     "skate": "blade: {type: skate, node: slider, axis: [0, 1, 0], ground: road}",
     "wheel": "nose: {type: wheel, node: wheel, axis: [0, 1, 0], tire_law: tyre, ground: road}",
     "transient_wheel": "nose: {type: transient_wheel, node: wheel, axis: [0, 1, 0], tire_law: brush, ground: road}",

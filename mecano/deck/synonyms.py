@@ -91,7 +91,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     "tyre, tire, pneumatic, pacejka, brush": (
         "wheel transient_wheel flexible_wheel adhesive_wheel tire_laws fiala magic_formula", "",
     ),
-    "wheel": ("flexible_wheel adhesive_wheel rigid_wheel paper_wheel tire_laws", ""),
+    "wheel": ("flexible_wheel adhesive_wheel rigid_wheel cardona_wheel tire_laws", ""),
     "knife edge, blade, nonholonomic, sled": ("skate", ""),
     "runway, road, terrain, track surface, ground plane, floor": ("grounds", ""),
     "bump road, obstacle, roughness, unevenness": ("grounds bump random", "the 'profile' of a ground"),

@@ -51,7 +51,7 @@ from mecano.elements.signals.state_space import STATE_SPACE, TRANSFER_FUNCTION
 from mecano.elements.signals.switch import SWITCH
 from mecano.elements.signals.washout import WASHOUT
 from mecano.elements.wheels.adhesive_wheel import ADHESIVE_WHEEL
-from mecano.elements.wheels.cardona_wheel import PAPER_WHEEL
+from mecano.elements.wheels.cardona_wheel import CARDONA_WHEEL
 from mecano.elements.wheels.flexible_wheel import FLEXIBLE_WHEEL
 from mecano.elements.wheels.rigid_wheel import RIGID_WHEEL
 from mecano.elements.wheels.skate import SKATE
@@ -69,7 +69,7 @@ KINDS = {
         BUSHING, PLANE_CONTACT, CONTACT,
         FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, JOINT_MOMENT, JOINT_FORCE, LINE_FORCE,
         LINE_LOAD, DRAG, BRAKE,
-        RIGID_WHEEL, PAPER_WHEEL, SKATE, WHEEL, TRANSIENT_WHEEL, FLEXIBLE_WHEEL, ADHESIVE_WHEEL,
+        RIGID_WHEEL, CARDONA_WHEEL, SKATE, WHEEL, TRANSIENT_WHEEL, FLEXIBLE_WHEEL, ADHESIVE_WHEEL,
         FORMULA, CURVE, LAG, INTEGRATOR, WASHOUT, PID, TRANSFER_FUNCTION, STATE_SPACE, SWITCH,
         SAMPLE_AND_HOLD, DELAY,
     )

@@ -69,8 +69,8 @@ def sample(rng):
     return [({"radius": 8.0, "axis": level + 0.3 * normal, "ground": ground}, on_the_slope(rng, normal), "")]
 
 
-PAPER_WHEEL = Kind(
-    name="paper_wheel",
+CARDONA_WHEEL = Kind(
+    name="cardona_wheel",
     section="elements",
     doc=__doc__,
     display=WHEEL_DISPLAY,

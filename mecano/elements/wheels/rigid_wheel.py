@@ -8,7 +8,7 @@ u = v + omega x r c of the wheel at C:
     a.n = 0                          with ``axle: level`` (19): the axle stays parallel to the plane of the ground
 
 Equation numbers are those of Cardona, Geradin and Doan, CMAME 89 (1991), who describe this wheel for small
-inclinations; here the contact moves over the rim as the wheel leans (``paper_wheel`` is theirs to the letter). The
+inclinations; here the contact moves over the rim as the wheel leans (``cardona_wheel`` is theirs to the letter). The
 reactions are the radial force, N = F_r/q, the driving and the lateral force at C (24), and the moment that keeps the
 axle level.
 
