@@ -17,7 +17,7 @@ from scorecard.mutate import MUTATIONS
 from test_deck_copies import CHAIN, LAWS, LEG, MAIN, PARTS
 from test_deck_fuzz import outcome
 
-from mecano.deck.new import starters
+from mecano.deck.sample_decks import starters
 from mecano.elements import KINDS
 
 INPUTS = Path(__file__).parent.parent / "inputs"

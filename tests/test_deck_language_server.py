@@ -11,8 +11,8 @@ import pytest
 from test_deck_schema import INPUTS, WRONG
 from test_study_file import PAGE, WRONG_STUDIES
 
-from mecano.deck.json_schema import deck_schema
-from mecano.deck.new import schema_text, starters
+from mecano.deck.json_schema import deck_schema, schema_text
+from mecano.deck.sample_decks import starters
 from mecano.study.describe import EXAMPLE, study_schema
 
 SERVER = shutil.which("yaml-language-server")

@@ -9,7 +9,7 @@ from test_deck_copies import CHAIN, LEG
 
 from mecano.deck.compose import compose
 from mecano.deck.json_schema import deck_schema
-from mecano.deck.new import starters
+from mecano.deck.sample_decks import starters
 from mecano.deck.sections import SECTIONS
 from mecano.deck.source import Source
 from mecano.elements import KINDS

@@ -3,8 +3,8 @@
 import re
 from pathlib import Path
 
-from mecano.deck.new import examples
 from mecano.deck.read import read_deck
+from mecano.deck.sample_decks import examples
 
 ROOT = Path(__file__).parent.parent
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -9,7 +9,7 @@ import pytest
 
 from mecano.deck.compose import compose
 from mecano.deck.read import deck_of
-from mecano.deck.similar import edits, similar
+from mecano.deck.similar_names import edits, similar
 from mecano.deck.source import Source, read_source
 from mecano.errors import DeckError
 

@@ -5,7 +5,7 @@ import pytest
 from test_flexible_wheel import DROP, LATERAL
 from time_runs import deck, in_python, input_deck
 
-from mecano.analyses.initial_state import bring_to_start
+from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.prepare import integrator_of, prepare
 from mecano.solve.linear.newton import FIRST, ITERATIONS, TOO_MANY, WORST
 from mecano.solve.time import generalized_alpha
@@ -19,7 +19,7 @@ NEAR = 0.05  # residuals fall by more than that where the iteration is near the 
 def residuals(checked, monkeypatch):
     """Residuals (over their tolerance) of each attempt of a run, with a new tangent for every correction."""
     prepared = prepare(checked)
-    bring_to_start(prepared)
+    set_initial_state(prepared)
     integrator, attempts = integrator_of(prepared), []
 
     def corrected(record):

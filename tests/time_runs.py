@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mecano.analyses.initial_state import bring_to_start
+from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.prepare import integrator_of, prepare
 from mecano.deck.read import deck_of_bytes, read_deck
 from mecano.model.sampler import Sampler
@@ -36,7 +36,7 @@ class RecordedRun:
     def __init__(self, deck, *, start=lambda prepared: None, change=lambda integrator, run: run):
         """Run; ``start(prepared)`` may alter the state, ``change(integrator, run)`` both before the first step."""
         prepared = prepare(deck)
-        bring_to_start(prepared)
+        set_initial_state(prepared)
         start(prepared)
         self.prepared, self.system = prepared, prepared.system
         self.sampler = Sampler(prepared.system)

@@ -6,7 +6,7 @@ from functools import partial
 from mecano.analyses.checkpoint_writer import INTERVAL, CheckpointWriter, restore
 from mecano.analyses.compilation import compile_time_integration
 from mecano.analyses.diagnostics import cut_short, exceeded, explained, open_latches, unbalanced, unresolved
-from mecano.analyses.initial_state import bring_to_start
+from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.prepare import chosen, integrator_of, model_facts, prepare, startup_warnings
 from mecano.analyses.recorder import Recorder
 from mecano.errors import ConvergenceError, NonFiniteError, ResultsError
@@ -51,7 +51,7 @@ def begun(
 def _from_the_start(deck, path, force, observers, reporters, announce, interruption, interval):
     """Run ``begun`` while no other process writes the file."""
     prepared = prepare(deck, partial(compile_time_integration, method=deck.values["time"]["method"]))
-    found = abandonable(bring_to_start, prepared)
+    found = abandonable(set_initial_state, prepared)
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
     start = abandonable(integrator.begin, prepared.state, deck.values["time"]["step"])
     notes = [*startup_warnings(prepared, start), *found]

@@ -5,8 +5,8 @@ import numpy as np
 NOTICEABLE = 0.1  # of the length scale
 
 
-def bring_to_start(prepared, disturbed=True):
-    """Bring ``prepared.state`` to the initial state specified by ``initial`` of the deck, and return warnings.
+def set_initial_state(prepared, disturbed=True):
+    """Set ``prepared.state`` to the equilibrium or steady motion of ``initial`` in the deck, and return warnings.
 
     Velocities of the deck are added to steady running, unless ``disturbed`` is False. Raises ConvergenceError (exit
     code 3) if no such state is found, NonFiniteError.
@@ -27,8 +27,8 @@ def bring_to_start(prepared, disturbed=True):
     return tuple(_reshaped(prepared, before))
 
 
-def words(deck):
-    """Return a description of the initial state of a deck."""
+def describe(deck):
+    """Return a description of the initial state of a deck, in words."""
     initial = deck.values["initial"]
     if initial["static"]:
         return "static equilibrium at the start"

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mecano.analyses.equilibria import follow
-from mecano.analyses.initial_state import bring_to_start
-from mecano.analyses.initial_state import words as start_in_words
+from mecano.analyses.initial_state import describe, set_initial_state
 from mecano.analyses.load_state import rest_at, state_at
 from mecano.analyses.prepare import integrator_of, prepare, startup_warnings
 from mecano.errors import UsageError
@@ -59,9 +58,9 @@ def about(deck, at=None, at_rest=False):
         return About(
             prepared, result.point.state, result.assemble, text, (*startup_warnings(prepared), *result.warnings)
         )
-    reported = bring_to_start(prepared, disturbed=False)
+    reported = set_initial_state(prepared, disturbed=False)
     run = integrator_of(prepared).begin(prepared.state, deck.values["time"]["step"])
-    return About(prepared, run.motion, None, start_in_words(deck), (*startup_warnings(prepared, run), *reported))
+    return About(prepared, run.motion, None, describe(deck), (*startup_warnings(prepared, run), *reported))
 
 
 def modes(deck, path, *, at=None, at_rest=False, number=10, frame="inertial", method="automatic", force=False):

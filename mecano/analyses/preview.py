@@ -6,7 +6,7 @@ from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.writer import Writer
 
-EXCHANGED = ("N", "N m", "Pa", "W", "J", "1/s2", "m/s2")  # units of what only a run finds
+UNKNOWN_BEFORE_RUN = ("N", "N m", "Pa", "W", "J", "1/s2", "m/s2")  # units of outputs that only a run computes
 ASSEMBLED = "before the run: positions as assembled, no forces yet"
 
 
@@ -17,7 +17,7 @@ def preview(deck, path):
     """
     prepared = prepare(deck)
     sampler = Sampler(prepared.system)
-    kept = [column for column in sampler.columns if column.unit not in EXCHANGED]
+    kept = [column for column in sampler.columns if column.unit not in UNKNOWN_BEFORE_RUN]
     prepared.system.observe(prepared.state)
     row = sampler.take(StaticSample(prepared.state))
     source = Source(

@@ -3,7 +3,7 @@
 from collections import Counter
 from textwrap import wrap
 
-from mecano.analyses.initial_state import words as words_of_start
+from mecano.analyses.initial_state import describe
 from mecano.analyses.memory_estimate import in_words, memory_of_run
 from mecano.analyses.prepare import amount_warnings, mass_of, prepare, some, warnings_of
 from mecano.deck.run_size import saved_times, steps
@@ -160,7 +160,7 @@ def _amounts(prepared):
         yield f"initial          the static equilibrium, found by {first['method']}"
         yield from _start(prepared)
     if values["initial"]["steady"]:
-        yield f"initial          {words_of_start(prepared.deck)}, computed when the run starts"
+        yield f"initial          {describe(prepared.deck)}, computed when the run starts"
     for text in amount_warnings(prepared):
         yield from _labelled("warning", text)
 

@@ -11,8 +11,8 @@ from mecano.analyses.compilation import TIME_INTEGRATION, radau
 from mecano.analyses.dynamic import run
 from mecano.analyses.prepare import prepare
 from mecano.analyses.static import run as run_static
-from mecano.deck.new import starters
 from mecano.deck.read import deck_of_bytes, read_deck
+from mecano.deck.sample_decks import starters
 from mecano.element_interface import Kind
 from mecano.errors import ResultsError
 from mecano.jit import store

@@ -59,7 +59,8 @@ def explain(name):
 @plugins
 def schema(output, study):
     """Write the JSON Schema of decks, with which editors complete, explain and check decks while you type."""
-    from mecano.deck.new import schema_text, write_text
+    from mecano.deck.json_schema import schema_text
+    from mecano.deck.new_file import write_text
 
     if study:
         from mecano.study.describe import study_schema as grammar
@@ -90,7 +91,7 @@ def check_kind(plugin):
 
 
 def _starters(context, parameter, begun):
-    from mecano.deck.new import starters
+    from mecano.deck.sample_decks import starters
 
     return [name for name in starters() if name.startswith(begun)]
 
@@ -101,7 +102,8 @@ def _starters(context, parameter, begun):
 @click.option("--list", "every", is_flag=True, help="List starter decks and examples.")
 def new(template, deck, every):
     """Write a commented starter deck, by default to TEMPLATE.yaml here; without TEMPLATE: list them."""
-    from mecano.deck.new import list_of_examples, list_of_starters, starter, write_text
+    from mecano.deck.new_file import write_text
+    from mecano.deck.sample_decks import list_of_examples, list_of_starters, starter
 
     if every or template is None:
         show("\n\n".join([list_of_starters(), list_of_examples()] if every else [list_of_starters()]))
@@ -112,7 +114,7 @@ def new(template, deck, every):
 
 
 def _examples(context, parameter, begun):
-    from mecano.deck.new import examples
+    from mecano.deck.sample_decks import examples
 
     return [name for name in examples() if name.startswith(begun)]
 
@@ -122,7 +124,7 @@ def _examples(context, parameter, begun):
 @click.argument("deck", required=False, type=click.Path())
 def example(name, deck):
     """Write an example deck, by default to NAME.yaml here, and the files it reads; without NAME: list them."""
-    from mecano.deck.new import list_of_examples, write_example
+    from mecano.deck.sample_decks import list_of_examples, write_example
 
     if name is None:
         show(list_of_examples())

@@ -31,7 +31,7 @@ class ConcaveStretch(NamedTuple):
 
 
 def tightest_concave_stretch(ground, x, axis, radius, way):
-    """Return the Hollow that is too narrow for a wheel, or None.
+    """Return the sharpest concave part that is too narrow for a wheel, or None.
 
     ``ground`` is checked and has a profile; the wheel of that radius [m] has initially its centre at ``x`` (3,) [m] and
     the direction ``axis`` (3,), and travels the ``way`` (3,) [m]: unbounded terms of the profile are examined only

@@ -15,7 +15,7 @@ from mecano.deck.reduced_file import reduced, rows
 from mecano.deck.resolve import resolve, unknown_names
 from mecano.deck.scope import INVALID, Scope
 from mecano.deck.sections import shortest_interval
-from mecano.deck.similar import similar
+from mecano.deck.similar_names import similar
 from mecano.deck.templates import arguments
 from mecano.deck.tyres import complete_tyres
 from mecano.deck.units import ANY

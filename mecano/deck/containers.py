@@ -7,7 +7,7 @@ from mecano.deck.expressions import is_evaluated
 from mecano.deck.limits import ARITHMETIC, BEYOND_FLOATS
 from mecano.deck.scalar import number
 from mecano.deck.scope import INVALID, Reference, node_of, place, place_of
-from mecano.deck.similar import similar
+from mecano.deck.similar_names import similar
 from mecano.deck.synonyms import synonym
 from mecano.deck.units import is_quantity
 from mecano.deck.wording import quoted, unit_text

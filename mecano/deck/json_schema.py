@@ -3,6 +3,7 @@
 It describes keys and types; names, physics and dimensions are left to `mecano check`.
 """
 
+import json
 import math
 
 from mecano.deck.language import LANGUAGE, REPEAT
@@ -31,6 +32,11 @@ def deck_schema():
         "template": _template(),
     }
     return file_schema("deck", (*SECTIONS, *LANGUAGE), ["mecano"], definitions)  # an included file has no more
+
+
+def schema_text(schema):
+    """Return a JSON Schema as the text of its file."""
+    return json.dumps(schema, indent=1) + "\n"
 
 
 def file_schema(what, fields, required, definitions):

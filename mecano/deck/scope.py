@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from mecano.deck.compose import Node
 from mecano.deck.expressions import ExpressionError, evaluate, is_evaluated, is_expression, names_in
 from mecano.deck.parameters import Parameters, Refused
-from mecano.deck.similar import similar
+from mecano.deck.similar_names import similar
 from mecano.deck.source import Source
 from mecano.deck.wording import found, how_to_write, quoted, suggestion, unit_text
 from mecano.errors import DeckError, Problem

@@ -2,7 +2,7 @@
 
 import re
 
-from mecano.deck.similar import similar
+from mecano.deck.similar_names import similar
 from mecano.deck.units import is_quantity
 
 NUMERIC = ("number", "integer", "curve", "drive", "either")  # types whose values may be numbers

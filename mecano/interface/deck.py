@@ -13,7 +13,7 @@ import yaml
 from mecano.deck.check import VERSION
 from mecano.deck.compose import compose
 from mecano.deck.format import deck_error_text
-from mecano.deck.new import write_text
+from mecano.deck.new_file import write_text
 from mecano.deck.read import deck_of_bytes, read_deck
 from mecano.deck.scalar import resolved
 from mecano.deck.source import Unreadable, read_source

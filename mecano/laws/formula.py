@@ -195,7 +195,7 @@ def phases_of_time(formula):
 
 
 def phase_rate(program, t):
-    """Return the absolute rate [1/s], by finite differences, of a program of the time alone at ``t`` [s]; 0 if undefined."""
+    """Return |d/dt| [1/s] of a program of the time alone at ``t`` [s], by finite differences; 0 if undefined."""
     laws = [float(len(program)), *(x for step in program for x in step)]
     dt = DIFFERENCE * max(1.0, abs(t))
     try:

@@ -22,9 +22,9 @@ from mecano.results.checkpoints import latest
 from mecano.results.layout import EVENT_NUMBERS, EVENT_TEXTS, EXTREMES, FORMAT, FORMAT_VERSION, Layout
 from mecano.results.lookup import Lookup
 from mecano.results.provenance import began, lives, read_displays
+from mecano.results.readable_rows import rows_within
 from mecano.results.reason import parted
 from mecano.results.run_attributes import ENDS, read_attributes
-from mecano.results.salvage import rows_within
 
 _ATTEMPTS = 5
 _CLOCKS = 60.0  # s by which clocks may have been set

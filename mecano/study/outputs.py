@@ -78,7 +78,7 @@ class Output:
 def checked_outputs(outputs, prepared, node_of, scope):
     """Report outputs of names that the model of a Prepared lacks; ``node_of(name)`` is the node of an output."""
     lookup = Lookup(layout_of(Sampler(prepared.system)).series)
-    event_records = _happenings(prepared.system)
+    event_records = _events_of_elements(prepared.system)
     for output in outputs:
         node = node_of(output.name)
         scope.subject = f"output {quoted(output.name)}"
@@ -108,7 +108,7 @@ def _check_event(event, event_records, node, scope):
         scope.refuse(node, f"{quoted(element)} has no event {quoted(name)}", suggestion(name, event_records[element]))
 
 
-def _happenings(system):
+def _events_of_elements(system):
     """Return {name of an element: names of the events of the element and its parts}."""
     found = {}
     for batch in system.batches:

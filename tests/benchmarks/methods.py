@@ -18,7 +18,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 
 from time_runs import input_deck
 
-from mecano.analyses.initial_state import bring_to_start
+from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.prepare import integrator_of, prepare
 from mecano.model.numbering import ROTATION
 
@@ -38,7 +38,7 @@ def motion(name, method, tolerance):
     control = (f"time.method={method}", f"time.end={CASES[name]}", f"time.adaptive.tolerance={tolerance}")
     deck = input_deck(name, *control)
     prepared = prepare(deck)
-    bring_to_start(prepared)
+    set_initial_state(prepared)
     integrator = integrator_of(prepared)
     run = integrator.begin(prepared.state, deck.values["time"]["step"])
     begun = time.process_time()

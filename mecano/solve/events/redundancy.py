@@ -9,11 +9,12 @@ from mecano.solve.events.compliance import compliance
 from mecano.solve.time.consistent import Consistent
 
 
-def consistent_in(system, linear, s, soft, length):
-    """Return (Consistent, Compliance or None, redundant Groups) at ``s``, whose phases may have changed.
+def reanalyse_redundancy(system, linear, s, soft, length):
+    """Analyse the redundancy of the constraints at ``s`` again, if its phases have changed it.
 
-    ``soft`` is the previous Compliance. The pivots of the factorization show whether rigid constraints depend on
-    others; only then, or if constraints are released, is the model analysed again. Raises AssemblyError.
+    Return (Consistent, Compliance or None, redundant Groups). ``soft`` is the previous Compliance. The model is
+    analysed only if pivots of the factorization show that rigid constraints depend on others, or if constraints are
+    released. Raises AssemblyError.
     """
     consistent, repeats = None, True
     try:

@@ -16,7 +16,7 @@ from mecano.model.numbering import LENGTH_CONSTRAINT
 from mecano.solve.events.complementarity import solve_complementarity
 from mecano.solve.events.events import EventRecord
 from mecano.solve.events.impact_candidates import ImpactCandidates
-from mecano.solve.events.redundancy import consistent_in
+from mecano.solve.events.redundancy import reanalyse_redundancy
 
 TOGETHER = 1e-6  # of a step: impacts closer in time than this are simultaneous
 NEAR = 10.0  # times the tolerance of constraints: so are impacts of contacts with a smaller gap
@@ -121,7 +121,7 @@ class Shocks:
 
     def consistent(self, s, compliance):
         """Return (Consistent, Compliance, redundant Groups) in the phases of ``s`` (redundancy.py)."""
-        return consistent_in(self.system, self.linear, s, compliance, self.length)
+        return reanalyse_redundancy(self.system, self.linear, s, compliance, self.length)
 
     def _restitution(self, closing, w):
         """Return the common coefficient of restitution: the least of contacts approaching faster than ``rest``."""

@@ -1,4 +1,4 @@
-"""Recovery of rows from a truncated file, such as one left by an interrupted copy."""
+"""Readable rows: how many rows of a dataset are complete in a truncated file, as left by an interrupted copy."""
 
 
 def rows_within(dataset, rows, size):

@@ -8,8 +8,9 @@ from click.testing import CliRunner
 import mecano
 from mecano.analyses.prepare import prepare
 from mecano.cli import commands
-from mecano.deck.new import examples, starter, starters, write_example, write_text
+from mecano.deck.new_file import write_text
 from mecano.deck.read import read_deck
+from mecano.deck.sample_decks import examples, starter, starters, write_example
 from mecano.errors import ResultsError, UsageError
 from mecano.model.sampler import Sampler, row_size
 

@@ -1,13 +1,12 @@
-"""Starters (mecano/deck/starters), examples (inputs/), and the writing of files for users."""
+"""Sample decks: starters of `mecano new` (mecano/deck/starters) and examples of `mecano example` (inputs/)."""
 
-import json
-import os
 import re
 from importlib.resources import files
 from pathlib import Path
 
+from mecano.deck.new_file import write_bytes, write_text
 from mecano.deck.wording import quoted, suggestion
-from mecano.errors import ResultsError, UsageError
+from mecano.errors import UsageError
 
 STARTERS = files("mecano.deck") / "starters"
 EXAMPLES = files("mecano") / "inputs"  # in a clone a link to the folder inputs/
@@ -51,7 +50,7 @@ def write_example(name, path):
     for file in needed:
         beside = Path(path).with_name(file.name)
         if not (beside.is_file() and beside.read_bytes() == file.read_bytes()):
-            _write(beside, file.read_bytes())
+            write_bytes(beside, file.read_bytes())
     write_text(path, known[name])
     return [file.name for file in needed]
 
@@ -76,23 +75,3 @@ def _list(heading, summaries, usage):
     width = max(map(len, summaries))
     lines = [f"  {name:<{width}}  {text}" for name, text in summaries.items()]
     return "\n".join([heading, *lines, "", usage])
-
-
-def schema_text(schema):
-    """Return a JSON Schema as text."""
-    return json.dumps(schema, indent=1) + "\n"
-
-
-def write_text(path, text, replace=False):
-    """Write a file; raises UsageError if it exists and ``replace`` is False, ResultsError if it cannot be written."""
-    _write(path, text.encode(), replace)
-
-
-def _write(path, data, replace=False):
-    try:
-        with open(path, "wb" if replace else "xb") as stream:
-            stream.write(data)
-    except FileExistsError:
-        raise UsageError(f"{os.fspath(path)} already exists and is not replaced") from None
-    except (OSError, ValueError) as error:
-        raise ResultsError(f"{os.fspath(path)} cannot be written: {getattr(error, 'strerror', error)}") from None

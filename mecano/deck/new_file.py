@@ -1,0 +1,21 @@
+"""Files that commands write for users, and replace only when asked to."""
+
+import os
+
+from mecano.errors import ResultsError, UsageError
+
+
+def write_text(path, text, replace=False):
+    """Write a text file; raises as ``write_bytes``."""
+    write_bytes(path, text.encode(), replace)
+
+
+def write_bytes(path, data, replace=False):
+    """Write a file; raises UsageError if it exists and ``replace`` is False, ResultsError if it cannot be written."""
+    try:
+        with open(path, "wb" if replace else "xb") as stream:
+            stream.write(data)
+    except FileExistsError:
+        raise UsageError(f"{os.fspath(path)} already exists and is not replaced") from None
+    except (OSError, ValueError) as error:
+        raise ResultsError(f"{os.fspath(path)} cannot be written: {getattr(error, 'strerror', error)}") from None
