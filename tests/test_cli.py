@@ -291,7 +291,7 @@ except MemoryError:
         (("a.h5", "--report", "a.html", "-o", "b", "--csv"), "--output, --csv: only for pictures"),
         (("a.h5", "--animate", "a.html", "--format", "svg"), "--format: only for pictures"),
         (("a.h5", "--animate", "a.html", "--spectrum", "x"), "--spectrum: the page of --animate has plots over time"),
-        (("a.h5", "b.h5", "--report", "a.html"), "--animate and --report are about one results file"),
+        (("a.h5", "b.h5", "--report", "a.html"), "--animate and --report take one results file"),
     ],
 )
 def test_options_that_pages_cannot_have(call, words, message):

@@ -78,9 +78,7 @@ def test_signals_may_need_one_another():
 
 def test_signals_that_do_not_determine_one_another_are_refused():
     """A circle is named, without the signals that it reads and that read it, before a run and at its start."""
-    circle = (
-        "signals need one another in a circle that does not determine them: formula 'first' -> formula 'second' -> "
-    )
+    circle = "signals form a loop without a unique solution: formula 'first' -> formula 'second' -> "
     more = '"2*second + rail.velocity", after: 3*first, before: time'
     found = deck(LOOP.replace('"2 + 0.5*first"', '"2 + 0.5*first + before"').replace("SIGNAL", more))
     with pytest.raises(AssemblyError, match=f":7:11: {circle}formula 'first'$"):

@@ -107,7 +107,7 @@ def _delete_attribute(name):
 
 
 RUBBISH = [
-    ("run/status", _replace("run/status", b"rubbish"), "'rubbish' is none of complete, stopped, failed, running"),
+    ("run/status", _replace("run/status", b"rubbish"), "'rubbish' is not one of complete, stopped, failed, running"),
     ("run/status", _replace("run/status", b"\xff\xfe"), "'utf-8' codec"),
     ("run/status", _replace("run/status", 3.0), "it is not a text"),
     ("run/reason", _replace("run/reason", [1.0, 2.0]), "it is not a text"),

@@ -205,7 +205,7 @@ REPEATS = [  # what stands behind 'repeat' of p$i in CHAIN, the problem
     ("{i: [1, [2]]}", "4:25 node 'p$i': must be a number, got [2]"),
     ("{}", "4:17 node 'p$i': 'repeat' must be a mapping of names to values, or a list of rows"),
     ("[{i: 1}, 2]", "4:17 node 'p$i': 'repeat' must be a mapping of names to values, or a list of rows"),
-    ("{i: [0.5]}", "4:4 node 'p$i': a name takes whole numbers and words, and $i is 0.5"),
+    ("{i: [0.5]}", "4:4 node 'p$i': only whole numbers and words can be part of a name; $i is 0.5"),
     ("{j: 0..3}", "4:4 node 'p$i': unknown parameter 'i'; known: j, count, pitch"),
     ("{i: [1, 1]}", "4:3 node 'p$i': 'p1' is given twice; first at deck.yaml:4:3"),
 ]  # fmt: skip

@@ -178,7 +178,7 @@ STRUCTURE = [
     ("  top: {", "  ground: {", 6, "ground",
      "node 'ground': the name 'ground' is reserved"),
     ("  top: {", "  2nd: {", 6, "2nd",
-     "node '2nd': a name begins with a letter from a to z or '_' and has such letters, digits, '_' and '-'"),
+     "node '2nd': a name begins with a letter from a to z or '_', and contains only such letters, digits, '_' and '-'"),
 ]  # fmt: skip
 NAMES = [
     ("law: oleo", "law: oloe", 14, "oloe",

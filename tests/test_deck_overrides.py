@@ -62,7 +62,7 @@ def test_an_optional_field_set_to_null_is_absent(null):
         ("nodes.tpo.position=[1, 2, 3]", "1:7 'nodes' has no 'tpo'; did you mean 'top'?"),
         ("parameters.sikn=3", "1:12 'parameters' has no 'sikn'; did you mean 'sink'?"),
         ("laws.new=3", "1:6 'laws' has no 'new'; known: oleo, smooth"),
-        ("include=a.yaml", "1:1 unknown key 'include'; 'include' can only stand in the deck itself"),
+        ("include=a.yaml", "1:1 unknown key 'include'; 'include' is allowed in the file of the deck only"),
         ("tme.end=3", "1:1 unknown key 'tme'; did you mean 'time'?"),
         ("time.edn=3", "1:6 unknown key 'time.edn'; did you mean 'end'?"),
         ("time.newton.iterations=3", "1:13 unknown key 'time.newton.iterations'; did you mean 'maximum_iterations'?"),

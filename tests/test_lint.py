@@ -67,7 +67,7 @@ def test_negative_stiffness_and_damping():
         ),
         ("snap_through", "loads.weight.node=left", "force 'weight': node 'left' is fixed, so the load has no effect"),
         ("flexible_pendulum", "sections.rubber.density=1.1", "section 'rubber': 'density' is 1.1 kg/m3, lighter than"),
-        ("pendulum", "gravity=[0, 0, -9810]", "'gravity' is 9810 m/s2; on earth it is 9.81"),
+        ("pendulum", "gravity=[0, 0, -9810]", "'gravity' is 9810 m/s2; on Earth it is 9.81"),
         ("pendulum", "gravity=[0, 0, -981]", "'gravity' is 981 m/s2"),
         ("pendulum", "gravity=[0, -32.17, 0]", "'gravity' is 32.17 m/s2"),
         ("pendulum", "gravity=[0, 0, -9.81e-3]", "'gravity' is 0.00981 m/s2"),
@@ -218,8 +218,8 @@ OF_TIME = {
 def test_waves_of_time_that_the_steps_do_not_sample(name, wave):
     text = HEAD + OF_TIME[name].replace("FIELD", wave) + "\n"
     (found,) = deck(text).warnings
-    assert f"'{name}': " in found.message and "a wave of 30 Hz, which steps of 0.01 s (time.step)" in found.message
-    assert "sample 3.33 times a period" in found.message and "0.00833 s is the longest step" in found.message
+    assert f"'{name}': " in found.message and "oscillates at 30 Hz, but steps of 0.01 s (time.step)" in found.message
+    assert "sample it only 3.33 times per period" in found.message and "0.00833 s is the longest step" in found.message
     assert str(found.mark).startswith(at(text, OF_TIME[name].strip()[:12]).rpartition(":")[0].rpartition(":")[0])
 
 
@@ -232,11 +232,11 @@ FIXED, ADAPTIVE = "step: 0.01", "step: {step}, adaptive: {{tolerance: 1e-3, maxi
     [
         ("{sine: {amplitude: 1, frequency: 25}}", FIXED, ""),  # four steps a period
         ("{sine: {amplitude: 0, frequency: 30}}", FIXED, ""),
-        ("{random: {density: 1, highest: 30}}", FIXED, "a wave of 30 Hz"),
-        ("sin(2*pi*30*time)", FIXED, "a wave of 30 Hz"),
-        ("1 + cos(3 - 2*pi*30*time)**2", FIXED, "a wave of 30 Hz"),
+        ("{random: {density: 1, highest: 30}}", FIXED, "oscillates at 30 Hz"),
+        ("sin(2*pi*30*time)", FIXED, "oscillates at 30 Hz"),
+        ("1 + cos(3 - 2*pi*30*time)**2", FIXED, "oscillates at 30 Hz"),
         ("sin(2*pi*25*time)", FIXED, ""),
-        ("sin(pi*30*time**2)", FIXED, "a wave of 30 Hz"),  # a sweep, at the end of the run
+        ("sin(pi*30*time**2)", FIXED, "oscillates at 30 Hz"),  # a sweep, at the end of the run
         ("sin(200*b.position.x) + 200*time", FIXED, ""),
         ("sin(sqrt(-1 - time))", FIXED, ""),
         (WAVE, ADAPTIVE.format(step=0.001, longest=0.01), "steps of 0.01 s (time.adaptive.maximum_step)"),
@@ -260,7 +260,7 @@ def test_a_law_of_time_with_several_uses_is_one_warning():
 def test_a_ground_that_moves_by_a_wave_of_time():
     ground = "plane: {point: [0, 0, 0], normal: [0, 0, 1]}, motion: {direction: [1, 0, 0], speed: FIELD}"
     found, _ = deck(HEAD + f"    grounds: {{belt: {{{ground.replace('FIELD', WAVE)}}}}}\n").warnings
-    assert "ground 'belt': 'motion.speed' has a wave of 30 Hz" in found.message
+    assert "ground 'belt': 'motion.speed' oscillates at 30 Hz" in found.message
 
 
 @pytest.mark.parametrize(("x", "far"), [(9e4, False), (1e6, True)])

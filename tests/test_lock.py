@@ -99,9 +99,12 @@ def record(path, **changed):
     "changed, message",
     [
         ({}, r"is being written by process \d+ on .*: wait for it, end it"),
-        ({"host": "node7", "process": 4711}, r"process 4711 on node7 .*unknown on .*remove .*\.r\.h5\.lock and"),
-        ({"machine": "another of the same name"}, "which is unknown on"),
-        ({"space": "pid:[1]"}, "which is unknown on"),
+        (
+            {"host": "node7", "process": 4711},
+            r"process 4711 on node7 .*be determined on .*remove .*\.r\.h5\.lock and",
+        ),
+        ({"machine": "another of the same name"}, "which cannot be determined on"),
+        ({"space": "pid:[1]"}, "which cannot be determined on"),
         ({"process": None}, "does not name the process"),
     ],
 )

@@ -67,7 +67,9 @@ def test_redundant_constraints_that_contradict_one_another_are_reported():
     """A motor on a blocked joint whose compliance gives 1e-11 only, from the start or from 5 ms."""
     RecordedRun(deck(BLOCKED.format(0.0)))
     motor = "to prescribed_angle 'turn': moment that holds the angle"
-    with pytest.raises(AssemblyError, match=f"contradict one another: the others leave a rate of -1 rad/s {motor}"):
+    with pytest.raises(
+        AssemblyError, match=f"contradict one another: the other constraints leave a rate of -1 rad/s {motor}"
+    ):
         RecordedRun(deck(BLOCKED.format("{linear: {slope: 1}}")))
     with pytest.raises(ConvergenceError, match=f"at t = 0.005.*contradict .* a gap of -1e-06 rad {motor}") as error:
         RecordedRun(deck(BLOCKED.format("{ramp: {start: 5.0e-3, end: 1, from: 0, to: 1}}")))

@@ -218,7 +218,7 @@ def test_a_run_ends_where_the_cable_leaves_a_pulley(tmp_path):
 
 def test_a_run_ends_where_a_load_is_hauled_into_its_pulley(tmp_path):
     hauled = TWO_WEIGHTS.replace("damping: 0.002", "payout: {linear: {slope: -5}}")
-    with pytest.raises(ConvergenceError, match="reeved_cable 'rope' has no span any more"):
+    with pytest.raises(ConvergenceError, match="reeved_cable 'rope' has no free span left"):
         run(deck(hauled), tmp_path / "hauled.h5")
 
 

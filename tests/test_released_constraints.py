@@ -95,7 +95,9 @@ def test_a_contradiction_is_reported_and_not_slipped_over():
     """A motor that turns as the wheel rolls bears nothing; one percent more, or the same on a bump, is refused."""
     fitting = RecordedRun(deck(MOTOR.format(rate=5.0 / 0.3, height=0.0)))
     assert np.abs(fitting["joints/spin/moment"]).max() < 1e-6
-    slips = "constraints contradict one another: those on positions leave a slip of .* m/s to rigid_wheel 'wheel'"
+    slips = (
+        "constraints contradict one another: the constraints on positions leave a slip of .* m/s to rigid_wheel 'wheel'"
+    )
     with pytest.raises(AssemblyError, match=slips):
         RecordedRun(deck(MOTOR.format(rate=5.05 / 0.3, height=0.0)))
     with pytest.raises(ConvergenceError, match=slips):

@@ -28,7 +28,7 @@ WARNINGS = {  # deck: overrides, what is said at the start
     ),
     "double_pendulum": (
         ["time.end=0.01", "initial.velocities=[{nodes: [elbow], velocity: [1, 0, 0]}]"],
-        "the initial velocities do not fit the constraints and were changed to the nearest that do",
+        "the initial velocities violate the constraints and were replaced by the nearest admissible ones",
     ),
     "spherical_pendulum": (["time.end=0.01"], ""),
 }
@@ -164,9 +164,9 @@ def test_amounts_foreseen_are_those_of_the_run(overrides, foreseen, made, tmp_pa
 def test_absurd_amounts_are_warned_of_before_the_run():
     out = check("time.step=1.0e-8")
     assert "2e+08 steps of 1e-08 s are needed: is 'time.step' intended?" in out
-    assert "the results file will have some 14.4 GB" in out
+    assert "the results file will have about 14.4 GB" in out
     out = check("output.every=1.0e-8")
-    assert "the results file will have some 56 GB" in out and "are asked for" not in out
+    assert "the results file will have about 56 GB" in out and "are asked for" not in out
     assert "only the start and the end are saved" in check("output.every=5") and "only" not in check("output.every=2")
     assert "warning" not in check()
     said = startup_warnings(prepare(input_deck("pendulum", "time.step=1.0e-8")))
@@ -250,12 +250,12 @@ def test_friction_at_rest_is_reported_as_a_damper():
 @pytest.mark.parametrize(
     ("name", "mass", "loose"),
     [
-        ("superelement_arm", 12, "80: 0 with flexible members held stiff, 80 deformations of these redundant 0"),
-        ("beam_spin_up", 12, "48: 0 with flexible members held stiff, 48 deformations of these redundant 0"),
-        ("flexible_pendulum", 0.0863938, "49: 1 with flexible members held stiff, 48 deformations of these mech"),
-        ("caster_shimmy", 12, "5: 2 with flexible members and tyres held stiff, 3 deformations of these 1 free, each"),
-        ("digital_control", 4, "2 2 free, each by itself: node cart: displacement x; node shuttle: displacement x"),
-        ("hanging_chain", 1.5, "5 3 free, each by itself: node p1: displacement y; node p2: displacement y; node p3"),
+        ("superelement_arm", 12, "80: 0 with flexible members held rigid, 80 by their deformation redundant 0"),
+        ("beam_spin_up", 12, "48: 0 with flexible members held rigid, 48 by their deformation redundant 0"),
+        ("flexible_pendulum", 0.0863938, "49: 1 with flexible members held rigid, 48 by their deformation mech"),
+        ("caster_shimmy", 12, "5: 2 with flexible members and tyres held rigid, 3 by their deformation 1 independent"),
+        ("digital_control", 4, "2 2 independent motion(s): node cart: displacement x; node shuttle: displacement x"),
+        ("hanging_chain", 1.5, "5 3 independent motion(s): node p1: displacement y; node p2: displacement y; node p3"),
     ],
 )
 def test_check_tells_the_mass_and_what_is_loose(name, mass, loose):
@@ -289,7 +289,7 @@ joints: {{rod$(c)_$i: {links}, a$(c): {{repeat: {{c: 1..6}}, type: spherical, no
 time: {{end: 1, step: 0.1}}
 """.encode(), "chains.yaml")  # fmt: skip
     short, long = flowing(summary(deck)), flowing(summary(deck, every=True))
-    assert "18 free, each by itself: node p1_1: displacement y; node p1_2: displacement y;" in short
+    assert "18 independent motion(s): node p1_1: displacement y; node p1_2: displacement y;" in short
     assert "and 12 more mechanism of 2 degree(s) of freedom" in short and "more" not in long
     assert "and 2 more mechanism(s) of 4 degree(s) of freedom together" in short
     assert short.count("mechanism of") == 4 and long.count("mechanism of") == 6

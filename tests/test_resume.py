@@ -240,7 +240,7 @@ class TestTheCheckpoint:
         with h5py.File(path, "r+") as file:
             del file["checkpoints/0"]
         resume(deck, path, announce=reported.append)
-        assert reported == [f"{path} has no checkpoint yet: the run starts anew"]
+        assert reported == [f"{path} has no checkpoint yet: the run starts again"]
         assert contents(path)["status"] == "complete"
 
     def test_a_complete_file_stays_as_it_is(self, tmp_path):
@@ -268,7 +268,7 @@ class TestTheCheckpoint:
         before = path.read_bytes()
         with pytest.raises(UsageError) as refused:
             resume(other, path)
-        assert "time.end: 4.0, and the deck 5.0" in str(refused.value) and "time.step: 0.01" in str(refused.value)
+        assert "time.end: 4.0 instead of 5.0" in str(refused.value) and "time.step: 0.01" in str(refused.value)
         assert "title" in str(refused.value) and path.read_bytes() == before
 
     def test_another_machine_is_reported(self, left):

@@ -64,7 +64,9 @@ def test_the_picture_says_what_was_found(tmp_path):
 def test_what_has_no_spectrum_is_refused(tmp_path):
     time = 0.01 * np.arange(40)
     uneven = write(tmp_path / "uneven.h5", time**2, np.sin(time))
-    with pytest.raises(UsageError, match=r"uneven.h5 is known every 0.0001 to 0.0077 s: .* equal intervals.*output"):
+    with pytest.raises(
+        UsageError, match=r"uneven.h5 is known at intervals of 0.0001 to 0.0077 s: .* equal intervals.*output"
+    ):
         sheet(uneven)
     with pytest.raises(UsageError, match="5 values: too few"):
         sheet(write(tmp_path / "short.h5", time[:5], time[:5]))

@@ -97,7 +97,7 @@ def _remarks(results, row, name, system, nodes, missing, anew):
         if names:
             yield f"nodes {what}: {_some(names)}"
     if anew:
-        yield f"signals that begin anew, without their past: {_some(anew)}"
+        yield f"signals that start without their history: {_some(anew)}"
     if missing:
         yield f"unknowns not in that file, which start as in the deck: {_some([f'{n} of {o}' for o, n in missing])}"
 

@@ -79,7 +79,7 @@ def unresolved(values, sampler, ringing, length):
     smaller = "'time.adaptive.tolerance' or 'time.adaptive.maximum_step'" if values["adaptive"] else "'time.step'"
     yield (
         f"the steps do not resolve {len(worst)} force(s), which oscillate from step to step: "
-        f"{some(worst, MOST_FORCES)}. Their values are not those of the model; use a smaller {smaller}, or add damping "
+        f"{some(worst, MOST_FORCES)}. Their values are not reliable; use a smaller {smaller}, or add damping "
         "to the oscillating parts"
     )
 

@@ -88,7 +88,7 @@ def _resumable(path):
 def resume(deck, path, *, observers=(), reporters=(), announce=lambda text: None, interruption=None, interval=INTERVAL):
     """Resume the run in the results file ``path`` from its last checkpoint; return the final RunState.
 
-    Without such a file, or without a checkpoint in it, the run starts anew. Return None if the run is complete. The
+    Without such a file, or without a checkpoint in it, the run starts again. Return None if the run is complete. The
     results are bit for bit those of an uninterrupted run on the same machine with the same versions and number of
     threads; otherwise a warning in the file names the differences. The old file is kept until the new one is written
     up to the checkpoint. Raises UsageError if the file belongs to another deck, ResultsError if it is damaged or still
@@ -116,7 +116,7 @@ def _resume(deck, path, *around):
         verify(path)  # a file changed afterwards is not complete, and a study must not continue with it
         announce(COMPLETE.format(path))
         return None
-    announce(f"{path} has no checkpoint yet: the run starts anew")
+    announce(f"{path} has no checkpoint yet: the run starts again")
     with _from_the_start(deck, path, True, *around) as ongoing:
         return ongoing.to_the_end()
 

@@ -46,4 +46,4 @@ def _reshaped(prepared, before):
     i = int(np.argmax(size))
     if size[i] > NOTICEABLE * prepared.length:
         name = system.nodes[i].name
-        yield f"to run steadily the mechanism takes another shape: node '{name}' moves by {size[i]:.3g} m"
+        yield f"steady running requires another shape of the mechanism: node '{name}' moves by {size[i]:.3g} m"

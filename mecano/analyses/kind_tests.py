@@ -338,7 +338,7 @@ def check_samples(kind):
     for sample in found:
         assert kind.check(sample.values, sample.nodes) == []
         for name in set(sample.values) - {field.name for field in kind.fields}:
-            assert not kind.section, f"{name} is no field of {kind.name}"
+            assert not kind.section, f"{name} is not a field of {kind.name}"
 
 
 OF_EVERY_KIND = (

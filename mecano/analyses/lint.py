@@ -48,7 +48,7 @@ def _strained(deck, system, s):
         if not usual[0] <= strain <= usual[1]:
             text = (
                 f"{d['type']} '{name}' is strained by {100.0 * strain:.3g} % at the start: its nodes are "
-                f"{natural * (1.0 + strain):.6g} m apart, its length without force is {natural:.6g} m"
+                f"{natural * (1.0 + strain):.6g} m apart, its unstressed length is {natural:.6g} m"
             )
             yield Problem(text, deck.mark("elements", name))
 

@@ -50,7 +50,7 @@ def rest_at(prepared, text):
     """
     state, factor, words = _saved(prepared, text)
     if factor is not None:
-        raise UsageError("the results are those of statics: the model is at rest there already; leave out --at-rest")
+        raise UsageError("in results of a static analysis the model is at rest already: omit --at-rest")
     prepared = prepared.at(state)
     state, warnings = rest(prepared, _moving(prepared, state))
     return prepared, state, f"equilibrium at rest near {words}", warnings
@@ -91,17 +91,17 @@ def _placed(prepared, results, row):
 def _moving(prepared, state):
     """Return the State of a dynamic run with consistent velocities, accelerations and reactions."""
     if prepared.deck.values["time"] is None:
-        raise UsageError("the results are those of a dynamic run, but the deck is one of statics")
+        raise UsageError("these are results of a dynamic analysis, but the deck has 'static'")
     return integrator_of(prepared).begin(state, prepared.deck.values["time"]["step"]).motion
 
 
 def _resting(prepared, state, factor):
     """Return the equilibrium at a load factor, with its reactions, and its function ``assemble``."""
     if prepared.deck.values["static"] is None:
-        raise UsageError("the results are those of statics, but the deck is one of dynamics")
+        raise UsageError("these are results of a static analysis, but the deck has 'time'")
     statics = loaded(prepared, prepared.deck.values["static"])
     s, found = statics.correct(state, float(factor))
     if not found.ok:
-        raise ResultsError(f"the saved state is no equilibrium of this deck: {found.message}")
+        raise ResultsError(f"the saved state is not an equilibrium of this deck: {found.message}")
     statics.evaluate(s, float(factor), 1.0, 0.0, False)
     return s, lambda s, k, penalty, *weights: statics.loading.assemble(s, float(factor), k, penalty, *weights)

@@ -169,7 +169,7 @@ def startup_warnings(prepared, start=None):
     if not analysis.complete:
         texts.append(
             f"more than {DENSE_ROWS} constraints form closed loops: their redundancy is not analysed, and the run "
-            "allows for any"
+            "expects some to be redundant"
         )
     texts += warnings_of(prepared)
     if prepared.deck.values["time"] and not mass_of(prepared.system):
@@ -219,9 +219,9 @@ def _friction_of(system, group):
     if not owners:
         return []
     return [
-        f"the friction of {', '.join(owners)} depends on reactions that are not unique: it, and so the motion, follows "
-        "from their distribution by equal compliances of the redundant constraints; release redundant constraints, or "
-        "give other joints of the group a 'compliance'"
+        f"the friction of {', '.join(owners)} depends on reactions that are not unique: friction and motion depend on "
+        "how equal compliances of the redundant constraints distribute the reactions; release redundant constraints, "
+        "or give other joints of the group a 'compliance'"
     ]
 
 
@@ -243,9 +243,10 @@ def _changed_velocities(prepared, motion):
             i = rows[int(np.argmax(change))]
             was, is_ = (", ".join(f"{c + 0.0:.4g}" for c in vector) for vector in (asked[i], reached[i]))
             return [
-                "the initial velocities do not fit the constraints and were changed to the nearest that do (momenta "
-                f"kept): node '{system.nodes[i].name}' from [{was}] to [{is_}] {unit}. Nodes that are not named, also "
-                "those attached to a body, were given none: name all that move, with 'about' for a rotation"
+                "the initial velocities violate the constraints and were replaced by the nearest admissible ones "
+                f"(momenta kept): node '{system.nodes[i].name}' from [{was}] to [{is_}] {unit}. Nodes that are not "
+                "named, including those attached to a body, have no velocity: name all nodes that move, with 'about' "
+                "for a rotation"
             ]
     return []
 

@@ -62,7 +62,7 @@ class InterruptedRun:
                 + "\n  ".join(found[:MOST]) + more
             )  # fmt: skip
         if changed := self._changed_plugins():
-            raise UsageError(f"{self.path} cannot be resumed: {changed}; name the plugins that it was begun with")
+            raise UsageError(f"{self.path} cannot be resumed: {changed}; name the plugins with which it was started")
         version = self.results.format_version
         if version != FORMAT_VERSION:
             raise ResultsError(
@@ -131,7 +131,7 @@ def differences(was, now, path=""):
         for i, pair in enumerate(zip(was, now, strict=True)):
             yield from differences(*pair, f"{path}.{i}")
     elif was != now:
-        yield f"{path}: {_short(was)}, and the deck {_short(now)}"
+        yield f"{path}: {_short(was)} instead of {_short(now)}"
 
 
 ABSENT = object()

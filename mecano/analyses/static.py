@@ -88,7 +88,7 @@ def resume(deck, path, *, observers=(), announce=lambda text: None):
             if left.complete:
                 announce(COMPLETE.format(path))
                 return None
-            announce(f"equilibria have no checkpoints: the run in {path} starts anew")
+            announce(f"equilibria have no checkpoints: the run in {path} starts again")
         return _follow(deck, path, True, observers, announce)
 
 

@@ -58,14 +58,14 @@ def summary_of(prepared, every=False):
 
 
 def _mobility(prepared, every):
-    """Yield the lines on mobility and free motions; of flexible structures, those with flexible members held stiff."""
+    """Yield the lines on mobility and free motions; of flexible structures, those with flexible members held rigid."""
     system, analysis = prepared.system, prepared.analysis
     stiff = stiff_mechanisms(system, prepared.state, prepared.length, analysis)
     text = f"mobility         {analysis.mobility}"
     rigid = analysis.mobility if stiff is None else sum(group.count for group in stiff)
     if rigid < analysis.mobility:
         what = "flexible members and tyres" if system.massless.any() else "flexible members"
-        text += f": {rigid} with {what} held stiff, {analysis.mobility - rigid} deformations of these"
+        text += f": {rigid} with {what} held rigid, {analysis.mobility - rigid} by their deformation"
     yield text
     found = analysis.mechanisms if stiff is None else stiff
     if found is None:
@@ -79,7 +79,7 @@ def _free(mechanisms, every):
     most, shown = (10**9, len(mechanisms)) if every else (MOST_NAMES, MOST_MECHANISMS)
     alone = [name for group in mechanisms for name in group.names if len(group.names) == 1]
     if alone:
-        yield f"{len(alone)} free, each by itself: {some(_by_nodes(alone), most)}"
+        yield f"{len(alone)} independent motion(s): {some(_by_nodes(alone), most)}"
     groups = [group for group in mechanisms if len(group.names) > 1]
     for group in groups[:shown]:
         yield f"mechanism of {group.count} degree(s) of freedom: {some(_by_nodes(group.names), most)}"

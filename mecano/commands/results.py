@@ -72,7 +72,7 @@ def _post(results, plots, spectra, at, output, kind, columns, title, page, repor
 def _refuse_strays(results, **given):
     """Raise UsageError for options that do not apply to pages."""
     if len(results) > 1:
-        raise click.UsageError("--animate and --report are about one results file")
+        raise click.UsageError("--animate and --report take one results file")
     strays = [f"--{name}" for name, value in given.items() if value]
     if strays:
         raise click.UsageError(f"{', '.join(strays)}: only for pictures, not drawn with --animate or --report")

@@ -11,10 +11,14 @@ from mecano.process.interrupt import Interruption, again, seconds
 
 @click.command()
 @click.argument("deck", type=click.Path())
-@click.option("-o", "--output", type=click.Path(), help="Results file; default: the deck's name with .h5, here.")
+@click.option(
+    "-o", "--output", type=click.Path(), help="Results file; default: the deck's name with .h5, in this folder."
+)
 @click.option("--force", is_flag=True, help="Replace an existing results file.")
 @click.option("--resume", is_flag=True, help="Resume the results file from its last checkpoint, if it has one.")
-@click.option("--max-walltime", "limit", metavar="TIME", help="Stop in time to --resume: 3600, 2h30m or 02:30:00.")
+@click.option(
+    "--max-walltime", "limit", metavar="TIME", help="Stop with a checkpoint before this time: 3600, 2h30m or 02:30:00."
+)
 @click.option(
     "--checkpoint", "interval", type=click.FloatRange(0), metavar="SECONDS",
     help="Wall-clock time between checkpoints; default: 30.",
@@ -52,7 +56,7 @@ def run(deck, output, force, resume, limit, interval, live, quiet, overrides):
 @click.option("--number", type=click.IntRange(1), help="Modes of lowest frequency; default: 10, in a sweep all.")
 @click.option(
     "--sweep", "sweeps", multiple=True, metavar="NAME=FROM:TO:STEP",
-    help="Over a parameter of the deck, or any number (as --set); or NAME=A,B,C. Twice: a map of stability.",
+    help="Vary a parameter, or any number of the deck (as --set); also NAME=A,B,C. Twice: a map of stability.",
 )  # fmt: skip
 @click.option(
     "--frame", default="inertial", show_default=True, metavar="NODE|WX,WY,WZ|inertial",
@@ -60,11 +64,14 @@ def run(deck, output, force, resume, limit, interval, live, quiet, overrides):
 )  # fmt: skip
 @click.option("--solver", type=click.Choice(["automatic", "dense", "sparse"]), default="automatic", show_default=True)
 @click.option(
-    "-o", "--output", type=click.Path(), help="File; default: the deck's name with _modes.h5, or _sweep.h5, here."
+    "-o",
+    "--output",
+    type=click.Path(),
+    help="File; default: the deck's name with _modes.h5, or _sweep.h5, in this folder.",
 )
 @click.option("--plot", is_flag=True, help="Draw the shapes, or the root loci, into a picture beside the file.")
 @click.option("--csv", "columns", is_flag=True, help="Also write the numbers of a sweep, beside the file.")
-@click.option("-q", "--quiet", is_flag=True, help="Print no progress of a sweep or of compiling.")
+@click.option("-q", "--quiet", is_flag=True, help="Do not print the progress of sweeps and compilation.")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @overrides
 @plugins
@@ -79,7 +86,7 @@ def modes(deck, at, at_rest, number, sweeps, frame, solver, output, plot, column
     """
     if sweeps:
         if at is not None or at_rest:
-            raise click.BadParameter("is about one state, and --sweep about many", param_hint="--at")
+            raise click.BadParameter("takes one state, but --sweep has many", param_hint="--at")
         return _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns, quiet, force)
     if columns:
         raise click.BadParameter("belongs to --sweep", param_hint="--csv")
@@ -129,7 +136,9 @@ def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns
 @click.option("--elements", metavar="A,B,...", help="Elements and joints of the part; default: all of the deck.")
 @click.option("--nodes", metavar="A,B,...", required=True, help="Boundary nodes of the part and superelement.")
 @click.option("--modes", "number", metavar="N|all", default="10", show_default=True, help="Modes kept.")
-@click.option("-o", "--output", type=click.Path(), help="File .npz or .h5; default: the deck's name with .npz, here.")
+@click.option(
+    "-o", "--output", type=click.Path(), help="File .npz or .h5; default: the deck's name with .npz, in this folder."
+)
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @overrides
 @plugins

@@ -15,7 +15,10 @@ from mecano.process.interrupt import Interruption, seconds
 @click.command()
 @click.argument("study", type=click.Path())
 @click.option(
-    "-o", "--output", type=click.Path(), help="Folder of the cases; default: the study's name with _runs, here."
+    "-o",
+    "--output",
+    type=click.Path(),
+    help="Folder of the cases; default: the study's name with _runs, in this folder.",
 )
 @click.option("--jobs", type=click.IntRange(1), metavar="N", help="Number of parallel cases; default: one per core.")
 @click.option("--time-limit", metavar="TIME", help="Wall-clock time of each case: 3600, 2h30m or 02:30:00.")

@@ -152,13 +152,15 @@ def check_surface(d, nodes):
     name, values = given(d)
     place = "point" if name == "plane" else "center"
     if d["nodes"][0] == "ground" and values[place] is None:
-        return [f"'{name}' needs '{place}': the ground has no place of its own"]
+        return [f"'{name}' needs '{place}': the ground has no position"]
     if name == "plane":
         return []
     if values.get("inside"):
         small = d["radius"] < values["radius"]
-        return [] if small else [f"'radius' of the ball must be less than that of the {name} around it"]
+        return [] if small else [f"'radius' of the ball must be less than the radius of the {name} around it"]
     away = gap_at_start(d, nodes)[1]
     if away >= values["radius"] or "inside" not in values:
         return []
-    return [f"node b is {away:.3g} m from the middle of the {name}, inside of it: move it out, or say 'inside: true'"]
+    return [
+        f"node b is {away:.3g} m from the middle of the {name}, inside it: move it outside, or write 'inside: true'"
+    ]

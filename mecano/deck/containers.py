@@ -109,7 +109,7 @@ def _meant(key, known, fields, field, scope):
     if ":" in key:
         return "write a space after ':'"
     if key == "include" and not field.name:  # files were included before: this is of --set
-        return f"{quoted(key)} can only stand in the deck itself"
+        return f"{quoted(key)} is allowed in the file of the deck only"
     name = KEYS_ELSEWHERE.get(key.lower().replace("_", ""))
     if name in known:
         return f"here it is called {quoted(name)}"
@@ -172,7 +172,7 @@ def _check_name(name, key_node, field, scope):
 def wrong_name(name, section):
     """Return the reason why an entry of a section cannot have this name, or ""."""
     if not IDENTIFIER.fullmatch(name):
-        return "a name begins with a letter from a to z or '_' and has such letters, digits, '_' and '-'"
+        return "a name begins with a letter from a to z or '_', and contains only such letters, digits, '_' and '-'"
     return f"the name {quoted(name)} is reserved" if name in RESERVED.get(section, ()) else ""
 
 

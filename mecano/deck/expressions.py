@@ -100,7 +100,9 @@ def _insert(match, parameters):
         column = match.start() + (1 + error.column if match[2] is None else 0)
         raise type(error)(error.message, column, error.near) from None
     if value != int(value):
-        raise ExpressionError(f"a name takes whole numbers and words, and {match[0]} is {value:g}", match.start())
+        raise ExpressionError(
+            f"only whole numbers and words can be part of a name; {match[0]} is {value:g}", match.start()
+        )
     return str(int(value))
 
 

@@ -118,7 +118,7 @@ def _one_of_kinds(type_):
         {"if": {"properties": {"type": {"const": kind.name}}}, "then": {"$ref": f"#/definitions/kind {kind.name}"}}
         for kind in kinds
     ]
-    names = {"enum": [kind.name for kind in kinds], "description": "kind; `mecano list` says what each is"}
+    names = {"enum": [kind.name for kind in kinds], "description": "kind; `mecano list` describes each"}
     return {"type": "object", "required": ["type"], "properties": {"type": names}, "allOf": chosen}
 
 

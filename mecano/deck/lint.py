@@ -79,7 +79,7 @@ def _gravity(vector):
     power = round(math.log10(size / 9.81))
     shifted = (power > 0 or power == -3) and OF_THE_EARTH[0] <= size / 10.0**power <= OF_THE_EARTH[1]
     if shifted or size > LARGEST_GRAVITY:
-        text = f"'gravity' is {size:g} m/s2; on earth it is 9.81, and the units of decks are m, kg and s"
+        text = f"'gravity' is {size:g} m/s2; on Earth it is 9.81, and the units of decks are m, kg and s"
         yield ("gravity",), text
 
 

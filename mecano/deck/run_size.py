@@ -51,7 +51,7 @@ def size_warnings(values, row, history):
     size = result_bytes(values, row, history)
     if size > MOST_BYTES:
         texts.append(
-            f"the results file will have some {size / 1e9:.3g} GB, for {saved_times(values) or 0:.3g} saved times of "
+            f"the results file will have about {size / 1e9:.3g} GB, for {saved_times(values) or 0:.3g} saved times of "
             f"{row} numbers and {count:.3g} steps: are 'output.every' and 'time.step' intended?"
         )
     return texts

@@ -34,9 +34,9 @@ def unsampled(values, kinds):
     for frequency, path, owner, owners in found.values():
         more = f" (and {len(owners) - 1} more uses)" if len(owners) > 1 else ""
         text = (
-            f"{owner}: {'.'.join(path[2:])!r} has a wave of {frequency:.4g} Hz, which steps of {step:g} s "
-            f"({key}) sample {1.0 / (frequency * step):.3g} times a period{more}: another motion than that of the deck "
-            f"results; {1.0 / (LEAST * frequency):.3g} s is the longest step that samples it {LEAST:g} times, "
+            f"{owner}: {'.'.join(path[2:])!r} oscillates at {frequency:.4g} Hz, but steps of {step:g} s ({key}) "
+            f"sample it only {1.0 / (frequency * step):.3g} times per period{more}, so the motion will differ; "
+            f"{1.0 / (LEAST * frequency):.3g} s is the longest step that samples it {LEAST:g} times, "
             f"{1.0 / (ENOUGH * frequency):.3g} s resolves it"
         )
         yield path, text

@@ -45,7 +45,7 @@ SCALE_FIELDS = (
 )
 STEPS_FIELD = Field(
     "steps", either(INTEGER, AUTOMATIC), "-",
-    "number of equal steps, cut back where needed; 'automatic': a tenth first, then as the iterations allow",
+    "number of equal steps, cut back where needed; 'automatic': first a tenth, then as large as the iterations allow",
     AUTOMATIC, at_least_one,
 )  # fmt: skip
 UNTIL_FIELDS = (

@@ -8,14 +8,14 @@ NOTES = {  # words with the same meaning: (targets, note)
     ),
     "inverse dynamics, inverse kinematics, leg": (
         "prescribed_position prescribed_angle prescribed_length",
-        "prescribe the motion, read the reactions; lengths of that run drive legs by tables, interpolation: spline"
+        "prescribe the motion and read the reactions; drive legs by tables of their lengths, with interpolation: spline"
     ),
     "linear actuator, hydraulic cylinder, jack, ram": (
         "line_force joint_force prescribed_length bar",
         "a bar whose natural_length is a law of time pushes and pulls with an elasticity",
     ),
     "pulley, sheave, block, tackle, reeving": (
-        "reeved_cable belt", "a reeved_cable slides over the pulleys, without friction or with it, a belt turns them"
+        "reeved_cable belt", "a reeved_cable slides over the pulleys, with or without friction; a belt turns them"
     ),
     "drum, timing belt, belt drive": ("belt", ""),
     "capstan, bollard, rope brake, band brake": ("reeved_cable", "a reeved_cable with 'friction'"),
@@ -36,10 +36,10 @@ NOTES = {  # words with the same meaning: (targets, note)
     "rail, guide, track, guide way, curve joint, slot": ("prismatic point_on_curve slider_on_beam", ""),
     "cam, follower": ("point_on_curve", ""),
     "gripper, grab, hook, magnet, suction cup, docking, berthing, capture, attach, activate": (
-        "grip latch", "a grip closes and is released by command; a latch locks a joint where it is reached"
+        "grip latch", "a grip closes and is released by command; a latch locks a joint when it is reached"
     ),
     "weld, rigid, rigid joint, clamp, fixed joint, lock, glue": (
-        "fixed rigid_link", "a node that is held where it is has 'fixed: true'"
+        "fixed rigid_link", "to fix a node in space write 'fixed: true'"
     ),
     "gimbal, cardan, cardan joint, hooke, hooke joint, u joint, universal joint": ("universal", ""),
     "constant velocity joint, homokinetic": (

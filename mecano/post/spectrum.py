@@ -70,8 +70,8 @@ def _evenly(quantity, run):
         raise UsageError(f"{where} has {len(values)} values: too few for a spectrum")
     if np.ptp(gaps) > UNEVEN * gaps.mean():
         raise UsageError(
-            f"{where} is known every {gaps.min():.3g} to {gaps.max():.3g} s: a spectrum needs equal intervals; run "
-            "again with 'output: {every: ...}' in the deck"
+            f"{where} is known at intervals of {gaps.min():.3g} to {gaps.max():.3g} s: a spectrum needs equal "
+            "intervals; run again with 'output: {every: ...}' in the deck"
         )
     if not np.all(np.isfinite(values)):
         raise UsageError(f"{where} is not finite everywhere")

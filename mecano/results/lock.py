@@ -119,7 +119,7 @@ def _remove_stale(record, there):
 
 def _refuse_living(path, record, content):
     """Raise ResultsError unless the process of a record is known to have ended."""
-    advice = f"if no process writes it any more, remove {record} and try again"
+    advice = f"if no process is writing it, remove {record} and try again"
     try:
         reported = json.loads(content)
         state = _state(reported)
@@ -130,7 +130,8 @@ def _refuse_living(path, record, content):
         raise ResultsError(f"{path} is being written by {who}: wait for it, end it, or give another name with -o")
     if state == ELSEWHERE:
         raise ResultsError(
-            f"{path} is being written by {who}, unless that has ended, which is unknown on {platform.node()}: {advice}"
+            f"{path} is being written by {who}, unless it has ended, which cannot be determined on {platform.node()}: "
+            f"{advice}"
         )
 
 

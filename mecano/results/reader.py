@@ -396,7 +396,7 @@ class Results:
             return "truncated"
         with self._reading("run/status"):
             if self._status not in ENDS:
-                raise ValueError(f"'{self._status}' is none of {', '.join(ENDS)}")
+                raise ValueError(f"'{self._status}' is not one of {', '.join(ENDS)}")
         if self._status == "running" and self.written_here and not self._writer_lives:
             return "killed" if self._text("run/status") == "running" else "running"  # it may have ended since
         return self._status

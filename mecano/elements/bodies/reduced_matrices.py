@@ -120,7 +120,7 @@ def _rigid(arrays, positions, n):
         )
     C = translations.T @ M @ rotations
     if np.abs(C + C.T).max() > RIGID * max(np.abs(C).max(), np.sqrt(mass * np.abs(rotations.T @ M @ rotations).max())):
-        found.append(f"'mass' does not move as one body in rigid rotations; {EXPECTED}")
+        found.append(f"'mass' is not the mass of one body in rigid rotations; {EXPECTED}")
     return found[:1]
 
 

@@ -243,7 +243,7 @@ def check(d, nodes):
             texts.append(f"the ball starts {-gap:.6g} m within the surface, which is rigid without 'law'")
         return texts
     if d["restitution"]:
-        texts.append("'restitution' is that of a rigid contact; with 'law' give 'damping'")
+        texts.append("'restitution' applies to a rigid contact only; with 'law' give 'damping'")
     at_zero, slope, _ = curve_at(d["law"], 0.0)
     if at_zero != 0.0 or slope < 0.0:
         texts.append("'law' must be zero at zero depth and must not fall there")

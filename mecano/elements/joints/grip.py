@@ -226,7 +226,7 @@ GRIP = Kind(
         Field("nodes", NODE_PAIR, "-", "node a, which grips, and node b, which is held"),
         Field("close", TRIGGER, "-", "when it closes: {time: ...} or {when: ...}", None),
         Field("release", TRIGGER, "-", "when it opens for good: {time: ...} or {when: ...}; never when absent", None),
-        Field("while", CONDITION, "-", "condition of signals, outputs and motions while which it is closed", None),
+        Field("while", CONDITION, "-", "condition of signals, outputs and motions during which it is closed", None),
         Field("rotation", BOOLEAN, "-", "whether it also holds the rotation of b", True),
     ),
     outputs=(

@@ -185,7 +185,11 @@ def ends(d):
     """Return the end conditions of a cable that leaves a pulley, and of neighbours that leave no span between them."""
     return [
         ("lift_off", LIFTED, "leaves one of its pulleys, where its arc (wrap_1, ...) falls below zero"),
-        ("closeness", CLOSEST, "has no span any more between a pulley and the next, or its end: they are too close"),
+        (
+            "closeness",
+            CLOSEST,
+            "has no free span left between two neighbouring pulleys, or a pulley and its end: they are too close",
+        ),
     ]
 
 

@@ -9,7 +9,7 @@ from mecano.solve.diagnostics.joint_redundancy import redundant_groups
 from mecano.solve.events.compliance import NO_ROWS
 
 MOST_OTHERS = 12  # constraints named that contradict one
-TEXT = "constraints contradict one another: {} of {} to {}{}"
+TEXT = "constraints contradict one another: the {} of {} to {}{}"
 GAP = 1e-6  # of the length scale, or rad: of constraints that repeat one another, which give way by 1e-11 of it
 AT_START = 1e-6  # of the speeds: the rate of a deactivated constraint while the others hold exactly
 SLIPS = 0.02  # of the speeds: the same at the end of a step
@@ -43,8 +43,8 @@ class Contradictions:
     def refuse(self, s, h):
         """Raise AssemblyError where the exact constraints impose rates on others at the consistent state ``s``."""
         for rows, others in (
-            (self.released, "those on positions leave a slip"),
-            (self._soft, "the others leave a rate"),
+            (self.released, "constraints on positions leave a slip"),
+            (self._soft, "other constraints leave a rate"),
         ):
             if len(rows) and (text := self._rate(s, h, rows, self.system.constraint_derivatives(s)[:, 1], AT_START)):
                 text = f"at t = {s.t:.9g} s {TEXT.format(others, *text)}"
@@ -56,9 +56,9 @@ class Contradictions:
         ``slips`` (n_l,) are the rates of the deactivated constraints.
         """
         if len(self.released) and (text := self._rate(s, h, self.released, slips, SLIPS)):
-            return TEXT.format("those on positions leave a slip", *text)
+            return TEXT.format("constraints on positions leave a slip", *text)
         if len(self._soft) and (text := self._gap(s)):
-            return TEXT.format("the others leave a gap", *text)
+            return TEXT.format("other constraints leave a gap", *text)
         return ""
 
     def _rate(self, s, h, rows, rates, share):

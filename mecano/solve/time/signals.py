@@ -18,7 +18,7 @@ def settle_signals(system, s, dt):
 
     The values of signals without a state follow by Newton's method, as do the rates of those with one. Rates of the
     former and second rates of the latter are forward differences over ``dt`` [s] of second order. Raises NonFiniteError
-    where signals are not finite, AssemblyError where they need one another in a circle that does not determine them.
+    where signals are not finite, AssemblyError where they form a loop without a unique solution.
     """
     solve_signals(system, s)
     _refuse_undetermined(system, s)
@@ -128,7 +128,7 @@ def _undetermined(J):
 
 def _error(titles, when=""):
     circle = " -> ".join([*titles, titles[0]])
-    text = f"{when}signals need one another in a circle that does not determine them: {circle}"
+    text = f"{when}signals form a loop without a unique solution: {circle}"
     error = AssemblyError(text, Failure.SINGULAR, timed=True)
     error.elements = tuple(titles)
     return error
