@@ -38,7 +38,7 @@ class Failure(Enum):
 
 
 class MecanoError(Exception):
-    """An error with a message for the user; ``exit_code`` is what the command line returns."""
+    """Error with a message for the user; the command line returns its ``exit_code``."""
 
     exit_code = 1
     elements = ()  # titles, "kind 'name'", of the elements in the equations that failed

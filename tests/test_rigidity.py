@@ -1,4 +1,4 @@
-"""Free motions with flexible members held stiff, against linkages with known motions."""
+"""Free motions with flexible members held rigid, against linkages with known motions."""
 
 import pytest
 from time_runs import deck, input_deck

@@ -271,7 +271,7 @@ def test_critical_values_about_a_start_that_is_kicked(tmp_path):
         "critical speed about 50.4: mode 2 (oscillates at 11.7 Hz) grows below it, for an instant only: the states "
         "there are not steady"
     )
-    assert text.count("do not fit the constraints") == 1  # told once, not of each speed with its numbers
+    assert text.count("violate the constraints") == 1  # reported once, not for each speed with its numbers
     file = read_sweep(path)
     assert np.all(file.critical["of_instant"] == 1.0)
     with h5py.File(path, "a") as older:

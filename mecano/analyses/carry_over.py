@@ -26,7 +26,7 @@ def saved_time(text):
 
 
 def carried_over(deck, system, state):
-    """Return the state with which a run of the deck begins, and texts on what was and what was not carried over.
+    """Return the state with which a run of the deck begins, and texts on the values carried over from another run.
 
     ``state`` is that of the deck alone. Raises DeckError, with the place of ``initial.from``, if the file cannot be
     read, has no such saved time, or nothing in common with the deck.
@@ -86,7 +86,7 @@ def _without_past(system, memory):
 
 
 def _remarks(results, row, name, system, nodes, missing, anew):
-    """Yield what is carried over, what is new and what is gone."""
+    """Yield texts on the values carried over, on new nodes and on nodes that no longer exist."""
     begun = results.metadata["started"]
     yield f"the run begins with the state of {name} at {results.time[row]:.9g} {results.axis.unit}, begun {begun}"
     common = {node for _, node in nodes}

@@ -1,4 +1,4 @@
-"""Checkpoints of a run: when they are written and what they contain; stopping a run on request."""
+"""Checkpoints of a run: their times and contents; stopping a run on request."""
 
 import json
 import time

@@ -141,7 +141,7 @@ def _sliding(system, s, pair, friction):
 
 
 def doubts(variation, residuals):
-    """Yield warnings about matrices that are not constant, and about modes that do not satisfy the equations."""
+    """Yield warnings about variable matrices, and about modes that do not satisfy the equations."""
     if variation > CONSTANT:
         yield (
             f"the linearized equations are not constant in these axes (they change by {variation:.2g} when the "

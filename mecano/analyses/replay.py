@@ -13,7 +13,7 @@ COLUMNS = ("position", "rotation", "velocity", "angular_velocity")
 
 
 def replayed(system, state, results, row, nodes, scalars):
-    """Return the State of a row; ``state`` is that of the deck, which keeps what the rows do not have.
+    """Return the State of a row of results; ``state``, that of the deck, supplies values which the results lack.
 
     Parameters
     ----------

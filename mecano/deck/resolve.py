@@ -84,7 +84,7 @@ def _check_terms(reference, law, scope):
 
 
 def _check_joint(reference, joint, scope):
-    """Note that a joint has not the coordinate along which a load works."""
+    """Report a load on a joint that lacks the coordinate along which the load acts."""
     output, kind = reference.options[0], scope.kinds[joint["type"]]
     if output not in kind.measures:
         can = [kind.name for kind in scope.kinds.values() if kind.section == "joints" and output in kind.measures]

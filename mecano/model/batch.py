@@ -100,7 +100,7 @@ def batches(instances, of, n_slots, partition):
 
 
 class _Places:
-    """Assigns scalars and multipliers in the order of the instances, which is that of the numbering."""
+    """Places of scalars and multipliers, assigned in the order of the instances, as in the numbering."""
 
     def __init__(self, of, n_slots):
         self.first_scalar, self.first_row = of.n_q - of.n_scalars, of.n_q

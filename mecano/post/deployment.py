@@ -96,7 +96,7 @@ def _torques(run, found):
 
 
 def _power(results, name):
-    """Return the power [W] of a motor, > 0 into the mechanism, to which what it dissipates is added."""
+    """Return the power [W] of a motor, > 0 into the mechanism, including the power that it dissipates."""
     power = -results.find(f"joints/{name}/law_moment").values * results.find(f"joints/{name}/rate").values
     dissipation = f"joints/{name}/law_moment_dissipation"
     return power + results.find(dissipation).values if dissipation in results.series else power

@@ -18,7 +18,7 @@ class Arrow:
 
 
 def arrows(motion):
-    """Return the Arrows of a Motion: of kinds that declare a force (``Display.force``), without those that are zero."""
+    """Return the Arrows of a Motion for the nonzero forces that kinds declare (``Display.force``)."""
     found = []
     for path, d in motion.run.pieces.items():
         display, name = motion.run.display(d), path.partition("/")[2]

@@ -160,7 +160,7 @@ def _bent(motion, shape):
 
 
 def _held(run, flexible):
-    """Return the names of nodes of flexible parts that are fixed or to which other parts are attached."""
+    """Return the names of nodes of flexible parts that are fixed or attached to other parts."""
     held = {name for name, node in run.deck.get("nodes", {}).items() if node.get("fixed")}
     for path, d in run.things.items():
         section, _, name = path.partition("/")

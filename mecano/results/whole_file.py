@@ -59,7 +59,7 @@ def refuse_other_than_file(path):
 
 
 def other_than_file(path):
-    """Return what an existing path is if it is not a file, or ""."""
+    """Return the sort of an existing path that is not a file, such as "a folder", or ""."""
     return "a folder" if os.path.isdir(path) else "" if os.path.isfile(path) else "a pipe or a device"
 
 

@@ -1,4 +1,4 @@
-"""Messages of failed runs: time, worst equations, the elements in them, and what to try."""
+"""Messages of failed runs: time, worst equations, their elements, and advice."""
 
 import numpy as np
 

@@ -1,1 +1,1 @@
-"""Events and shocks: what happens at one instant."""
+"""Events and shocks: their location in time, changes of phase, impacts."""

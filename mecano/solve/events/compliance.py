@@ -79,11 +79,11 @@ class Compliance:
         np.add.at(data, self.places, self.in_tangent(k, self._values(1.0, k) if values is None else values))
 
     def in_tangent(self, k, values):
-        """Return what ``values`` (matrix.nnz,) add to the tangent, whose rows of constraints count k times."""
+        """Return the contribution of ``values`` (matrix.nnz,) to the tangent, whose rows of constraints are times k."""
         return -k * k * values * self.in_tangent_share
 
     def sharing(self, k, bottom, x):
-        r"""Return the right-hand sides (n_l,) of the constraints for which released reactions bear their share.
+        r"""Return the right-hand sides (n_l,) of the constraints with which released constraints carry their share.
 
         ``x`` (n_l,) is the solution of the system of consistent.py for ``bottom``. A reaction there is
         :math:`k x - k B a`, the share of the penalty k included.
@@ -143,9 +143,9 @@ def soften(k: float, starts: Indices, columns: Indices, values: Vector, multipli
 def compliance(system, s, length, analysis):
     """Return the Compliance of a model from the ``analysis`` of its constraints; None if none is redundant.
 
-    Reactions in the directions that the projector ``analysis.dependent`` (n_l, n_l) holds meet a compliance under which
-    the forces at work in ``s``, or those that accelerate the mean mass by LEAST_ACCELERATION, move them by SOFTNESS of
-    the length scale, or rad; all others are exact.
+    Reactions in the directions that the projector ``analysis.dependent`` (n_l, n_l) holds have a compliance: the
+    forces acting in ``s``, or those that accelerate the mean mass by LEAST_ACCELERATION, displace the constraints by
+    SOFTNESS of the length scale, or rad. All other directions are exact.
     """
     if analysis.dependent is None and analysis.release_matrix is None:
         return None

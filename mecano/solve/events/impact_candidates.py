@@ -31,12 +31,12 @@ class ImpactCandidate:
         return self.rows[0]
 
     def impulse(self, impulses):
-        """Return the impulse that is recorded, from those (n_l,) of all constraints: a magnitude, if of a vector."""
+        """Return the impulse to record from the impulses (n_l,) of all constraints; of a vector its magnitude."""
         found = impulses[self.along]
         return float(found[0] if len(found) == 1 else np.linalg.norm(found))
 
     def rests(self, phases):
-        """Return whether the contact is closed and its constraints hold; of several ways to close, the first."""
+        """Return whether the contact is closed and its constraints hold; of several ways to close only the first counts."""
         return self.opened == self.before and phases[self.phase] == self.after == self.through
 
 
@@ -61,11 +61,11 @@ class ImpactCandidates:
         return [candidate for candidate in self.all if hit[candidate.event]], others
 
     def standing_open(self, g):
-        """Return the contacts that can open and are open where they close, by the event values ``g`` (n_events,)."""
+        """Return the open contacts that touch or penetrate, by the event values ``g`` (n_events,); those that can open."""
         return [self.all[i] for i in np.flatnonzero(g[self.events] >= 0.0) if self.all[i].opened >= 0]
 
     def due(self, hit, g):
-        """Return the candidates that may follow the events ``hit``, of those that share a phase the nearest."""
+        """Return the candidates that may follow the events ``hit``; of two that share a phase only the nearer."""
         ahead = [c for c in self.all if not hit[c.event] and -np.inf < g[c.event] < 0.0]
         return list({c.phase: c for c in sorted(ahead, key=lambda c: g[c.event])}.values())  # of two stops the nearer
 

@@ -58,7 +58,7 @@ class Shocks:
         self.rest[[candidate.lead for candidate in self.impact_candidates if candidate.element in elements]] = np.inf
 
     def departing(self, s, g):
-        """Return the event values ``g`` at the beginning of a step, with DEPARTING for open contacts that separate."""
+        """Return the event values ``g`` at the beginning of a step, DEPARTING for open contacts that are separating."""
         if not self.impact_candidates.all:  # called in every step
             return g
         candidates = self.impact_candidates.standing_open(g)
@@ -196,7 +196,7 @@ class _Solution:
         return x
 
     def pulls(self, candidate):
-        """Return whether a contact that also holds tangential directions would need an adhesive impulse."""
+        """Return whether a contact with tangential constraints would need an adhesive impulse."""
         return self.impulses[candidate.lead] < -ADHESIVE * np.abs(self.impulses).max()
 
     def shock(self, s, closing, resting, event_records, h):

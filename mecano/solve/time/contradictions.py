@@ -1,4 +1,4 @@
-"""Contradictions of redundant or deactivated constraints: motions that the others impose on them."""
+"""Contradictions: redundant or deactivated constraints that the other constraints violate."""
 
 import numpy as np
 
@@ -17,14 +17,14 @@ CREEPING = 1e-3  # of the length scale per second: no speeds count for less
 
 
 class Contradictions:
-    """Checks of the constraints of one system that have a compliance, or none (None).
+    """Checks of the redundant and deactivated constraints of a system; ``compliance`` is None if it has none.
 
     Attributes
     ----------
     released : (m,) int
         Numbers of the deactivated constraints.
     share_of_gap : (n_l,) float
-        What a constraint is multiplied by to become 1 where its violation is a contradiction; 0 if it is not checked.
+        Reciprocal of the violation of each constraint that is a contradiction; 0 if it is not checked.
     """
 
     def __init__(self, system, length, compliance):
@@ -86,7 +86,7 @@ class Contradictions:
         return f"{off[worst]:.3g} {unit}", name, self._others(s, name)
 
     def _others(self, s, name):
-        """Name the constraints that are redundant together with the one of this ``name``."""
+        """Return a text that names the constraints which are redundant together with the one of this ``name``."""
         if self._redundant is None:
             self._redundant = redundant_groups(self.system, s, self.length, analyse(self.system, s, self.length))
         others = [other for group in self._redundant if name in group.names for other in group.names if other != name]

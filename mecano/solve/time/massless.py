@@ -1,4 +1,4 @@
-"""Unknowns of nodes that can move although nothing of what moves has mass: their motion follows from forces alone."""
+"""Massless unknowns of nodes: positions and rotations that can move without moving any mass, by forces alone."""
 
 import numpy as np
 
@@ -9,8 +9,8 @@ from mecano.solve.diagnostics.analysis import DENSE_ROWS, RANK_TOLERANCE, SHARE,
 def massless_unknowns(system, s, length):
     """Return the numbers (n,), ascending, of positions and rotations of nodes that move in massless motions at ``s``.
 
-    A massless motion fulfils the constraints and moves only unknowns on which no element with mass works. Rotations are
-    counted by the length scale. Where more than ``DENSE_ROWS`` such unknowns hang together, none of them is found.
+    A massless motion satisfies the constraints and moves only unknowns on which no element with mass acts. Rotations
+    count times the length scale. Constraints that connect more than ``DENSE_ROWS`` such unknowns are not analysed.
     """
     kind = system.numbering.kind[: system.n_q]
     light = ~_heavy(system) & ((kind == TRANSLATION) | (kind == ROTATION))
@@ -27,7 +27,7 @@ def massless_unknowns(system, s, length):
 
 
 def _heavy(system):
-    """Unknowns (n_q,) of the nodes of elements with mass, as booleans."""
+    """Return (n_q,) bool: whether an unknown belongs to a node of an element with mass."""
     heavy = np.zeros(system.numbering.n_all, bool)
     for b in system.batches:
         if "mass" in b.p.dtype.names:
@@ -36,7 +36,7 @@ def _heavy(system):
 
 
 def _apart(light, rows, cols, entries):
-    """Sets of unknowns ``light`` (n,) that constraints tie, each with the numbers of its entries of the gradient."""
+    """Yield sets of unknowns ``light`` (n,) connected by constraints, with the numbers of their gradient entries."""
     index = np.searchsorted(light, cols)
     classes, first = Classes(len(light)), {}
     for row, i in zip(rows.tolist(), index.tolist(), strict=True):
@@ -52,7 +52,7 @@ def _apart(light, rows, cols, entries):
 
 
 def _moving(rows, cols, values, columns):
-    """Which of the ``columns`` (n,) move in the null space of a matrix given by its entries, as booleans (n,)."""
+    """Return (n,) bool: which of the ``columns`` (n,) move in the null space of a matrix given by its entries."""
     _, i = np.unique(rows, return_inverse=True)
     block = np.zeros((max(i.max(initial=-1) + 1, 1), len(columns)))
     block[i, np.searchsorted(columns, cols)] = values

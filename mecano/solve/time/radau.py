@@ -31,7 +31,7 @@ SLOW = 0.9  # ratio of two corrections above which the iteration diverges
 
 
 class Radau:
-    """The method for one system: tolerances, linear systems. Holds no motion.
+    """Radau IIA for one system: its tolerances and linear systems, but no motion.
 
     Has the same methods as GeneralizedAlpha.
     """
@@ -64,7 +64,7 @@ class Radau:
         return s, RadauHistory(s.a, h, *none, 0, self._stiffness(s, h))
 
     def restart(self, s, history, h):
-        """Return the history for a new step size: the same, because steps do not depend on those before."""
+        """Return the history for a new step size: the same, because steps do not depend on earlier ones."""
         return history
 
     def longest(self, s):
@@ -74,7 +74,7 @@ class Radau:
         return TURN / fastest if fastest > 0.0 else np.inf
 
     def bounded_error(self, s, history, info):
-        """Return the local error of a step; stages resolve what oscillates, or damp it."""
+        """Return the local error of a step: oscillations need no second estimate, as stages resolve or damp them."""
         return info.plain
 
     def _stiffness(self, s, h):
@@ -107,7 +107,7 @@ class Radau:
     def _goal(self, h):
         """Return the error of the increments that ends Newton's iteration, relative to the length scale, or rad.
 
-        In velocities it counts 1/h times, which add up to the end of the run.
+        Velocities have this error over h, and accumulate it until the end of the run.
         """
         allowed = self.control.allowed(h)
         if allowed == np.inf:

@@ -34,8 +34,8 @@ def settle_signals(system, s, dt):
 def solve_signals(system, s):
     """Solve the equations of the signals of ``s`` in place, if it has any that can be solved; return ``s``.
 
-    What is not finite waits until what it reads is known: all signals are zero at first, and may stand below a fraction
-    line. Before the velocities of a start are known, it may stay as it is.
+    A signal whose value is not finite waits until the signals that it reads are known: all are zero at first, and may
+    be denominators. It may remain so before the velocities of a start are known.
     """
     signals = np.flatnonzero(system.signals)
     for _ in range(ITERATIONS if len(signals) else 0):
@@ -93,9 +93,9 @@ def _refuse_undetermined(system, s):
 
 
 def refuse_circles(system, s):
-    """Raise AssemblyError, with the titles of the signals in ``elements``, where a circle of signals determines none.
+    """Raise AssemblyError, with the titles of the signals in ``elements``, if signals form a loop without a solution.
 
-    ``s`` is a state before its velocities are known. A circle that determines its signals at other positions and
+    ``s`` is a state before its velocities are known. A loop with a unique solution at other positions and
     velocities is left to ``settle_signals``.
     """
     if not (own := np.flatnonzero(system.signals)).size:
@@ -111,7 +111,7 @@ def refuse_circles(system, s):
 
 
 def _undetermined(J):
-    """Return the signals (list of int) of a circle that does not determine them, in the order in which they read."""
+    """Return the signals (list of int) of a loop without a unique solution, in the order in which they read."""
     _, (U, sigma, Vt) = _decomposed(J)
     if sigma[-1] > SINGULAR * sigma[0]:
         return []

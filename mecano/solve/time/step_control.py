@@ -13,7 +13,7 @@ RESERVE = 0.85  # a step that must shrink shrinks by that much more, so that the
 AFTER_FAILURE = 0.25
 LABORIOUS = 12  # Newton iterations of a step after which the next one shrinks: rejected ones would cost more
 EASE = 0.7  # by at least this factor
-FORGOTTEN = 1e-3  # of the tolerance: the error of one step in what forgets it
+FORGOTTEN = 1e-3  # of the tolerance: the error of a step in massless unknowns, which relax and so forget it
 AT_ONCE = 1e-300  # s: the duration for which any step is long
 
 
@@ -25,7 +25,7 @@ def allowed(tolerance, duration, h):
 
 @kernel
 def forgotten(lag, duration, h):
-    """Return the error that counts for a ``lag`` which the next steps forget: each may be FORGOTTEN."""
+    """Return the error that counts for a ``lag``, an error of massless unknowns: each step may make FORGOTTEN of it."""
     return lag * min(h / duration / FORGOTTEN, 1.0)
 
 
@@ -37,7 +37,7 @@ def factor(error, share):
 
 @kernel
 def eased(change, share, iterations):
-    """Return the ``change`` of the step size, less after many Newton iterations; steps of one size keep it."""
+    """Return the ``change`` of the step size, reduced after many Newton iterations, but not for fixed steps."""
     return min(change, EASE) if iterations >= LABORIOUS and share < math.inf else change
 
 
@@ -61,8 +61,8 @@ class StepControl:
     """Error per unit step: the local errors of a run of ``duration`` [s] add up to ``tolerance`` at most.
 
     The tolerance is relative to the length scale of the mechanism (or to one radian). The sum of the local errors falls
-    as h to the power ``order``. Steps of one size have any error; they are smaller only where Newton fails, at events
-    and at times that must be met.
+    as h to the power ``order``. The error of fixed steps is not limited; they are shortened only where Newton's
+    iteration fails, at events, and at times at which a step must end.
     """
 
     tolerance: float
@@ -73,7 +73,7 @@ class StepControl:
 
     @classmethod
     def fixed(cls, step, minimum):
-        """Steps of one size."""
+        """Return the control of fixed steps."""
         return cls(math.inf, AT_ONCE, minimum, step)
 
     def _change(self, error, h):
@@ -88,7 +88,7 @@ class StepControl:
         return allowed(self.tolerance, self.duration, h)
 
     def forgotten(self, lag, h):
-        """Return the error in a step of size h that counts for one which the next steps forget."""
+        """Return the error that counts for an error of massless unknowns in a step of size h."""
         return forgotten(lag, self.duration, h)
 
     def accept(self, error, h):

@@ -1,4 +1,4 @@
-"""What a method of integration reports of a trial step."""
+"""Report of an integration method on a trial step."""
 
 from dataclasses import dataclass
 
@@ -23,7 +23,7 @@ class StepInfo:
     began: History | RadauHistory  # what the step began with
     message: str = ""
     failure: Failure = Failure.NOT_CONVERGED  # where not ok
-    lag: float = 0.0  # local error of scalars without inertia, which forget it
+    lag: float = 0.0  # local error of massless unknowns, which relax
     turning: float = 0.0  # error [rad] of bodies that spin about an axis which turns
     plain: float = np.nan  # the error before what swings was bounded
     stages: tuple = ()  # States within the step that satisfy the equations, in the order of time

@@ -1,4 +1,4 @@
-r"""The error of bodies that spin about an axis which itself turns.
+r"""Error of bodies that spin about a turning axis.
 
 Generalized-alpha moves angular velocities in material axes. Where the angular acceleration turns with a spinning body,
 as in the precession of a top, it changes fast in these axes, and the local error of the angular velocity
@@ -9,7 +9,7 @@ as in the precession of a top, it changes fast in these axes, and the local erro
 axes) keeps its direction in space, in which the motion is slow. Unlike the error of an oscillation, which changes its
 sign, it adds up: to a rotation of :math:`\tau\, \delta\omega` for each step. Later errors undo it as the angular
 acceleration turns in space, at the rate :math:`\nu = |\ddot\omega + \omega \times \dot\omega| / |\dot\omega|`, so
-:math:`\tau = \min(1/(2 \nu), T/2)` in a run of the duration T. Two tops bear this out: their errors are 0.7 and 0.9 of
+:math:`\tau = \min(1/(2 \nu), T/2)` in a run of the duration T. For two tops this gives errors of 0.7 and 0.9 of
 the tolerance (tests/test_adaptive.py).
 """
 
@@ -19,7 +19,7 @@ from mecano.maths.vector import cross, norm, vec
 
 @kernel
 def turning_error(h, duration, rotation_dof, n_q, v, a0, a):
-    """Return the largest rotation [rad] of a node by which a step of size h errs because its body spins.
+    """Return the largest rotation [rad] of a node that is the error of a step of size h due to its spin.
 
     v (n_all,) velocities, a0, a (n_all,) accelerations at both ends of the step; those of rotations in material axes.
     ``duration`` [s] of the run.

@@ -1,8 +1,8 @@
 """Forces that the steps do not resolve: they alternate from step to step.
 
-A force swings faster than the steps where its differences change their sign nearly every time: an oscillation of which
-a period has fewer than 16/5 steps. Generalized-alpha damps such a motion, but what it gives for the force is neither
-the true swing nor its mean. Positions may still be as exact as the tolerance asks, for stiff members move little.
+A force oscillates faster than the steps if its differences change sign in nearly every step: a period then has fewer
+than 16/5 steps. Generalized-alpha damps such a motion, but the computed force is neither the true oscillation nor its
+mean. Positions may still be as accurate as the tolerance requires, because stiff members move little.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from mecano.jit.entry import Indices, Vector, entry
 from mecano.jit.kernel import kernel
 
 STEPS = 8  # in which the changes of sign are counted
-CHANGES = 5  # of them, from which on the force is said to alternate
+CHANGES = 5  # of them, from which on a force counts as alternating
 ALL = (1 << STEPS) - 1
 SHARE = 0.05  # of its size, from which on the swing of a number counts
 

@@ -98,7 +98,7 @@ def aim_at(w, which):
 
 @kernel
 def is_due(w):
-    """Return whether the wall-clock time has come at which Python wants to look at signals."""
+    """Return whether Python must look at signals now, by the wall-clock time."""
     call(w.clock, w.clock_id, w.now)
     now = integers(w.now, 2)
     return now[0] + 1e-9 * now[1] >= w.due
