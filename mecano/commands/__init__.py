@@ -30,9 +30,9 @@ plugins = click.option(
 
 
 def refuse_empty(context, parameter, value):
-    """Return the value of an option or argument; raise BadParameter for an empty text, which is none left out, or nan.
+    """Return the value of an option or argument; raise BadParameter for an empty text or nan.
 
-    Those that may be repeated are checked where they are read: an empty override has a place, as all others.
+    Options that may be repeated are checked where they are read, to give the position of an empty override.
     """
     if value == "" and parameter.default != "":
         raise click.BadParameter("an empty text; leave it out, or give a value", context, parameter)

@@ -36,7 +36,7 @@ class ImpactCandidate:
         return float(found[0] if len(found) == 1 else np.linalg.norm(found))
 
     def rests(self, phases):
-        """Return whether the contact is closed and its constraints hold; of several ways to close only the first counts."""
+        """Return whether the contact is closed, in the first of several ways, and its constraints hold."""
         return self.opened == self.before and phases[self.phase] == self.after == self.through
 
 
@@ -61,7 +61,7 @@ class ImpactCandidates:
         return [candidate for candidate in self.all if hit[candidate.event]], others
 
     def standing_open(self, g):
-        """Return the open contacts that touch or penetrate, by the event values ``g`` (n_events,); those that can open."""
+        """Return the open contacts that touch or penetrate, by the event values ``g`` (n_events,), and can open."""
         return [self.all[i] for i in np.flatnonzero(g[self.events] >= 0.0) if self.all[i].opened >= 0]
 
     def due(self, hit, g):
