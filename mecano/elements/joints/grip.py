@@ -1,4 +1,4 @@
-r"""Grip: holds node b in node a as it stands when the grip closes, by command: a gripper, a docking port, a magnet.
+r"""Grip: closes by command and holds node b in node a, as they then stand: a gripper, a docking port, a magnet.
 
 It closes at a time or by a condition with a shock (docs/shocks.md): momentum is exchanged, and the kinetic energy of
 the relative motion is lost. From then on the relative position :math:`d = R_a^T (x_b - x_a)` and the relative rotation
