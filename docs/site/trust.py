@@ -12,37 +12,37 @@ ROOT = Path(__file__).parents[2]
 HYPHEN = "\N{NON-BREAKING HYPHEN}"
 TOP = """# Evidence
 
-What has been shown of mecano, by which test or measurement, and what has not. The numbers on this page are copied from
-the pages they are linked to when the site is built.
+How accurate, reliable and fast mecano is, by which tests and measurements, and what has not been tested. The numbers on
+this page are copied from the linked pages when the site is built.
 """
 ELEMENTS = """
 ## Every element
 
-Generic tests ([contributing](../contributing.md#an-element)) reach every element, joint and load in every phase:
-tangents against differences, power against the change of energy, invariance under a rigid motion of everything. A kind
-that no deck of `inputs/` uses fails them. Laws and tyre laws have generic tests of their own. `mecano check-kind` runs
+Generic tests ([contributing](../contributing.md#an-element)) cover every element, joint and load in every phase: they
+compare tangents with finite differences, and the power of forces with the change of energy, and test invariance under a
+rigid motion of the whole model. Every kind is also used by a deck of `inputs/`. Laws and tyre laws have generic tests of their own. `mecano check-kind` runs
 these tests on [kinds of your own](../plugins.md).
 """
 LIMITS = """
 ## Published results
 
-Two examples of the paper that mecano follows are compared with it: the [landing gear](../examples/nose_landing_gear.md)
+Both examples of the paper that mecano follows are reproduced and compared: the [landing gear](../examples/nose_landing_gear.md)
 and the [reflector](../examples/reflector.md). Both pages give the differences.
 
 ## Known limits
 
-* What it cannot model at all: [comparison](../comparison.md#what-mecano-cannot-do).
+* What mecano cannot model: [comparison](../comparison.md#what-mecano-cannot-do).
 * [Beams](../beams.md#limits): the inertia of curved lines that stretch, slender ring-like elements under radial load,
   buckling of one element.
 * [Superelements](../superelements.md#when-one-is-not-enough): no stiffening by their own internal forces.
 * [Friction](../theory.md#25-forces-that-depend-on-reactions): sticking contacts creep; rigid guides that bind have no
   solution; with redundant constraints the motion depends on the real compliances.
 * [Redundant constraints](../theory.md#3-redundant-constraints): the motion is unique, single reactions are not, and are
-  marked.
+  marked as such.
 * [Shocks](../shocks.md#rules): one coefficient of restitution for contacts that close together; no Coulomb friction.
-* [Error control](../step-control.md): bounds displacements and rotations; not stresses and reactions of vibrations that
-  the steps do not resolve, which a warning names.
-* [Reliability](../reliability.md): failures that are known and not mended are listed below its table.
+* [Error control](../step-control.md): bounds displacements and rotations, but not stresses and reactions of vibrations
+  that the steps do not resolve; a warning names them.
+* [Reliability](../reliability.md): known failures that are not fixed are listed below its table.
 
 ## Platforms
 

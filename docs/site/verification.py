@@ -12,8 +12,8 @@ COMMAND = "pytest -n auto --dist loadfile --verification build/verification.json
 FLOOR = 1e-8  # of an error over its tolerance: what is smaller is drawn so long
 HEAD = f"""# Verification
 
-Numbers of the tests compared with their references. The test suite checks each of them; this page was made by one run
-of
+Numbers computed by mecano, compared with closed forms, published results and independent integrations. The test suite
+checks each of them. This page was made by one run of
 
 ```text
 {COMMAND}
@@ -21,8 +21,8 @@ of
 
 *Error* is the largest error if there are several numbers; it is relative if the tolerance is followed by *rel*. If an
 order is given, the value is extrapolated from two step sizes, and the order is that of the largest error between the
-two. Tolerances follow from the method (tests/convergence.py): bars close to 1 are no alarm, and those far below it
-belong to numbers that are exact except for rounding.
+two. Tolerances follow from the method (tests/convergence.py): a bar close to 1 is no cause for
+concern, and bars far below 1 belong to numbers that are exact except for rounding.
 
 More measurements are on the pages on [beams](../beams.md), [shocks](../shocks.md), [wheels](../tyres.md),
 [superelements](../superelements.md), [step control](../step-control.md) and in the [theory](../theory.md).
@@ -32,7 +32,7 @@ More measurements are on the pages on [beams](../beams.md), [shocks](../shocks.m
 def pages():
     """Return {path: content} of the page and its pictures; without a run of the tests the page says so."""
     if not FOUND.exists():
-        return {"verification.md": f"{HEAD}\nThe tests have not been run before this page was made.\n"}
+        return {"verification.md": f"{HEAD}\nThis page was made without a run of the tests, so it has no tables.\n"}
     records = json.loads(FOUND.read_text(encoding="utf-8"))
     lines, pictures = [HEAD, f"{len(records)} comparisons in all."], {}
     for subject, group in groupby(sorted(records, key=_key), key=lambda record: record["subject"]):

@@ -101,7 +101,7 @@ def _starters(context, parameter, begun):
 @click.argument("deck", required=False, type=click.Path())
 @click.option("--list", "every", is_flag=True, help="List starter decks and examples.")
 def new(template, deck, every):
-    """Write a commented starter deck, by default to TEMPLATE.yaml here; without TEMPLATE: list them."""
+    """Write a commented starter deck, by default to TEMPLATE.yaml in this folder; without TEMPLATE, list them."""
     from mecano.deck.new_file import write_text
     from mecano.deck.sample_decks import list_of_examples, list_of_starters, starter
 
@@ -123,7 +123,7 @@ def _examples(context, parameter, begun):
 @click.argument("name", required=False, shell_complete=_examples)
 @click.argument("deck", required=False, type=click.Path())
 def example(name, deck):
-    """Write an example deck, by default to NAME.yaml here, and the files it reads; without NAME: list them."""
+    """Write an example deck and the files it reads, by default to NAME.yaml in this folder; without NAME, list them."""
     from mecano.deck.sample_decks import list_of_examples, write_example
 
     if name is None:

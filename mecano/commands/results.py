@@ -22,7 +22,7 @@ from mecano.commands import plugins, show
 )  # fmt: skip
 @click.option("--format", "kind", type=click.Choice(["png", "svg"]), default="png", show_default=True)
 @click.option("--csv", "columns", is_flag=True, help="Also write the plotted numbers.")
-@click.option("--title", help="Title of the pictures; default: that of the deck.")
+@click.option("--title", help="Title of the pictures; default: the title of the deck.")
 @click.option(
     "--animate", "page", metavar="PAGE.html", type=click.Path(),
     help="Write a page that plays the motion; or a film, .gif, .webp or .mp4.",
@@ -80,9 +80,15 @@ def _refuse_strays(results, **given):
 
 @click.command()
 @click.argument("results", type=click.Path())
-@click.option("-o", "--output", type=click.Path(), metavar="FILE", help="File .csv or .vtkhdf (added if left out).")
 @click.option(
-    "--series", multiple=True, metavar="NAME", help="Only this output, or those of a pattern; may be repeated."
+    "-o",
+    "--output",
+    type=click.Path(),
+    metavar="FILE",
+    help="File, .csv or .vtkhdf (the extension is added if omitted).",
+)
+@click.option(
+    "--series", multiple=True, metavar="NAME", help="Only this output, or all that match a pattern; may be repeated."
 )
 @click.option("--vtk", is_flag=True, help="Write cells and points for ParaView instead; without -o, to RESULTS itself.")
 @click.option("--force", is_flag=True, help="Replace an existing file or group.")

@@ -60,7 +60,7 @@ def run(deck, output, force, resume, limit, interval, live, quiet, overrides):
 )  # fmt: skip
 @click.option(
     "--frame", default="inertial", show_default=True, metavar="NODE|WX,WY,WZ|inertial",
-    help="Axes of the motions: those of a node, or turning with an angular velocity [rad/s].",
+    help="Axes in which motions are measured, turning with a node or with an angular velocity [rad/s].",
 )  # fmt: skip
 @click.option("--solver", type=click.Choice(["automatic", "dense", "sparse"]), default="automatic", show_default=True)
 @click.option(
@@ -76,13 +76,13 @@ def run(deck, output, force, resume, limit, interval, live, quiet, overrides):
 @overrides
 @plugins
 def modes(deck, at, at_rest, number, sweeps, frame, solver, output, plot, columns, quiet, force, overrides):
-    """Compute modes about the initial state of a deck, its equilibrium, or a saved state.
+    """Compute modes of small motions about the initial state of a deck, its equilibrium, or a saved state.
 
-    With 'static' or 'initial: static' in the deck: about the static equilibrium; with 'initial: {steady: ...}': about
-    straight steady running. With --at: about a saved state, whose modes hold for that instant if it moves; with
-    --at-rest: about the equilibrium near that state. Complex eigenvalues with constraints, damping, gyroscopic and
-    follower terms; prints a table, writes shapes to the file and, with --plot, a picture. With --sweep: root loci and
-    critical values.
+    If the deck has 'static' or 'initial: static', the modes are those about the static equilibrium; with 'initial:
+    {steady: ...}', those about straight steady running. With --at they are those about a saved state (of that instant,
+    if it moves), with --at-rest those about the equilibrium near it. They are complex, with constraints, damping,
+    gyroscopic and follower terms. The command prints a table, and writes the shapes to a file and, with --plot, to a
+    picture. With --sweep it finds root loci and critical values.
     """
     if sweeps:
         if at is not None or at_rest:

@@ -42,7 +42,7 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
     """Run a deck many times with varied values, each case in a separate process.
 
     STUDY is a file that names the deck, the variations (grid, list, csv, latin_hypercube, seeds) and the outputs of
-    each run: docs/studies.md. The folder receives a results file and a log for each case, table.csv and table.h5. A
+    each run (docs/studies.md). The folder receives a results file and a log for each case, table.csv and table.h5. A
     failed case does not stop the others. Exit code 0: all cases are complete, 3: some are not.
     """
     _refuse_strays(executor, resume=resume, force=force, jobs=jobs, scheduler=scheduler, sbatch=options, wait=wait)
@@ -121,7 +121,9 @@ def _finish(table, plot):
 @click.command()
 @click.argument("decks", nargs=-1, type=click.Path())
 @overrides
-@click.option("--share", type=click.Path(), metavar="FOLDER", help="Copy all compiled code there, for other users.")
+@click.option(
+    "--share", type=click.Path(), metavar="FOLDER", help="Copy all compiled code to this folder, for other users."
+)
 @plugins
 def warmup(decks, overrides, share):
     """Compile everything a deck can contain, or what the given DECKS contain, ahead of the first run.
