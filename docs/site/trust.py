@@ -20,14 +20,14 @@ ELEMENTS = """
 
 Generic tests ([contributing](../contributing.md#an-element)) cover every element, joint and load in every phase: they
 compare tangents with finite differences, and the power of forces with the change of energy, and test invariance under a
-rigid motion of the whole model. Every kind is also used by a deck of `inputs/`. Laws and tyre laws have generic tests of their own. `mecano check-kind` runs
-these tests on [kinds of your own](../plugins.md).
+rigid motion of the whole model. Every kind is also used by a deck of `inputs/`. Laws and tyre laws have generic tests
+of their own. `mecano check-kind` runs these tests on [kinds of your own](../plugins.md).
 """
 LIMITS = """
 ## Published results
 
-Both examples of the paper that mecano follows are reproduced and compared: the [landing gear](../examples/nose_landing_gear.md)
-and the [reflector](../examples/reflector.md). Both pages give the differences.
+Both examples of the paper that mecano follows are reproduced and compared: the [landing
+gear](../examples/nose_landing_gear.md) and the [reflector](../examples/reflector.md). Both pages give the differences.
 
 ## Known limits
 
@@ -64,7 +64,7 @@ def page():
 def _verification():
     yield "## Numbers with a source\n"
     if not FOUND.exists():
-        yield "The tests have not been run before this page was made; see the [manual](verification.md)."
+        yield "This page was made without a run of the tests; see the [manual](verification.md)."
         return
     records = sorted(json.loads(FOUND.read_text(encoding="utf-8")), key=lambda record: record["subject"])
     yield f"The [verification manual](verification.md) lists {len(records)} comparisons with closed forms, publications"
@@ -76,11 +76,11 @@ def _verification():
 
 
 def _scorecard():
-    yield "## Abuse\n"
+    yield "## Reliability\n"
     rows = _rows("reliability.md", "| # |")
     trials, held, points = rows[-1][2:5]
     yield f"The [scorecard](../reliability.md) tries to break mecano in {len(rows) - 1} ways, with hostile decks,"
-    yield f"kills, full disks, damaged files and singular models: {held} of {trials} trials ended as they should,"
+    yield f"kills, full disks, damaged files and singular models: {held} of {trials} trials ended as required,"
     yield f"{points} points. Its table names seed, commit and date of each line, and what failed."
 
 

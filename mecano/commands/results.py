@@ -80,13 +80,7 @@ def _refuse_strays(results, **given):
 
 @click.command()
 @click.argument("results", type=click.Path())
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(),
-    metavar="FILE",
-    help="File, .csv or .vtkhdf (the extension is added if omitted).",
-)
+@click.option("-o", "--output", type=click.Path(), metavar="FILE", help="File .csv or .vtkhdf (added if omitted).")
 @click.option(
     "--series", multiple=True, metavar="NAME", help="Only this output, or all that match a pattern; may be repeated."
 )

@@ -121,9 +121,7 @@ def _finish(table, plot):
 @click.command()
 @click.argument("decks", nargs=-1, type=click.Path())
 @overrides
-@click.option(
-    "--share", type=click.Path(), metavar="FOLDER", help="Copy all compiled code to this folder, for other users."
-)
+@click.option("--share", type=click.Path(), metavar="FOLDER", help="Copy all compiled code here, for other users.")
 @plugins
 def warmup(decks, overrides, share):
     """Compile everything a deck can contain, or what the given DECKS contain, ahead of the first run.
