@@ -5,8 +5,8 @@ from dataclasses import replace
 
 from mecano.deck.compose import Node
 from mecano.deck.containers import IDENTIFIER, filled
+from mecano.deck.csv_tables import Wanted, table
 from mecano.deck.scope import INVALID, Reference, place_of
-from mecano.deck.tables import Wanted, table
 from mecano.deck.values import number, plain_number
 from mecano.deck.wording import quoted
 from mecano.schema import NUMBER, Field, Type

@@ -16,9 +16,9 @@ import numpy as np
 
 from mecano.deck.compose import Node, compose
 from mecano.deck.containers import filled
+from mecano.deck.csv_tables import within
 from mecano.deck.scope import INVALID
 from mecano.deck.source import MAX_BYTES, decoded
-from mecano.deck.tables import within
 from mecano.deck.values import LARGEST
 from mecano.deck.wording import quoted
 from mecano.errors import DeckError

@@ -4,9 +4,9 @@ import math
 import os
 import re
 
+from mecano.deck.csv_tables import within
 from mecano.deck.scalar import number
 from mecano.deck.source import Unreadable, read_source
-from mecano.deck.tables import within
 from mecano.deck.wording import quoted
 from mecano.elements.wheels.magic_formula import KNOWN
 from mecano.errors import DeckError
