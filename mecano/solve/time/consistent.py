@@ -25,7 +25,7 @@ RATE_TOLERANCE = 1e-12  # of the forces at work
 GROWTH = 1.5  # of the forces in one iteration, towards rest
 LEAST_DAMPING = 1e-12  # of the largest: a rate with less is not determined by its equation
 FAST = 1e-4  # of a step: a scalar without inertia that settles within this time counts as algebraic
-SETTLING = 3  # rounds in which values and rates of scalars without inertia are fitted to one another
+SETTLING = 3  # rounds in which values and rates of massless unknowns are fitted to one another
 RUBBING = 20  # iterations on the friction at most
 DEPENDENT = 1e-10  # of what elimination made of a diagonal: a constraint that repeats others
 ROUNDING = 1e-12  # of the largest multiplier, value or rate: an iteration on them has converged
@@ -108,7 +108,7 @@ class Consistent:
         s.v[: self.system.n_q] += self.change(-self.system.constraint_derivatives(s)[:, 1])
 
     def settle_rates(self, s):
-        """Set the rates of the scalars without inertia of ``s`` in place from their own equations (Levenberg)."""
+        """Set the rates of the massless unknowns of ``s`` in place from their own equations (Levenberg)."""
         own, system, reach = self.massless, self.system, FIRST_REACH
         if not len(own):
             return
@@ -131,7 +131,7 @@ class Consistent:
         s.v[own] = best[2]
 
     def settle(self, s, h):
-        """Set values and rates of the scalars without inertia of ``s`` in place, consistent for steps of size h.
+        """Set values and rates of the massless unknowns of ``s`` in place, consistent for steps of size h.
 
         Rates follow from their own equations; where these have none to speak of (directions whose time constants are
         far below h, the eigenvalues of K^-1 C) the equations are algebraic: they determine the values, and the rates
@@ -158,7 +158,7 @@ class Consistent:
                 return
 
     def _fast(self, s, limit):
-        """Return P K^-1 (n, n), P the projector on scalars without inertia settling within ``limit`` [s], or None."""
+        """Return P K^-1 (n, n), P the projector on massless unknowns settling within ``limit`` [s], or None."""
         K, C = self._own(s, 1.0, 0.0), self._own(s, 0.0, 1.0)
         if np.linalg.matrix_rank(K, LEAST_DAMPING) < len(K):
             return None
@@ -169,19 +169,19 @@ class Consistent:
         return (X * quick @ np.linalg.inv(X)).real @ np.linalg.inv(K)
 
     def _own(self, s, cK, cC):
-        """Return cK K + cC C of the scalars without inertia, dense."""
+        """Return cK K + cC C of the massless unknowns, dense."""
         self.system.assemble(s, 1.0, 0.0, cK, cC, 0.0)
         return self._block()
 
     def _block(self):
-        """Return the block of the scalars without inertia of the assembled tangent, dense."""
+        """Return the block of the massless unknowns of the assembled tangent, dense."""
         entries, places = self._of_block
         n = len(self.massless)
         return np.bincount(places, self.system.data[:-1][entries], n * n).reshape(n, n)
 
     @cached_property
     def _of_block(self):
-        """Indices of the entries of the tangent of scalars without inertia, and their places in the dense block."""
+        """Indices of the entries of the tangent of massless unknowns, and their places in the dense block."""
         own = np.full(self.system.n, -1)
         own[self.massless] = np.arange(len(self.massless))
         rows, columns = own[self.system.rows], own[self.system.cols]
@@ -246,7 +246,7 @@ def consistent_state(system, linear, s, h, contradictions, compliance=None, cons
     contradictions.refuse(s, h)
     consistent.settle(s, h)
     consistent.accelerate(s)
-    if len(consistent.massless) and system.n_l:  # reactions may act on the scalars without inertia
+    if len(consistent.massless) and system.n_l:  # reactions may act on the massless unknowns
         consistent.settle(s, h)
         consistent.accelerate(s)
     if compliance is not None:
