@@ -195,6 +195,11 @@ def nothing(*_):
     return []
 
 
+def never(_):
+    """Return False."""
+    return False
+
+
 class NodeAtStart(NamedTuple):
     """A node in the assembled state at the start of an analysis."""
 
@@ -261,6 +266,9 @@ class Mechanics:
     massless: tuple = ()  # massless scalars, whose rates follow from their own equations alone
     states: tuple = ()  # names of the scalars whose rates are determined by their equations
     of_signals: bool = False  # its scalars are signals
+    jumps: bool = False  # the value of a signal may jump although its inputs do not
+    smooths: Callable = never
+    """deck values of a signal -> True if its value does not jump with its inputs"""
     inputs: tuple = ()  # names of the signals that it reads
     multipliers: tuple = ()  # Row
     coupled_multipliers: tuple = ()  # Row: coupled multipliers, of other parts of the same owner

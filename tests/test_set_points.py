@@ -2,7 +2,10 @@
 
 import numpy as np
 import pytest
-from time_runs import RecordedRun, deck
+from scipy.linalg import expm
+from time_runs import RecordedRun, deck, input_deck
+
+from mecano.errors import DeckError
 
 DRIVE = """
     mecano: 1
@@ -79,3 +82,71 @@ def test_extension_and_its_rate_follow_a_moving_natural_length():
     }  # fmt: skip
     for path, values in expected.items():
         np.testing.assert_allclose(m[path], values, rtol=1e-10, atol=1e-10, err_msg=path)
+
+
+def _arms(times):
+    """Angles of the command and of both arms at ``times``: x = (n, a, a', b, b', 1), x' = A x from 0.2 s on."""
+    first, second, k, d, T = 0.08 + 1.0 * 0.5**2, 0.03 + 0.5 * 0.4**2, 40.0, 1.5, 0.1
+    A = np.zeros((6, 6))
+    A[0, [0, 5]] = -1.0 / T, 0.6 / T
+    A[1, 2] = A[3, 4] = 1.0
+    A[2] = (k * np.eye(6)[0] - k * np.eye(6)[1] - d * np.eye(6)[2] + d * A[0]) / first
+    A[4] = (2.0 * k * np.eye(6)[1] - k * np.eye(6)[3] - d * np.eye(6)[4] + 2.0 * d * np.eye(6)[2]) / second
+    x = np.array([expm(A * max(t - 0.2, 0.0))[:, 5] for t in times])
+    return x[:, [0, 1, 3]]
+
+
+def test_drives_follow_signals(verify):
+    """A set point that is a lag of a switch, and one that is twice the angle of another joint."""
+    found, balance = [], []
+    for h, stride in ((4e-3, 1), (2e-3, 2)):
+        m = RecordedRun(input_deck("elastic_drive", f"time.step={h}"))
+        times = m.time[::stride]
+        paths = "signals/command/value", "joints/drive/angle", "joints/copy/angle"
+        found.append(np.stack([m[path][::stride] for path in paths], axis=1))
+        balance.append(np.ptp(m["energy/balance"]) / m["energy/given"].max())
+    what = "elastic drives by signals: command and angles of both arms [rad]"
+    verify.second_order("Signals", what, *found, _arms(times), 1e-6, "exponential of the matrix")
+    assert balance[0] / balance[1] == pytest.approx(4.0, abs=0.5) and balance[1] < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("signals", "message"),
+    [
+        (
+            "motion: {type: switch, input: time, upper: 0.2}",
+            "it jumps with the switch 'motion', and a set point must not",
+        ),
+        ("motion: 2*held, held: {type: sample_and_hold, input: time, period: 0.1}", "with the sample_and_hold 'held'"),
+        ("motion: {type: delay, input: sign(time - 1), time: 0.1}", "it jumps with 'sign'"),
+    ],
+)
+def test_a_set_point_must_not_jump(signals, message):
+    """The energy that the surroundings give in a jump would depend on how fast it is."""
+    with pytest.raises(DeckError) as error:
+        deck(SIGNAL.replace("SIGNALS", signals))
+    assert message in error.value.problems[0].message
+
+
+@pytest.mark.parametrize(
+    "signals",
+    [
+        "motion: {type: lag, input: on, time_constant: 0.1}, on: {type: switch, input: time, upper: 0.2}",
+        "motion: {type: transfer_function, input: sign(time), numerator: [1], denominator: [1, 0.1]}",
+        "motion: other, other: 0.1 + motion/2",
+    ],
+)
+def test_a_set_point_may_be_any_continuous_signal(signals):
+    deck(SIGNAL.replace("SIGNALS", signals))
+
+
+SIGNAL = """
+    mecano: 1
+    gravity: none
+    nodes: {a: {position: [0, 0, 0], fixed: true}, b: {position: [0, 0, 2]}}
+    elements:
+      b: {type: point_mass, node: b, mass: 1}
+      s: {type: spring_damper, nodes: [a, b], law: {spring: 3}, natural_length: motion}
+    signals: {SIGNALS}
+    time: {end: 1, step: 0.01}
+    """

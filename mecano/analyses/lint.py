@@ -4,6 +4,7 @@ from functools import partial
 
 import numpy as np
 
+from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.deck.physics import element_nodes
 from mecano.element_interface import NodeAtStart, nothing
 from mecano.elements import KINDS
@@ -67,11 +68,13 @@ def _far(deck, system, s, length):
 
 
 def _natural_length(d, positions, t):
-    """Return the length [m] without force, at time ``t``, of an element with checked values ``d``.
+    """Return the length [m] without force, at time ``t``, of an element with checked values ``d``; 0 for a formula.
 
     ``positions`` are those of the nodes in the deck.
     """
     natural = d.get("natural_length")
+    if is_formula(natural):
+        return 0.0
     if natural is None:
         return float(np.linalg.norm(np.subtract(*(positions[node] for node in d["nodes"]))))
     return natural if isinstance(natural, float) else curve_at(natural, t)[0]

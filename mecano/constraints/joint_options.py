@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from mecano.constraints.along_coordinate.friction import check_friction, friction_fields
-from mecano.constraints.along_coordinate.law import SLIDING_FIELDS, TURNING_FIELDS, law_values
+from mecano.constraints.along_coordinate.law import SLIDING_FIELDS, TURNING_FIELDS
 from mecano.constraints.along_coordinate.stops import check_ends, end_fields, end_parts
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
@@ -18,6 +18,7 @@ from mecano.constraints.of_coordinates import (
     SLIDE_LAW,
     SLIDE_STOP,
     TWIST_LAW,
+    law_part,
 )
 from mecano.element_interface import Part
 
@@ -40,14 +41,14 @@ def _turning_parts(d, place, context):
     if d["turning_law"] is None:
         return []
     axes = {"mu": place["mu"], "xi": place["xi"]}
-    return [Part(TWIST_LAW, BOTH, law_values(axes, d["turning_law"], d["natural_angle"], context))]
+    return [law_part(TWIST_LAW, axes, d["turning_law"], d["natural_angle"], context)]
 
 
 def _sliding_parts(d, place, context):
     if d["sliding_law"] is None:
         return []
     axes, natural = {"mu": place["mu"][2]}, d["natural_displacement"]
-    return [Part(SLIDE_LAW, BOTH, law_values(axes, d["sliding_law"], natural, context, place["start"][2]))]
+    return [law_part(SLIDE_LAW, axes, d["sliding_law"], natural, context, place["start"][2])]
 
 
 def _angle_end_parts(d, place, context):

@@ -1,7 +1,8 @@
 """Constraints and laws of single coordinates, from which joints are composed: each is a use of a coordinate."""
 
+from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.constraints.along_coordinate.hold import drive_kind, hold_kind, release_kind
-from mecano.constraints.along_coordinate.law import law_kind
+from mecano.constraints.along_coordinate.law import law_kind, law_kind_of_signal, law_values
 from mecano.constraints.along_coordinate.stops import latch_kind, releasable_latch_kind, stop_kind
 from mecano.constraints.coordinates.displacement import DISPLACEMENT
 from mecano.constraints.coordinates.distance import DISTANCE as LENGTH
@@ -10,6 +11,7 @@ from mecano.constraints.coordinates.pin_angle import PIN_ANGLE
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.tilt import TILT
 from mecano.constraints.coordinates.twist import TWIST
+from mecano.element_interface import Part
 
 IN_PLANE = hold_kind(
     "in_plane", r"In plane: :math:`\mu \cdot (x_1 - x_0) - c = 0` for mu fixed in the first node.", SLIDE,
@@ -45,6 +47,11 @@ SLIDE_LAW = law_kind("slide_law", "Slide law: a force from a law of the sliding;
 TWIST_LAW = law_kind("twist_law", "Twist law: a moment from a law of the twist; > 0 opposes the twist.", TWIST)
 TILT_LAW = law_kind("tilt_law", "Tilt law: a moment from a law of the tilt, the sine of an angle.", TILT)
 PIN_LAW = law_kind("pin_law", "Pin law: a moment from a law of the angle of a pin.", PIN_ANGLE)
+OF_SIGNAL = {
+    kind: law_kind_of_signal(kind, coordinate)
+    for kind, coordinate in ((SLIDE_LAW, SLIDE), (TWIST_LAW, TWIST), (PIN_LAW, PIN_ANGLE))
+}
+"""The laws whose set point is a signal, by those whose set point is a law of time."""
 
 SLIDE_LATCH = latch_kind("slide_latch", "Latch of the sliding.", SLIDE)
 SLIDE_LATCH_RELEASE = releasable_latch_kind("slide_latch_release", "Latch of the sliding, with a release.", SLIDE)
@@ -54,3 +61,9 @@ ANGLE_LATCH_RELEASE = releasable_latch_kind("angle_latch_release", "Latch of the
 ANGLE_STOP = stop_kind("angle_stop", "Stops of the twist, over any turns.", TWIST)
 
 BOTH = (0, 1)
+
+
+def law_part(kind, axes, law, natural, context, zero=0.0, on=BOTH, label=""):
+    """Return the Part of a law along the coordinate of ``kind``; the other arguments are those of ``law_values``."""
+    values, by_signal = law_values(axes, law, natural, context, zero), is_formula(natural)
+    return Part(OF_SIGNAL[kind] if by_signal else kind, on, values, label=label, reads=(natural,) if by_signal else ())

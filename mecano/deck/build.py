@@ -8,7 +8,6 @@ from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable, breakpoints
 from mecano.model.model import Element, Model, Node
-from mecano.schema import CURVE, DRIVE, TIME_CURVE
 
 
 def build(deck):
@@ -65,6 +64,6 @@ def time_breakpoints(deck):
     for section in SECTIONS:
         for d in deck.values[section].values():
             times |= set(KINDS[d["type"]].times(d, run["start"], run["end"]))
-            laws = (d[field.name] for field in KINDS[d["type"]].fields if field.type in (CURVE, TIME_CURVE, DRIVE))
+            laws = (d[field.name] for field in KINDS[d["type"]].fields if field.type.name in ("curve", "drive"))
             times |= {t for law in laws if not is_formula(law) for t in breakpoints(law)}
     return tuple(sorted(times))

@@ -6,7 +6,7 @@ from dataclasses import replace
 from mecano.deck import values
 from mecano.deck.containers import either, filled, kind, list_, mapping, named, shorthand
 from mecano.deck.copies import Copies
-from mecano.deck.formulas import check_formulas, condition, drive, formula, signal_entry
+from mecano.deck.formulas import check_continuous, check_formulas, condition, drive, formula, signal_entry
 from mecano.deck.language import LANGUAGE
 from mecano.deck.laws import law_in_place, law_or_name
 from mecano.deck.parameters import Parameters
@@ -129,6 +129,7 @@ def checked_values(root, sections, scope):
     resolve(result, scope)
     check_formulas(result, scope)
     _stop_at(problems, UNCHECKED)
+    check_continuous(result, scope)
     check_model(result, root, scope)
     _stop_at(problems)
     return result

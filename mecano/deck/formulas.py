@@ -14,7 +14,7 @@ from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS
 from mecano.elements.signals.formula import FORMULA
 from mecano.laws.formula import NUMBER as NUMBER_STEP
-from mecano.laws.formula import FormulaError, difference_of, read_formula
+from mecano.laws.formula import SIGN, FormulaError, difference_of, read_formula
 from mecano.model.measured import UnknownQuantity, meaning
 from mecano.schema import NUMBER
 
@@ -33,12 +33,19 @@ def drive(node, field, scope):
     """Return a checked curve, a formula as text, or a Reference for the name of a law or a signal."""
     text = node.value
     if type(text) is str and IDENTIFIER.fullmatch(text):
-        return Reference(text, "laws", "drive", node, scope.subject)
+        return Reference(text, "laws", "drive", node, scope.subject, field.type.options)
     if type(text) is str and not is_quantity(text) and not is_arithmetic(text):
         found = _read(text, node, scope)
         if found is INVALID or found.references or found.depends_on_time:
+            note_continuous(found, node, field.type.options, scope)
             return _noted(found, node, scope)
     return law_or_name(node, replace(field, type=replace(field.type, name="curve")), scope)
+
+
+def note_continuous(found, node, options, scope):
+    """Note a Formula whose value must not jump: that of a field with these ``options`` of its type."""
+    if found is not INVALID and options:
+        scope.continuous.append((found, node, scope.subject))
 
 
 def formula(node, field, scope):
@@ -121,6 +128,33 @@ def check_formulas(values, scope):
                 exact = found.text == node.value
                 place = ExpressionError(error.message, column if exact else 0)
                 _refuse(node, place, scope.suggest(error.word, error.known) if error.known else "", scope)
+
+
+def check_continuous(values, scope):
+    """Note errors for set points that jump, in the checked ``values`` of a deck: their energy would be unknown."""
+    for found, node, subject in scope.continuous:
+        scope.subject = subject
+        if name := _jump(found, values["signals"], scope.kinds, set()):
+            text = f"it jumps with {name}, and a set point must not"
+            scope.refuse(node, text, "pass it through a 'lag', the time constant of the actuator")
+
+
+def _jump(found, signals, kinds, seen):
+    """Return a name for what makes a Formula jump, or ""."""
+    if any(code == SIGN for code, _ in found.program):
+        return "'sign'"
+    for name in (name.removeprefix("signals.") for name in found.references):
+        if name in seen or name not in signals:
+            continue
+        seen.add(name)
+        d = signals[name]
+        kind = kinds[d["type"]]
+        if kind.jumps:
+            return f"the {kind.name} {quoted(name)}"
+        inputs = () if kind.smooths(d) else kind.chosen(d).read(d)
+        if jump := next(filter(None, (_jump(read_formula(text), signals, kinds, seen) for text in inputs)), ""):
+            return jump
+    return ""
 
 
 def _refuse(node, error, hint, scope):

@@ -1,8 +1,10 @@
 """Resolution of references: nodes must exist; laws, grounds and tire laws replace their names."""
 
 from mecano.deck.containers import singular, wrong_name
+from mecano.deck.formulas import note_continuous
 from mecano.deck.laws import fits
 from mecano.deck.wording import quoted
+from mecano.laws.formula import read_formula
 from mecano.model.mesh import divides, inner_names
 
 
@@ -14,6 +16,7 @@ def resolve(values, scope):
         known = nodes if reference.section == "nodes" else values[reference.section]
         if reference.wanted == "drive" and reference.name in values["signals"] and reference.name not in known:
             _put(reference, reference.name)  # the name of a signal is a formula
+            note_continuous(read_formula(reference.name), reference.node, reference.options, scope)
             continue
         if reference.name not in known:
             more = values["signals"] if reference.wanted == "drive" else ()

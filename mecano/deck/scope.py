@@ -54,6 +54,7 @@ class Scope:
     parameters: Parameters = field(default_factory=Parameters)
     references: list = field(default_factory=list)
     formulas: list = field(default_factory=list)  # (formula, node, subject) of all that have been read
+    continuous: list = field(default_factory=list)  # the same of those that must not jump
     files: dict = field(default_factory=dict)  # name of a file read -> SHA-256
     tables: dict = field(default_factory=dict)  # name of a file read -> points, or reduced matrices
     beside: str = ""  # folder, relative to that of the deck, of the current file; files named in it are relative to it

@@ -60,6 +60,8 @@ class _Wiring:
             title = title_of(element.kind.name, owner)
             part = sensor_of_output(element.kind, what, element.values, frames, self.context)
         on = tuple(nodes[i] for i in part.nodes)
-        self.instances.append(Instance(f"{title}: {what}", f"sensors/{name}", part.kind, on, part.parameters))
+        self.instances.append(
+            Instance(f"{title}: {what}", f"sensors/{name}", part.kind, on, part.parameters, reads=part.reads)
+        )
         self.sources[name] = len(self.instances) - 1
         return self.sources[name]

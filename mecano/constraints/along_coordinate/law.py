@@ -1,22 +1,28 @@
 """Load a coordinate c by a law: P(s, ds/dt) adds P times the gradient of c to the forces; s = c - n(t) - natural.
 
-P > 0 acts against increasing c. The set point n(t) is a law of time; its power -P dn/dt is given by the surroundings.
+P > 0 acts against increasing c. The set point n is a law of time or a signal; its power -P dn/dt is given by the
+surroundings.
 An angle is continued over whole turns with the memory of the last accepted step.
 """
 
+from dataclasses import replace
+
+from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.constraints.body_fixed import follow
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.stop_phases import EVENTS, PHASES, law_record, put_stop_events
 from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve, evaluate_force, law_force, potential
-from mecano.schema import LAW, TIME_CURVE, Field
+from mecano.maths.dual import number
+from mecano.schema import CONTINUOUS_DRIVE, LAW, Field
 
-SET_POINT = "at which the extension of the {} law is zero, as a function of time [s]"
+SET_POINT = "at which the extension of the {} law is zero: a function of time [s], or a formula of signals"
+STILL = (0.0, 0.0)  # a set point that does not move, and its rate
 
 TURNING_FIELDS = (
     Field("turning_law", LAW, "-", "moment [N m] from angle [rad] and rate [rad/s]; > 0 opposes the angle", None),
-    Field("natural_angle", TIME_CURVE, "rad", f"angle {SET_POINT.format('turning')}", 0.0),
+    Field("natural_angle", CONTINUOUS_DRIVE, "rad", f"angle {SET_POINT.format('turning')}", 0.0),
 )
 SLIDING_FIELDS = (
     Field(
@@ -26,27 +32,47 @@ SLIDING_FIELDS = (
         "force [N] from displacement [m] and velocity [m/s]; > 0 opposes the displacement",
         None,
     ),
-    Field("natural_displacement", TIME_CURVE, "m", f"displacement {SET_POINT.format('sliding')}", 0.0),
+    Field("natural_displacement", CONTINUOUS_DRIVE, "m", f"displacement {SET_POINT.format('sliding')}", 0.0),
 )
 LAW_RECORD = {"law": "i", "natural": (), "low": (), "high": (), "set_point": "i"}
 
 
 @kernel
-def extension(p, at, c):
-    """Return the extension of the law at a value of the coordinate."""
-    return c - p.natural - evaluate_curve(at.laws, p.set_point, at.t)[0]
+def of_time(p, at):
+    """Return the set point of a law of time, and its rate."""
+    n, rate, _ = evaluate_curve(at.laws, p.set_point, at.t)
+    return n, rate
+
+
+def of_signal(i):
+    """Return the compiled function (p, at) -> set point and rate of the local unknown i, a signal."""
+
+    @kernel
+    def read(p, at):
+        return number(at.q[i]), number(at.v[i])
+
+    return read
+
+
+def with_set_point(make, field, i):
+    """Return the Kind ``make(of_time)``, whose variant reads a formula in the deck's ``field``.
+
+    ``i``: local index of the input, which follows the slots and the scalars.
+    """
+    by_law, by_signal = make(of_time), replace(make(of_signal(i)), inputs=(field,))
+    return replace(by_law, variant=lambda d: by_signal if is_formula(d[field]) else by_law)
 
 
 @kernel
-def extension_rate(p, at, rate):
-    """Return the rate of the extension from that of the coordinate."""
-    return rate - evaluate_curve(at.laws, p.set_point, at.t)[1]
+def extension(p, set_point, c):
+    """Return the extension of the law at a value of the coordinate, for a set point (value, rate)."""
+    return c - p.natural - set_point[0]
 
 
 @kernel
-def report(p, at, coordinate, rate, y, e):
+def report(p, at, set_point, coordinate, rate, y, e):
     """Write the force of the law to y[0], potential energy, dissipated and given power to e."""
-    s, s_rate = extension(p, at, coordinate), extension_rate(p, at, rate)
+    s, s_rate = extension(p, set_point, coordinate), rate - set_point[1]
     P, _, _ = evaluate_force(at.laws, p.law, s, s_rate)
     elastic, _, _ = evaluate_force(at.laws, p.law, s, 0.0)
     y[0] = P
@@ -76,24 +102,24 @@ def counted(coordinate):
     return count
 
 
-def law_kind(name, doc, coordinate):
-    """Return the Kind of a law along a coordinate."""
+def law_kind(name, doc, coordinate, set_point=of_time):
+    """Return the Kind of a law along a coordinate with a ``set_point``, of time or of a signal."""
     value, gradient = counted(coordinate), coordinate.gradient
 
     @kernel
     def residual(p, at, f):
-        along = gradient(p, at)
-        s, s_rate = extension(p, at, value(p, at)), extension_rate(p, at, rate_of(along, at.v))
+        along, point = gradient(p, at), set_point(p, at)
+        s, s_rate = extension(p, point, value(p, at)), rate_of(along, at.v) - point[1]
         add_along(f, law_force(at.laws, p.law, s, s_rate), along)
 
     @kernel
     def observe(p, at, F, y, e):
-        report(p, at, value(p, at), rate_of(gradient(p, at), at.v), y, e)
+        report(p, at, set_point(p, at), value(p, at), rate_of(gradient(p, at), at.v), y, e)
         y[1] = e[2]
 
     @kernel
     def event_values(p, at, g):
-        put_stop_events(g, p.low, p.high, extension(p, at, value(p, at)))
+        put_stop_events(g, p.low, p.high, extension(p, set_point(p, at), value(p, at)))
 
     @kernel
     def commit(p, at, m_out):
@@ -111,11 +137,18 @@ def law_kind(name, doc, coordinate):
     )  # fmt: skip
 
 
+def law_kind_of_signal(kind, coordinate):
+    """Return the Kind like ``kind``, the law along a coordinate, whose set point is its input."""
+    by_signal = law_kind(kind.name, kind.doc, coordinate, of_signal(3 * len(coordinate.layout)))
+    return replace(by_signal, inputs=("set_point",))
+
+
 def law_values(axes, law, natural, context, zero=0.0):
     """Return the record of a law of the deck on a coordinate with these ``axes``.
 
-    ``natural`` is the set point, a number or a law of time, relative to the value ``zero`` of the coordinate.
+    ``natural`` is the set point, a number, a law of time or a formula, relative to the value ``zero`` of the
+    coordinate.
     """
-    is_law = isinstance(natural, tuple)
-    given = {"natural": zero if is_law else zero + natural, "set_point": context.laws.add(natural) if is_law else 0}
+    is_law, moves = isinstance(natural, tuple), isinstance(natural, tuple | str)
+    given = {"natural": zero if moves else zero + natural, "set_point": context.laws.add(natural) if is_law else 0}
     return {**axes, **given, **law_record(law, context)}

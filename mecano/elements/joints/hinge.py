@@ -66,6 +66,7 @@ def sample(rng):
         (d, nodes, ""),
         *(({**skew, "latch": {"angle": 1.5, "release": release}}, nodes, "") for release in (None, SAMPLE["release"])),
         ({**d, **law, "natural_angle": 0.3, "friction": {**RUBBING, **radii}}, nodes, ""),
+        ({**d, **law, "natural_angle": "command"}, nodes, ""),
         ({**d, "friction": {**STICKING, **radii}, "stops": stops}, nodes, ""),
         ({**d, "axis_1": rng.normal(size=3), **law, "compliance": dict.fromkeys(HELD, SPRUNG)}, nodes, ""),
         *(({**d, **SAMPLE}, nodes, phase) for phase in RELEASE_PHASES),

@@ -25,7 +25,7 @@ from mecano.constraints.coordinates.pin_angle import pin_angle, pin_gradient
 from mecano.constraints.coordinates.tilt import tilted
 from mecano.constraints.joint_frame import NODES, not_at_one_place, one_position, triad
 from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING, one_place
-from mecano.constraints.of_coordinates import ORTHOGONAL, PIN_LAW, TILT_LAW
+from mecano.constraints.of_coordinates import ORTHOGONAL, PIN_LAW, TILT_LAW, law_part
 from mecano.constraints.pair import (
     PAIR_RECORD,
     compliance_field,
@@ -40,7 +40,7 @@ from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.element_interface import Display, Kind, Output, Part, nothing, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
-from mecano.schema import DIRECTION, LAW, TIME_CURVE, Field
+from mecano.schema import CONTINUOUS_DRIVE, DIRECTION, LAW, Field
 
 RECORD = record(mu=(3, 3), xi=(3, 3))
 CROSS = "about_cross"
@@ -122,7 +122,7 @@ def _seen_by_pins(p):
 
 def _turning(d, p, context):
     return [
-        Part(PIN_LAW, on, law_values({"mu": mu, "xi": xi}, law, d[f"natural_angle_{end}"], context), label=f"_{end}")
+        law_part(PIN_LAW, {"mu": mu, "xi": xi}, law, d[f"natural_angle_{end}"], context, on=on, label=f"_{end}")
         for on, mu, xi, end in _seen_by_pins(p)
         if (law := d[f"turning_law_{end}"])
     ]
@@ -184,6 +184,7 @@ def sample(rng):
         (d, nodes, ""),
         ({**d, **laws, "friction": {**RUBBING, **radii}}, nodes, ""),
         ({**d, "friction": {**STICKING, **radii}}, nodes, ""),
+        ({**d, **laws, "natural_angle_b": "command"}, nodes, ""),
         ({**d, **laws, "compliance": {CROSS: SPRUNG, "along_2": SPRUNG}}, nodes, ""),
         ({**d, "compliance": {"along_1": SPRUNG, "along_axis": SPRUNG}}, nodes, ""),
     ]
@@ -208,7 +209,9 @@ UNIVERSAL = Kind(
                     f"turning_law_{end}", LAW, "-",
                     f"moment [N m] from angle_{end} [rad] and its rate [rad/s]; > 0 turns b back", None,
                 ),
-                Field(f"natural_angle_{end}", TIME_CURVE, "rad", f"angle_{end} {SET_POINT.format('turning')}", 0.0),
+                Field(
+                    f"natural_angle_{end}", CONTINUOUS_DRIVE, "rad", f"angle_{end} {SET_POINT.format('turning')}", 0.0
+                ),
             )
         ),
         friction_fields(

@@ -21,7 +21,7 @@ the orifice dissipates :math:`F_h u`. Cavitation is not modelled: it begins wher
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.law import LAW_RECORD, extension, law_values, report
+from mecano.constraints.along_coordinate.law import LAW_RECORD, STILL, extension, law_values, report
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.joint_frame import at_one_place
 from mecano.constraints.line import line
@@ -73,7 +73,7 @@ def through_orifice(p, at, e, u):
 def residual(p, at, f):
     """Add the axial force along the line, and the balance of the pressure in the oil with that at the orifice."""
     length, rate, (_, along, _) = line(at.q, at.v)
-    e, oil, oil_rate = extension(p, at, length), number(at.q[OIL]), number(at.v[OIL])
+    e, oil, oil_rate = extension(p, STILL, length), number(at.q[OIL]), number(at.v[OIL])
     F_h = through_orifice(p, at, e, -rate - oil_rate)
     N = gas_pull(p, e) + p.ambient * p.gas_area - F_h + law_force(at.laws, p.law, e, rate)
     add_vec(f, 0, -N, along)
@@ -85,8 +85,8 @@ def residual(p, at, f):
 def observe(p, at, F, y, e):
     """Write length, extension, rate, force, stroke, pressures, flow, compression of the oil; energies."""
     length, rate, _ = line(at.q, at.v)
-    s, oil, u = extension(p, at, length), at.q[OIL], -rate - at.v[OIL]
-    report(p, at, length, rate, y[3:], e)
+    s, oil, u = extension(p, STILL, length), at.q[OIL], -rate - at.v[OIL]
+    report(p, at, STILL, length, rate, y[3:], e)
     gas, _, energy = gas_at(p, s)
     F_h = through_orifice(p, at, s, u)
     y[0], y[1], y[2] = length, s, rate
@@ -104,7 +104,7 @@ def observe(p, at, F, y, e):
 @kernel
 def event_values(p, at, g):
     """Write the event values of the stops of the law."""
-    put_stop_events(g, p.low, p.high, extension(p, at, line(at.q, at.v)[0]))
+    put_stop_events(g, p.low, p.high, extension(p, STILL, line(at.q, at.v)[0]))
 
 
 def prepare(d, nodes, context):

@@ -5,14 +5,24 @@ With :math:`d = x_1 - x_0`, the length :math:`\ell = |d|` and :math:`u = d/\ell`
 .. math::  e = \ell - \ell_0, \qquad \dot e = u \cdot (v_1 - v_0) - \dot\ell_0, \qquad N = N(e, \dot e), \qquad
    f_1 = -f_0 = N u
 
-N > 0 pulls the nodes together. The natural length :math:`\ell_0` may be a law of time: the set point of an elastic
-actuator, whose power :math:`-N\dot\ell_0` is given by the surroundings. A set point that is a signal has no rate: use
-a ``line_force`` whose formula reads the length.
+N > 0 pulls the nodes together. The natural length :math:`\ell_0` may be a law of time or a formula of signals: the
+set point of an elastic actuator, whose power :math:`-N\dot\ell_0` is given by the surroundings.
 """
+
+from dataclasses import replace
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.law import LAW_RECORD, extension, extension_rate, law_values, report
+from mecano.constraints.along_coordinate.demand import is_formula
+from mecano.constraints.along_coordinate.law import (
+    LAW_RECORD,
+    extension,
+    law_values,
+    of_signal,
+    of_time,
+    report,
+    with_set_point,
+)
 from mecano.constraints.along_coordinate.signal import SIGNAL
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.joint_frame import at_one_place
@@ -24,61 +34,43 @@ from mecano.laws.probe import curve_at
 from mecano.laws.table import law_force
 from mecano.maths.dual import number
 from mecano.maths.vector import add_vec
-from mecano.schema import LAW, NODE_PAIR, TIME_CURVE, Field, not_negative
+from mecano.schema import CONTINUOUS_DRIVE, LAW, NODE_PAIR, Field, not_negative
 
 RECORD = record(**LAW_RECORD)
 
 
 @kernel
-def _extension(p, at):
-    """Return the extension."""
-    return extension(p, at, line(at.q, at.v)[0])
+def _force(p, at, length, rate, point):
+    """Return the axial force at a length, its rate, and a set point (value, rate)."""
+    return law_force(at.laws, p.law, extension(p, point, length), rate - point[1])
 
 
-@kernel
-def _extension_rate(p, at):
-    """Return the rate of the extension."""
-    return extension_rate(p, at, line(at.q, at.v)[1])
+def _functions(set_point):
+    """Return ``residual``, ``observe`` and ``event_values`` for a natural length (p, at) -> (value, rate)."""
 
+    @kernel
+    def residual(p, at, f):
+        length, rate, (_, u, _) = line(at.q, at.v)
+        N = _force(p, at, length, rate, set_point(p, at))
+        add_vec(f, 0, -N, u)
+        add_vec(f, 3, N, u)
 
-@kernel
-def _along(p, at, length, rate):
-    """Return the axial force at a length and its rate."""
-    return law_force(at.laws, p.law, extension(p, at, length), extension_rate(p, at, rate))
+    @kernel
+    def observe(p, at, F, y, e):
+        length, rate, _ = line(at.q, at.v)
+        point = set_point(p, at)
+        y[0] = length
+        y[1] = extension(p, point, length)
+        y[2] = rate
+        report(p, at, point, length, rate, y[3:], e)
+        y[4] = -y[1]
+        y[5] = rate - point[1]
 
+    @kernel
+    def event_values(p, at, g):
+        put_stop_events(g, p.low, p.high, extension(p, set_point(p, at), line(at.q, at.v)[0]))
 
-@kernel
-def _force(p, at):
-    """Return the axial force."""
-    length, rate, _ = line(at.q, at.v)
-    return _along(p, at, length, rate)
-
-
-@kernel
-def residual(p, at, f):
-    """Add equal and opposite forces along the line."""
-    length, rate, (_, u, _) = line(at.q, at.v)
-    N = _along(p, at, length, rate)
-    add_vec(f, 0, -N, u)
-    add_vec(f, 3, N, u)
-
-
-@kernel
-def observe(p, at, F, y, e):
-    """Write length, extension, their rates, force, stroke; energies."""
-    length, rate, _ = line(at.q, at.v)
-    y[0] = length
-    y[1] = extension(p, at, length)
-    y[2] = rate
-    report(p, at, length, rate, y[3:], e)
-    y[4] = -y[1]
-    y[5] = extension_rate(p, at, rate)
-
-
-@kernel
-def event_values(p, at, g):
-    """Write the event values of the stops of the law."""
-    put_stop_events(g, p.low, p.high, _extension(p, at))
+    return residual, observe, event_values
 
 
 def prepare(d, nodes, context):
@@ -91,7 +83,9 @@ def prepare(d, nodes, context):
 def check(d, nodes):
     """Check that the line has an initial direction, and that the natural length is not negative at the start."""
     texts, natural = at_one_place(nodes), d["natural_length"]
-    error = natural is not None and not_negative(curve_at(natural, 0.0)[0])
+    if natural is None or is_formula(natural):
+        return texts
+    error = not_negative(curve_at(natural, 0.0)[0])
     return [*texts, f"'natural_length' {error} at t = 0"] if error else texts
 
 
@@ -110,57 +104,86 @@ def sample(rng):
         nodes = [(x, np.eye(3)), (x + length * line / np.linalg.norm(line), np.eye(3))]
         samples.append(({"law": strut, "natural_length": 2.0}, nodes, phase))
     moved = (("sine", {"amplitude": 0.3, "frequency": 0.4, "phase": 0.2, "offset": 1.5}),)
-    return [*samples, ({"law": cubic}, 2, "between"), ({"law": cubic, "natural_length": moved}, 2, "between")]
+    return [
+        *samples, *(({"law": cubic, "natural_length": length}, 2, "between") for length in (None, moved, "1 + command"))
+    ]  # fmt: skip
+
+
+@kernel
+def _sensed_extension(p, at, length, rate, point):
+    return extension(p, point, length)
+
+
+@kernel
+def _sensed_rate(p, at, length, rate, point):
+    return rate - point[1]
 
 
 def _sensor(what, value):
-    """Return what the signal ``what`` of a spring is measured with: (deck values, nodes, Context) -> Part."""
+    """Return what the signal ``what`` of a spring is measured with: (deck values, nodes, Context) -> Part.
 
-    @kernel
-    def residual(p, at, f):
-        f[6] += number(at.q[6]) - value(p, at)
+    ``value(p, at, length, rate, set point)`` is compiled.
+    """
 
-    kind = Kind(
-        name=f"spring_{what}_sensor", section="", doc=f"Sensor of the {what} of a spring-damper.", dtype=RECORD,
-        layout=("x0", "x1"), residual=residual, **SIGNAL,
+    def kind(set_point):
+        @kernel
+        def residual(p, at, f):
+            length, rate, _ = line(at.q, at.v)
+            f[6] += number(at.q[6]) - value(p, at, length, rate, set_point(p, at))
+
+        return Kind(
+            name=f"spring_{what}_sensor", section="", doc=f"Sensor of the {what} of a spring-damper.", dtype=RECORD,
+            layout=("x0", "x1"), residual=residual, **SIGNAL,
+        )  # fmt: skip
+
+    by_law, by_signal = kind(of_time), replace(kind(of_signal(7)), inputs=("natural_length",))
+
+    def part(d, nodes, context):
+        p, natural = prepare(d, nodes, context), d["natural_length"]
+        return Part(by_signal, (0, 1), p, reads=(natural,)) if is_formula(natural) else Part(by_law, (0, 1), p)
+
+    return part
+
+
+def _kind(set_point):
+    residual, observe, event_values = _functions(set_point)
+    return Kind(
+        name="spring_damper",
+        section="elements",
+        doc=__doc__,
+        display=Display("spring", pictures=("struts", "drop_test"), axial="force"),
+        dtype=RECORD,
+        layout=("x0", "x1"),
+        fields=(
+            Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
+            Field("law", LAW, "-", "axial force [N] from extension [m] and rate [m/s]; > 0 pulls the nodes together"),
+            Field("natural_length", CONTINUOUS_DRIVE, "m", "length at the extension zero: a function of time [s], or a "
+                  "formula of signals; the initial distance when absent", None),
+        ),
+        outputs=(
+            Output("length", "m", "distance of the nodes", rate="rate"),
+            Output("extension", "m", "length - natural length", rate="extension_rate"),
+            Output("rate", "m/s", "rate of the length"),
+            Output("force", "N", "axial force; > 0 pulls the nodes together"),
+            Output("stroke", "m", "compression: natural length - length"),
+            Output("extension_rate", "m/s", "rate of the extension"),
+        ),
+        phases=PHASES,
+        events=EVENTS,
+        prepare=prepare,
+        check=check,
+        strains=(-0.5, 0.5),
+        residual=residual,
+        observe=observe,
+        event_values=event_values,
+        sample=sample,
+        measures={
+            "length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {}),
+            "extension": _sensor("extension", _sensed_extension),
+            "extension_rate": _sensor("extension_rate", _sensed_rate),
+            "force": _sensor("force", _force),
+        },
     )  # fmt: skip
-    return lambda d, nodes, context: Part(kind, (0, 1), prepare(d, nodes, context))
 
 
-SPRING_DAMPER = Kind(
-    name="spring_damper",
-    section="elements",
-    doc=__doc__,
-    display=Display("spring", pictures=("struts", "drop_test"), axial="force"),
-    dtype=RECORD,
-    layout=("x0", "x1"),
-    fields=(
-        Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
-        Field("law", LAW, "-", "axial force [N] from extension [m] and rate [m/s]; > 0 pulls the nodes together"),
-        Field("natural_length", TIME_CURVE, "m", "length at the extension zero, as a function of time [s]; the initial "
-              "distance when absent", None),
-    ),
-    outputs=(
-        Output("length", "m", "distance of the nodes", rate="rate"),
-        Output("extension", "m", "length - natural length", rate="extension_rate"),
-        Output("rate", "m/s", "rate of the length"),
-        Output("force", "N", "axial force; > 0 pulls the nodes together"),
-        Output("stroke", "m", "compression: natural length - length"),
-        Output("extension_rate", "m/s", "rate of the extension"),
-    ),
-    phases=PHASES,
-    events=EVENTS,
-    prepare=prepare,
-    check=check,
-    strains=(-0.5, 0.5),
-    residual=residual,
-    observe=observe,
-    event_values=event_values,
-    sample=sample,
-    measures={
-        "length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {}),
-        "extension": _sensor("extension", _extension),
-        "extension_rate": _sensor("extension_rate", _extension_rate),
-        "force": _sensor("force", _force),
-    },
-)  # fmt: skip
+SPRING_DAMPER = with_set_point(_kind, "natural_length", 6)

@@ -7,28 +7,35 @@ ends together:
 
 .. math::  M = M(\theta - \theta_0, \dot\theta - \dot\theta_0)
 
-The natural angle :math:`\theta_0` may be a law of time: the set point of an elastic drive, whose power
-:math:`-M\dot\theta_0` is given by the surroundings.
+The natural angle :math:`\theta_0` may be a law of time or a formula of signals: the set point of an elastic drive,
+whose power :math:`-M\dot\theta_0` is given by the surroundings.
 """
 
-from mecano.constraints.along_coordinate.law import SET_POINT, law_values, report
+from dataclasses import replace
+
+from mecano.constraints.along_coordinate.demand import is_formula
+from mecano.constraints.along_coordinate.law import SET_POINT, law_values, of_signal, of_time, report
 from mecano.constraints.along_coordinate.measure import OVER_TURNS, angle_outputs
 from mecano.constraints.coordinates.twist import TWIST, followed
 from mecano.constraints.joint_frame import NODES, triad
-from mecano.constraints.of_coordinates import TWIST_LAW
+from mecano.constraints.of_coordinates import OF_SIGNAL, TWIST_LAW
 from mecano.constraints.stop_phases import EVENTS, PHASES
 from mecano.element_interface import Display, Kind, Measured, Output
 from mecano.jit.kernel import kernel
-from mecano.schema import DIRECTION, LAW, TIME_CURVE, Field
+from mecano.schema import CONTINUOUS_DRIVE, DIRECTION, LAW, Field
 
 
-@kernel
-def observe(p, at, F, y, e):
-    """Write angle, rate, moment; energies."""
-    angle, rate = followed(p, at.m, at.v, at.R)
-    report(p, at, angle, rate, y[2:], e)
-    y[0] = angle
-    y[1] = rate
+def _observe(set_point):
+    """Return ``observe`` for a natural angle (p, at) -> (value, rate)."""
+
+    @kernel
+    def observe(p, at, F, y, e):
+        angle, rate = followed(p, at.m, at.v, at.R)
+        report(p, at, set_point(p, at), angle, rate, y[2:], e)
+        y[0] = angle
+        y[1] = rate
+
+    return observe
 
 
 def prepare(d, nodes, context):
@@ -53,7 +60,7 @@ def sample(rng):
         ({"law": law, "axis": rng.normal(size=3), "natural_angle": angle}, 2, phase)
         for phase, angle in zip(PHASES, (1.5, 0.0, -1.5), strict=True)
     ]
-    angles = 0.7, (("linear", {"slope": 0.6, "offset": 0.3}),)
+    angles = 0.7, (("linear", {"slope": 0.6, "offset": 0.3}),), "command"
     return samples + [
         ({"law": nonlinear, "axis": rng.normal(size=3), "natural_angle": n}, 2, "between") for n in angles
     ]
@@ -75,7 +82,7 @@ TORSION_SPRING_DAMPER = Kind(
         NODES,
         Field("axis", DIRECTION, "-", "axis at the start, inertial"),
         Field("law", LAW, "-", "moment [N m] from angle [rad] and rate [rad/s]; > 0 turns against a positive angle"),
-        Field("natural_angle", TIME_CURVE, "rad", f"angle {SET_POINT.format('spring')}", 0.0),
+        Field("natural_angle", CONTINUOUS_DRIVE, "rad", f"angle {SET_POINT.format('spring')}", 0.0),
     ),
     outputs=(
         *angle_outputs(OVER_TURNS),
@@ -86,9 +93,15 @@ TORSION_SPRING_DAMPER = Kind(
     memory=("angle",),
     prepare=prepare,
     residual=TWIST_LAW.residual,
-    observe=observe,
+    observe=_observe(of_time),
+    variant=lambda d: BY_SIGNAL if is_formula(d["natural_angle"]) else TORSION_SPRING_DAMPER,
     event_values=TWIST_LAW.event_values,
     commit=TWIST_LAW.commit,
     sample=sample,
     measures={"angle": _angle},
 )
+_DRIVEN = OF_SIGNAL[TWIST_LAW]
+BY_SIGNAL = replace(
+    TORSION_SPRING_DAMPER, inputs=("natural_angle",), residual=_DRIVEN.residual, observe=_observe(of_signal(6)),
+    event_values=_DRIVEN.event_values, commit=_DRIVEN.commit, variant=None,
+)  # fmt: skip

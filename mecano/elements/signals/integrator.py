@@ -20,6 +20,7 @@ def residual(p, at, f):
 INTEGRATOR = Kind(
     name="integrator",
     doc=__doc__,
+    smooths=lambda d: True,
     dtype=record(initial=()),
     fields=(INPUT, INITIAL),
     states=("value",),

@@ -26,6 +26,7 @@ def sample(rng):
 LAG = Kind(
     name="lag",
     doc=__doc__,
+    smooths=lambda d: True,
     dtype=record(time_constant=(), gain=(), initial=()),
     fields=(
         INPUT,

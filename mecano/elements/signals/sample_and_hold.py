@@ -41,6 +41,7 @@ def times(d, start, end):
 SAMPLE_AND_HOLD = Kind(
     name="sample_and_hold",
     doc=__doc__,
+    jumps=True,
     dtype=record(period=()),
     fields=(INPUT, Field("period", NUMBER, "s", "T", check=positive)),
     inputs=("input",),

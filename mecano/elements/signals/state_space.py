@@ -162,12 +162,14 @@ DECLARED = {
         "prepare": prepare_space,
         "check": check_space,
         "reads": lambda d: d["inputs"],
+        "smooths": lambda d: not any(d["D"] or ()),
         "variant": lambda d: _of_size("state_space", len(d["A"]), len(d["inputs"])),
         "sample": sample_space,
     },
     "transfer_function": {
         **SHARED,
         "name": "transfer_function",
+        "smooths": lambda d: len(d["numerator"]) < len(d["denominator"]),
         "fields": (
             INPUT,
             Field("numerator", NUMBERS, "-", "coefficients in ascending powers of s"),

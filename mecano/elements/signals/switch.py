@@ -50,6 +50,7 @@ def sample(rng):
 SWITCH = Kind(
     name="switch",
     doc=__doc__,
+    jumps=True,
     dtype=record(upper=(), lower=()),
     fields=(
         INPUT,
