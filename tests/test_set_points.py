@@ -110,6 +110,18 @@ def test_drives_follow_signals(verify):
     assert balance[0] / balance[1] == pytest.approx(4.0, abs=0.5) and balance[1] < 1e-3
 
 
+SIGNAL = """
+    mecano: 1
+    gravity: none
+    nodes: {a: {position: [0, 0, 0], fixed: true}, b: {position: [0, 0, 2]}}
+    elements:
+      b: {type: point_mass, node: b, mass: 1}
+      s: {type: spring_damper, nodes: [a, b], law: {spring: 3}, natural_length: motion}
+    signals: {SIGNALS}
+    time: {end: 1, step: 0.01}
+    """
+
+
 @pytest.mark.parametrize(
     ("signals", "message"),
     [
@@ -140,13 +152,35 @@ def test_a_set_point_may_be_any_continuous_signal(signals):
     deck(SIGNAL.replace("SIGNALS", signals))
 
 
-SIGNAL = """
+HANGING = """
     mecano: 1
-    gravity: none
-    nodes: {a: {position: [0, 0, 0], fixed: true}, b: {position: [0, 0, 2]}}
+    gravity: [0, 0, -9.81]
+    nodes: {top: {position: [0, 0, 0], fixed: true}, load: {position: [0.1, 0, -1]}}
     elements:
-      b: {type: point_mass, node: b, mass: 1}
-      s: {type: spring_damper, nodes: [a, b], law: {spring: 3}, natural_length: motion}
-    signals: {SIGNALS}
-    time: {end: 1, step: 0.01}
+      load: {type: point_mass, node: load, mass: 2}
+      rope: {type: KIND, nodes: [top, load], PROPERTIES, natural_length: LENGTH}
+    time: {end: 1, step: 0.005, adaptive: {tolerance: 1.0e-6}}
     """
+ELASTIC = "axial_stiffness: 2000, damping: 0.01"
+
+
+@pytest.mark.parametrize(
+    ("kind", "properties"),
+    [
+        ("cable", ELASTIC),
+        ("cable", f"{ELASTIC}, release: {{time: 0.7}}"),
+        ("bar", ELASTIC),
+        ("spring_damper", "law: {spring: 2000, damper: 20}"),
+    ],
+)
+def test_a_length_by_a_signal_is_that_by_a_law(kind, properties):
+    """A winch that hauls in at a constant rate, by a law of time and by a formula."""
+    recorded = []
+    for length in ("{linear: {slope: -0.3, offset: 1}}", "1 - 0.3*time"):
+        text = HANGING.replace("KIND", kind).replace("PROPERTIES", properties).replace("LENGTH", length)
+        recorded.append(RecordedRun(deck(text)))
+    by_law, by_signal = recorded
+    for path in ("nodes/load/position", "energy/given", "energy/balance"):
+        values = np.interp(by_law.time, by_signal.time, by_signal[path].reshape(len(by_signal.time), -1)[:, -1])
+        np.testing.assert_allclose(values, by_law[path].reshape(len(by_law.time), -1)[:, -1], atol=1e-6, err_msg=path)
+    assert by_law["energy/given"][-1] > 1.0

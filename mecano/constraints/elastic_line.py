@@ -2,6 +2,7 @@ r"""Record, strain, inertia and outputs shared by bars and cables (equations in 
 
 import numpy as np
 
+from mecano.constraints.along_coordinate.demand import is_formula, law_of
 from mecano.constraints.line import SHORTEST
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
@@ -55,15 +56,19 @@ def put_line_energy(p, q, v, e):
 
 
 def line_record(d, nodes, context):
-    """Return the values of ``LINE_RECORD``; the natural length defaults to the initial distance."""
+    """Return the values of ``LINE_RECORD``; the natural length defaults to the initial distance.
+
+    That of a formula is not known yet: the mass is then that of the initial distance.
+    """
     natural = distance(nodes) if d["natural_length"] is None else d["natural_length"]
-    mass, area = d["mass_per_length"] * curve_at(natural, 0.0)[0], d["area"]
+    known = distance(nodes) if is_formula(natural) else natural
+    mass, area = d["mass_per_length"] * curve_at(known, 0.0)[0], d["area"]
     own, cross = (mass / 3, mass / 6) if d["mass_distribution"] == "consistent" else (mass / 2, 0.0)
     return {
         "EA": d["E"] * area if d["axial_stiffness"] is None else d["axial_stiffness"],
         "inverse_area": 0.0 if area is None else 1.0 / area,
         "damping": d["damping"],
-        "law": context.laws.add(natural),
+        "law": law_of(natural, context),
         "mass": mass, "own": own, "cross": cross, "gravity": context.gravity,
     }  # fmt: skip
 

@@ -64,7 +64,8 @@ def cut(kind):
     )
     return replace(
         kind, name=f"{kind.name}_release", phases=(*kind.phases, RELEASED_PHASE), events=(*kind.events, *releases),
-        event_values=event_values, inputs=("release",), reads=lambda d: [trigger_of(d["release"])], variant=None,
+        event_values=event_values, inputs=(*kind.inputs, "release"), variant=None,
+        reads=lambda d: [*(d[name] for name in kind.inputs), trigger_of(d["release"])],
     )  # fmt: skip
 
 

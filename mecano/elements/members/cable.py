@@ -11,7 +11,8 @@ never pushes, even with damping. The changes from slack to taut and back are eve
 goes slack with :math:`\varepsilon > 0`, it is dissipated while the cable shortens to its natural length. A ``release``
 cuts the cable: it carries no force from then on, its elastic energy is lost at that instant, and its mass stays.
 
-A varying natural length does work, which is supplied by the surroundings (a winder). With
+A varying natural length, a law of time or a formula of signals, does work, which is supplied by the surroundings (a
+winder). With
 :math:`N_d = N - EA\varepsilon` (:math:`-EA\varepsilon` in a slack cable that is still longer than L) the powers are
 
 .. math::  P_{dissipated} = N_d L \dot\varepsilon, \qquad
@@ -20,8 +21,9 @@ A varying natural length does work, which is supplied by the surroundings (a win
 A cable may be paid out by a winder, and may reach its full length with a shock (``payout_tension``,
 ``at_full_length``): see docs/shocks.md.
 
-The mass, that of the natural length at t = 0, is constant. It is consistent with a linear velocity between the nodes,
-:math:`\frac{m}{6}\begin{bmatrix} 2 & 1 \\ 1 & 2 \end{bmatrix}` for each component, or lumped, one half at each node.
+The mass, that of the natural length at t = 0 (of a formula: of the initial distance), is constant. It is consistent with
+a linear velocity between the nodes, :math:`\frac{m}{6}\begin{bmatrix} 2 & 1 \\ 1 & 2 \end{bmatrix}` for each component,
+or lumped, one half at each node.
 """
 
 from dataclasses import replace
@@ -29,6 +31,7 @@ from dataclasses import replace
 import numpy as np
 
 from mecano.constraints import wound_line
+from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.constraints.elastic_line import (
     LINE_RECORD,
     STRAIN_OF_STEEL,
@@ -48,65 +51,101 @@ from mecano.element_interface import Display, Event, Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.laws.table import evaluate_curve, terms_of
-from mecano.schema import CURVE, NODE_PAIR, NUMBER, TIME_CURVE, Field, choice, not_negative, positive
+from mecano.maths.vector import add_col
+from mecano.schema import CONTINUOUS_DRIVE, CURVE, NODE_PAIR, NUMBER, Field, choice, not_negative, positive
 
 RECORD = record(**LINE_RECORD)
+INPUT = 6  # local index of a natural length that is a signal
 TAUT = 0  # a bar is always in this phase
 CABLE_PHASES = ("taut", "slack")
 RELEASED = 2  # phase of a cable with a release
 
 
 @kernel
-def _strain(p, laws, t, length, rate):
-    """Return strain, its rate, natural length and its rate."""
-    L, L_rate, _ = evaluate_curve(laws, p.law, t)
-    return *strained(length, rate, L, L_rate), L, L_rate
+def _of_time(p, at):
+    """Return the natural length of a law of time, and its rate."""
+    L, L_rate, _ = evaluate_curve(at.laws, p.law, at.t)
+    return L, L_rate
 
 
 @kernel
-def force(p, at, f, K, C, M):
-    """Add tension, inertia and weight."""
-    add_line_inertia(p, at.a, f, M)
-    if at.phase != TAUT:
-        return
-    length, rate, geometry = line(at.q, at.v)
-    strain, strain_rate, L, L_rate = _strain(p, at.laws, at.t, length, rate)
-    N = p.EA * (strain + p.damping * strain_rate)
-    N_length = p.EA / L * (1.0 - p.damping * L_rate / L)
-    add_line_force(f, K, C, rate, geometry, N, N_length, p.EA * p.damping / L)
+def _of_signal(p, at):
+    """Return the natural length that is a signal, and its rate."""
+    return at.q[INPUT], at.v[INPUT]
 
 
 @kernel
-def observe(p, at, F, y, e):
-    """Write length, strain, tension, stress; energies."""
-    length, rate, _ = line(at.q, at.v)
-    strain, strain_rate, L, L_rate = _strain(p, at.laws, at.t, length, rate)
-    elastic = p.EA * strain if at.phase == TAUT or (strain > 0.0 and at.phase != RELEASED) else 0.0
-    N = p.EA * (strain + p.damping * strain_rate) if at.phase == TAUT else 0.0
-    viscous = N - elastic
-    put_line(p, y, length, L, strain, strain_rate, N)
-    put_line_energy(p, at.q, at.v, e)
-    e[1] += 0.5 * elastic * strain * L
-    e[2] = viscous * L * strain_rate
-    e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
+def _tension(p, strain, strain_rate):
+    return p.EA * (strain + p.damping * strain_rate)
 
 
 @kernel
-def observe_cable(p, at, F, y, e):
-    """Write the outputs of a bar, and whether the cable is taut."""
-    observe(p, at, F, y, e)
-    put_no_push(y)
-    y[6] = 1.0 if at.phase == TAUT else 0.0
+def _without_input(p, at, length, rate, u, K, C):
+    pass
 
 
 @kernel
-def event_values(p, at, g):
-    """Write the tautness of the cable: the smaller of the elastic and the total strain, which the tension follows."""
-    length, rate, _ = line(at.q, at.v)
-    strain, strain_rate, _, _ = _strain(p, at.laws, at.t, length, rate)
-    tautness = min(strain, strain + p.damping * strain_rate)
-    g[0] = tautness
-    g[1] = -tautness
+def _add_by_input(p, at, length, rate, u, K, C):
+    """Add the derivatives of the tension by the natural length, a signal, and by its rate."""
+    L, L_rate = _of_signal(p, at)
+    by_length = -p.EA / (L * L) * (length + p.damping * (rate - 2.0 * length / L * L_rate))
+    by_rate = -p.EA * p.damping * length / (L * L)
+    for i, sign in ((0, -1.0), (3, 1.0)):
+        add_col(K, i, INPUT, sign * by_length, u)
+        add_col(C, i, INPUT, sign * by_rate, u)
+
+
+def _functions(natural, add_by_natural):
+    """Return ``force``, ``observe`` and ``event_values`` for a natural length (p, at) -> (value, rate)."""
+
+    @kernel
+    def force(p, at, f, K, C, M):
+        add_line_inertia(p, at.a, f, M)
+        if at.phase != TAUT:
+            return
+        length, rate, geometry = line(at.q, at.v)
+        L, L_rate = natural(p, at)
+        N = _tension(p, *strained(length, rate, L, L_rate))
+        N_length = p.EA / L * (1.0 - p.damping * L_rate / L)
+        add_line_force(f, K, C, rate, geometry, N, N_length, p.EA * p.damping / L)
+        add_by_natural(p, at, length, rate, geometry[1], K, C)
+
+    @kernel
+    def observe(p, at, F, y, e):
+        length, rate, _ = line(at.q, at.v)
+        L, L_rate = natural(p, at)
+        strain, strain_rate = strained(length, rate, L, L_rate)
+        elastic = p.EA * strain if at.phase == TAUT or (strain > 0.0 and at.phase != RELEASED) else 0.0
+        N = _tension(p, strain, strain_rate) if at.phase == TAUT else 0.0
+        viscous = N - elastic
+        put_line(p, y, length, L, strain, strain_rate, N)
+        put_line_energy(p, at.q, at.v, e)
+        e[1] += 0.5 * elastic * strain * L
+        e[2] = viscous * L * strain_rate
+        e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
+
+    @kernel
+    def event_values(p, at, g):
+        length, rate, _ = line(at.q, at.v)
+        strain, strain_rate = strained(length, rate, *natural(p, at))
+        tautness = min(strain, strain + p.damping * strain_rate)  # the tension follows the smaller one
+        g[0] = tautness
+        g[1] = -tautness
+
+    return force, observe, event_values
+
+
+def _cable_functions(natural, add_by_natural):
+    """Return the functions of a cable: those of a bar, and outputs that say whether it is taut."""
+    force, put, event_values = _functions(natural, add_by_natural)
+
+    @kernel
+    def observe(p, at, F, y, e):
+        put(p, at, F, y, e)
+        put_no_push(y)
+        y[6] = 1.0 if at.phase == TAUT else 0.0
+
+    return {"force": force, "observe": observe, "event_values": event_values}
 
 
 def prepare(d, nodes, context):
@@ -126,7 +165,9 @@ def prepare_wound(d, nodes, context):
 def variant(d):
     """Return the purely elastic cable, the one with a release, or the one with a winder or a shock."""
     if d["release"] is not None:
-        return RELEASED_CABLE
+        return RELEASED_BY_SIGNAL if is_formula(d["natural_length"]) else RELEASED_CABLE
+    if is_formula(d["natural_length"]):
+        return CABLE_BY_SIGNAL
     return CABLE if d["payout_tension"] is None and d["at_full_length"] == "stretch" else WOUND_CABLE
 
 
@@ -137,7 +178,8 @@ def check(d, nodes):
         texts.append("give either 'axial_stiffness' or 'E' with 'area'")
     elif d["E"] is not None and d["area"] is None:
         texts.append("'area' is missing: 'E' alone gives no axial stiffness")
-    if d["natural_length"] is not None and not curve_at(d["natural_length"], 0.0)[0] > 0.0:
+    natural = d["natural_length"]
+    if natural is not None and not is_formula(natural) and not curve_at(natural, 0.0)[0] > 0.0:
         texts.append("'natural_length' must be greater than zero at t = 0")
     return texts
 
@@ -147,6 +189,8 @@ def check_cable(d, nodes):
     texts = check(d, nodes) + check_release(d, ["payout_tension"])
     if d["release"] is not None and d["at_full_length"] != "stretch":
         texts.append("'release' and 'at_full_length' exclude one another")
+    if is_formula(d["natural_length"]) and (d["payout_tension"] is not None or d["at_full_length"] != "stretch"):
+        texts.append("with 'payout_tension' or 'at_full_length' the 'natural_length' is a number or a law of time")
     if d["payout_tension"] is None or texts:
         return texts
     full = terms_of(d["natural_length"])
@@ -167,7 +211,8 @@ def sample_bar(rng):
         "E": 200.0, "area": 0.1, "natural_length": growing, "damping": 0.2, "mass_per_length": 0.7,
         "mass_distribution": "lumped",
     }  # fmt: skip
-    return [(given, _apart(rng, 1.5), ""), (lumped, _apart(rng, 2.0), "")]
+    driven = {**given, "natural_length": "1.5 + command"}
+    return [(given, _apart(rng, 1.5), ""), (lumped, _apart(rng, 2.0), ""), (driven, _apart(rng, 1.5), "")]
 
 
 def sample_cable(rng):
@@ -180,6 +225,8 @@ def sample_cable(rng):
         ({**d, "natural_length": 3.0}, _apart(rng, 2.0), "slack"),
         *(({**d, **SAMPLE, "natural_length": 1.5}, _apart(rng, 2.0), phase) for phase in ("taut", "released")),
         ({**d, **SAMPLE, "natural_length": 3.0}, _apart(rng, 2.0), "slack"),
+        ({**d, "natural_length": "command"}, _apart(rng, 2.0), "taut"),
+        ({**d, **SAMPLE, "natural_length": "command"}, _apart(rng, 2.0), "taut"),
         ({**d, "natural_length": wound, "at_full_length": "hold"}, _apart(rng, 2.0), "held"),
         ({**d, "natural_length": 3.0, "at_full_length": "hold"}, _apart(rng, 2.0), "slack"),
         *(({**d, **winder, "natural_length": 2.6}, _apart(rng, 2.0), phase) for phase in ("taut", "paying out")),
@@ -197,7 +244,11 @@ FIELDS = (
     Field("E", NUMBER, "Pa", "modulus of elasticity, where axial_stiffness is not given", None, positive),
     Field("area", NUMBER, "m2", "area of the cross-section; without it the stress is written as zero", None, positive),
     Field(
-        "natural_length", TIME_CURVE, "m", "length without force, as a function of time [s]; the initial distance", None
+        "natural_length",
+        CONTINUOUS_DRIVE,
+        "m",
+        "length without force: a function of time [s], or a formula of signals; the initial distance",
+        None,
     ),
     Field("damping", NUMBER, "s", "tau: viscous over elastic stiffness", 0.0, not_negative),
     Field("mass_per_length", NUMBER, "kg/m", "mass per natural length at t = 0", 0.0, not_negative),
@@ -223,6 +274,7 @@ OUTPUTS = (
 )
 
 DRAWN = Display("cable", axial="tension")
+BAR_FORCE, OBSERVE_BAR, _ = _functions(_of_time, _without_input)
 BAR = Kind(
     name="bar",
     section="elements",
@@ -235,10 +287,15 @@ BAR = Kind(
     prepare=prepare,
     check=check,
     strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
-    force=force,
-    observe=observe,
+    force=BAR_FORCE,
+    observe=OBSERVE_BAR,
+    variant=lambda d: BAR_BY_SIGNAL if is_formula(d["natural_length"]) else BAR,
     sample=sample_bar,
 )
+BAR_BY_SIGNAL = replace(
+    BAR, inputs=("natural_length",), variant=None,
+    **dict(zip(("force", "observe"), _functions(_of_signal, _add_by_input)[:2], strict=True)),
+)  # fmt: skip
 
 CABLE = Kind(
     name="cable",
@@ -258,13 +315,14 @@ CABLE = Kind(
     variant=variant,
     check=check_cable,
     strains=(-np.inf, STRAIN_OF_STEEL),  # it may be slack
-    force=force,
-    observe=observe_cable,
-    event_values=event_values,
     sample=sample_cable,
+    **_cable_functions(_of_time, _without_input),
+)
+CABLE_BY_SIGNAL = replace(
+    CABLE, inputs=("natural_length",), variant=None, **_cable_functions(_of_signal, _add_by_input)
 )
 
-RELEASED_CABLE = cut(CABLE)
+RELEASED_CABLE, RELEASED_BY_SIGNAL = cut(CABLE), cut(CABLE_BY_SIGNAL)
 
 WOUND_CABLE = replace(
     CABLE,
