@@ -1,7 +1,7 @@
-"""Release of a joint or a cable at a given time or by a condition: from then on it carries no force, permanently.
+"""Release of a joint, cable or spring at a given time or by a condition: from then on it carries no force, permanently.
 
 The trigger is an input, a formula that rises through zero. The release does not change velocities, accelerations jump.
-That of a joint loses no energy; the elastic energy of a cable is lost, and recorded with the event.
+That of a joint loses no energy; the elastic energy of a cable or spring is lost, and recorded with the event.
 """
 
 from dataclasses import replace
@@ -17,14 +17,20 @@ INPUT = 12  # local index of the trigger, after the positions and rotations of t
 FIRST_ROW = INPUT + 1
 EVENT = Event("releases", "held", "free", "the joint is released")
 RELEASE = Field("release", TRIGGER, "-", "release of the joint: {time: ...} or {when: ...}", None)
-CABLE_RELEASE = Field(
-    "release",
-    TRIGGER,
-    "-",
-    "release of the cable, which carries no force from then on: {time: ...} or {when: ...}",
-    None,
-)
-RELEASED_PHASE = "released"
+
+
+@kernel
+def _no_events(p, at, g):
+    pass
+
+
+def elastic_release(what):
+    """Return the field ``release`` of an elastic element, the ``what``."""
+    doc = f"release of the {what}, which carries no force from then on: {{time: ...}} or {{when: ...}}"
+    return Field("release", TRIGGER, "-", doc, None)
+
+
+ATTACHED_PHASE, RELEASED_PHASE = "attached", "released"
 SAMPLE = {"release": {"time": 0.3, "when": None}}
 
 
@@ -46,12 +52,12 @@ def releasable(kind, parts):
     )  # fmt: skip
 
 
-def cut(kind):
-    """Return the ``kind`` of a cable with a release, after which it is in the additional phase "released".
+def cut(kind, what):
+    """Return the ``kind`` of an elastic element, the ``what``, with a release: then it is in the phase "released".
 
-    In this phase its forces must vanish, and its ``observe`` must give neither force nor elastic energy.
+    In this additional phase its forces must vanish, and its ``observe`` must give neither force nor elastic energy.
     """
-    trigger, n_events, n_phases, put = kind.n_local, len(kind.events), len(kind.phases), kind.event_values
+    trigger, n_events, n_phases, put = kind.n_local, len(kind.events), len(kind.phases), kind.event_values or _no_events
 
     @kernel
     def event_values(p, at, g):
@@ -59,14 +65,62 @@ def cut(kind):
         for i in range(n_phases):
             g[n_events + i] = at.q[trigger]
 
+    phases = kind.phases if kind.events else (ATTACHED_PHASE,)
     releases = tuple(
-        Event("releases", phase, RELEASED_PHASE, "the cable is released", frees_energy=True) for phase in kind.phases
+        Event("releases", phase, RELEASED_PHASE, f"the {what} is released", frees_energy=True) for phase in phases
     )
     return replace(
-        kind, name=f"{kind.name}_release", phases=(*kind.phases, RELEASED_PHASE), events=(*kind.events, *releases),
+        kind, name=f"{kind.name}_release", phases=(*phases, RELEASED_PHASE), events=(*kind.events, *releases),
         event_values=event_values, inputs=(*kind.inputs, "release"), variant=None,
         reads=lambda d: [*(d[name] for name in kind.inputs), trigger_of(d["release"])],
     )  # fmt: skip
+
+
+def detached(kind, what, forces):
+    """Return the ``kind`` of an elastic element with a ``residual``, the ``what``, with a release, as ``cut`` does.
+
+    Released it has no force, energy or power; ``forces`` are the indices of its outputs that are zero then.
+    """
+    add, put, released = kind.residual, kind.observe, len(kind.phases)
+
+    @kernel
+    def residual(p, at, f):
+        if at.phase != released:
+            add(p, at, f)
+
+    @kernel
+    def observe(p, at, F, y, e):
+        put(p, at, F, y, e)
+        if at.phase == released:
+            e[:] = 0.0
+            for i in forces:
+                y[i] = 0.0
+
+    return replace(cut(kind, what), residual=residual, observe=observe)
+
+
+def with_release(kind, what, forces):
+    """Return the ``kind`` of an elastic element with the field ``release``; the arguments are those of ``detached``."""
+    chosen, made = kind.variant or (lambda d: kind), {}
+
+    def variant(d):
+        base = chosen(d)
+        if d["release"] is None:
+            return base
+        if id(base) not in made:
+            made[id(base)] = detached(base, what, forces)
+        return made[id(base)]
+
+    def check(d, nodes):
+        return kind.check(d, nodes) + check_trigger("release", d["release"])
+
+    def sample(rng):
+        given = kind.sample(rng)
+        values, nodes, phase = given[0]
+        phases = phase or ATTACHED_PHASE, RELEASED_PHASE
+        return [*given, *(({**values, **SAMPLE}, nodes, phase) for phase in phases)]
+
+    return replace(kind, fields=(*kind.fields, elastic_release(what)), variant=variant, check=check, sample=sample)
 
 
 def check_release(d, options):

@@ -38,6 +38,12 @@ NOTES = {  # words with the same meaning: (targets, note)
     "gripper, grab, hook, magnet, suction cup, docking, berthing, capture, attach, activate": (
         "grip latch", "a grip closes and is released by command; a latch locks a joint when it is reached"
     ),
+    "jettison, separation, detach, unlatch, pyro, burn wire, cut, break, deactivate": (
+        "release grip", "'release' of joints, latches, cables, springs and bushings; loads end by a switch"
+    ),
+    "set point, series elastic actuator, elastic actuator": (
+        "spring_damper torsion_spring_damper hinge signals", "their set points are laws of time or formulas of signals"
+    ),
     "weld, rigid, rigid joint, clamp, fixed joint, lock, glue": (
         "fixed rigid_link", "to fix a node in space write 'fixed: true'"
     ),

@@ -15,7 +15,8 @@ rotation up to :math:`|\psi| < \pi`, the limit of the rotation vector:
    f_{\Theta_a} = \mu^T n \times R_a^T (x_b - x_a) - \mu^T T^{-1} m
 
 ``laws`` add a law for single axes, with free play and stops: along an axis as a function of d, about an axis of
-the sines of tilt or of the twist.
+the sines of tilt or of the twist. A ``release`` detaches a bushing without ``laws``: from then on it has no force, and
+its elastic energy is lost.
 """
 
 import numpy as np
@@ -23,6 +24,7 @@ import numpy as np
 from mecano.constraints.joint_frame import not_across, triad
 from mecano.constraints.joint_samples import two_places
 from mecano.constraints.pair import AXES, AXIS_1, law_fields, law_outputs, law_parts, triads_together
+from mecano.constraints.release import with_release
 from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.maths.so3 import log, tangent_inverse
@@ -30,6 +32,7 @@ from mecano.maths.vector import add_vec, cross, dot, mat, put, vec
 from mecano.schema import DIRECTION, MATRIX_6, NODE_PAIR, Field, mapping
 
 RECORD = record(stiffness=(6, 6), damping=(6, 6), mu=(3, 3), xi=(3, 3), start=3)
+FORCES = tuple(range(6, 12))  # outputs
 ROUNDING = 1e-9  # of the largest eigenvalue: smaller negative eigenvalues count as zero
 
 
@@ -115,6 +118,8 @@ def check(d, nodes):
         texts.append("'axis_1' is given without 'axis'")
     if all(d[name] is None for name in ("stiffness", "damping", "laws")):
         texts.append("give 'stiffness', 'damping' or 'laws'")
+    if d["release"] is not None and d["laws"] is not None:
+        texts.append("'release' and 'laws' exclude one another")
     S = matrix(d["stiffness"])
     if not np.allclose(S, S.T, rtol=1e-9, atol=0.0):
         texts.append("'stiffness' must be symmetric: it has a potential")
@@ -139,7 +144,7 @@ def sample(rng):
     ]
 
 
-BUSHING = Kind(
+_ATTACHED = Kind(
     name="bushing",
     section="elements",
     doc=__doc__,
@@ -167,3 +172,4 @@ BUSHING = Kind(
     observe=observe,
     sample=sample,
 )
+BUSHING = with_release(_ATTACHED, "bushing", FORCES)

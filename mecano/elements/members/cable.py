@@ -21,9 +21,9 @@ winder). With
 A cable may be paid out by a winder, and may reach its full length with a shock (``payout_tension``,
 ``at_full_length``): see docs/shocks.md.
 
-The mass, that of the natural length at t = 0 (of a formula: of the initial distance), is constant. It is consistent with
-a linear velocity between the nodes, :math:`\frac{m}{6}\begin{bmatrix} 2 & 1 \\ 1 & 2 \end{bmatrix}` for each component,
-or lumped, one half at each node.
+The mass, that of the natural length at t = 0 (of a formula: of the initial distance), is constant. It is consistent
+with a linear velocity between the nodes, :math:`\frac{m}{6}\begin{bmatrix} 2 & 1 \\ 1 & 2 \end{bmatrix}` for each
+component, or lumped, one half at each node.
 """
 
 from dataclasses import replace
@@ -45,7 +45,7 @@ from mecano.constraints.elastic_line import (
 )
 from mecano.constraints.joint_frame import at_one_place
 from mecano.constraints.line import add_line_force, line
-from mecano.constraints.release import CABLE_RELEASE, SAMPLE, check_release, cut
+from mecano.constraints.release import SAMPLE, check_release, cut, elastic_release
 from mecano.constraints.wound_line import CATCHES
 from mecano.element_interface import Display, Event, Kind, Output, record
 from mecano.jit.kernel import kernel
@@ -304,7 +304,7 @@ CABLE = Kind(
     display=DRAWN,
     dtype=RECORD,
     layout=("x0", "x1"),
-    fields=(*FIELDS, *WINDER_FIELDS, CABLE_RELEASE),
+    fields=(*FIELDS, *WINDER_FIELDS, elastic_release("cable")),
     outputs=(*OUTPUTS, Output("state", "-", "0 slack or released, 1 taut, 2 paying out")),
     phases=CABLE_PHASES,
     events=(
@@ -322,7 +322,7 @@ CABLE_BY_SIGNAL = replace(
     CABLE, inputs=("natural_length",), variant=None, **_cable_functions(_of_signal, _add_by_input)
 )
 
-RELEASED_CABLE, RELEASED_BY_SIGNAL = cut(CABLE), cut(CABLE_BY_SIGNAL)
+RELEASED_CABLE, RELEASED_BY_SIGNAL = cut(CABLE, "cable"), cut(CABLE_BY_SIGNAL, "cable")
 
 WOUND_CABLE = replace(
     CABLE,

@@ -46,7 +46,7 @@ from mecano.constraints.reeved_path import (
     pull,
     span,
 )
-from mecano.constraints.release import CABLE_RELEASE, RELEASED_PHASE, SAMPLE, check_release, cut
+from mecano.constraints.release import RELEASED_PHASE, SAMPLE, check_release, cut, elastic_release
 from mecano.element_interface import Display, Event, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
@@ -206,7 +206,7 @@ def _released_capstan(n):
 
 @cache
 def _released(n):
-    return cut(_of_size(n))
+    return cut(_of_size(n), "cable")
 
 
 @cache
@@ -246,7 +246,7 @@ FIELDS = (
           "[s]; a winch that hauls in has negative values", None),
     Field("damping", NUMBER, "s", "tau: viscous over elastic stiffness", 0.0, not_negative),
     friction_field(),
-    CABLE_RELEASE,
+    elastic_release("cable"),
 )  # fmt: skip
 OUTPUTS = (
     Output("length", "m", "length of the path: free spans and arcs"),

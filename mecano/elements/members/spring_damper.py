@@ -6,7 +6,8 @@ With :math:`d = x_1 - x_0`, the length :math:`\ell = |d|` and :math:`u = d/\ell`
    f_1 = -f_0 = N u
 
 N > 0 pulls the nodes together. The natural length :math:`\ell_0` may be a law of time or a formula of signals: the
-set point of an elastic actuator, whose power :math:`-N\dot\ell_0` is given by the surroundings.
+set point of an elastic actuator, whose power :math:`-N\dot\ell_0` is given by the surroundings. A ``release`` detaches
+the spring: from then on it has no force, and its elastic energy is lost; the signal of its force stays that of the law.
 """
 
 from dataclasses import replace
@@ -27,6 +28,7 @@ from mecano.constraints.along_coordinate.signal import SIGNAL
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.joint_frame import at_one_place
 from mecano.constraints.line import line
+from mecano.constraints.release import with_release
 from mecano.constraints.stop_phases import EVENTS, PHASES, put_stop_events
 from mecano.element_interface import Display, Kind, Measured, Output, Part, record
 from mecano.jit.kernel import kernel
@@ -186,4 +188,4 @@ def _kind(set_point):
     )  # fmt: skip
 
 
-SPRING_DAMPER = with_set_point(_kind, "natural_length", 6)
+SPRING_DAMPER = with_release(with_set_point(_kind, "natural_length", 6), "spring", (3,))

@@ -8,7 +8,8 @@ ends together:
 .. math::  M = M(\theta - \theta_0, \dot\theta - \dot\theta_0)
 
 The natural angle :math:`\theta_0` may be a law of time or a formula of signals: the set point of an elastic drive,
-whose power :math:`-M\dot\theta_0` is given by the surroundings.
+whose power :math:`-M\dot\theta_0` is given by the surroundings. A ``release`` detaches it: from then on it has no
+moment, and its elastic energy is lost.
 """
 
 from dataclasses import replace
@@ -19,6 +20,7 @@ from mecano.constraints.along_coordinate.measure import OVER_TURNS, angle_output
 from mecano.constraints.coordinates.twist import TWIST, followed
 from mecano.constraints.joint_frame import NODES, triad
 from mecano.constraints.of_coordinates import OF_SIGNAL, TWIST_LAW
+from mecano.constraints.release import with_release
 from mecano.constraints.stop_phases import EVENTS, PHASES
 from mecano.element_interface import Display, Kind, Measured, Output
 from mecano.jit.kernel import kernel
@@ -71,7 +73,7 @@ def _angle(d, nodes, context):
     return Measured(TWIST, (0, 1), {"mu": p["mu"], "xi": p["xi"]})
 
 
-TORSION_SPRING_DAMPER = Kind(
+_BY_LAW = Kind(
     name="torsion_spring_damper",
     section="elements",
     doc=__doc__,
@@ -94,14 +96,15 @@ TORSION_SPRING_DAMPER = Kind(
     prepare=prepare,
     residual=TWIST_LAW.residual,
     observe=_observe(of_time),
-    variant=lambda d: BY_SIGNAL if is_formula(d["natural_angle"]) else TORSION_SPRING_DAMPER,
+    variant=lambda d: _BY_SIGNAL if is_formula(d["natural_angle"]) else _BY_LAW,
     event_values=TWIST_LAW.event_values,
     commit=TWIST_LAW.commit,
     sample=sample,
     measures={"angle": _angle},
 )
 _DRIVEN = OF_SIGNAL[TWIST_LAW]
-BY_SIGNAL = replace(
-    TORSION_SPRING_DAMPER, inputs=("natural_angle",), residual=_DRIVEN.residual, observe=_observe(of_signal(6)),
+_BY_SIGNAL = replace(
+    _BY_LAW, inputs=("natural_angle",), residual=_DRIVEN.residual, observe=_observe(of_signal(6)),
     event_values=_DRIVEN.event_values, commit=_DRIVEN.commit, variant=None,
 )  # fmt: skip
+TORSION_SPRING_DAMPER = with_release(_BY_LAW, "spring", (2,))
