@@ -60,7 +60,7 @@ def test_slopes(text):
         ("a[0]", "numbers, names", 0),
         ("__import__('os')", "no function", 0),
         ("+".join(["(a*b)"] * 101), "at most 500 characters", 0),
-        ("a+(a+(a+(a+(a+(a+(a+(a+(a+a))))))))", "too many levels", 0),
+        ("a-(a-(a-(a-(a-(a-(a-(a-(a-a))))))))", "too many levels", 0),
         ("a - 1e999", "number that is not finite", 4),
         ("a*" + "9" * 400, "number that is not finite", 2),
     ],

@@ -34,7 +34,7 @@ PLOTS = {
     "boom_in_sun": "tip.position.z",
     "digital_control": "rail.displacement,shuttle_rail.displacement",
     "earthquake": "storey_1.displacement,storey_2.displacement",
-    "elastic_drive": "command.value,drive.angle,copy.angle",
+    "elastic_drive": "drive.angle,copy.angle",
     "fiala_sweep": "tire.lateral_force:tire.slip_angle",
     "filters": "lag.value,integral.value,washout.value",
     "magic_formula_sweep": "*.lateral_force:*.slip_angle",
@@ -44,6 +44,7 @@ PLOTS = {
     "snap_through": "static.load_factor",
     "step_slip": "*.lateral_force",
     "step_steer": "*.lateral_force",
+    "swept_sine": "mount.extension",
 }
 FILMS = ("deployment_lock", "four_bar", "nose_gear_rigid", "reflector", "rolling_disc")
 SIZE, DOTS = (3.6, 2.7), 160  # inches, per inch

@@ -1,7 +1,7 @@
 """Constraints and laws of single coordinates, from which joints are composed: each is a use of a coordinate."""
 
 from mecano.constraints.along_coordinate.demand import is_formula
-from mecano.constraints.along_coordinate.hold import drive_kind, hold_kind, release_kind
+from mecano.constraints.along_coordinate.hold import BY_FORMULA, drive_kind, hold_kind, motion_values, release_kind
 from mecano.constraints.along_coordinate.law import law_kind, law_kind_of_signal, law_values
 from mecano.constraints.along_coordinate.stops import latch_kind, releasable_latch_kind, stop_kind
 from mecano.constraints.coordinates.displacement import DISPLACEMENT
@@ -38,6 +38,11 @@ HELD_COORDINATE = drive_kind(
     "force that prescribes the position",
 )  # fmt: skip
 DRIVEN_SLIDE = drive_kind("driven_slide", "Driven slide: the sliding is f(t).", SLIDE, "force that drives the sliding")
+DRIVEN_BY_FORMULA = {
+    kind: drive_kind(kind.name, kind.doc, coordinate, kind.multipliers[0].name, BY_FORMULA)
+    for kind, coordinate in ((RELATIVE_ANGLE, TWIST), (DISTANCE, LENGTH), (HELD_COORDINATE, DISPLACEMENT))
+}
+"""The constraints that drive a coordinate by a formula of the time, by those that drive it by a law."""
 LEVEL_AXIS = hold_kind(
     "level_axis", r"Level axis: :math:`a \cdot n = 0` for an axis a fixed in the node and an inertial direction n.",
     LEVEL, "moment that keeps the axis level",
@@ -67,3 +72,9 @@ def law_part(kind, axes, law, natural, context, zero=0.0, on=BOTH, label=""):
     """Return the Part of a law along the coordinate of ``kind``; the other arguments are those of ``law_values``."""
     values, by_signal = law_values(axes, law, natural, context, zero), is_formula(natural)
     return Part(OF_SIGNAL[kind] if by_signal else kind, on, values, label=label, reads=(natural,) if by_signal else ())
+
+
+def drive_part(kind, on, axes, value, offset, context):
+    """Return the Part that drives the coordinate of ``kind`` of the nodes ``on`` by a law or a formula ``value``."""
+    chosen = DRIVEN_BY_FORMULA[kind] if is_formula(value) else kind
+    return Part(chosen, on, {**axes, **motion_values(value, offset, context)})

@@ -16,7 +16,7 @@ from mecano.elements.signals.formula import FORMULA
 from mecano.laws.formula import NUMBER as NUMBER_STEP
 from mecano.laws.formula import SIGN, FormulaError, difference_of, read_formula
 from mecano.model.measured import UnknownQuantity, meaning
-from mecano.schema import NUMBER
+from mecano.schema import CONTINUOUS_DRIVE, MOTION, NUMBER
 
 
 def signal_entry(node, field, scope):
@@ -38,13 +38,15 @@ def drive(node, field, scope):
         found = _read(text, node, scope)
         if found is INVALID or found.references or found.depends_on_time:
             note_continuous(found, node, field.type.options, scope)
-            return _noted(found, node, scope)
+            checked = _noted(found, node, scope)
+            of_time = field.type == MOTION and checked is not INVALID
+            return Reference(checked, "laws", "motion", node, scope.subject) if of_time else checked
     return law_or_name(node, replace(field, type=replace(field.type, name="curve")), scope)
 
 
 def note_continuous(found, node, options, scope):
     """Note a Formula whose value must not jump: that of a field with these ``options`` of its type."""
-    if found is not INVALID and options:
+    if found is not INVALID and options == CONTINUOUS_DRIVE.options:
         scope.continuous.append((found, node, scope.subject))
 
 

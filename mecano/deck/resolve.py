@@ -3,9 +3,11 @@
 from mecano.deck.containers import singular, wrong_name
 from mecano.deck.formulas import note_continuous
 from mecano.deck.laws import fits
+from mecano.deck.motions import NotAMotion, motion_of
 from mecano.deck.wording import quoted
 from mecano.laws.formula import read_formula
 from mecano.model.mesh import divides, inner_names
+from mecano.schema import MOTION
 
 
 def resolve(values, scope):
@@ -13,8 +15,14 @@ def resolve(values, scope):
     nodes = dict.fromkeys([*values["nodes"], *_nodes_of_members(values["elements"], scope.kinds)])
     for reference in scope.references:
         scope.subject = reference.subject
+        if reference.wanted == "motion":
+            _put_motion(reference, values["signals"], scope)
+            continue
         known = nodes if reference.section == "nodes" else values[reference.section]
         if reference.wanted == "drive" and reference.name in values["signals"] and reference.name not in known:
+            if reference.options == MOTION.options:
+                _put_motion(reference, values["signals"], scope)
+                continue
             _put(reference, reference.name)  # the name of a signal is a formula
             note_continuous(read_formula(reference.name), reference.node, reference.options, scope)
             continue
@@ -38,6 +46,14 @@ def _put(reference, value):
         container[key] = value
 
 
+def _put_motion(reference, signals, scope):
+    """Replace a formula, or the name of a signal, by the motion that it prescribes, or note why it prescribes none."""
+    try:
+        _put(reference, motion_of(reference.name, signals))
+    except NotAMotion as error:
+        scope.refuse(reference.node, str(error))
+
+
 def unknown_names(root, scope):
     """Report references to names that are in no section of the tree ``root``, in a deck with other errors.
 
@@ -48,6 +64,8 @@ def unknown_names(root, scope):
     known = {section: names for section, names in known.items() if not any(wrong_name(n, section) for n in names)}
     for reference in scope.references:
         scope.subject = reference.subject
+        if reference.wanted == "motion":
+            continue
         names = known.get(reference.section, (reference.name,))
         if reference.wanted == "drive":
             names = [*known.get("laws", ()), *known.get("signals", ())]

@@ -64,10 +64,10 @@ class Formula(NamedTuple):
         return [float(len(self.program)), *(x for step in self.program for x in step)]
 
 
-def read_formula(text):
-    """Return the Formula of a text. Raises FormulaError."""
-    if len(text) > LONGEST:
-        raise FormulaError(f"a formula has at most {LONGEST} characters: define parts of it as signals")
+def read_formula(text, longest=LONGEST):
+    """Return the Formula of a text of at most ``longest`` characters. Raises FormulaError."""
+    if len(text) > longest:
+        raise FormulaError(f"a formula has at most {longest} characters: define parts of it as signals")
     body = text.strip().removeprefix("=").strip()
     skipped = text.find(body) if body else 0
     try:
@@ -126,10 +126,17 @@ class _Reader:
         return most
 
     def _pairs(self, code, operands, level):
-        """Append the steps of a binary operation, applied successively to several operands."""
-        most = self._put(operands[0], level + 1)
+        """Append the steps of a binary operation, applied successively to several operands.
+
+        The operand that needs more places of the stack comes first where their order does not matter.
+        """
+        start, most = len(self.program), self._put(operands[0], level + 1)
         for operand in operands[1:]:
-            most = max(most, 1 + self._put(operand, level + 1))
+            middle, places = len(self.program), self._put(operand, level + 1)
+            if code in (ADD, MULTIPLY) and places > most:
+                self.program[start:] = self.program[middle:] + self.program[start:middle]
+                most, places = places, most
+            most = max(most, 1 + places)
             self.program.append((code, 0.0))
         return most
 

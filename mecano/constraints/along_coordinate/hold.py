@@ -1,30 +1,69 @@
-r"""Hold a coordinate c: at a constant, :math:`c - c_0 = 0`, or at a law of time that drives it, :math:`c - f(t) = 0`.
+r"""Hold a coordinate c: at a constant, :math:`c - c_0 = 0`, or at a motion that drives it, :math:`c - f(t) = 0`.
+
+The motion is a law of time, or a formula of the time, whose two rates are formulas, too.
 
 The multiplier is the force, or the moment, along the coordinate. The difference between an angle and its target is
 reduced to :math:`(-\pi, \pi]`, so that any number of turns needs no memory.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
+from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.constraints.augmented_lagrangian import add_constraint, deactivate, put_derivatives
 from mecano.constraints.body_fixed import wrap
 from mecano.element_interface import Kind, Row, record
 from mecano.jit.kernel import kernel
+from mecano.laws.formula import evaluate_formula, read_formula
+from mecano.laws.formula_rate import rate_of
 from mecano.laws.table import evaluate_curve
 
 HELD = 0
 RELEASE_PHASES = ("held", "free")
-TARGET = {"law": "i", "offset": ()}
-"""Fields of a record; law first, as numba does not distinguish a record from one with the same leading fields."""
+LONGEST_RATE = 100_000  # characters of the rates of a formula
+
+
+class Motion(NamedTuple):
+    """How the motion of a driven coordinate is given: fields of its record, and a compiled function."""
+
+    fields: dict
+    at: Callable  # (p, at) -> value with the offset, rate, second rate
 
 
 @kernel
-def target(p, laws, t):
-    """Return value, rate and second rate of offset + law(t) for a record with the fields ``TARGET``; law 0 is zero."""
-    y, y1, y2 = evaluate_curve(laws, p.law, t)
+def _of_law(p, at):
+    y, y1, y2 = evaluate_curve(at.laws, p.law, at.t)
     return p.offset + y, y1, y2
+
+
+@kernel
+def _of_formula(p, at):
+    y = evaluate_formula(at.laws, p.motion, at.t, at.q, 0)
+    y1 = evaluate_formula(at.laws, p.rate, at.t, at.q, 0)
+    return p.offset + y, y1, evaluate_formula(at.laws, p.second_rate, at.t, at.q, 0)
+
+
+BY_LAW = Motion({"law": "i", "offset": ()}, _of_law)
+"""law first, as numba does not distinguish a record from one with the same leading fields; law 0 is zero."""
+BY_FORMULA = Motion({"motion": "i", "rate": "i", "second_rate": "i", "offset": ()}, _of_formula)
+
+
+def motion_values(value, offset, context):
+    """Return the values of the fields of a Motion from a checked value: a law, or a formula of the time (text)."""
+    if not is_formula(value):
+        return {"law": context.laws.add(value), "offset": offset}
+    texts = value, rate_of(value), rate_of(rate_of(value))
+    starts = [context.laws.append(read_formula(text, LONGEST_RATE).numbers) for text in texts]
+    return {**dict(zip(("motion", "rate", "second_rate"), starts, strict=True)), "offset": offset}
+
+
+def with_motion(make, *names):
+    """Return the Kind ``make(BY_LAW)``; its variant ``make(BY_FORMULA)`` is for a formula in one of the fields."""
+    by_law, by_formula = make(BY_LAW), make(BY_FORMULA)
+    return replace(by_law, variant=lambda d: by_formula if any(is_formula(d[name]) for name in names) else by_law)
 
 
 @kernel
@@ -100,19 +139,19 @@ def release_kind(name, doc, coordinate, row):
     return replace(kind, phases=RELEASE_PHASES, sample=lambda rng: [(values, nodes, phase) for phase in RELEASE_PHASES])
 
 
-def drive_kind(name, doc, coordinate, row):
-    """Return the Kind that holds a coordinate at ``target``; ``row`` names the multiplier."""
-    hold, derivatives_of = holding(coordinate)
+def drive_kind(name, doc, coordinate, row, motion=BY_LAW):
+    """Return the Kind that holds a coordinate at a ``motion``; ``row`` names the multiplier."""
+    (hold, derivatives_of), target = holding(coordinate), motion.at
 
     @kernel
     def force(p, at, f, K, C, M):
-        hold(p, at, 1.0, target(p, at.laws, at.t)[0], f, K)
+        hold(p, at, 1.0, target(p, at)[0], f, K)
 
     @kernel
     def constraint_derivatives(p, at, g):
-        derivatives_of(p, at, 1.0, target(p, at.laws, at.t), g)
+        derivatives_of(p, at, 1.0, target(p, at), g)
 
-    return _kind(name, doc, coordinate, row, {**coordinate.axes, **TARGET}, force, constraint_derivatives)
+    return _kind(name, doc, coordinate, row, {**coordinate.axes, **motion.fields}, force, constraint_derivatives)
 
 
 def _kind(name, doc, coordinate, row, fields, force, constraint_derivatives):

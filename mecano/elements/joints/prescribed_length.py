@@ -9,37 +9,29 @@ surroundings.
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.hold import TARGET, target
+from mecano.constraints.along_coordinate.hold import motion_values, with_motion
 from mecano.constraints.joint_frame import NODES, at_one_place
-from mecano.constraints.of_coordinates import DISTANCE
-from mecano.element_interface import Display, Kind, Output, Part, record
+from mecano.constraints.of_coordinates import DISTANCE, drive_part
+from mecano.element_interface import Display, Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, norm, vec
-from mecano.schema import TIME_CURVE, Field
-
-RECORD = record(**TARGET)
-
-
-@kernel
-def observe(p, at, F, y, e):
-    """Write motion, force and power."""
-    d = vec(at.q, 3) - vec(at.q, 0)
-    y[0] = norm(d)
-    y[1] = dot(d, vec(at.v, 3) - vec(at.v, 0)) / y[0]
-    y[2] = at.q[6]
-    e[3] = at.q[6] * target(p, at.laws, at.t)[1]
+from mecano.schema import MOTION, Field
 
 
 def prepare(d, nodes, context):
-    """Return the initial length, or zero, and the law."""
-    initial = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
-    law = context.laws.add(d["value"] if d["length"] is None else d["length"])
-    return {"offset": initial if d["length"] is None else 0.0, "law": law}
+    """Return the initial length, or zero, and the motion."""
+    return motion_values(*_motion(d, nodes), context)
+
+
+def _motion(d, nodes):
+    if d["length"] is not None:
+        return d["length"], 0.0
+    return d["value"], np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
 
 
 def parts(d, nodes, context):
     """Return the Part of one distance."""
-    return [Part(DISTANCE, (0, 1), prepare(d, nodes, context))]
+    return [drive_part(DISTANCE, (0, 1), {}, *_motion(d, nodes), context)]
 
 
 def check(d, nodes):
@@ -52,29 +44,45 @@ def check(d, nodes):
 def sample(rng):
     """Return a leg that changes its length, and one whose length is given."""
     change, length = ((("sine", {"amplitude": 0.2, "frequency": 0.7, "phase": 0.4, "offset": x}),) for x in (0.1, 1.3))
-    return [({"value": change}, 2, ""), ({"length": length}, 2, "")]
+    return [({"value": change}, 2, ""), ({"length": length}, 2, ""), ({"length": "2 + cos(time)"}, 2, "")]
 
 
-PRESCRIBED_LENGTH = Kind(
-    name="prescribed_length",
-    section="joints",
-    doc=__doc__,
-    display=Display("line"),
-    dtype=RECORD,
-    layout=("x0", "x1"),
-    fields=(
-        NODES,
-        Field("value", TIME_CURVE, "m", "change of the distance since the start as a function of time [s]", None),
-        Field("length", TIME_CURVE, "m", "the distance itself as a function of time [s], instead of 'value'", None),
-    ),
-    outputs=(
-        Output("length", "m", "distance of the nodes", rate="rate"),
-        Output("rate", "m/s", "rate of the length"),
-        Output("force", "N", "force of the drive, positive when it pushes the nodes apart"),
-    ),
-    prepare=prepare,
-    parts=parts,
-    check=check,
-    observe=observe,
-    sample=sample,
-)
+def _kind(motion):
+    target = motion.at
+
+    @kernel
+    def observe(p, at, F, y, e):
+        d = vec(at.q, 3) - vec(at.q, 0)
+        y[0] = norm(d)
+        y[1] = dot(d, vec(at.v, 3) - vec(at.v, 0)) / y[0]
+        y[2] = at.q[6]
+        e[3] = at.q[6] * target(p, at)[1]
+
+    return Kind(
+        name="prescribed_length",
+        section="joints",
+        doc=__doc__,
+        display=Display("line"),
+        dtype=record(**motion.fields),
+        layout=("x0", "x1"),
+        fields=(
+            NODES,
+            Field("value", MOTION, "m", "change of the distance since the start, a law or a formula of time [s]", None),
+            Field(
+                "length", MOTION, "m", "the distance itself, a law or a formula of time [s], instead of 'value'", None
+            ),
+        ),
+        outputs=(
+            Output("length", "m", "distance of the nodes", rate="rate"),
+            Output("rate", "m/s", "rate of the length"),
+            Output("force", "N", "force of the drive, positive when it pushes the nodes apart"),
+        ),
+        prepare=prepare,
+        parts=parts,
+        check=check,
+        observe=observe,
+        sample=sample,
+    )
+
+
+PRESCRIBED_LENGTH = with_motion(_kind, "value", "length")

@@ -1,0 +1,47 @@
+"""Prescribed motions by formulas: functions of the time that have two rates, into which signals are inserted."""
+
+import re
+
+from mecano.deck.wording import quoted
+from mecano.laws.formula import FormulaError, read_formula
+from mecano.laws.formula_rate import rate_of
+
+INSTEAD = (
+    "a prescribed motion needs the second rate of its value; use a spring or a law of the joint with this set point, a "
+    "force or a moment with a controller, or a coupler of joints"
+)
+
+
+class NotAMotion(Exception):
+    """A signal or formula that is no prescribed motion, and the reason."""
+
+
+def motion_of(text, signals):
+    """Return the motion of a formula (text): a formula of the time alone, or the terms of a law of time.
+
+    ``signals`` are the checked values of the signals of the deck. Raises NotAMotion.
+    """
+    d = signals.get(text.removeprefix("signals."), {"type": ""})
+    if d["type"] == "curve" and d["input"].strip() == "time":
+        return d["law"]
+    found = _of_time(text, signals, ())
+    try:
+        rate_of(rate_of(found))
+    except FormulaError as error:
+        raise NotAMotion(f"{error.message}: its rates jump; {INSTEAD}") from None
+    return found
+
+
+def _of_time(text, signals, outer):
+    """Return the formula with the formulas of the signals that it reads in their place."""
+    for name in read_formula(text).references:
+        signal = name.removeprefix("signals.")
+        d = signals.get(signal)
+        if signal in outer:
+            raise NotAMotion(f"the signal {quoted(signal)} depends on itself")
+        if d is None or d["type"] != "formula":
+            what = f"{quoted(name)} depends on the motion" if d is None else f"{quoted(name)} is a {d['type']}"
+            raise NotAMotion(f"it is no function of the time alone: {what}; {INSTEAD}")
+        inner = _of_time(d["value"], signals, (*outer, signal))
+        text = re.sub(rf"(?<![\w.]){re.escape(name)}(?![\w.])", lambda _, inner=inner: f"({inner})", text)
+    return text

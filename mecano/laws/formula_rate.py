@@ -1,0 +1,69 @@
+"""Rate of a formula of the time, as another formula: its symbolic derivative."""
+
+import ast
+
+from mecano.laws.formula import BINARY, FormulaError
+
+SMOOTH = {  # function: its derivative, a formula of the argument {0}
+    "sin": "cos({0})", "cos": "-sin({0})", "tan": "1 + tan({0})**2", "asin": "1/sqrt(1 - ({0})**2)",
+    "acos": "-1/sqrt(1 - ({0})**2)", "atan": "1/(1 + ({0})**2)", "sqrt": "1/(2*sqrt({0}))", "exp": "exp({0})",
+    "log": "1/({0})", "tanh": "1 - tanh({0})**2",
+}  # fmt: skip
+ZERO, ONE = "0", "1"
+
+
+def rate_of(text):
+    """Return the rate (text) of a formula (text) of the time alone.
+
+    Raises FormulaError where it has corners: in abs, sign, min and max.
+    """
+    return _rate(ast.parse(text.strip().removeprefix("=").strip(), mode="eval").body)
+
+
+def _rate(tree):
+    if isinstance(tree, ast.Constant):
+        return ZERO
+    if isinstance(tree, ast.Name):
+        return ONE if tree.id == "time" else ZERO  # pi is the other name
+    if isinstance(tree, ast.UnaryOp):
+        u = _rate(tree.operand)
+        return _times("-1", u) if isinstance(tree.op, ast.USub) else u
+    if isinstance(tree, ast.BinOp):
+        return _of_operation(tree.op, tree.left, tree.right)
+    return _of_call(tree.func.id, tree.args)
+
+
+def _of_operation(op, left, right):
+    a, b, u, v = ast.unparse(left), ast.unparse(right), _rate(left), _rate(right)
+    if isinstance(op, ast.Add):
+        return _plus(u, v)
+    if isinstance(op, ast.Sub):
+        return _plus(u, _times("-1", v))
+    if isinstance(op, ast.Mult):
+        return _plus(_times(u, b), _times(a, v))
+    if isinstance(op, ast.Div):
+        return _plus(_times(u, f"1/({b})"), _times(f"-({a})/({b})**2", v))
+    by_base = ZERO if u == ZERO else _times(f"({b})*({a})**(({b}) - 1)", u)
+    return _plus(by_base, ZERO if v == ZERO else _times(f"({a})**({b})*log({a})", v))
+
+
+def _of_call(name, arguments):
+    texts, rates = [ast.unparse(x) for x in arguments], [_rate(x) for x in arguments]
+    if all(rate == ZERO for rate in rates):
+        return ZERO
+    if name in SMOOTH:
+        return _times(SMOOTH[name].format(*texts), rates[0])
+    if name not in BINARY:
+        raise FormulaError(f"'{name}' has a corner")
+    (a, b), (u, v) = texts, rates
+    if name == "atan2":
+        return _times(f"1/(({a})**2 + ({b})**2)", _plus(_times(u, b), _times(f"-({a})", v)))
+    return _times(f"1/hypot({a}, {b})", _plus(_times(a, u), _times(b, v)))
+
+
+def _plus(a, b):
+    return b if a == ZERO else a if b == ZERO else f"({a}) + ({b})"
+
+
+def _times(a, b):
+    return ZERO if ZERO in (a, b) else b if a == ONE else a if b == ONE else f"({a})*({b})"
