@@ -6,6 +6,7 @@ from mecano.constraints.along_coordinate.demand import is_formula, law_of
 from mecano.constraints.line import SHORTEST
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
+from mecano.maths.dual import at_least
 from mecano.maths.vector import EYE, add_mat, add_vec, dot, vec
 
 STRAIN_OF_STEEL = 2e-3  # at its yield strength
@@ -17,7 +18,7 @@ LINE_RECORD = {
 @kernel
 def strained(length, rate, L, L_rate):
     """Return the strain of a line of natural length L, and its rate."""
-    L = max(L, SHORTEST)
+    L = at_least(L, SHORTEST)
     stretch = length / L
     return stretch - 1.0, (rate - stretch * L_rate) / L
 

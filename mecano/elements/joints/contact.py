@@ -21,6 +21,7 @@ from dataclasses import replace
 import numpy as np
 
 from mecano.constraints.along_coordinate.friction import check_friction, friction_fields
+from mecano.constraints.along_coordinate.sense import quantity_sensor
 from mecano.constraints.augmented_lagrangian import add_reaction
 from mecano.constraints.touching import (
     FIELDS,
@@ -270,6 +271,12 @@ def sample(rng):
     return [*found, ({**surfaces[2], **elastic}, nodes, "closed"), ({**surfaces[0], **rough}, nodes, "open")]
 
 
+@kernel
+def _gap(p, at):
+    return touch(p, at).gap
+
+
+GAP_SENSOR = quantity_sensor("contact_gap_sensor", "Sensor of the gap of a contact.", RECORD, ("x0", "R0", "x1"), _gap)
 CONTACT = Kind(
     name="contact",
     section="elements",
@@ -309,6 +316,7 @@ CONTACT = Kind(
     event_values=rigid_events,
     commit=commit,
     sample=sample,
+    measures={"gap": lambda d, nodes, context: Part(GAP_SENSOR, (0, 1), prepare(d, nodes, context))},
 )
 SMOOTH_CONTACT = replace(
     CONTACT, name="smooth_contact", multipliers=(), memory=(), commit=None, constraints=None, residual=smooth_residual,

@@ -10,8 +10,6 @@ set point of an elastic actuator, whose power :math:`-N\dot\ell_0` is given by t
 the spring: from then on it has no force, and its elastic energy is lost; the signal of its force stays that of the law.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import is_formula
@@ -19,22 +17,20 @@ from mecano.constraints.along_coordinate.law import (
     LAW_RECORD,
     extension,
     law_values,
-    of_signal,
     of_time,
     report,
     with_set_point,
 )
-from mecano.constraints.along_coordinate.signal import SIGNAL
+from mecano.constraints.along_coordinate.sense import quantity_sensor, set_point_sensor
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.joint_frame import at_one_place
 from mecano.constraints.line import line
 from mecano.constraints.release import with_release
 from mecano.constraints.stop_phases import EVENTS, PHASES, put_stop_events
-from mecano.element_interface import Display, Kind, Measured, Output, Part, record
+from mecano.element_interface import Display, Kind, Measured, Output, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.laws.table import law_force
-from mecano.maths.dual import number
 from mecano.maths.vector import add_vec
 from mecano.schema import CONTINUOUS_DRIVE, LAW, NODE_PAIR, Field, not_negative
 
@@ -112,39 +108,28 @@ def sample(rng):
 
 
 @kernel
-def _sensed_extension(p, at, length, rate, point):
+def _extension(p, at, length, rate, point):
     return extension(p, point, length)
 
 
 @kernel
-def _sensed_rate(p, at, length, rate, point):
+def _extension_rate(p, at, length, rate, point):
     return rate - point[1]
 
 
 def _sensor(what, value):
-    """Return what the signal ``what`` of a spring is measured with: (deck values, nodes, Context) -> Part.
-
-    ``value(p, at, length, rate, set point)`` is compiled.
-    """
+    """Return what the signal ``what`` is measured with; value(p, at, length, rate, set point) is compiled."""
 
     def kind(set_point):
         @kernel
-        def residual(p, at, f):
+        def sensed(p, at):
             length, rate, _ = line(at.q, at.v)
-            f[6] += number(at.q[6]) - value(p, at, length, rate, set_point(p, at))
+            return value(p, at, length, rate, set_point(p, at))
 
-        return Kind(
-            name=f"spring_{what}_sensor", section="", doc=f"Sensor of the {what} of a spring-damper.", dtype=RECORD,
-            layout=("x0", "x1"), residual=residual, **SIGNAL,
-        )  # fmt: skip
+        doc = f"Sensor of the {what} of a spring-damper."
+        return quantity_sensor(f"spring_{what}_sensor", doc, RECORD, ("x0", "x1"), sensed)
 
-    by_law, by_signal = kind(of_time), replace(kind(of_signal(7)), inputs=("natural_length",))
-
-    def part(d, nodes, context):
-        p, natural = prepare(d, nodes, context), d["natural_length"]
-        return Part(by_signal, (0, 1), p, reads=(natural,)) if is_formula(natural) else Part(by_law, (0, 1), p)
-
-    return part
+    return set_point_sensor(kind, of_time, "natural_length", prepare)
 
 
 def _kind(set_point):
@@ -181,8 +166,8 @@ def _kind(set_point):
         sample=sample,
         measures={
             "length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {}),
-            "extension": _sensor("extension", _sensed_extension),
-            "extension_rate": _sensor("extension_rate", _sensed_rate),
+            "extension": _sensor("extension", _extension),
+            "extension_rate": _sensor("extension_rate", _extension_rate),
             "force": _sensor("force", _force),
         },
     )  # fmt: skip

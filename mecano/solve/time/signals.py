@@ -17,12 +17,21 @@ def settle_signals(system, s, dt):
     """Set the signals of ``s`` in place so that their equations hold at its positions and velocities.
 
     The values of signals without a state follow by Newton's method, as do the rates of those with one. Rates of the
-    former and second rates of the latter are forward differences over ``dt`` [s] of second order. Raises NonFiniteError
-    where signals are not finite, AssemblyError where they form a loop without a unique solution.
+    former and second rates of the latter are forward differences over ``dt`` [s] of second order; they are found twice
+    if signals depend on rates of the former, such as those of set points. Raises NonFiniteError where signals are not
+    finite, AssemblyError where they form a loop without a unique solution.
     """
     solve_signals(system, s)
-    _refuse_undetermined(system, s)
+    reads_rates = _refuse_undetermined(system, s)
     s.a[: system.n_q][system.signals] = 0.0
+    _find_rates(system, s, dt)
+    if reads_rates:
+        solve_signals(system, s)
+        _find_rates(system, s, dt)
+
+
+def _find_rates(system, s, dt):
+    """Set rates and second rates of the signals of ``s`` in place, as ``settle_signals`` describes."""
     along = s.copy()
     along.a[:] = 0.0
     first, second = (solve_signals(system, moved(along, i * dt, system.numbering)) for i in (1, 2))
@@ -39,7 +48,7 @@ def solve_signals(system, s):
     """
     signals = np.flatnonzero(system.signals)
     for _ in range(ITERATIONS if len(signals) else 0):
-        J, r = _equations(system, s, signals)
+        J, r, _ = _equations(system, s, signals)
         known = _finite(J, r)
         own, is_state = signals[known], system.states[signals[known]]
         scales, (U, sigma, Vt) = _decomposed(J[np.ix_(known, known)])
@@ -59,7 +68,10 @@ def _finite(J, r):
 
 
 def _equations(system, s, own):
-    """Return derivatives (n, n) by values of the signals, or rates of those with a state, and the residual (n,)."""
+    """Return derivatives (n, n) by values of the signals, or rates of those with a state, and the residual (n,).
+
+    The third value is True if the residual depends on rates of signals without a state.
+    """
     place = np.full(system.n, -1)
     place[own] = np.arange(len(own))
     rows, columns = place[system.rows], place[system.cols]
@@ -68,7 +80,8 @@ def _equations(system, s, own):
     for i, weights in enumerate(((1.0, 0.0), (0.0, 1.0))):
         system.assemble(s, 1.0, 0.0, *weights, 0.0)
         J[i, rows[entries], columns[entries]] = system.data[:-1][entries]
-    return np.where(system.states[own], J[1], J[0]), system.residual[own].copy()
+    is_state = system.states[own]
+    return np.where(is_state, J[1], J[0]), system.residual[own].copy(), bool(J[1][:, ~is_state].any())
 
 
 def _decomposed(J):
@@ -83,13 +96,15 @@ def _decomposed(J):
 
 
 def _refuse_undetermined(system, s):
+    """Raise an error for signals that are not determined; return True if signals depend on rates of those at once."""
     own = np.flatnonzero(system.signals)
-    J, r = _equations(system, s, own)
+    J, r, reads_rates = _equations(system, s, own)
     if not np.all(known := _finite(J, r)):
         name = system.numbering.name[own[np.argmin(known)]]
         raise NonFiniteError(f"at t = {s.t:.9g} s {name} is not finite")
     if circle := _undetermined(J):
         raise _error([system.numbering.name[own[i]].place for i in circle], f"at t = {s.t:.9g} s ")
+    return reads_rates
 
 
 def refuse_circles(system, s):
@@ -104,7 +119,7 @@ def refuse_circles(system, s):
     elsewhere.v[: system.n_q] += ELSEWHERE * np.sin(1.0 + np.arange(system.n_q))
     circles = []
     for state in (s.copy(), elsewhere):
-        J, r = _equations(system, solve_signals(system, state), own)
+        J, r, _ = _equations(system, solve_signals(system, state), own)
         circles.append(_undetermined(J) if np.all(_finite(J, r)) else [])
     if all(circles):
         raise _error([system.numbering.name[own[i]].place for i in circles[0]])

@@ -1,0 +1,76 @@
+"""Signals that measure the loads of elements: they equal the outputs of the elements, also in conditions."""
+
+import numpy as np
+import pytest
+from time_runs import RecordedRun, deck
+
+SWINGING = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {top: {position: [0, 0, 0], fixed: true}, load: {position: [0.3, 0, -1]}}
+    elements:
+      load: {type: rigid_body, node: load, mass: 2, inertia: [0.1, 0.1, 0.1]}
+      measured: {type: TYPE, PROPERTIES}
+    signals: {SIGNALS}
+    time: {end: 0.6, step: 0.002}
+    """
+SINE = "{sine: {amplitude: 0.1, frequency: 2, offset: 1.04}}"
+LINE = "nodes: [top, load], axial_stiffness: 4000, damping: 0.002, natural_length: "
+TURNING = "nodes: [top, load], axis: [0, 1, 0], law: {spring: 3, damper: 0.4}, natural_angle: "
+CASES = {
+    "bar": ("bar", f"{LINE} 1", ("length", "strain", "tension")),
+    "cable that goes slack": ("cable", f"{LINE} {SINE}", ("tension",)),
+    "cable by a signal": ("cable", f"{LINE} 1.04 + 0.1*sin(9*time)", ("length", "strain", "tension")),
+    "torsion spring": ("torsion_spring_damper", f"{TURNING} {{linear: {{slope: 2}}}}", ("angle", "moment")),
+    "torsion spring by a signal": ("torsion_spring_damper", f"{TURNING} 2*time", ("moment",)),
+    "spring by a signal": (
+        "spring_damper", "nodes: [top, load], law: {spring: 900, damper: 2}, natural_length: 1 - 0.1*time",
+        ("extension", "extension_rate", "force"),
+    ),
+    "contact": (
+        "contact", "nodes: [top, load], plane: {normal: [0, 0, 1], point: [0, 0, -1.5]}, radius: 0.1", ("gap",),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_signal_equals_the_output_that_it_measures(case):
+    kind, properties, outputs = CASES[case]
+    signals = ", ".join(f"of_{output}: measured.{output}" for output in outputs)
+    text = SWINGING.replace("TYPE", kind).replace("PROPERTIES", properties).replace("SIGNALS", signals)
+    m = RecordedRun(deck(text))
+    smooth = ~np.isin(m.time, [event.t for event in m.event_records])  # the damping force of a cable jumps there
+    for output in outputs:
+        values = m[f"elements/measured/{output}"][smooth]
+        scale = np.abs(values).max()
+        assert scale > 0.0
+        np.testing.assert_allclose(m[f"signals/of_{output}/value"][smooth], values, atol=1e-9 * scale, err_msg=output)
+
+
+def test_a_cable_breaks_at_a_tension(verify):
+    """A force of 20 N/s is added to a weight of 19.62 N: the tension is their sum once the cable lengthens steadily.
+
+    The oscillation before has decayed by exp(-40): w = sqrt(EA/(L m)) = 316 rad/s, and the damping is tau w/2 = 0.32.
+    """
+    m = RecordedRun(
+        deck("""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes: {top: {position: [0, 0, 0], fixed: true}, load: {position: [0, 0, -1]}}
+        elements:
+          load: {type: point_mass, node: load, mass: 2}
+          rope: {type: cable, nodes: [top, load], axial_stiffness: 2.0e5, damping: 2 ms, natural_length: 1/1.0000981,
+                 release: {when: rope.tension > 27.62}}
+        loads: {pull: {type: force, node: load, direction: [0, 0, -1], value: {linear: {slope: 20}}}}
+        time: {end: 0.5, step: 1.0e-3}
+        """)
+    )
+    (broken,) = m.event_records
+    what = "cable that breaks at 27.62 N: instant [s]"
+    verify("Release", what, broken.t, 0.4, "20 N/s added to the weight", absolute=1e-7)
+    z, speed = m["nodes/load/position"][:, 2], m["nodes/load/velocity"][:, 2]
+    after = m.time > broken.t
+    i = int(np.flatnonzero(after)[0])
+    fall = speed[i] - 9.81 * (m.time - m.time[i]) - 10.0 * (m.time**2 - m.time[i] ** 2) / 2.0
+    np.testing.assert_allclose(speed[after], fall[after], atol=1e-6)
+    assert z[-1] < z[i]
