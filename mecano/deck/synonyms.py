@@ -91,6 +91,9 @@ NOTES = {  # words with the same meaning: (targets, note)
     "backlash, clearance, free play, freeplay, gap, play": ("dead_band", ""),
     "latch, catch, locking": ("hinge.latch", ""),
     "contact, collision, impact, unilateral": ("contact plane_contact rigid_wheel stop", ""),
+    "capsule, capsule contact, line contact, rod contact, beam contact, cylinder contact": (
+        "contact", "a 'rod' in place of the ball touches a capsule or a cylinder"
+    ),
     "coulomb, stick slip, dry friction": ("friction dry_friction", ""),
     "friction": ("dry_friction", ""),
     "brake disc, disc brake, clutch, anti skid, abs": ("brake", ""),

@@ -30,8 +30,18 @@ def outlines(motion, d):
         line = np.array([-1.0, 1.0])[:, None] * BEYOND * max(d["radius"], farthest) * along
     else:
         line = _stadium(surface["radius"], surface.get("length", 0.0), np.cross(along, across), along)
-    ball = _stadium(d["radius"], 0.0, np.cross(along, across), along)
-    return [_carried(motion, a, middle + line), motion.position(b)[:, None] + ball]
+    return [_carried(motion, a, middle + line), _on_b(motion, d, places, np.cross(along, across), along)]
+
+
+def _on_b(motion, d, places, across, along):
+    """Return the lines of the ball around node b, or of the rod that it carries."""
+    b, rod = d["nodes"][1], d.get("rod")
+    if rod is None:
+        return motion.position(b)[:, None] + _stadium(d["radius"], 0.0, across, along)
+    axis = np.array(rod["axis"], float) / np.linalg.norm(rod["axis"])
+    side = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    middle = places[b] if rod["center"] is None else np.array(rod["center"], float)
+    return _carried(motion, b, middle + _stadium(d["radius"], rod["length"], axis, side / np.linalg.norm(side)))
 
 
 def _across(main, extent):

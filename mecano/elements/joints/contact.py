@@ -1,4 +1,4 @@
-r"""Contact of a ball around node b with a surface fixed in node a: a plane, sphere, cylinder or capsule.
+r"""Contact of a ball or rod at node b with a surface fixed in node a: a plane, sphere, cylinder or capsule.
 
 Without ``law`` the contact is rigid: it closes with a shock (docs/shocks.md), rebounds with the coefficient of
 ``restitution``, and opens where the normal force N, its multiplier, falls to zero. While closed it is held at the gap
@@ -11,9 +11,11 @@ With a law ``law`` of the depth w, by which both bodies overlap, it is elastic, 
 ``friction`` opposes the velocity u of the ball along the surface, :math:`F_t = -\mu(|u|)\,\phi(|u|)\,N u/|u|`, with
 :math:`\phi(u) = (u/\epsilon)(2 - u/\epsilon)` below the speed :math:`\epsilon` of the ``regularization``, 1 beyond: a
 resting ball creeps. A rigid contact exerts it while it is closed, with its multiplier N; a shock is without friction.
-Node a needs an orientation (a body, a beam or the ground), with friction node b, too. A capsule or a box that touches a
-plane is a ball at each end or corner, on nodes attached to the body. The surface of a cylinder has no ends; a pin in
-a hole is a ball of the radius of the pin ``inside`` of a cylinder.
+Node a needs an orientation (a body, a beam or the ground), with friction or a rod node b, too. A capsule or a box that
+touches a plane is a ball at each end or corner, on nodes attached to the body. The surface of a cylinder has no ends; a
+pin in a hole is a ball of the radius of the pin ``inside`` of a cylinder. A ``rod`` in place of the ball, a capsule,
+touches another capsule or cylinder in one point. Where both are parallel, the force acts in the middle of the part
+along which they touch, and does not resist their turning: two long parallel bodies need a contact near each end.
 """
 
 from dataclasses import replace
@@ -22,197 +24,43 @@ import numpy as np
 
 from mecano.constraints.along_coordinate.friction import check_friction, friction_fields
 from mecano.constraints.along_coordinate.sense import quantity_sensor
-from mecano.constraints.augmented_lagrangian import add_reaction
+from mecano.constraints.contact_functions import Shapes, elastic, observed_rigid, rigid, rubbing
 from mecano.constraints.touching import (
     FIELDS,
     SURFACE_RECORD,
     approach,
     check_surface,
     gap_at_start,
-    sliding,
     surface_record,
     touch,
+)
+from mecano.constraints.touching_rods import (
+    ROD,
+    ROD_RECORD,
+    RODS,
+    check_rod,
+    rod_gap_at_start,
+    rod_record,
 )
 from mecano.element_interface import CONTACT as SHOCK
 from mecano.element_interface import Display, Event, Kind, Output, Part, Row, record
 from mecano.jit.kernel import kernel
-from mecano.laws.contact_force import contact_force, elastic_energy, elastic_force
-from mecano.laws.friction import friction
 from mecano.laws.probe import curve_at
-from mecano.maths.dual import at_least
-from mecano.maths.vector import ZERO, add_vec, cross, dot, mat, norm, put, vec
 from mecano.schema import CURVE, NODE_PAIR, NUMBER, Field, not_negative, share
 
-RECORD = record(law="i", damping=(), restitution=(), coefficient="i", regularization=(), **SURFACE_RECORD)
-OPEN, CLOSED = 0, 1
+MATERIAL = {"law": "i", "damping": (), "restitution": (), "coefficient": "i", "regularization": ()}
+RECORD, RODS_RECORD = record(**MATERIAL, **SURFACE_RECORD), record(**MATERIAL, **ROD_RECORD)
+BALL = Shapes(touch, approach, False)
 PHASES = ("open", "closed")
 ROUNDING = 1e-9  # [m]
-MULTIPLIER = 9  # of a rigid contact, after positions and the rotation of a
-ROUGH_MULTIPLIER = 12  # of a rigid contact with friction, after positions and rotations
 NORMAL = Row("normal force of the contact", "N", "m", unilateral=True)
 OPENS = Event("opens", "closed", "open", "the normal force falls to zero")
 
 
-@kernel
-def _normal_force(p, at, touched):
-    """Return N of an elastic contact."""
-    return contact_force(at.laws, p.law, p.damping, -touched.gap, approach(touched, at))
-
-
-@kernel
-def _friction(p, at, touched, N):
-    """Return the friction on the ball [N] and the velocity of sliding [m/s], inertial."""
-    u = sliding(touched, at)
-    return -(N * friction(at.laws, p.coefficient, p.regularization, norm(u))) * u, u
-
-
-@kernel
-def _add_on_a(f, at, touched, on_b):
-    """Add the force opposite to that on the ball, and its moment about node a."""
-    add_vec(f, 0, 1.0, on_b)
-    add_vec(f, 3, 1.0, mat(at.R[0]).T @ cross(touched.a, on_b))
-
-
-@kernel
-def smooth_residual(p, at, f):
-    """Add the normal force of an elastic contact."""
-    if at.phase == CLOSED:
-        touched = touch(p, at)
-        on_b = _normal_force(p, at, touched) * touched.n
-        _add_on_a(f, at, touched, on_b)
-        add_vec(f, 6, -1.0, on_b)
-
-
-@kernel
-def rough_residual(p, at, f):
-    """Add normal force and friction of an elastic contact."""
-    if at.phase == CLOSED:
-        touched = touch(p, at)
-        N = _normal_force(p, at, touched)
-        on_b = N * touched.n + _friction(p, at, touched, N)[0]
-        _add_on_a(f, at, touched, on_b)
-        add_vec(f, 6, -1.0, on_b)
-        add_vec(f, 9, -1.0, mat(at.R[1]).T @ cross(touched.b, on_b))
-
-
-@kernel
-def _gradient(at, touched):
-    """Return the gradient of the gap by blocks of the local unknowns."""
-    return (0, -touched.n), (3, -(mat(at.R[0]).T @ cross(touched.a, touched.n))), (6, touched.n)
-
-
-@kernel
-def rigid_residual(p, at, f):
-    """Add the constraint of a rigid contact."""
-    if at.phase == OPEN:
-        f[MULTIPLIER] -= at.q[MULTIPLIER]
-    else:
-        touched = touch(p, at)
-        Phi = touched.gap - at.m[0]
-        add_reaction(f, MULTIPLIER, at.k, at.penalty, Phi, at.q[MULTIPLIER], _gradient(at, touched))
-
-
-@kernel
-def rigid_constraints(p, at, g):
-    """Write the gap relative to the held one, and its rate."""
-    g[0, 0] = g[0, 1] = 0.0
-    if at.phase == CLOSED:
-        touched = touch(p, at)
-        g[0, 0], g[0, 1] = touched.gap - at.m[0], -approach(touched, at)
-
-
-@kernel
-def _put(p, at, touched, N, F_t, u, y):
-    """Write gap, normal force, friction, speed of sliding, force on the ball, contact point, state."""
-    y[0], y[1], y[2], y[3] = touched.gap, N, norm(F_t), norm(u)
-    put(y, 4, N * touched.n + F_t)
-    put(y, 7, vec(at.q, 6) + touched.b)
-    y[10] = float(at.phase)
-
-
-@kernel
-def _put_energies(p, at, touched, N, e):
-    """Write the elastic energy and the power dissipated by damping."""
-    w = -touched.gap
-    e[1] = elastic_energy(at.laws, p.law, at_least(w, 0.0))
-    e[2] = (N - elastic_force(at.laws, p.law, w)) * approach(touched, at)
-
-
-@kernel
-def observe_smooth(p, at, F, y, e):
-    """Write outputs and energies of an elastic contact without friction."""
-    touched, N = touch(p, at), 0.0
-    if at.phase == CLOSED:
-        N = _normal_force(p, at, touched)
-        _put_energies(p, at, touched, N, e)
-    _put(p, at, touched, N, ZERO, ZERO, y)
-
-
-@kernel
-def observe_rough(p, at, F, y, e):
-    """Write outputs and energies of an elastic contact with friction."""
-    touched, N = touch(p, at), 0.0
-    if at.phase == CLOSED:
-        N = _normal_force(p, at, touched)
-        _put_energies(p, at, touched, N, e)
-    F_t, u = _friction(p, at, touched, N)
-    e[2] -= dot(F_t, u)
-    _put(p, at, touched, N, F_t, u, y)
-
-
-@kernel
-def observe_rigid(p, at, F, y, e):
-    """Write the outputs of a rigid contact."""
-    _put(p, at, touch(p, at), at.q[MULTIPLIER], ZERO, ZERO, y)
-
-
-@kernel
-def friction_residual(p, at, f):
-    """Add the friction of a rigid contact, whose multiplier is coupled."""
-    touched = touch(p, at)
-    on_b = _friction(p, at, touched, at_least(at.q[ROUGH_MULTIPLIER], 0.0))[0]
-    _add_on_a(f, at, touched, on_b)
-    add_vec(f, 6, -1.0, on_b)
-    add_vec(f, 9, -1.0, mat(at.R[1]).T @ cross(touched.b, on_b))
-
-
-@kernel
-def observe_rigid_rough(p, at, F, y, e):
-    """Write the outputs of a rigid contact with friction, and the power that it dissipates."""
-    touched, N = touch(p, at), at_least(at.q[ROUGH_MULTIPLIER], 0.0)
-    F_t, u = _friction(p, at, touched, N)
-    e[2] = -dot(F_t, u)
-    _put(p, at, touched, N, F_t, u, y)
-
-
-@kernel
-def rigid_rough_events(p, at, g):
-    """Write the depth [m], and -N [N]."""
-    g[0], g[1] = -touch(p, at).gap, -at.q[ROUGH_MULTIPLIER]
-
-
-@kernel
-def elastic_events(p, at, g):
-    """Write the depth [m], and the gap."""
-    gap = touch(p, at).gap
-    g[0], g[1] = -gap, gap
-
-
-@kernel
-def rigid_events(p, at, g):
-    """Write the depth [m], and -N [N]."""
-    g[0], g[1] = -touch(p, at).gap, -at.q[MULTIPLIER]
-
-
-@kernel
-def commit(p, at, m_out):
-    """Write the gap of the last step before the contact."""
-    m_out[0] = at.m[0] if at.phase == CLOSED else touch(p, at).gap
-
-
 def prepare(d, nodes, context):
     """Return the record of one contact."""
-    values = {"damping": d["damping"], "restitution": d["restitution"], **surface_record(d, nodes)}
+    shapes = surface_record(d, nodes) if d["rod"] is None else rod_record(d, nodes)
+    values = {"damping": d["damping"], "restitution": d["restitution"], **shapes}
     if d["law"] is not None:
         values["law"] = context.laws.add(d["law"])
     if d["friction"] is not None:
@@ -221,27 +69,22 @@ def prepare(d, nodes, context):
     return values
 
 
-def rigid_rough_parts(d, nodes, context):
-    """Return the constraint of a rigid contact, and the friction that it causes."""
-    p = prepare(d, nodes, context)
-    return [Part(RIGID_PART, (0, 1), p), Part(FRICTION_PART, (0, 1), p, coupled_to=(0,))]
-
-
 def variant(d):
-    """Return the kind of a rigid or elastic contact, with or without friction."""
-    if d["law"] is None:
-        return CONTACT if d["friction"] is None else RIGID_ROUGH_CONTACT
-    return SMOOTH_CONTACT if d["friction"] is None else ROUGH_CONTACT
+    """Return the kind of a rigid or elastic contact of a ball or a rod, with or without friction."""
+    return KINDS[d["rod"] is not None, d["law"] is None, d["friction"] is not None]
 
 
 def check(d, nodes):
     """Return errors in the surface, in the law, and for values that have no effect on this contact."""
     texts = check_surface(d, nodes)
+    if not texts and d["rod"] is not None:
+        texts = check_rod(d, nodes)
     if d["law"] is None:
         texts += ["'damping' needs 'law': a rigid contact has none"] if d["damping"] else []
         texts += check_friction(d)
-        if not texts and (gap := gap_at_start(d, nodes)[0]) < -ROUNDING:
-            texts.append(f"the ball starts {-gap:.6g} m within the surface, which is rigid without 'law'")
+        if not texts and (gap := (rod_gap_at_start if d["rod"] else gap_at_start)(d, nodes)[0]) < -ROUNDING:
+            what = "rod" if d["rod"] else "ball"
+            texts.append(f"the {what} starts {-gap:.6g} m within the surface, which is rigid without 'law'")
         return texts
     if d["restitution"]:
         texts.append("'restitution' applies to a rigid contact only; with 'law' give 'damping'")
@@ -254,9 +97,9 @@ def check(d, nodes):
 def sample(rng):
     """Return rigid and elastic contacts of all surfaces, open and closed, with and without friction."""
     law = (("power", {"coefficient": 3e2, "exponent": 2.0}),)
-    rubbing = {"coefficient": (("constant", {"value": 0.4}),), "regularization": 0.5}
+    dry = {"coefficient": (("constant", {"value": 0.4}),), "regularization": 0.5}
     elastic = {"nodes": ["a", "b"], "law": law, "damping": 0.1}
-    rough = {**elastic, "friction": rubbing}
+    rough = {**elastic, "friction": dry}
     x, axis = rng.normal(size=3), np.array([0.0, 0.0, 1.0])
     nodes = [(x - [0.0, 0.1, 0.0], np.eye(3)), (x + [0.3, 0.4, 0.6], np.eye(3))]
     surfaces = (
@@ -265,10 +108,18 @@ def sample(rng):
         {"capsule": {"axis": axis, "length": 0.4, "radius": 0.4, "center": x}, "radius": 0.4},
     )  # fmt: skip
     found = [({**surface, **rough}, nodes, "closed") for surface in surfaces]
-    rigid = {"nodes": ["a", "b"], "radius": 0.04}
-    found += [({**surface, **rigid}, nodes, phase) for surface in surfaces for phase in PHASES]
-    found += [({**surfaces[2], **rigid, "friction": rubbing}, nodes, phase) for phase in PHASES]
-    return [*found, ({**surfaces[2], **elastic}, nodes, "closed"), ({**surfaces[0], **rough}, nodes, "open")]
+    stiff = {"nodes": ["a", "b"], "radius": 0.04}
+    found += [({**surface, **stiff}, nodes, phase) for surface in surfaces for phase in PHASES]
+    found += [({**surfaces[2], **stiff, "friction": dry}, nodes, phase) for phase in PHASES]
+    found += [({**surfaces[2], **elastic}, nodes, "closed"), ({**surfaces[0], **rough}, nodes, "open")]
+    line = {"axis": axis, "radius": 0.4, "center": x}
+    rods = {"capsule": {**line, "length": 0.8}}, {"cylinder": {**line, "inside": False}}
+    crossing = {"rod": {"axis": np.array([1.0, -2.0, 0.5]), "length": 0.9, "center": None}, "radius": 0.15}
+    found += [({**rod, **crossing, **elastic}, nodes, "closed") for rod in rods]
+    found += [({**rods[0], **crossing, **rough}, nodes, phase) for phase in PHASES]
+    thin = {**crossing, "nodes": ["a", "b"], "radius": 0.02}
+    found += [({**rod, **thin}, nodes, phase) for rod in rods for phase in PHASES]
+    return [*found, ({**rods[0], **thin, "friction": dry}, nodes, "closed")]
 
 
 @kernel
@@ -276,17 +127,32 @@ def _gap(p, at):
     return touch(p, at).gap
 
 
-GAP_SENSOR = quantity_sensor("contact_gap_sensor", "Sensor of the gap of a contact.", RECORD, ("x0", "R0", "x1"), _gap)
+@kernel
+def _gap_of_rod(p, at):
+    return RODS.touch(p, at).gap
+
+
+GAP_SENSOR = quantity_sensor("contact_gap_sensor", "Sensor of the gap of a contact.", RECORD, BALL.layout, _gap)
+ROD_GAP_SENSOR = quantity_sensor(
+    "rod_gap_sensor", "Sensor of the gap of a contact of rods.", RODS_RECORD, RODS.layout, _gap_of_rod
+)
+
+
+def _measured_gap(d, nodes, context):
+    return Part(GAP_SENSOR if d["rod"] is None else ROD_GAP_SENSOR, (0, 1), prepare(d, nodes, context))
+
+
 CONTACT = Kind(
     name="contact",
     section="elements",
     doc=__doc__,
     display=Display("contact", force="force", force_at="point"),
     dtype=RECORD,
-    layout=("x0", "R0", "x1"),
+    layout=BALL.layout,
     fields=(
         Field("nodes", NODE_PAIR, "-", "node a, which carries the surface, and node b, the centre of the ball"),
         *FIELDS,
+        ROD,
         Field("law", CURVE, "N", "normal force, a curve of the depth [m], zero at zero; rigid when absent", None),
         Field("damping", NUMBER, "s/m", "c in the factor max(0, 1 + c dw/dt) on the law", 0.0, not_negative),
         friction_fields(),
@@ -310,34 +176,54 @@ CONTACT = Kind(
     prepare=prepare,
     variant=variant,
     check=check,
-    residual=rigid_residual,
-    constraints=rigid_constraints,
-    observe=observe_rigid,
-    event_values=rigid_events,
-    commit=commit,
     sample=sample,
-    measures={"gap": lambda d, nodes, context: Part(GAP_SENSOR, (0, 1), prepare(d, nodes, context))},
+    measures={"gap": _measured_gap},
+    **rigid(BALL),
+    **observed_rigid(BALL),
 )
-SMOOTH_CONTACT = replace(
-    CONTACT, name="smooth_contact", multipliers=(), memory=(), commit=None, constraints=None, residual=smooth_residual,
-    observe=observe_smooth, event_values=elastic_events,
-    events=(Event("closes", "open", "closed", "the ball reaches the surface"), OPENS),
-)  # fmt: skip
-ROUGH_CONTACT = replace(
-    SMOOTH_CONTACT, name="rough_contact", layout=("x0", "R0", "x1", "R1"), residual=rough_residual,
-    observe=observe_rough,
-)  # fmt: skip
-RIGID_PART = Kind(
-    name="rigid_contact_part", section="", doc="Constraint of a rigid contact with friction.", dtype=RECORD,
-    layout=CONTACT.layout, multipliers=CONTACT.multipliers, phases=PHASES, memory=CONTACT.memory, commit=commit,
-    residual=rigid_residual, constraints=rigid_constraints,
-)  # fmt: skip
-FRICTION_PART = Kind(
-    name="contact_friction", section="", doc="Friction of a rigid contact.", dtype=RECORD,
-    layout=ROUGH_CONTACT.layout, coupled_multipliers=(NORMAL,), residual=friction_residual,
-)  # fmt: skip
-RIGID_ROUGH_CONTACT = replace(
-    CONTACT, name="rigid_rough_contact", layout=ROUGH_CONTACT.layout, multipliers=(), memory=(), commit=None,
-    constraints=None, residual=None, parts=rigid_rough_parts, observe=observe_rigid_rough,
-    event_values=rigid_rough_events,
-)  # fmt: skip
+ELASTIC = {
+    "multipliers": (), "memory": (), "commit": None, "constraints": None,
+    "events": (Event("closes", "open", "closed", "the ball reaches the surface"), OPENS),
+}  # fmt: skip
+ROUGH_LAYOUT = RODS.layout
+
+
+def _parts(held, rubs):
+    """Return ``parts`` of a rigid contact with friction: its constraint, and the friction that it causes."""
+
+    def parts(d, nodes, context):
+        p = prepare(d, nodes, context)
+        return [Part(held, (0, 1), p), Part(rubs, (0, 1), p, coupled_to=(0,))]
+
+    return parts
+
+
+def _kinds(name, shapes, dtype):
+    """Return {(rigid, rough): Kind} of the contacts of two shapes."""
+    held = replace(
+        CONTACT, name=f"{name}contact", dtype=dtype, layout=shapes.layout, variant=None,
+        **rigid(shapes), **observed_rigid(shapes),
+    )  # fmt: skip
+    smooth = replace(held, name=f"smooth_{name}contact", **ELASTIC | elastic(shapes, False))
+    rough = replace(smooth, name=f"rough_{name}contact", layout=ROUGH_LAYOUT, **elastic(shapes, True))
+    constraint = Kind(
+        name=f"rigid_{name}contact_part", section="", doc="Constraint of a rigid contact with friction.", dtype=dtype,
+        layout=shapes.layout, multipliers=CONTACT.multipliers, phases=PHASES, memory=CONTACT.memory, **rigid(shapes),
+    )  # fmt: skip
+    residual, observed = rubbing(shapes)
+    rubs = Kind(
+        name=f"{name}contact_friction", section="", doc="Friction of a rigid contact.", dtype=dtype,
+        layout=ROUGH_LAYOUT, coupled_multipliers=(NORMAL,), residual=residual,
+    )  # fmt: skip
+    rubbed = replace(
+        held, name=f"rigid_rough_{name}contact", layout=ROUGH_LAYOUT, multipliers=(), memory=(), commit=None,
+        constraints=None, residual=None, parts=_parts(constraint, rubs), **observed,
+    )  # fmt: skip
+    return {(True, False): held, (False, False): smooth, (False, True): rough, (True, True): rubbed}
+
+
+KINDS = {
+    (of_rod, *which): kind
+    for of_rod, kinds in ((False, _kinds("", BALL, RECORD)), (True, _kinds("rod_", RODS, RODS_RECORD)))
+    for which, kind in kinds.items()
+}

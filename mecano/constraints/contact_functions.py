@@ -1,0 +1,209 @@
+"""Compiled functions of a contact of two bodies, for any pair of shapes; equations in elements/joints/contact.py.
+
+A pair of shapes is a ``Shapes``: where they touch, and how fast they approach. Local unknowns: x0, R0, x1, and R1 where
+the shape on b turns with its node or friction turns it; then the multiplier of a rigid contact, held at the gap m[0].
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from mecano.constraints.augmented_lagrangian import add_reaction
+from mecano.constraints.touching import sliding
+from mecano.jit.kernel import kernel
+from mecano.laws.contact_force import contact_force, elastic_energy, elastic_force
+from mecano.laws.friction import friction
+from mecano.maths.dual import at_least
+from mecano.maths.vector import ZERO, add_vec, cross, dot, mat, norm, put, vec
+
+OPEN, CLOSED = 0, 1
+TURNING = 12  # number of local unknowns of two nodes with rotations
+
+
+class Shapes(NamedTuple):
+    """Two shapes that may touch."""
+
+    touch: Callable  # (p, at) -> Touch
+    approach: Callable  # (Touch, at) -> rate [m/s] at which the gap closes
+    turning: bool  # the shape on b turns with its node
+
+    @property
+    def layout(self):
+        """Slots of a contact without friction."""
+        return ("x0", "R0", "x1", "R1") if self.turning else ("x0", "R0", "x1")
+
+
+@kernel
+def _add_on_a(f, at, touched, on_b):
+    """Add the force opposite to that on b, and its moment about node a."""
+    add_vec(f, 0, 1.0, on_b)
+    add_vec(f, 3, 1.0, mat(at.R[0]).T @ cross(touched.a, on_b))
+
+
+@kernel
+def _add_forces(f, at, touched, on_b):
+    """Add the force on b and the opposite one on a, with their moments about both nodes."""
+    _add_on_a(f, at, touched, on_b)
+    add_vec(f, 6, -1.0, on_b)
+    add_vec(f, 9, -1.0, mat(at.R[1]).T @ cross(touched.b, on_b))
+
+
+@kernel
+def _add_central_forces(f, at, touched, on_b):
+    """Add the force through the centre of b and the opposite one on a, with its moment about node a."""
+    _add_on_a(f, at, touched, on_b)
+    add_vec(f, 6, -1.0, on_b)
+
+
+@kernel
+def _central_gradient(at, touched):
+    """Return the gradient of the gap to a ball on b by blocks of the local unknowns."""
+    return (0, -touched.n), (3, -(mat(at.R[0]).T @ cross(touched.a, touched.n))), (6, touched.n)
+
+
+@kernel
+def _gradient(at, touched):
+    """Return the gradient of the gap to a shape that turns with b by blocks of the local unknowns."""
+    return *_central_gradient(at, touched), (9, mat(at.R[1]).T @ cross(touched.b, touched.n))
+
+
+@kernel
+def _put(at, touched, N, F_t, u, y):
+    """Write gap, normal force, friction, speed of sliding, force on b, contact point, state."""
+    y[0], y[1], y[2], y[3] = touched.gap, N, norm(F_t), norm(u)
+    put(y, 4, N * touched.n + F_t)
+    put(y, 7, vec(at.q, 6) + touched.b)
+    y[10] = float(at.phase)
+
+
+@kernel
+def _friction(p, at, touched, N):
+    """Return the friction on b [N] and the velocity of sliding [m/s], inertial."""
+    u = sliding(touched, at)
+    return -(N * friction(at.laws, p.coefficient, p.regularization, norm(u))) * u, u
+
+
+def _event_values(shapes, row):
+    """Return ``event_values``: the depth [m]; then -N [N] of the multiplier at ``row``, or the gap without one."""
+    touch = shapes.touch
+
+    @kernel
+    def of_elastic(p, at, g):
+        gap = touch(p, at).gap
+        g[0], g[1] = -gap, gap
+
+    @kernel
+    def of_rigid(p, at, g):
+        g[0], g[1] = -touch(p, at).gap, -at.q[row]
+
+    return of_elastic if row is None else of_rigid
+
+
+def elastic(shapes, rubs):
+    """Return the functions of an elastic contact, with friction if it ``rubs``, as fields of a Kind."""
+    touch, approach = shapes.touch, shapes.approach
+    add_normal = _add_forces if shapes.turning else _add_central_forces
+
+    @kernel
+    def normal_force(p, at, touched):
+        return contact_force(at.laws, p.law, p.damping, -touched.gap, approach(touched, at))
+
+    @kernel
+    def smooth_residual(p, at, f):
+        if at.phase == CLOSED:
+            touched = touch(p, at)
+            add_normal(f, at, touched, normal_force(p, at, touched) * touched.n)
+
+    @kernel
+    def rough_residual(p, at, f):
+        if at.phase == CLOSED:
+            touched = touch(p, at)
+            N = normal_force(p, at, touched)
+            _add_forces(f, at, touched, N * touched.n + _friction(p, at, touched, N)[0])
+
+    @kernel
+    def put_energies(p, at, touched, N, e):
+        w = -touched.gap
+        e[1] = elastic_energy(at.laws, p.law, at_least(w, 0.0))
+        e[2] = (N - elastic_force(at.laws, p.law, w)) * approach(touched, at)
+
+    @kernel
+    def observe_smooth(p, at, F, y, e):
+        touched, N = touch(p, at), 0.0
+        if at.phase == CLOSED:
+            N = normal_force(p, at, touched)
+            put_energies(p, at, touched, N, e)
+        _put(at, touched, N, ZERO, ZERO, y)
+
+    @kernel
+    def observe_rough(p, at, F, y, e):
+        touched, N = touch(p, at), 0.0
+        if at.phase == CLOSED:
+            N = normal_force(p, at, touched)
+            put_energies(p, at, touched, N, e)
+        F_t, u = _friction(p, at, touched, N)
+        e[2] -= dot(F_t, u)
+        _put(at, touched, N, F_t, u, y)
+
+    found = (rough_residual, observe_rough) if rubs else (smooth_residual, observe_smooth)
+    return {**dict(zip(("residual", "observe"), found, strict=True)), "event_values": _event_values(shapes, None)}
+
+
+def rigid(shapes):
+    """Return the functions of the constraint of a rigid contact, as fields of a Kind."""
+    touch, approach, row = shapes.touch, shapes.approach, 3 * len(shapes.layout)
+    gradient = _gradient if shapes.turning else _central_gradient
+
+    @kernel
+    def residual(p, at, f):
+        if at.phase == OPEN:
+            f[row] -= at.q[row]
+        else:
+            touched = touch(p, at)
+            Phi = touched.gap - at.m[0]
+            add_reaction(f, row, at.k, at.penalty, Phi, at.q[row], gradient(at, touched))
+
+    @kernel
+    def constraints(p, at, g):
+        g[0, 0] = g[0, 1] = 0.0
+        if at.phase == CLOSED:
+            touched = touch(p, at)
+            g[0, 0], g[0, 1] = touched.gap - at.m[0], -approach(touched, at)
+
+    @kernel
+    def commit(p, at, m_out):
+        m_out[0] = at.m[0] if at.phase == CLOSED else touch(p, at).gap
+
+    return {"residual": residual, "constraints": constraints, "commit": commit}
+
+
+def observed_rigid(shapes):
+    """Return ``observe`` and ``event_values`` of a rigid contact without friction, as fields of a Kind."""
+    touch, row = shapes.touch, 3 * len(shapes.layout)
+
+    @kernel
+    def observe(p, at, F, y, e):
+        _put(at, touch(p, at), at.q[row], ZERO, ZERO, y)
+
+    return {"observe": observe, "event_values": _event_values(shapes, row)}
+
+
+def rubbing(shapes):
+    """Return the residual of the friction of a rigid contact, whose multiplier is coupled, and what it observes.
+
+    The second value has ``observe`` and ``event_values`` of a rigid contact with friction, as fields of a Kind.
+    """
+    touch = shapes.touch
+
+    @kernel
+    def residual(p, at, f):
+        touched = touch(p, at)
+        _add_forces(f, at, touched, _friction(p, at, touched, at_least(at.q[TURNING], 0.0))[0])
+
+    @kernel
+    def observe(p, at, F, y, e):
+        touched, N = touch(p, at), at_least(at.q[TURNING], 0.0)
+        F_t, u = _friction(p, at, touched, N)
+        e[2] = -dot(F_t, u)
+        _put(at, touched, N, F_t, u, y)
+
+    return residual, {"observe": observe, "event_values": _event_values(shapes, TURNING)}

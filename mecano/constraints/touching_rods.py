@@ -1,0 +1,112 @@
+r"""Touching of a capsule or cylinder fixed in node a and a capsule fixed in node b: two lines and the distance of both.
+
+The points :math:`o_a + s\,\alpha` and :math:`o_b + t\,\beta` of both axes, each within its ends, are the nearest ones;
+their distance less both radii is the gap:
+
+.. math::  g = |d| - \rho_a - \rho_b, \qquad d = (o_b + t\,\beta) - (o_a + s\,\alpha), \qquad n = d/|d|
+
+Both lines are stationary there or end there, so that the rate of the gap is that of the points of the bodies,
+:math:`\dot g = n \cdot (v_b + \omega_b \times b - v_a - \omega_a \times a)` with the arms a and b from the nodes to the
+contact. Parallel lines touch along a part of both: the force then acts in its middle (Ericson, Real-Time Collision
+Detection, 2005, section 5.1.9).
+"""
+
+import numpy as np
+
+from mecano.constraints.contact_functions import Shapes
+from mecano.constraints.touching import SURFACE_RECORD, Touch, given, surface_record
+from mecano.jit.kernel import kernel
+from mecano.maths.dual import at_least, at_most, select
+from mecano.maths.vector import cross, dot, mat, norm, vec
+from mecano.schema import DIRECTION, NUMBER, POINT, Field, mapping, positive
+
+PARALLEL = 1e-12  # square of the sine of the angle of two lines that count as parallel
+SHORTEST = 1e-100  # [m]: below it two axes intersect, and there is no normal
+ROD_RECORD = {"axis_b": 3, "origin_b": 3, "length_b": (), **SURFACE_RECORD}
+ROD = Field(
+    "rod",
+    mapping(
+        Field("axis", DIRECTION, "-", "from the centre of its first end to the other, at the start, inertial"),
+        Field("length", NUMBER, "m", "distance of the centres of both ends", check=positive),
+        Field("center", POINT, "m", "centre of its first end at the start, inertial; node b when absent", None),
+    ),
+    "-", "capsule of the 'radius' fixed in node b, instead of a ball; for 'capsule' and 'cylinder'", None,
+)  # fmt: skip
+
+
+@kernel
+def _nearest(p, along, back, cosine):
+    """Return s and t of the nearest points, from alpha.r, beta.r and alpha.beta with r = o_b - o_a."""
+    D = 1.0 - cosine * cosine
+    crossing = (along - cosine * back) / at_least(D, PARALLEL)
+    far = along + cosine * p.length_b  # s of both ends of b
+    low, high = at_least(at_most(along, far), p.first), at_most(at_least(along, far), p.last)
+    s = at_most(at_least(select(D > PARALLEL, crossing, 0.5 * (low + high)), p.first), p.last)
+    t = at_most(at_least(cosine * s - back, 0.0), p.length_b)
+    return at_most(at_least(along + cosine * t, p.first), p.last), t
+
+
+@kernel
+def touch(p, at):
+    """Return the Touch of nodes with x0, R0, x1, R1 first among the local unknowns."""
+    A, B = mat(at.R[0]), mat(at.R[1])
+    alpha, beta = A @ vec(p.axis, 0), B @ vec(p.axis_b, 0)
+    from_a, o_a, o_b = vec(at.q, 6) - vec(at.q, 0), A @ vec(p.origin, 0), B @ vec(p.origin_b, 0)
+    r = from_a + o_b - o_a
+    s, t = _nearest(p, dot(alpha, r), dot(beta, r), dot(alpha, beta))
+    d = r + t * beta - s * alpha
+    distance = norm(d)
+    n = 1.0 / at_least(distance, SHORTEST) * d
+    b = o_b + t * beta - p.radius * n
+    return Touch(distance - p.distance - p.radius, n, from_a + b, b)
+
+
+@kernel
+def approach(touched, at):
+    """Return the rate [m/s] at which the gap closes."""
+    of_a = vec(at.v, 0) + cross(mat(at.R[0]) @ vec(at.v, 3), touched.a)
+    of_b = vec(at.v, 6) + cross(mat(at.R[1]) @ vec(at.v, 9), touched.b)
+    return dot(touched.n, of_a - of_b)
+
+
+RODS = Shapes(touch, approach, True)
+
+
+def rod_record(d, nodes):
+    """Return the values of ROD_RECORD."""
+    rod, (x_b, R_b) = d["rod"], nodes[1]
+    axis = np.array(rod["axis"], float)
+    origin = x_b if rod["center"] is None else np.asarray(rod["center"], float)
+    of_b = {"axis_b": R_b.T @ axis / np.linalg.norm(axis), "origin_b": R_b.T @ (origin - x_b)}
+    return {**of_b, "length_b": rod["length"], **surface_record(d, nodes)}
+
+
+def rod_gap_at_start(d, nodes):
+    """Return the gap [m] at the start, and the distance [m] of both axes."""
+    p = rod_record(d, nodes)
+    (x_a, R_a), (x_b, R_b) = nodes
+    alpha, beta = R_a @ p["axis"], R_b @ p["axis_b"]
+    r = x_b + R_b @ p["origin_b"] - x_a - R_a @ p["origin"]
+    ends = _Ends(p["first"], p["last"], p["length_b"])
+    s, t = _nearest(ends, float(alpha @ r), float(beta @ r), float(alpha @ beta))
+    distance = float(np.linalg.norm(r + t * beta - s * alpha))
+    return distance - p["distance"] - p["radius"], distance
+
+
+class _Ends:
+    """The ends of both axes, as in a record."""
+
+    def __init__(self, first, last, length_b):
+        self.first, self.last, self.length_b = first, last, length_b
+
+
+def check_rod(d, nodes):
+    """Return errors for a rod at a surface that is no line, and for axes that meet."""
+    name, values = given(d)
+    if name not in ("capsule", "cylinder") or values.get("inside"):
+        return ["a 'rod' touches a 'capsule', or a 'cylinder' from outside; on a plane use a ball at each of its ends"]
+    if d["radius"] <= 0.0:
+        return ["the 'radius' of a 'rod' must be greater than zero"]
+    gap, distance = rod_gap_at_start(d, nodes)
+    apart = distance > 0.5 * (distance - gap)
+    return [] if apart else [f"the axes of the rod and of the {name} are {distance:.3g} m apart: move them apart"]
