@@ -71,6 +71,9 @@ EXAMPLES = {
         "thruster: {type: follower_force, node: crank, direction: [1, 0, 0], value: {step: {time: 0.5, rise: 0.1, "
         "from: 0, to: 200 N}}}",
     "drag": "canopy: {type: drag, node: slider, area: 50 m2, coefficient: 1.5}",
+    "gravity_gradient":
+        "orbit: {type: gravity_gradient, node: crank, mass: 1.2 kg, inertia: [1.0e-3, 2.0e-2, 2.0e-2], rate: 1.1e-3, "
+        "normal: [0, 0, 1], radial: [1, 0, 0]}",
     "line_load": "wind: {type: line_load, line: [crank, girder.1, slider], direction: [1, 0, 0], value: 200}",
     "moment": "twist: {type: moment, node: crank, direction: [0, 1, 0], value: 12 N m}",
     "follower_moment": "twist: {type: follower_moment, node: crank, direction: [0, 1, 0], value: 12 N m}",

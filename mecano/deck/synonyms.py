@@ -104,6 +104,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     "knife edge, blade, nonholonomic, sled": ("skate", ""),
     "runway, road, terrain, track surface, ground plane, floor": ("grounds", ""),
     "bump road, obstacle, roughness, unevenness": ("grounds bump random", "the 'profile' of a ground"),
+    "orbit, tidal force, libration, clohessy wiltshire, hill equations, satellite, tether": ("gravity_gradient", ""),
     "load, external force, weight": ("force moment gravity", ""),
     "torque": ("moment couple", ""),
     "thrust, thruster, following force": ("follower_force", ""),

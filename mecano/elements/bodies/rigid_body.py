@@ -16,6 +16,7 @@ from mecano.constraints.attachment import attached_rotations, attachment
 from mecano.constraints.joint_samples import ORIENTATIONS
 from mecano.element_interface import Display, Kind, Output, record
 from mecano.jit.kernel import kernel
+from mecano.maths.inertia import inertia_matrix
 from mecano.maths.vector import EYE, add_mat, add_vec, cross, dot, mat, put, skew, vec
 from mecano.schema import INERTIA, NODE, NODE_VECTOR, NODES, NUMBER, Field, positive
 
@@ -60,17 +61,6 @@ def observe(p, at, F, y, e):
     y[6] = kinetic
     e[0] = kinetic
     e[1] = -p.mass * dot(vec(p.gravity, 0), x_C)
-
-
-def inertia_matrix(inertia):
-    """Return the 3x3 matrix of 3 principal moments, 6 numbers [xx, yy, zz, xy, xz, yz] or a 3x3 matrix [kg m2]."""
-    J = np.asarray(inertia, float)
-    if J.shape == (3,):
-        return np.diag(J)
-    if J.shape == (6,):
-        xx, yy, zz, xy, xz, yz = J
-        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return J
 
 
 def prepare(d, nodes, context):

@@ -1,0 +1,75 @@
+"""Gravity gradient: libration of a satellite, relative motion on an orbit, equilibrium of a tether."""
+
+import numpy as np
+import pytest
+from scipy.special import ellipj, ellipk
+from time_runs import RecordedRun, deck, input_deck
+
+from mecano.errors import DeckError
+
+N = 1.1e-3
+
+
+def _libration(t):
+    """Angle of the long axis to the vertical: 2 a is the angle of a pendulum of the frequency n sqrt(3 (B - A)/C)."""
+    frequency, m = N * np.sqrt(3.0 * (100.0 - 20.0) / 90.0), np.sin(np.radians(40.0)) ** 2
+    return np.arcsin(np.sqrt(m) * ellipj(frequency * t + ellipk(m), m)[0])
+
+
+def test_libration_and_relative_motion(verify):
+    found = []
+    for h, stride in ((20.0, 1), (10.0, 2)):
+        m = RecordedRun(input_deck("gravity_gradient", f"time.step={h}"))
+        t = m.time[::stride]
+        w, _, _, z = m["nodes/satellite/rotation"][::stride].T
+        tilt = np.mod(2.0 * np.arctan2(z, w) - N * t + np.pi, 2.0 * np.pi) - np.pi
+        x, y, height = m["nodes/debris/position"][::stride].T / 100.0
+        up, along = x * np.cos(N * t) + y * np.sin(N * t), y * np.cos(N * t) - x * np.sin(N * t)
+        found.append([tilt, up, along, height])
+    known = [_libration(t), np.cos(N * t), -2.0 * np.sin(N * t), 0.5 * np.cos(N * t)]
+    what = "gravity gradient: libration of 40 degrees [rad], relative ellipse [100 m]"
+    verify.second_order("Gravity", what, *np.array(found), np.array(known), 3e-5, "elliptic function; ellipse")
+
+
+def test_a_vertical_tether_is_in_equilibrium():
+    """Of the masses m at y from the point on the orbit, 3 m n^2 y pulls; in turning axes it rests, at n about it."""
+    m = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: none
+        nodes: {{up: {{position: [200, 0, 0]}}, down: {{position: [-100, 0, 0]}}}}
+        elements: {{up: {{type: point_mass, node: up, mass: 10}}, down: {{type: point_mass, node: down, mass: 20}}}}
+        joints: {{tether: {{type: rigid_rod, nodes: [up, down]}}}}
+        loads:
+          up: {{type: gravity_gradient, node: up, mass: 10, rate: {N}, normal: [0, 0, 1], radial: [1, 0, 0]}}
+          down: {{type: gravity_gradient, node: down, mass: 20, rate: {N}, normal: [0, 0, 1], radial: [1, 0, 0]}}
+        initial:
+          velocities: [{{nodes: [up], velocity: [0, {200 * N}, 0]}}, {{nodes: [down], velocity: [0, {-100 * N}, 0]}}]
+        time: {{end: 3000, step: 10}}
+        """)
+    )
+    np.testing.assert_allclose(m["joints/tether/tension"][1:], 3.0 * 10.0 * N**2 * 200.0, rtol=1e-4)
+    up = m["nodes/up/position"]
+    np.testing.assert_allclose(up[:, 0], 200.0 * np.cos(N * m.time), atol=2e-3)
+
+
+BODY = """
+    mecano: 1
+    gravity: none
+    nodes: {a: {position: [0, 0, 0]}}
+    elements: {body: {type: rigid_body, node: a, mass: 1, inertia: [1, 1, 1]}}
+    loads: {orbit: {type: gravity_gradient, node: a, mass: 1, rate: 1, normal: [0, 0, 1], MORE}}
+    time: {end: 1, step: 0.1}
+    """
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ("radial: [0, 0, 2]", "'radial' must not be along 'normal'"),
+        ("radial: [1, 0, 0], center_of_mass: [1, 0, 0]", "'center_of_mass' belongs to 'inertia'"),
+    ],
+)
+def test_wrong_orbits(more, message):
+    with pytest.raises(DeckError, match=message):
+        deck(BODY.replace("MORE", more))
