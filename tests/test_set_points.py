@@ -29,6 +29,35 @@ CASES = {
         "",
         "angle",
     ),
+    "bushing": (
+        "coil: {type: bushing, nodes: [ground, body], axis: Z, stiffness: [0, 0, 20, 0, 0, 0], "
+        "damping: [0, 0, 1, 0, 0, 0], natural: {along_axis: motion}}",
+        "prismatic",
+        "",
+        "displacement",
+    ),
+    "bushing by a signal": (
+        "coil: {type: bushing, nodes: [ground, body], axis: Z, stiffness: [0, 0, 0, 0, 0, 20], "
+        "damping: [0, 0, 0, 0, 0, 1], natural: {about_axis: 1.25*time, along_1: 3}}",
+        "hinge",
+        "",
+        "angle",
+    ),
+    "law of a bushing": (
+        "coil: {type: bushing, nodes: [ground, body], axis: Z, laws: {about_axis: spring}, "
+        "natural: {about_axis: motion}}",
+        "hinge",
+        "",
+        "angle",
+    ),
+    "law of a bushing by a signal": (
+        "coil: {type: bushing, nodes: [ground, body], axis: Z, laws: {along_axis: spring}, "
+        "natural: {along_axis: 1.25*time}}",
+        "prismatic",
+        "",
+        "displacement",
+    ),
+    "slide by a signal": ("", "prismatic", "sliding_law: spring, natural_displacement: 1.25*time", "displacement"),
     "spring": (
         "coil: {type: spring_damper, nodes: [foot, body], law: spring, natural_length: {linear: {slope: 1.25, "
         "offset: 2}}}",
@@ -138,6 +167,13 @@ def test_a_set_point_must_not_jump(signals, message):
     with pytest.raises(DeckError) as error:
         deck(SIGNAL.replace("SIGNALS", signals))
     assert message in error.value.problems[0].message
+
+
+def test_a_bushing_has_formulas_or_laws_as_set_points():
+    text = SIGNAL.replace("SIGNALS", "motion: 1").replace("spring_damper", "bushing")
+    text = text.replace("law: {spring: 3}, natural_length: motion", "stiffness: [1, 1, 1, 1, 1, 1], natural: {NATURAL}")
+    with pytest.raises(DeckError, match="a law can be a signal, a 'curve' of the time"):
+        deck(text.replace("NATURAL", "along_1: motion, along_2: {linear: {slope: 1}}"))
 
 
 @pytest.mark.parametrize(

@@ -54,7 +54,7 @@ TILT_LAW = law_kind("tilt_law", "Tilt law: a moment from a law of the tilt, the 
 PIN_LAW = law_kind("pin_law", "Pin law: a moment from a law of the angle of a pin.", PIN_ANGLE)
 OF_SIGNAL = {
     kind: law_kind_of_signal(kind, coordinate)
-    for kind, coordinate in ((SLIDE_LAW, SLIDE), (TWIST_LAW, TWIST), (PIN_LAW, PIN_ANGLE))
+    for kind, coordinate in ((SLIDE_LAW, SLIDE), (TWIST_LAW, TWIST), (TILT_LAW, TILT), (PIN_LAW, PIN_ANGLE))
 }
 """The laws whose set point is a signal, by those whose set point is a law of time."""
 

@@ -8,13 +8,21 @@ holds; where its deck gives a law for one of them (``compliance``), the law repl
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.law import law_values
 from mecano.constraints.body_fixed import relative_rotation
 from mecano.constraints.coordinates.slide import slide
 from mecano.constraints.coordinates.tilt import tilted
 from mecano.constraints.coordinates.twist import turned
 from mecano.constraints.joint_frame import triad
-from mecano.constraints.of_coordinates import BOTH, IN_PLANE, ORTHOGONAL, SAME_ANGLE, SLIDE_LAW, TILT_LAW, TWIST_LAW
+from mecano.constraints.of_coordinates import (
+    BOTH,
+    IN_PLANE,
+    ORTHOGONAL,
+    SAME_ANGLE,
+    SLIDE_LAW,
+    TILT_LAW,
+    TWIST_LAW,
+    law_part,
+)
 from mecano.element_interface import Part, record
 from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_force
@@ -84,9 +92,13 @@ def _ordered(axes):
     return sorted(axes, key=lambda axis: (axis.startswith("about"), axis))
 
 
-def law_parts(place, axes, laws, context):
-    """Return [Part] for the laws given for some of the ``axes``; ``laws`` may be None."""
-    return [_elastic(axis, place, law, context) for axis in axes if (law := _law(laws, axis))]
+def law_parts(place, axes, laws, natural, context):
+    """Return [Part] for the laws given for some of the ``axes``, with their set points; both may be None."""
+    return [
+        _elastic(axis, place, law, context, 0.0 if (point := _law(natural, axis)) is None else point)
+        for axis in axes
+        if (law := _law(laws, axis))
+    ]
 
 
 def _law(compliance, axis):
@@ -110,12 +122,12 @@ def _rigid(axis, place):
     return Part(kind, BOTH, {**axes, "offset": start})
 
 
-def _elastic(axis, place, law, context):
+def _elastic(axis, place, law, context, natural=0.0):
     kind = TWIST_LAW if axis == "about_axis" else TILT_LAW if axis.startswith("about") else SLIDE_LAW
     axes, start = coordinate_of(axis, place)
     if axis == "about_1":  # the angle about mu_1 is -mu_2 . xi_3
         axes["mu"] = -axes["mu"]
-    return Part(kind, BOTH, law_values(axes, law, start, context), label=f"_{axis}")
+    return law_part(kind, axes, law, natural, context, start, label=f"_{axis}")
 
 
 @kernel

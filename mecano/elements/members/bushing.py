@@ -3,7 +3,7 @@ r"""Bushing: an elastic and viscous connection of two nodes, with 6 x 6 stiffnes
 In axes :math:`\mu_i` fixed in a (those of node a, or ``axis`` and ``axis_1``), with :math:`\xi_i` the same initial
 axes fixed in b, rows of :math:`\mu` and :math:`\xi`:
 
-.. math::  d = \mu R_a^T (x_b - x_a) - d_0, \qquad \psi = \log(\mu R_a^T R_b \xi^T), \qquad e = (d, \psi)
+.. math::  d = \mu R_a^T (x_b - x_a) - d_0, \qquad \psi = \log(\mu R_a^T R_b \xi^T), \qquad e = (d, \psi) - e_0
 
 .. math::  V = \tfrac12 e^T S e, \qquad (n, m) = S e + D \dot e, \qquad \dot\psi = T^{-1}(\psi)\,\omega
 
@@ -15,23 +15,31 @@ rotation up to :math:`|\psi| < \pi`, the limit of the rotation vector:
    f_{\Theta_a} = \mu^T n \times R_a^T (x_b - x_a) - \mu^T T^{-1} m
 
 ``laws`` add a law for single axes, with free play and stops: along an axis as a function of d, about an axis of
-the sines of tilt or of the twist. A ``release`` detaches a bushing without ``laws``: from then on it has no force, and
-its elastic energy is lost.
+the sines of tilt or of the twist. The set points :math:`e_0` (``natural``) of the matrices and laws are laws of time or
+formulas of signals; their power :math:`-(n, m) \cdot \dot e_0` is given by the surroundings. A ``release`` detaches a
+bushing without ``laws``: from then on it has no force, and its elastic energy is lost.
 """
+
+from dataclasses import replace
 
 import numpy as np
 
+from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.constraints.joint_frame import not_across, triad
 from mecano.constraints.joint_samples import two_places
 from mecano.constraints.pair import AXES, AXIS_1, law_fields, law_outputs, law_parts, triads_together
 from mecano.constraints.release import with_release
 from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
+from mecano.laws.table import evaluate_curve
+from mecano.maths.dual import number
 from mecano.maths.so3 import log, tangent_inverse
-from mecano.maths.vector import add_vec, cross, dot, mat, put, vec
-from mecano.schema import DIRECTION, MATRIX_6, NODE_PAIR, Field, mapping
+from mecano.maths.vector import ZERO, Vec3, add_vec, cross, dot, mat, put, vec
+from mecano.schema import CONTINUOUS_DRIVE, DIRECTION, MATRIX_6, NODE_PAIR, Field, mapping
 
-RECORD = record(stiffness=(6, 6), damping=(6, 6), mu=(3, 3), xi=(3, 3), start=3)
+RECORD = record(natural=6, stiffness=(6, 6), damping=(6, 6), mu=(3, 3), xi=(3, 3), start=3)
+ORDER = ("along_1", "along_2", "along_axis", "about_1", "about_2", "about_axis")
+INPUT = 12  # local index of the first set point that is a signal
 FORCES = tuple(range(6, 12))  # outputs
 ROUNDING = 1e-9  # of the largest eigenvalue: smaller negative eigenvalues count as zero
 
@@ -56,36 +64,75 @@ def _strain(p, q, v, R):
 
 
 @kernel
+def _fixed(p, at):
+    """Return set points of d and psi that are zero, and their rates."""
+    return ZERO, ZERO, ZERO, ZERO
+
+
+@kernel
+def _of_law(p, at, i):
+    y, rate, _ = evaluate_curve(at.laws, int(p.natural[i]), at.t)
+    return y, rate
+
+
+@kernel
+def _of_signal(p, at, i):
+    return number(at.q[INPUT + i]), number(at.v[INPUT + i])
+
+
+def _moving(one):
+    """Return the compiled function (p, at) -> set points of d and psi, and their rates, of one(p, at, i)."""
+
+    @kernel
+    def moving(p, at):
+        (x, u), (y, v), (z, w) = one(p, at, 0), one(p, at, 1), one(p, at, 2)
+        (a, i), (b, j), (c, k) = one(p, at, 3), one(p, at, 4), one(p, at, 5)
+        return Vec3(x, y, z), Vec3(a, b, c), Vec3(u, v, w), Vec3(i, j, k)
+
+    return moving
+
+
+@kernel
 def _product(S, d, psi):
     """Return S (d, psi) for a matrix in blocks."""
     return S[0][0] @ d + S[0][1] @ psi, S[1][0] @ d + S[1][1] @ psi
 
 
-@kernel
-def residual(p, at, f):
-    """Add forces and moments to both nodes."""
-    A, mu, S, D = mat(at.R[0]), mat(p.mu), _blocks(p.stiffness), _blocks(p.damping)
-    d, psi, d_rate, psi_rate, d_a = _strain(p, at.q, at.v, at.R)
-    elastic, viscous, J = _product(S, d, psi), _product(D, d_rate, psi_rate), tangent_inverse(psi)
-    n_a, couple = mu.T @ (elastic[0] + viscous[0]), elastic[1] + viscous[1]
-    add_vec(f, 0, -1.0, A @ n_a)
-    add_vec(f, 3, 1.0, cross(n_a, d_a) - mu.T @ (J @ couple))
-    add_vec(f, 6, 1.0, A @ n_a)
-    add_vec(f, 9, 1.0, mat(p.xi).T @ (J.T @ couple))
+def _functions(set_points):
+    """Return ``residual`` and ``observe`` for set points (p, at) -> values of d and psi, their rates."""
 
+    @kernel
+    def loads(p, at):
+        d, psi, d_rate, psi_rate, d_a = _strain(p, at.q, at.v, at.R)
+        d_0, psi_0, d_0_rate, psi_0_rate = set_points(p, at)
+        e, e_rate = (d - d_0, psi - psi_0), (d_rate - d_0_rate, psi_rate - psi_0_rate)
+        elastic, viscous = _product(_blocks(p.stiffness), *e), _product(_blocks(p.damping), *e_rate)
+        return (d, psi, d_a), e, e_rate, elastic, viscous
 
-@kernel
-def observe(p, at, F, y, e):
-    """Write displacement, rotation, force and moment; energies."""
-    d, psi, d_rate, psi_rate, _ = _strain(p, at.q, at.v, at.R)
-    elastic = _product(_blocks(p.stiffness), d, psi)
-    viscous = _product(_blocks(p.damping), d_rate, psi_rate)
-    put(y, 0, d)
-    put(y, 3, psi)
-    put(y, 6, -(elastic[0] + viscous[0]))
-    put(y, 9, -(tangent_inverse(psi) @ (elastic[1] + viscous[1])))
-    e[1] = 0.5 * (dot(d, elastic[0]) + dot(psi, elastic[1]))
-    e[2] = dot(d_rate, viscous[0]) + dot(psi_rate, viscous[1])
+    @kernel
+    def residual(p, at, f):
+        A, mu = mat(at.R[0]), mat(p.mu)
+        (_, psi, d_a), _, _, elastic, viscous = loads(p, at)
+        n_a, couple, J = mu.T @ (elastic[0] + viscous[0]), elastic[1] + viscous[1], tangent_inverse(psi)
+        add_vec(f, 0, -1.0, A @ n_a)
+        add_vec(f, 3, 1.0, cross(n_a, d_a) - mu.T @ (J @ couple))
+        add_vec(f, 6, 1.0, A @ n_a)
+        add_vec(f, 9, 1.0, mat(p.xi).T @ (J.T @ couple))
+
+    @kernel
+    def observe(p, at, F, y, e):
+        (d, psi, _), strain, rate, elastic, viscous = loads(p, at)
+        _, _, d_0_rate, psi_0_rate = set_points(p, at)
+        n, m = elastic[0] + viscous[0], elastic[1] + viscous[1]
+        put(y, 0, d)
+        put(y, 3, psi)
+        put(y, 6, -n)
+        put(y, 9, -(tangent_inverse(psi) @ m))
+        e[1] = 0.5 * (dot(strain[0], elastic[0]) + dot(strain[1], elastic[1]))
+        e[2] = dot(rate[0], viscous[0]) + dot(rate[1], viscous[1])
+        e[3] = -(dot(n, d_0_rate) + dot(m, psi_0_rate))
+
+    return {"residual": residual, "observe": observe}
 
 
 def matrix(values):
@@ -102,13 +149,39 @@ def _place(d, nodes):
 
 
 def prepare(d, nodes, context):
-    """Return the record of one bushing, without initial force."""
-    return {"stiffness": matrix(d["stiffness"]), "damping": matrix(d["damping"]), **_place(d, nodes)}
+    """Return the record of one bushing."""
+    given = d["natural"] or {}
+    laws = [law for axis in ORDER if not is_formula(law := given.get(axis))]
+    natural = [context.laws.add(law) for law in laws] if len(laws) == len(ORDER) else np.zeros(len(ORDER))
+    return {
+        "natural": natural,
+        "stiffness": matrix(d["stiffness"]),
+        "damping": matrix(d["damping"]),
+        **_place(d, nodes),
+    }
 
 
 def parts(d, nodes, context):
     """Return the Parts for the laws of single axes."""
-    return law_parts(_place(d, nodes), AXES, d["laws"], context)
+    return law_parts(_place(d, nodes), AXES, d["laws"], d["natural"], context)
+
+
+def _formulas(d):
+    """Return the formulas of all set points in their order; None for laws of time."""
+    return [_formula((d["natural"] or {}).get(axis)) for axis in ORDER]
+
+
+def _formula(value):
+    """Return a set point as a formula (text): a formula, a number or none; or None for a law of time."""
+    if value is None or is_formula(value):
+        return value or "0"
+    return repr(value[0][1]["value"]) if [name for name, _ in value] == ["constant"] else None
+
+
+def variant(d):
+    """Return the kind with set points that are zero, laws of time or signals."""
+    given = [value for value in (d["natural"] or {}).values() if value is not None]
+    return BY_SIGNALS if any(map(is_formula, given)) else BY_LAWS if given else STILL
 
 
 def check(d, nodes):
@@ -118,6 +191,8 @@ def check(d, nodes):
         texts.append("'axis_1' is given without 'axis'")
     if all(d[name] is None for name in ("stiffness", "damping", "laws")):
         texts.append("give 'stiffness', 'damping' or 'laws'")
+    if variant(d) is BY_SIGNALS and None in _formulas(d):
+        texts.append("'natural' has formulas and laws of time: a law can be a signal, a 'curve' of the time")
     if d["release"] is not None and d["laws"] is not None:
         texts.append("'release' and 'laws' exclude one another")
     S = matrix(d["stiffness"])
@@ -135,16 +210,25 @@ def sample(rng):
     """Return full matrices in the axes of a; unsymmetric damping in other axes, with laws."""
     X, Y = rng.normal(size=(2, 6, 6))
     law = (("dead_band", {"stiffness": 9.0, "lower": -0.01, "upper": 0.02}), ("damper", {"coefficient": 0.3}))
+    moved = (("linear", {"slope": 0.2, "offset": 0.1}),)
     full = {"stiffness": X @ X.T, "damping": Y @ Y.T + X - X.T}
     nodes = two_places(rng)
     diagonal = {"stiffness": [1, 2, 3, 4, 5, 6], "axis": rng.normal(size=3), "axis_1": rng.normal(size=3)}
     return [
         (full, nodes, ""),
         ({**diagonal, "damping": 0.1 * Y @ Y.T, "laws": {"along_2": law, "about_axis": law}}, nodes, ""),
+        ({**full, "natural": {"along_1": moved, "about_2": moved}}, nodes, ""),
+        ({**full, "natural": {"along_2": "command", "about_axis": "2*command"}}, nodes, ""),
+        ({**diagonal, "laws": {"along_1": law, "about_1": law}, "natural": {"about_1": "command"}}, nodes, ""),
     ]
 
 
-_ATTACHED = Kind(
+NATURAL = (
+    Field(axis, CONTINUOUS_DRIVE, "m" if axis.startswith("along") else "rad",
+          f"{axis.split('_')[0]} this axis: a function of time [s], or a formula of signals", None)
+    for axis in ORDER
+)  # fmt: skip
+STILL = Kind(
     name="bushing",
     section="elements",
     doc=__doc__,
@@ -157,6 +241,7 @@ _ATTACHED = Kind(
         Field("axis", DIRECTION, "-", "third axis at the start, inertial; the axes of node a when absent", None),
         AXIS_1,
         Field("laws", mapping(*law_fields(AXES)), "-", "laws of single axes, added to the matrices", None),
+        Field("natural", mapping(*NATURAL), "-", "set points e_0 of the axes; zero when absent", None),
     ),
     outputs=(
         Output("displacement", "m", "d, displacement of b from the start, along the axes", (3,)),
@@ -168,8 +253,10 @@ _ATTACHED = Kind(
     prepare=prepare,
     parts=parts,
     check=check,
-    residual=residual,
-    observe=observe,
+    variant=variant,
     sample=sample,
+    **_functions(_fixed),
 )
-BUSHING = with_release(_ATTACHED, "bushing", FORCES)
+BY_LAWS = replace(STILL, **_functions(_moving(_of_law)))
+BY_SIGNALS = replace(STILL, inputs=ORDER, reads=_formulas, **_functions(_moving(_of_signal)))
+BUSHING = with_release(STILL, "bushing", FORCES)
