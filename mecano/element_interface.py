@@ -31,9 +31,10 @@ on positions, or all on velocities (``Row.constraint_unit`` per second): then B 
 and the loops scale rows and penalty to those of a displacement. A constraint that is inactive in a phase writes zeros
 to ``g``, and the rows -k_lambda: its reaction is zero.
 
-``constraints(p, at, g)``, for a kind with a ``residual``, replaces ``constraint_derivatives``: it writes Phi and
-dPhi/dt = B v to ``g`` (n_multipliers, 2), zero on entry; of a constraint on velocities it writes Phi(q, v) in place of
-dPhi/dt, of an inactive one nothing. The last column of the constraint derivatives is computed with dual numbers.
+``constraints(p, at, g)`` replaces ``constraint_derivatives``: it writes Phi and dPhi/dt = B v to ``g`` (n_multipliers,
+2), zero on entry; of a constraint on velocities it writes Phi(q, v) in place of dPhi/dt, of an inactive one nothing.
+The last column of the constraint derivatives is computed with dual numbers; so that it includes the rates of functions
+of time, the time is a Dual there, too: ``chain(at.t, rate, second_rate)``.
 
 ``observe(p, at, F, y, e)`` writes the outputs to ``y`` (n_outputs,) and the energies to ``e`` (4,), both zero on entry:
 kinetic energy [J], potential energy [J], dissipated power [W] (>= 0), power supplied by the surroundings [W].

@@ -148,7 +148,7 @@ class Instance:
             q, v, a, R = state
             turns = np.array([R_r @ (EYES @ v[c : c + 3]) for R_r, c in zip(R, self._columns(), strict=True)])
             out = duals(g[:, :2], g[:, :2])
-            self.run("constraints", t, (duals(q, v), duals(v, a), a, duals(R, turns.reshape(R.shape))), out)
+            self.run("constraints", Dual(t, 1.0), (duals(q, v), duals(v, a), a, duals(R, turns.reshape(R.shape))), out)
             g[:] = [(number_in(x), number_in(rate), getattr(rate, "slope", 0.0)) for x, rate in out]
         if self.kind.constraint_derivatives is not None:
             self.run("constraint_derivatives", t, state, g)

@@ -4,25 +4,24 @@ r"""Blade: a point of a body on the ground does not move across a direction fixe
 the node. The multiplier is the force on the body along l.
 """
 
-from mecano.constraints.no_slip import Place, hold, leaning, on_a_plane, put_rates
+from mecano.constraints.no_slip import add_slip_reactions, leaning, on_a_plane, put_slip
 from mecano.element_interface import Kind, Row, record
 from mecano.jit.kernel import kernel
-from mecano.maths.vector import NO_MATRIX, ZERO
+from mecano.maths.vector import ZERO
 
 RECORD = record(axis=3, normal=3)
-AT_THE_NODE = Place(ZERO, (NO_MATRIX, NO_MATRIX))
 
 
 @kernel
-def force(p, at, f, K, C, M):
+def residual(p, at, f):
     """Add the force across the blade."""
-    hold(at.k, at.penalty, AT_THE_NODE, on_a_plane(p, at.R)[1:], at.q, at.v, at.R, f, K, C)
+    add_slip_reactions(at, ZERO, on_a_plane(p, at.R)[1:], f)
 
 
 @kernel
-def constraint_derivatives(p, at, g):
-    """Write the velocity across the blade and its rate."""
-    put_rates(AT_THE_NODE, on_a_plane(p, at.R)[1:], at.v, at.a, at.R, g)
+def constraints(p, at, g):
+    """Write the velocity across the blade."""
+    put_slip(at, ZERO, on_a_plane(p, at.R)[1:], g)
 
 
 def sample(rng):
@@ -37,7 +36,7 @@ BLADE = Kind(
     dtype=RECORD,
     layout=("x0", "R0"),
     multipliers=(Row("force across the blade", "N", "m/s"),),
-    force=force,
-    constraint_derivatives=constraint_derivatives,
+    residual=residual,
+    constraints=constraints,
     sample=sample,
 )

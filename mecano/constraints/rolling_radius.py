@@ -3,12 +3,12 @@ r"""Rolling radius: a disc of given radius touches the ground, :math:`r - radius
 With axis a, contact C = x + r c and q = |n - (n.a) a| of surface.py. On a plane this is (18) of Cardona, Geradin & Doan
 1991 divided by q, (x - P).n - radius q = 0. The gradient is n/q at C, so the multiplier is the force in the plane of
 the disc and the normal force N = k lambda/q. The constraint is inactive in the phase "air".
-Its tangent is written by hand: no_slip.py says why.
+Its tangent is written by hand: rolling.py says why.
 """
 
 import numpy as np
 
-from mecano.constraints.augmented_lagrangian import deactivate, put_derivatives
+from mecano.constraints.augmented_lagrangian import deactivate
 from mecano.constraints.ground import GROUND_RECORD, normal_and_level, touch
 from mecano.element_interface import Kind, Row, record
 from mecano.jit.kernel import kernel
@@ -51,20 +51,13 @@ def force(p, at, f, K, C, M):
 
 
 @kernel
-def constraint_derivatives(p, at, g):
-    """Write value and rates, including the curvature of the ground."""
-    if at.phase == AIR:
-        put_derivatives(g, 0, 0.0, 0.0, 0.0)
-        return
-    Rn = mat(at.R[0])
-    axis, omega, alpha = Rn @ vec(p.axis, 0), Rn @ vec(at.v, 3), Rn @ vec(at.a, 3)
-    contact = touch(p, at.laws, vec(at.q, 0), axis)
-    by_x, by_t = disc_variation(vec(p.direction, 0), axis, contact)
-    arm_rate = by_x.arm @ vec(at.v, 0) + by_t.arm @ omega
-    b_rate = _press(contact, by_x) @ vec(at.v, 0) + _press(contact, by_t) @ omega
-    u, b = vec(at.v, 0) + cross(omega, contact.arm), contact.n / contact.q
-    u_rate = vec(at.a, 0) + (cross(alpha, contact.arm) + cross(omega, arm_rate))
-    put_derivatives(g, 0, contact.r - p.radius, dot(b, u), dot(b_rate, u) + dot(b, u_rate))
+def constraints(p, at, out):
+    """Write value and rate."""
+    if at.phase == CONTACT:
+        Rn = mat(at.R[0])
+        g = touch(p, at.laws, vec(at.q, 0), Rn @ vec(p.axis, 0))
+        u = vec(at.v, 0) + cross(Rn @ vec(at.v, 3), g.arm)
+        out[0, 0], out[0, 1] = g.r - p.radius, dot(g.n, u) / g.q
 
 
 def ground_below(rng, wave=True):
@@ -93,6 +86,6 @@ ROLLING_RADIUS = Kind(
     multipliers=(Row("radial force of the ground", "N", "m", unilateral=True),),
     phases=("contact", "air"),
     force=force,
-    constraint_derivatives=constraint_derivatives,
+    constraints=constraints,
     sample=leaning_discs,
 )

@@ -4,30 +4,25 @@ As rolling.py, but with the contact always at x - radius n: the small-inclinatio
 Geradin & Doan 1991 taken literally. On a plane only.
 """
 
-from mecano.constraints.no_slip import Place, hold, leaning, on_a_plane, put_rates
+from mecano.constraints.no_slip import add_slip_reactions, leaning, on_a_plane, put_slip
 from mecano.constraints.rolling import ROWS
 from mecano.element_interface import Kind, record
 from mecano.jit.kernel import kernel
-from mecano.maths.vector import NO_MATRIX, vec
+from mecano.maths.vector import vec
 
 RECORD = record(axis=3, radius=(), normal=3)
 
 
 @kernel
-def _below_the_centre(p):
-    return Place(-p.radius * vec(p.normal, 0), (NO_MATRIX, NO_MATRIX))
-
-
-@kernel
-def force(p, at, f, K, C, M):
+def residual(p, at, f):
     """Add tangential forces below the centre and their moment."""
-    hold(at.k, at.penalty, _below_the_centre(p), on_a_plane(p, at.R), at.q, at.v, at.R, f, K, C)
+    add_slip_reactions(at, -p.radius * vec(p.normal, 0), on_a_plane(p, at.R), f)
 
 
 @kernel
-def constraint_derivatives(p, at, g):
-    """Write the velocity of the point below the centre and its rate."""
-    put_rates(_below_the_centre(p), on_a_plane(p, at.R), at.v, at.a, at.R, g)
+def constraints(p, at, g):
+    """Write the velocity of the point below the centre."""
+    put_slip(at, -p.radius * vec(p.normal, 0), on_a_plane(p, at.R), g)
 
 
 def sample(rng):
@@ -43,7 +38,7 @@ UPRIGHT_ROLLING = Kind(
     dtype=RECORD,
     layout=("x0", "R0"),
     multipliers=ROWS,
-    force=force,
-    constraint_derivatives=constraint_derivatives,
+    residual=residual,
+    constraints=constraints,
     sample=sample,
 )

@@ -15,7 +15,7 @@ At the full length it becomes an elastic line without a shock (``stretch``), or 
 held and is then elastic (``shock``) or held (``hold``). The winder dissipates :math:`T \dot\ell - \dot V`.
 """
 
-from mecano.constraints.augmented_lagrangian import deactivate, put_derivatives
+from mecano.constraints.augmented_lagrangian import add_reaction
 from mecano.constraints.elastic_line import (
     LINE_RECORD,
     add_line_inertia,
@@ -29,7 +29,7 @@ from mecano.constraints.stop_phases import FAR
 from mecano.element_interface import CONTACT, Event, Kind, Part, Row, record
 from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve
-from mecano.maths.vector import add_col, add_row, dot, vec
+from mecano.maths.dual import chain, value
 
 RECORD = record(payout="i", wound=(), start=(), catch="i", **LINE_RECORD)
 STRETCH, SHOCK, HOLD = 0, 1, 2
@@ -96,31 +96,23 @@ def elastic_force(p, at, f, K, C, M):
 
 
 @kernel
-def catch_force(p, at, f, K, C, M):
+def catch_residual(p, at, f):
     """Add the constraint Phi = L_f + c - length; its gradient by the second node opposes the line."""
     if at.phase != HELD:
-        deactivate(f, K, MULTIPLIER, at.k, at.q[MULTIPLIER])
+        f[MULTIPLIER] -= at.q[MULTIPLIER]
         return
-    length, _, geometry = line(at.q, at.v)
+    length, _, (_, u, _) = line(at.q, at.v)
     Phi = _full(p, at.laws, at.t)[0] + at.m[1] - length
-    u = geometry[1]
-    add_line_force(f, K, C, 0.0, geometry, at.q[MULTIPLIER] - at.penalty * Phi, at.penalty, 0.0)
-    f[MULTIPLIER] -= at.k * Phi
-    for i, b in ((0, u), (3, -u)):
-        add_col(K, i, MULTIPLIER, -at.k, b)
-        add_row(K, MULTIPLIER, i, -at.k, b)
+    add_reaction(f, MULTIPLIER, at.k, at.penalty, Phi, at.q[MULTIPLIER], ((0, u), (3, -u)))
 
 
 @kernel
-def catch_derivatives(p, at, g):
-    """Write value and rates, including those of the full length."""
-    g[:] = 0.0
+def catch_constraints(p, at, g):
+    """Write value and rate, including that of the full length."""
     if at.phase == HELD:
-        length, rate, geometry = line(at.q, at.v)
-        full, full_rate, full_second = _full(p, at.laws, at.t)
-        inverse, u, velocity = geometry
-        pulled = dot(u, vec(at.a, 3) - vec(at.a, 0)) + inverse * (dot(velocity, velocity) - rate * rate)
-        put_derivatives(g, 0, full + at.m[1] - length, full_rate - rate, full_second - pulled)
+        length, rate, _ = line(at.q, at.v)
+        full, full_rate, full_second = _full(p, at.laws, value(at.t))
+        g[0, 0], g[0, 1] = full + at.m[1] - length, chain(at.t, full_rate, full_second) - rate
 
 
 @kernel
@@ -208,8 +200,8 @@ CATCH = Kind(
     multipliers=(Row("tension of the cable at its full length", "N", "m", unilateral=True),),
     phases=PHASES,
     memory=MEMORY,
-    force=catch_force,
-    constraint_derivatives=catch_derivatives,
+    residual=catch_residual,
+    constraints=catch_constraints,
     commit=commit,
     sample=sample,
 )

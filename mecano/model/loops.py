@@ -308,7 +308,7 @@ def dual_constraint_derivatives(batch, system):
         for r in range(b.n_rotations):
             put_constant(R_1[r], mat(R[r]))
             put_turned(R_1[r], mat(R[r]), vec(v, columns[r]))
-        at = Place(s.t, phase[e], s.k, s.penalty, laws, memory[e], q_1, v_1, a, R_1)
+        at = Place(Dual(s.t, 1.0), phase[e], s.k, s.penalty, laws, memory[e], q_1, v_1, a, R_1)
         for i in range(b.n_multipliers):
             g_1[i, 0], g_1[i, 1] = 0.0, 0.0
         function(p[e], at, g_1)  # noqa: F821
@@ -388,10 +388,9 @@ def loop_of(kind, template):
 def code_of(kind, template):
     """Return the Code of the loop ``template`` for a kind, or None if the kind has no such function."""
     if kind.residual is not None:
-        duals = {tangent: dual_tangent, residual: plain_residual}
-        if kind.constraints is not None:
-            duals[constraint_derivatives] = dual_constraint_derivatives
-        template = duals.get(template, template)
+        template = {tangent: dual_tangent, residual: plain_residual}.get(template, template)
+    if kind.constraints is not None and template is constraint_derivatives:
+        template = dual_constraint_derivatives
     function = getattr(kind, PURPOSES[template])
     return None if function is None else _code(template, function, kind.dtype, kind.of_rates, kind.name)
 

