@@ -1,10 +1,13 @@
 """Deck fields and outputs shared by all wheels; records of the constraints of rigid wheels."""
 
+from typing import NamedTuple
+
 import numpy as np
 
-from mecano.constraints.ground import LEAN, prepare_ground, too_low
+from mecano.constraints.ground import LEAN, lean_of, prepare_ground, too_low
 from mecano.element_interface import Display, Output
 from mecano.jit.kernel import kernel
+from mecano.maths.surface import directions
 from mecano.maths.vector import Vec3, norm, put, vec
 from mecano.schema import DIRECTION, GROUND, NODE, NUMBER, Field, positive
 
@@ -60,25 +63,30 @@ def check_touching(gap, along_normal, radius, otherwise=""):
     return []
 
 
-@kernel
-def put_contact(y, q, push, frame, height, radius, arm, spin, lean):
-    """Write CONTACT_OUTPUTS.
+class Wheel(NamedTuple):
+    """A wheel at its contact; 3-vectors in the inertial frame."""
 
-    ``push`` (3,) [N] is the force of the ground along the ``frame`` (n, t, l); height and radius [m], arm of the
-    contact (3,) [m], spin rate [rad/s], lean [rad].
-    """
-    n, t, l = frame
-    y[0] = height
+    g: tuple  # Contact (surface.py)
+    axis: tuple
+    arm: tuple  # from the centre to the contact, or to the lowest point of the rim [m]
+    spin: float  # angular velocity along the axis [rad/s]
+
+
+@kernel
+def put_contact(y, q, push, radius, wheel):
+    """Write CONTACT_OUTPUTS of a Wheel; ``push`` (3,) [N]: force of the ground along n, t, l; loaded radius [m]."""
+    g, (t, l) = wheel.g, directions(wheel.axis, wheel.g)
+    y[0] = g.r * g.q
     y[1] = radius
     put(y, 2, push)
-    put(y, 5, push[0] * n + (push[1] * t + push[2] * l))
-    y[8] = spin
-    put(y, 9, vec(q, 0) + arm)
-    y[12] = lean
+    put(y, 5, push[0] * g.n + (push[1] * t + push[2] * l))
+    y[8] = wheel.spin
+    put(y, 9, vec(q, 0) + wheel.arm)
+    y[12] = lean_of(g)
 
 
 @kernel
-def put_outputs(y, q, push, frame, height, radius, arm, spin, lean):
+def put_outputs(y, q, push, radius, wheel):
     """Write OUTPUTS, as ``put_contact``."""
-    put_contact(y, q, push, frame, height, radius, arm, spin, lean)
+    put_contact(y, q, push, radius, wheel)
     y[13] = norm(Vec3(push[1], push[2], 0.0)) / push[0] if push[0] > 0.0 else 0.0

@@ -23,25 +23,8 @@ import numpy as np
 
 from mecano.element_interface import Display, Kind, Output, record
 from mecano.elements.bodies.reduced_matrices import mass_moments, misplaced, problems, rigid_motions
-from mecano.elements.bodies.superelement_force import (
-    add_forces,
-    add_product,
-    first_moment,
-    frame_moment,
-    mean_force,
-    of_motion,
-)  # fmt: skip
-from mecano.elements.bodies.superelement_frame import (
-    FORCE,
-    MOMENTUM,
-    ROWS,
-    U_RATE,
-    U,
-    V,
-    configuration,
-    turning,
-    velocities,
-)  # fmt: skip
+from mecano.elements.bodies.superelement_force import add_forces, add_product, state_of
+from mecano.elements.bodies.superelement_frame import MOMENTUM, ROWS, U_RATE, U, V
 from mecano.elements.bodies.superelement_tangent import TANGENT_ROWS, add_tangents
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import give_back, take_zeros
@@ -74,16 +57,10 @@ def force(p, at, f, K, C, M):
     """Add elastic forces, damping, weight and inertia; see element_interface.py for the arguments."""
     n = 6 * p.n_nodes + p.n_modes
     work, turns = take_zeros((TANGENT_ROWS if wanted(K) else ROWS, n)), take_zeros((p.n_nodes, 2, 3, 3))
-    R_f, _, D_inverse = configuration(p, at.laws, at.q, at.R, work, turns)
-    spin, load = turning(p, at.laws, at.v, R_f, D_inverse, turns), R_f.T @ vec(p.gravity, 0)
-    velocities(p, at.laws, at.v, at.a, R_f, spin, work, turns)
-    of_motion(p, at.laws, load, work)
-    moment = vec(p.moment, 0) + first_moment(p, at.laws, work[U])
-    nu = D_inverse @ frame_moment(p, at.laws, load, moment, work, turns)
-    mean = mean_force(p, load, work[FORCE])
-    add_forces(p, at.laws, R_f, spin, mean, nu, work, turns, f)
+    s = state_of(p, at, work, turns)
+    add_forces(p, at.laws, s, f)
     if wanted(K):
-        add_tangents(p, at.laws, R_f, D_inverse, spin, load, moment, mean, nu, work, turns, K, C, M)
+        add_tangents(p, at.laws, s, K, C, M)
     give_back(work)
     give_back(turns)
 
@@ -93,20 +70,14 @@ def observe(p, at, F, y, e):
     """Write frame, amplitudes, coordinates, resultants, energies."""
     n = 6 * p.n_nodes + p.n_modes
     work, turns, total = take_zeros((ROWS, n)), take_zeros((p.n_nodes, 2, 3, 3)), take_zeros((n,))
-    R_f, centre, D_inverse = configuration(p, at.laws, at.q, at.R, work, turns)
-    spin, load = turning(p, at.laws, at.v, R_f, D_inverse, turns), R_f.T @ vec(p.gravity, 0)
-    velocities(p, at.laws, at.v, at.a, R_f, spin, work, turns)
-    of_motion(p, at.laws, load, work)
-    moment = vec(p.moment, 0) + first_moment(p, at.laws, work[U])
-    nu = D_inverse @ frame_moment(p, at.laws, load, moment, work, turns)
+    s = state_of(p, at, work, turns)
     y[0], kinetic, dissipated = _energies(p, at.laws, work)
     y[1] = kinetic
-    put(y, 2, centre)
-    w = quaternion(R_f)
+    put(y, 2, s.centre)
+    w = quaternion(s.R)
     for i in range(4):
         y[5 + i] = w[i]
-    mean = mean_force(p, load, work[FORCE])
-    add_forces(p, at.laws, R_f, spin, mean, nu, work, turns, total)
+    add_forces(p, at.laws, s, total)
     for i in range(p.n_nodes):
         j = 9 + 12 * i
         put(y, j, vec(work[U], 6 * i))
@@ -117,7 +88,7 @@ def observe(p, at, F, y, e):
         y[9 + 12 * p.n_nodes + 2 * i] = at.q[6 * p.n_nodes + i]
         y[10 + 12 * p.n_nodes + 2 * i] = at.v[6 * p.n_nodes + i]
     e[0] = kinetic
-    e[1] = y[0] - p.mass * dot(vec(p.gravity, 0), centre) - dot(load, moment)
+    e[1] = y[0] - p.mass * dot(vec(p.gravity, 0), s.centre) - dot(s.load, s.moment)
     e[2] = dissipated
     give_back(work)
     give_back(turns)

@@ -18,6 +18,10 @@ forces are those of Lagrange's equations for T and V, with no terms neglected: w
             + \tfrac{L^2}{n} (\mathrm{tr} E_i - E_i) \nu , \qquad f_\eta = p_\eta + h_\eta
 """
 
+from typing import NamedTuple
+
+import numpy as np
+
 from mecano.elements.bodies.superelement_frame import (
     FORCE,
     INERTIA,
@@ -27,11 +31,41 @@ from mecano.elements.bodies.superelement_frame import (
     U,
     V,
     axes,
+    configuration,
     place,
     tail,
+    turning,
+    velocities,
 )  # fmt: skip
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import ZERO, add_vec, cross, mat, vec
+
+
+class State(NamedTuple):
+    """Motion of the frame, and the forces that follow from it, in its axes."""
+
+    R: tuple  # rotation of the frame
+    centre: tuple  # mean of the boundary nodes, inertial [m]
+    D_inverse: tuple
+    spin: tuple  # Omega
+    load: tuple  # gamma
+    moment: tuple  # S_0 + B^T u
+    mean: tuple  # force on the mean of the nodes
+    nu: tuple
+    work: np.ndarray  # rows of superelement_frame.py
+    turns: np.ndarray  # (n_nodes, 2, 3, 3): E_i, T_i^-1
+
+
+@kernel
+def state_of(p, at, work, turns):
+    """Return the State; write ``work`` up to the row INERTIA, and ``turns``."""
+    R, centre, D_inverse = configuration(p, at.laws, at.q, at.R, work, turns)
+    spin, load = turning(p, at.laws, at.v, R, D_inverse, turns), R.T @ vec(p.gravity, 0)
+    velocities(p, at.laws, at.v, at.a, R, spin, work, turns)
+    of_motion(p, at.laws, load, work)
+    moment = vec(p.moment, 0) + first_moment(p, at.laws, work[U])
+    nu = D_inverse @ frame_moment(p, at.laws, load, moment, work, turns)
+    return State(R, centre, D_inverse, spin, load, moment, mean_force(p, load, work[FORCE]), nu, work, turns)
 
 
 @kernel
@@ -116,27 +150,26 @@ def mean_force(p, load, force):
 
 
 @kernel
-def node_force(p, laws, spin, mean, nu, work, i):
+def node_force(p, laws, s, i):
     """Return the force on node i in the axes of the frame."""
-    turned = vec(work[INERTIA], 6 * i) + cross(spin, vec(work[MOMENTUM], 6 * i))
-    own = vec(work[FORCE], 6 * i) - mean
-    return own + turned + cross(nu, place(p, laws, i)) / p.n_nodes
+    turned = vec(s.work[INERTIA], 6 * i) + cross(s.spin, vec(s.work[MOMENTUM], 6 * i))
+    own = vec(s.work[FORCE], 6 * i) - s.mean
+    return own + turned + cross(s.nu, place(p, laws, i)) / p.n_nodes
 
 
 @kernel
-def node_moment(p, spin, nu, work, turns, i):
+def node_moment(p, s, i):
     """Return the moment on node i in the axes A_i."""
-    E = mat(turns[i, 0])
-    own = material_moment(turns, work, i) + E.T @ rotary(spin, work, i)
-    return own + p.square / p.n_nodes * (tail(E).T @ nu)
+    E = mat(s.turns[i, 0])
+    own = material_moment(s.turns, s.work, i) + E.T @ rotary(s.spin, s.work, i)
+    return own + p.square / p.n_nodes * (tail(E).T @ s.nu)
 
 
 @kernel
-def add_forces(p, laws, R_f, spin, mean, nu, work, turns, f):
+def add_forces(p, laws, s, f):
     """Add all forces to ``f`` (n,)."""
     for i in range(p.n_nodes):
-        add_vec(f, 6 * i, 1.0, R_f @ node_force(p, laws, spin, mean, nu, work, i))
-        moment = node_moment(p, spin, nu, work, turns, i)
-        add_vec(f, 6 * i + 3, 1.0, axes(p, laws, i) @ moment)
+        add_vec(f, 6 * i, 1.0, s.R @ node_force(p, laws, s, i))
+        add_vec(f, 6 * i + 3, 1.0, axes(p, laws, i) @ node_moment(p, s, i))
     for j in range(6 * p.n_nodes, f.shape[0]):
-        f[j] += work[FORCE, j] + work[INERTIA, j]
+        f[j] += s.work[FORCE, j] + s.work[INERTIA, j]

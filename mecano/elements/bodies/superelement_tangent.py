@@ -4,6 +4,8 @@ A variation of the nodes varies the frame by rho, the rotations relative to it b
 and with them all terms of superelement_force.py. Columns of amplitudes cost one row of a matrix each.
 """
 
+from typing import NamedTuple
+
 from mecano.elements.bodies.superelement_force import first_moment, material_moment, mean_force, products, rotary
 from mecano.elements.bodies.superelement_frame import (
     DFORCE,
@@ -35,20 +37,31 @@ PSI, COLUMN = ROWS, ROWS + 1
 TANGENT_ROWS = ROWS + 2
 
 
+class Change(NamedTuple):
+    """Variations of the frame, in its axes."""
+
+    rho: tuple  # of its rotation
+    spin: tuple  # of Omega
+    D: tuple
+
+
+UNCHANGED = Change(ZERO, ZERO, NO_MATRIX)
+
+
 @kernel
-def add_tangents(p, laws, R_f, D_inverse, spin, load, moment, force_mean, nu, work, turns, K, C, M):
-    """Add K, C and M; ``work`` (TANGENT_ROWS, n) and the other arguments are those of the forces."""
+def add_tangents(p, laws, s, K, C, M):
+    """Add K, C and M to those of the State ``s`` of the forces, with ``work`` (TANGENT_ROWS, n)."""
+    work = s.work
     n, nodes = work.shape[1], 6 * p.n_nodes
-    state = (spin, load, moment, force_mean, nu)
     for column in range(n):
         for order in range(3):
             work[DU:] = 0.0
             if column >= nodes:
-                rho, spin_change, D_change = ZERO, ZERO, NO_MATRIX
+                change = UNCHANGED
                 amplitude(order, column, work)
             else:
-                rho, spin_change, D_change = unknown(p, laws, order, column, R_f, D_inverse, spin, work, turns)
-            vary(p, laws, R_f, D_inverse, state, rho, spin_change, D_change, work, turns)
+                change = unknown(p, laws, s, order, column)
+            vary(p, laws, s, change)
             for i in range(n):
                 if order == 0:
                     K[i, column] += work[COLUMN, i]
@@ -71,31 +84,31 @@ def amplitude(order, column, work):
 
 
 @kernel
-def unknown(p, laws, order, column, R_f, D_inverse, spin, work, turns):
-    """Vary a node's position or rotation, velocity or acceleration; return the changes rho, of Omega and of D."""
-    k = column // 6
+def unknown(p, laws, s, order, column):
+    """Vary a node's position or rotation, velocity or acceleration; return the Change of the frame."""
+    work, k = s.work, column // 6
     work[COLUMN, column] = 1.0
-    r, phi = R_f.T @ vec(work[COLUMN], 6 * k), own_spin(p, laws, work[COLUMN], k)
+    r, phi = s.R.T @ vec(work[COLUMN], 6 * k), own_spin(p, laws, work[COLUMN], k)
     work[COLUMN, column] = 0.0
-    none = NO_MATRIX
     if order == 2:
         put(work[DV_RATE], 6 * k, r)
-        put(work[DV_RATE], 6 * k + 3, mat(turns[k, 0]) @ phi)
-        return ZERO, ZERO, none
-    moving = cross(place(p, laws, k), r) + p.square * (tail(mat(turns[k, 0])) @ phi)
-    turn = D_inverse @ moving / p.n_nodes
+        put(work[DV_RATE], 6 * k + 3, mat(s.turns[k, 0]) @ phi)
+        return UNCHANGED
+    moving = cross(place(p, laws, k), r) + p.square * (tail(mat(s.turns[k, 0])) @ phi)
+    turn = s.D_inverse @ moving / p.n_nodes
     if order == 1:
-        velocity(p, laws, k, r, phi, turn, spin, work, turns)
-        return ZERO, turn, none
-    D_change = position(p, laws, k, r, phi, turn, work, turns)
-    spin_change = frame_spin(p, laws, D_inverse, spin, D_change, work, turns)
-    rates(p, laws, turn, spin, spin_change, work, turns)
-    return turn, spin_change, D_change
+        velocity(p, laws, s, k, r, phi, turn)
+        return Change(ZERO, turn, NO_MATRIX)
+    D_change = position(p, laws, s, k, r, phi, turn)
+    spin_change = frame_spin(p, laws, s, D_change)
+    rates(p, laws, s, spin_change)
+    return Change(turn, spin_change, D_change)
 
 
 @kernel
-def velocity(p, laws, k, r, phi, spin_change, spin, work, turns):
+def velocity(p, laws, s, k, r, phi, spin_change):
     """Vary the velocities r and phi of node k."""
+    work, turns = s.work, s.turns
     put(work[DV], 6 * k, r)
     put(work[DV], 6 * k + 3, mat(turns[k, 0]) @ phi)
     centre = r / p.n_nodes
@@ -104,20 +117,22 @@ def velocity(p, laws, k, r, phi, spin_change, spin, work, turns):
         put(work[DU_RATE], 6 * i, vec(work[DV], 6 * i) - centre + cross(y, spin_change))
         relative = mat(turns[i, 0]).T @ (vec(work[DV], 6 * i + 3) - spin_change)
         put(work[DU_RATE], 6 * i + 3, mat(turns[i, 1]) @ relative)
-    velocity_rates(p, spin, spin_change, work)
+    velocity_rates(p, s, spin_change)
 
 
 @kernel
-def velocity_rates(p, spin, spin_change, work):
+def velocity_rates(p, s, spin_change):
     """Subtract the variation of Omega x v from that of the rates of the velocities."""
+    work = s.work
     for i in range(2 * p.n_nodes):
-        turned = cross(spin_change, vec(work[V], 3 * i)) + cross(spin, vec(work[DV], 3 * i))
+        turned = cross(spin_change, vec(work[V], 3 * i)) + cross(s.spin, vec(work[DV], 3 * i))
         add_vec(work[DV_RATE], 3 * i, -1.0, turned)
 
 
 @kernel
-def position(p, laws, k, r, phi, rho, work, turns):
+def position(p, laws, s, k, r, phi, rho):
     """Vary coordinates, velocities and accelerations with r and phi of node k; return the change of D."""
+    work, turns = s.work, s.turns
     H, centre = NO_MATRIX, r / p.n_nodes
     for i in range(p.n_nodes):
         E, X = mat(turns[i, 0]), place(p, laws, i)
@@ -138,24 +153,25 @@ def position(p, laws, k, r, phi, rho, work, turns):
 
 
 @kernel
-def frame_spin(p, laws, D_inverse, spin, D_change, work, turns):
+def frame_spin(p, laws, s, D_change):
     """Return the change of the angular velocity of the frame with the positions."""
-    total = ZERO
+    work, total = s.work, ZERO
     for i in range(p.n_nodes):
-        E = mat(turns[i, 0])
+        E = mat(s.turns[i, 0])
         own = E.T @ vec(work[V], 6 * i + 3)
         turned = tail(cross_columns(E, vec(work[PSI], 6 * i))) @ own
         total = total + (cross(place(p, laws, i), vec(work[DV], 6 * i)) + p.square * turned)
-    return D_inverse @ (total / p.n_nodes - D_change @ spin)
+    return s.D_inverse @ (total / p.n_nodes - D_change @ s.spin)
 
 
 @kernel
-def rates(p, laws, rho, spin, spin_change, work, turns):
+def rates(p, laws, s, spin_change):
     """Write the changes of the rates of coordinates and velocities with the positions."""
-    velocity_rates(p, spin, spin_change, work)
+    work, spin = s.work, s.spin
+    velocity_rates(p, s, spin_change)
     centre = mean(work[DV], p.n_nodes)
     for i in range(p.n_nodes):
-        E, y = mat(turns[i, 0]), place(p, laws, i) + vec(work[U], 6 * i)
+        E, y = mat(s.turns[i, 0]), place(p, laws, i) + vec(work[U], 6 * i)
         turned = cross(vec(work[DU], 6 * i), spin) + cross(y, spin_change)
         put(work[DU_RATE], 6 * i, vec(work[DV], 6 * i) - centre + turned)
         theta = vec(work[U], 6 * i + 3)
@@ -163,27 +179,26 @@ def rates(p, laws, rho, spin, spin_change, work, turns):
         relative = E.T @ (vec(work[V], 6 * i + 3) - spin)
         change = cross(vec(work[PSI], 6 * i), E.T @ spin) - E.T @ spin_change
         slope = first_derivative(theta, relative, -0.5, c, c1) @ vec(work[DU], 6 * i + 3)
-        put(work[DU_RATE], 6 * i + 3, slope + mat(turns[i, 1]) @ change)
+        put(work[DU_RATE], 6 * i + 3, slope + mat(s.turns[i, 1]) @ change)
 
 
 @kernel
-def vary(p, laws, R_f, D_inverse, state, rho, spin_change, D_change, work, turns):
+def vary(p, laws, s, change):
     """Write the column: the change of all forces, from those of coordinates, velocities and their rates."""
-    spin, load, moment, force_mean, nu = state
-    n = p.n_nodes
-    load_change = cross(load, rho)
+    work, n = s.work, p.n_nodes
+    load_change = cross(s.load, change.rho)
     products(p, laws, load_change, work, (DU, DU_RATE, DV, DV_RATE), DFORCE)
     moment_change = first_moment(p, laws, work[DU])
-    total = cross(moment_change, load) + cross(moment, load_change)
+    total = cross(moment_change, s.load) + cross(s.moment, load_change)
     for i in range(n):
-        total = total + turning_moment(p, laws, work, turns, i)
-    nu_change = -(D_inverse @ (total + D_change @ nu))
+        total = total + turning_moment(p, laws, work, s.turns, i)
+    nu_change = -(s.D_inverse @ (total + change.D @ s.nu))
     mean_change = mean_force(p, load_change, work[DFORCE])
     for i in range(n):
-        z, dz = frame_force(p, laws, spin, spin_change, force_mean, mean_change, nu, nu_change, work, i)
-        put(work[COLUMN], 6 * i, R_f @ (dz + cross(rho, z)))
-        change = moment_of(p, spin, spin_change, nu, nu_change, work, turns, i)
-        put(work[COLUMN], 6 * i + 3, axes(p, laws, i) @ change)
+        z, dz = frame_force(p, laws, s, change.spin, mean_change, nu_change, i)
+        put(work[COLUMN], 6 * i, s.R @ (dz + cross(change.rho, z)))
+        moment = moment_of(p, s, change.spin, nu_change, i)
+        put(work[COLUMN], 6 * i + 3, axes(p, laws, i) @ moment)
     for j in range(6 * n, work.shape[1]):
         work[COLUMN, j] = work[DFORCE, j] + work[DINERTIA, j]
 
@@ -211,22 +226,22 @@ def turning_moment(p, laws, work, turns, i):
 
 
 @kernel
-def frame_force(p, laws, spin, spin_change, force_mean, mean_change, nu, nu_change, work, i):
+def frame_force(p, laws, s, spin_change, mean_change, nu_change, i):
     """Return the force on node i in the axes of the frame, and its change."""
-    X, share = place(p, laws, i), 1.0 / p.n_nodes
+    work, X, share = s.work, place(p, laws, i), 1.0 / p.n_nodes
     P, dP = vec(work[MOMENTUM], 6 * i), vec(work[DMOMENTUM], 6 * i)
     inertia, change = vec(work[INERTIA], 6 * i), vec(work[DINERTIA], 6 * i)
-    z = vec(work[FORCE], 6 * i) - force_mean + (inertia + cross(spin, P))
-    dz = vec(work[DFORCE], 6 * i) - mean_change + (change + (cross(spin_change, P) + cross(spin, dP)))
-    return z + share * cross(nu, X), dz + share * cross(nu_change, X)
+    z = vec(work[FORCE], 6 * i) - s.mean + (inertia + cross(s.spin, P))
+    dz = vec(work[DFORCE], 6 * i) - mean_change + (change + (cross(spin_change, P) + cross(s.spin, dP)))
+    return z + share * cross(s.nu, X), dz + share * cross(nu_change, X)
 
 
 @kernel
-def moment_of(p, spin, spin_change, nu, nu_change, work, turns, i):
+def moment_of(p, s, spin_change, nu_change, i):
     """Return the change of the moment on node i, in the axes A_i."""
-    E, psi, j = mat(turns[i, 0]), vec(work[PSI], 6 * i), 6 * i + 3
+    work, E, psi, j = s.work, mat(s.turns[i, 0]), vec(s.work[PSI], 6 * i), 6 * i + 3
     P, dP, w, dw = vec(work[MOMENTUM], j), vec(work[DMOMENTUM], j), vec(work[V], j), vec(work[DV], j)
-    inertia = vec(work[DINERTIA], j) + (cross(spin_change - dw, P) + cross(spin - w, dP))
-    turned = E.T @ inertia - cross(psi, E.T @ rotary(spin, work, i))
-    tails = tail(cross_columns(E, psi)).T @ nu + tail(E).T @ nu_change
-    return moment_change_of(work, turns, i) + turned + p.square / p.n_nodes * tails
+    inertia = vec(work[DINERTIA], j) + (cross(spin_change - dw, P) + cross(s.spin - w, dP))
+    turned = E.T @ inertia - cross(psi, E.T @ rotary(s.spin, work, i))
+    tails = tail(cross_columns(E, psi)).T @ s.nu + tail(E).T @ nu_change
+    return moment_change_of(work, s.turns, i) + turned + p.square / p.n_nodes * tails

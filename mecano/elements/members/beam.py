@@ -39,7 +39,6 @@ from mecano.elements.members.cross_section import MOST_POINTS, constants, is_rou
 from mecano.elements.members.heated_beam import THERMAL, observed, thermal_record, thermal_values
 from mecano.elements.members.heated_beam import force as heated_force
 from mecano.jit.kernel import kernel
-from mecano.maths.rotation_vector import first_derivative
 from mecano.maths.so3 import exp, tangent
 from mecano.maths.vector import cross, dot, mat, put, vec
 from mecano.schema import DIRECTION, INTEGER, NODE_PAIR, NUMBER, POINT, SECTION, Field
@@ -59,26 +58,25 @@ RECORD = record(
 @kernel
 def force(p, at, f, K, C, M):
     """Add elastic forces, damping, inertia and weight; see element_interface.py for the arguments."""
-    R1, R2 = mat(at.R[0]), mat(at.R[1])
-    add_elastic(p, at.q, at.v, R1.T @ R2, R2, vec(p.u0, 0), vec(p.phi0, 0), f, K, C)
-    add_inertia(p, at.v, at.a, R1, R2, f, K, C, M)
+    add_elastic(p, at, vec(p.u0, 0), vec(p.phi0, 0), f, K, C)
+    add_inertia(p, at, f, K, C, M)
 
 
 @kernel
-def _at_ends(p, y, H, E, b, e_u, e_phi):
+def _at_ends(p, s, b, e_u, e_phi):
     """Return force and moments at both ends, in section axes of node 2 (the first moment in those of node 1)."""
     p_u, p_phi = stresses(p, e_u, e_phi)
-    P, _, m_1, m_2 = end_loads(p, y, H, E, unstretched(p, p_u, b), p_phi)
+    P, _, m_1, m_2 = end_loads(p, s, unstretched(p, p_u, b), p_phi)
     return P, -(mat(p.S).T @ m_1), m_2
 
 
 @kernel
-def _section_forces(p, phi, y, H, force, first, second):
+def _section_forces(p, s, force, first, second):
     """Return force and moment in the middle, force and moment at both ends, in the section axes of each place."""
     axes = mat(p.axes)
-    half = exp(0.5 * phi)
-    ahead = 0.5 * (tangent(0.5 * phi).T @ (H @ y))  # from the first end to the middle, in its axes
-    first_force = exp(phi) @ force
+    half = exp(0.5 * s.phi)
+    ahead = 0.5 * (tangent(0.5 * s.phi).T @ (s.H @ s.y))  # from the first end to the middle, in its axes
+    first_force = exp(s.phi) @ force
     moment = first - cross(ahead, first_force)
     middle_force, middle_moment = half.T @ first_force, half.T @ moment
     return (
@@ -115,29 +113,27 @@ def observe(p, at, F, y, e):
 @kernel
 def observe_from(p, at, u0, phi0, y, e):
     """Write outputs and energies for the strain-free screw (u0, phi0); return its generalized forces."""
-    R1, R2 = mat(at.R[0]), mat(at.R[1])
-    W = R1.T @ R2
-    phi, d, H, c, c1, _, e_u, e_phi = strains(p, at.q, W, R2, u0, phi0)
-    E, b = first_derivative(phi, d, -0.5, c, c1), mat(p.B) @ e_u
-    u_rate, phi_rate, _ = strain_rates(p, at.v, d, R2, H, E)
+    s, e_u, e_phi = strains(p, at, u0, phi0)
+    b = mat(p.B) @ e_u
+    u_rate, phi_rate, _ = strain_rates(p, at, s)
     e_u, u_rate = stretched(p, e_u, b), stretched(p, u_rate, 2.0 * b)
     p_u, p_phi = stresses(p, e_u, e_phi)
     rate_u, rate_phi = stresses(p, u_rate, phi_rate)
     elastic = 0.5 * (dot(e_u, p_u) + dot(e_phi, p_phi))
     dissipated = p.damping * (dot(u_rate, rate_u) + dot(phi_rate, rate_phi))
-    N, first, second = _at_ends(p, d, H, E, b, e_u, e_phi)
-    N, M, N_1, N_2, M_1, M_2 = _section_forces(p, phi, d, H, N, first, second)
+    N, first, second = _at_ends(p, s, b, e_u, e_phi)
+    N, M, N_1, N_2, M_1, M_2 = _section_forces(p, s, N, first, second)
     strain, curvature = _local_strains(p, N, M)
     normal, shear, equivalent = _stress(p, N, M)
     for N_end, M_end in ((N_1, M_1), (N_2, M_2)):
         n_end, s_end, e_end = _stress(p, N_end, M_end)
         normal, shear, equivalent = max(normal, n_end), max(shear, s_end), max(equivalent, e_end)
     total_u, total_phi = e_u + p.damping * u_rate, e_phi + p.damping * phi_rate
-    N, first, second = _at_ends(p, d, H, E, b, total_u, total_phi)
-    N, M, N_1, N_2, M_1, M_2 = _section_forces(p, phi, d, H, N, first, second)
+    N, first, second = _at_ends(p, s, b, total_u, total_phi)
+    N, M, N_1, N_2, M_1, M_2 = _section_forces(p, s, N, first, second)
     for i, value in ((0, N), (3, M), (6, M_1), (9, M_2), (12, strain), (15, curvature)):
         put(y, i, value)
-    kinetic, weight = energies(p, at.q, at.v, R1, R2)
+    kinetic, weight = energies(p, at.q, at.v, mat(at.R[0]), mat(at.R[1]))
     y[18], y[19], y[20] = normal, shear, equivalent
     y[21], y[22] = elastic, kinetic
     e[0] = kinetic

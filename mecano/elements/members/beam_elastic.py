@@ -21,6 +21,8 @@ component along the section axes, by :math:`\tfrac35 \gamma^2 L` for a slender e
 of more than 12 EI/L^2 would tilt the sections.
 """
 
+from typing import NamedTuple
+
 from mecano.jit.kernel import inlined, kernel
 from mecano.maths.rotation_vector import (
     first_derivative,
@@ -34,14 +36,45 @@ from mecano.maths.so3 import log
 from mecano.maths.vector import add_mat, add_vec, cross, cross_columns, dot, mat, outer, skew, vec
 
 
+class Screw(NamedTuple):
+    """The screw motion from the first to the second end section, and derivatives of its strains."""
+
+    phi: tuple
+    y: tuple
+    H: tuple  # du/dy = T^-1(phi)
+    E: tuple  # du/dphi
+    c: float  # coefficients of T^-1 (rotation_vector.inverse_coefficients)
+    c1: float
+    c2: float
+
+
+class Rates(NamedTuple):
+    """Rates of the screw motion."""
+
+    u: tuple
+    phi: tuple
+    y: tuple
+
+
+class Jacobian(NamedTuple):
+    """Derivatives, 3x3, of stretched strain and phi by d = x_2 - x_1 and by the material rotations of both nodes."""
+
+    U_d: tuple
+    U_1: tuple
+    U_2: tuple
+    F_1: tuple
+    F_2: tuple
+
+
 @inlined
-def strains(p, q, W, R2, u0, phi0):
-    """Return phi, y, H, c, c1, c2, and the strains u - u0, phi - phi0; W = R1^T R2."""
-    phi = log(mat(p.S).T @ W)
+def strains(p, at, u0, phi0):
+    """Return the Screw and the strains u - u0, phi - phi0."""
+    R2 = mat(at.R[1])
+    phi = log(mat(p.S).T @ (mat(at.R[0]).T @ R2))
     c, c1, c2 = inverse_coefficients(dot(phi, phi))
-    y = R2.T @ (vec(q, 6) - vec(q, 0))
+    y = R2.T @ (vec(at.q, 6) - vec(at.q, 0))
     H = inverse_tangent(phi, c)
-    return phi, y, H, c, c1, c2, H @ y - u0, phi - phi0
+    return Screw(phi, y, H, first_derivative(phi, y, -0.5, c, c1), c, c1, c2), H @ y - u0, phi - phi0
 
 
 @kernel
@@ -65,45 +98,43 @@ def unstretched(p, p_u, b):
 
 
 @kernel
-def strain_rates(p, v, y, R2, H, E):
-    """Return the rates of u and phi, and dy/dt."""
+def strain_rates(p, at, s):
+    """Return the Rates of the Screw ``s``."""
+    v = at.v
     omega_1, omega_2 = mat(p.S).T @ vec(v, 3), vec(v, 9)
-    y_rate = R2.T @ (vec(v, 6) - vec(v, 0)) + cross(y, omega_2)
-    phi_rate = H @ omega_2 - H.T @ omega_1
-    return H @ y_rate + E @ phi_rate, phi_rate, y_rate
+    y_rate = mat(at.R[1]).T @ (vec(v, 6) - vec(v, 0)) + cross(s.y, omega_2)
+    phi_rate = s.H @ omega_2 - s.H.T @ omega_1
+    return Rates(s.H @ y_rate + s.E @ phi_rate, phi_rate, y_rate)
 
 
 @inlined
-def end_loads(p, y, H, E, p_u, p_phi):
+def end_loads(p, s, p_u, p_phi):
     """Return P, Q and the material moments m_1, m_2 on the nodes."""
-    P = H.T @ p_u
-    Q = p_phi + E.T @ p_u
-    m_2 = cross(P, y) + H.T @ Q
-    return P, Q, -(mat(p.S) @ (H @ Q)), m_2
+    P = s.H.T @ p_u
+    Q = p_phi + s.E.T @ p_u
+    m_2 = cross(P, s.y) + s.H.T @ Q
+    return P, Q, -(mat(p.S) @ (s.H @ Q)), m_2
 
 
 @kernel
-def add_elastic(p, q, v, W, R2, u0, phi0, f, K, C):
+def add_elastic(p, at, u0, phi0, f, K, C):
     """Add residual and tangents of the elastic and viscous forces; (u0, phi0) is the strain-free screw."""
-    phi, y, H, c, c1, c2, e_u, e_phi = strains(p, q, W, R2, u0, phi0)
-    E = first_derivative(phi, y, -0.5, c, c1)
-    b = mat(p.B) @ e_u
+    s, e_u, e_phi = strains(p, at, u0, phi0)
+    R2, b = mat(at.R[1]), mat(p.B) @ e_u
     e_u = stretched(p, e_u, b)
     if p.damping > 0.0:
-        u_rate, phi_rate, y_rate = strain_rates(p, v, y, R2, H, E)
-        _add_viscous(p, v, phi, y, H, E, b, c, c1, c2, u_rate, phi_rate, y_rate, R2, K, C)
-        rate = stretched(p, u_rate, 2.0 * b)
-        e_u, e_phi = e_u + p.damping * rate, e_phi + p.damping * phi_rate
+        rates = strain_rates(p, at, s)
+        _add_viscous(p, at, s, rates, b, K, C)
+        e_u, e_phi = e_u + p.damping * stretched(p, rates.u, 2.0 * b), e_phi + p.damping * rates.phi
     p_bar, p_phi = stresses(p, e_u, e_phi)
     p_u = unstretched(p, p_bar, b)
-    P, Q, m_1, m_2 = end_loads(p, y, H, E, p_u, p_phi)
+    P, Q, m_1, m_2 = end_loads(p, s, p_u, p_phi)
     n = R2 @ P
     add_vec(f, 0, -1.0, n)
     add_vec(f, 3, 1.0, m_1)
     add_vec(f, 6, 1.0, n)
     add_vec(f, 9, 1.0, m_2)
-    K_uu, K_up = _current_stiffness(p, b, dot(vec(p.along, 0), p_bar))
-    _add_stiffness(p, phi, y, H, E, c, c1, c2, K_uu, K_up, p_u, P, Q, R2, K)
+    _add_stiffness(p, s, _current_stiffness(p, b, dot(vec(p.along, 0), p_bar)), (p_u, P, Q), R2, K)
 
 
 @inlined
@@ -118,8 +149,10 @@ def _current_stiffness(p, b, tension):
 
 
 @inlined
-def _add_stiffness(p, phi, y, H, E, c, c1, c2, K_uu, K_up, p_u, P, Q, R2, K):
+def _add_stiffness(p, s, stiffness, loads, R2, K):
     """Add material and geometric stiffness; only the blocks of a rotation with itself are not symmetric."""
+    phi, y, H, E, c, c1, c2 = s
+    (K_uu, K_up), (p_u, P, Q) = stiffness, loads
     S, HT = mat(p.S), H.T
     SHT = (S @ H).T  # H^T S^T
     HK = HT @ K_uu
@@ -134,13 +167,13 @@ def _add_stiffness(p, phi, y, H, E, c, c1, c2, K_uu, K_up, p_u, P, Q, R2, K):
     x_x = R2 @ W_yy @ R2.T
     x_1, x_2 = -(R2 @ (W_yp @ SHT)), R2 @ Z
     for i in range(2):
-        s = 1.0 if i else -1.0
-        add_mat(K, 6 * i, 0, -s, x_x)
-        add_mat(K, 6 * i, 6, s, x_x)
-        add_mat(K, 6 * i, 3, s, x_1)
-        add_mat(K, 3, 6 * i, s, x_1.T)
-        add_mat(K, 6 * i, 9, s, x_2)
-        add_mat(K, 9, 6 * i, s, x_2.T)
+        sign = 1.0 if i else -1.0
+        add_mat(K, 6 * i, 0, -sign, x_x)
+        add_mat(K, 6 * i, 6, sign, x_x)
+        add_mat(K, 6 * i, 3, sign, x_1)
+        add_mat(K, 3, 6 * i, sign, x_1.T)
+        add_mat(K, 6 * i, 9, sign, x_2)
+        add_mat(K, 9, 6 * i, sign, x_2.T)
     U = HT @ W_pp + curl + cross_columns(W_yp.T, y).T
     two_one = -(U @ SHT)
     add_mat(K, 9, 3, 1.0, two_one)
@@ -151,18 +184,20 @@ def _add_stiffness(p, phi, y, H, E, c, c1, c2, K_uu, K_up, p_u, P, Q, R2, K):
 
 
 @kernel
-def _add_viscous(p, v, phi, y, H, E, b, c, c1, c2, u_rate, phi_rate, y_rate, R2, K, C):
+def _add_viscous(p, at, s, rates, b, K, C):
     """Add C = J^T (tau K_e) J and the part J^T (tau K_e) d(J v)/dq of K, J = d(u, phi)/d(d, Theta_1, Theta_2)."""
-    S, RT = mat(p.S), R2.T
-    omega_1, omega_2 = S.T @ vec(v, 3), vec(v, 9)
+    phi, y, H, E, c, c1, c2 = s
+    u_rate, phi_rate, y_rate = rates
+    S, RT = mat(p.S), mat(at.R[1]).T
+    omega_1, omega_2 = S.T @ vec(at.v, 3), vec(at.v, 9)
     F_1, F_2 = -(S @ H).T, H
     V_d, V_1, V_2 = H @ RT, E @ F_1, cross_columns(H, y) + E @ F_2
     stretch = outer(vec(p.along, 0), 2.0 * b)
     U_d, U_1, U_2 = V_d + stretch @ V_d, V_1 + stretch @ V_1, V_2 + stretch @ V_2
-    zero = 0.0 * H
-    _add_block(p, U_d, U_1, U_2, F_1, F_2, U_d, zero, 0, C)
-    _add_block(p, U_d, U_1, U_2, F_1, F_2, U_1, F_1, 1, C)
-    _add_block(p, U_d, U_1, U_2, F_1, F_2, U_2, F_2, 2, C)
+    J, zero = Jacobian(U_d, U_1, U_2, F_1, F_2), 0.0 * H
+    _add_block(p, J, U_d, zero, 0, C)
+    _add_block(p, J, U_1, F_1, 1, C)
+    _add_block(p, J, U_2, F_2, 2, C)
     # rate of phi by phi
     slope = first_derivative(phi, omega_2, -0.5, c, c1) - first_derivative(phi, omega_1, 0.5, c, c1)
     N = first_derivative(phi, y_rate, -0.5, c, c1) + E @ slope
@@ -174,20 +209,20 @@ def _add_viscous(p, v, phi, y, H, E, b, c, c1, c2, u_rate, phi_rate, y_rate, R2,
     D_d = D_d + stretch @ D_d + turning @ V_d
     D_1 = D_1 + stretch @ D_1 + turning @ V_1
     D_2 = D_2 + stretch @ D_2 + turning @ V_2
-    _add_block(p, U_d, U_1, U_2, F_1, F_2, D_d, zero, 0, K)
-    _add_block(p, U_d, U_1, U_2, F_1, F_2, D_1, slope @ F_1, 1, K)
-    _add_block(p, U_d, U_1, U_2, F_1, F_2, D_2, slope @ F_2, 2, K)
+    _add_block(p, J, D_d, zero, 0, K)
+    _add_block(p, J, D_1, slope @ F_1, 1, K)
+    _add_block(p, J, D_2, slope @ F_2, 2, K)
 
 
 @kernel
-def _add_block(p, U_d, U_1, U_2, F_1, F_2, U, F, columns, out):
+def _add_block(p, J, U, F, columns, out):
     """Add J^T (tau K_e) (U; F) to the columns of d (0), Theta_1 (1) or Theta_2 (2)."""
     K_up, tau = mat(p.K_up), p.damping
     G_u = tau * (mat(p.K_uu) @ U + K_up @ F)
     G_phi = tau * (K_up.T @ U + mat(p.K_pp) @ F)
-    d = U_d.T @ G_u
-    one = U_1.T @ G_u + F_1.T @ G_phi
-    two = U_2.T @ G_u + F_2.T @ G_phi
+    d = J.U_d.T @ G_u
+    one = J.U_1.T @ G_u + J.F_1.T @ G_phi
+    two = J.U_2.T @ G_u + J.F_2.T @ G_phi
     for i in range(2):
         j, s = 3 + 6 * (columns - 1), 1.0
         if columns == 0:

@@ -14,6 +14,8 @@ The rotary inertia is interpolated from the angular velocities in section axes, 
 torsional waves accurate to fourth order.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from mecano.jit.kernel import inlined, kernel
@@ -25,10 +27,36 @@ N_LL, N_LT, N_TT = 1.0 / 12.0, 1.0 / 120.0, 1.0 / 240.0
 OWN, OTHER = 5.0 / 12.0, 1.0 / 12.0  # weights of the rotary inertia
 
 
+class Lever(NamedTuple):
+    """The acceleration of A b for a vector b fixed in a node, and its derivatives, 3x3."""
+
+    by_alpha: tuple  # by -alpha
+    by_omega: tuple  # by -omega
+    by_turn: tuple  # by -Theta
+    acceleration: tuple
+
+
+class Node(NamedTuple):
+    """One end of the beam: the Levers of the tangent and of the mass centre there."""
+
+    slot: int
+    tangent: tuple
+    center: tuple
+
+
+class Weights(NamedTuple):
+    """Constants [kg] of lines (L) and tangents (T) that couple one node to another."""
+
+    LL: float
+    LT: float
+    TL: float
+    TT: float
+
+
 @inlined
-def add_inertia(p, v, a, R1, R2, f, K, C, M):
+def add_inertia(p, at, f, K, C, M):
     """Add residual and tangents of inertia and weight."""
-    m = p.mass
+    m, v, a, R1, R2 = p.mass, at.v, at.a, mat(at.R[0]), mat(at.R[1])
     u1, u2 = vec(a, 0) - vec(p.gravity, 0), vec(a, 6) - vec(p.gravity, 0)
     tangent_1 = _lever(R1, vec(p.t1, 0), vec(v, 3), vec(a, 3))
     tangent_2 = _lever(R2, vec(p.t2, 0), vec(v, 9), vec(a, 9))
@@ -36,31 +64,32 @@ def add_inertia(p, v, a, R1, R2, f, K, C, M):
     if p.eccentric:
         center_1 = _lever(R1, vec(p.c1, 0), vec(v, 3), vec(a, 3))
         center_2 = _lever(R2, vec(p.c2, 0), vec(v, 9), vec(a, 9))
-        u1, u2 = u1 + center_1[3], u2 + center_2[3]
-    g1, g2 = tangent_1[3], tangent_2[3]
+        u1, u2 = u1 + center_1.acceleration, u2 + center_2.acceleration
+    g1, g2 = tangent_1.acceleration, tangent_2.acceleration
     line_1 = M_LL * m * u1 + M_LT * m * g1 + (N_LL * m * u2 - N_LT * m * g2)
     line_2 = N_LL * m * u1 + N_LT * m * g1 + (M_LL * m * u2 - M_LT * m * g2)
     turn_1 = M_LT * m * u1 + M_TT * m * g1 + (N_LT * m * u2 + N_TT * m * g2)
     turn_2 = -N_LT * m * u1 + N_TT * m * g1 + (-M_LT * m * u2 + M_TT * m * g2)
     off = p.eccentric
-    _add_force(off, vec(p.c1, 0), vec(p.t1, 0), R1.T @ line_1, R1.T @ turn_1, line_1, 0, f, K)
-    _add_force(off, vec(p.c2, 0), vec(p.t2, 0), R2.T @ line_2, R2.T @ turn_2, line_2, 6, f, K)
+    _add_force(off, (vec(p.c1, 0), vec(p.t1, 0)), R1, line_1, turn_1, 0, f, K)
+    _add_force(off, (vec(p.c2, 0), vec(p.t2, 0)), R2, line_2, turn_2, 6, f, K)
+    one, two = Node(0, tangent_1, center_1), Node(6, tangent_2, center_2)
     LL, LT, TT = M_LL * m, M_LT * m, M_TT * m
-    _add_pair(off, tangent_1, center_1, tangent_1, center_1, 0, 0, LL, LT, LT, TT, K, C, M)
-    _add_pair(off, tangent_2, center_2, tangent_2, center_2, 6, 6, LL, -LT, -LT, TT, K, C, M)
+    _add_pair(off, one, one, Weights(LL, LT, LT, TT), K, C, M)
+    _add_pair(off, two, two, Weights(LL, -LT, -LT, TT), K, C, M)
     LL, LT, TT = N_LL * m, N_LT * m, N_TT * m
-    _add_pair(off, tangent_1, center_1, tangent_2, center_2, 0, 6, LL, -LT, LT, TT, K, C, M)
-    _add_pair(off, tangent_2, center_2, tangent_1, center_1, 6, 0, LL, LT, -LT, TT, K, C, M)
+    _add_pair(off, one, two, Weights(LL, -LT, LT, TT), K, C, M)
+    _add_pair(off, two, one, Weights(LL, LT, -LT, TT), K, C, M)
     _add_rotary(mat(p.J1), mat(p.J2), mat(p.J12), v, a, f, C, M)
 
 
 @inlined
 def _lever(A, b, omega, alpha):
-    """Return the derivatives of the acceleration of A b by -alpha, -omega, -Theta (3 x 3), and the acceleration."""
+    """Return the Lever of b in a node with rotation A."""
     spin = cross(omega, b)
     g = cross(alpha, b) + cross(omega, spin)
     n = _turning(omega, b, spin)
-    return cross_columns(A, b), A @ n, cross_columns(A, g), A @ g
+    return Lever(cross_columns(A, b), A @ n, cross_columns(A, g), A @ g)
 
 
 @kernel
@@ -70,8 +99,9 @@ def _turning(omega, b, spin):
 
 
 @inlined
-def _add_force(eccentric, c, t, line_body, turn_body, line, i, f, K):
+def _add_force(eccentric, arms, A, line, turn, i, f, K):
     """Add the forces on the node at slot i, and to K their change as they rotate with the node."""
+    (c, t), line_body, turn_body = arms, A.T @ line, A.T @ turn
     add_vec(f, i, 1.0, line)
     moment, turned = cross(t, turn_body), skew(t) @ skew(turn_body)
     if eccentric:
@@ -81,28 +111,30 @@ def _add_force(eccentric, c, t, line_body, turn_body, line, i, f, K):
 
 
 @inlined
-def _add_pair(eccentric, own, own_center, other, other_center, i, j, ll, lt, tl, tt, K, C, M):
-    """Add the inertia coupling of node slot j to node slot i; ll ... tt: constants of lines and tangents."""
-    lever, lever_c = own[0].T, own_center[0].T
+def _add_pair(eccentric, own, other, weights, K, C, M):
+    """Add the inertia coupling of the Node ``other`` to the Node ``own``."""
+    i, j = own.slot, other.slot
+    levers = own.tangent.by_alpha.T, own.center.by_alpha.T
     for k in range(3):
-        M[i + k, j + k] += ll
-    add_mat(M, i + 3, j, -tl, lever)
+        M[i + k, j + k] += weights.LL
+    add_mat(M, i + 3, j, -weights.TL, levers[0])
     if eccentric:
-        add_mat(M, i + 3, j, -ll, lever_c)
-    _add_columns(eccentric, lever, lever_c, other[0], other_center[0], i, j, ll, lt, tl, tt, M)
-    _add_columns(eccentric, lever, lever_c, other[1], other_center[1], i, j, ll, lt, tl, tt, C)
-    _add_columns(eccentric, lever, lever_c, other[2], other_center[2], i, j, ll, lt, tl, tt, K)
+        add_mat(M, i + 3, j, -weights.LL, levers[1])
+    _add_columns(eccentric, levers, (other.tangent.by_alpha, other.center.by_alpha), (i, j), weights, M)
+    _add_columns(eccentric, levers, (other.tangent.by_omega, other.center.by_omega), (i, j), weights, C)
+    _add_columns(eccentric, levers, (other.tangent.by_turn, other.center.by_turn), (i, j), weights, K)
 
 
 @inlined
-def _add_columns(eccentric, lever, lever_c, X, X_c, i, j, ll, lt, tl, tt, out):
+def _add_columns(eccentric, levers, derivatives, slots, w, out):
     """Add derivatives by the rotation at slot j + 3, with which X (tangent) and X_c (mass centre) rotate."""
-    add_mat(out, i, j + 3, -lt, X)
-    add_mat(out, i + 3, j + 3, tt, lever @ X)
+    (lever, lever_c), (X, X_c), (i, j) = levers, derivatives, slots
+    add_mat(out, i, j + 3, -w.LT, X)
+    add_mat(out, i + 3, j + 3, w.TT, lever @ X)
     if eccentric:
-        add_mat(out, i, j + 3, -ll, X_c)
-        add_mat(out, i + 3, j + 3, tl, lever @ X_c)
-        line = lt * X + ll * X_c
+        add_mat(out, i, j + 3, -w.LL, X_c)
+        add_mat(out, i + 3, j + 3, w.TL, lever @ X_c)
+        line = w.LT * X + w.LL * X_c
         add_mat(out, i + 3, j + 3, 1.0, lever_c @ line)
 
 

@@ -64,10 +64,9 @@ def free_screw(p, at):
 @kernel
 def force(p, at, f, K, C, M):
     """Add elastic forces from the free shape, damping, inertia and weight."""
-    R1, R2 = mat(at.R[0]), mat(at.R[1])
     u0, phi0, _, _ = free_screw(p, at)
-    add_elastic(p, at.q, at.v, R1.T @ R2, R2, u0, phi0, f, K, C)
-    add_inertia(p, at.v, at.a, R1, R2, f, K, C, M)
+    add_elastic(p, at, u0, phi0, f, K, C)
+    add_inertia(p, at, f, K, C, M)
 
 
 def observed(observe_from):

@@ -12,13 +12,13 @@ exact one (``rigid_wheel``) falls over below v^2 = g r/3. A, C are the moments o
 
 import numpy as np
 
-from mecano.constraints.disc import FIELDS, OUTPUTS, WHEEL_DISPLAY, carried_axis, check_touching, put_outputs
-from mecano.constraints.ground import check_axle, ends, lean_of, on_the_slope, slope_below, unit
+from mecano.constraints.disc import FIELDS, OUTPUTS, WHEEL_DISPLAY, Wheel, carried_axis, check_touching, put_outputs
+from mecano.constraints.ground import check_axle, ends, on_the_slope, slope_below, unit
 from mecano.constraints.of_coordinates import HELD_COORDINATE
 from mecano.constraints.upright_rolling import RECORD, UPRIGHT_ROLLING
 from mecano.element_interface import Kind, Part
 from mecano.jit.kernel import kernel
-from mecano.maths.surface import directions, disc_contact
+from mecano.maths.surface import disc_contact
 from mecano.maths.vector import ZERO, dot, mat, vec
 
 HEIGHT, DRIVING, LATERAL = 6, 7, 8  # multipliers of the parts, after its own unknowns
@@ -30,9 +30,8 @@ def observe(p, at, F, y, e):
     Rn, n = mat(at.R[0]), vec(p.normal, 0)
     axis = Rn @ vec(p.axis, 0)
     g = disc_contact(n, ZERO, p.radius, axis)
-    frame, arm = (n, *directions(axis, g)), -p.radius * n
-    spin, push = dot(Rn @ vec(at.v, 3), axis), (at.q[HEIGHT], at.q[DRIVING], at.q[LATERAL])
-    put_outputs(y, at.q, push, frame, p.radius, p.radius, arm, spin, lean_of(g))
+    push = at.q[HEIGHT], at.q[DRIVING], at.q[LATERAL]
+    put_outputs(y, at.q, push, p.radius, Wheel(g, axis, -p.radius * n, dot(Rn @ vec(at.v, 3), axis)))
 
 
 def prepare(d, nodes, context):

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from mecano.constraints.disc import Wheel
 from mecano.constraints.ground import GROUND_RECORD, ends, touch
 from mecano.constraints.tire_patch import Y
 from mecano.element_interface import Kind, Output, record
@@ -76,7 +77,7 @@ def put_patch(p, at, k, load, force, lost, y, e):
     lowest = vec(v, 0) + cross(k.omega, arm)
     v_C = k.v_C if contact else lowest - dot(k.g.n, lowest) * k.g.n
     grip = Grip(load.radial, force, load.N, v_C, lost, k.w1)
-    touching = put_tire(p, at.laws, contact, k.g, k.a, arm, dot(k.omega, k.a), grip, q, y, e)
+    touching = put_tire(p, at, Wheel(k.g, k.a, arm, dot(k.omega, k.a)), grip, y, e)
     put(y, 18, vec(q, Y))
     put(y, 24, vec(v, Y))
     if touching and p.twist > 0.0 and p.A0[1, 0] < 0.0:

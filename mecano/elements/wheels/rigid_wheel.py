@@ -24,7 +24,7 @@ The node is that of the wheel body: its rotation spins with the wheel. The wheel
 
 import math
 
-from mecano.constraints.disc import FIELDS, OUTPUTS, WHEEL_DISPLAY, check_touching, disc_record, put_outputs
+from mecano.constraints.disc import FIELDS, OUTPUTS, WHEEL_DISPLAY, Wheel, check_touching, disc_record, put_outputs
 from mecano.constraints.ground import (
     GROUND_RECORD,
     MOST_BENDS,
@@ -34,7 +34,6 @@ from mecano.constraints.ground import (
     check_axle,
     check_ground,
     ends,
-    lean_of,
     on_the_slope,
     rim_above,
     slope_below,
@@ -47,7 +46,6 @@ from mecano.constraints.rolling_radius import ROLLING_RADIUS
 from mecano.element_interface import CONTACT as SHOCK
 from mecano.element_interface import Event, Kind, Part, record
 from mecano.jit.kernel import kernel
-from mecano.maths.surface import directions
 from mecano.maths.vector import dot, mat, vec
 from mecano.schema import BOOLEAN, Field, choice
 
@@ -70,11 +68,9 @@ def observe(p, at, F, y, e):
     Rn = mat(at.R[0])
     axis = Rn @ vec(p.axis, 0)
     g = touch(p, at.laws, vec(at.q, 0), axis)
-    along, across = directions(axis, g)
     radius = p.radius if at.phase == AIR else g.r
-    spin, push = dot(Rn @ vec(at.v, 3), axis), (at.q[RADIAL] / g.q, at.q[DRIVING], at.q[LATERAL])
-    arm, height = radius * g.c, g.r * g.q
-    put_outputs(y, at.q, push, (g.n, along, across), height, radius, arm, spin, lean_of(g))
+    push = at.q[RADIAL] / g.q, at.q[DRIVING], at.q[LATERAL]
+    put_outputs(y, at.q, push, radius, Wheel(g, axis, radius * g.c, dot(Rn @ vec(at.v, 3), axis)))
 
 
 @kernel

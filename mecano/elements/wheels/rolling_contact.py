@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mecano.constraints.disc import Wheel
 from mecano.constraints.ground import touch
 from mecano.element_interface import Output
 from mecano.elements.wheels.ground_surface import Surface, surface_at
@@ -70,7 +71,7 @@ def put_rolling(p, at, k, ground, y, e):
     touching = at.phase == CONTACT
     arm = (k.g.r if touching else p.radius) * k.g.c
     grip = Grip(k.F, ground.F, k.slip.N, k.slip.v_0, ground.lost, k.w1)
-    pushes = put_tire(p, at.laws, touching, k.g, k.axis, arm, k.slip.spin, grip, at.q, y, e)
+    pushes = put_tire(p, at, Wheel(k.g, k.axis, arm, k.slip.spin), grip, y, e)
     if pushes:
         t, l, M = k.slip.t, k.slip.l, ground.M
         put(y, FIRST, (dot(t, M), dot(l, M), dot(k.slip.n, M)))

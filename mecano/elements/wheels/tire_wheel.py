@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mecano.constraints.disc import CONTACT_OUTPUTS, PLACED, WHEEL_DISPLAY, carried_axis, put_contact
-from mecano.constraints.ground import check_axle, check_ground, lean_of, prepare_ground, rim_above, slope_below, too_low
+from mecano.constraints.ground import check_axle, check_ground, prepare_ground, rim_above, slope_below, too_low
 from mecano.element_interface import Event, Output
 from mecano.elements.wheels.ground_surface import check_surface, prepare_surface
 from mecano.elements.wheels.tire_law import check_tire_law, prepare_radial
@@ -45,20 +45,20 @@ class Grip(NamedTuple):
 
 
 @kernel
-def put_tire(p, laws, contact, g, axis, arm, spin, grip, q, y, e):
+def put_tire(p, at, wheel, grip, y, e):
     """Write OUTPUTS, and to ``e`` the energies of radial force and friction; return True if the ground pushes.
 
-    ``contact``: in this phase or in the air; ``g`` Contact of surface.py, ``arm`` (3,) [m] from the centre to the
-    contact point or the lowest point of the rim, ``spin`` [rad/s], ``grip`` the Grip of the phase "contact".
+    ``wheel`` is a Wheel (disc.py), ``grip`` the Grip of the phase "contact".
     """
+    g, laws, contact = wheel.g, at.laws, at.phase == CONTACT
     # an accepted step that ends at the lift-off is within the tolerance of w = 0, on either side
     touching = contact and grip.radial > 0.0
-    t, l = directions(axis, g)
+    t, l = directions(wheel.axis, g)
     radius = g.r if contact else p.radius
     w = max(0.0, p.radius - radius)
     F = grip.radial if touching else 0.0
     push = (F / g.q, dot(grip.force, t), dot(grip.force, l)) if touching else (0.0, 0.0, 0.0)
-    put_contact(y, q, push, (g.n, t, l), g.r * g.q, radius, arm, spin, lean_of(g))
+    put_contact(y, at.q, push, radius, wheel)
     y[13], y[14] = w, F
     y[15], y[16] = dot(grip.v_C, t), dot(grip.v_C, l)
     if touching:
