@@ -65,6 +65,15 @@ import numpy as np
 LOCK, CONTACT, GRIP = "lock", "contact", "grip"  # kinds of shocks
 FREELY, BY_COMMAND = "freely", "by command"  # how the nodes of a joint may turn about its axis
 UNUSED = "unused"  # field of an empty record
+RECORDED = {"number": (), "vector": 3, "direction": 3, "law": "i", "curve": "i"}  # shape in a record, by type of field
+NODES = ("node", "nodes")  # types of fields that name nodes
+LAWS = ("law", "curve")  # types of fields of which a record has the start in the table of laws
+RANDOM = {
+    "number": lambda rng: rng.uniform(0.5, 1.0),
+    "vector": lambda rng: rng.normal(size=3),
+    "direction": lambda rng: rng.normal(size=3),
+    "formula": lambda rng: "a",
+}  # values of samples, by type of field
 SECTIONS = ("elements", "joints", "loads", "signals")  # of a deck; each entry belongs to a kind
 
 
@@ -215,7 +224,7 @@ class NodeAtStart(NamedTuple):
 class DeckEntry:
     """The entry of a kind in a deck: its fields, their checks, and the conversion of the values."""
 
-    section: str  # one of SECTIONS; "" for a basic constraint, which cannot be used in a deck
+    section: str = ""  # one of SECTIONS; "" for a basic constraint, which cannot be used in a deck
     doc: str  # its page of the reference
     fields: tuple = ()  # schema.Field, the node fields first
     optional: tuple = ()
@@ -224,7 +233,7 @@ class DeckEntry:
     """(deck values, nodes) -> [text]: errors in the combination of the values"""
     prepare: Callable | None = None
     """(deck values, [(x (3,), R (3, 3)) of each node], Context) -> values of the record; by default the deck values of
-    the same names"""
+    the same names, of a law its start in the table, and the gravity"""
     parts: Callable = nothing
     """(deck values, nodes, Context) -> [Part]"""
     shares: Callable = nothing
@@ -253,14 +262,16 @@ class DeckEntry:
     """deck values -> [text]: what to try, with actual values, when the solution of the equations fails"""
     sample: Callable | None = None
     """rng -> list of (values, nodes, phase): valid samples for the generic tests, covering every phase. values: deck
-    values without defaults (for a basic constraint: the record); nodes: their number, or [(x (3,), R (3, 3))]"""
+    values without defaults (for a basic constraint: the record); nodes: their number, or [(x (3,), R (3, 3))]. By
+    default numbers from 0.5 to 1 and random vectors in every phase, for a kind that has no other fields"""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Mechanics:
     """The equations of a kind: unknowns, record of parameters, compiled functions of one element, outputs."""
 
-    dtype: np.dtype = np.dtype([(UNUSED, "f8")])  # of its record
+    dtype: np.dtype | None = None
+    """of its record; by default, without ``prepare``, all fields that are numbers, vectors or laws"""
     layout: tuple = ()  # slots: "x0", "R0", "x1", ...
     flexible: bool = False  # its nodes, each with a position and a rotation, belong to one deformable body
     scalars: tuple = ()  # names of its scalar unknowns
@@ -331,11 +342,31 @@ class Kind(DeckEntry, Mechanics, Events):
     name: str
     display: Display = Display()
 
+    def __post_init__(self):
+        """Declare the record by the fields if it is not given."""
+        if self.dtype is None:
+            own = recorded(self.fields) if self.acts and not self.prepare else {}
+            object.__setattr__(self, "dtype", record(**own or {UNUSED: ()}))
+
     def record_values(self, values, nodes, context):
         """Return the values of the record of an element; the arguments are those of ``prepare``."""
         if self.prepare:
             return self.prepare(values, nodes, context)
-        return {name: values[name] for name in self.dtype.names if name != UNUSED}
+        names = [name for name in self.dtype.names if name != UNUSED]
+        return recorded_values(names, self.fields, {"gravity": context.gravity, **values}, context)
+
+    def samples(self, rng):
+        """Return the samples of the kind; see ``sample``."""
+        if self.sample:
+            return self.sample(rng)
+        values = {}
+        for given in self.fields:
+            if given.type.name in RANDOM and given.default is not None:
+                values[given.name] = RANDOM[given.type.name](rng)
+            elif given.required and given.type.name not in NODES:
+                raise ValueError(f"{self.name} needs 'sample': the field {given.name!r} has no random values")
+        nodes = 1 + max((int(slot[1:]) for slot in self.layout), default=0)
+        return [(values, nodes, phase) for phase in self.phases]
 
     def read(self, values):
         """Return the formulas (texts) of its inputs."""
@@ -360,3 +391,14 @@ def record(**fields):
     return np.dtype(
         [(name, "i8") if shape == "i" else (name, "f8", shape) for name, shape in fields.items()], align=True
     )
+
+
+def recorded(fields):
+    """Return {name: shape} of the fields that a record can hold: numbers, vectors and laws that are always given."""
+    return {f.name: RECORDED[f.type.name] for f in fields if f.type.name in RECORDED and f.default is not None}
+
+
+def recorded_values(names, fields, values, context):
+    """Return the values of a record with these names from those of the ``fields``; of a law, its start in the table."""
+    laws = [f.name for f in fields if f.type.name in LAWS]
+    return {name: context.laws.add(values[name]) if name in laws else values[name] for name in names}

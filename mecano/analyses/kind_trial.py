@@ -191,7 +191,7 @@ def samples(kind):
     """Return all samples of a kind."""
     rng = seed_of(kind.name)
     found = []
-    for values, nodes, phase in kind.sample(rng):
+    for values, nodes, phase in kind.samples(rng):
         if isinstance(nodes, int):
             nodes = [(rng.normal(size=3), Rotation.random(None, rng).as_matrix()) for _ in range(nodes)]
         defaults = {field.name: field.default for field in kind.fields if not field.required}

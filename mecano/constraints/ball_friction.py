@@ -51,7 +51,6 @@ def ball_friction_record(friction, context):
 
 BALL_FRICTION = Kind(
     name="ball_friction",
-    section="",
     doc=__doc__ + REGULARIZED,
     dtype=RECORD,
     layout=("R0", "R1"),

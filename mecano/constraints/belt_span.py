@@ -124,7 +124,7 @@ def _kind(name, doc, layout, memory, geometry, sample):
             m_out[1] = psi_1
 
     return Kind(
-        name=name, section="", doc=doc, dtype=RECORD, layout=layout, outputs=OUTPUTS, phases=PHASES, events=EVENTS,
+        name=name, doc=doc, dtype=RECORD, layout=layout, outputs=OUTPUTS, phases=PHASES, events=EVENTS,
         memory=("angle_0", "angle_1")[:memory], residual=residual, observe=observe, event_values=event_values,
         commit=commit, sample=sample,
     )  # fmt: skip

@@ -31,7 +31,6 @@ def sample(rng):
 
 BLADE = Kind(
     name="blade",
-    section="",
     doc=__doc__,
     dtype=RECORD,
     layout=("x0", "R0"),

@@ -175,7 +175,6 @@ def capstan(n):
     """Return the Kind of the friction on n pulleys."""
     return Kind(
         name="capstan_friction",
-        section="",
         doc=__doc__,
         dtype=record(coefficients=(n,), regularization=(), **path_record(n)),
         **path_unknowns(n),

@@ -80,7 +80,6 @@ def sample(rng):
 
 GEAR_MESH = Kind(
     name="gear_mesh",
-    section="",
     doc=__doc__,
     dtype=MESH_RECORD,
     layout=("x2", "R0", "x1", "R1", "R2"),  # order as in slide.py: x1 relative to x2, along an axis of node 0

@@ -58,7 +58,6 @@ def sample(rng):
 
 GEARED_SLIDE = Kind(
     name="geared_slide",
-    section="",
     doc=__doc__,
     dtype=RECORD,
     layout=("x0", "R0", "x1", "R1"),

@@ -100,7 +100,6 @@ KEYED_FRICTION = friction_kind(
 
 ROUND_FRICTION = Kind(
     name="round_friction",
-    section="",
     doc=__doc__ + PADS + REGULARIZED,
     dtype=ROUND_RECORD,
     layout=("x0", "R0", "x1", "R1"),

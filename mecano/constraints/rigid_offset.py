@@ -62,7 +62,6 @@ def sample(rng):
 
 RIGID_OFFSET = Kind(
     name="rigid_offset",
-    section="",
     doc=__doc__,
     dtype=RECORD,
     layout=("x0", "R0", "x1"),

@@ -103,7 +103,6 @@ def constraints(p, at, g):
 
 ROLLING = Kind(
     name="rolling",
-    section="",
     doc=__doc__,
     dtype=RECORD,
     layout=("x0", "R0"),

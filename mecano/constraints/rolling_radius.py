@@ -79,7 +79,6 @@ def leaning_discs(rng):
 
 ROLLING_RADIUS = Kind(
     name="rolling_radius",
-    section="",
     doc=__doc__,
     dtype=RECORD,
     layout=("x0", "R0"),

@@ -25,7 +25,7 @@ def _turning(p, at, f):
 def _of_node(name, doc, slot, residual):
     """Return the Kind of a sensor of the motion of a node along an inertial direction."""
     return Kind(
-        name=name, section="", doc=doc, dtype=record(direction=3), layout=(slot,), residual=residual,
+        name=name, doc=doc, dtype=record(direction=3), layout=(slot,), residual=residual,
         sample=lambda rng: [({"direction": rng.normal(size=3)}, 1, "")], **SIGNAL,
     )  # fmt: skip
 

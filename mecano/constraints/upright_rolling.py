@@ -33,7 +33,6 @@ def sample(rng):
 
 UPRIGHT_ROLLING = Kind(
     name="upright_rolling",
-    section="",
     doc=__doc__,
     dtype=RECORD,
     layout=("x0", "R0"),

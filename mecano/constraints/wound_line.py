@@ -193,7 +193,6 @@ def sample(rng):
 
 CATCH = Kind(
     name="line_catch",
-    section="",
     doc=__doc__,
     dtype=RECORD,
     layout=("x0", "x1"),
@@ -206,6 +205,6 @@ CATCH = Kind(
     sample=sample,
 )
 ELASTIC = Kind(
-    name="wound_line", section="", doc=__doc__, dtype=RECORD, layout=("x0", "x1"), phases=PHASES, memory=MEMORY,
+    name="wound_line", doc=__doc__, dtype=RECORD, layout=("x0", "x1"), phases=PHASES, memory=MEMORY,
     force=elastic_force, commit=commit,
 )  # fmt: skip

@@ -71,7 +71,7 @@ def friction_kind(name, doc, coordinate, values, coupled_multipliers, output, lo
         e[2] = y[2]
 
     return Kind(
-        name=name, section="", doc=doc, dtype=record(**coordinate.axes, **values, **FRICTION_RECORD),
+        name=name, doc=doc, dtype=record(**coordinate.axes, **values, **FRICTION_RECORD),
         layout=coordinate.layout, coupled_multipliers=coupled_multipliers, outputs=(output, NORMAL_FORCE, POWER),
         residual=residual, observe=observe,
     )  # fmt: skip

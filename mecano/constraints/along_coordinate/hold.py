@@ -160,7 +160,7 @@ def drive_kind(name, doc, coordinate, row, motion=BY_LAW):
 def _kind(name, doc, coordinate, row, fields, force, constraint_derivatives):
     nodes = len({slot[1] for slot in coordinate.layout})
     return Kind(
-        name=name, section="", doc=doc, dtype=record(**fields), layout=coordinate.layout,
+        name=name, doc=doc, dtype=record(**fields), layout=coordinate.layout,
         multipliers=(Row(row, coordinate.load[1], coordinate.unit),), force=force,
         constraint_derivatives=constraint_derivatives,
         sample=lambda rng: [({**coordinate.sample(rng), "offset": rng.uniform(0.5, 2.0)}, nodes, "")],

@@ -127,7 +127,7 @@ def law_kind(name, doc, coordinate, set_point=of_time):
 
     what, unit = coordinate.load
     return Kind(
-        name=name, section="", doc=doc, dtype=record(**coordinate.axes, **LAW_RECORD), layout=coordinate.layout,
+        name=name, doc=doc, dtype=record(**coordinate.axes, **LAW_RECORD), layout=coordinate.layout,
         outputs=(
             Output(f"law_{what}", unit, f"{what} of the law; > 0 acts against the coordinate"),
             Output(f"law_{what}_dissipation", "W", "power dissipated by the law"),

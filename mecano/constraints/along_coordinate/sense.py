@@ -31,7 +31,7 @@ def sensor_kind(name, doc, coordinate):
         m_out[0] = value(p, at)
 
     return Kind(
-        name=name, section="", doc=doc, dtype=record(**coordinate.axes, **ZERO), layout=coordinate.layout,
+        name=name, doc=doc, dtype=record(**coordinate.axes, **ZERO), layout=coordinate.layout,
         memory=("angle",) if coordinate.periodic else (), commit=commit if coordinate.periodic else None,
         residual=residual, sample=_sample(coordinate), **SIGNAL,
     )  # fmt: skip
@@ -46,7 +46,7 @@ def rate_sensor_kind(name, doc, coordinate):
         f[row] += number(at.q[row]) - rate_of(gradient(p, at), at.v)
 
     return Kind(
-        name=name, section="", doc=doc, dtype=record(**coordinate.axes, **ZERO), layout=coordinate.layout,
+        name=name, doc=doc, dtype=record(**coordinate.axes, **ZERO), layout=coordinate.layout,
         residual=residual, sample=_sample(coordinate), **SIGNAL,
     )  # fmt: skip
 

@@ -69,7 +69,7 @@ def latch_kind(name, doc, coordinate):
 
     (what, unit), of = coordinate.load, _quantity(coordinate)
     return Kind(
-        name=name, section="", doc=doc, dtype=record(**coordinate.axes, **LATCH_RECORD), layout=coordinate.layout,
+        name=name, doc=doc, dtype=record(**coordinate.axes, **LATCH_RECORD), layout=coordinate.layout,
         outputs=(
             Output(f"latch_{what}", unit, f"{what} of the latch on b, towards increasing {of}"),
             Output("latched", "-", "1 while it is locked, 0 else"),
@@ -132,7 +132,7 @@ def stop_kind(name, doc, coordinate):
 
     (what, unit), of = coordinate.load, _quantity(coordinate)
     return Kind(
-        name=name, section="", doc=doc, dtype=record(**coordinate.axes, **STOP_RECORD), layout=coordinate.layout,
+        name=name, doc=doc, dtype=record(**coordinate.axes, **STOP_RECORD), layout=coordinate.layout,
         outputs=(
             Output(f"stop_{what}", unit, f"{what} of the stop on b, towards increasing {of}"),
             Output("stopped", "-", "-1 at the lower stop, 1 at the upper one, 0 between"),

@@ -24,16 +24,6 @@ def observe(p, at, F, y, e):
     y[0] = e[0]
 
 
-def prepare(d, nodes, context):
-    """Return the record of one mass."""
-    return {"mass": d["mass"], "gravity": context.gravity}
-
-
-def sample(rng):
-    """Return a random mass."""
-    return [({"mass": rng.uniform(1, 9)}, 1, "")]
-
-
 POINT_MASS = Kind(
     name="point_mass",
     section="elements",
@@ -46,8 +36,6 @@ POINT_MASS = Kind(
         Field("mass", NUMBER, "kg", "mass", check=positive),
     ),
     outputs=(Output("kinetic_energy", "J", "kinetic energy"),),
-    prepare=prepare,
     force=force,
     observe=observe,
-    sample=sample,
 )

@@ -57,7 +57,7 @@ def _share(name, doc, layout, functions):
     def kind(demand):
         residual, observe = functions(demand)
         return Kind(
-            name=name, section="", doc=doc, dtype=RECORD, layout=layout, residual=residual, observe=observe,
+            name=name, doc=doc, dtype=RECORD, layout=layout, residual=residual, observe=observe,
             sample=lambda rng: [({"load": rng.normal(size=3), "law": 0}, 1, "")],
         )  # fmt: skip
 

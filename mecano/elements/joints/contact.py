@@ -207,12 +207,12 @@ def _kinds(name, shapes, dtype):
     smooth = replace(held, name=f"smooth_{name}contact", **ELASTIC | elastic(shapes, False))
     rough = replace(smooth, name=f"rough_{name}contact", layout=ROUGH_LAYOUT, **elastic(shapes, True))
     constraint = Kind(
-        name=f"rigid_{name}contact_part", section="", doc="Constraint of a rigid contact with friction.", dtype=dtype,
+        name=f"rigid_{name}contact_part", doc="Constraint of a rigid contact with friction.", dtype=dtype,
         layout=shapes.layout, multipliers=CONTACT.multipliers, phases=PHASES, memory=CONTACT.memory, **rigid(shapes),
     )  # fmt: skip
     residual, observed = rubbing(shapes)
     rubs = Kind(
-        name=f"{name}contact_friction", section="", doc="Friction of a rigid contact.", dtype=dtype,
+        name=f"{name}contact_friction", doc="Friction of a rigid contact.", dtype=dtype,
         layout=ROUGH_LAYOUT, coupled_multipliers=(NORMAL,), residual=residual,
     )  # fmt: skip
     rubbed = replace(

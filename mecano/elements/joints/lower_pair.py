@@ -55,7 +55,7 @@ class LowerPair:
 
     axis: Field
     held: tuple  # of AXES
-    display: Display
+    display: Display = Display()
     motions: tuple = ()  # Outputs of the motions that are free
     options: tuple = ()  # of Option
     reactions: Outputs = ALL_HELD
@@ -103,7 +103,7 @@ def _one_after_another(first, size, second):
     return put
 
 
-def rigid_pair(name, doc, pair, sample):
+def rigid_pair(name, doc, pair, sample=None):
     """Return the Kind of a lower pair whose axes are held by one constraint each."""
 
     def parts(d, nodes, context):

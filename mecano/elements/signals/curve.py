@@ -7,7 +7,7 @@ of the signal, as those of ``max`` and ``abs``.
 """
 
 from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT
-from mecano.element_interface import Kind, record
+from mecano.element_interface import Kind
 from mecano.jit.kernel import kernel
 from mecano.laws.table import breakpoints, curve
 from mecano.maths.dual import number
@@ -21,11 +21,6 @@ OWN, U = 0, 1  # local unknowns: the value; the input
 def residual(p, at, f):
     """Add the equation of the value."""
     f[OWN] += number(at.q[OWN]) - curve(at.laws, p.law, number(at.q[U]))
-
-
-def prepare(d, nodes, context):
-    """Return the record: start of the law in the table of laws."""
-    return {"law": context.laws.add(d["law"])}
 
 
 def times(d, start, end):
@@ -43,10 +38,8 @@ def sample(rng):
 CURVE = Kind(
     name="curve",
     doc=__doc__,
-    dtype=record(law="i"),
     fields=(INPUT, Field("law", CURVE_LAW, "-", "c, the value as a function of the input, both in SI units")),
     inputs=("input",),
-    prepare=prepare,
     residual=residual,
     times=times,
     sample=sample,

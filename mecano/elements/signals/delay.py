@@ -8,7 +8,7 @@ interpolation.
 """
 
 from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT
-from mecano.element_interface import Kind, record
+from mecano.element_interface import Kind
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import constant, number
 from mecano.schema import NUMBER, Field, positive
@@ -60,12 +60,10 @@ def commit(p, at, m_out):
 DELAY = Kind(
     name="delay",
     doc=__doc__,
-    dtype=record(time=()),
     fields=(INPUT, Field("time", NUMBER, "s", "T", check=positive)),
     inputs=("input",),
     memory=("count", *(f"{name}_{i}" for i in range(KEPT + 2) for name in ("time", "value"))),
     residual=residual,
     commit=commit,
-    sample=lambda rng: [({"input": "a", "time": 0.1}, 1, "")],
     **IN_DECK,
 )

@@ -4,7 +4,7 @@ r"""Integrator: the time integral of the input.
 """
 
 from mecano.constraints.along_coordinate.signal import IN_DECK, INITIAL, INPUT
-from mecano.element_interface import Kind, record
+from mecano.element_interface import Kind
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 
@@ -21,12 +21,10 @@ INTEGRATOR = Kind(
     name="integrator",
     doc=__doc__,
     smooths=lambda d: True,
-    dtype=record(initial=()),
     fields=(INPUT, INITIAL),
     states=("value",),
     inputs=("input",),
     start=lambda p: [p["initial"]],
     residual=residual,
-    sample=lambda rng: [({"input": "a"}, 1, "")],
     **IN_DECK,
 )

@@ -4,7 +4,7 @@ r"""First-order lag: a low-pass filter, or an actuator or sensor with a time con
 """
 
 from mecano.constraints.along_coordinate.signal import IN_DECK, INITIAL, INPUT
-from mecano.element_interface import Kind, record
+from mecano.element_interface import Kind
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.schema import NUMBER, Field, positive
@@ -18,16 +18,10 @@ def residual(p, at, f):
     f[OWN] += number(at.v[OWN]) + (number(at.q[OWN]) - p.gain * number(at.q[U])) / p.time_constant
 
 
-def sample(rng):
-    """Return a lag with a gain."""
-    return [({"input": "a", "time_constant": 0.3, "gain": 2.0}, 1, "")]
-
-
 LAG = Kind(
     name="lag",
     doc=__doc__,
     smooths=lambda d: True,
-    dtype=record(time_constant=(), gain=(), initial=()),
     fields=(
         INPUT,
         Field("time_constant", NUMBER, "s", "T", check=positive),
@@ -38,6 +32,5 @@ LAG = Kind(
     inputs=("input",),
     start=lambda p: [p["initial"]],
     residual=residual,
-    sample=sample,
     **IN_DECK,
 )

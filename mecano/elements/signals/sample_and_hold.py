@@ -8,7 +8,7 @@ Time steps end at all sampling times; the first one is the start of the run.
 import numpy as np
 
 from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT
-from mecano.element_interface import Kind, record
+from mecano.element_interface import Kind
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.schema import NUMBER, Field, positive
@@ -42,13 +42,11 @@ SAMPLE_AND_HOLD = Kind(
     name="sample_and_hold",
     doc=__doc__,
     jumps=True,
-    dtype=record(period=()),
     fields=(INPUT, Field("period", NUMBER, "s", "T", check=positive)),
     inputs=("input",),
     memory=("held", "next", "started"),
     residual=residual,
     commit=commit,
     times=times,
-    sample=lambda rng: [({"input": "a", "period": 0.1}, 1, "")],
     **IN_DECK,
 )

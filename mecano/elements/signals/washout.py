@@ -6,7 +6,7 @@ x follows the input with the time constant T. With the gain g = 1/T, y is the ra
 """
 
 from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT, VALUE
-from mecano.element_interface import Kind, Output, record
+from mecano.element_interface import Kind, Output
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.schema import NUMBER, Field, positive
@@ -32,7 +32,6 @@ def observe(p, at, F, y, e):
 WASHOUT = Kind(
     name="washout",
     doc=__doc__,
-    dtype=record(time_constant=(), gain=(), initial_state=()),
     fields=(
         INPUT,
         Field("time_constant", NUMBER, "s", "T", check=positive),
@@ -43,6 +42,5 @@ WASHOUT = Kind(
     inputs=("input",),
     start=lambda p: [0.0, p["initial_state"]],
     residual=residual,
-    sample=lambda rng: [({"input": "a", "time_constant": 0.3, "gain": 2.0}, 1, "")],
     **IN_DECK | {"scalars": ("value", "state"), "outputs": (VALUE, STATE), "observe": observe},
 )

@@ -106,4 +106,4 @@ def sample(rng):
     ]
 
 
-FIALA = SlipLaw("fiala", __doc__, mapping(*FIELDS), RECORD, prepare, forces, check, carcass=carcass, sample=sample)
+FIALA = SlipLaw("fiala", __doc__, mapping(*FIELDS), forces, RECORD, prepare, check, carcass=carcass, sample=sample)

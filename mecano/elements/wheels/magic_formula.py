@@ -211,6 +211,6 @@ EXAMPLE = {  # plausible values, with all terms of the formula nonzero
 }  # fmt: skip
 
 MAGIC_FORMULA = SlipLaw(
-    "magic_formula", __doc__, mapping(*FIELDS), RECORD, prepare, forces, check, limits, carcass, completed, sample,
+    "magic_formula", __doc__, mapping(*FIELDS), forces, RECORD, prepare, check, limits, carcass, completed, sample,
     passive=False,
 )  # fmt: skip

@@ -58,4 +58,4 @@ def forces(p, laws, k):
     return SlipForces(-b * k.v, ZERO, b * dot(k.v, k.v), 0.0)
 
 
-SLIDING_FRICTION = SlipLaw("friction", __doc__, CURVE, RECORD, prepare, forces, check)
+SLIDING_FRICTION = SlipLaw("friction", __doc__, CURVE, forces, RECORD, prepare, check)

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from mecano.element_interface import recorded, recorded_values
 from mecano.schema import Type
 
 
@@ -56,12 +57,13 @@ class SlipLaw:
     name: str  # of the field of a tyre law
     doc: str
     type: Type  # of that field; a ``mapping`` of the fields of the law
-    record: dict
-    """names and shapes of the parameters of ``forces``, as for ``element_interface.record``"""
-    prepare: Callable
-    """(values of the tyre law, Context) -> values of the record"""
     forces: Callable
     """kernel (record, table of laws, Slip) -> SlipForces; the record also contains RADIAL_RECORD"""
+    record: dict | None = None
+    """names and shapes of the parameters of ``forces``, as for ``element_interface.record``; by default all fields that
+    are numbers, vectors or laws"""
+    prepare: Callable | None = None
+    """(values of the tyre law, Context) -> values of the record; by default those of the fields of these names"""
     check: Callable = lambda values: []
     """values of the tyre law -> [text]: errors in the combination of the values"""
     limits: Callable = lambda values: []
@@ -74,6 +76,16 @@ class SlipLaw:
     """rng -> [values of the field] for a wheel of 12 m radius under about 10 kN, for the generic tests"""
     passive: bool = True
     """True if the force never drives the slip: lost = -F.v, given = M.omega"""
+
+    def __post_init__(self):
+        """Declare record and ``prepare`` by the fields if they are not given."""
+        fields = self.type.options
+        if self.record is None:
+            object.__setattr__(self, "record", recorded(fields))
+        if self.prepare is None:
+            object.__setattr__(
+                self, "prepare", lambda d, context: recorded_values(self.record, fields, d[self.name], context)
+            )
 
     @property
     def summary(self):
