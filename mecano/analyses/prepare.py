@@ -78,7 +78,7 @@ def _prepare(deck, compile_ahead):
     _refuse_fixed(deck, system)
     compile_ahead(system)
     of, values = system.numbering, deck.values["time"] or deck.values["static"]
-    linear = LinearSolver(system.n, system.rows, system.cols, of.group, of.n_q)
+    linear = LinearSolver(system.n, system.rows, system.cols, of.group, of.n_q, halves=system.halves)
     wanted = (values.get("adaptive") or values).get("length_scale", AUTOMATIC)
     length = given(wanted, length_scale(system.nodes))
     begin, carried = carried_over(deck, system, system.initial_state(values["start"]))

@@ -95,6 +95,20 @@ def _call_at(function, first, second):
     return lambda function, first, second: _call(function, first, second)
 
 
+@intrinsic
+def _call_for_int(typing_context, function, argument):
+    def generate(context, builder, signature, arguments):
+        kind = ir.FunctionType(ir.IntType(32), [WORD])
+        return builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
+
+    return types.int32(types.int64, types.int64), generate
+
+
+@overload(memory.call_for_int)
+def _call_for_int_at(function, argument):
+    return lambda function, argument: _call_for_int(function, argument)
+
+
 _bad_argument = types.ExternalFunction("PyErr_BadArgument", types.int32())
 _calloc = types.ExternalFunction("calloc", types.int64(types.uintp, types.uintp))
 _free = types.ExternalFunction("free", types.void(types.uintp))

@@ -36,6 +36,11 @@ def call(function, first, second):
     raise RuntimeError("available in compiled code only")
 
 
+def call_for_int(function, argument):
+    """Call the C function of one address at the address ``function``, and return its int."""
+    raise RuntimeError("available in compiled code only")
+
+
 def take_zeros(shape):
     """Return an array of zeros of this shape (a tuple), which must be freed with ``give_back``."""
     return np.zeros(shape)

@@ -13,6 +13,7 @@ from mecano.model.loops import BATCH, record
 OF_ELEMENTS = (
     "p", "dofs", "rots", "slots", "output_dofs", "output_slots", "multipliers", "entries", "event_values", "y", "e"
 )  # fmt: skip
+WORK = ("q", "v", "a", "R", "f", "K", "C", "M", "seeded", "F", "g")
 
 
 @dataclass
@@ -70,13 +71,26 @@ class Batch:
 
     def record_of(self, e):
         """Return the record BATCH of the element number ``e`` alone."""
-        out = self.record()
+        return self.records_of(np.array([e]), np.array([e + 1]))
+
+    def records_of(self, begins, ends, work=None):
+        """Return the records BATCH (n,) of the elements begins[i] ... ends[i] - 1.
+
+        ``work``: the work arrays by name, if not those of the batch (``new_work``).
+        """
+        out = np.repeat(self.record(), len(begins))
         for name in OF_ELEMENTS:
-            array = getattr(self, name)
-            out[name] += e * array.strides[0]
-        out["n"], out["first_phase"] = 1, self.first_phase + e
-        out["first_memory"] += e * len(self.kind.memory)
+            out[name] += begins * getattr(self, name).strides[0]
+        out["n"] = ends - begins
+        out["first_phase"] += begins
+        out["first_memory"] += begins * len(self.kind.memory)
+        for name, array in (work or {}).items():
+            out[name] = array.ctypes.data
         return out
+
+    def new_work(self):
+        """Return further work arrays, by name, with which another thread can work on the batch."""
+        return {name: np.zeros_like(getattr(self, name)) for name in WORK}
 
 
 def batches(instances, of, n_slots, partition):

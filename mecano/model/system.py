@@ -8,6 +8,7 @@ from mecano.element_interface import Context
 from mecano.maths.distinct import distinct
 from mecano.model import assembly_driver, loops
 from mecano.model.batch import batches
+from mecano.model.halves import halves
 from mecano.model.instances import expand
 from mecano.model.loops import PURPOSES, SYSTEM, code_of, loop_of, record
 from mecano.model.mesh import divided
@@ -91,6 +92,7 @@ class System:
         for b, code in zip(self.batches, codes[1:], strict=True):
             place = np.where(code >= 0, np.searchsorted(unique, code), self.nnz)
             b.entries = place.reshape(len(b.p), b.dofs.shape[1], b.dofs.shape[1])
+        self._divided_loops = {}  # by template
         self.data = np.zeros(self.nnz + 1)  # the last entry collects the terms of fixed unknowns
 
     def _record(self):
@@ -114,13 +116,33 @@ class System:
         found = [code_of(b.kind, template) for b in self.batches for template in PURPOSES]
         return [code for code in found if code is not None]
 
-    def loops(self, template, chosen=lambda kind: True):
-        """Return the addresses (n,) of the loops of all kinds that have them, and the records (n,) of their batches."""
-        found = [loop_of(b.kind, template) if chosen(b.kind) else None for b in self.batches]
+    @cached_property
+    def halves(self):
+        """Half to which each unknown belongs (n,), or None for a model that is not divided (halves.py)."""
+        return halves(self.n, self.rows, self.cols, self.numbering.group)
+
+    def loops(self, template, chosen=None):
+        """Return the addresses (n,) of the loops of all kinds that have them, and the records (n,) of their batches.
+
+        Of the kinds ``chosen``, if given; otherwise the only loop may be that of a divided model.
+        """
+        found = [None if chosen and not chosen(b.kind) else loop_of(b.kind, template) for b in self.batches]
         own = np.array([loop is not None for loop in found], bool)
+        if chosen is None and own.any() and self.halves is not None:
+            return self._divided(
+                template, [(b, at) for b, at in zip(self.batches, found, strict=True) if at is not None]
+            )
         return np.array([loop for loop in found if loop is not None], np.int64), self._batch_records[own]
 
-    def _driver(self, assembly_driver, template, chosen=lambda kind: True):
+    def _divided(self, template, loops):
+        if template not in self._divided_loops:
+            from mecano.model.divided_loops import DividedLoops  # no small model needs it
+
+            self._divided_loops[template] = DividedLoops(self, loops)
+        found = self._divided_loops[template]
+        return found.loops, found.batches
+
+    def _driver(self, assembly_driver, template, chosen=None):
         """Bind the driver ``assembly_driver`` to the loops of one purpose for the kinds ``chosen``."""
         return assembly_driver.bind(*self.loops(template, chosen), self.record)
 

@@ -28,6 +28,7 @@ import numpy as np
 
 from mecano.jit.entry import Indices, Matrix, Short, Table, Vector, entry
 from mecano.jit.kernel import kernel
+from mecano.jit.memory import call
 from mecano.solve.linear.ordering import (
     BORDER,
     CONTRIBUTION,
@@ -248,14 +249,26 @@ def _store(f, fronts, front, factors_out, stack_out):
 @kernel
 def factor(data, fronts, links, tolerance, scratch, factors_out, vectors_out, exchanges_out):
     """Factor the matrix with the values ``data``; returns the number of null pivots."""
-    null = largest = 0
+    largest = 0
     for f in range(fronts.shape[0]):
         largest = max(largest, fronts[f, SIZE])
-    front, stack = scratch, scratch[largest * _stride(largest) :]
-    pivot, inverse, magnitude = vectors_out[PIVOT], vectors_out[INVERSE], vectors_out[MAGNITUDE]
+    front, stack, magnitude = scratch, scratch[largest * _stride(largest) :], vectors_out[MAGNITUDE]
     for i in range(magnitude.size):
         magnitude[i] = 0.0
-    for f in range(fronts.shape[0]):
+    return factor_fronts(
+        0, fronts.shape[0], data, fronts, links, tolerance, front, stack, factors_out, vectors_out, magnitude,
+        exchanges_out,
+    )  # fmt: skip
+
+
+@kernel
+def factor_fronts(
+    begin, end, data, fronts, links, tolerance,  # in
+    front, stack, factors_out, vectors_out, magnitude, exchanges_out,  # work arrays, out
+):  # fmt: skip
+    """Factor the fronts begin ... end - 1, whose children are factored; returns the number of null pivots."""
+    null, pivot, inverse = 0, vectors_out[PIVOT], vectors_out[INVERSE]
+    for f in range(begin, end):
         _assemble(f, data, fronts, links, stack, front, magnitude)
         first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, SIZE]
         columns, exchanges = factors_out[fronts[f, FACTOR] :], exchanges_out[first:]
@@ -269,7 +282,7 @@ def factor(data, fronts, links, tolerance, scratch, factors_out, vectors_out, ex
 
 
 @kernel
-def _forward(f, fronts, links, factors, exchanges, work, y_out):
+def forward(f, fronts, links, factors, exchanges, work, y_out):
     """Eliminate the pivots of a front in the right-hand side y (n,), in elimination order."""
     first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, SIZE]
     stride = _stride(size)
@@ -293,7 +306,7 @@ def _forward(f, fronts, links, factors, exchanges, work, y_out):
 
 
 @kernel
-def _backward(f, fronts, links, factors, inverse, y_out):
+def backward(f, fronts, links, factors, inverse, y_out):
     """Solve for the pivots of a front in y (n,); the border is known."""
     first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, SIZE]
     stride = _stride(size)
@@ -323,9 +336,9 @@ def substitute(
     for i in range(order.size):
         y[i] = b[order[i]]
     for f in range(fronts.shape[0]):
-        _forward(f, fronts, links, factors, exchanges, work, y)
+        forward(f, fronts, links, factors, exchanges, work, y)
     for f in range(fronts.shape[0] - 1, -1, -1):
-        _backward(f, fronts, links, factors, inverse, y)
+        backward(f, fronts, links, factors, inverse, y)
     for i in range(order.size):
         x_out[order[i]] = y[i]
 
@@ -360,24 +373,33 @@ def solve(
     # in
     data: Vector, b: Vector,
     # pattern
-    order: Indices, fronts: Table, links: Short, equations: Short, tolerance: float,
+    fronts: Table, links: Short, equations: Short, tolerance: float,
     # kept
     scratch: Vector, factors: Vector, vectors: Matrix, exchanges: Indices,
+    # ``substitute``: its address, and that of its arguments, which solve for CORRECTION from RESIDUAL
+    substitution: int, words: int,
     # out
     x_out: Vector,
 ) -> (int, bool, float):  # fmt: skip
     """Factor, solve A x = b, and refine once if that helps: (null pivots, refined, backward error)."""
+    null = factor(data, fronts, links, tolerance, scratch, factors, vectors, exchanges)
+    refined, error = refine(data, b, equations, vectors, substitution, words, x_out)
+    return null, refined, error
+
+
+@kernel
+def refine(data, b, equations, vectors, substitution, words, x_out):
+    """Solve A x = b with the present factors, and refine once if that helps: (refined, backward error)."""
     n = b.size
     remainder, correction = vectors[RESIDUAL][:n], vectors[CORRECTION]
-    null = factor(data, fronts, links, tolerance, scratch, factors, vectors, exchanges)
     for i in range(n):
         remainder[i] = b[i]
         x_out[i] = 0.0
     error, sweeps = np.inf, 0
     while sweeps == 0 or (sweeps == 1 and REFINE_ABOVE < error < np.inf):
-        substitute(remainder, order, fronts, links, factors, exchanges, vectors, correction)
+        call(substitution, words, 0)
         for i in range(n):
             x_out[i] += correction[i]
         error = residual(data, equations, b, x_out, remainder)
         sweeps += 1
-    return null, sweeps > 1, error
+    return sweeps > 1, error

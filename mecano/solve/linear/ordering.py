@@ -12,6 +12,7 @@ sparse symmetric linear equations", ACM TOMS 9; Liu 1992, SIAM Review 34).
 """
 
 import hashlib
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -49,9 +50,10 @@ class Analysis(NamedTuple):
     factor_length: int
     stack_length: int
     largest: int  # rows of the largest front
+    ends: np.ndarray  # front after the last one of each part; the last part is eliminated after the others
 
 
-def analyse(n, rows, cols, groups, n_q):
+def analyse(n, rows, cols, groups, n_q, parts=None):
     """Order the unknowns and lay out the fronts.
 
     Parameters
@@ -64,6 +66,9 @@ def analyse(n, rows, cols, groups, n_q):
         Unknowns with the same number (one node) are eliminated together.
     n_q : int
         Number of unknowns that are not multipliers.
+    parts : (n,) int, optional
+        Part to which each unknown belongs: no entry couples parts other than with the last one. The unknowns of a
+        group belong to the same part, multipliers to the part of their unknowns, or to the last one.
 
     Raises ValueError if the pattern holds an entry twice.
     """
@@ -72,14 +77,22 @@ def analyse(n, rows, cols, groups, n_q):
     ties = _ties(rows, cols, nodes, n_q, n_nodes)
     own = (rows < n_q) & (cols < n_q)
     position = least_degree(_neighbours(nodes[rows[own]], nodes[cols[own]], n_nodes))
-    block, n_blocks = _insert_multipliers(n, nodes, n_nodes, position, ties)
+    parts = np.zeros(n, np.int64) if parts is None else parts
+    block, part = _insert_multipliers(n, nodes, n_nodes, position, ties, parts)
+    n_blocks, starts = len(part), np.searchsorted(part, np.arange(part[-1] + 1))
     structures, parent = _structures(_neighbours(block[rows], block[cols], n_blocks))
-    final = _postorder(parent)
+    own_parent = np.where(part[parent] == part, parent, -1)  # roots have any part, and the parent -1
+    final = np.concatenate(
+        [
+            start + _postorder(np.maximum(own_parent[start:end] - start, -1))
+            for start, end in pairwise([*starts, n_blocks])
+        ]
+    )
     structures = [np.sort(final[structures[b]]) for b in np.argsort(final)]
     block = final[block]
     sizes = np.bincount(block, minlength=n_blocks)
-    ends, borders = _join(structures, sizes)
-    return _tables(n, rows, cols, block, sizes, ends, borders)
+    ends, borders = _join(structures, sizes, frozenset(starts.tolist()))
+    return _tables(n, rows, cols, block, sizes, ends, borders, np.searchsorted(ends, [*starts[1:], n_blocks]) + 1)
 
 
 def _ties(rows, cols, nodes, n_q, n_nodes):
@@ -101,8 +114,8 @@ def _neighbours(block_rows, block_cols, n_blocks):
     return np.split(j, np.searchsorted(i, np.arange(1, n_blocks)))[:n_blocks]
 
 
-def _insert_multipliers(n, nodes, n_nodes, position, ties):
-    """Return the block (n,) of each unknown, in elimination order, and the number of blocks."""
+def _insert_multipliers(n, nodes, n_nodes, position, ties, parts):
+    """Return the block (n,) of each unknown, in elimination order, and the part of each block, ascending."""
     n_q = len(nodes)
     last = np.full(n - n_q, -1)
     np.maximum.at(last, ties[0], position[ties[1]])
@@ -116,9 +129,11 @@ def _insert_multipliers(n, nodes, n_nodes, position, ties):
     block_last = np.empty(len(first), dtype=np.int64)
     block_last[label] = last
     keys = np.concatenate([2 * position, 2 * block_last + 1])
-    rank = np.empty(len(keys), dtype=np.int64)
-    rank[np.argsort(keys, kind="stable")] = np.arange(len(keys))
-    return rank[np.concatenate([nodes, n_nodes + label])], len(keys)
+    vertices, part = np.concatenate([nodes, n_nodes + label]), np.zeros(len(keys), dtype=np.int64)
+    np.maximum.at(part, vertices, parts)
+    rank, order = np.empty(len(keys), dtype=np.int64), np.lexsort((keys, part))
+    rank[order] = np.arange(len(keys))
+    return rank[vertices], part[order]
 
 
 def _structures(neighbours):
@@ -153,17 +168,18 @@ def _postorder(parent):
     return rank
 
 
-def _join(structures, sizes):
+def _join(structures, sizes, starts):
     """Join blocks into fronts: each block with the preceding one, its child, if that saves time.
 
-    Returns the number of the block after each front, and the border of each front (blocks, ascending).
+    ``starts``: the first blocks of the parts, with which a front begins. Returns the number of the block after each
+    front, and the border of each front (blocks, ascending).
     """
     widths = [int(sizes[s].sum()) for s in structures]
     ends, borders = [], []
     pivots, last = int(sizes[0]), 0
     for j in range(1, len(sizes)):
         size = int(sizes[j])
-        if len(structures[last]) and structures[last][0] == j:
+        if len(structures[last]) and structures[last][0] == j and j not in starts:
             apart = _work(pivots, widths[last]) + _work(size, widths[j])
             if _work(pivots + size, widths[j]) <= apart + FRONT_WORK:
                 pivots, last = pivots + size, j
@@ -190,7 +206,7 @@ def _offsets(lengths):
     return np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)
 
 
-def _tables(n, rows, cols, block, sizes, ends, borders):
+def _tables(n, rows, cols, block, sizes, ends, borders, part_ends):
     """Number the unknowns within the blocks and write the tables of the fronts."""
     order = np.argsort(block, kind="stable")
     place = np.empty(n, dtype=np.int64)
@@ -207,10 +223,9 @@ def _tables(n, rows, cols, block, sizes, ends, borders):
     fronts[:, FIRST], fronts[:, PIVOTS], fronts[:, SIZE] = first, pivots, pivots + widths
     parent = _family(fronts, border_rows, _offsets(widths))
     links = _link(fronts, parent, border_rows, place[rows], place[cols])
-    factor_length, stack_length = _storage(fronts)
-    return Analysis(
-        order, fronts, links, _by_rows(n, rows, cols), factor_length, stack_length, int(fronts[:, SIZE].max())
-    )
+    factor_length, stack_length = _storage(fronts, part_ends)
+    largest = int(fronts[:, SIZE].max())
+    return Analysis(order, fronts, links, _by_rows(n, rows, cols), factor_length, stack_length, largest, part_ends)
 
 
 def _family(fronts, border_rows, border_starts):
@@ -260,22 +275,24 @@ def _link(fronts, parent, border_rows, row_place, col_place):
     return np.concatenate([border_rows.astype(np.uint32), parent_rows.astype(np.uint32), pairs])
 
 
-def _storage(fronts):
-    """Fill in CONTRIBUTION and FACTOR; return the lengths of the factors and of the stack."""
+def _storage(fronts, part_ends):
+    """Fill in CONTRIBUTION and FACTOR; return the lengths of the factors and of the stacks, one for each part."""
     widths = fronts[:, SIZE] - fronts[:, PIVOTS]
     stride = padded(fronts[:, SIZE])
     lengths = padded(fronts[:, PIVOTS]) * stride + fronts[:, PIVOTS] * (stride - fronts[:, PIVOTS])
     offsets = _offsets(lengths)
     fronts[:, FACTOR] = offsets[:-1]
-    top = peak = 0
-    for f in range(len(fronts)):
-        child = fronts[f, LAST_CHILD]
-        while child >= 0:
-            top = fronts[child, CONTRIBUTION]
-            child = fronts[child, ELDER]
-        fronts[f, CONTRIBUTION] = top
-        top += widths[f] ** 2
-        peak = max(peak, top)
+    peak = 0
+    for begin, end in pairwise([0, *part_ends]):
+        top = peak
+        for f in range(begin, end):
+            child = fronts[f, LAST_CHILD]
+            while child >= begin:  # the contributions of other parts stay on their stacks
+                top = fronts[child, CONTRIBUTION]
+                child = fronts[child, ELDER]
+            fronts[f, CONTRIBUTION] = top
+            top += widths[f] ** 2
+            peak = max(peak, top)
     return int(offsets[-1]), int(peak)
 
 

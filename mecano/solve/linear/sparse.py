@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mecano.solve.linear import multifrontal
-from mecano.solve.linear.multifrontal import MAGNITUDE, NULL_PIVOT, PIVOT, RESIDUAL, VECTORS
+from mecano.solve.linear.multifrontal import CORRECTION, MAGNITUDE, NULL_PIVOT, PIVOT, RESIDUAL, VECTORS
 from mecano.solve.linear.ordering import analyse, padded
 
 ACCEPT_BELOW = 1e-9  # backward error of a solution that is used
@@ -30,7 +30,7 @@ class LinearStatus(NamedTuple):
 class LinearSolver:
     """Solves A x = b for many matrices of one pattern."""
 
-    def __init__(self, n, rows, cols, groups, n_q, tolerance=0.1):
+    def __init__(self, n, rows, cols, groups, n_q, tolerance=0.1, halves=None):
         """Analyse the pattern; raises ValueError if it holds an entry twice.
 
         Parameters
@@ -46,26 +46,52 @@ class LinearSolver:
         tolerance : float
             Rows are exchanged within a front where a pivot is smaller than this times the largest entry of its
             column; 0 never exchanges, so that ``pivots`` belong to equations, too.
+        halves : (n,) int, optional
+            Halves of a large model (model/halves.py), which two threads factor.
         """
         rows, cols = np.asarray(rows, dtype=np.int64), np.asarray(cols, dtype=np.int64)
         self.n, self.tolerance = n, float(tolerance)
         self._pattern = rows, cols
-        analysis = analyse(n, rows, cols, np.asarray(groups, dtype=np.int64), n_q)
+        analysis = analyse(n, rows, cols, np.asarray(groups, dtype=np.int64), n_q, halves)
         self.order = analysis.order
         self._equations = analysis.equations
-        self._tables = analysis.order, analysis.fronts, analysis.links
         self._factors = np.zeros(analysis.factor_length)
         self._vectors = np.zeros((VECTORS, padded(n)))
         self._exchanges = np.zeros(n, dtype=np.int64)
-        largest = analysis.largest
-        scratch = np.zeros(largest * padded(largest) + analysis.stack_length)
-        self._solve_arguments = (
-            *self._tables, self._equations, self.tolerance,
-            scratch, self._factors, self._vectors, self._exchanges,
-        )  # fmt: skip
-        self._substitute_arguments = (*self._tables, self._factors, self._exchanges, self._vectors)
+        if halves is None:
+            self._bind(analysis)
+        else:
+            self._bind_divided(analysis)
         self._other = None  # the factorization by SuperLU, if the last matrix needed it
         self.label = None  # what the caller of the last ``solve`` called its matrix
+
+    def _bind(self, analysis):
+        """Enter the entries that factor and substitute, and their constant arguments."""
+        self._solve, self._substitute = multifrontal.solve, multifrontal.substitute
+        tables, largest = (analysis.fronts, analysis.links), analysis.largest
+        scratch = np.zeros(largest * padded(largest) + analysis.stack_length)
+        self._substitute_arguments = (analysis.order, *tables, self._factors, self._exchanges, self._vectors)
+        self._solve_arguments = (
+            *tables, self._equations, self.tolerance, scratch, self._factors, self._vectors, self._exchanges,
+            *self._correction(),
+        )  # fmt: skip
+
+    def _bind_divided(self, analysis):
+        """Do the same for a model in halves."""
+        from mecano.solve.linear import divided_multifrontal as divided  # no small model needs it
+
+        self._solve, self._substitute = divided.solve, divided.substitute
+        parts = self._parts = divided.Parts(analysis, self.tolerance, self._factors, self._vectors, self._exchanges)
+        self._substitute_arguments = parts.arguments
+        self._solve_arguments = (*parts.arguments, *parts.further, self._equations, self.tolerance, *self._correction())
+
+    def _correction(self):
+        """Return the address of ``substitute``, and that of its arguments for ``refine``."""
+        vectors = self._vectors[:, : self.n]
+        self._packed = self._substitute.call_from_compiled_code(
+            vectors[RESIDUAL], *self._substitute_arguments, vectors[CORRECTION]
+        )
+        return self._packed.function, self._packed.words.ctypes.data
 
     def solve(self, data, b, x_out, label=None):
         """Factor the matrix and solve A x = b; returns a LinearStatus.
@@ -74,15 +100,15 @@ class LinearSolver:
         All are contiguous arrays of floats. x_out holds the best attempt, which may be useless if not ok.
         """
         self._other, self.label = None, label
-        null, refined, error = multifrontal.solve(data, b, *self._solve_arguments, x_out)
+        null, refined, error = self._solve(data, b, *self._solve_arguments, x_out)
         if error <= ACCEPT_BELOW:
             return LinearStatus(True, error, null > 0, True, null, refined)
         return self._solve_with_superlu(data, b, x_out, null)
 
     def calls(self, data, b, x_out):
         """Return the calls with which compiled code solves A x = b anew, and with the kept factor, as PackedCalls."""
-        new = multifrontal.solve.call_from_compiled_code(data, b, *self._solve_arguments, x_out)
-        return new, multifrontal.substitute.call_from_compiled_code(b, *self._substitute_arguments, x_out)
+        new = self._solve.call_from_compiled_code(data, b, *self._solve_arguments, x_out)
+        return new, self._substitute.call_from_compiled_code(b, *self._substitute_arguments, x_out)
 
     def solved(self, label):
         """Note that compiled code has factored the matrix of this ``label``."""
@@ -91,8 +117,8 @@ class LinearSolver:
     @property
     def nbytes(self):
         """Memory of the factors and of the work arrays [B]."""
-        arrays = (*self._tables, self._equations, *self._solve_arguments[5:9])
-        return sum(array.nbytes for array in arrays)
+        arguments = {id(x): x for x in (*self._solve_arguments, *self._substitute_arguments)}
+        return sum(x.nbytes for x in arguments.values() if isinstance(x, np.ndarray))
 
     @property
     def kept(self):
@@ -102,7 +128,7 @@ class LinearSolver:
     def solve_again(self, b, x_out):
         """Solve with the factor of the last ``solve`` without checks; b and x_out may be the same array."""
         if self._other is None:
-            multifrontal.substitute(b, *self._substitute_arguments, x_out)
+            self._substitute(b, *self._substitute_arguments, x_out)
         else:
             x_out[:] = self._other.solve(b)
 

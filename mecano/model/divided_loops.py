@@ -1,0 +1,111 @@
+"""Loops over the elements of a model in halves (halves.py), by two threads.
+
+One C function stands in the place of the loops of all kinds: it calls them for the elements of each half, then for
+those that touch anything else. Elements of different halves add to different forces and entries of the tangent.
+"""
+
+import numpy as np
+
+from mecano.jit import thread_pool
+from mecano.jit.closure import digest
+from mecano.jit.memory import call, floats, integers, items
+from mecano.jit.store import Code, address
+from mecano.jit.thread_pool import PARTS, run_parts
+from mecano.model.halves import BETWEEN
+from mecano.model.loops import BATCH, SYSTEM, batch_at, fields, record
+
+WORDS = SYSTEM.itemsize // 8
+SIZE = BATCH.itemsize
+
+# Loops and batches of one part; its record SYSTEM, a copy of the one that the loops are ``given``; its energies.
+PART = fields(words="n loops batches given system energy")
+STRIDE = PART.itemsize
+# All parts, those of the halves first; it is the record of the only element of the batch of a divided loop.
+DIVIDED = fields(words="pool call_part parts")
+
+
+def divided(batch, system):
+    """Call the loops of all parts."""
+    d = items(batch_at(batch).p, 1, DIVIDED)[0]
+    parts = items(d.parts, PARTS + 1, PART)
+    for i in range(PARTS + 1):
+        parts[i].given = system
+    run_parts(d.pool, d.call_part, d.parts, STRIDE)
+    call(d.call_part, d.parts + PARTS * STRIDE, 0)
+    total = floats(items(system, 1, SYSTEM)[0].energy, 4)
+    for i in range(PARTS + 1):
+        energy = floats(parts[i].energy, 4)
+        for j in range(4):
+            total[j] += energy[j]
+
+
+def call_part(part, _):
+    """Call the loops of one part."""
+    m = items(part, 1, PART)[0]
+    given, own = integers(m.given, WORDS), integers(m.system, WORDS)
+    for i in range(WORDS):
+        own[i] = given[i]
+    items(m.system, 1, SYSTEM)[0].energy = m.energy
+    floats(m.energy, 4)[:] = 0.0
+    loops = integers(m.loops, m.n)
+    for i in range(m.n):
+        call(loops[i], m.batches + i * SIZE, m.system)
+
+
+def code_of(function):
+    """Return the Code of one of the two functions above."""
+    return Code(function.__name__, digest(function), lambda compiler: compiler.loop_code(function))
+
+
+class DividedLoops:
+    """The loops of one purpose over the elements of a system in halves.
+
+    Parameters
+    ----------
+    system : System
+        Its ``halves`` are not None.
+    loops : list of (Batch, int)
+        Batches, and the addresses of their loops.
+
+    Attributes
+    ----------
+    loops : (1,) int
+        Address of the function that takes the place of the loops.
+    batches : (1,) BATCH
+        The record for it.
+    """
+
+    def __init__(self, system, loops):
+        of_unknown = np.full(system.numbering.n_all, BETWEEN)
+        of_unknown[: system.n] = system.halves
+        found = [_part(i, loops, of_unknown) for i in range(PARTS + 1)]
+        self._kept = found, np.zeros((PARTS + 1, 4)), np.zeros(PARTS + 1, SYSTEM)
+        parts = np.zeros(PARTS + 1, PART)
+        for i, (addresses, records, _) in enumerate(found):
+            parts[i] = (
+                len(addresses), addresses.ctypes.data, records.ctypes.data, 0, self._kept[2][i:].ctypes.data,
+                self._kept[1][i].ctypes.data,
+            )  # fmt: skip
+        whole = record(DIVIDED, pool=thread_pool.pool(), call_part=address(code_of(call_part)), parts=parts.ctypes.data)
+        self._kept += parts, whole
+        self.loops = np.array([address(code_of(divided))], np.int64)
+        self.batches = record(BATCH, n=1, p=whole.ctypes.data)
+
+
+def _part(which, loops, of_unknown):
+    """Return addresses of loops (n,), records of batches (n,), and their work arrays for one half or the rest."""
+    addresses, records, kept = [np.zeros(0, np.int64)], [np.zeros(0, BATCH)], []
+    for batch, loop in loops:
+        own = np.concatenate([[False], _part_of(of_unknown[batch.dofs]) == which, [False]])
+        begins, ends = np.flatnonzero(~own[:-1] & own[1:]), np.flatnonzero(own[:-1] & ~own[1:])
+        work = batch.new_work()
+        records.append(batch.records_of(begins, ends, work))
+        addresses.append(np.full(len(begins), loop, np.int64))
+        kept.append(work)
+    return np.concatenate(addresses), np.concatenate(records), kept
+
+
+def _part_of(of_unknowns):
+    """Return the half (n,) to which all unknowns (n, n_local) of each element belong, or BETWEEN."""
+    first = of_unknowns[:, 0]
+    return np.where((of_unknowns == first[:, None]).all(axis=1), first, BETWEEN)
