@@ -24,6 +24,7 @@ from mecano.process.cores import cores
 VARIABLE = "MECANO_THREADS"  # environment variable: number of threads
 PARTS = 2  # of all work
 SEMAPHORE = 64  # B, a line of the cache; that of a C library has 16 or 32
+WATCH = 20_000  # looks at a semaphore before the thread sleeps, some 0.1 ms
 STACK = 2**20  # B for a helper
 
 # Words of the pool: addresses of semaphores, the first of the parts; of C functions; the state; the work at hand.
@@ -66,7 +67,10 @@ def take_parts(p):
 
 @kernel
 def wait(p, semaphore):
-    """Wait until a semaphore can be lowered; signals interrupt the function of the C library."""
+    """Wait until a semaphore can be lowered: watch it for a while, since it takes longer to wake a thread."""
+    for _ in range(WATCH):
+        if call_for_int(p[TRY], semaphore) == 0:
+            return
     while call_for_int(p[WAIT], semaphore) != 0:
         pass
 

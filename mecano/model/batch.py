@@ -13,6 +13,7 @@ from mecano.model.loops import BATCH, record
 OF_ELEMENTS = (
     "p", "dofs", "rots", "slots", "output_dofs", "output_slots", "multipliers", "entries", "event_values", "y", "e"
 )  # fmt: skip
+LINES = 128  # B, two lines of the cache
 WORK = ("q", "v", "a", "R", "f", "K", "C", "M", "seeded", "F", "g")
 
 
@@ -73,24 +74,23 @@ class Batch:
         """Return the record BATCH of the element number ``e`` alone."""
         return self.records_of(np.array([e]), np.array([e + 1]))
 
-    def records_of(self, begins, ends, work=None):
-        """Return the records BATCH (n,) of the elements begins[i] ... ends[i] - 1.
-
-        ``work``: the work arrays by name, if not those of the batch (``new_work``).
-        """
+    def records_of(self, begins, ends):
+        """Return the records BATCH (n,) of the elements begins[i] ... ends[i] - 1."""
         out = np.repeat(self.record(), len(begins))
         for name in OF_ELEMENTS:
             out[name] += begins * getattr(self, name).strides[0]
         out["n"] = ends - begins
         out["first_phase"] += begins
         out["first_memory"] += begins * len(self.kind.memory)
-        for name, array in (work or {}).items():
-            out[name] = array.ctypes.data
         return out
 
-    def new_work(self):
-        """Return further work arrays, by name, with which another thread can work on the batch."""
-        return {name: np.zeros_like(getattr(self, name)) for name in WORK}
+    def give_work(self, records):
+        """Give records of this batch work arrays of their own, for another thread; return what must be kept."""
+        sizes = [getattr(self, name).nbytes for name in WORK]
+        memory = np.zeros(sum(sizes) + 2 * LINES, np.uint8)  # lines of the cache that no other thread writes
+        for name, size, end in zip(WORK, sizes, np.cumsum(sizes), strict=True):
+            records[name] = memory.ctypes.data + LINES + end - size
+        return memory
 
 
 def batches(instances, of, n_slots, partition):

@@ -16,6 +16,7 @@ from mecano.model.loops import BATCH, SYSTEM, batch_at, fields, record
 
 WORDS = SYSTEM.itemsize // 8
 SIZE = BATCH.itemsize
+APART = 16  # words between arrays that two threads write: two lines of the cache
 
 # Loops and batches of one part; its record SYSTEM, a copy of the one that the loops are ``given``; its energies.
 PART = fields(words="n loops batches given system energy")
@@ -79,15 +80,14 @@ class DividedLoops:
         of_unknown = np.full(system.numbering.n_all, BETWEEN)
         of_unknown[: system.n] = system.halves
         found = [_part(i, loops, of_unknown) for i in range(PARTS + 1)]
-        self._kept = found, np.zeros((PARTS + 1, 4)), np.zeros(PARTS + 1, SYSTEM)
+        energies, systems = np.zeros((PARTS + 1, APART)), np.zeros((PARTS + 1, WORDS + APART), np.int64)
         parts = np.zeros(PARTS + 1, PART)
         for i, (addresses, records, _) in enumerate(found):
-            parts[i] = (
-                len(addresses), addresses.ctypes.data, records.ctypes.data, 0, self._kept[2][i:].ctypes.data,
-                self._kept[1][i].ctypes.data,
-            )  # fmt: skip
+            arrays = addresses, records, systems[i], energies[i]
+            loops, batches, own, energy = (array.ctypes.data for array in arrays)
+            parts[i] = len(addresses), loops, batches, 0, own, energy
         whole = record(DIVIDED, pool=thread_pool.pool(), call_part=address(code_of(call_part)), parts=parts.ctypes.data)
-        self._kept += parts, whole
+        self._kept = found, energies, systems, parts, whole
         self.loops = np.array([address(code_of(divided))], np.int64)
         self.batches = record(BATCH, n=1, p=whole.ctypes.data)
 
@@ -98,10 +98,9 @@ def _part(which, loops, of_unknown):
     for batch, loop in loops:
         own = np.concatenate([[False], _part_of(of_unknown[batch.dofs]) == which, [False]])
         begins, ends = np.flatnonzero(~own[:-1] & own[1:]), np.flatnonzero(own[:-1] & ~own[1:])
-        work = batch.new_work()
-        records.append(batch.records_of(begins, ends, work))
+        records.append(batch.records_of(begins, ends))
         addresses.append(np.full(len(begins), loop, np.int64))
-        kept.append(work)
+        kept.append(batch.give_work(records[-1]))
     return np.concatenate(addresses), np.concatenate(records), kept
 
 
