@@ -30,6 +30,16 @@ def radau():
     )  # fmt: skip
 
 
+def divided():
+    """Return the Codes with which two threads work on a large model."""
+    from mecano.jit.thread_pool import help_out  # no small model needs them
+    from mecano.model import divided_loops
+    from mecano.solve.linear import divided_multifrontal as linear
+
+    entries = linear.factor_half, linear.solve, linear.substitute, linear.forward_half, linear.backward_half, help_out
+    return [*(entry.code for entry in entries), *map(divided_loops.code_of, divided_loops.FUNCTIONS)]
+
+
 def compile_time_integration(system, method="generalized_alpha"):
     """Compile the time integration and the loops of all kinds of ``system`` on all cores, as far as no store has them.
 
@@ -37,4 +47,5 @@ def compile_time_integration(system, method="generalized_alpha"):
     """
     own = radau() if method == "radau" else ()
     own += (between_states,) if system.has_events else ()
-    compile_ahead([*(entry.code for entry in (*TIME_INTEGRATION, *own)), *system.codes()])
+    further = [] if system.halves is None else divided()
+    compile_ahead([*(entry.code for entry in (*TIME_INTEGRATION, *own)), *system.codes(), *further])

@@ -7,7 +7,7 @@ from pathlib import Path
 from pkgutil import walk_packages
 
 from mecano import constraints, elements
-from mecano.analyses.compilation import TIME_INTEGRATION, radau
+from mecano.analyses.compilation import TIME_INTEGRATION, divided, radau
 from mecano.analyses.dynamic import run
 from mecano.analyses.prepare import prepare
 from mecano.analyses.static import run as run_static
@@ -36,7 +36,7 @@ def warmup(decks=(), overrides=()):
     else:
         kinds = all_kinds()
         yield f"compiling {len(kinds)} kinds of elements, joints, loads and constraints"
-        _compile(kinds)
+        _compile(kinds, divided())
         yield "running the first steps of the decks of `mecano new`"
         for name, text in starters().items():
             file, data = f"{name}.yaml", text.encode()
@@ -82,9 +82,9 @@ def _longer(time):
     return time["end"] - time["start"] > STEPS * time["step"]
 
 
-def _compile(kinds):
+def _compile(kinds, further=()):
     codes = [code for kind in kinds for purpose in PURPOSES if (code := code_of(kind, purpose))]
-    compile_ahead([*(entry.code for entry in (*TIME_INTEGRATION, *radau())), *codes])
+    compile_ahead([*(entry.code for entry in (*TIME_INTEGRATION, *radau())), *codes, *further])
     for code in codes:
         store.address(code)
 

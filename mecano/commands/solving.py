@@ -23,11 +23,15 @@ from mecano.process.interrupt import Interruption, again, seconds
     "--checkpoint", "interval", type=click.FloatRange(0), metavar="SECONDS",
     help="Wall-clock time between checkpoints; default: 30.",
 )  # fmt: skip
+@click.option(
+    "--threads", type=click.IntRange(1), metavar="N",
+    help="Threads for a large model; default: one per core, at most two. The results are the same.",
+)  # fmt: skip
 @click.option("--live", is_flag=True, help="Show the motion in a browser while it is computed; prints the address.")
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 @overrides
 @plugins
-def run(deck, output, force, resume, limit, interval, live, quiet, overrides):
+def run(deck, output, force, resume, limit, interval, threads, live, quiet, overrides):
     """Solve a deck and write a results file.
 
     SIGINT (Ctrl-C), SIGTERM, SIGHUP, SIGXCPU, SIGUSR1 and --max-walltime end the run with a checkpoint; --resume
@@ -39,7 +43,10 @@ def run(deck, output, force, resume, limit, interval, live, quiet, overrides):
     interruption.listen()
     from mecano.deck.read import read_deck
     from mecano.interface.solve import solve
+    from mecano.jit import thread_pool
 
+    if threads:
+        thread_pool.use(threads)
     checked = read_deck(deck, overrides)
     path = output or os.path.splitext(os.path.basename(deck))[0] + ".h5"
     with shown(path, live):

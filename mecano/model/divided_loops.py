@@ -53,8 +53,11 @@ def call_part(part, _):
         call(loops[i], m.batches + i * SIZE, m.system)
 
 
+FUNCTIONS = divided, call_part
+
+
 def code_of(function):
-    """Return the Code of one of the two functions above."""
+    """Return the Code of one of these functions."""
     return Code(function.__name__, digest(function), lambda compiler: compiler.loop_code(function))
 
 

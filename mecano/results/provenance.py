@@ -13,6 +13,7 @@ import h5py
 
 import mecano
 from mecano.element_interface import SECTIONS, Display
+from mecano.jit import thread_pool
 
 PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "h5py")
 
@@ -86,6 +87,7 @@ def provenance():
         "command_line": " ".join(sys.argv),
         "directory": os.getcwd(),
         "threads": threads(),
+        "solver_threads": thread_pool.threads(),
         "process": os.getpid(),
         "host": platform.node(),
         "machine": platform.machine(),

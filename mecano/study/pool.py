@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from mecano.elements import plugins
+from mecano.jit import thread_pool
 from mecano.process.interrupt import CLOCK, EXIT_CODES, SIGNALS
 from mecano.process.lifeline import popen_options
 from mecano.study.error_location import line_in_study
@@ -119,7 +120,7 @@ class Pool:
         words = ["run", study.deck, "-o", str(folder.file(case, ".h5")), "-q", "--resume", *limit, *settings]
         words += plugin_words()
         before, child = folder.record(case), popen_options()
-        child["env"] |= ONE_THREAD
+        child["env"] = {thread_pool.VARIABLE: "1", **child["env"], **ONE_THREAD}
         with open(log, "ab") as stream:
             said = stream.tell()
             process = subprocess.Popen(
