@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mecano.analyses.prepare import AUTOMATIC, given
-from mecano.model.output_limits import ended, watched_outputs
+from mecano.model.output_limits import ended, has_watched_outputs, watched_outputs
 from mecano.model.sampler import Sampler, StaticSample
 from mecano.solve.diagnostics.scales import Tolerances
 from mecano.solve.events.events import EventMonitor, NoEvents
@@ -113,9 +113,11 @@ def _follow_path(prepared, statics, path, start, observers, state=None):
 
 def _ended(prepared):
     """Return a function of a State that describes an element at the end of its range, or returns "" if none is."""
+    if not has_watched_outputs(prepared.deck.values, "ends"):
+        return lambda state: ""
     sampler = Sampler(prepared.system)
     ends = watched_outputs(prepared.deck.values, sampler, "ends")
-    return (lambda state: ended(ends, sampler.take(StaticSample(state)))) if ends else lambda state: ""
+    return lambda state: ended(ends, sampler.take(StaticSample(state)))
 
 
 def _stability_warnings(prepared, follower, point):

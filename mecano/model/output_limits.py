@@ -4,6 +4,11 @@ from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
 
 
+def has_watched_outputs(values, what):
+    """Return whether elements with the deck values ``values`` have monitored outputs."""
+    return any(getattr(KINDS[d["type"]], what)(d) for section in SECTIONS for d in values[section].values())
+
+
 def watched_outputs(values, sampler, what):
     """Return the monitored outputs of the elements with the deck values ``values``; ``what`` is "limits" or "ends".
 

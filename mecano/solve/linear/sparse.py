@@ -30,7 +30,7 @@ class LinearStatus(NamedTuple):
 class LinearSolver:
     """Solves A x = b for many matrices of one pattern."""
 
-    def __init__(self, n, rows, cols, groups, n_q, tolerance=0.1, halves=None):
+    def __init__(self, n, rows, cols, groups, n_q, tolerance=0.1, halves=None, analysis=None):
         """Analyse the pattern; raises ValueError if it holds an entry twice.
 
         Parameters
@@ -48,11 +48,14 @@ class LinearSolver:
             column; 0 never exchanges, so that ``pivots`` belong to equations, too.
         halves : (n,) int, optional
             Halves of a large model (model/halves.py), which two threads factor.
+        analysis : Analysis, optional
+            That of another solver for the same pattern.
         """
         rows, cols = np.asarray(rows, dtype=np.int64), np.asarray(cols, dtype=np.int64)
         self.n, self.tolerance = n, float(tolerance)
         self._pattern = rows, cols
-        analysis = analyse(n, rows, cols, np.asarray(groups, dtype=np.int64), n_q, halves)
+        analysis = analysis or analyse(n, rows, cols, np.asarray(groups, dtype=np.int64), n_q, halves)
+        self.analysis = analysis
         self.order = analysis.order
         self._equations = analysis.equations
         self._factors = np.zeros(analysis.factor_length)

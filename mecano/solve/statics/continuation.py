@@ -48,7 +48,8 @@ class Follower:
     last: Point | None = None
 
     def __post_init__(self):
-        self.judge = Judge(self.statics.system, self.statics.length, self.statics.compliance is not None)
+        statics = self.statics
+        self.judge = Judge(statics.system, statics.length, statics.compliance is not None, statics.linear.analysis)
 
     def stability(self, s, p, drag=0.0):
         """Return the Stability of ``s`` at the parameter p, from the tangent with ``drag`` [N/m] as added stiffness."""

@@ -49,13 +49,16 @@ class Stability:
 class Judge:
     """Determine the stability of equilibria of one system from tangents on its pattern."""
 
-    def __init__(self, system, length, soft=False):
-        """Set the limit of neutral directions; ``soft``: compliant redundant constraints may stiffen free motions."""
+    def __init__(self, system, length, soft=False, analysis=None):
+        """Set the limit of neutral directions; ``soft``: compliant redundant constraints may stiffen free motions.
+
+        ``analysis``: that of the LinearSolver of the system, if there is one.
+        """
         self.system, self.length, self.neutral = system, length, NEUTRAL_WHERE_SOFT if soft else NEUTRAL
         self.dense = system.n_q <= DENSE
         self.root = np.where(system.numbering.kind[: system.n_q] == ROTATION, length, 1.0)
         self.metric = np.where(system.signals, 0.0, self.root**2)
-        self._solver = None
+        self._solver, self._analysis = None, analysis
 
     def __call__(self, data, drag=0.0):
         """Return the Stability from ``data``, the tangent with k = 1 and no penalty: K and the borders -B, -B^T.
@@ -111,7 +114,7 @@ class Judge:
         if self._solver is None:
             of = self.system.numbering
             args = self.system.n, self.system.rows, self.system.cols, of.group, of.n_q
-            self._solver = LinearSolver(*args, tolerance=0.0)
+            self._solver = LinearSolver(*args, tolerance=0.0, halves=self.system.halves, analysis=self._analysis)
         x = np.zeros(self.system.n)
         status = self._solver.solve(self._penalized(data), np.ones(self.system.n), x)
         if status.fallback:
@@ -122,11 +125,13 @@ class Judge:
     def _penalized(self, data):
         """Return the tangent with k and penalty equal to its mean stiffness, to avoid zero pivots."""
         n_q = self.system.n_q
+        if not self.system.n_l:
+            return data
         diagonal = np.abs(data[self.system.diagonal[:n_q]])
         k = float(diagonal[diagonal > 0].mean()) if np.any(diagonal) else 1.0
         full = self._matrix(data)
         B = full[n_q:, :n_q]
-        matrix = full + sp.bmat([[k * (B.T @ B), (1 - k) * -B.T], [(1 - k) * -B, None]]) if self.system.n_l else full
+        matrix = full + sp.bmat([[k * (B.T @ B), (1 - k) * -B.T], [(1 - k) * -B, None]])
         return np.asarray(matrix[self.system.rows, self.system.cols]).ravel()
 
     def _softest(self, data, unstable=0):
