@@ -77,20 +77,22 @@ class DividedLoops:
         Address of the function that takes the place of the loops.
     batches : (1,) BATCH
         The record for it.
+    found : list
+        Of each part: addresses of loops (n,), records of batches (n,), work arrays.
     """
 
     def __init__(self, system, loops):
         of_unknown = np.full(system.numbering.n_all, BETWEEN)
         of_unknown[: system.n] = system.halves
-        found = [_part(i, loops, of_unknown) for i in range(PARTS + 1)]
+        self.found = [_part(i, loops, of_unknown) for i in range(PARTS + 1)]
         energies, systems = np.zeros((PARTS + 1, APART)), np.zeros((PARTS + 1, WORDS + APART), np.int64)
         parts = np.zeros(PARTS + 1, PART)
-        for i, (addresses, records, _) in enumerate(found):
+        for i, (addresses, records, _) in enumerate(self.found):
             arrays = addresses, records, systems[i], energies[i]
             loops, batches, own, energy = (array.ctypes.data for array in arrays)
             parts[i] = len(addresses), loops, batches, 0, own, energy
         whole = record(DIVIDED, pool=thread_pool.pool(), call_part=address(code_of(call_part)), parts=parts.ctypes.data)
-        self._kept = found, energies, systems, parts, whole
+        self._kept = energies, systems, parts, whole
         self.loops = np.array([address(code_of(divided))], np.int64)
         self.batches = record(BATCH, n=1, p=whole.ctypes.data)
 

@@ -9,8 +9,8 @@ import numpy as np
 from mecano.maths.distinct import distinct
 
 LARGE = 10_000  # unknowns from which on two threads are worth their coordination
-MOST_BETWEEN = 0.05  # share of the unknowns between the halves, which one thread alone works on
-PRICE = 4  # of an unknown between the halves, in unknowns of the larger half
+PRICE = 4  # of an unknown between the halves, on which one thread alone works, in unknowns of a half
+MOST = 0.6  # price of the larger half and what is between, over that of the whole model
 ONE, OTHER, BETWEEN = range(3)
 
 
@@ -42,7 +42,8 @@ def halves(n, rows, cols, groups):
     part = np.where(rank < cut, ONE, np.where(lowest < cut, BETWEEN, OTHER))
     _place_multipliers(part, i, j, n_nodes)
     found = part[vertices]
-    return found if np.count_nonzero(found == BETWEEN) <= MOST_BETWEEN * n else None
+    one, other, between = np.bincount(found, minlength=3)
+    return found if max(one, other) + PRICE * between <= MOST * n else None
 
 
 def _edges(i, j, n):
@@ -83,7 +84,7 @@ def _best_cut(rank, lowest, size):
     before = np.empty(len(rank), np.int64)
     before[rank] = size
     before = np.cumsum(before) - before  # unknowns in the first half, by the rank of the cut
-    return int(np.argmin(np.maximum(before, size.sum() - before) + PRICE * between))
+    return int(np.argmin(np.maximum(before, size.sum() - before - between) + PRICE * between))
 
 
 def _place_multipliers(part, i, j, n_nodes):

@@ -37,6 +37,7 @@ COLUMNS = 11
 STRIP = 4  # pivots handled in one sweep; rows of fronts are stored with a stride rounded up to it
 
 FRONT_WORK = 2000.0  # overhead of one front, in floating point operations
+WEIGHTS = 30  # nodes that give others a degree beyond that of most models
 MOST_ENTRIES = 1_000_000  # entries placed at a time
 
 
@@ -76,8 +77,12 @@ def analyse(n, rows, cols, groups, n_q, parts=None):
     n_nodes = int(nodes.max()) + 1 if n_q else 0
     ties = _ties(rows, cols, nodes, n_q, n_nodes)
     own = (rows < n_q) & (cols < n_q)
-    position = least_degree(_neighbours(nodes[rows[own]], nodes[cols[own]], n_nodes))
-    parts = np.zeros(n, np.int64) if parts is None else parts
+    neighbours = _neighbours(nodes[rows[own]], nodes[cols[own]], n_nodes)
+    if parts is None:
+        position, parts = least_degree(neighbours), np.zeros(n, np.int64)
+    else:
+        position = least_degree(_with_weights(neighbours, np.unique(nodes[parts[:n_q] == parts.max()])))
+        position = np.argsort(np.argsort(position[:n_nodes]))
     block, part = _insert_multipliers(n, nodes, n_nodes, position, ties, parts)
     n_blocks, starts = len(part), np.searchsorted(part, np.arange(part[-1] + 1))
     structures, parent = _structures(_neighbours(block[rows], block[cols], n_blocks))
@@ -112,6 +117,19 @@ def _neighbours(block_rows, block_cols, n_blocks):
     i, j = np.divmod(pairs, max(n_blocks, 1))
     i, j = np.divmod(distinct(np.concatenate([pairs, j * n_blocks + i])), max(n_blocks, 1))
     return np.split(j, np.searchsorted(i, np.arange(1, n_blocks)))[:n_blocks]
+
+
+def _with_weights(neighbours, last):
+    """Return the graph with WEIGHTS further nodes, coupled to each other and to the nodes ``last``.
+
+    By minimum degree, other nodes are then eliminated towards these, which wait. Otherwise a chain of nodes might be
+    eliminated from where it is cut to its end: every node would fill the border with the node at the cut.
+    """
+    weights = np.arange(len(neighbours), len(neighbours) + WEIGHTS)
+    found = [*neighbours, *(np.concatenate([last, weights[weights != one]]) for one in weights)]
+    for node in last:
+        found[node] = np.concatenate([found[node], weights])
+    return found
 
 
 def _insert_multipliers(n, nodes, n_nodes, position, ties, parts):
