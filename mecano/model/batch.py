@@ -134,9 +134,13 @@ def _batch(members, of, places, partition, first_phase, first_memory):
     kind = members[0][1].kind
     p = np.zeros(len(members), kind.dtype)
     dofs, rots, slots, output_dofs, output_slots, multipliers = [], [], [], [], [], []
+    first = {}  # element with the same parameters as others, which are one dictionary
     for e, (number, item, scalars, rows, coupled, of_parts) in enumerate(members):
-        for key, value in item.parameters.items():
-            p[key][e] = value
+        if (known := first.setdefault(id(item.parameters), e)) < e:
+            p[e] = p[known]
+        else:
+            for key, value in item.parameters.items():
+                p[key][e] = value
         at = [(slot[0], item.nodes[int(slot[1:])]) for slot in kind.layout]
         own = [places.first_scalar + i for i in scalars] + [places.first_row + i for i in rows + coupled]
         place = [(of.x if what == "x" else of.r)[node] + i for what, node in at for i in range(3)]

@@ -22,6 +22,7 @@ from dataclasses import replace
 import numpy as np
 
 from mecano.constraints.elastic_line import STRAIN_OF_STEEL
+from mecano.constraints.joint_frame import norm
 from mecano.element_interface import Display, Kind, Output, record
 from mecano.elements.members.beam_elastic import (
     add_elastic,
@@ -35,7 +36,7 @@ from mecano.elements.members.beam_elastic import (
 from mecano.elements.members.beam_flexibility import elastic_constants, hat
 from mecano.elements.members.beam_inertia import add_inertia, energies, inertia_record
 from mecano.elements.members.beam_line import check_line, screw, stations
-from mecano.elements.members.cross_section import MOST_POINTS, constants, is_round
+from mecano.elements.members.cross_section import MOST_POINTS, constants
 from mecano.elements.members.heated_beam import THERMAL, observed, thermal_record, thermal_values
 from mecano.elements.members.heated_beam import force as heated_force
 from mecano.jit.kernel import kernel
@@ -43,6 +44,7 @@ from mecano.maths.so3 import exp, tangent
 from mecano.maths.vector import cross, dot, mat, put, vec
 from mecano.schema import DIRECTION, INTEGER, NODE_PAIR, NUMBER, POINT, SECTION, Field
 
+MOST_RECORDS = 1000  # of a section that are kept
 MOST_SLENDER = 1e7  # lengths over radii of gyration: stiffnesses differ by the square, of 16 digits
 MOST_ELEMENTS = 10_000
 LOST = 3e-17  # relative error of the deflection, per element and square of the slenderness of the beam (measured)
@@ -150,12 +152,22 @@ def divide(d, nodes):
 
 
 def prepare(d, nodes, context):
-    """Return the record of one element."""
+    """Return the record of one element. Equal elements, of which a model has many, share one: it must not be changed."""
     (_, A_1), (_, A_2) = ends = d.get("stations") or stations(d, nodes)
     section = d.get("constants") or constants(d["section"])
-    S_1, S_2 = nodes[0][1].T @ A_1, nodes[1][1].T @ A_2
-    h0, c = screw(*ends), section.center
-    u, phi = h0[:3], h0[3:]
+    S_1, S_2, h0 = nodes[0][1].T @ A_1, nodes[1][1].T @ A_2, screw(*ends)
+    damping, gravity = d["section"]["damping"], context.gravity
+    key = damping, *(array.tobytes() for array in (gravity, S_1, S_2, h0))
+    if key not in section.records:
+        if len(section.records) == MOST_RECORDS:
+            section.records.clear()
+        section.records[key] = _record(section, damping, gravity, S_1, S_2, h0)
+    return section.records[key]
+
+
+def _record(section, damping, gravity, S_1, S_2, h0):
+    """Return the record of an element; S_i: section to node axes, h0 (6,): strain-free screw in section axes."""
+    c, u, phi = section.center, h0[:3], h0[3:]
     K_uu, K_up, K_pp, B, F = elastic_constants(section.C, h0)
     length, tangent = np.linalg.norm(u), u + hat(phi) @ c
     points = np.zeros((MOST_POINTS, 2))
@@ -164,7 +176,7 @@ def prepare(d, nodes, context):
         "S": S_1 @ S_2.T, "K_uu": S_2 @ K_uu @ S_2.T, "K_up": S_2 @ K_up @ S_2.T, "K_pp": S_2 @ K_pp @ S_2.T,
         "B": S_2 @ B @ S_2.T,
         "along": S_2[:, 0], "u0": S_2 @ u, "phi0": S_2 @ phi,
-        "damping": d["section"]["damping"], "gravity": context.gravity,
+        "damping": damping, "gravity": gravity,
         **inertia_record(section.mass * length, section.J * length, S_1, S_2, c, tangent),
         "axes": S_2, "F_uu": F[:3, :3], "F_up": F[:3, 3:], "F_pp": F[3:, 3:], "E": section.E, "G": section.G,
         "radius": section.radius, "torsion_radius": section.torsion_radius, "points": points,
@@ -179,13 +191,12 @@ def variant(d):
 def check(d, nodes):
     """Return errors for an impossible line (beam_line.py) and for elements whose stiffness is lost in rounding."""
     section = constants(d["section"])
-    return check_line(d, nodes, is_round(section)) or _too_slender(d, nodes, section)
+    return check_line(d, nodes, section.is_round) or _too_slender(d, nodes, section)
 
 
 def _slenderness(section, x_1, x_2):
     """Return the distance of two points over the least radius of gyration of a section."""
-    C = section.C
-    return np.linalg.norm(np.subtract(x_2, x_1)) * np.sqrt(C[0, 0] / np.diag(C)[4:].min())
+    return norm(np.subtract(x_2, x_1)) * section.slenderness
 
 
 def _too_slender(d, nodes, section):

@@ -5,7 +5,7 @@ A station is (x (3,) [m], A (3, 3)): a point of the line and the section axes th
 
 import numpy as np
 
-from mecano.constraints.joint_frame import PLACE, at_one_place, cross, triad
+from mecano.constraints.joint_frame import PLACE, at_one_place, cross, norm, triad
 from mecano.maths.so3 import log, tangent_inverse
 from mecano.maths.vector import mat, vec
 
@@ -21,6 +21,9 @@ def stations(d, nodes):
     (x_1, _), (x_2, _) = nodes
     axis, about, angle, centre = _arc(x_1, d["via"], x_2)
     shares = np.linspace(0.0, 1.0, d["mesh"] + 1)[:, None]
+    if centre is None and d["twist"] == 0.0:
+        axes = _section_axes(axis, d["up"])
+        return [(x, axes) for x in x_1 + shares * np.subtract(x_2, x_1)]
     turned = _rotations(about, angle * shares)
     axes = turned @ _section_axes(axis, d["up"]) @ _rotations(np.array([1.0, 0.0, 0.0]), d["twist"] * shares)
     x = x_1 + shares * np.subtract(x_2, x_1) if centre is None else centre + turned @ (x_1 - centre)
@@ -44,7 +47,7 @@ def screw(first, second):
     line = np.subtract(x_2, x_1)
     phi = np.zeros(3) if np.array_equal(A_1, A_2) else np.array(log(mat(A_1.T @ A_2)))
     if np.abs(phi).max() <= ROUNDING:
-        return np.array([np.linalg.norm(line), 0.0, 0.0, 0.0, 0.0, 0.0])
+        return np.array([norm(line), 0.0, 0.0, 0.0, 0.0, 0.0])
     return np.concatenate([np.array(tangent_inverse(vec(phi, 0))) @ A_2.T @ line, phi])
 
 
@@ -54,9 +57,9 @@ def _arc(x_1, via, x_2):
     if via is not None:
         first, second = np.subtract(via, x_1), np.subtract(x_2, via)
         normal = np.cross(first, second)
-        if np.linalg.norm(normal) > FLAT * chord @ chord:
-            about = normal / np.linalg.norm(normal)
-            half = np.arctan2(np.linalg.norm(normal), first @ second)  # inscribed angle: half of the central angle
+        if norm(normal) > FLAT * chord @ chord:
+            about = normal / norm(normal)
+            half = np.arctan2(norm(normal), first @ second)  # inscribed angle: half of the central angle
             rise = np.cross(about, chord)
             centre = np.asarray(x_1) + 0.5 * (chord + rise / np.tan(half))
             return np.cross(about, x_1 - centre), about, 2.0 * half, centre
@@ -66,7 +69,7 @@ def _arc(x_1, via, x_2):
 def _section_axes(axis, up):
     """Return section axes (3, 3), 1 along ``axis``, 3 towards ``up``; default: z, or x for an upright beam."""
     if up is None:
-        upright = np.hypot(axis[0], axis[1]) <= UPRIGHT * np.linalg.norm(axis)
+        upright = np.hypot(axis[0], axis[1]) <= UPRIGHT * norm(axis)
         up = (1.0, 0.0, 0.0) if upright else (0.0, 0.0, 1.0)
     third, _, first = triad(axis, np.asarray(up, float))
     return np.stack([first, cross(third, first), third], axis=1)
@@ -77,15 +80,15 @@ def check_line(d, nodes, is_round):
     if texts := at_one_place(nodes):
         return texts
     (x_1, _), (x_2, _) = nodes
-    if d["via"] is not None and min(np.linalg.norm(np.subtract(d["via"], x)) for x in (x_1, x_2)) <= PLACE:
+    if d["via"] is not None and min(norm(np.subtract(d["via"], x)) for x in (x_1, x_2)) <= PLACE:
         return ["'via' must lie between the nodes, not on one of them"]
     axis, _, angle, centre = _arc(x_1, d["via"], x_2)
     if d["via"] is not None and centre is None and np.dot(np.subtract(d["via"], x_1), np.subtract(x_2, d["via"])) < 0:
         return ["'via' lies on the line of the nodes, but not between them"]
     if d["up"] is None and not is_round:
         return ["missing 'up': the direction of axis 3 of a section that is not round"]
-    axis = axis / np.linalg.norm(axis)
-    if d["up"] is not None and np.linalg.norm(np.cross(axis, d["up"])) <= PARALLEL * np.linalg.norm(d["up"]):
+    axis = axis / norm(axis)
+    if d["up"] is not None and norm(np.cross(axis, d["up"])) <= PARALLEL * np.linalg.norm(d["up"]):
         return ["'up' must not be parallel to the beam"]
     turn = np.hypot(angle, d["twist"]) / d["mesh"]
     if turn > MOST_TURN:

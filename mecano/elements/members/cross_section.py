@@ -5,8 +5,10 @@ follow from the strains (elongation, two shears, twist, two curvatures) by the s
 are reduced by the factors of Cowper (1966); the torsion of a rectangle is that of Saint-Venant.
 """
 
+import operator
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -31,6 +33,26 @@ class Constants:
     radius: float = 0.0  # of a round section, with fibres all around [m]
     torsion_radius: float = 0.0  # largest shear stress of torsion over G times twist [m]
     points: tuple = ()  # fibres (y, z) along the axes 2 and 3 [m]
+
+    @cached_property
+    def is_round(self):
+        """True if they are the same in all directions across the beam, so that 'up' is not needed."""
+        return (
+            not self.points
+            and _unchanged(self.C, TURN_OF_BOTH)
+            and _unchanged(self.J, TURN)
+            and not np.any(self.center[1:])
+        )
+
+    @cached_property
+    def slenderness(self):
+        """Slenderness of a length of 1 m: that over the least radius of gyration, by the stiffnesses [1/m]."""
+        return np.sqrt(self.C[0, 0] / np.diag(self.C)[4:].min())
+
+    @cached_property
+    def records(self):
+        """Records of elements of this section, by what they depend on (beam.py)."""
+        return {}
 
 
 @dataclass(frozen=True)
@@ -221,22 +243,22 @@ def _out_of_range(section):
 
 
 def constants(d):
-    """Return Constants for the deck values of a section."""
-    return SHAPES[d["type"]].constants(d)
+    """Return Constants for the deck values of a section; those of the last one are kept, for beams in a row."""
+    values = list(d.values())
+    if not (len(values) == len(_last.values) and all(map(operator.is_, values, _last.values))):
+        _last.values, _last.constants = values, SHAPES[d["type"]].constants(d)
+    return _last.constants
 
 
+class _Last:
+    """Values of the last section and its Constants."""
+
+    values, constants = (), None
+
+
+_last = _Last()
 TURN = np.array([[1.0, 0.0, 0.0], [0.0, np.cos(1.0), -np.sin(1.0)], [0.0, np.sin(1.0), np.cos(1.0)]])  # any, about 1
 TURN_OF_BOTH = np.kron(np.eye(2), TURN)  # of forces and of moments
-
-
-def is_round(section):
-    """Return True if Constants are the same in all directions across the beam, so that 'up' is not needed."""
-    return (
-        not section.points
-        and _unchanged(section.C, TURN_OF_BOTH)
-        and _unchanged(section.J, TURN)
-        and not np.any(section.center[1:])
-    )
 
 
 def _unchanged(A, Q):
