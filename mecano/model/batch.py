@@ -131,32 +131,48 @@ class _Places:
 
 
 def _batch(members, of, places, partition, first_phase, first_memory):
-    kind = members[0][1].kind
-    p = np.zeros(len(members), kind.dtype)
-    dofs, rots, slots, output_dofs, output_slots, multipliers = [], [], [], [], [], []
-    first = {}  # element with the same parameters as others, which are one dictionary
-    for e, (number, item, scalars, rows, coupled, of_parts) in enumerate(members):
-        if (known := first.setdefault(id(item.parameters), e)) < e:
+    kind, n = members[0][1].kind, len(members)
+    numbers = [number for number, *_ in members]
+    layout = [(slot[0], int(slot[1:])) for slot in kind.layout]
+    nodes = np.array([[item.nodes[i] for _, i in layout] for _, item, *_ in members], np.int64).reshape(n, -1)
+    multipliers = _table([rows for *_, rows, _, _ in members])
+    scalars, coupled = (_table([member[i] for member in members]) for i in (2, 4))
+    own = np.hstack([places.first_scalar + scalars, places.first_row + multipliers, places.first_row + coupled])
+    parts = [] if kind.acts else [places.first_row + _table([of_parts for *_, of_parts in members])]
+    of_nodes = [_three((of.x if what == "x" else of.r)[nodes[:, j]]) for j, (what, _) in enumerate(layout)]
+    plain = [_three(6 * nodes[:, j] + 3 * (what == "R")) for j, (what, _) in enumerate(layout)]
+    rotations = [j for j, (what, _) in enumerate(layout) if what == "R"]
+    output_slots = np.hstack([*plain, np.zeros((n, 0), np.int64)])
+    for e in np.flatnonzero(np.isin(numbers, list(partition.owners))):
+        pairs = zip(layout, nodes[e].tolist(), strict=True)
+        output_slots[e] = [s for (what, _), node in pairs for s in partition.slots(numbers[e], what, node)]
+    return Batch(
+        kind, [item.owner for _, item, *_ in members], [(item.path, item.label) for _, item, *_ in members],
+        _records(kind, [item.parameters for _, item, *_ in members]),
+        np.hstack([*of_nodes, own]), np.ascontiguousarray(of.rotation[nodes[:, rotations]]),
+        np.hstack([*plain, places.first_slot + own - places.first_scalar]),
+        np.hstack([*of_nodes, own, *parts]), output_slots, np.array([3 * j for j in rotations], np.int64),
+        multipliers, numbers, first_phase, first_memory,
+    )  # fmt: skip
+
+
+def _records(kind, parameters):
+    """Return the records (n,) of elements with these parameters; equal ones may share a dictionary."""
+    p, first = np.zeros(len(parameters), kind.dtype), {}
+    for e, values in enumerate(parameters):
+        if (known := first.setdefault(id(values), e)) < e:
             p[e] = p[known]
         else:
-            for key, value in item.parameters.items():
+            for key, value in values.items():
                 p[key][e] = value
-        at = [(slot[0], item.nodes[int(slot[1:])]) for slot in kind.layout]
-        own = [places.first_scalar + i for i in scalars] + [places.first_row + i for i in rows + coupled]
-        place = [(of.x if what == "x" else of.r)[node] + i for what, node in at for i in range(3)]
-        dofs.append(place + own)
-        output_dofs.append(place + own + ([places.first_row + i for i in of_parts] if not kind.acts else []))
-        rots.append([of.rotation[node] for what, node in at if what == "R"])
-        plain = [6 * node + 3 * (what == "R") + i for what, node in at for i in range(3)]
-        slots.append(plain + [places.first_slot + i - places.first_scalar for i in own])
-        output_slots.append([s for what, node in at for s in partition.slots(number, what, node)])
-        multipliers.append(rows)
-    columns = np.array([3 * i for i, slot in enumerate(kind.layout) if slot[0] == "R"], np.int64)
-    tables = [
-        np.array(rows, np.int64).reshape(len(members), -1)
-        for rows in (dofs, rots, slots, output_dofs, output_slots, multipliers)
-    ]
-    names = [item.owner for _, item, *_ in members]
-    numbers = [number for number, *_ in members]
-    paths = [(item.path, item.label) for _, item, *_ in members]
-    return Batch(kind, names, paths, p, *tables[:5], columns, tables[5], numbers, first_phase, first_memory)
+    return p
+
+
+def _table(rows):
+    """Return lists of the same length as an array (n, length) of int."""
+    return np.array(rows, np.int64).reshape(len(rows), -1)
+
+
+def _three(first):
+    """Return the indices (n, 3) from each of ``first`` (n,) on."""
+    return first[:, None] + np.arange(3)

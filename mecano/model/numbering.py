@@ -4,6 +4,7 @@ Position and rotation of a node are numbered separately, so that joints can shar
 identification, Cardona, Geradin & Doan 1991, section 3.1).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,7 +75,7 @@ class Numbering:
     n_scalars: int  # scalar unknowns of elements, including signals: the last of the n_q
     kind: np.ndarray  # (n_all,) TRANSLATION ... SIGNAL
     group: np.ndarray  # (n_q,) group number: unknowns of one node share it
-    name: list  # (n_all,) EquationName
+    name: Sequence  # (n_all,) EquationName
     of_rates: np.ndarray  # (n_l,) bool: constraint on velocities
 
     @property
@@ -83,19 +84,31 @@ class Numbering:
         return self.n_q + self.n_l
 
 
-class _Entries:
-    """Entries of z: names, kinds, and the first entry of each class of shared unknowns."""
+class _Entries(Sequence):
+    """Entries of z: kinds, the first entry of each class of shared unknowns, and, as a sequence, their EquationNames.
+
+    The names of classes are made when they are asked for: most never are, and a large model has many.
+    """
 
     def __init__(self, sharing):
-        self.name, self.kind, self.first, self.sharing = [], [], {}, sharing
+        self.kind, self.first, self.sharing, self._names = [], {}, sharing, []
 
     def add(self, names, kinds):
-        self.name += names
+        self._names += names
         self.kind += kinds
 
     def add_class(self, c):
-        self.first[c] = len(self.name)
-        self.add(_names(self.sharing[c], c), [ROTATION if c % 2 else TRANSLATION] * 3)
+        self.first[c] = len(self._names)
+        self.add([(c, axis) for axis in range(3)], [ROTATION if c % 2 else TRANSLATION] * 3)
+
+    def __len__(self):
+        return len(self._names)
+
+    def __getitem__(self, i):
+        if isinstance(i, slice):
+            return [self[j] for j in range(*i.indices(len(self)))]
+        found = self._names[i]
+        return _names(self.sharing[found[0]], found[0])[found[1]] if type(found) is tuple else found
 
 
 def number(nodes, used, shared, fixed, scalars, multipliers):
@@ -113,7 +126,7 @@ def number(nodes, used, shared, fixed, scalars, multipliers):
     for c in free:
         entries.add_class(c)
     entries.add([name for name, _ in scalars], [kind for _, kind in scalars])
-    n_q = len(entries.name)
+    n_q = len(entries)
     units = [row.constraint_unit for _, row in multipliers]
     kinds = [ANGLE_CONSTRAINT if unit[:3] == "rad" else LENGTH_CONSTRAINT for unit in units]
     entries.add([text for text, _ in multipliers], kinds)
@@ -126,7 +139,7 @@ def number(nodes, used, shared, fixed, scalars, multipliers):
     return Numbering(
         n_q=n_q,
         n_l=len(multipliers),
-        n_all=len(entries.name),
+        n_all=len(entries),
         n_scalars=len(scalars),
         x=np.array([entries.first[c] for c in of[::2]], np.int64),
         r=np.array([entries.first[c] for c in of[1::2]], np.int64),
@@ -134,7 +147,7 @@ def number(nodes, used, shared, fixed, scalars, multipliers):
         rotation_dof=np.array([entries.first[c] for c in rotations], np.int64),
         kind=np.array(entries.kind, np.int64),
         group=np.array(group, np.int64),
-        name=entries.name,
+        name=entries,
         of_rates=np.array([unit.endswith("/s") for unit in units], bool),
     )
 

@@ -17,6 +17,7 @@ class ReactionPartition:
         for number_, (what, i, j, _) in enumerate(shared):
             self.neighbours.setdefault((what, i), []).append((j, number_))
             self.neighbours.setdefault((what, j), []).append((i, number_))
+        self.owners = {owner for *_, owner in shared}
         self.shared = {}
         for number_, (what, i, j, owner) in enumerate(shared):
             self.shared[owner, what, j] = (number_, i)

@@ -152,7 +152,7 @@ def divide(d, nodes):
 
 
 def prepare(d, nodes, context):
-    """Return the record of one element. Equal elements, of which a model has many, share one: it must not be changed."""
+    """Return the record of one element; equal elements share one, which must not be changed."""
     (_, A_1), (_, A_2) = ends = d.get("stations") or stations(d, nodes)
     section = d.get("constants") or constants(d["section"])
     S_1, S_2, h0 = nodes[0][1].T @ A_1, nodes[1][1].T @ A_2, screw(*ends)

@@ -4,6 +4,7 @@ Both follow from projectors of the scaled constraint gradient B, which do not de
 null space of B couples redundant constraints, its null space couples unknowns that can move.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -56,7 +57,7 @@ class Analysis:
     dependent: object  # projector on the reactions in redundancies, see ``_directions``, or None
     release_matrix: object  # csr_matrix (n_l, n_l) whose rows times reactions vanish, see ``_repeated``, or None
     gradient: Entries
-    names: list  # EquationName of the unknowns
+    names: Sequence  # EquationName of the unknowns, and of others that follow
     signals: np.ndarray  # (n_q,) bool: unknowns that are signals, not motions
     complete: bool = True
 
@@ -85,7 +86,7 @@ class Analysis:
     @property
     def motions(self):
         """Names (n_q,) of the motions of the unknowns."""
-        return [name.motion for name in self.names]
+        return [name.motion for name in self.names[: len(self.signals)]]
 
     @property
     def released(self):
@@ -102,7 +103,7 @@ def analyse(system, s, length):
     B, size, holds = gradient(system, s, length)
     of = system.numbering
     loops, n_l = in_loops(B, of.group), int(holds.sum())
-    loops, names = loops[holds[loops]], of.name[: of.n_q]
+    loops, names = loops[holds[loops]], of.name
     if len(loops) > DENSE_ROWS:
         import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
 
