@@ -61,7 +61,7 @@ def poses(nodes):
 def check_model(values, root, scope):
     """Report all inconsistencies in the elements, joints, loads and nodes."""
     at, used, noted, sound = poses(values["nodes"]), set(), set(), set()
-    left = _place_members(values["elements"], at, scope.kinds)
+    placed, left = _place_members(values["elements"], at, scope.kinds)
     for section in SECTIONS:
         for name, element in values[section].items():
             key, node = root.value[section][1].value[name]
@@ -73,7 +73,8 @@ def check_model(values, root, scope):
             if name in left:
                 scope.refuse(key, "depends on itself, or on members that are wrong or depend on it")
             elif all(node in at for node in names if node != "ground"):
-                if _check_element(kind, element, names, at, (key, node), root, scope, noted):
+                checked = section == "elements" and name in placed
+                if checked or _check_element(kind, element, names, at, (key, node), root, scope, noted):
                     sound.add((section, name))
     check_profile_curvature(values, at, sound, root, scope)
     _check_axes(values["joints"], root, scope)
@@ -114,7 +115,7 @@ def _check_latches(joints, root, scope):
 
 
 def _place_members(elements, at, kinds):
-    """Add the nodes of members to ``at``; return the names of members whose end nodes cannot be placed."""
+    """Add the nodes of members to ``at``; return the names of the placed members, and of those without end nodes."""
     members = [
         Element(name, kinds[d["type"]], element_nodes(kinds[d["type"]], d), d)
         for name, d in elements.items()
@@ -122,8 +123,8 @@ def _place_members(elements, at, kinds):
     ]
     members = [member for member in members if "ground" not in member.nodes and len(set(member.nodes)) == 2]
     with np.errstate(all="ignore"):
-        _, left = place_members(members, at)
-    return {member.name for member in left}
+        pieces, left = place_members(members, at)
+    return pieces.keys(), {member.name for member in left}
 
 
 def _check_element(kind, element, names, at, entry, root, scope, noted):

@@ -3,6 +3,8 @@
 A station is (x (3,) [m], A (3, 3)): a point of the line and the section axes there, columns 1, 2, 3, inertial.
 """
 
+from functools import cache
+
 import numpy as np
 
 from mecano.constraints.joint_frame import PLACE, at_one_place, cross, norm, triad
@@ -20,7 +22,7 @@ def stations(d, nodes):
     """Return the stations at the ends of each of the ``mesh`` elements, mesh + 1 in all."""
     (x_1, _), (x_2, _) = nodes
     axis, about, angle, centre = _arc(x_1, d["via"], x_2)
-    shares = np.linspace(0.0, 1.0, d["mesh"] + 1)[:, None]
+    shares = _shares(d["mesh"])
     if centre is None and d["twist"] == 0.0:
         axes = _section_axes(axis, d["up"])
         return [(x, axes) for x in x_1 + shares * np.subtract(x_2, x_1)]
@@ -28,6 +30,12 @@ def stations(d, nodes):
     axes = turned @ _section_axes(axis, d["up"]) @ _rotations(np.array([1.0, 0.0, 0.0]), d["twist"] * shares)
     x = x_1 + shares * np.subtract(x_2, x_1) if centre is None else centre + turned @ (x_1 - centre)
     return list(zip(x, axes, strict=True))
+
+
+@cache
+def _shares(n):
+    """Return the distances (n + 1, 1) of the stations from the first end, over the length."""
+    return np.linspace(0.0, 1.0, n + 1)[:, None]
 
 
 def _rotations(about, angles):
@@ -45,7 +53,7 @@ def screw(first, second):
     """
     (x_1, A_1), (x_2, A_2) = first, second
     line = np.subtract(x_2, x_1)
-    phi = np.zeros(3) if np.array_equal(A_1, A_2) else np.array(log(mat(A_1.T @ A_2)))
+    phi = np.zeros(3) if A_1 is A_2 or np.array_equal(A_1, A_2) else np.array(log(mat(A_1.T @ A_2)))
     if np.abs(phi).max() <= ROUNDING:
         return np.array([norm(line), 0.0, 0.0, 0.0, 0.0, 0.0])
     return np.concatenate([np.array(tangent_inverse(vec(phi, 0))) @ A_2.T @ line, phi])

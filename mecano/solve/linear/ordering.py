@@ -265,13 +265,15 @@ def _link(fronts, parent, border_rows, row_place, col_place):
     n = int(fronts[-1, FIRST] + fronts[-1, PIVOTS])
     widths = fronts[:, SIZE] - fronts[:, PIVOTS]
     border_of = np.repeat(np.arange(n_fronts), widths)
-    border_starts = _offsets(widths)
+    border_starts, keys = _offsets(widths), border_of * n + border_rows
 
     def row_in(front, place):
         """Return the row, in a front, of the unknown at an elimination position."""
-        offset = place - fronts[front, FIRST]
-        found = np.searchsorted(border_of * n + border_rows, front * n + place) - border_starts[front]
-        return np.where(offset < fronts[front, PIVOTS], offset, fronts[front, PIVOTS] + found)
+        row, pivots = place - fronts[front, FIRST], fronts[front, PIVOTS]
+        border = np.flatnonzero(row >= pivots)
+        at = front[border]
+        row[border] = pivots[border] + np.searchsorted(keys, at * n + place[border]) - border_starts[at]
+        return row
 
     def target_of(entries):
         """Return the indices, in their fronts, of some entries of the matrix."""
