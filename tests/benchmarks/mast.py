@@ -117,13 +117,15 @@ def main():
         bays, repeats = round(unknowns / UNKNOWNS_OF_BAY), 3 if unknowns < LARGE else 1
         words = [sys.executable, __file__, "--one", str(bays), str(repeats)]
         found = json.loads(subprocess.run(words, stdout=subprocess.PIPE, check=True).stdout)
-        n, static, steps = found["unknowns"], *([found[f"{what} {n}"] for n in THREADS] for what in ("static", "steps"))
+        n = found["unknowns"]
+        static, steps = ([found[f"{what} {n_threads}"] for n_threads in THREADS] for what in ("static", "steps"))
         print(
-            f"{n:8d} unknowns: prepared in {found['prepare']:.2f} s; static {static[0]:.2f} s, {static[1]:.2f} s by two "
-            f"threads ({static[0] / static[1]:.2f}), {1e6 * static[0] / n:.1f} us per unknown; start "
+            f"{n:8d} unknowns: prepared in {found['prepare']:.2f} s; static {static[0]:.2f} s, {static[1]:.2f} s by "
+            f"two threads ({static[0] / static[1]:.2f}), {1e6 * static[0] / n:.1f} us per unknown; start "
             f"{found['begin']:.2f} s; {found['accepted']} steps of {found['iterations']} iterations in "
             f"{steps[0]:.2f} s, {steps[1]:.2f} s ({steps[0] / steps[1]:.2f}), "
-            f"{1e6 * steps[0] / n / STEPS:.2f} us per unknown and step; {found['memory']:.0f} MiB; tip at {found['deflection']:.3g} m, {found['unstable']} unstable directions",
+            f"{1e6 * steps[0] / n / STEPS:.2f} us per unknown and step; {found['memory']:.0f} MiB; tip at "
+            f"{found['deflection']:.3g} m, {found['unstable']} unstable directions",
             flush=True,
         )
 
