@@ -11,7 +11,7 @@ from mecano.jit.closure import digest
 from mecano.jit.memory import call, floats, integers, items
 from mecano.jit.store import Code, address
 from mecano.jit.thread_pool import PARTS, run_parts
-from mecano.model.halves import BETWEEN
+from mecano.model.halves import BETWEEN, ONE, OTHER
 from mecano.model.loops import BATCH, SYSTEM, batch_at, fields, record
 
 WORDS = SYSTEM.itemsize // 8
@@ -110,6 +110,6 @@ def _part(which, loops, of_unknown):
 
 
 def _part_of(of_unknowns):
-    """Return the half (n,) to which all unknowns (n, n_local) of each element belong, or BETWEEN."""
-    first = of_unknowns[:, 0]
-    return np.where((of_unknowns == first[:, None]).all(axis=1), first, BETWEEN)
+    """Return the half (n,) to which all unknowns (n, n_local) of each element belong, or BETWEEN; without any, ONE."""
+    one, other = ((of_unknowns == half).all(axis=1) for half in (ONE, OTHER))
+    return np.where(one, ONE, np.where(other, OTHER, BETWEEN))
