@@ -22,6 +22,11 @@ def _value(text, t):
     return float(evaluate_formula(formula.numbers, 0, t, [0.0], 0))
 
 
+@pytest.mark.parametrize(("text", "second"), [("time**2/2", 1.0), ("3*time**1", 0.0), ("2 + time**0", 0.0)])
+def test_second_rates_of_powers_are_finite_at_zero(text, second):
+    assert _value(rate_of(rate_of(text)), 0.0) == pytest.approx(second, abs=1e-15)
+
+
 @pytest.mark.parametrize("text", FORMULAS)
 def test_the_rate_of_a_formula_is_its_derivative(text):
     """Both rates, by central differences of fourth order."""
@@ -65,6 +70,7 @@ MOTION = """
     joints: {a: {type: hinge, nodes: [ground, a], axis: [0, 0, 1]}, b: {type: prismatic, nodes: [ground, b], axis: X},
              PRESCRIBED}
     signals: {SIGNALS}
+    laws: {parabola: {polynomial: [0, 0, 1.5]}}
     time: {end: 1, step: 0.01}
     """
 ANGLE = "drive: {type: prescribed_angle, nodes: [ground, a], axis: [0, 0, 1], value: VALUE}"
@@ -81,6 +87,8 @@ def _deck(prescribed, value, signals="x: 1"):
     [
         (ANGLE, "3*ramp - 1.5*ramp", "ramp: half**2, half: time", "joints/drive/angle", "joints/drive/moment", 0.2),
         (ANGLE, "turn", "turn: {type: curve, input: time, law: {polynomial: [0, 0, 1.5]}}", "joints/drive/angle",
+         "joints/drive/moment", 0.2),
+        (ANGLE, "turn", "turn: {type: curve, input: time, law: parabola}", "joints/drive/angle",
          "joints/drive/moment", 0.2),
         (LENGTH, "2 + 1.5*time**2", "x: 1", "joints/drive/length", "joints/drive/force", 1.0),
     ],
@@ -101,8 +109,11 @@ def test_signals_of_time_prescribe_motions(prescribed, value, signals, output, l
         ("one", "one: 2*two, two: 1 + one/3", "the signal 'one' depends on itself"),
         ("abs(time - 0.5)", "x: 1", "'abs' has a corner: its rates jump"),
         ("one", "one: b.velocity", "'b.velocity' depends on the motion"),
+        ("*".join(["sin(time)"] * 20), "x: 1", "with its two rates it is too long a formula"),
+        ("s0", ", ".join(f"s{i}: (s{i + 1} + s{i + 1})*(s{i + 1} - 2)" for i in range(12)) + ", s12: sin(time)",
+         "it has more than 100000 characters"),
     ],
-)
+)  # fmt: skip
 def test_what_prescribes_no_motion(value, signals, message):
     with pytest.raises(DeckError) as error:
         _deck(ANGLE, value, signals)

@@ -4,7 +4,7 @@ import re
 
 from mecano.deck.wording import quoted
 from mecano.laws.formula import FormulaError, read_formula
-from mecano.laws.formula_rate import rate_of
+from mecano.laws.formula_rate import LONGEST, with_rates
 
 INSTEAD = (
     "a prescribed motion needs the second rate of its value; use a spring or a law of the joint with this set point, a "
@@ -19,16 +19,16 @@ class NotAMotion(Exception):
 def motion_of(text, signals):
     """Return the motion of a formula (text): a formula of the time alone, or the terms of a law of time.
 
-    ``signals`` are the checked values of the signals of the deck. Raises NotAMotion.
+    ``signals`` are the checked values of the signals of the deck, with their laws. Raises NotAMotion.
     """
     d = signals.get(text.removeprefix("signals."), {"type": ""})
     if d["type"] == "curve" and d["input"].strip() == "time":
         return d["law"]
     found = _of_time(text, signals, ())
     try:
-        rate_of(rate_of(found))
+        with_rates(found)
     except FormulaError as error:
-        raise NotAMotion(f"{error.message}: its rates jump; {INSTEAD}") from None
+        raise NotAMotion(f"{error.message}; {INSTEAD}") from None
     return found
 
 
@@ -44,4 +44,6 @@ def _of_time(text, signals, outer):
             raise NotAMotion(f"it is no function of the time alone: {what}; {INSTEAD}")
         inner = _of_time(d["value"], signals, (*outer, signal))
         text = re.sub(rf"(?<![\w.]){re.escape(name)}(?![\w.])", lambda _, inner=inner: f"({inner})", text)
+        if len(text) > LONGEST:
+            raise NotAMotion(f"with the signals that it reads it has more than {LONGEST} characters; {INSTEAD}")
     return text

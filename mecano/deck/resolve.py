@@ -13,14 +13,14 @@ from mecano.schema import MOTION
 def resolve(values, scope):
     """Resolve every reference of the scope in the checked values, which are changed in place."""
     nodes = dict.fromkeys([*values["nodes"], *_nodes_of_members(values["elements"], scope.kinds)])
-    for reference in scope.references:
+    for reference in sorted(scope.references, key=_prescribes):
         scope.subject = reference.subject
         if reference.wanted == "motion":
             _put_motion(reference, values["signals"], scope)
             continue
         known = nodes if reference.section == "nodes" else values[reference.section]
         if reference.wanted == "drive" and reference.name in values["signals"] and reference.name not in known:
-            if reference.options == MOTION.options:
+            if _prescribes(reference):
                 _put_motion(reference, values["signals"], scope)
                 continue
             _put(reference, reference.name)  # the name of a signal is a formula
@@ -44,6 +44,11 @@ def _put(reference, value):
     if reference.home:
         container, key = reference.home
         container[key] = value
+
+
+def _prescribes(reference):
+    """Return whether a prescribed motion is referred to; it may be a signal, whose law must be known."""
+    return reference.wanted == "motion" or (reference.wanted == "drive" and reference.options == MOTION.options)
 
 
 def _put_motion(reference, signals, scope):

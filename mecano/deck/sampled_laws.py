@@ -11,6 +11,7 @@ import numpy as np
 from mecano.element_interface import SECTIONS
 from mecano.laws import TERMS
 from mecano.laws.formula import phase_rate, phases_of_time, read_formula
+from mecano.laws.formula_rate import LONGEST
 from mecano.schema import TIME_CURVE
 
 LEAST, ENOUGH = 4.0, 20.0  # steps per period; a fortieth of the amplitude is lost between 20 samples
@@ -80,5 +81,5 @@ def _frequency(value, time):
     """Return the highest frequency [Hz] of the waves of a checked law or formula of time; 0 without any."""
     if not isinstance(value, str):
         return max((TERMS[name].frequency(values) for name, values in value), default=0.0)
-    phases, times = phases_of_time(read_formula(value)), np.linspace(time["start"], time["end"], INSTANTS)
+    phases, times = phases_of_time(read_formula(value, LONGEST)), np.linspace(time["start"], time["end"], INSTANTS)
     return max((phase_rate(phase, t) for phase in phases for t in times), default=0.0) / (2.0 * math.pi)

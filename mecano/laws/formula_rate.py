@@ -1,8 +1,10 @@
-"""Rate of a formula of the time, as another formula: its symbolic derivative."""
+"""Rates of a formula of the time, as other formulas: its symbolic derivatives."""
 
 import ast
 
-from mecano.laws.formula import BINARY, FormulaError
+from mecano.laws.formula import BINARY, FormulaError, read_formula
+
+LONGEST = 100_000  # characters of a formula in which signals are inserted, and of its rates
 
 SMOOTH = {  # function: its derivative, a formula of the argument {0}
     "sin": "cos({0})", "cos": "-sin({0})", "tan": "1 + tan({0})**2", "asin": "1/sqrt(1 - ({0})**2)",
@@ -10,6 +12,22 @@ SMOOTH = {  # function: its derivative, a formula of the argument {0}
     "log": "1/({0})", "tanh": "1 - tanh({0})**2",
 }  # fmt: skip
 ZERO, ONE = "0", "1"
+
+
+def with_rates(text):
+    """Return a formula (text) of the time alone and its two rates as Formulas.
+
+    Raises FormulaError where it has corners, or is too long together with its rates.
+    """
+    found = []
+    for order in range(3):
+        text = rate_of(text) if order else text
+        try:
+            found.append(read_formula(text, LONGEST))
+        except FormulaError:
+            too_long = "with its two rates it is too long a formula: simplify it, or give a law of time"
+            raise FormulaError(too_long) from None
+    return found
 
 
 def rate_of(text):
@@ -43,6 +61,8 @@ def _of_operation(op, left, right):
         return _plus(_times(u, b), _times(a, v))
     if isinstance(op, ast.Div):
         return _plus(_times(u, f"1/({b})"), _times(f"-({a})/({b})**2", v))
+    if isinstance(right, ast.Constant) and right.value in (0, 1):
+        return u if right.value else ZERO  # without 0*a**(-1), which is not finite for a = 0
     by_base = ZERO if u == ZERO else _times(f"({b})*({a})**(({b}) - 1)", u)
     return _plus(by_base, ZERO if v == ZERO else _times(f"({a})**({b})*log({a})", v))
 
@@ -54,7 +74,7 @@ def _of_call(name, arguments):
     if name in SMOOTH:
         return _times(SMOOTH[name].format(*texts), rates[0])
     if name not in BINARY:
-        raise FormulaError(f"'{name}' has a corner")
+        raise FormulaError(f"'{name}' has a corner: its rates jump")
     (a, b), (u, v) = texts, rates
     if name == "atan2":
         return _times(f"1/(({a})**2 + ({b})**2)", _plus(_times(u, b), _times(f"-({a})", v)))

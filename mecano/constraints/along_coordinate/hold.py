@@ -20,13 +20,12 @@ from mecano.constraints.augmented_lagrangian import add_constraint, deactivate, 
 from mecano.constraints.body_fixed import wrap
 from mecano.element_interface import Kind, Row, record
 from mecano.jit.kernel import kernel
-from mecano.laws.formula import evaluate_formula, read_formula
-from mecano.laws.formula_rate import rate_of
+from mecano.laws.formula import evaluate_formula
+from mecano.laws.formula_rate import with_rates
 from mecano.laws.table import evaluate_curve
 
 HELD = 0
 RELEASE_PHASES = ("held", "free")
-LONGEST_RATE = 100_000  # characters of the rates of a formula
 
 
 class Motion(NamedTuple):
@@ -58,8 +57,7 @@ def motion_values(value, offset, context):
     """Return the values of the fields of a Motion from a checked value: a law, or a formula of the time (text)."""
     if not is_formula(value):
         return {"law": context.laws.add(value), "offset": offset}
-    texts = value, rate_of(value), rate_of(rate_of(value))
-    starts = [context.laws.append(read_formula(text, LONGEST_RATE).numbers) for text in texts]
+    starts = [context.laws.append(formula.numbers) for formula in with_rates(value)]
     return {**dict(zip(("motion", "rate", "second_rate"), starts, strict=True)), "offset": offset}
 
 
