@@ -101,7 +101,7 @@ def check(d, nodes):
     sine = (
         np.linalg.norm(np.cross(d["normal"], d["radial"])) / np.linalg.norm(d["normal"]) / np.linalg.norm(d["radial"])
     )
-    texts = ["'radial' must not be along 'normal'"] if sine < 1e-6 else []
+    texts = ["'radial' must not be along 'normal'"] if sine < LEAST_SINE else []
     if d["inertia"] is None and np.any(d["center_of_mass"]):
         texts.append("'center_of_mass' belongs to 'inertia'")
     return texts

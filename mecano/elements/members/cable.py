@@ -248,13 +248,8 @@ def _strain(p, strain, strain_rate):
 
 
 @kernel
-def _bar_tension(p, strain, strain_rate):
-    return p.EA * (strain + p.damping * strain_rate)
-
-
-@kernel
 def _cable_tension(p, strain, strain_rate):
-    N = p.EA * (strain + p.damping * strain_rate)
+    N = _tension(p, strain, strain_rate)
     return select(strain > 0.0, at_least(N, 0.0), 0.0)
 
 
@@ -325,7 +320,7 @@ BAR = Kind(
     force=BAR_FORCE,
     observe=OBSERVE_BAR,
     variant=lambda d: BAR_BY_SIGNAL if is_formula(d["natural_length"]) else BAR,
-    measures={**MEASURES, "tension": _sensor("bar_tension", _bar_tension)},
+    measures={**MEASURES, "tension": _sensor("bar_tension", _tension)},
     sample=sample_bar,
 )
 BAR_BY_SIGNAL = replace(

@@ -221,11 +221,6 @@ class GeneralizedAlpha:
         """Return the largest of ``a`` (n_q,): of a node over the length scale, or of a scalar with inertia."""
         return largest_change(np.zeros(len(a)), a, self._kind, len(a), self.length)
 
-    def _lag(self, h, a0, a):
-        """Return the largest local error of a scalar without inertia, over the length scale."""
-        of = self._massless
-        return self.coefficients.error * h * h * np.abs(a[of] - a0[of]).max() / self.length if len(of) else 0.0
-
     def bounded_error(self, s, history, info):
         r"""Return the local error of the step to ``s`` and ``history``, with oscillations bounded by their amplitude.
 

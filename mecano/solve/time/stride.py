@@ -284,7 +284,7 @@ class Strides:
             **{name: array.ctypes.data for name, array in addresses.items()},
         )  # fmt: skip
         self._go_on = stride.bind(self.record, self.workspace.record, self._output)
-        self._tangent = self._renewed = None  # States of the tangents in the workspace
+        self._tangent = None  # State of the tangent in the workspace
 
     def advance(self, run, stop, most):
         """Make at most ``most`` steps towards ``stop`` [s]; return (run, trial, whether Python makes the next step).
