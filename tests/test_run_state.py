@@ -1,5 +1,9 @@
 """The state of a run is one value: saved, loaded and continued, it gives the same bits."""
 
+import subprocess
+import sys
+from pathlib import Path
+
 import h5py
 import numpy as np
 import pytest
@@ -43,6 +47,33 @@ def test_a_run_goes_on_from_its_saved_state_with_the_same_bits(control, tmp_path
     assert other.steps == end.steps > 100
     assert np.array_equal(other.motion.z, end.motion.z) and np.array_equal(other.motion.R, end.motion.R)
     assert other.dissipated == end.dissipated and other.h == end.h
+
+
+IN_VAIN = """
+from mecano.solve.time import step_change
+step_change.ACCEPT_BELOW = -1.0  # as where the fixed order of elimination does not factor the matrix
+from time_runs import in_python, input_deck
+from mecano.analyses.initial_state import set_initial_state
+from mecano.analyses.prepare import integrator_of, prepare
+from mecano.solve.time.generalized_alpha import GeneralizedAlpha
+
+change, changes, ends = GeneralizedAlpha._change_with_superlu, [], []
+GeneralizedAlpha._change_with_superlu = lambda self, tangent: changes.append(tangent) or change(self, tangent)
+checked = input_deck("nose_gear_rigid", "time.end=0.1")
+for observers, alter in (((), id), ((lambda accepted: None,), id), ((), in_python)):
+    prepared = prepare(checked)
+    set_initial_state(prepared)
+    integrator = integrator_of(prepared, observers)
+    alter(integrator)
+    run = integrator.to(0.1, integrator.begin(prepared.state, checked.values["time"]["step"]))
+    ends.append((run.motion.z.tobytes(), run.steps, run.iterations))
+assert len(changes) > 30 and len(set(ends)) == 1, [end[1:] for end in ends]
+"""
+
+
+def test_changes_of_step_size_that_compiled_code_cannot_make_give_the_same_bits():
+    """Many steps in one call, one in each call, and all of them by Python."""
+    subprocess.run([sys.executable, "-c", IN_VAIN], cwd=Path(__file__).parent, check=True)
 
 
 def test_rejected_steps_leave_nothing_behind():

@@ -192,9 +192,11 @@ class GeneralizedAlpha:
         change_step(w.record)
         tangent = w.state(TANGENT, s.phases)
         self.linear.solved(tangent)
-        if w.record["code"][0] != CONVERGED and not self._change_with_superlu(tangent):
+        if w.record["code"][0] == CONVERGED:
+            return w.new_history(BEGIN, w.v_shift.copy(), tangent)
+        if not self._change_with_superlu(tangent):
             return replace(history, h=h, tangent=None)
-        return w.new_history(BEGIN, w.v_shift.copy(), tangent)
+        return w.new_history(BEGIN, w.v_shift.copy(), None)  # as after compiled code has failed, which keeps no tangent
 
     def _change_with_superlu(self, tangent):
         """Change the step size with the factors of SuperLU; return whether the tangent is regular."""
