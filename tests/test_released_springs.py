@@ -50,6 +50,9 @@ MOUNTS = {
         "torsion_spring_damper", f"{COIL}, natural_angle: 0*time", "hinge", "angle", 0.5, 18.0,
     ),
     "bushing": ("bushing", "stiffness: [9, 9, 72, 9, 9, 9]", "prismatic", "displacement", 2.0, 72.0),
+    "bushing by a signal": (
+        "bushing", "stiffness: [9, 9, 72, 9, 9, 9], natural: {about_1: 0*time}", "prismatic", "displacement", 2.0, 72.0,
+    ),
 }  # fmt: skip
 
 

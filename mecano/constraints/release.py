@@ -72,7 +72,7 @@ def cut(kind, what):
     return replace(
         kind, name=f"{kind.name}_release", phases=(*phases, RELEASED_PHASE), events=(*kind.events, *releases),
         event_values=event_values, inputs=(*kind.inputs, "release"), variant=None,
-        reads=lambda d: [*(d[name] for name in kind.inputs), trigger_of(d["release"])],
+        reads=lambda d: [*kind.read(d), trigger_of(d["release"])],
     )  # fmt: skip
 
 
