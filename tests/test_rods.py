@@ -119,3 +119,26 @@ def test_wrong_rods(surface, message):
     with pytest.raises(DeckError) as error:
         deck(text)
     assert message in error.value.problems[0].message
+
+
+ON_AN_AXIS = """
+    mecano: 1
+    gravity: none
+    nodes: {a: {position: [0, 0, 0]}}
+    elements:
+      body: {type: rigid_body, node: a, mass: 1, inertia: [1, 1, 1]}
+      hit: {type: contact, nodes: NODES, cylinder: {axis: [0, 0, 1], radius: 0.5, center: [0, 0, 0]}, radius: 0.1,
+            rod: {axis: [0, 0, 1], length: 1CENTER}}
+    time: {end: 0.1, step: 0.1}
+    """
+
+
+@pytest.mark.parametrize("nodes", ["[ground, a]", "[a, ground]"])
+def test_the_node_of_a_rod_may_lie_within_the_cylinder(nodes):
+    m = RecordedRun(deck(ON_AN_AXIS.replace("NODES", nodes).replace("CENTER", ", center: [1, 0, 0]")))
+    np.testing.assert_allclose(m["elements/hit/gap"], 1.0 - 0.5 - 0.1, atol=1e-15)
+
+
+def test_a_rod_in_the_ground_needs_a_place():
+    with pytest.raises(DeckError, match="'rod' needs 'center': the ground has no position"):
+        deck(ON_AN_AXIS.replace("NODES", "[a, ground]").replace("CENTER", ""))

@@ -153,7 +153,7 @@ def check_surface(d, nodes):
     place = "point" if name == "plane" else "center"
     if d["nodes"][0] == "ground" and values[place] is None:
         return [f"'{name}' needs '{place}': the ground has no position"]
-    if name == "plane":
+    if name == "plane" or d.get("rod") is not None:  # a rod need not be at node b
         return []
     if values.get("inside"):
         small = d["radius"] < values["radius"]

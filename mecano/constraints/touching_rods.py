@@ -101,12 +101,14 @@ class _Ends:
 
 
 def check_rod(d, nodes):
-    """Return errors for a rod at a surface that is no line, and for axes that meet."""
+    """Return errors for a rod at a surface that is no line, without a place, and for axes that meet."""
     name, values = given(d)
     if name not in ("capsule", "cylinder") or values.get("inside"):
         return ["a 'rod' touches a 'capsule', or a 'cylinder' from outside; on a plane use a ball at each of its ends"]
     if d["radius"] <= 0.0:
         return ["the 'radius' of a 'rod' must be greater than zero"]
+    if d["nodes"][1] == "ground" and d["rod"]["center"] is None:
+        return ["'rod' needs 'center': the ground has no position"]
     gap, distance = rod_gap_at_start(d, nodes)
     apart = distance > 0.5 * (distance - gap)
     return [] if apart else [f"the axes of the rod and of the {name} are {distance:.3g} m apart: move them apart"]
