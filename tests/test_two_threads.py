@@ -281,7 +281,7 @@ class TestThreads:
         assert thread_pool.threads() == thread_pool.PARTS
         monkeypatch.setenv(thread_pool.VARIABLE, "1")
         assert thread_pool.threads() == 1
-        for wrong in ("0", "two", "-1", ""):
+        for wrong in ("0", "two", "-1", "", "²"):
             monkeypatch.setenv(thread_pool.VARIABLE, wrong)
             with pytest.raises(UsageError, match="MECANO_THREADS must be a number of threads"):
                 thread_pool.threads()

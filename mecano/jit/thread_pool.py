@@ -110,7 +110,7 @@ def threads():
     given = os.environ.get(VARIABLE)
     if given is None:
         return min(cores(), PARTS)
-    if not given.isdigit() or int(given) < 1:
+    if not given.isdecimal() or int(given) < 1:
         raise UsageError(f"{VARIABLE} must be a number of threads, 1 or more, not '{given}'")
     return int(given)
 
