@@ -7,7 +7,8 @@ then the constrained parts of accelerations and velocities by
    \begin{bmatrix} 0 \\ -k r \end{bmatrix}
 
 with r (n_l,), by which rates or second rates of the constraints are to change, and the effective tangent S of the new
-size at the state between the steps. The next step begins its iterations with the factor of this matrix.
+size at the state between the steps. The next step begins its iterations with the factor of this matrix if it keeps a
+tangent (refactorization.py); after a start it does not.
 """
 
 from mecano.jit.entry import Records, entry
