@@ -114,7 +114,7 @@ class GeneralizedAlpha:
         self.workspace.point_to(
             n_constraints=len(loops), constraints=loops, constraint_batches=batches,
             derivatives=np.zeros((5, system.n_l, 3)),
-            gap=np.zeros(system.n_l), added=np.zeros((2, system.numbering.n_all)),
+            gap=np.zeros(system.n_l), added=np.zeros((3, system.numbering.n_all)),
             nnz=system.nnz, rows=system.rows, columns=system.cols, diagonal=system.diagonal,
         )  # fmt: skip
         self.use(compliance)
@@ -188,7 +188,7 @@ class GeneralizedAlpha:
         w.held = None
         w.put_state(BEGIN, s)
         w.put_history(history)
-        w.point_to(next_h=h, factored=False)
+        w.point_to(next_h=h, factored=0)
         change_step(w.record)
         tangent = w.state(TANGENT, s.phases)
         self.linear.solved(tangent)
@@ -201,13 +201,15 @@ class GeneralizedAlpha:
     def _change_with_superlu(self, tangent):
         """Change the step size with the factors of SuperLU; return whether the tangent is regular."""
         w = self.workspace
-        if not self.linear.solve(self.system.data, self._equations, self._increment, tangent).ok:
-            return False
         own, of_superlu = w.record["substitute"][0], Substitution(lambda words, results: self._substitute())
-        w.point_to(substitute=ctypes.cast(of_superlu, ctypes.c_void_p).value, factored=True)
-        change_step(w.record)
+        w.point_to(substitute=ctypes.cast(of_superlu, ctypes.c_void_p).value)
+        regular = True
+        while regular and w.record["code"][0] != CONVERGED:
+            regular = self.linear.solve(self.system.data, self._equations, self._increment, tangent).ok
+            w.record["factored"] += 1
+            change_step(w.record)
         w.point_to(substitute=own)
-        return True
+        return regular
 
     def _substitute(self):
         self.linear.solve_again(self._equations, self._increment)

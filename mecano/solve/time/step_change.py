@@ -6,9 +6,10 @@ then the constrained parts of accelerations and velocities by
 .. math:: \begin{bmatrix} S & -k B^T \\ -k B & -k^2 c \end{bmatrix} \begin{bmatrix} \delta \\ \mu \end{bmatrix} =
    \begin{bmatrix} 0 \\ -k r \end{bmatrix}
 
-with r (n_l,), by which rates or second rates of the constraints are to change, and the effective tangent S of the new
-size at the state between the steps. The next step begins its iterations with the factor of this matrix if it keeps a
-tangent (refactorization.py); after a start it does not.
+with r (n_l,), by which rates or second rates of the constraints are to change, and the tangent S of steps so short that
+masses dominate it, at the state between the steps. A longer step takes of the shift along the slope what its own
+tangent resolves (modal_filter.py); the next step begins its iterations with the factor of this tangent if it keeps one
+(refactorization.py).
 """
 
 from mecano.jit.entry import Records, entry
@@ -38,6 +39,7 @@ from mecano.solve.time.workspace import (
 )
 
 DIFFERENCE = 0.02  # of a step, for differences along the motion
+METRIC = 1e-3  # of a step: for steps so much shorter the tangent is that of the masses, where there are any
 TOO_FAST = 0.1  # of the accelerations lost to the filter: below, its error is all that it would bring
 HERE, NEXT, AFTER, TURNING, ALGORITHMIC = range(5)  # rows of ``derivatives``
 
@@ -46,26 +48,41 @@ HERE, NEXT, AFTER, TURNING, ALGORITHMIC = range(5)  # rows of ``derivatives``
 def change_step(work: Records(STEP)):
     """Give BEGIN the history for steps of size ``next_h``; overwrites TANGENT and TRIAL.
 
-    ``code`` is CONVERGED, or OTHERWISE if the fixed order of elimination does not factor the matrix, which is then to
-    be solved with the right-hand side in ``residual`` before a second call, with ``factored``.
+    ``code`` is CONVERGED, or OTHERWISE if the fixed order of elimination does not factor a matrix: the caller solves it
+    with the right-hand side in ``residual``, adds one to ``factored``, and calls again.
     """
     w = work[0]
-    if not w.factored:
-        copy_history(w, BEGIN, UNCHANGED)
-        w.changed, w.last_h, w.last_stiffness, w.last_age = 1, w.h, w.stiffness, w.age
+    if w.factored == 0:
+        remember(w)
         refer(w)
-        weigh(w, w.next_h)
+        w.h = w.next_h
         differentiate_constraints(w)
         velocity_gap(w)
-        if not factor(w):
+        assemble_scaled(w, METRIC * w.h)
+        put_gap(w)
+        if w.n_l and not factor(w):
             w.code = OTHERWISE
             return
-    w.factored = 0
-    ratio = w.h / w.last_h
-    shift_velocities(w)
-    shift_accelerations(w, ratio)
-    scale_differences(w, ratio)
-    w.age, w.code = 1, CONVERGED
+    longer = w.known == 0 or w.h > w.last_h
+    if w.factored <= 1:
+        shift_velocities(w)
+        shift_accelerations(w, longer)
+        scale_differences(w, w.h / w.last_h)
+        prepare_filter(w)
+        if longer and not factor(w):
+            w.factored, w.code = 1, OTHERWISE
+            return
+    if longer:
+        add_resolved_part(w)
+    w.has = w.has if longer else 0
+    w.factored, w.age, w.code = 0, 1, CONVERGED
+
+
+@kernel
+def remember(w):
+    """Keep the history before the change, with which an interrupted run is resumed."""
+    copy_history(w, BEGIN, UNCHANGED)
+    w.changed, w.last_h, w.last_stiffness, w.last_age, w.last_has = 1, w.h, w.stiffness, w.age, w.has
 
 
 @kernel
@@ -77,12 +94,6 @@ def refer(w):
     for i in range(w.n_q):
         if kind[i] == ROTATION:
             z[i] = 0.0
-
-
-@kernel
-def weigh(w, h):
-    """Set the step size and the weights of velocities and accelerations in its tangent."""
-    w.h, w.cC, w.cM = h, w.gamma / (w.beta * h), (1 - w.am) / (1 - w.af) / (w.beta * h * h)
 
 
 @kernel
@@ -142,15 +153,20 @@ def velocity_gap(w):
 
 
 @kernel
-def factor(w):
-    """Factor the matrix and solve it for the gap of the velocities; return whether the solution is accurate."""
+def assemble_scaled(w, h):
+    """Assemble the matrix for steps of size h, whose rows of constraints are scaled by what it is without them."""
+    w.cC, w.cM = w.gamma / (w.beta * h), (1 - w.am) / (1 - w.af) / (w.beta * h * h)
     w.k, w.penalty = 1.0, 0.0
-    for scaled in range(2):  # its rows of constraints are scaled by what it is without them
+    for scaled in range(2):
         assemble_at_tangent(w, 1.0, w.cC, w.cM)
         if not scaled:
             scale_constraints(w)
     soften_tangent(w, system_of(w)[0])
-    put_gap(w)
+
+
+@kernel
+def factor(w):
+    """Factor the assembled matrix and solve it for the right-hand side; return whether the solution is accurate."""
     w.factorizations += 1
     results = floats(w.solve_results, 3)
     call(w.solve, w.solve_words, w.solve_results)
@@ -234,30 +250,27 @@ def shift_velocities(w):
     """Write the correction of the velocities, from the solution for their gap."""
     shift, x = floats(w.v_shift, w.n_all), floats(w.increment, w.n)
     shift[:] = 0.0
-    for i in range(w.n_q):
+    for i in range(w.n_q if w.n_l else 0):
         if moves(w, i):
             shift[i] = x[i]
 
 
 @kernel
-def shift_accelerations(w, ratio):
-    """Move the algorithmic accelerations along their slope; a longer step takes of it what it resolves."""
+def shift_accelerations(w, longer):
+    """Move the algorithmic accelerations along their slope; what a longer step may not resolve is left in ``added``."""
     a, slope, _ = history_of(w, BEGIN)
     true, more = motion_of(w, BEGIN)[2], floats(w.added, w.n_all)
-    longer = w.known == 0 or ratio > 1.0
     for i in range(w.n_all):
-        added = (w.am - w.af) * (ratio - 1.0) * slope[i] if i < w.n_q else 0.0
+        added = (w.am - w.af) * (w.h / w.last_h - 1.0) * slope[i] if i < w.n_q else 0.0
         if w.known == 0:  # no step has been made: as at a start
             a[i], added = 0.0, true[i]
         elif not longer:
             a[i] += added
-        more[i] = a[i] + added if longer else 0.0
+        more[i] = a[i] + added
     for whole in range(2 if longer else 1):
         project(w, more if whole else a)
-    if longer:
-        for i in range(w.n_q):
-            more[i] -= a[i]
-        add_resolved_part(w, more, a)
+    for i in range(w.n_q):
+        more[i] -= a[i]
 
 
 @kernel
@@ -278,12 +291,20 @@ def project(w, a):
 
 
 @kernel
-def add_resolved_part(w, more, a):
-    """Add to ``a`` what steps resolve of ``more`` (n_all,), or all of it if none is too fast (modal_filter.py)."""
-    b, x, kind = floats(w.residual, w.n_all), floats(w.increment, w.n), integers(w.kind, w.n_all)
-    none = floats(w.added + 8 * w.n_all, w.n_all)
-    times_masses(w, more, b)
-    call(w.substitute, w.substitute_words, 0)
+def prepare_filter(w):
+    """Assemble the effective tangent, with the right-hand side cM M ``added`` (modal_filter.py)."""
+    more, b, kept = floats(w.added, w.n_all), floats(w.residual, w.n_all), floats(w.added + 16 * w.n_all, w.n)
+    times_masses(w, more, kept)
+    assemble_scaled(w, w.h)
+    for i in range(w.n):
+        b[i] = w.cM * kept[i]
+
+
+@kernel
+def add_resolved_part(w):
+    """Add to the accelerations what steps resolve of ``added``, or all of it if nothing in it is too fast."""
+    a, x, kind = history_of(w, BEGIN)[0], floats(w.increment, w.n), integers(w.kind, w.n_all)
+    more, none = floats(w.added, w.n_all), floats(w.added + 8 * w.n_all, w.n_all)
     for i in range(w.n_q):
         if not moves(w, i):
             x[i] = more[i]
@@ -295,7 +316,7 @@ def add_resolved_part(w, more, a):
 
 @kernel
 def times_masses(w, x, out):
-    """Write cM M x (n,), zero for the multipliers."""
+    """Write M x (n,), zero for the multipliers."""
     assemble_at_tangent(w, 0.0, 0.0, 1.0)
     s = system_of(w)[0]
     data, rows, columns = floats(s.data, s.n_data), integers(w.rows, w.nnz), integers(w.columns, w.nnz)
@@ -304,8 +325,6 @@ def times_masses(w, x, out):
     for i in range(w.nnz):
         if rows[i] < w.n_q and columns[i] < w.n_q:
             out[rows[i]] += data[i] * x[columns[i]]
-    for i in range(w.n_q):
-        out[i] *= w.cM
 
 
 @kernel

@@ -23,7 +23,7 @@ STEP = fields(
     floats="due am af beta gamma error length duration force_tolerance constraint_tolerance increment_tolerance "
     "h k penalty cC cM stiffness reach change lag turn turning drift next_drift "
     "next_h last_h last_stiffness fixed_k fixed_penalty largest_penalty largest_penalty_share",
-    words="code begun paused factored changed has kept usable stale pending renewed age last_age known "
+    words="code begun paused factored changed has kept usable stale pending renewed age last_age last_has known "
     "next_has next_age next_known most most_kept factorizations "
     "n_q n_l n n_all n_rotations n_memory n_phases n_massless n_entries state_size "
     "n_loops loops batches n_tangents tangents tangent_batches system residual size increment T kind rotation_dof "
@@ -181,7 +181,10 @@ class Workspace:
         if not r["changed"]:
             return self.new_history(BEGIN, self.v_shift.copy(), tangent)
         changed = self.new_history(UNCHANGED, np.zeros(len(self.v_shift)), tangent)
-        return replace(changed, h=float(r["last_h"]), k=float(r["last_stiffness"]), age=int(r["last_age"]))
+        return replace(
+            changed, h=float(r["last_h"]), k=float(r["last_stiffness"]), age=int(r["last_age"]),
+            tangent=tangent if r["last_has"] else None,
+        )  # fmt: skip
 
     def new_history(self, which, v_shift, tangent):
         """Return the History at BEGIN or TRIAL; ``v_shift`` is not copied, ``tangent`` a State."""
