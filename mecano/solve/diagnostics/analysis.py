@@ -59,6 +59,7 @@ class Analysis:
     gradient: Entries
     names: Sequence  # EquationName of the unknowns, and of others that follow
     signals: np.ndarray  # (n_q,) bool: unknowns that are signals, not motions
+    active: np.ndarray  # (n_l,) bool: constraints that hold in the phases of the configuration
     complete: bool = True
 
     @property
@@ -107,7 +108,8 @@ def analyse(system, s, length):
     if len(loops) > DENSE_ROWS:
         import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
 
-        return Analysis(n_l, (), sp.diags(holds.astype(float), format="csr"), None, B, names, system.signals, False)
+        dependent = sp.diags(holds.astype(float), format="csr")
+        return Analysis(n_l, (), dependent, None, B, names, system.signals, holds, False)
     null = _left_null(B.dense(loops))
     redundant, rank = groups(null @ null.T, [of.name[of.n_q + i] for i in loops]), n_l - null.shape[1]
     rows, shares, null = _repeated(null, of.of_rates[loops])
@@ -115,7 +117,7 @@ def analyse(system, s, length):
         _spread(shares * size[loops] / size[loops[rows], None], loops[rows], loops, system.n_l) if rows else None
     )
     dependent = _directions(system, null @ null.T, loops, size) if null.shape[1] else None
-    return Analysis(rank, redundant, dependent, release_matrix, B, names, system.signals)
+    return Analysis(rank, redundant, dependent, release_matrix, B, names, system.signals, holds)
 
 
 def gradient(system, s, length):

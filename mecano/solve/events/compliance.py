@@ -33,6 +33,7 @@ class Compliance:
     places: np.ndarray  # (matrix.nnz,) indices into the values of the tangent; the last one if there is none
     of_rates: np.ndarray  # (matrix.nnz,) bool
     released_entries: np.ndarray  # (matrix.nnz,) bool: P
+    active: np.ndarray  # (n_l,) bool: constraints whose redundancies the compliances account for
     values: np.ndarray  # (matrix.nnz,) in a step
 
     @cached_property
@@ -99,7 +100,7 @@ class Compliance:
         """Return a dict of arrays from which ``from_plain`` restores the compliances."""
         c = self.matrix
         of = {"data": c.data, "indices": c.indices, "indptr": c.indptr}
-        own = {"places": self.places, "of_rates": self.of_rates, "values": self.values}
+        own = {"places": self.places, "of_rates": self.of_rates, "active": self.active, "values": self.values}
         return {**of, **own, "let_go": self.released_entries}
 
     @classmethod
@@ -109,7 +110,8 @@ class Compliance:
 
         n = len(plain["indptr"]) - 1
         matrix = sp.csr_matrix((plain["data"], plain["indices"], plain["indptr"]), shape=(n, n))
-        return cls(matrix, plain["places"], plain["of_rates"], plain["let_go"], plain["values"].copy())
+        own = (plain[name] for name in ("places", "of_rates", "let_go", "active"))
+        return cls(matrix, *own, plain["values"].copy())
 
 
 OF_POSITIONS, OF_RATES, OF_RELEASED = range(3)  # kinds of the entries of compliances
@@ -166,7 +168,8 @@ def compliance(system, s, length, analysis):
     entries = matrix.tocoo()
     released = np.isin(entries.row, analysis.released)
     places = _places(system, entries.row.astype(np.int64), entries.col)
-    return Compliance(matrix, places, of.of_rates[entries.row], released, matrix.data.copy())
+    of_rates = of.of_rates[entries.row]
+    return Compliance(matrix, places, of_rates, released, analysis.active, matrix.data.copy())
 
 
 def _places(system, rows, cols):

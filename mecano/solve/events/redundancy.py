@@ -13,26 +13,39 @@ def reanalyse_redundancy(system, linear, s, soft, length):
     """Analyse the redundancy of the constraints at ``s`` again, if its phases have changed it.
 
     Return (Consistent, Compliance or None, redundant Groups). ``soft`` is the previous Compliance. The model is
-    analysed only if pivots of the factorization show that rigid constraints depend on others, or if constraints are
-    released. Raises AssemblyError.
+    analysed only if pivots of the factorization show that rigid constraints depend on others, if constraints have
+    become active of which ``soft`` does not account for, or if constraints are released. Raises AssemblyError.
+
+    The pivots do not show a rigid constraint that depends on compliant ones, and the compliant ones would then carry
+    nothing. Fewer constraints than ``soft`` accounts for have no other redundancies than theirs.
     """
+    added = np.zeros(0, np.int64) if soft is None else np.flatnonzero(gradient(system, s, length)[2] & ~soft.active)
     consistent, repeats = None, True
     try:
         consistent = Consistent(system, linear, s, soft)
         repeats = consistent.repeats()
     except AssemblyError:
         pass
-    if not repeats and (soft is None or not len(soft.released)):
+    if not repeats and not len(added) and (soft is None or not len(soft.released)):
         return consistent, soft, ()
     analysis = analyse(system, s, length)
-    if not repeats and not _missed(system, s, length, soft, analysis):
+    if not repeats and not len(added) and not _missed(soft, analysis):
         return consistent, soft, ()
-    soft = compliance(system, s, length, analysis)
-    found = redundant_groups(system, s, length, analysis) if repeats else ()
-    return Consistent(system, linear, s, soft), soft, found
+    new = compliance(system, s, length, analysis)
+    found = redundant_groups(system, s, length, analysis) if repeats or len(added) else ()
+    if len(added):
+        found = _with_any(found, system, added)
+    return Consistent(system, linear, s, new), new, found
 
 
-def _missed(system, s, length, soft, analysis):
-    """Return whether constraints that ``soft`` releases would be active at ``s`` and are no longer implied there."""
-    would = np.intersect1d(soft.released, np.flatnonzero(gradient(system, s, length)[2]))
+def _missed(soft, analysis):
+    """Return whether constraints that ``soft`` releases are active in ``analysis`` and no longer implied there."""
+    would = np.intersect1d(soft.released, np.flatnonzero(analysis.active))
     return bool(np.setdiff1d(would, analysis.released).size)
+
+
+def _with_any(found, system, constraints):
+    """Return the Groups of ``found`` with any of the ``constraints`` (n,)."""
+    of = system.numbering
+    names = {of.name[of.n_q + i] for i in constraints}
+    return tuple(group for group in found if names.intersection(group.names))

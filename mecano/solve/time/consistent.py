@@ -234,6 +234,18 @@ class Consistent:
         gap[self.system.numbering.of_rates] = 0.0
         return displaced(s, self.change(-gap), self.system.numbering)
 
+    def without_compliance(self, s):
+        """Return ``s`` with positions and velocities that satisfy compliant constraints as exactly as all others.
+
+        What locks there is not under stress: it would keep the deflection of the compliances, and with them in series
+        the reactions of this instant.
+        """
+        gap = self.system.constraint_derivatives(s)[:, 0]
+        gap[self.system.numbering.of_rates] = 0.0
+        s = displaced(s, self.change(-gap), self.system.numbering)
+        self.project_velocity(s)
+        return s
+
 
 def consistent_state(system, linear, s, h, contradictions, compliance=None, consistent=None):
     """Return ``s`` with consistent velocities, accelerations and multipliers for steps of size h, and its Consistent.

@@ -296,7 +296,7 @@ class TimeIntegrator:
         s, history, info = trial
         info.error = self._judged(trial, h)
         reached = self._powers_before(run, s, h)
-        s = self._consistent(s, run.h)
+        s = self._consistent(s, run.h, impact=self.shocks.impact_candidates.among(hit))
         here = self.monitor.values(s)
         new = self._stepped(run, s, history, run.h, h, reached, info.work)
         hit = self.monitor.together(hit, self.monitor.values(run.motion), here, self.monitor.values(s))
@@ -304,13 +304,16 @@ class TimeIntegrator:
         self._notify(Accepted(run.motion, new, info, h, rejected, tuple(event_records)))
         return self._start_again(after, s, consistent)
 
-    def _consistent(self, s, h):
+    def _consistent(self, s, h, impact=False):
         """Return ``s`` with consistent accelerations and multipliers, and evaluate the elements there.
 
-        Those of a very short step have the rounding error of the positions over the square of the step size.
+        Those of a very short step have the rounding error of the positions over the square of the step size. Before an
+        ``impact`` the positions are those without the deflection of compliances.
         """
         method = self.method
-        s, _ = consistent_state(self.system, method.linear, s, h, method.contradictions, method.compliance)
+        s, consistent = consistent_state(self.system, method.linear, s, h, method.contradictions, method.compliance)
+        if impact and method.compliance is not None:
+            s = consistent.without_compliance(s)
         self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
         return s
 
