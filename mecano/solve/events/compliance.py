@@ -46,6 +46,12 @@ class Compliance:
         """Numbers (n,) of the redundant constraints, which are compliant."""
         return np.unique(self.matrix.tocoo().row[~self.released_entries])
 
+    def deflection(self, reactions):
+        """Return c Lambda (n_l,) for the reactions Lambda (n_l,), zero for released constraints."""
+        out = self.matrix @ reactions
+        out[self.released] = 0.0
+        return out
+
     @cached_property
     def in_tangent_share(self):
         """Factors (matrix.nnz,) of ``values`` in the tangent, where the identity replaces P."""

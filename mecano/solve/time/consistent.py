@@ -103,6 +103,15 @@ class Consistent:
         """Return ``change`` and its impulses (n_l,) k*lambda, less k times the rates reached."""
         return self._solve_again(np.zeros(self.system.n_q), -self.k * rate)
 
+    def share(self, impulses):
+        """Return impulses (n_l,) of the same effect and of least norm, without the rounding errors of the rates.
+
+        The compliances turn such errors, 1e-16 of the rates, into 1e-4 of the impulses; here all rates are small.
+        """
+        if self.compliance is None:
+            return impulses
+        return impulses + self.exchange(-self.compliance.deflection(impulses))[1]
+
     def project_velocity(self, s):
         """Change v of ``s`` in place so that the rates of the constraints become zero."""
         s.v[: self.system.n_q] += self.change(-self.system.constraint_derivatives(s)[:, 1])
