@@ -42,6 +42,7 @@ class MecanoError(Exception):
 
     exit_code = 1
     elements = ()  # titles, "kind 'name'", of the elements in the equations that failed
+    places = ()  # of these equations, "node a"
 
 
 class DeckError(MecanoError):

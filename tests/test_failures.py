@@ -95,6 +95,7 @@ def test_forces_that_are_not_finite(monkeypatch):
     assert first.startswith("  node pin: force x: residual ")
     assert "rigid_body 'bar'" in first and "force 'pull'" in first
     assert "what to try: laws that stay finite near this state" in worst
+    assert error.value.places == ("node pin",)
     assert 4.0 < float(head.split("t = ")[1].split(" s")[0]) < 5.0
 
 

@@ -59,6 +59,12 @@ def test_a_failure_says_what_to_try_in_the_elements_that_failed():
     ]
 
 
+def test_a_failure_repeats_the_warnings_about_its_nodes():
+    error, light = ConvergenceError("no step"), "deck.yaml:7:3: node rim: nothing gives mass to its rotation"
+    error.places = ("node rim",)
+    assert explained(error, towed(STRING), [light, "node rim2: light"]).splitlines() == ["no step", f"warning: {light}"]
+
+
 def test_a_failed_run_names_what_was_warned_of(tmp_path):
     """Newton's method may not iterate, so that the patch, which is stiff, cannot be followed."""
     text = towed(MORELAND % (0.0, 1e-5, KAP)).text

@@ -97,15 +97,18 @@ def exceeded(deck, sampler, extremes):
 
 
 def explained(error, deck, warnings):
-    """Return the text of an ``error`` with remedies for the elements that failed and the ``warnings`` about them."""
-    remedies = {}
+    """Return the text of an ``error`` with remedies for the elements that failed.
+
+    The ``warnings`` about these elements and about the places of the equations that failed follow.
+    """
+    remedies, about = {}, [*error.elements, *(f"{place}: " for place in error.places)]
     for section in SECTIONS:
         for name, d in deck.values[section].items():
             title = title_of(d["type"], name)
             if title in error.elements and (found := KINDS[d["type"]].remedies(d)):
                 remedies.setdefault("; ".join(found), []).append(title)
     tries = [f"in {some(titles, MOST_NAMED)}: {found}" for found, titles in remedies.items()]
-    known = [f"warning: {one}" for one in dict.fromkeys(warnings) if any(title in one for title in error.elements)]
+    known = [f"warning: {one}" for one in dict.fromkeys(warnings) if any(text in one for text in about)]
     return "\n".join([str(error), *tries, *known])
 
 

@@ -38,8 +38,9 @@ def no_step(system, info, t, h):
 
 
 def _of_equations(error, system, rows):
-    """Return the ``error`` with the elements that act in the equations ``rows``."""
+    """Return the ``error`` with the places of the equations ``rows`` of motion, and the elements that act there."""
     error.elements = tuple(dict.fromkeys(title for i in rows for title in titles(system, i)))
+    error.places = tuple(dict.fromkeys(system.numbering.name[i].place for i in rows if i < system.n_q))
     return error
 
 
