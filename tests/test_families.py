@@ -68,6 +68,49 @@ def test_families_of_motions_without_inertia():
     assert [FAMILIES[i] for i in families(lin, kind, axes, own[None])] == ["deformation"]
 
 
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_families_of_a_deck_with_signals(count, tmp_path):
+    """An actuated slide of 1 kg: its motion along x, not its signals, determines the family, at any gain."""
+    signals = ["u: -$k*t.displacement - 2*t.velocity", "v: 2*u", "w: 1.0e9*u"][:count]
+    (tmp_path / "slide.yaml").write_text(slide(signals))
+    sweep_into(tmp_path / "s.h5", tmp_path / "slide.yaml", (), ["k=100,400"])
+    file = read_sweep(tmp_path / "s.h5")
+    assert file.families == [["longitudinal"] * 2]
+    np.testing.assert_allclose(file.modes["imaginary_part"][0], np.sqrt([99.0, 399.0]), rtol=1e-9)
+
+
+def test_the_pole_of_a_filter_is_no_motion(tmp_path):
+    """A signal that follows the force with a lag of 0.1 s moves nothing: the pole is at -10/s, of no direction."""
+    signals = ["u: -$k*t.displacement - 2*t.velocity", "f: {type: lag, input: u, time_constant: 0.1}"]
+    (tmp_path / "slide.yaml").write_text(slide(signals))
+    sweep_into(tmp_path / "s.h5", tmp_path / "slide.yaml", (), ["k=100,400"])
+    file = read_sweep(tmp_path / "s.h5")
+    poles = {name: file.modes["real_part"][file.families.index([name] * 2)] for name in ("longitudinal", "deformation")}
+    np.testing.assert_allclose(poles["longitudinal"], -1.0, rtol=1e-9)
+    np.testing.assert_allclose(poles["deformation"], -10.0, rtol=1e-9)
+
+
+def test_families_of_a_deck_with_a_release(tmp_path):
+    """A joint that is released brings a signal of its own, which is hidden."""
+    held = "spare: {type: fixed, nodes: [ground, c], release: {time: 0.5 s}}"
+    text = slide(["u: -$k*t.displacement - 2*t.velocity"], "c: {position: [0, 1, 0]}", held)
+    (tmp_path / "slide.yaml").write_text(text)
+    sweep_into(tmp_path / "s.h5", tmp_path / "slide.yaml", (), ["k=100,400"])
+    assert ["longitudinal"] * 2 in read_sweep(tmp_path / "s.h5").families
+
+
+def slide(signals, node="", joint=""):
+    """A body of 1 kg on a prismatic joint along x, pushed by the signal u; k is a parameter."""
+    more = "  C: {type: rigid_body, node: c, mass: 1, inertia: [1, 1, 1]}" if node else ""
+    return "\n".join([
+        "mecano: 1", "gravity: none", "parameters: {k: 100}", "nodes:", "  b: {position: [1, 0, 0]}", f"  {node}",
+        "joints:", "  t: {type: prismatic, nodes: [ground, b], axis: [1, 0, 0]}", f"  {joint}",
+        "elements:", "  B: {type: rigid_body, node: b, mass: 1, inertia: [1, 1, 1]}", more,
+        "signals:", *(f"  {text}" for text in signals),
+        "loads:", "  act: {type: joint_force, joint: t, value: u}", "time: {end: 1, step: 1 ms}",
+    ])  # fmt: skip
+
+
 def test_least_damped():
     values = np.array([-1 + 2j, -0.1 + 5j, np.nan, 1e-9, -3.0])
     assert least_damped(values, 1e-6) == 1 and least_damped(values) == 3

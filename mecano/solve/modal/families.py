@@ -4,15 +4,17 @@ With the axes longitudinal (the horizontal mean velocity of the nodes; x for a m
 gravity; z without gravity) and lateral (vertical x longitudinal), a shape y is split into translations along each axis,
 rotations about each axis, and scalar unknowns of elements. The part :math:`y_k` with the largest kinetic energy
 :math:`y_k^* M y_k` determines the family: longitudinal, lateral, vertical; roll, pitch, yaw; deformation. For a motion
-without inertia the squared displacements are compared instead, with rotations times the length scale.
+without inertia the squared displacements are compared instead, with rotations times the length scale. Signals have
+any unit and are left out; a mode of signals alone, such as the pole of a filter, counts as deformation.
 """
 
 import numpy as np
 
-from mecano.model.numbering import ROTATION, SCALAR, TRANSLATION
+from mecano.model.numbering import ROTATION, SIGNAL, TRANSLATION
 
 FAMILIES = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw", "deformation")
 SLOW = 1e-6  # of the largest velocity: a smaller mean velocity counts as zero
+STILL = 1e-13  # of the largest component: displacements of a mode of signals alone
 MASSLESS = 1e-12  # of the largest inertia, times the square of the displacement
 
 
@@ -44,6 +46,9 @@ def families(lin, kind, axes, shapes):
     for i, shape in enumerate(shapes):
         parts = _parts(kind, axes, shape)
         size = np.sum(np.abs(parts * lin.root) ** 2, axis=1)
+        if size.sum() <= (STILL * np.abs(shape).max(initial=0.0)) ** 2:
+            found[i] = FAMILIES.index("deformation")
+            continue
         energy = np.array([abs(np.vdot(part, M @ part)) for part in parts])
         found[i] = np.argmax(energy if energy.max() > MASSLESS * largest * size.sum() else size)
     return found
@@ -51,12 +56,12 @@ def families(lin, kind, axes, shapes):
 
 def _parts(kind, axes, shape):
     """Return the shape (n_q,) split by families, (7, n_q)."""
-    n = int(np.argmax(np.append(kind, SCALAR) == SCALAR))  # unknowns of nodes come first, in groups of three
+    n = int(np.isin(kind, (TRANSLATION, ROTATION)).sum())  # unknowns of nodes come first, in groups of three
     along = shape[:n].reshape(-1, 3) @ axes.T
     parts = np.zeros((len(FAMILIES), len(shape)), complex)
     for k in range(3):
         moves = (along[:, k, None] * axes[k]).ravel()
         parts[k, :n] = np.where(kind[:n] == TRANSLATION, moves, 0.0)
         parts[3 + k, :n] = np.where(kind[:n] == ROTATION, moves, 0.0)
-    parts[-1, n:] = shape[n:]
+    parts[-1, n:] = np.where(kind[n:] == SIGNAL, 0.0, shape[n:])
     return parts
