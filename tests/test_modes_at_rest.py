@@ -10,7 +10,8 @@ from mecano.analyses.dynamic import run
 from mecano.analyses.modal import about, modes
 from mecano.analyses.static import run as run_static
 from mecano.cli import commands
-from mecano.errors import ConvergenceError, UsageError
+from mecano.errors import ConvergenceError, ResultsError, UsageError
+from mecano.post.mode_shapes import draw_modes
 
 FOLDED = 0.9 * np.pi
 ROOT, FLAP = 8.0, 3.0  # N m/rad
@@ -109,7 +110,7 @@ def test_where_there_is_no_rest(tmp_path):
         about(deck(text), str(tmp_path / "fall.h5"), at_rest=True)
     static = deck(arm("static: {}"))
     run_static(static, tmp_path / "arm.h5")
-    with pytest.raises(UsageError, match="leave out --at-rest"):
+    with pytest.raises(UsageError, match="omit --at-rest"):
         about(static, str(tmp_path / "arm.h5"), at_rest=True)
 
 
@@ -125,3 +126,22 @@ def test_at_rest_on_the_command_line(swinging, tmp_path, capsys):
     assert "modes about: equilibrium at rest near" in capsys.readouterr()[0]
     with pytest.raises(click.BadParameter, match="belongs to --at"):
         commands(["modes", str(file), "--at-rest"], standalone_mode=False)
+    with pytest.raises(click.BadParameter, match="use --set initial.from=FILE:TIME"):
+        commands(["modes", str(file), "--at", f"{path}:2.0", "--sweep", "time.step=1,2"], standalone_mode=False)
+
+
+def test_where_nothing_moves_there_are_no_shapes_to_draw(tmp_path, capsys):
+    """A mass guided in three directions has no mode: the command says so, and its file has no picture."""
+    file, modes_file = tmp_path / "fixed.yaml", tmp_path / "m.h5"
+    file.write_text(
+        "mecano: 1\ngravity: none\nnodes: {a: {position: [1, 0, 0]}}\n"
+        "elements: {m: {type: point_mass, node: a, mass: 1}}\njoints:\n"
+        "  x: {type: prescribed_position, node: a, direction: [1, 0, 0], value: 0}\n"
+        "  y: {type: prescribed_position, node: a, direction: [0, 1, 0], value: 0}\n"
+        "  z: {type: prescribed_position, node: a, direction: [0, 0, 1], value: 0}\ntime: {end: 0.1, step: 0.01}\n"
+    )
+    commands(["modes", str(file), "--plot", "-o", str(modes_file)], standalone_mode=False)
+    assert capsys.readouterr()[0].rstrip().endswith("\nnothing moves, so there are no shapes to draw")
+    assert not modes_file.with_suffix(".png").exists()
+    with pytest.raises(ResultsError, match="nothing moves"):
+        draw_modes(modes_file)

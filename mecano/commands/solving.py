@@ -93,7 +93,11 @@ def modes(deck, at, at_rest, number, sweeps, frame, solver, output, plot, column
     """
     if sweeps:
         if at is not None or at_rest:
-            raise click.BadParameter("takes one state, but --sweep has many", param_hint="--at")
+            raise click.BadParameter(
+                "takes one state, but --sweep has many; for modes about a saved state at each value use "
+                "--set initial.from=FILE:TIME",
+                param_hint="--at",
+            )
         return _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns, quiet, force)
     if columns:
         raise click.BadParameter("belongs to --sweep", param_hint="--csv")
@@ -108,14 +112,14 @@ def modes(deck, at, at_rest, number, sweeps, frame, solver, output, plot, column
 
     SweepProgress(quiet, path).announce_compiling()
 
-    text, _, _ = find(
+    text, found, _ = find(
         checked, path, at=at, at_rest=at_rest, number=number or 10, frame=frame, method=solver, force=force
     )
     show(text)
     if plot:
-        from mecano.post.mode_shapes import draw_modes
+        from mecano.post.mode_shapes import NO_SHAPES, draw_modes
 
-        show(str(draw_modes(path)))
+        show(str(draw_modes(path)) if len(found.values) else NO_SHAPES)
 
 
 def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns, quiet, force):

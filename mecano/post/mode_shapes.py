@@ -24,6 +24,7 @@ PHASES = np.radians((180.0, 135.0, 90.0, 45.0, 0.0))  # the last one, drawn dark
 MOTION_COUNTS = 4.0  # weight of motion over extent in the choice of the plane
 COLUMNS, PANEL = 3, (4.2, 3.2)  # inches
 ROOM = 0.7
+NO_SHAPES = "nothing moves, so there are no shapes to draw"
 
 
 @dataclass(frozen=True)
@@ -71,8 +72,13 @@ class ModeMotion:
 
 
 def draw_modes(path, output=None, kind="png"):
-    """Draw all modes of a file in one picture beside it, or at ``output``, and return its Path. Raises ResultsError."""
+    """Draw all modes of a file in one picture beside it, or at ``output``, and return its Path.
+
+    Raises ResultsError, also for a file without modes.
+    """
     file = read_modes(path)
+    if not len(file.values):
+        raise ResultsError(f"{path}: {NO_SHAPES}")
     target = Path(output) if output else file.path.with_suffix(f".{kind}")
     try:
         save(_figure(file, mode_sketches(file)), target)
