@@ -7,12 +7,16 @@ above v^2 = g r/3.
 """
 
 import csv
+import json
+import re
+import textwrap
 
 import h5py
 import numpy as np
 import pytest
 from time_runs import INPUTS, deck, input_deck
 
+from mecano.analyses import sweep as sweeps
 from mecano.analyses.modal import about
 from mecano.analyses.sweep import Axis, sweep, sweep_into
 from mecano.analyses.sweep_text import known
@@ -355,6 +359,46 @@ def test_states_that_are_not_found_are_left_out(tmp_path):
     assert reported.endswith("(in 2 of the states)")
     with pytest.raises(ConvergenceError, match="would be violated over time"):
         sweep(INPUTS / "caster_shimmy.yaml", (tow,), ["speed=10,30"])
+
+
+OSCILLATOR = """
+    mecano: 1
+    gravity: none
+    parameters: {damping: 1}
+    nodes: {b: {position: [1, 0, 0]}}
+    elements: {m: {type: rigid_body, node: b, mass: 1, inertia: [1, 1, 1]}}
+    joints: {t: {type: prismatic, nodes: [ground, b], axis: [1, 0, 0]}}
+    signals: {u: -100*t.displacement - $damping*t.velocity}
+    loads: {act: {type: joint_force, joint: t, value: u}}
+    time: {end: 1, step: 0.1}
+    """
+
+
+@pytest.mark.parametrize("lost", [True, False])
+def test_a_mode_that_becomes_stable_where_no_critical_value_is_found(lost, tmp_path, monkeypatch):
+    """The growth changes sign between the values; the refinement finds no state, or loses the mode."""
+    (tmp_path / "o.yaml").write_text(textwrap.dedent(OSCILLATOR))
+
+    def failing(deck, *rest):
+        if deck.values["parameters"]["damping"] not in (-2.0, 6.0):
+            raise ConvergenceError("no rest was found; the worst equations:\n  node m: force x")
+        return about(deck, *rest)
+
+    if lost:
+        monkeypatch.setattr(sweeps, "critical", lambda *_: None)
+        cause = "the mode could not be followed from one to the other"
+    else:
+        monkeypatch.setattr(sweeps, "about", failing)
+        cause = r"no state was found at \S+: no rest was found"
+    text, _ = sweep_into(tmp_path / "o.h5", tmp_path / "o.yaml", (), ["damping=-2,6"])
+    wanted = "mode 1 becomes stable between damping -2 and 6; the critical value was not refined, because " + cause
+    said = next(line for line in text.splitlines() if re.fullmatch(wanted, line))
+    assert "no mode becomes" not in text and "equations" not in text
+    with h5py.File(tmp_path / "o.h5") as file:
+        assert said in json.loads(file["deck/remarks"][()])
+    monkeypatch.undo()
+    text, _ = sweep_into(tmp_path / "o.h5", tmp_path / "o.yaml", (), ["damping=-2,6"], force=True)
+    assert "grows below it" in text and "becomes" not in text
 
 
 def test_values_of_a_sweep():

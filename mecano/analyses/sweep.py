@@ -80,6 +80,7 @@ class Locus:
     families: np.ndarray  # (branches, n) numbers in families.py; -1 where a branch has none
     converged: np.ndarray  # (branches, n) bool; True where a branch has none
     critical: list  # of Critical
+    unrefined: list  # of str: each says between which values a mode becomes unstable or stable, and why not where
     growth: np.ndarray  # (n,) largest real part [1/s] of the eigenvalues above ``least``; nan where no state was found
     count: np.ndarray  # (n,) number of growing modes; -1 where no state was found
     fastest: np.ndarray  # (n,) complex: the eigenvalue with the largest real part
@@ -136,7 +137,7 @@ class Case:
     def fail(self, error):
         """Record the error of a state."""
         self.error = error
-        self.warn(str(error).partition("\n")[0])
+        self.warn(_cause(error))
 
     def spectrum(self, settings):
         """Return (Spectrum, function of a shape that describes its motion, variation) of a state."""
@@ -201,11 +202,12 @@ def _locus(case, axis, other, reported):
         reported(i + 1, ", ".join(f"{path.removeprefix('parameters.')} {value:.6g}" for path, value in settings))
     values, rows = loci(track(spectra, axis.values), spectra)
     described = [_described(row, spectra, motions) for row in rows]
-    found = _criticals(case, axis, other, rows, spectra)
+    found, unrefined = _criticals(case, axis, other, rows, spectra)
     least = np.array([spectrum.least if spectrum else 0.0 for spectrum in spectra])
     own = [_along(row, spectra, name, none) for row in rows for name, none in (("families", -1), ("converged", True))]
     kinds, sure = (np.array(own[i::2]).reshape(rows.shape) for i in (0, 1))
-    return Locus(axis, values, described, kinds, sure, found, *_growth(spectra), least, np.array(variations))
+    growth = _growth(spectra)
+    return Locus(axis, values, described, kinds, sure, found, unrefined, *growth, least, np.array(variations))
 
 
 def _along(row, spectra, name, none):
@@ -236,21 +238,39 @@ def _growth(spectra):
 
 
 def _criticals(case, axis, other, rows, spectra):
-    """Return the Criticals at which branches become unstable or stable, sorted by value."""
-    found = []
+    """Return the Criticals at which branches become unstable or stable, sorted by value, and texts of those not found.
 
-    def spectrum_at(place):
-        return case.spectrum((*other, (axis.path, float(place))))[0]
+    The latter are as in ``Locus.unrefined``.
+    """
+    found, unrefined, place = [], [], np.nan
+
+    def spectrum_at(value):
+        nonlocal place
+        place = float(value)
+        return case.spectrum((*other, (axis.path, place)))[0]
 
     for branch, row in enumerate(rows):
-        known = (row[:-1] >= 0) & (row[1:] >= 0)
-        for i in np.flatnonzero(known & np.diff(growing(row, spectra))):
+        known, grows = (row[:-1] >= 0) & (row[1:] >= 0), growing(row, spectra)
+        for i in np.flatnonzero(known & np.diff(grows)):
             ends = [(float(axis.values[j]), spectra[j].values[row[j]], spectra[j].shapes[row[j]]) for j in (i, i + 1)]
+            at, cause = None, "the mode could not be followed from one to the other"
             try:
-                found.append(critical(spectrum_at, *ends, branch))
+                at = critical(spectrum_at, *ends, branch)
             except FAILED as error:
-                case.fail(error)
-    return _distinct(sorted((c for c in found if c is not None), key=lambda c: c.place))
+                cause = f"no state was found at {place:.9g}: {_cause(error)}"
+            if at is not None:
+                found.append(at)
+                continue
+            becomes = f"mode {branch + 1} becomes {'unstable' if grows[i + 1] else 'stable'}"
+            between = f"between {axis.name} {ends[0][0]:.9g} and {ends[1][0]:.9g}"
+            unrefined.append(f"{becomes} {between}; the critical value was not refined, because {cause}")
+    return _distinct(sorted(found, key=lambda c: c.place)), unrefined
+
+
+def _cause(error):
+    """Return the first line of an error, without the words that introduce the next lines."""
+    line = str(error).partition("\n")[0]
+    return line.rpartition("; ")[0] or line.rstrip(":") if line.endswith(":") else line
 
 
 def _distinct(criticals):
@@ -272,8 +292,9 @@ def sweep_into(file, path, overrides, texts, *, columns=False, force=False, **op
         refuse_existing(file, force)
         found = sweep(path, overrides, texts, **options)
         deck, plain = found.deck, contents(found)
+        warnings = [*found.warnings, *(text for locus in found.loci for text in locus.unrefined)]
         source = Source(deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
-                        warnings=found.warnings)  # fmt: skip
+                        warnings=warnings)  # fmt: skip
         write_sweep(file, plain, source, force=force)
         if columns:
             write_tables(Path(file).with_suffix(".csv"), plain)

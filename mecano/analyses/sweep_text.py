@@ -89,8 +89,8 @@ def _aligned(rows):
 
 
 def _critical(name, locus):
-    """Yield a line for each critical value, at which a mode becomes unstable or stable."""
-    if not locus.critical:
+    """Yield a line for each critical value, at which a mode becomes unstable or stable, and for each not refined."""
+    if not (locus.critical or locus.unrefined):
         yield "no mode becomes unstable or stable in between"
     for c in locus.critical:
         digits = INSTANT_DIGITS if locus.of_instant(c) else 6
@@ -102,6 +102,7 @@ def _critical(name, locus):
             yield f"{about}: {grows}, for an instant only: the states there are not steady"
         else:
             yield f"critical {name} {known(c.place, c.error)}: {grows}"
+    yield from locus.unrefined
 
 
 def known(value, error):
