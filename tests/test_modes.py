@@ -77,6 +77,16 @@ def test_free_row_has_a_rigid_motion(method):
     np.testing.assert_allclose(found.shapes[0][::3], 1.0, atol=1e-9)
 
 
+@pytest.mark.parametrize("stiffness, kind", [(4e-18, "free"), (-4e-18, "free"), (1e-12, "oscillation")])
+def test_stiffness_that_is_rounding(stiffness, kind):
+    """A mass of 200 kg beside a damped oscillator with 1 N/m: 4e-18 N/m is rounding, 1e-12 N/m is not."""
+    M, C, K = (sp.csr_matrix(np.diag(d)) for d in ([200.0, 1.0], [0.0, 0.1], [stiffness, 1.0]))
+    found = solve(Linearization(M, C, K, 2, np.arange(2), np.ones(2)))
+    assert found.kinds == [kind, "oscillation"]
+    slow = 0.0 if kind == "free" else 1j * np.sqrt(stiffness / 200.0)
+    np.testing.assert_allclose(found.values, [slow, -0.05 + 1j * np.sqrt(1.0 - 0.05**2)], rtol=1e-9, atol=1e-15)
+
+
 def test_damped_oscillator():
     """k = 200 N/m, c = 4 N s/m, m = 2 kg; across the slack spring the mass is free (twice)."""
     found = values_of(input_deck("oscillator").text)

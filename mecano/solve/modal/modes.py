@@ -17,6 +17,7 @@ from mecano.solve.modal.small_motions import SmallMotions
 
 DENSE = 400  # motions up to which all eigenvalues are computed
 FREE = 1e-9  # of the magnitudes of its terms: K y up to which a motion has no stiffness
+LEAST = 1e-6  # of the largest stiffness: lower bound of these magnitudes; FREE of it is rounding
 REAL = 1e-9  # of an eigenvalue: imaginary part up to which it is real
 CONVERGED = 1e-6  # residual up to which a mode is converged
 GROWS = 1e-7  # of an eigenvalue: positive real part above which the mode grows
@@ -123,7 +124,7 @@ def _plain(basis):
 
 def _is_free(scaled, value, y, largest):
     """Return whether the pair is a free motion: K y, up to multipliers, and inertia and damping are rounding."""
-    size = np.linalg.norm(abs(scaled.K) @ abs(y))
+    size = max(np.linalg.norm(abs(scaled.K) @ abs(y)), LEAST * scaled.size[2] * np.linalg.norm(y))
     if not size:
         return abs(value) <= 1e-7 * largest
     if max(np.linalg.norm(value**2 * (scaled.M @ y)), np.linalg.norm(value * (scaled.C @ y))) > FREE * size:
