@@ -8,7 +8,9 @@ from scipy.optimize import brentq
 from static_solution import Equilibrium
 from time_runs import INPUTS, RecordedRun, input_deck
 
+from mecano.analyses.modal import about
 from mecano.errors import DeckError
+from mecano.solve.modal.linearize import linearize
 
 G, M, M_AXLE, AREA, LENGTH = 9.81, 1000.0, 40.0, 4e-3, 0.8
 P1, V1, N, P2, V2, P_A = 1.2e6, 1.45e-3, 1.2, 4e6, 1.5e-4, 101325.0
@@ -63,6 +65,20 @@ def test_it_rests_where_the_gas_carries_the_weight():
     stroke = brentq(lambda s: (gas_pressure(s) - P_A) * AREA - M * G, 0, 0.3)
     assert end.output("elements/strut/stroke")[0] == pytest.approx(stroke, rel=1e-8)  # tolerance of the equilibrium
     assert end.output("elements/strut/oil_pressure")[0] == pytest.approx(M * G / AREA + P_A, rel=1e-8)
+
+
+@pytest.mark.parametrize("rate", [0.0, 1e-12, -1e-12])
+def test_small_motions_about_rest_are_damped_by_the_mean_of_both_orifices(rate):
+    """The damping of the airframe is u_0 times the mean of DRAG/A^2, whatever the sign of a rounded speed."""
+    base = about(input_deck("oleo_drop", "initial=static"))
+    system, s = base.prepared.system, base.state
+    i = [node.name for node in system.nodes].index("airframe")
+    z = system.numbering.x[i] + 2
+    stroke = LENGTH - s.z[z] + s.z[system.numbering.x[[n.name for n in system.nodes].index("axle")] + 2]
+    s.v[z] = rate
+    lin = linearize(system, s, base.prepared.length, assemble=base.assemble)
+    mean = 0.5 * DRAG * (float(ORIFICE(stroke)) ** -2 + 0.6e-4**-2)
+    assert lin.C[z, z] == pytest.approx(1e-3 * mean, rel=1e-8)  # 1e-12 m/s change it by 1e-9
 
 
 @pytest.mark.parametrize(

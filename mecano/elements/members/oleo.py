@@ -10,7 +10,10 @@ the fully extended length, and the piston speed u at which oil passes the orific
   reaches its pressure :math:`p_2`; from there both have the same pressure, as one chamber of their volumes.
 * oil: the orifice area :math:`A_o` is a curve of the stroke (a metering pin). The rebound has an orifice of its own (a
   recoil valve) and, with a recoil chamber, its area in place of :math:`A_h`; without one the oil is sucked back.
-  :math:`u_0` = 1 mm/s makes the flow laminar near rest.
+  :math:`u_0` = 1 mm/s makes the flow laminar near rest, where the orifices share smoothly: with the factors
+  :math:`r_c, r_r` of compression and rebound the laminar part is
+  :math:`u_0 (\frac{r_c + r_r}{2} u + \frac{r_c - r_r}{2} (\sqrt{u^2 + u_0^2} - u_0))`. So small motions about rest have
+  the mean of both, and not one of them by the sign of a rounded speed.
 * the oil in the chamber is compressed by c, the unknown of the element: :math:`u = \dot s - \dot c` and
   :math:`F_h = k c` with :math:`k = K A_h^2/V`.
 
@@ -31,7 +34,7 @@ from mecano.jit.kernel import kernel
 from mecano.laws.gas_spring import gas_force, gas_work
 from mecano.laws.probe import curve_at
 from mecano.laws.table import curve, law_force, terms_of
-from mecano.maths.dual import chain, number, select, value
+from mecano.maths.dual import chain, number, select, sqrt, value
 from mecano.maths.vector import add_vec
 from mecano.schema import CURVE, LAW, NODE_PAIR, NUMBER, Field, mapping, positive
 
@@ -65,8 +68,10 @@ def gas_pull(p, e):
 def through_orifice(p, at, e, u):
     """Return F_h [N] at the extension e and the flow speed u."""
     inwards, outwards = curve(at.laws, p.orifice, -e), curve(at.laws, p.rebound_orifice, -e)
-    resistance = select(u > 0.0, p.drag[0] / (inwards * inwards), p.drag[1] / (outwards * outwards))
-    return resistance * (select(u > 0.0, u, -u) + LAMINAR) * u
+    compression, rebound = p.drag[0] / (inwards * inwards), p.drag[1] / (outwards * outwards)
+    turbulent = select(u > 0.0, compression * u, -(rebound * u)) * u
+    smooth = sqrt(u * u + LAMINAR * LAMINAR) - LAMINAR
+    return turbulent + 0.5 * LAMINAR * ((compression + rebound) * u + (compression - rebound) * smooth)
 
 
 @kernel
