@@ -80,7 +80,7 @@ class Locus:
     families: np.ndarray  # (branches, n) numbers in families.py; -1 where a branch has none
     converged: np.ndarray  # (branches, n) bool; True where a branch has none
     critical: list  # of Critical
-    unrefined: list  # of str: each says between which values a mode becomes unstable or stable, and why not where
+    unrefined: list  # of str: modes that become unstable or stable between two values, with the cause
     growth: np.ndarray  # (n,) largest real part [1/s] of the eigenvalues above ``least``; nan where no state was found
     count: np.ndarray  # (n,) number of growing modes; -1 where no state was found
     fastest: np.ndarray  # (n,) complex: the eigenvalue with the largest real part
@@ -238,10 +238,7 @@ def _growth(spectra):
 
 
 def _criticals(case, axis, other, rows, spectra):
-    """Return the Criticals at which branches become unstable or stable, sorted by value, and texts of those not found.
-
-    The latter are as in ``Locus.unrefined``.
-    """
+    """Return the Criticals at which branches become unstable or stable, sorted by value, and ``Locus.unrefined``."""
     found, unrefined, place = [], [], np.nan
 
     def spectrum_at(value):

@@ -10,7 +10,7 @@ the fully extended length, and the piston speed u at which oil passes the orific
   reaches its pressure :math:`p_2`; from there both have the same pressure, as one chamber of their volumes.
 * oil: the orifice area :math:`A_o` is a curve of the stroke (a metering pin). The rebound has an orifice of its own (a
   recoil valve) and, with a recoil chamber, its area in place of :math:`A_h`; without one the oil is sucked back.
-  :math:`u_0` = 1 mm/s makes the flow laminar near rest, where the orifices share smoothly: with the factors
+  :math:`u_0` = 1 mm/s makes the flow laminar near rest, where the orifices blend: with the factors
   :math:`r_c, r_r` of compression and rebound the laminar part is
   :math:`u_0 (\frac{r_c + r_r}{2} u + \frac{r_c - r_r}{2} (\sqrt{u^2 + u_0^2} - u_0))`. So small motions about rest have
   the mean of both, and not one of them by the sign of a rounded speed.
