@@ -84,7 +84,7 @@ class TestRun:
     def test_no_file_is_replaced_unless_asked(self, folder):
         short = {"time.end": 0.01}
         mecano.run("pendulum.yaml", set=short, quiet=True)
-        with pytest.raises(ResultsError, match="pendulum.h5 exists already"):
+        with pytest.raises(ResultsError, match=r"pendulum.h5 exists already.*--force.*force=True"):
             mecano.run("pendulum.yaml", set=short, quiet=True)
         with pytest.raises(UsageError, match="resume=True continues"):
             mecano.run("pendulum.yaml", resume=True, force=True)
@@ -169,8 +169,13 @@ class TestDeck:
         assert {key for key in known if own[key] != known[key]} == {"title", "parameters"}
         deck.save("own.yaml")
         assert read_deck("own.yaml").resolved() == own
-        with pytest.raises(UsageError, match="own.yaml already exists"):
+        with pytest.raises(UsageError, match="own.yaml already exists.*replace=True"):
             deck.save("own.yaml")
+        assert mecano.run(deck, set={"time.end": 0.01}, quiet=True).path == Path("deck.h5")
+
+    def test_a_plain_dict_is_one_too(self, folder):
+        deck = dict(mecano.Deck.read(PENDULUM))
+        assert mecano.check(deck).mass == 1.0 and len(mecano.modes(deck).frequency) > 0
         assert mecano.run(deck, set={"time.end": 0.01}, quiet=True).path == Path("deck.h5")
 
     def test_a_copy_is_changed_by_itself(self):
@@ -314,6 +319,20 @@ class TestResults:
         found = results.to_pandas("hinge.*")
         assert found.index.name == "time" and found.attrs["units"]["joints.hinge.angle"] == "rad"
         np.testing.assert_array_equal(found["joints.hinge.force.y"], results["hinge.force.y"].values)
+
+    @pytest.mark.parametrize("library", ["xarray", "pandas"])
+    def test_patterns_name_components_and_must_match_an_output(self, results, library):
+        pytest.importorskip(library)
+        convert = getattr(results, f"to_{library}")
+        for pattern in ("hinge.force.y", "*.force.y"):
+            found = convert(pattern)
+            names = found.columns if library == "pandas" else found.data_vars
+            assert list(names) == ["joints.hinge.force.y"]
+            np.testing.assert_array_equal(found["joints.hinge.force.y"], results["hinge.force.y"].values)
+        with pytest.raises(UnknownNameError, match=r"no output of pendulum.h5 matches 'hinges\.\*'"):
+            convert("hinges.*")
+        with pytest.raises(UnknownNameError, match="did you mean hinge.angle"):
+            convert("hinge.angel")
 
     @pytest.mark.parametrize("library", ["xarray", "pandas"])
     def test_libraries_that_are_missing_are_named(self, results, monkeypatch, library):

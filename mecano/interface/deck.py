@@ -17,7 +17,7 @@ from mecano.deck.new_file import write_text
 from mecano.deck.read import deck_of_bytes, read_deck
 from mecano.deck.scalar import resolved
 from mecano.deck.source import Unreadable, read_source
-from mecano.errors import DeckError, Mark, Problem
+from mecano.errors import DeckError, Mark, Problem, UsageError
 
 WIDTH = 110
 
@@ -100,17 +100,22 @@ class Deck(MutableMapping[str, Any]):
 
     def save(self, path: "AnyPath", *, replace: bool = False) -> None:
         """Write the text to a file. Raises UsageError if the file exists, unless ``replace``, and ResultsError."""
-        write_text(path, self.text, replace)
+        try:
+            write_text(path, self.text, replace)
+        except UsageError as error:
+            raise UsageError(f"{error}; replace=True replaces it") from None
 
 
 AnyPath = str | os.PathLike[str]
-AnyDeck = AnyPath | Deck
+AnyDeck = AnyPath | Deck | Mapping[str, Any]
 Values = Mapping[str, Any]  # {"path.to.key": value}
 
 
 def checked_deck(deck, overrides):
-    """Return the checked deck of a path or Deck; ``overrides`` {"path.to.key": value}. Raises DeckError."""
+    """Return the checked deck of a path, Deck or dict; ``overrides`` {"path.to.key": value}. Raises DeckError."""
     texts = _override_texts(overrides)
+    if isinstance(deck, Mapping) and not isinstance(deck, Deck):
+        deck = Deck(deck)
     with explained():
         if isinstance(deck, Deck):
             file = os.path.join(deck.folder, f"<{deck.name}>")
@@ -129,8 +134,10 @@ def _in_one_line(value):
 
 
 def name_of(deck):
-    """Return the stem of the names of results files of a path or Deck."""
-    return deck.name if isinstance(deck, Deck) else Path(deck).stem
+    """Return the stem of the names of results files of a path, Deck or dict."""
+    if isinstance(deck, Mapping):
+        return deck.name if isinstance(deck, Deck) else "deck"
+    return Path(deck).stem
 
 
 @contextmanager

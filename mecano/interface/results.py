@@ -7,7 +7,7 @@ from importlib import import_module
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
-from mecano.errors import UsageError
+from mecano.errors import UnknownNameError, UsageError
 from mecano.results import reader
 from mecano.results.layout import AXES
 
@@ -34,14 +34,14 @@ class Results(reader.Results):
     def to_xarray(self, pattern: str = "*") -> "xarray.Dataset":
         """Return outputs at the saved times as a Dataset: all, or those that match a pattern such as "wheel.*".
 
-        Every variable has the attributes ``units`` and ``long_name``. Raises ImportError without xarray.
+        Every variable has the attributes ``units`` and ``long_name``. Raises UnknownNameError if no output matches,
+        ImportError without xarray.
         """
         xarray = imported("xarray", "Results.to_xarray")
         variables = {}
-        for path in self.names(pattern):
-            trace, shape = self.find(path), self.series[path].shape
+        for trace in self._matching(pattern):
             attributes = {"units": trace.unit, "long_name": trace.doc}
-            variables[_dotted(path)] = (self._dimensions(shape), trace.values, attributes)
+            variables[_dotted(trace.path)] = (self._dimensions(trace.values.shape[1:]), trace.values, attributes)
         coordinates: dict[str, Any] = {
             self.axis.path.replace(" ", "_"): ((self._dimension,), self.time, {"units": self.axis.unit})
         }
@@ -63,19 +63,30 @@ class Results(reader.Results):
     def to_pandas(self, pattern: str = "*") -> "pandas.DataFrame":
         """Return outputs at the saved times as a DataFrame: a column per scalar, all or those that match a pattern.
 
-        ``frame.attrs["units"]`` has the unit of each column. Raises ImportError without pandas.
+        ``frame.attrs["units"]`` has the unit of each column. Raises UnknownNameError if no output matches,
+        ImportError without pandas.
         """
         pandas = imported("pandas", "Results.to_pandas")
         columns: dict[str, Any] = {}
         units: dict[str, str] = {}
-        for path in self.names(pattern):
-            trace, series = self.find(path), self.series[path]
+        for trace in self._matching(pattern):
             numbers = trace.values.reshape(len(self.time), -1).T
-            columns |= dict(zip(map(_dotted, series.scalars), numbers, strict=True))
-            units |= dict.fromkeys(map(_dotted, series.scalars), series.unit)
+            names = [f"{_dotted(trace.path)}.{c}" for c in trace.components] or [_dotted(trace.path)]
+            columns |= dict(zip(names, numbers, strict=True))
+            units |= dict.fromkeys(names, trace.unit)
         frame = pandas.DataFrame(columns, index=pandas.Index(self.time, name=self.axis.path))
         frame.attrs["units"] = units
         return frame
+
+    def _matching(self, pattern):
+        """Return the Traces of all outputs that match a pattern; of single components if the pattern names these."""
+        names = self.names(pattern)
+        if not names and pattern != "*":
+            if "*" in pattern or "?" in pattern:
+                raise UnknownNameError(f"no output of {self.path} matches '{pattern}'; Results.names() lists them")
+            self._lookup.find(pattern)  # raises with similar names
+            names = [pattern]
+        return map(self.find, names)
 
     def plot(self, *names: str, title: str | None = None) -> "Plot":
         """Plot outputs over time or over another output: "hinge.angle", "a,b" in one panel, "force:stroke".

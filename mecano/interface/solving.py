@@ -4,6 +4,7 @@ import os
 import signal
 import sys
 import threading
+from collections.abc import Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
@@ -11,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from mecano.errors import UsageError
-from mecano.interface.deck import AnyDeck, AnyPath, Deck, Values, checked_deck, explained, name_of
+from mecano.interface.deck import AnyDeck, AnyPath, Values, checked_deck, explained, name_of
 from mecano.interface.results import Results
 from mecano.interface.solve import solve
 from mecano.process.cores import cores
@@ -28,7 +29,7 @@ def run(
 
     Parameters
     ----------
-    deck : str, Path or Deck
+    deck : str, Path, Deck or dict
     path : str or Path
         Results file; by default the name of the deck with .h5, in the working folder.
     set : dict
@@ -121,7 +122,7 @@ def modes(
 
     Parameters
     ----------
-    deck : str, Path or Deck
+    deck : str, Path, Deck or dict
     path : str or Path
         File for the shapes; by default none is written.
     set : dict
@@ -289,6 +290,6 @@ def interruptible(interruption):
 
 def resuming(deck, path, overrides):
     """Return the Python call that resumes a run, for messages."""
-    words = ["deck" if isinstance(deck, Deck) else repr(os.fspath(deck)), repr(path)]
+    words = ["deck" if isinstance(deck, Mapping) else repr(os.fspath(deck)), repr(path)]
     words += [f"set={dict(overrides)!r}"] if overrides else []
     return f"mecano.run({', '.join(words)}, resume=True)"

@@ -224,8 +224,8 @@ def _names(results, pattern):
         raise UnknownNameError(f"no output of {results.path} matches '{pattern}'; 'wheel.*' matches all of a wheel")
     lines, declared = [], results.series
     for path in paths:
-        series = declared[path]
-        shape = f": {', '.join(series.components)}" if series.components else ""
+        series = declared.get(path) or declared[path.rpartition(".")[0]]  # of a component
+        shape = f": {', '.join(series.components)}" if series.components and path in declared else ""
         unit = f" [{series.unit}]" if series.unit not in ("", "-") else ""
         lines.append(f"{path.replace('/', '.')}{unit}{shape}")
         lines += wrap(series.doc, WIDTH, initial_indent="    ", subsequent_indent="    ")

@@ -23,9 +23,10 @@ class Lookup:
                 self._by_ending.setdefault(ending, []).append(one)
 
     def match(self, pattern):
-        """Return the paths that match a pattern with * and ?, as a whole or by an ending."""
+        """Return the paths that match a pattern with * and ?, as a whole or by an ending; else those of components."""
         dotted = pattern.replace("/", ".")
-        return [path for path in self._by_path if any(fnmatchcase(end, dotted) for end in _endings(path))]
+        components = (path for one in self._by_path.values() for path in one.scalars)
+        return _matching(self._by_path, dotted) or _matching(components, dotted)
 
     def find(self, name):
         """Return the series of that name, and the index of the component if one is named, otherwise None.
@@ -80,6 +81,10 @@ class Lookup:
         piece = re.compile(rf"{re.escape(owner)}\.(\d+)\.{re.escape(last)}")
         found = {int(match[1]): ending for ending in self._by_ending if (match := piece.fullmatch(ending))}
         return [found[number] for number in sorted(found)]
+
+
+def _matching(paths, pattern):
+    return [path for path in paths if any(fnmatchcase(end, pattern) for end in _endings(path))]
 
 
 def _endings(path):

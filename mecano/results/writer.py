@@ -26,7 +26,7 @@ from mecano.results.table import EventTable, NumberTable, chunk_shape
 from mecano.results.whole_file import exists, hidden_name, refuse_other_than_file
 
 STATUSES = (RUNNING, "complete", "stopped", "failed")
-_EXISTS = "{} exists already; give another name, or --force to replace it"
+_EXISTS = "{} exists already; give another name, or --force (in Python force=True) to replace it"
 WRITING = "writing failed"
 LOST = (errno.ENOENT, errno.ENODATA)  # the file was removed, replaced or cut short
 """Beginning of the reason of a run that ended because of a full disk."""
