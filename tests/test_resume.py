@@ -204,7 +204,7 @@ class TestTheCheckpoint:
             file["run"].attrs["process"] = 4194305  # Linux gives no process this number
         assert f"resume with mecano run {deck.file} --set time.end=4 -o {path} --resume" in " ".join(info(path).split())
         resume(deck, path)
-        with pytest.raises(ResultsError, match="or --force to replace it$"):
+        with pytest.raises(ResultsError, match=r"or --force \(in Python force=True\) to replace it$"):
             run(deck, path)
 
     def test_rows_that_changed_are_not_gone_on_with(self, left):

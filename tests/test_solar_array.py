@@ -72,7 +72,13 @@ def test_a_study_takes_times_impulses_and_losses_of_shocks(deployed):
         }
         extremes = results.extremes["joints/hinge1/latch_moment"]
         largest, unit = Output("x", "hinge1.latch_moment", None, "largest").value(results)
-        assert (largest, unit) == (max(extremes.maximum, -extremes.minimum), "N m")
+        assert (largest, unit) == (max(extremes.maximum, extremes.minimum, key=abs), "N m")
+        every = [e for e in results.events if e.name == "locks"]
+        assert len(every) > 1
+        lost, unit = Output("x", None, "* locks", "energy_lost").value(results)
+        assert (lost, unit) == (pytest.approx(sum(e.energy_lost for e in every), rel=1e-12), "J")
+        impulse = Output("x", None, "hinge? locks", "impulse").value(results)
+        assert impulse == (max(abs(e.impulse) for e in every if results.subject(e)[1].startswith("hinge")), "N m s")
         never = [Output("x", None, "hinge1 releases", take).value(results) for take in OF_EVENTS]
         np.testing.assert_equal(never, [(np.nan, "s"), (np.nan, "s"), (0.0, ""), (np.nan, ""), (0, "J")])
 

@@ -24,6 +24,8 @@ from mecano.elements import KINDS
 from mecano.errors import DeckError, UsageError
 from mecano.jit import store
 from mecano.post.pictures import post
+from mecano.post.study_outputs import displayed_outputs
+from mecano.results.study_file import Column, StudyTable
 from mecano.results.study_file import read_study as read_table
 from mecano.study import dask, slurm
 from mecano.study.folder import COMPLETE, FAILED, Folder, Record
@@ -223,6 +225,11 @@ class TestDecks:
             ("of: ball.positon.z, take: max", "no output 'ball.positon.z' in the results; did you mean"),
             ("of: ball.position, take: max", "'ball.position' is not one number; add one of x, y, z, or magnitude"),
             ("event: bal touch_down, take: first", "nothing named 'bal' has events"),
+            ("event: '* locks', take: first", "no element that matches '*' has events 'locks'"),
+            (
+                "of: strut.compression_force, take: max",
+                "'strut.compression_force' exists only in plots",
+            ),
         ],
     )
     def test_outputs_that_the_model_has_not(self, folder, output, message):
@@ -272,6 +279,7 @@ def test_a_study_from_its_beginning_to_its_table(folder):
           - {parameters.speed: 30, elements.ball.mass: 1}
         outputs:
           way: {of: ball.position.x, take: final}
+          fall: {of: ball.velocity.z, take: largest}
           height: {of: ball.position.z, take: min}
           mean_speed: {of: ball.velocity.magnitude, take: mean}
           when: {of: ball.position.x, take: time_of_max}
@@ -285,6 +293,7 @@ def test_a_study_from_its_beginning_to_its_table(folder):
     speed = np.array([10.0, np.nan, 10.0, 30.0])
     np.testing.assert_allclose(table["outputs/way"], 0.2 * speed, rtol=1e-9)
     np.testing.assert_allclose(table["outputs/height"], 1.0 - 0.5 * 9.81 * 0.04 + 0.0 * speed, rtol=1e-3)
+    np.testing.assert_allclose(table["outputs/fall"], -9.81 * 0.2 + 0.0 * speed, rtol=1e-9)
     np.testing.assert_allclose(table["outputs/when"], 0.2 + 0.0 * speed, rtol=1e-12)
     fall = np.hypot(speed[:, None], 9.81 * np.array([0.0, 0.1, 0.2]))  # at the saved times
     np.testing.assert_allclose(table["outputs/mean_speed"], fall @ [0.25, 0.5, 0.25], rtol=1e-9)
@@ -302,6 +311,15 @@ def test_a_study_from_its_beginning_to_its_table(folder):
     after = {path.name: path.stat().st_mtime_ns for path in (folder / "study_runs").glob("000*.h5")}
     assert all(after[name] == before[name] for name in ("0001.h5", "0003.h5", "0004.h5"))
     assert list(post(["study_runs/table.h5"], output="own.svg", kind="svg")) == [Path("own.svg")]
+
+
+def test_rounding_errors_are_displayed_as_zero():
+    """The side load of a symmetric landing beside that of a drift landing, as in the report and the picture."""
+    values = {"left": ("N", [4.8e-5, -1e5]), "link": ("N m", [-3.7e-6, 2.0]), "gap": ("N m", [1e-9, np.nan])}
+    outputs = tuple(Column("outputs", name, unit, "", np.array(found)) for name, (unit, found) in values.items())
+    left, link, gap = displayed_outputs(StudyTable("", "", "", outputs))
+    assert left.values.tolist() == [0.0, -1e5] and link.values.tolist() == [-3.7e-6, 2.0]
+    np.testing.assert_equal(gap.values, [0.0, np.nan])
 
 
 def test_limits_and_signals(folder):

@@ -8,6 +8,7 @@ import numpy as np
 from mecano.errors import ResultsError
 from mecano.post.figure import plain_figure, save
 from mecano.post.study_bars import bar_figure
+from mecano.post.study_outputs import displayed_outputs
 from mecano.post.style import COLOURS, DASHES, GREY, SETTINGS, shown_unit, with_unit
 from mecano.results.study_file import read_study
 
@@ -32,7 +33,7 @@ def draw_study(path, output=None, kind="png"):
 
 def study_figure(table):
     """Return the figure of a StudyTable: bars if its cases have names, else dots over each parameter; None if empty."""
-    outputs = [column for column in table.group("outputs") if np.any(np.isfinite(column.values))]
+    outputs = [column for column in displayed_outputs(table) if np.any(np.isfinite(column.values))]
     parameters = [column for column in table.group("parameters") if len(set(column.values)) > 1]
     names = table.case_names if table.named else ()
     if not outputs or not (parameters or names):

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from mecano.post.report import Picture, Report, Section, Table, Text, number
+from mecano.post.study_outputs import displayed_outputs
 from mecano.post.study_plots import study_figure
 from mecano.post.style import shown_unit, with_unit
 from mecano.results.study_file import read_study
@@ -28,7 +29,7 @@ def study_report(path, title=None):
 def _governing(table):
     """Yield the table of the smallest and largest value of each output, with their cases."""
     names, rows = table.case_names, []
-    for output in table.group("outputs"):
+    for output in displayed_outputs(table):
         if not np.any(np.isfinite(output.values)):
             continue
         factor, unit = shown_unit(output.unit, output.values)
@@ -43,7 +44,7 @@ def _governing(table):
 
 def _cases(table):
     """Yield the table of varied values and outputs of all cases."""
-    columns = (*table.group("parameters"), *table.group("outputs"))
+    columns = (*table.group("parameters"), *displayed_outputs(table))
     scales = [shown_unit(one.unit, one.values) if one.numeric else (None, one.unit) for one in columns]
     head = [
         with_unit(one.name.removeprefix("parameters."), unit) for one, (_, unit) in zip(columns, scales, strict=True)

@@ -75,7 +75,7 @@ SEED_FIELDS = (
 )
 OUTPUT_FIELDS = (
     Field("of", TEXT, "-", "a series of the results, as in `mecano post --plot`: wheel.radial_force", None),
-    Field("event", TEXT, "-", "an element and its event: wheel touch_down", None),
+    Field("event", TEXT, "-", "an element, or a pattern, and its event: wheel touch_down, '* locks'", None),
     Field("take", choice(*OF_SERIES, *OF_EVENTS), "-", "the number to take"),
 )
 FIELDS = (

@@ -1,6 +1,7 @@
 """Numbers of a run for the table of a study, from a series or from the occurrences of an event."""
 
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 
 import numpy as np
 
@@ -11,6 +12,12 @@ from mecano.model.sampler import Sampler
 from mecano.results.lookup import Lookup
 
 MAGNITUDE = ".magnitude"
+ONLY_IN_PLOTS = {
+    "compression_force": ("force", "use {}, whose minimum (take: min) is the largest compression"),
+    "drag_force": ("longitudinal_force", "use {}, whose minimum (take: min) is the largest drag"),
+    "rolling_rate": ("spin_rate", "use {}, or the slip ratio"),
+}
+"""Quantities derived from outputs for plots: name -> the output to use in a study, and the hint."""
 
 
 def _word(event):
@@ -20,7 +27,9 @@ def _word(event):
 
 @dataclass(frozen=True)
 class Output:
-    """A column of the table: ``take`` of a series ``of``, or of an ``event`` "element name"."""
+    """A column of the table: ``take`` of a series ``of``, or of an ``event`` "element name", the element
+    possibly a pattern with * and ?.
+    """
 
     name: str
     of: str | None
@@ -38,7 +47,7 @@ class Output:
 
     def _of_events(self, results):
         element, name = self.event.split()
-        found = [e for e in results.events if _word(e.name) == name and results.subject(e)[1] == element]
+        found = [e for e in results.events if _word(e.name) == name and fnmatchcase(results.subject(e)[1], element)]
         if self.take == "count":
             return float(len(found)), ""
         if self.take == "energy_lost":
@@ -46,7 +55,9 @@ class Output:
         if not found:
             return np.nan, "" if self.take == "impulse" else results.axis.unit
         if self.take == "impulse":
-            return max(abs(event.impulse) for event in found), found[0].impulse_unit
+            if len(units := {event.impulse_unit for event in found}) > 1:
+                return np.nan, ""  # linear and angular impulses have no largest
+            return max(abs(event.impulse) for event in found), units.pop()
         return found[0 if self.take == "first" else -1].time, results.axis.unit
 
     def _of_series(self, results):
@@ -60,8 +71,8 @@ class Output:
             return np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(trace.time)) / span, trace.unit
         extreme = None if self.of.endswith(MAGNITUDE) else results.extremes.get(trace.path)
         if self.take == "largest":
-            ends = (extreme.maximum, extreme.minimum) if extreme else values
-            return np.abs(ends).max(), trace.unit
+            ends = np.array((extreme.maximum, extreme.minimum)) if extreme else values
+            return ends[np.argmax(np.abs(ends))], trace.unit
         return self._extreme(extreme, trace, values, results.axis.unit)
 
     def _extreme(self, extreme, trace, values, axis_unit):
@@ -92,7 +103,12 @@ def _check_series(name, lookup, node, scope):
     try:
         series, component = lookup.find(name.removesuffix(MAGNITUDE))
     except UnknownNameError as error:
-        scope.refuse(node, str(error).replace("in this file", "in the results"))
+        stem, _, last = name.rpartition(".")
+        if last in ONLY_IN_PLOTS:
+            other, hint = ONLY_IN_PLOTS[last]
+            scope.refuse(node, f"{quoted(name)} exists only in plots", hint.format(f"{stem}.{other}"))
+        else:
+            scope.refuse(node, str(error).replace("in this file", "in the results"))
         return
     if (len(series.shape) > 0) == (component is None and not name.endswith(MAGNITUDE)):
         components = ", ".join(series.components)
@@ -102,7 +118,10 @@ def _check_series(name, lookup, node, scope):
 
 def _check_event(event, event_records, node, scope):
     element, name = event.split()
-    if element not in event_records:
+    if set(element) & set("*?"):
+        if not any(name in events for one, events in event_records.items() if fnmatchcase(one, element)):
+            scope.refuse(node, f"no element that matches {quoted(element)} has events {quoted(name)}")
+    elif element not in event_records:
         scope.refuse(node, f"nothing named {quoted(element)} has events", suggestion(element, event_records))
     elif name not in event_records[element]:
         scope.refuse(node, f"{quoted(element)} has no event {quoted(name)}", suggestion(name, event_records[element]))
