@@ -3,6 +3,7 @@
 import pytest
 from deck_samples import VALID, problems_of, read_fake
 
+from mecano.deck.overrides import ADDING
 from mecano.errors import DeckError
 
 
@@ -56,12 +57,23 @@ def test_an_optional_field_set_to_null_is_absent(null):
     assert text != VALID and read_fake(text).values["output"] == {"every": "step"}
 
 
+def test_null_removes_entries_of_sections_and_terms_of_laws():
+    values = read_fake(VALID, overrides=["elements.hub=null"]).values
+    assert "hub" not in values["elements"] and "hub" in read_fake(VALID).values["elements"]
+    terms = [
+        [name for name, _ in read_fake(VALID, overrides=o).values["laws"]["oleo"]]
+        for o in ([], ["laws.oleo.damper=null"])
+    ]
+    assert terms == [["polynomial", "damper", "stop"], ["polynomial", "stop"]]
+
+
 @pytest.mark.parametrize(
     ("override", "problem"),
     [
         ("nodes.tpo.position=[1, 2, 3]", "1:7 'nodes' has no 'tpo'; did you mean 'top'?"),
-        ("parameters.sikn=3", "1:12 'parameters' has no 'sikn'; did you mean 'sink'?"),
-        ("laws.new=3", "1:6 'laws' has no 'new'; known: oleo, smooth"),
+        ("parameters.sikn=3", "1:12 'parameters' has no 'sikn'; did you mean 'sink'?; " + ADDING),
+        ("laws.new=3", "1:6 'laws' has no 'new'; known: oleo, smooth; " + ADDING),
+        ("joints.pim=null", "1:8 'joints' has no 'pim'; did you mean 'pin'?; " + ADDING),
         ("include=a.yaml", "1:1 unknown key 'include'; 'include' is allowed in the file of the deck only"),
         ("tme.end=3", "1:1 unknown key 'tme'; did you mean 'time'?"),
         ("time.edn=3", "1:6 unknown key 'time.edn'; did you mean 'end'?"),

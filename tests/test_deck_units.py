@@ -17,6 +17,7 @@ EXACT = [  # SI Brochure, 9th edition (2019), and NIST SP 811 (2008), appendix B
     ("1 psi", "Pa", 6894.757293168361), ("12 deg", "rad", math.pi / 15), ("12 °", "rad", math.pi / 15),
     ("60 rpm", "rad/s", 2 * math.pi), ("2 kN/mm", "N/m", 2e6), ("3 kN m", "N m", 3e3),
     ("1 lbf", "N", 4.4482216152605), ("80 cm2", "m2", 8e-3), ("80 cm^2", "m2", 8e-3), ("7 m³", "m3", 7.0),
+    ("9 l", "m3", 9e-3), ("250 ml", "m3", 2.5e-4), ("12 l/min", "m3/s", 2e-4), ("9 L", "m3", None),
     ("2 t", "kg", 2e3), ("5 g", "kg", 5e-3), ("7.85 g/cm3", "kg/m3", 7850.0), ("5 %", "-", 0.05),
     ("2 N m/deg", "N m/rad", 360 / math.pi), ("2 N m", "N m/rad", 2.0), ("3 min", "s", 180.0),
     ("1 hp", "W", 745.6998715822702), ("5 Hz", "1/s", 5.0), ("9 m/s/s", "m/s2", 9.0), ("4 N", "N or N m", 4.0),
@@ -71,6 +72,14 @@ def test_units_in_a_deck():
         ("{table: {points: [[0, 0], [1, 1e3]]}}", "-5 * kN", "[N], got the text '-5 * kN'; a number is written as 2.5"),
         ("{table: {points: [[0, 0], [1, 1e3]]}}", "5 kNm", "'kNm' is not a unit; did you mean 'kN m'?"),
         ("{table: {points: [[0, 0], [1, 1e3]]}}", "5 KN", "'KN' is not a unit; did you mean 'kN'?"),
+        ("mass: 7e1", "mass: 90 deg + $sink", "'deg + $sink' is not a unit; expressions contain no units"),
+        (
+            "mass: 7e1",
+            "mass: $sink + 90 kg",
+            "the expression '$sink + 90 kg' cannot be understood: expressions contain",
+        ),
+        ("mass: 7e1", "mass: $pi", "'pi' is a constant: write pi without $"),
+        ("mass: 7e1", "mass: pi", "got the text 'pi'; write '=pi'"),
     ],
 )
 def test_quantities_that_are_refused(old, new, reported):

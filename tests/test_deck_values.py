@@ -11,6 +11,7 @@ from mecano.deck.check import CHECKS
 from mecano.deck.physics import element_nodes, poses
 from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS
+from mecano.elements.members.cross_section import positive_all
 from mecano.errors import DeckError
 from mecano.laws import TERMS
 from mecano.schema import Field
@@ -239,3 +240,8 @@ def test_defaults_pass_their_own_checks():
 def test_sections_may_be_exchanged():
     assert [field.name for field in fake_sections()] == [field.name for field in SECTIONS]
     assert all(isinstance(field, Field) for field in SECTIONS)
+
+
+def test_the_components_that_are_wrong_are_named():
+    assert positive_all([0.5, 0.05, 0.45]) is None
+    assert positive_all([0.5, 0.0, -0.45]) == "must be greater than zero, but [1] is 0 and [2] is -0.45"

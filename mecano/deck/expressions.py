@@ -18,6 +18,7 @@ NAME = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
 WHOLE = re.compile(r"(-?)\$([A-Za-z_][A-Za-z0-9_-]*)")
 INSERT = re.compile(r"\$\(([^()$]*(?:\([^()$]*\)[^()$]*)*)\)|\$([A-Za-z_][A-Za-z0-9_]*)")
 INSERTED = re.compile(r"\$\(|[A-Za-z0-9_)]\$[A-Za-z_]")
+UNIT = re.compile(r"[0-9.] ?(?![eE][-+0-9])[A-Za-z°%]")  # 90 deg
 LONGEST_NAME = 200
 OPERATORS = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
@@ -124,7 +125,8 @@ def evaluate(text, parameters, bare=False):
     try:
         tree = _tree(body.replace("$", "_").strip())
     except SyntaxError as error:
-        raise _wrong(text, "cannot be understood", skipped + max((error.offset or 1) - 1, 0)) from None
+        units = ": expressions contain no units" if UNIT.search(body) else ""
+        raise _wrong(text, f"cannot be understood{units}", skipped + max((error.offset or 1) - 1, 0)) from None
     except (ValueError, MemoryError, RecursionError):
         raise _wrong(text, "cannot be understood") from None
     try:

@@ -9,6 +9,7 @@ from mecano.deck.source import FORBIDDEN, Source
 from mecano.deck.wording import quoted, suggestion
 from mecano.errors import DeckError, Problem
 
+ADDING = "--set changes entries and does not add them: edit the deck, or use mecano.Deck in Python"
 INDEX = re.compile("[0-9]{1,9}")
 
 
@@ -17,7 +18,8 @@ def overridden(root, overrides, sections, problems):
 
     ``overrides`` are texts ``path=value``: the keys of the path are separated by dots, items of lists are counted
     from 0, the value is YAML. Keys may be new where the schema may know them; names in a section of names (nodes,
-    laws, parameters...) must exist in the deck. Adds to ``problems``.
+    laws, parameters...) must exist in the deck; null removes them, except parameters, and terms of laws. Adds to
+    ``problems``.
     """
     names = {field.name for field in sections if field.type.name == "named"}
     for text in overrides:
@@ -59,9 +61,12 @@ def _replaced(node, places, depth, new, names):
     if type(node.value) is dict:
         known = node.value
         if key not in known and depth == 1 and places[0].value in names:
-            _refuse(place, f"'{places[0].value}' has no {quoted(key)}", suggestion(key, known))
+            hints = [suggestion(key, known)] + ([ADDING] if depth + 1 == len(places) else [])
+            _refuse(place, f"'{places[0].value}' has no {quoted(key)}", "; ".join(filter(None, hints)))
         if key not in known and depth + 1 < len(places) and INDEX.fullmatch(places[depth + 1].value):
             _refuse(place, f"the deck has no list {quoted(key)} whose item could be set", "set the whole list")
+        if key in known and _removes(places, depth, new, names):
+            return _like(node, {name: entry for name, entry in known.items() if name != key})
         written, child = known.get(key, (place, _like(place, {})))
         child = _replaced(child, places, depth + 1, new, names)
         return _like(node, {**known, key: (written if depth + 1 < len(places) else place, child)})
@@ -73,6 +78,13 @@ def _replaced(node, places, depth, new, names):
         return _like(node, items)
     above = quoted(".".join(p.value for p in places[:depth]))
     _refuse(place, f"{above} is a single value and has no {quoted(key)}")
+
+
+def _removes(places, depth, new, names):
+    """Return whether an override removes an entry of a section, or a term of a law: joints.hinge=null."""
+    section = places[0].value
+    last = depth + 1 == len(places) and new.value is None and new.raw
+    return last and ((depth == 1 and section in names - {"parameters"}) or (depth == 2 and section == "laws"))
 
 
 def _like(node, value):

@@ -6,7 +6,7 @@ where they may also be words: ``side: left``.
 
 from contextlib import contextmanager
 
-from mecano.deck.expressions import ExpressionError, evaluate, is_evaluated, is_expression, names_in
+from mecano.deck.expressions import CONSTANTS, ExpressionError, evaluate, is_evaluated, is_expression, names_in
 from mecano.deck.scalar import number
 from mecano.deck.units import ANY, UnitError, converted, is_quantity
 
@@ -63,6 +63,8 @@ class Parameters:
         if name not in self.nodes:
             if self.outer and self.outer.known(name):
                 return self.outer(name, column)
+            if name in CONSTANTS:
+                raise ExpressionError(f"'{name}' is a constant: write {name} without $, in an expression", column)
             raise ExpressionError(f"unknown parameter '{name}'", column, (name, self.names()))
         self.used.add(name)
         if name in self._open:

@@ -15,11 +15,13 @@ NUMBER = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
 UNIT = r"[A-Za-zµμ°%][^\s,\[\]]*(?: [^\s,\[\]]+)*"
 QUANTITY = re.compile(rf"({NUMBER})(?:\s+(?=1/)|\s*(?!1/|[eE][-+]?[0-9]))({UNIT}|1/[^\s,\[\]]+)\s*")
 NAME = re.compile("[A-Za-zµμ°%]+")
+EXPRESSION = re.compile(r"[$()+]| [-*] ")  # arithmetic after a unit
 FACTOR = re.compile(r"([A-Za-zµμ°%]+|1)(?:\^?(-?[0-9])|\^(-?[0-9]\.[0-9]{1,3})|([²³]))?")
 PREFIXES = {"": 1.0, "G": 1e9, "M": 1e6, "k": 1e3, "d": 1e-1, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "μ": 1e-6,
             "n": 1e-9}  # fmt: skip
 LENGTH, MASS, TIME, ANGLE, NONE = (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1), (0, 0, 0, 0)
 FORCE, PRESSURE, ENERGY, POWER, PER_TIME = (1, 1, -2, 0), (-1, 1, -2, 0), (2, 1, -2, 0), (2, 1, -3, 0), (0, 0, -1, 0)
+VOLUME = (3, 0, 0, 0)
 PREFIXED = {  # powers of m, kg, s, rad, and the value in SI
     "m": (1.0, LENGTH), "g": (1e-3, MASS), "s": (1.0, TIME), "rad": (1.0, ANGLE), "N": (1.0, FORCE),
     "Pa": (1.0, PRESSURE), "bar": (1e5, PRESSURE), "J": (1.0, ENERGY), "W": (1.0, POWER), "Hz": (1.0, PER_TIME),
@@ -31,10 +33,11 @@ ALONE = {
     "in": (0.0254, LENGTH), "ft": (0.3048, LENGTH), "mi": (1609.344, LENGTH), "kt": (1852 / 3600, (1, 0, -1, 0)),
     "mph": (0.44704, (1, 0, -1, 0)), "lbf": (4.4482216152605, FORCE), "kgf": (9.80665, FORCE),
     "psi": (6894.757293168361, PRESSURE), "atm": (101325.0, PRESSURE), "hp": (745.6998715822702, POWER),
+    "l": (1e-3, VOLUME), "ml": (1e-6, VOLUME),
 }  # fmt: skip
 SI = {
     NONE: "1", LENGTH: "m", MASS: "kg", TIME: "s", ANGLE: "rad", FORCE: "N", PRESSURE: "Pa", ENERGY: "J", POWER: "W",
-    PER_TIME: "Hz", (0, 0, -1, 1): "rad/s", (1, 0, -1, 0): "m/s",
+    VOLUME: "m3", PER_TIME: "Hz", (0, 0, -1, 1): "rad/s", (1, 0, -1, 0): "m/s",
 }  # fmt: skip
 NAMES = {
     "a number without unit": "1", "a length": "m", "a mass": "kg", "a time": "s", "an angle": "rad", "a force": "N",
@@ -132,6 +135,10 @@ def _unit(unit):
     found = parsed(unit)
     if found is None and re.search(r"/[^/]* ", unit):
         raise UnitError(f"'{unit[:40]}' can be read in two ways: divide by one unit at a time, as in 'N/m/s'")
+    if found is None and EXPRESSION.search(unit):
+        raise UnitError(
+            f"'{unit[:40]}' is not a unit; expressions contain no units: give a parameter the number with its unit"
+        )
     if found is None or not math.isfinite(found[0]):
         near = _meant(unit[:40])
         hint = f"; did you mean '{near}'?" if near else ""

@@ -37,6 +37,8 @@ def how_to_write(node, field):
     if type(text) is not str or field.type.name not in NUMERIC or is_quantity(text):
         return ""
     unit = re.split(r" or |,", field.unit)[0].strip() if "unit" not in field.unit else ""
+    if text.strip() == "pi":
+        return "write '=pi', or 180 deg" if unit == "rad" else "write '=pi'"
     shown = f"2.5 or 2.5 {unit}" if unit not in ("", "-") else "2.5"
     return f"a number is written as {shown}" if any(letter.isdigit() for letter in text) else ""
 

@@ -192,7 +192,8 @@ def check_matrix(d):
 
 def positive_all(values):
     """Check that all values are > 0."""
-    return None if min(values) > 0 else "must be greater than zero"
+    wrong = [f"[{i}] is {value:g}" for i, value in enumerate(values) if not value > 0]
+    return f"must be greater than zero, but {' and '.join(wrong)}" if wrong else None
 
 
 def _length(name, doc):
