@@ -41,7 +41,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     "jettison, separation, detach, unlatch, pyro, burn wire, cut, break, deactivate": (
         "release grip", "'release' of joints, latches, cables, springs and bushings; loads end by a switch"
     ),
-    "set point, series elastic actuator, elastic actuator": (
+    "set point, setpoint, series elastic actuator, elastic actuator": (
         "spring_damper torsion_spring_damper hinge signals", "their set points are laws of time or formulas of signals"
     ),
     "weld, rigid, rigid joint, clamp, fixed joint, lock, glue": (
@@ -80,6 +80,35 @@ NOTES = {  # words with the same meaning: (targets, note)
         "oleo takes pressures, volumes and areas; a spring_damper a law: gas spring, oil damper, stop"
     ),
     "gas, air spring, nitrogen": ("gas_spring", ""),
+    "landing gear, drag brace, side stay, spin up, crosswind": (
+        "oleo wheel steady place",
+        "see docs/struts.md; a brace is a bar or a rigid_rod; a crosswind is a lateral velocity in 'initial.steady'",
+    ),
+    "torque link, torque arm, scissors": (
+        "cylindrical torsion_spring_damper",
+        "its stiffness is the 'turning_law' of the cylindrical joint of piston and cylinder, or two bodies with hinges",
+    ),
+    "shimmy damper": ("hinge torsion_spring_damper damper", "a 'turning_law' of the hinge at the apex of the links"),
+    "shimmy, caster, castor, drift": (
+        "wheel tire_laws",
+        "`mecano modes` finds shimmy as flutter; a tyre law with 'lateral' gives the side force of a drifting wheel",
+    ),
+    "hold down, tie down, deployment, panel, solar array": (
+        "hinge.latch release turning_law rigid_body beam superelement",
+        "hinges with a 'turning_law' and a 'latch'; a 'release' ends the hold-down; see docs/shocks.md",
+    ),
+    "closed cable loop, cable loop": ("belt coupler reeved_cable", "a belt is a closed loop; a coupler relates two angles"),
+    "hexapod, stewart platform": (
+        "line_force prescribed_length pid universal spherical", "the deck stewart.yaml is an example"
+    ),
+    "length sensor, displacement sensor": (
+        "spring_damper signals",
+        "a spring_damper without stiffness, law: {spring: 0}, outputs 'length', which formulas of signals can read",
+    ),
+    "hinge friction, coulomb friction, bearing friction, sliding friction": (
+        "dry_friction hinge",
+        "a constant moment is 'dry_friction' in the turning_law of the hinge; 'friction' of a joint follows its reactions",
+    ),
     "orifice, oil, hydraulic damper": ("oil_damper metering_pin", ""),
     "earthquake, base excitation, base acceleration, accelerogram, ground motion, vibration test": (
         "acceleration prescribed_position prescribed_angle", "the law acceleration as 'value' of a prescribed motion"

@@ -18,7 +18,7 @@ the fully extended length, and the piston speed u at which oil passes the orific
   :math:`F_h = k c` with :math:`k = K A_h^2/V`.
 
 N > 0 pulls the nodes together. A ``law`` of the extension -s adds stops and dry friction; friction from the reactions
-of the bearings is that of the joint (``sliding_friction`` of a cylindrical joint). Gas and compressed oil store energy,
+of the bearings is that of the joint (``friction`` of a cylindrical joint). Gas and compressed oil store energy,
 the orifice dissipates :math:`F_h u`. Cavitation is not modelled: it begins where ``oil_pressure`` falls to zero.
 """
 
