@@ -97,7 +97,9 @@ NOTES = {  # words with the same meaning: (targets, note)
         "hinge.latch release turning_law rigid_body beam superelement",
         "hinges with a 'turning_law' and a 'latch'; a 'release' ends the hold-down; see docs/shocks.md",
     ),
-    "closed cable loop, cable loop": ("belt coupler reeved_cable", "a belt is a closed loop; a coupler relates two angles"),
+    "closed cable loop, cable loop": (
+        "belt coupler reeved_cable", "a belt is a closed loop; a coupler relates two angles"
+    ),
     "hexapod, stewart platform": (
         "line_force prescribed_length pid universal spherical", "the deck stewart.yaml is an example"
     ),
@@ -107,7 +109,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     ),
     "hinge friction, coulomb friction, bearing friction, sliding friction": (
         "dry_friction hinge",
-        "a constant moment is 'dry_friction' in the turning_law of the hinge; 'friction' of a joint follows its reactions",
+        "a constant moment is 'dry_friction' in the turning_law of a hinge; 'friction' of a joint follows its reactions",
     ),
     "orifice, oil, hydraulic damper": ("oil_damper metering_pin", ""),
     "earthquake, base excitation, base acceleration, accelerogram, ground motion, vibration test": (
