@@ -9,6 +9,7 @@ from static_solution import Equilibrium
 from time_runs import INPUTS, RecordedRun, input_deck
 
 from mecano.analyses.modal import about
+from mecano.analyses.prepare import prepare, warnings_of
 from mecano.errors import DeckError
 from mecano.solve.modal.linearize import linearize
 
@@ -93,3 +94,17 @@ def test_small_motions_about_rest_are_damped_by_the_mean_of_both_orifices(rate):
 def test_what_is_refused(change, text):
     with pytest.raises(DeckError, match=text):
         input_deck("oleo_drop", change)
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        ("elements.strut.gas.pressure=0.9 bar", "'gas.pressure' is 90000 Pa, less than the 101325 Pa of the air"),
+        ("elements.strut.gas.volume=0.5e-3", "the stop is at a stroke of 0.3 m, but all gas is used up at"),
+        ("elements.strut.oil.rebound_orifice=60", "an orifice has 60 m2, not less than"),
+        ("elements.strut.oil.discharge_coefficient=0.8", ""),
+    ],
+)
+def test_what_is_suspicious(change, text):
+    found = warnings_of(prepare(input_deck("oleo_drop", change)))
+    assert len(found) == bool(text) and all(f"oleo 'strut': {text}" in one for one in found)

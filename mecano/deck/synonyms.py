@@ -109,7 +109,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     ),
     "hinge friction, coulomb friction, bearing friction, sliding friction": (
         "dry_friction hinge",
-        "a constant moment is 'dry_friction' in the turning_law of a hinge; 'friction' of a joint follows its reactions",
+        "a constant moment is 'dry_friction' in the turning_law of a hinge; 'friction' of joints follows reactions",
     ),
     "orifice, oil, hydraulic damper": ("oil_damper metering_pin", ""),
     "earthquake, base excitation, base acceleration, accelerogram, ground motion, vibration test": (

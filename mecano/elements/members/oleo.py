@@ -154,11 +154,38 @@ def check(d, nodes):
 
 
 def _closed(name, area):
-    """Return a text if an orifice is closed at a point of its curve within a metre of stroke."""
+    """Return a text if an orifice is closed at zero stroke or a corner of its curve."""
+    return [f"'oil.{name}' must have areas greater than zero"] if min(_areas(area), default=1.0) <= 0.0 else []
+
+
+def _areas(area):
+    """Return the areas of an orifice at zero stroke and at the corners of its curve; none if it is absent."""
     corners = [x for _, values in terms_of(area) for x, _ in values.get("points") or ()]
-    if area is None or all(curve_at(area, float(x))[0] > 0 for x in [0.0, *corners]):
-        return []
-    return [f"'oil.{name}' must have areas greater than zero"]
+    return [] if area is None else [curve_at(area, float(x))[0] for x in [0.0, *corners]]
+
+
+def suspicious(d, nodes):
+    """Return warnings about a gas below the ambient pressure, or used up before the stop, and too large orifices."""
+    gas, second, texts = d["gas"], d["second_gas"], []
+    if gas["pressure"] < gas["ambient_pressure"]:
+        texts.append(
+            f"'gas.pressure' is {gas['pressure']:g} Pa, less than the {gas['ambient_pressure']:g} Pa of the air: "
+            "the extended strut pulls; is this intended? Pressures are absolute"
+        )
+    used_up = (gas["volume"] + (0.0 if second is None else second["volume"])) / gas["area"]
+    stroke = min((-values["lower"] for term, values in d["law"] or () if term == "stop"), default=0.0)
+    if used_up <= stroke < FAR:
+        texts.append(
+            f"the stop is at a stroke of {stroke:g} m, but all gas is used up at {used_up:g} m (volume over area): the "
+            "strut cannot reach the stop; is the volume right?"
+        )
+    widest = max(_areas(d["oil"]["orifice"]) + _areas(d["oil"]["rebound_orifice"]))
+    if widest >= d["oil"]["area"]:
+        texts.append(
+            f"an orifice has {widest:g} m2, not less than the {d['oil']['area']:g} m2 of 'oil.area', the piston that "
+            "displaces the oil: is this intended, or is a unit missing?"
+        )
+    return texts
 
 
 def sample(rng):
@@ -252,6 +279,7 @@ OLEO = Kind(
     events=EVENTS,
     prepare=prepare,
     check=check,
+    suspicious=suspicious,
     residual=residual,
     observe=observe,
     event_values=event_values,
