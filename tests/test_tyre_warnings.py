@@ -9,6 +9,7 @@ from mecano.analyses.diagnostics import explained
 from mecano.analyses.dynamic import run
 from mecano.analyses.prepare import prepare, warnings_of
 from mecano.errors import ConvergenceError
+from mecano.results.reader import open_results
 
 KAP, ROLLING = 1e4, float(np.radians(5.0))
 
@@ -78,3 +79,10 @@ def test_a_failed_run_names_what_was_warned_of(tmp_path):
     )
     assert "a greater 'tire_law.lateral.moreland.yaw_time' (now 1e-05 s)" in said
     assert said.count("warning: test.yaml:") == 1 and "oscillate with growing amplitude" in said
+
+
+@pytest.mark.parametrize(("end", "touched"), [(0.002, False), (0.5, True)])
+def test_a_run_in_which_no_wheel_touches_its_ground_is_warned_of(end, touched, tmp_path):
+    run(input_deck("wheel_drop", f"time.end={end}"), tmp_path / "r.h5")
+    with open_results(tmp_path / "r.h5") as results:
+        assert any("no wheel touched its ground" in text for text in results.warnings) != touched

@@ -33,6 +33,15 @@ def cut_short(values, cuts, final):
     )
 
 
+def untouched(deck, sampler, extremes):
+    """Yield a warning if the model has wheels and none of them touched its ground, as their loads were always zero."""
+    at = {column.path: column.start for column in sampler.columns}
+    wheels = [n for n, d in deck.values["elements"].items() if "wheels" in KINDS[d["type"]].display.pictures]
+    loads = [at.get(f"elements/{name}/radial_force", at.get(f"elements/{name}/normal_force")) for name in wheels]
+    if wheels and not any(i is None or extremes.high[i] or extremes.low[i] for i in loads):
+        yield "no wheel touched its ground: does the run end too early, or do the wheels start too high?"
+
+
 def unbalanced(values, sampler, extremes):
     """Yield a warning if the integration lost or created energy; ``values`` are the section ``time`` of the deck."""
     at = {column.path: column.start for column in sampler.columns}

@@ -5,7 +5,7 @@ from functools import partial
 
 from mecano.analyses.checkpoint_writer import INTERVAL, CheckpointWriter, restore
 from mecano.analyses.compilation import compile_time_integration
-from mecano.analyses.diagnostics import cut_short, exceeded, explained, open_latches, unbalanced, unresolved
+from mecano.analyses.diagnostics import cut_short, exceeded, explained, open_latches, unbalanced, unresolved, untouched
 from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.prepare import chosen, integrator_of, model_facts, prepare, startup_warnings
 from mecano.analyses.recorder import Recorder
@@ -196,6 +196,7 @@ class Ongoing:
         warnings = [*integrator.warnings, *cut_short(values, integrator.cuts, self.state)]
         warnings += exceeded(deck, sampler, writer.extremes)
         warnings += open_latches(deck, self.recorder.row, sampler)
+        warnings += untouched(deck, sampler, writer.extremes)
         warnings += unbalanced(values, sampler, writer.extremes)
         warnings += unresolved(values, sampler, self.recorder.ringing, integrator.method.length)
         for text in warnings:
