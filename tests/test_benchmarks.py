@@ -37,7 +37,7 @@ def test_without_a_case_it_says_which_there_are():
 def test_the_mast_is_measured():
     command = [sys.executable, RUN.with_name("mast.py"), "500"]
     said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    assert said.startswith("    540 unknowns: prepared in ") and "100 steps of" in said and "0 unstable" in said
+    assert said.strip().startswith("540 unknowns: prepared in ") and "100 steps of" in said and "0 unstable" in said
 
 
 def test_tables_are_written_between_their_marks(tmp_path, monkeypatch):
