@@ -58,7 +58,7 @@ def change_step(work: Records(STEP)):
         w.h = w.next_h
         differentiate_constraints(w)
         velocity_gap(w)
-        assemble_scaled(w, METRIC * w.h)
+        assemble_scaled(w, METRIC * w.h, False)
         put_gap(w)
         if w.n_l and not factor(w):
             w.code = OTHERWISE
@@ -153,14 +153,17 @@ def velocity_gap(w):
 
 
 @kernel
-def assemble_scaled(w, h):
-    """Assemble the matrix for steps of size h, whose rows of constraints are scaled by what it is without them."""
+def assemble_scaled(w, h, as_given):
+    """Assemble the matrix for steps of size h, whose rows of constraints are scaled by what it is without them.
+
+    ``as_given``: by k and penalty of the deck, if it has them; they suit no matrix that masses dominate.
+    """
     w.cC, w.cM = w.gamma / (w.beta * h), (1 - w.am) / (1 - w.af) / (w.beta * h * h)
     w.k, w.penalty = 1.0, 0.0
     for scaled in range(2):
         assemble_at_tangent(w, 1.0, w.cC, w.cM)
         if not scaled:
-            scale_constraints(w)
+            scale_constraints(w, as_given)
     soften_tangent(w, system_of(w)[0])
 
 
@@ -175,11 +178,11 @@ def factor(w):
 
 
 @kernel
-def scale_constraints(w):
+def scale_constraints(w, as_given):
     """Set the scales and compliances of the constraints for the mean stiffness of the tangent."""
     w.stiffness = mean_stiffness(w)
-    w.k = w.fixed_k if w.fixed_k > 0.0 else w.stiffness
-    w.penalty = w.stiffness if w.fixed_penalty < 0.0 else w.fixed_penalty
+    w.k = w.fixed_k if as_given and w.fixed_k > 0.0 else w.stiffness
+    w.penalty = w.fixed_penalty if as_given and w.fixed_penalty >= 0.0 else w.stiffness
     w.penalty = min(w.penalty, w.largest_penalty, w.stiffness * w.largest_penalty_share)
     set_compliances(w)
 
@@ -295,7 +298,7 @@ def prepare_filter(w):
     """Assemble the effective tangent, with the right-hand side cM M ``added`` (modal_filter.py)."""
     more, b, kept = floats(w.added, w.n_all), floats(w.residual, w.n_all), floats(w.added + 16 * w.n_all, w.n)
     times_masses(w, more, kept)
-    assemble_scaled(w, w.h)
+    assemble_scaled(w, w.h, True)
     for i in range(w.n):
         b[i] = w.cM * kept[i]
 
