@@ -14,6 +14,7 @@ from mecano.errors import DeckError, Problem
 
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 MAX_DEPTH = 64
+TOO_DEEP = f"nested more than {MAX_DEPTH} levels deep"
 MAX_NODES = 4_000_000
 MAX_MARKS = 3_500_000  # ':' and ',' in a text: a deck with far more values is refused before it is parsed
 MAX_EXPANDED = 100_000  # nodes that aliases may add
@@ -94,7 +95,7 @@ class Composer:
         """Open a list or mapping; attach it now and count it when it is closed."""
         node = self.new(event, value)
         if len(self.frames) >= MAX_DEPTH:
-            self.stop(f"nested more than {MAX_DEPTH} levels deep", node)
+            self.stop(TOO_DEEP, node)
         self.attach(node)
         if event.anchor:
             self.anchors[event.anchor] = None
@@ -120,7 +121,7 @@ class Composer:
         if self.expanded > MAX_EXPANDED:
             self.stop(f"aliases expand to more than {MAX_EXPANDED} values", place)
         if len(self.frames) + height > MAX_DEPTH:
-            self.stop(f"nested more than {MAX_DEPTH} levels deep", place)
+            self.stop(TOO_DEEP, place)
         self.add(node, size, height)
 
     def document(self, event):
@@ -220,12 +221,16 @@ def compose(source, problems, loader=LOADER):
 
 
 def _syntax(error):
+    if "nesting depth" in (error.problem or ""):  # libyaml reads ahead and has a limit of its own
+        return TOO_DEEP
     parts = [part for part in (error.context, error.problem) if part]
     return "not valid YAML: " + ", ".join(parts)
 
 
 def _syntax_hint(error, place):
     rest, problem = place.mark.text[place.column :], error.problem or ""
+    if "nesting depth" in problem:
+        return ""
     if rest.startswith("\t"):
         return "indent with spaces, not with tabs"
     if rest[:1] in ("%", "@", "`"):
