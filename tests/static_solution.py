@@ -23,8 +23,8 @@ class Equilibrium:
     def tangent(self, cK=1.0, cM=0.0):
         """cK K + cM M (n, n), by material variations."""
         system, n = self.system, self.system.n
-        system.assemble(self.state, 1.0, 0.0, cK, 0.0, cM)
-        return sp.csr_matrix((system.data[:-1], (system.rows, system.cols)), shape=(n, n))
+        data = system.assemble(self.state, 1.0, 0.0, cK, 0.0, cM).data
+        return sp.csr_matrix((data[:-1], (system.rows, system.cols)), shape=(n, n))
 
     def position(self, name):
         """Position (3,) of a node."""
@@ -34,9 +34,8 @@ class Equilibrium:
 
     def output(self, path):
         """An output."""
-        self.system.observe(self.state)
         sampler = Sampler(self.system)
-        row = sampler.take(_Still(self.state))
+        row = sampler.take(_Still(self.state), self.system.observe(self.state))
         c = next(column for column in sampler.columns if column.path == path)
         return row[c.start : c.start + c.size].copy()
 

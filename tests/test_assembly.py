@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from time_runs import RecordedRun, deck, input_deck
+from time_runs import RecordedRun, deck, in_python, input_deck
 
 from mecano.analyses.prepare import prepare, startup_warnings
 from mecano.errors import AssemblyError
+from mecano.model.system import System
 from mecano.solve.time.interpolate import interpolate
 
 ROD = """
@@ -63,20 +64,46 @@ def test_mechanisms_and_redundant_constraints_are_named():
     assert any("not unique" in text for text in startup_warnings(prepare(input_deck("four_bar"))))
 
 
+def values_of(observation, assembly):
+    """All arrays of the two values."""
+    return (
+        observation.outputs, observation.energies, observation.energy,
+        assembly.residual, assembly.size, assembly.data, assembly.forces,
+    )  # fmt: skip
+
+
 def test_outputs_do_not_depend_on_what_was_assembled_before():
     """The reaction of the pendulum's hinge follows from the state, also after an assembly at another one."""
     prepared = prepare(input_deck("pendulum"))
     system, state = prepared.system, prepared.state
-    system.observe(state)
-    outputs, energy = system.outputs.copy(), system.energy.copy()
+    before, assembly = system.observe(state), system.assemble(state, 1.0, 0.0, 1.0, 1.0, 1.0)
+    kept = [array.tobytes() for array in values_of(before, assembly)]
     moving = state.copy()
     moving.v = moving.v + 1.0
-    system.assemble(moving, 2.0, 3.0, 1.0, 1.0, 1.0)
-    assert system.force.any()
-    system.observe_assembled(state)
-    assert (system.outputs != outputs).any()  # forces of another state
-    system.observe(state)
-    assert (system.outputs == outputs).all() and (system.energy == energy).all()
+    foreign = system.assemble(moving, 2.0, 3.0, 1.0, 1.0, 1.0)
+    system.observe(moving)
+    for again in (before, system.observe(state), system.observe(state, assembly.forces)):
+        assert [array.tobytes() for array in values_of(again, assembly)] == kept
+    assert (system.observe(state, foreign.forces).outputs != before.outputs).any()
+
+
+def test_a_run_does_not_depend_on_assemblies_between_its_calls(monkeypatch):
+    """Between a step and its outputs, which ``commit`` separates, everything is evaluated at another state."""
+    commit = System.commit
+
+    def at_another_state(system, s):
+        other = s.copy()
+        other.v, other.a = other.v + 1.0, other.a - 1.0
+        system.assemble(other, 2.0, 3.0, 1.0, 1.0, 1.0)
+        system.observe(other)
+        system.event_values(other)
+        return commit(system, s)
+
+    pendulum = input_deck("pendulum", "time.end=0.03")
+    alone = RecordedRun(pendulum, change=in_python)
+    monkeypatch.setattr(System, "commit", at_another_state)
+    disturbed = RecordedRun(pendulum, change=in_python)
+    assert disturbed.rows.tobytes() == alone.rows.tobytes() and len(alone.rows) == 31
 
 
 @pytest.mark.parametrize("what, order", [("position", 4), ("velocity", 3)])

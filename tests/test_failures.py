@@ -162,15 +162,15 @@ def test_the_worst_equations_are_of_different_places_and_no_rounding():
     places = ("node tip", "force x"), ("node tip", "force z"), ("node root", "force x"), ("node far", "force x")
     names = [EquationName(*place) for place in (*places, ("rod 'r'", "length"))]
     system = SimpleNamespace(
-        n=5, n_q=0, residual=np.array([2.0, 3.0, -1.0, 2.9e-3, 1e-13]), size=np.array([10.0, 10.0, 10.0, 10.0, 1e-13]),
-        numbering=SimpleNamespace(kind=np.array([*[TRANSLATION] * 4, LENGTH_CONSTRAINT]), name=names),
+        n=5, n_q=0, numbering=SimpleNamespace(kind=np.array([*[TRANSLATION] * 4, LENGTH_CONSTRAINT]), name=names),
         nodes=[SimpleNamespace(x=(0.0, 0.0, 0.0))],
     )  # fmt: skip
-    assert worst_equations(system) == "  node tip: force z: residual 3\n  node root: force x: residual 1"
-    system.residual[4] = 6.0
-    assert worst_equations(system).startswith("  rod 'r': length: residual 6\n  node tip")
-    system.residual[2] = np.inf
-    assert worst_equations(system) == "  node root: force x: residual inf"
+    assembly = SimpleNamespace(residual=np.array([2.0, 3.0, -1.0, 2.9e-3, 1e-13]), size=np.array([*[10.0] * 4, 1e-13]))
+    assert worst_equations(system, assembly) == "  node tip: force z: residual 3\n  node root: force x: residual 1"
+    assembly.residual[4] = 6.0
+    assert worst_equations(system, assembly).startswith("  rod 'r': length: residual 6\n  node tip")
+    assembly.residual[2] = np.inf
+    assert worst_equations(system, assembly) == "  node root: force x: residual inf"
 
 
 def test_a_step_of_the_least_size_that_is_too_rough_stops_the_run(tmp_path):

@@ -340,8 +340,7 @@ def test_linearization_of_a_moving_state_is_that_of_the_motion():
         for r, d in zip(of.rotation, of.r, strict=True):
             state = s.R[r], s.v[d : d + 3], s.a[d : d + 3]
             new.R[r], new.v[d : d + 3], new.a[d : d + 3] = perturbed_rates(*state, y[:, d : d + 3], w, epsilon)
-        system.assemble(new, 1.0, 0.0, 0.0, 0.0, 0.0)
-        f[:] = system.residual[: system.n]
+        f[:] = system.assemble(new, 1.0, 0.0, 0.0, 0.0, 0.0).residual[: system.n]
         for r, d in zip(of.rotation, of.r, strict=True):
             f[d : d + 3] = s.R[r] @ f[d : d + 3]
         return f
@@ -366,8 +365,7 @@ def turning_beam(base, w):
         for r, d in enumerate(of.rotation_dof):
             s.v[d : d + 3], s.a[d : d + 3] = s.R[r].T @ w, 0.0
         lin = linearize(system, s, base.prepared.length, w)
-        system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
-        f = system.residual[: system.n].copy()
+        f = system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0).residual[: system.n]
         change = np.linalg.solve(lin.K.toarray(), -f)
         size = np.abs(change[: system.n_q]).max()
         if size < 1e-11:

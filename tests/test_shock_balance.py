@@ -88,9 +88,7 @@ class Struck:
         self.after = self.shock.state
 
     def kinetic(self, s):
-        self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
-        self.system.observe(s)
-        return float(self.system.energy[0])
+        return float(self.system.observe(s).energy[0])
 
     def momenta(self, s):
         """Linear and angular momentum (6,) about the origin, inertial, and the sum of their sizes."""
@@ -115,8 +113,7 @@ class Struck:
         for dv, impulses in ((0.0, 0.0), (self.after.v - self.before.v, self.shock.impulses)):
             s.phases = self.shock_phases()
             s.a[:], s.z[n_q:n] = dv, impulses
-            self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
-            found.append(self.system.residual.copy())
+            found.append(self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0).residual)
         r = found[1] - found[0]
         r[n_q:n] = 0.0
         return r

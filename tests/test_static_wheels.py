@@ -43,8 +43,7 @@ METHODS = ("{}", "{steps: 3}", "{method: relaxation}", "{method: arc_length, ste
 def reactions(path, name):
     """Normal, longitudinal and lateral force of a rigid wheel at the last point [N]."""
     system, s, sampler = path.system, path.points[-1].state, Sampler(path.system)
-    system.observe(s)
-    row, places = sampler.take(StaticSample(s)), {c.path: c.start for c in sampler.columns}
+    row, places = sampler.take(StaticSample(s), system.observe(s)), {c.path: c.start for c in sampler.columns}
     return row[
         [places[f"elements/{name}/{force}"] for force in ("normal_force", "longitudinal_force", "lateral_force")]
     ]
@@ -221,12 +220,12 @@ def test_tangent_with_constraints_on_velocities():
         s = statics.begin(start)
         statics.move(s, start, z, 1.0)
         statics.evaluate(s, 0.7, 1.0, 3.0, tangent, step)
-        return system.residual[: system.n].copy()
+        return statics.assembly.residual[: system.n].copy()
 
     at, h = 0.1 * rng.normal(size=system.n), 1e-6
     differences = np.array([(residual(at + h * e) - residual(at - h * e)) / (2.0 * h) for e in np.eye(system.n)]).T
     residual(at, True)
     tangent = np.zeros((system.n, system.n))
-    tangent[system.rows, system.cols] = system.data[: system.nnz]
+    tangent[system.rows, system.cols] = statics.assembly.data[: system.nnz]
     np.testing.assert_allclose(tangent, differences, atol=1e-5 * np.abs(tangent).max())
     assert np.abs(tangent[n_q:][system.numbering.of_rates]).max(axis=1).min() > 0.1

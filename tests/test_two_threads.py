@@ -166,10 +166,11 @@ class TestModels:
             system, s = prepared.system, prepared.state
             random = np.random.default_rng(0)
             s.v[: system.n_q], s.a[: system.n_q] = random.standard_normal((2, system.n_q))
-            system.assemble(s, 2.0, 3.0, 1.0, 0.5, 0.25)
-            found = [system.residual.copy(), system.size.copy(), system.data[:-1].copy()]
-            system.observe(s)
-            return [*found, system.energy.copy(), system.outputs.copy(), system.event_values(s), system.commit(s)]
+            assembly, observation = system.assemble(s, 2.0, 3.0, 1.0, 0.5, 0.25), system.observe(s)
+            return [
+                assembly.residual, assembly.size, assembly.data[:-1], observation.energy, observation.energies,
+                observation.outputs, system.event_values(s), system.commit(s),
+            ]  # fmt: skip
 
         parts = sums()
         monkeypatch.setattr(module, "LARGE", 10**6)

@@ -45,7 +45,7 @@ class RecordedRun:
 
         def keep(run):
             times.append(run.motion.t)
-            rows.append(self.sampler.take(run).copy())
+            rows.append(self.sampler.take(run, integrator.observation).copy())
 
         def observe(accepted):
             self.event_records += accepted.event_records

@@ -46,6 +46,6 @@ def compile_time_integration(system, method="generalized_alpha"):
     Everything else is compiled when it is needed.
     """
     own = radau() if method == "radau" else ()
-    own += (between_states,) if system.has_events else ()
+    own += (between_states,) if system.n_events else ()
     further = [] if system.halves is None else divided()
     compile_ahead([*(entry.code for entry in (*TIME_INTEGRATION, *own)), *system.codes(), *further])

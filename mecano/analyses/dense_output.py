@@ -37,8 +37,7 @@ class DenseOutput:
         self._motion = motion
 
     def _row(self, s, work):
-        self._sampler.system.observe(s)
-        return self._sampler.take(Sample(s, *work)).copy()
+        return self._sampler.take(Sample(s, *work), self._sampler.system.observe(s)).copy()
 
     def at(self, t):
         """Return the row (n,) at the time ``t`` [s] in the step."""

@@ -37,8 +37,8 @@ class Result:
         return f"{self.loading.name} {self.point.parameter:.6g}{self.loading.unit}"
 
     def assemble(self, s, k, penalty, *weights):
-        """Call ``system.assemble`` under the loads at the end."""
-        self.loading.assemble(s, self.point.parameter, k, penalty, *weights)
+        """Return ``system.assemble`` under the loads at the end."""
+        return self.loading.assemble(s, self.point.parameter, k, penalty, *weights)
 
 
 def follow(prepared, observers=()):
@@ -112,12 +112,12 @@ def _follow_path(prepared, statics, path, start, observers, state=None):
 
 
 def _ended(prepared):
-    """Return a function of a State that describes an element at the end of its range, or returns "" if none is."""
+    """Return a function of a State and its Observation: the text on an element at the end of its range, or ""."""
     if not has_watched_outputs(prepared.deck.values, "ends"):
-        return lambda state: ""
+        return lambda state, observation: ""
     sampler = Sampler(prepared.system)
     ends = watched_outputs(prepared.deck.values, sampler, "ends")
-    return lambda state: ended(ends, sampler.take(StaticSample(state)))
+    return lambda state, observation: ended(ends, sampler.take(StaticSample(state), observation))
 
 
 def _stability_warnings(prepared, follower, point):

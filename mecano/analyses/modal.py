@@ -220,13 +220,12 @@ def _material(system, s, shape):
 
 def _inside(elements, system, s):
     """Return the positions (k, 3) [m] of the nodes inside each superelement in state ``s``."""
-    system.observe(s)
-    found = {}
+    found, outputs = {}, system.observe(s).outputs
     for b in system.batches:
         ends = np.cumsum([int(np.prod(output.shape, dtype=int)) for output in b.kind.outputs])
         places = dict(zip((output.name for output in b.kind.outputs), ends, strict=True))
         widths = {output.name: output.shape for output in b.kind.outputs}
-        for (path, _), y in zip(b.paths, b.y, strict=True):
+        for (path, _), y in zip(b.paths, b.outputs(outputs), strict=True):
             section, _, name = path.partition("/")
             if section == "elements" and nodes_inside(elements.get(name, {})):
                 found[name] = recovered(elements[name], _reading(y, places, widths)).positions[0]

@@ -18,8 +18,7 @@ def preview(deck, path):
     prepared = prepare(deck)
     sampler = Sampler(prepared.system)
     kept = [column for column in sampler.columns if column.unit not in UNKNOWN_BEFORE_RUN]
-    prepared.system.observe(prepared.state)
-    row = sampler.take(StaticSample(prepared.state))
+    row = sampler.take(StaticSample(prepared.state), prepared.system.observe(prepared.state))
     source = Source(
         deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
         model=model_facts(prepared),

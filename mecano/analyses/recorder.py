@@ -25,6 +25,7 @@ class Recorder:
     def __init__(self, prepared, writer, sampler, integrator):
         self.writer, self.sampler = writer, sampler
         self.control, self._workspace = integrator.control, integrator.method.workspace
+        self.observation = integrator.observation
         self.deck, values = prepared.deck, prepared.deck.values
         self.poll = lambda: None
         self.ends = watched_outputs(values, sampler, "ends")
@@ -33,7 +34,7 @@ class Recorder:
         every, time = values["output"]["every"], values["time"]
         times = time["start"], time["end"], 0.0 if every == "step" else every
         ends = [(column, size) for *_, column, size, _ in self.ends]
-        self.output = Output(sampler, writer.extremes, self.ringing, times, ends)
+        self.output = Output(sampler, self.observation, writer.extremes, self.ringing, times, ends)
         self._due = clock.monotonic() + INTERVAL
 
     @property
@@ -52,7 +53,7 @@ class Recorder:
         Between two events of one instant a state is ``passing``: a controller may be beyond its limit there, for no
         time. It is not counted in the extremes.
         """
-        row = self.sampler.take(run)
+        row = self.sampler.take(run, self.observation)
         if not passing and (i := self.writer.extremes.take(run.motion.t, row)) >= 0:
             raise self._not_finite(run.motion.t, i)
         self.row[:] = row
@@ -101,7 +102,6 @@ class Recorder:
         for t, row in rows:
             if (i := self.writer.extremes.take(t, row)) >= 0:
                 raise self._not_finite(t, i)
-        self.sampler.system.observe(accepted.run.motion)
 
     def report(self, run):
         """Pass the contents of the buffers to the writer, at intervals."""
@@ -151,7 +151,8 @@ class Recorder:
         batches = self.sampler.system.batches
         titles = of_nodes | {b.paths[e][0]: b.names[e] for b in batches for e in range(len(b.p))}
         if column.path.startswith("energy/"):  # the sum of those of all elements
-            wrong = [b.names[e] for b in batches for e in np.flatnonzero(~np.isfinite(b.e).all(axis=1))]
+            infinite = ~np.isfinite(self.observation.energies).all(axis=1)
+            wrong = [b.names[e] for b in batches for e in np.flatnonzero(infinite[b.phases])]
             titles = {path: "; ".join(wrong[:MOST_NAMED])} if wrong else {}
         owner = f"{titles[path]}: {output}" if path in titles else column.path
         return NonFiniteError(

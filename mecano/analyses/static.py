@@ -42,17 +42,14 @@ class Recorder:
         columns = [c for c in self.sampler.columns if not c.path.startswith("energy/") or "potential" in c.path]
         self.series = [Series(c.path, c.unit, c.doc, c.shape) for c in columns] + list(PATH)
         self.places = np.concatenate([np.arange(c.start, c.start + c.size) for c in columns])
-        self.loads = [(b, _forces(b.kind)) for b in system.batches if is_scaled(b.kind) and b.n_outputs]
+        self.loads = _outputs_of_loads(system)
 
     def __call__(self, point):
         """Write one Point."""
         factor = 1.0 if self.over_time else point.parameter
-        for batch, forces in self.loads:
-            batch.y[:, forces] *= factor
-        stability = point.stability
-        row = np.append(
-            self.sampler.take(StaticSample(point.state))[self.places], [factor, stability.unstable, stability.neutral]
-        )  # fmt: skip
+        stability, row = point.stability, self.sampler.take(StaticSample(point.state), point.observation)
+        row[self.sampler.node_size + self.loads] *= factor
+        row = np.append(row[self.places], [factor, stability.unstable, stability.neutral])
         self.writer.extremes.take(point.place, row)
         self.writer.append(point.place, row)
         if point.step:
@@ -63,11 +60,15 @@ class Recorder:
             )  # fmt: skip
 
 
-def _forces(kind):
-    """Return the columns of the outputs of a load that are proportional to the load factor."""
-    sizes = [int(np.prod(output.shape, dtype=int)) for output in kind.outputs]
-    units = np.repeat([output.unit for output in kind.outputs], sizes)
-    return np.flatnonzero(np.isin(units, ("N", "N m", "W")))
+def _outputs_of_loads(system):
+    """Return the indices of the outputs of a System that are proportional to the load factor."""
+    found = np.zeros(system.n_outputs, bool)
+    for b in system.batches:
+        if is_scaled(b.kind):
+            sizes = [int(np.prod(output.shape, dtype=int)) for output in b.kind.outputs]
+            units = np.repeat([output.unit for output in b.kind.outputs], sizes)
+            b.outputs(found)[:] = np.isin(units, ("N", "N m", "W"))
+    return np.flatnonzero(found)
 
 
 def resume(deck, path, *, observers=(), announce=lambda text: None):

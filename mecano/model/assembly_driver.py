@@ -1,7 +1,7 @@
 """Drivers of the assembly: call the loops of all batches, with the work before and after them.
 
 ``loops`` (n,) are the addresses of the loops of n batches, ``batches`` (n,) their records BATCH; ``system`` (1,) is the
-record SYSTEM.
+record SYSTEM of the value that is written (assembly.py).
 """
 
 from mecano.jit.entry import Indices, Matrices, Matrix, Records, Vector, entry
@@ -86,16 +86,13 @@ def assemble(
 def add(
     loops: Indices, batches: Batches, system: System,
     t: float, z: Vector, v: Vector, a: Vector, R: Matrices, phases: Indices, memory: Vector,
-    T: Matrices, k: float, penalty: float, cK: float, cC: float, data: Vector,
+    T: Matrices, k: float, penalty: float, cK: float, cC: float,
 ):  # fmt: skip
-    """Add the tangent cK K + cC C of some batches to ``data``; overwrites the forces on the slots."""
+    """Add the tangent cK K + cC C of some batches to the one present; also adds their forces to the slots."""
     bind_state(system, t, z, v, a, R, phases, memory)
     s = system[0]
     s.T, s.cK, s.cC, s.cM, s.k, s.penalty, s.lag = T.ctypes.data, cK, cC, 0.0, k, penalty, 1.0
-    own = s.data
-    s.data = data.ctypes.data
     run(loops, batches, system)
-    s.data = own
 
 
 @entry
@@ -137,9 +134,11 @@ def constraint_derivatives(
 def observe(
     loops: Indices, batches: Batches, system: System,
     t: float, z: Vector, v: Vector, a: Vector, R: Matrices, phases: Indices, memory: Vector,
+    forces: Vector,
 ):  # fmt: skip
-    """Compute outputs and energies from the slot forces of the last assembly."""
+    """Compute outputs and energies at a state, with the forces (n_slots,) of an assembly there."""
     bind_state(system, t, z, v, a, R, phases, memory)
+    system[0].force = forces.ctypes.data
     transmitted(system)
     floats(system[0].energy, 4)[:] = 0.0
     run(loops, batches, system)
@@ -149,9 +148,11 @@ def observe(
 def event_values(
     loops: Indices, batches: Batches, system: System,
     t: float, z: Vector, v: Vector, a: Vector, R: Matrices, phases: Indices, memory: Vector,
+    values_out: Vector,
 ):  # fmt: skip
-    """Compute the values of all events."""
+    """Write the values (n_events,) of all events."""
     bind_state(system, t, z, v, a, R, phases, memory)
+    system[0].event_values = values_out.ctypes.data
     run(loops, batches, system)
 
 

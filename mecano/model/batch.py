@@ -10,16 +10,17 @@ import numpy as np
 from mecano.maths.dual import DUAL
 from mecano.model.loops import BATCH, record
 
-OF_ELEMENTS = (
-    "p", "dofs", "rots", "slots", "output_dofs", "output_slots", "multipliers", "entries", "event_values", "y", "e"
-)  # fmt: skip
+OF_ELEMENTS = "p", "dofs", "rots", "slots", "output_dofs", "output_slots", "multipliers", "entries"
 LINES = 128  # B, two lines of the cache
 WORK = ("q", "v", "a", "R", "f", "K", "C", "M", "seeded", "F", "g")
 
 
 @dataclass
 class Batch:
-    """Elements of one kind: records, tables, work arrays, and their addresses for the compiled loops."""
+    """Elements of one kind: records, tables, and their addresses for the compiled loops.
+
+    The loops also find here the scratch arrays for one element, of which nothing is read afterwards.
+    """
 
     kind: object
     names: list  # (n,) names of the owners, from the deck
@@ -35,9 +36,9 @@ class Batch:
     instances: list  # (n,) indices into the list of all instances
     first_phase: int  # index into the phases of a state
     first_memory: int  # index into the memory of a state
+    first_output: int  # index into the outputs of the system
+    first_event: int  # index into the event values of the system
     entries: np.ndarray = None  # (n, n_local, n_local) indices into the values of the sparse tangent
-    event_values: np.ndarray = None  # (n, n_events) view of the event values of the system
-    y: np.ndarray = None  # (n, n_outputs) view of the outputs of the system
 
     def __post_init__(self):
         kind, n = self.kind, self.dofs.shape[1]
@@ -48,7 +49,6 @@ class Batch:
         self.seeded = np.zeros(3 * n + 9 * n_rotations, DUAL)
         self.F, self.g = np.zeros(self.output_slots.shape[1]), np.zeros((len(kind.multipliers), 3))
         self.n_outputs = sum(int(np.prod(o.shape, dtype=int)) for o in kind.outputs)
-        self.e = np.zeros((len(self.p), 4))
         self.n_events = len(kind.events)
         self.before = np.array([kind.phases.index(event.before) for event in kind.events], np.int64)
 
@@ -57,15 +57,34 @@ class Batch:
         """Slice of these elements in the phases of a state."""
         return slice(self.first_phase, self.first_phase + len(self.p))
 
+    @property
+    def ends(self):
+        """The indices ``first_phase``, ``first_memory``, ``first_output``, ``first_event`` of the next batch."""
+        n = len(self.p)
+        return (
+            self.first_phase + n, self.first_memory + n * len(self.kind.memory),
+            self.first_output + n * self.n_outputs, self.first_event + n * self.n_events,
+        )  # fmt: skip
+
+    def outputs(self, values):
+        """Return those (n, n_outputs) of ``values``, one for each output of the system: a view."""
+        n = len(self.p)
+        return values[self.first_output : self.first_output + n * self.n_outputs].reshape(n, self.n_outputs)
+
+    def events(self, values):
+        """Return those (n, n_events) of ``values``, one for each event of the system: a view."""
+        n = len(self.p)
+        return values[self.first_event : self.first_event + n * self.n_events].reshape(n, self.n_events)
+
     def record(self):
-        """Return the record BATCH for the loops; ``entries``, ``event_values`` and ``y`` must be set."""
+        """Return the record BATCH for the loops; ``entries`` must be set."""
         n, n_local = self.dofs.shape
         sizes = {
             "n": n, "n_local": n_local, "n_rotations": len(self.columns), "n_multipliers": self.multipliers.shape[1],
             "n_reactions": len(self.kind.multipliers) + len(self.kind.coupled_multipliers),
             "n_output_dofs": self.output_dofs.shape[1], "n_forces": len(self.F), "n_outputs": self.n_outputs,
             "n_events": self.n_events, "n_memory": len(self.kind.memory), "first_phase": self.first_phase,
-            "first_memory": self.first_memory,
+            "first_memory": self.first_memory, "first_output": self.first_output, "first_event": self.first_event,
         }  # fmt: skip
         names = [name for name in BATCH.names if name not in sizes]
         return record(BATCH, **sizes, **{name: getattr(self, name).ctypes.data for name in names})
@@ -82,6 +101,8 @@ class Batch:
         out["n"] = ends - begins
         out["first_phase"] += begins
         out["first_memory"] += begins * len(self.kind.memory)
+        out["first_output"] += begins * self.n_outputs
+        out["first_event"] += begins * self.n_events
         return out
 
     def give_work(self, records):
@@ -105,11 +126,10 @@ def batches(instances, of, n_slots, partition):
         of_parts = [row for part in range(number + 1, number + 1 + item.n_parts) for row in taken[part][1]]
         output_dofs = len(of_parts) if not item.kind.acts else 0  # an option may add a part with a multiplier
         groups.setdefault((id(item.kind), output_dofs), []).append((number, item, scalars, rows, coupled, of_parts))
-    found, n_phases, n_memory = [], 0, 0
+    found, begins = [], (0, 0, 0, 0)
     for members in groups.values():
-        found.append(_batch(members, of, places, partition, n_phases, n_memory))
-        n_phases += len(members)
-        n_memory += len(members) * len(found[-1].kind.memory)
+        found.append(_batch(members, of, places, partition, begins))
+        begins = found[-1].ends
     return found
 
 
@@ -130,7 +150,7 @@ class _Places:
         return scalars, rows
 
 
-def _batch(members, of, places, partition, first_phase, first_memory):
+def _batch(members, of, places, partition, begins):
     kind, n = members[0][1].kind, len(members)
     numbers = [number for number, *_ in members]
     layout = [(slot[0], int(slot[1:])) for slot in kind.layout]
@@ -152,7 +172,7 @@ def _batch(members, of, places, partition, first_phase, first_memory):
         np.hstack([*of_nodes, own]), np.ascontiguousarray(of.rotation[nodes[:, rotations]]),
         np.hstack([*plain, places.first_slot + own - places.first_scalar]),
         np.hstack([*of_nodes, own, *parts]), output_slots, np.array([3 * j for j in rotations], np.int64),
-        multipliers, numbers, first_phase, first_memory,
+        multipliers, numbers, *begins,
     )  # fmt: skip
 
 

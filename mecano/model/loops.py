@@ -31,14 +31,15 @@ def fields(floats="", words=""):
 BATCH = fields(
     words="n n_local n_rotations n_multipliers n_reactions n_output_dofs n_forces n_outputs n_events n_memory "
     "p dofs rots slots columns entries multipliers output_dofs output_slots "
-    "q v a R f K C M seeded F g y e event_values before first_phase first_memory"
+    "q v a R f K C M seeded F g before first_phase first_memory first_output first_event"
 )
-# Addresses of the arrays of the system and of the state on which the loops work.
+# Addresses of the arrays of the system, of the state on which the loops work, and of the values that they write.
 SYSTEM = fields(
     floats="t k penalty lag cK cC cM",
     words="n_all n_rotations z v a R T phases memory memory_out "
     "n_laws laws n_slots force size mass slot_dof residual scale n_data data "
-    "n_transmitted partition_starts partition_members transmitted energy n_constraints constraint_derivatives",
+    "n_transmitted partition_starts partition_members transmitted outputs energies energy event_values "
+    "n_constraints constraint_derivatives",
 )
 SIZE = DUAL.itemsize
 
@@ -330,7 +331,8 @@ def observe(batch, system):
         floats(b.F, b.n_forces),
     )
     q, v, a, R = work(b)
-    y_out, e_out, total_out = floats(b.y, (b.n, b.n_outputs)), floats(b.e, (b.n, 4)), floats(s.energy, 4)
+    y_out = floats(s.outputs + 8 * b.first_output, (b.n, b.n_outputs))
+    e_out, total_out = floats(s.energies + 32 * b.first_phase, (b.n, 4)), floats(s.energy, 4)
     for e in range(b.n):
         gather(dofs[e], rots[e], s, q, v, a, R)
         for i in range(b.n_forces):
@@ -348,7 +350,7 @@ def event_values(batch, system):
     p = items(b.p, b.n, parameters)  # noqa: F821
     memory, phase, laws = given(b, s)
     dofs, rots = integers(b.output_dofs, (b.n, b.n_output_dofs)), integers(b.rots, (b.n, b.n_rotations))
-    before, g_out = integers(b.before, b.n_events), floats(b.event_values, (b.n, b.n_events))
+    before, g_out = integers(b.before, b.n_events), floats(s.event_values + 8 * b.first_event, (b.n, b.n_events))
     q, v, a, R = work(b)
     for e in range(b.n):
         gather(dofs[e], rots[e], s, q, v, a, R)

@@ -83,7 +83,7 @@ class Sampler:
                 self._declare(path, outputs)
         self._declare("energy", [(*item, (), "") for item in ENERGIES])
         self.row = np.zeros(self._size())
-        self._fill = fill.bind(self.row, system.outputs, system.energy, *self.nodes)
+        self._fill = fill.bind(self.row, *self.nodes)
         starts = {column.path: column.start for column in self.columns}
         rated = [(column.start, starts[column.rate], column.size) for column in self.columns if column.rate]
         pairs = [(first + i, rate + i) for first, rate, size in rated for i in range(size)]
@@ -100,10 +100,10 @@ class Sampler:
             self.columns.append(Column(f"{path}/{name}", unit, doc, tuple(shape), start, rate and f"{path}/{rate}"))
             start += self.columns[-1].size
 
-    def take(self, run):
-        """Return the row at ``run.motion``; the system must hold its outputs (``observe``). The array is reused."""
+    def take(self, run, observation):
+        """Return the row at ``run.motion``, of which ``observation`` is the Observation. The array is reused."""
         s = run.motion
-        self._fill(s.z, s.v, s.R, run.dissipated, run.given)
+        self._fill(observation.outputs, observation.energy, s.z, s.v, s.R, run.dissipated, run.given)
         return self.row
 
     def between(self, state, u, h, row0, row1):
@@ -151,7 +151,7 @@ def _turn(u, i, row0, row1, row_out):
 
 @entry
 def fill(
-    row_out: Vector, outputs: Vector, energy: Vector, x: Indices, r: Indices, rotation: Indices,
+    row_out: Vector, x: Indices, r: Indices, rotation: Indices, outputs: Vector, energy: Vector,
     z: Vector, v: Vector, R: Matrices, dissipated: float, given: float,
 ):  # fmt: skip
     """Write the motion of the nodes, the outputs of the elements, and the ENERGIES into the row."""

@@ -7,6 +7,7 @@ import numpy as np
 from mecano.element_interface import Context
 from mecano.maths.distinct import distinct
 from mecano.model import assembly_driver, loops
+from mecano.model.assembly import Assembly, Observation
 from mecano.model.batch import batches
 from mecano.model.halves import halves
 from mecano.model.instances import expand
@@ -21,7 +22,7 @@ NO_MULTIPLIERS = np.zeros(0, np.int64)
 
 
 class System:
-    """Equations of a model; built once, not modified by solvers."""
+    """Equations of a model; built once, and not changed by solvers: what they compute stands in values of its own."""
 
     def __init__(self, model):
         model = with_ground(divided(model))
@@ -50,13 +51,8 @@ class System:
         self._pattern()
         self.laws = model.laws.array()
         self.partition_starts, self.partition_members = partition.tables()
-        self.force, self._size = np.zeros(self.n_slots), np.zeros(self.n_slots)
-        self._mass = np.zeros(self.n_slots)  # diagonals of the mass matrices at the last tangent
-        self.transmitted = np.zeros(self.n_slots + len(self.partition_starts) - 1)
-        self.energy = np.zeros(4)  # kinetic, potential [J], dissipated, given power [W] of the last ``observe``
+        self.n_transmitted = self.n_slots + len(self.partition_starts) - 1
         self._no_turn = np.tile(np.eye(3), (len(self.numbering.rotation_dof), 1, 1))
-        self.residual = np.zeros(self.numbering.n_all)
-        self.size = np.zeros(self.numbering.n_all)
         self._record()
 
     def _scalars(self, names):
@@ -93,23 +89,27 @@ class System:
             place = np.where(code >= 0, np.searchsorted(unique, code), self.nnz)
             b.entries = place.reshape(len(b.p), b.dofs.shape[1], b.dofs.shape[1])
         self._divided_loops = {}  # by template
-        self.data = np.zeros(self.nnz + 1)  # the last entry collects the terms of fixed unknowns
 
     def _record(self):
-        """Create the record SYSTEM of the loops, and those of the batches."""
-        self.values_of_events = _joined(self.batches, "event_values", "n_events")
-        self.outputs = _joined(self.batches, "y", "n_outputs")
+        """Create the record SYSTEM of the loops, without arrays to be written, and the records of the batches."""
+        self.n_elements, _, self.n_outputs, self.n_events = self.batches[-1].ends if self.batches else (0, 0, 0, 0)
         self._batch_records = np.concatenate([b.record() for b in self.batches])
         arrays = {
-            "laws": self.laws, "force": self.force, "size": self._size, "mass": self._mass, "slot_dof": self.slot_dof,
-            "residual": self.residual, "scale": self.size, "data": self.data, "partition_starts": self.partition_starts,
-            "partition_members": self.partition_members, "transmitted": self.transmitted, "energy": self.energy,
+            "laws": self.laws, "slot_dof": self.slot_dof, "partition_starts": self.partition_starts,
+            "partition_members": self.partition_members,
         }  # fmt: skip
-        self.record = record(
+        self._record_of_tables = record(
             SYSTEM, n_all=self.numbering.n_all, n_rotations=len(self.numbering.rotation_dof), n_laws=len(self.laws),
-            n_slots=self.n_slots, n_data=len(self.data), n_transmitted=len(self.transmitted), n_constraints=self.n_l,
-            **{name: array.ctypes.data for name, array in arrays.items()},
+            n_slots=self.n_slots, n_data=self.nnz + 1, n_transmitted=self.n_transmitted, n_constraints=self.n_l,
+            k=1.0, **{name: array.ctypes.data for name, array in arrays.items()},
         )  # fmt: skip
+
+    def record_with(self, **arrays):
+        """Return a record SYSTEM (1,) of the loops that write these ``arrays``, by the names of its fields."""
+        out = self._record_of_tables.copy()
+        for name, array in arrays.items():
+            out[name] = array.ctypes.data
+        return out
 
     def codes(self):
         """Return the Codes of all loops of the model."""
@@ -144,7 +144,7 @@ class System:
 
     def _driver(self, assembly_driver, template, chosen=None):
         """Bind the driver ``assembly_driver`` to the loops of one purpose for the kinds ``chosen``."""
-        return assembly_driver.bind(*self.loops(template, chosen), self.record)
+        return assembly_driver.bind(*self.loops(template, chosen))
 
     @cached_property
     def _assemble(self):
@@ -178,7 +178,7 @@ class System:
         for entries, b, record_of in zip(self._coupled_entries, batches, records, strict=True):
             entries[:, :, : b.kind.n_local - len(b.kind.coupled_multipliers)] = self.nnz
             record_of["entries"] = entries.ctypes.data
-        return assembly_driver.add.bind(found, records, self.record)
+        return assembly_driver.add.bind(found, records)
 
     @cached_property
     def _constraint_derivatives(self):
@@ -218,32 +218,35 @@ class System:
         memory = np.zeros(sum(len(b.p) * len(b.kind.memory) for b in self.batches))
         return State(t, z, np.zeros(n), np.zeros(n), R, phases, memory)
 
-    def assemble(self, s, k, penalty, cK, cC, cM, T=None):
-        """Write ``residual``, ``size`` (n_all,) and the tangent ``data`` (nnz + 1,) at the state ``s``.
+    def assemble(self, s, k, penalty, cK, cC, cM, T=None, into=None):
+        """Return residual and tangent at the state ``s`` as an Assembly: a new one, or the one to be written ``into``.
 
         data = cK K T + cC C + cM M, unchanged if all three are zero. T (n_rotations, 3, 3) maps derivatives with
         respect to material variations of the rotations to those with respect to other increments; the default is the
         identity. ``k`` and ``penalty`` scale the constraints (element_interface.py). ``size`` sums the absolute
-        contributions of the elements and of their inertia (with the masses of the last tangent): the scale against
-        which a residual is judged.
+        contributions of the elements and of their inertia (with the masses of the last tangent in the Assembly): the
+        scale against which a residual is judged.
         """
+        found = Assembly(self) if into is None else into
         if cK == cC == cM == 0.0:
-            self._assemble_residual(*_motion(s), k, penalty)
+            self._assemble_residual(found.record, *_motion(s), k, penalty)
         else:
-            self._assemble(*_motion(s), self._no_turn if T is None else T, k, penalty, cK, cC, cM)
+            self._assemble(found.record, *_motion(s), self._no_turn if T is None else T, k, penalty, cK, cC, cM)
+        return found
+
+    def forces(self, s):
+        """Return the forces (n_slots,) at ``s``: the reactions are the multipliers alone, without a penalty."""
+        return self.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0).forces
 
     def not_finite(self, s):
-        """Return the names of the elements whose own forces or tangents at ``s`` are not finite.
-
-        Overwrites the results of the last ``assemble``.
-        """
-        found = []
+        """Return the names of the elements whose own forces or tangents at ``s`` are not finite."""
+        found, alone = [], Assembly(self)
         for b in self.batches:
             loop = loop_of(b.kind, loops.tangent)
             for e in range(len(b.p) if loop is not None else 0):
-                alone = assembly_driver.assemble.bind(np.array([loop], np.int64), b.record_of(e), self.record)
-                alone(*_motion(s), self._no_turn, 1.0, 0.0, 1.0, 1.0, 1.0)
-                if not (np.isfinite(self.force).all() and np.isfinite(self.data).all()):
+                assemble = assembly_driver.assemble.bind(np.array([loop], np.int64), b.record_of(e), alone.record)
+                assemble(*_motion(s), self._no_turn, 1.0, 0.0, 1.0, 1.0, 1.0)
+                if not (np.isfinite(alone.forces).all() and np.isfinite(alone.data).all()):
                     found.append(b.names[e])
         return list(dict.fromkeys(found))
 
@@ -252,19 +255,19 @@ class System:
 
         For constraints on velocities, B is the gradient with respect to velocities; ``rates=False`` omits them.
         """
-        self._add_constraints(*_motion(s), self._no_turn, k, penalty, 1.0, 0.0, data)
+        self._add(self._add_constraints, s, k, penalty, 1.0, 0.0, data)
         if rates and self.numbering.of_rates.any():
             by_positions, plain, penalized = (np.zeros_like(data) for _ in range(3))
             cases = (0.0, 1.0, 0.0, by_positions), (0.0, 0.0, 1.0, plain), (penalty, 0.0, 1.0, penalized)
             for p, *weights, out in cases:
-                self._add_constraints_of_rates(*_motion(s), self._no_turn, k, p, *weights, out)
+                self._add(self._add_constraints_of_rates, s, k, p, *weights, out)
             of_motions = np.where(self.rows >= self.n_q, plain[:-1], (penalized - plain)[:-1])
             data[:-1] += np.where(self.cols >= self.n_q, by_positions[:-1], of_motions)
 
-    def scale_loads(self, s, factor, cK, cC, cM, T=None):
-        """Scale the contribution of the loads (``is_scaled``) by ``factor`` in the sums of the last ``assemble``."""
+    def scale_loads(self, assembly, s, factor, cK, cC, cM, T=None):
+        """Scale the contribution of the loads (``is_scaled``) by ``factor`` in the sums of an ``assembly`` at ``s``."""
         T, scratch = self._no_turn if T is None else T, np.zeros((2, self.n_slots))
-        self._add_scaled_loads(*_motion(s), T, cK, cC, cM, factor - 1.0, *scratch)
+        self._add_scaled_loads(assembly.record, *_motion(s), T, cK, cC, cM, factor - 1.0, *scratch)
 
     @cached_property
     def coupled_multipliers(self):
@@ -278,41 +281,41 @@ class System:
 
     def add_coupled_multipliers(self, s, k, data):
         """Add the derivatives of the forces at ``s`` with respect to the coupled multipliers (columns by lambda)."""
-        self._add_coupled_multipliers(*_motion(s), self._no_turn, k, 0.0, 1.0, 0.0, data)
+        self._add(self._add_coupled_multipliers, s, k, 0.0, 1.0, 0.0, data)
+
+    def _add(self, driver, s, k, penalty, cK, cC, data):
+        """Add the tangent cK K + cC C at ``s`` of the elements to which the ``driver`` is bound to ``data``."""
+        assembly = Assembly(self, data)
+        driver(assembly.record, *_motion(s), self._no_turn, k, penalty, cK, cC)
 
     def constraint_derivatives(self, s):
         """Return Phi, dPhi/dt, d2Phi/dt2 of all constraints, (n_l, 3), along the velocities and accelerations of s."""
         g = np.zeros((self.n_l, 3))
-        self._constraint_derivatives(*_motion(s), g)
+        self._constraint_derivatives(self.record_with(), *_motion(s), g)
         return g
 
-    def observe(self, s):
-        """Write outputs (n,), batch.y of each batch, and energies (batch.e, energy) at ``s``."""
-        self.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
-        self.observe_assembled(s)
+    def observe(self, s, forces=None, into=None):
+        """Return outputs and energies at ``s`` as an Observation: a new one, or the one to be written ``into``.
 
-    def observe_assembled(self, s):
-        """Write the same as ``observe``, with the forces of the last ``assemble``, which was at ``s``."""
-        self._observe(*_motion(s))
-
-    @property
-    def has_events(self):
-        """True if some element has events."""
-        return len(self.values_of_events) > 0
+        ``forces`` (n_slots,) are those of an Assembly at ``s``; by default they are computed.
+        """
+        found = Observation(self) if into is None else into
+        self._observe(found.record, *_motion(s), self.forces(s) if forces is None else forces)
+        return found
 
     def event_values(self, s):
         """Return one number for each event of each element, (n_events,), by batch; -inf for an event not monitored."""
-        if not self.has_events:
-            return self.values_of_events
-        self._write_event_values(*_motion(s))
-        return self.values_of_events.copy()
+        values = np.zeros(self.n_events)
+        if self.n_events:
+            self._write_event_values(self.record_with(), *_motion(s), values)
+        return values
 
     def commit(self, s):
         """Return the memory after an accepted step at ``s``."""
         if not len(s.memory):
             return s.memory
         memory = s.memory.copy()
-        self._commit(*_motion(s), memory)
+        self._commit(self.record_with(), *_motion(s), memory)
         return memory
 
     def inadmissible(self, s):
@@ -328,15 +331,6 @@ class System:
     def follow(self, phases):
         """Set the parts that share the phases of their owner to its phase, in the ``phases`` of a state, in place."""
         phases[self.followers[:, 0]] = phases[self.followers[:, 1]]
-
-
-def _joined(batches, name, width):
-    """Return one vector for the values that all batches write; each batch gets its view (n, width) as ``name``."""
-    sizes = [len(b.p) * getattr(b, width) for b in batches]
-    whole = np.zeros(sum(sizes))
-    for b, size, end in zip(batches, sizes, np.cumsum(sizes), strict=True):
-        setattr(b, name, whole[end - size : end].reshape(len(b.p), -1))
-    return whole
 
 
 def is_scaled(kind):

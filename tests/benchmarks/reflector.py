@@ -72,7 +72,7 @@ class Deployment:
                     interpolate(accepted.before, accepted.run.motion, t, of).z[of.x[:, None] + np.arange(3)]
                 )
             if accepted.h and not end:
-                rows.append((accepted.run.motion.t, sampler.take(accepted.run)[kept]))
+                rows.append((accepted.run.motion.t, sampler.take(accepted.run, integrator.observation)[kept]))
 
         integrator.observers = (observe,)
         started = time.process_time()

@@ -21,13 +21,16 @@ TRY = {
 }
 
 
-def no_step(system, info, t, h):
-    """Return the error of a step from ``t`` that failed down to the size ``h`` [s], naming the worst equations."""
+def no_step(system, assembly, info, t, h):
+    """Return the error of a step from ``t`` that failed down to the size ``h`` [s], naming the worst equations.
+
+    ``assembly`` is the one of the last iteration.
+    """
     force, constraint, increment = info.norms
-    worst = unresisted(system) if info.failure is Failure.SINGULAR else ""
-    rows = [] if worst else worst_rows(system)
+    worst = unresisted(system, assembly) if info.failure is Failure.SINGULAR else ""
+    rows = [] if worst else worst_rows(system, assembly)
     if rows:
-        worst = f"worst equations:\n{worst_equations(system)}"
+        worst = f"worst equations:\n{worst_equations(system, assembly)}"
     error = (NonFiniteError if info.failure is Failure.NOT_FINITE else ConvergenceError)(
         f"no step could be taken at t = {t:.9g} s; the last try was h = {h:.3g} s: {info.message}\n"
         f"over their tolerances: forces {force:.3g}, constraints {constraint:.3g}, increments {increment:.3g}\n"
@@ -77,8 +80,8 @@ def with_sources(error, system, s):
     return named
 
 
-def unresisted(system):
-    """Return as text the motions and reactions that the singular tangent of the last assembly leaves undetermined.
+def unresisted(system, assembly):
+    """Return as text the motions and reactions that the singular tangent of an assembly leaves undetermined.
 
     They form the null vector of the tangent excited by the residual, a line for each node, joint or element; "" if
     there is none.
@@ -89,8 +92,8 @@ def unresisted(system):
 
     n, of, places = system.n, system.numbering, {}
     try:
-        matrix = ScaledSuperLU(n, system.rows, system.cols, system.data[: len(system.rows)], NEARLY_NULL)
-        x = np.abs(matrix.driven_null_vector(system.residual[:n]))
+        matrix = ScaledSuperLU(n, system.rows, system.cols, assembly.data[: len(system.rows)], NEARLY_NULL)
+        x = np.abs(matrix.driven_null_vector(assembly.residual[:n]))
     except (RuntimeError, ValueError):  # still exactly singular, or not finite
         return ""
     if not np.isfinite(x).all():
@@ -102,11 +105,11 @@ def unresisted(system):
     return "nothing resists:\n" + "\n".join(lines)
 
 
-def worst_rows(system):
-    """Return the numbers of the worst equations of the last assembly, one for each node, joint or element."""
-    of, r = system.numbering, np.abs(system.residual[: system.n])
+def worst_rows(system, assembly):
+    """Return the numbers of the worst equations of an assembly, one for each node, joint or element."""
+    of, r = system.numbering, np.abs(assembly.residual[: system.n])
     with np.errstate(all="ignore"):
-        relative = np.nan_to_num(r / _scales(system)[of.kind[: system.n]], nan=np.inf, posinf=np.inf)
+        relative = np.nan_to_num(r / _scales(system, assembly.size)[of.kind[: system.n]], nan=np.inf, posinf=np.inf)
     least, places = max(NEGLIGIBLE * relative.max(initial=0.0), TINY), {}
     for i in np.argsort(-relative, kind="stable"):
         if relative[i] >= least:
@@ -114,15 +117,15 @@ def worst_rows(system):
     return list(places.values())[:REPORTED]
 
 
-def worst_equations(system):
-    """Return the names and residuals of the worst equations of the last assembly with the elements acting in them."""
-    name, r = system.numbering.name, np.abs(system.residual)
-    return "\n".join(f"  {name[i]}: residual {r[i]:.3g}{acting(system, i)}" for i in worst_rows(system))
+def worst_equations(system, assembly):
+    """Return the names and residuals of the worst equations of an assembly, with the elements acting in them."""
+    name, r = system.numbering.name, np.abs(assembly.residual)
+    return "\n".join(f"  {name[i]}: residual {r[i]:.3g}{acting(system, i)}" for i in worst_rows(system, assembly))
 
 
-def _scales(system):
+def _scales(system, size):
     """Return the scales (6,) of residuals of each kind of equation, as in ``norms``; constraints count as forces."""
-    kind, size, length = system.numbering.kind, system.size, length_scale(system.nodes)
+    kind, length = system.numbering.kind, length_scale(system.nodes)
     force, moment, own = (max(size[kind == one].max(initial=0.0), TINY) for one in (TRANSLATION, ROTATION, SCALAR))
     f, m = max(force, ANGULAR_SHARE * moment / length), max(moment, ANGULAR_SHARE * force * length)
     scales = np.full(6, m / length**2)

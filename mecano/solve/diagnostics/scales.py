@@ -32,10 +32,13 @@ def length_scale(nodes):
     return size if size > 0 else 1.0
 
 
-def balance(system, s, cK, cC, cM):
-    """Return k = penalty, the mean stiffness of the tangent cK K + cC C + cM M at ``s`` (theory.md, section 1)."""
-    system.assemble(s, 1.0, 0.0, cK, cC, cM)
-    diagonal = np.abs(system.data[system.diagonal[: system.n_q]])
+def balance(system, s, cK, cC, cM, into=None):
+    """Return k = penalty, the mean stiffness of the tangent cK K + cC C + cM M at ``s`` (theory.md, section 1).
+
+    ``into`` is an Assembly for this tangent, by default a new one.
+    """
+    assembly = system.assemble(s, 1.0, 0.0, cK, cC, cM, into=into)
+    diagonal = np.abs(assembly.data[system.diagonal[: system.n_q]])
     diagonal = diagonal[diagonal > 0]
     return float(diagonal.mean()) if len(diagonal) else 1.0
 

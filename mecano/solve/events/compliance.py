@@ -159,10 +159,9 @@ def compliance(system, s, length, analysis):
         return None
     import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
 
-    system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
-    of = system.numbering
-    sizes = np.where(of.kind == ROTATION, system.size / length, system.size)
-    inertias = system.data[system.diagonal[: system.n_q]]
+    assembly, of = system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0), system.numbering
+    sizes = np.where(of.kind == ROTATION, assembly.size / length, assembly.size)
+    inertias = assembly.data[system.diagonal[: system.n_q]]
     masses = np.where(of.kind[: system.n_q] == ROTATION, inertias / length**2, inertias)
     force = max(sizes.max(), LEAST_ACCELERATION * masses.sum() / max(np.count_nonzero(masses), 1), TINY)
     angular = of.kind[system.n_q : system.n] != LENGTH_CONSTRAINT

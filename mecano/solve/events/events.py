@@ -39,13 +39,11 @@ class EventMonitor:
         return bool(np.any(hit & self.within))
 
     def freed(self, hit):
-        """Return {name of the element: (batch, its index)} of the events ``hit`` after which energy is lost."""
-        found, first = {}, 0
-        for batch in self.system.batches if np.any(hit & self.frees_energy) else ():
-            n, shape = batch.event_values.size, batch.event_values.shape
-            of_batch = (hit & self.frees_energy)[first : first + n].reshape(shape)
-            found |= {batch.names[e]: (batch, e) for e in np.flatnonzero(of_batch.any(axis=1))}
-            first += n
+        """Return {name of the element: its number} of the events ``hit`` after which energy is lost."""
+        found, frees = {}, hit & self.frees_energy
+        for batch in self.system.batches if np.any(frees) else ():
+            freed = np.flatnonzero(batch.events(frees).any(axis=1))
+            found |= {batch.names[e]: batch.first_phase + e for e in freed}
         return found
 
     def values(self, s):
@@ -60,28 +58,24 @@ class EventMonitor:
         tolerance of Newton's method, so that those of identical members vanish at different times; consistent
         reactions agree to rounding.
         """
-        hit, first = hit | (self.within & np.isfinite(here) & (here != committed)), 0
+        hit = hit | (self.within & np.isfinite(here) & (here != committed))
         for batch in self.system.batches:
-            n, shape = batch.event_values.size, batch.event_values.shape
-            of_batch, g0, g = (values[first : first + n].reshape(shape) for values in (hit, before, here))
+            of_batch, g0, g, within = (batch.events(values) for values in (hit, before, here, self.within))
             level = np.where(of_batch, g, np.inf).min(axis=0, initial=np.inf)
             near = np.isfinite(g0) & np.isfinite(g) & np.isfinite(level) & (g0 < 0.0)
-            near &= ~self.within[first : first + n].reshape(shape)
+            near &= ~within
             of_batch |= near & (np.where(near, g - level, -np.inf) >= -EQUAL * np.abs(g0))
-            first += n
         return hit
 
     def apply(self, s, hit):
         """Apply the events ``hit`` (n_events,) bool; return (state with new phases, [EventRecord])."""
-        phases, event_records, first = s.phases.copy(), [], 0
+        phases, event_records = s.phases.copy(), []
         for batch in self.system.batches:
-            n = batch.event_values.size
-            of_batch, own = hit[first : first + n].reshape(batch.event_values.shape), phases[batch.phases]
-            for e, k in zip(*np.nonzero(of_batch), strict=True):
+            own = phases[batch.phases]
+            for e, k in zip(*np.nonzero(batch.events(hit)), strict=True):
                 event = batch.kind.events[k]
                 own[e] = batch.kind.phases.index(event.after)
                 event_records.append(EventRecord(s.t, batch.names[e], event.name, event.before, event.after))
-            first += n
         self.system.follow(phases)
         return replace(s, phases=phases), event_records
 

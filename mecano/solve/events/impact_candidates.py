@@ -84,14 +84,13 @@ class ImpactCandidates:
 
 def _impact_candidates(system):
     """Yield the impact candidates in the order of their event values."""
-    first, rows = 0, _rows_by_phase(system)
+    rows = _rows_by_phase(system)
     for batch in system.batches:
         events = batch.kind.events
         for e in range(len(batch.p)):
             for number, event in enumerate(events):
                 if event.shock:
-                    yield _impact_candidate(batch, e, event, first + e * len(events), number, rows)
-        first += len(batch.p) * len(events)
+                    yield _impact_candidate(batch, e, event, batch.first_event + e * len(events), number, rows)
 
 
 def _impact_candidate(batch, e, event, first, number, rows):

@@ -76,8 +76,7 @@ def _matrices(system, s, w, Q, assemble):
     """Return M', C', K' in the axes Q, which rotate with w."""
     parts = []
     for weights in ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)):
-        assemble(s, 1.0, 0.0, *weights)
-        values = system.data[: system.nnz].copy()
+        values = assemble(s, 1.0, 0.0, *weights).data[: system.nnz]
         parts.append(sp.csr_matrix((values, (system.rows, system.cols)), shape=(system.n, system.n)))
     M, C, K = parts
     P, G1, G2, G3 = _blocks(system, s, w, Q)
@@ -153,9 +152,9 @@ def _react(system, s, assemble):
     n_q, n = system.n_q, system.n
     if not system.n_l or n_q > DENSE_ROWS:
         return
-    assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0)
-    D = sp.csr_matrix((system.data[: system.nnz], (system.rows, system.cols)), shape=(n, n))[:n_q, n_q:].toarray()
-    s.z[n_q:n] -= np.linalg.lstsq(D, system.residual[:n_q], rcond=1e-12)[0]
+    assembly = assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0)
+    D = sp.csr_matrix((assembly.data[: system.nnz], (system.rows, system.cols)), shape=(n, n))[:n_q, n_q:].toarray()
+    s.z[n_q:n] -= np.linalg.lstsq(D, assembly.residual[:n_q], rcond=1e-12)[0]
 
 
 def _hat(a):

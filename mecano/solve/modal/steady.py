@@ -141,15 +141,12 @@ class Steady:
         system, n = self.system, self.system.n
         parts = []
         for weights in ((0.0, 1.0, 0.0), (1.0, 0.0, 0.0)):
-            system.assemble(s, 1.0, 0.0, *weights)
-            matrix = sp.csr_matrix((system.data[: system.nnz], (system.rows, system.cols)), shape=(n, n))
+            assembly = system.assemble(s, 1.0, 0.0, *weights)
+            matrix = sp.csr_matrix((assembly.data[: system.nnz], (system.rows, system.cols)), shape=(n, n))
             parts.append(matrix.toarray())
         C, K = parts
-        f, size, derivatives = (
-            system.residual[: self.n_q].copy(),
-            system.size[: self.n_q].copy(),
-            system.constraint_derivatives(s),
-        )
+        f, size = assembly.residual[: self.n_q], assembly.size[: self.n_q]
+        derivatives = system.constraint_derivatives(s)
         gap = np.where(self.of_rates, derivatives[:, 1] * self.length / self.speed, derivatives[:, 0])
         k = self.k = self.k or self._stiffness(K)
         merit = float(np.hypot(np.linalg.norm(f / (k * self.root)), np.linalg.norm(gap)))
@@ -238,8 +235,8 @@ class Steady:
 
         def moment(spin):
             s.v[: self.n_q] = before + spin * direction
-            self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
-            return float(direction @ self.system.residual[: self.n_q])
+            assembly = self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
+            return float(direction @ assembly.residual[: self.n_q])
 
         here, width = moment(0.0), 1e-3 * self.speed / self.length
         low = high = found = 0.0
@@ -261,11 +258,11 @@ class Steady:
             "what to try: initial positions nearer to it; a velocity along the road; a force that balances the drag; "
             "wheels in balance about their axles (inertias are given in the axes of the node)"
         )
-        self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
         if not arrived:
+            assembly = self.system.assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0)
             raise ConvergenceError(
                 f"{text}: forces remain out of balance or constraints violated; the worst equations:\n"
-                f"{worst_equations(self.system)}\n{tries}"
+                f"{worst_equations(self.system, assembly)}\n{tries}"
             )
         off = np.abs(at.rates) / self.speed
         if off.max(initial=0.0) > STEADY:

@@ -262,7 +262,7 @@ class Arc:
         def solve(fresh):
             """Return the correction (n,), or None if the tangent is singular; ``fresh``: the tangent is new."""
             nonlocal change
-            r, x = statics.system.residual[:n].copy(), np.empty(n)
+            r, x = statics.assembly.residual[:n].copy(), np.empty(n)
             if fresh:
                 found = statics.factor(-slope)
                 if found is None:

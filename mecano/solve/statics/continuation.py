@@ -32,6 +32,7 @@ class Point:
     rejected: int
     norms: tuple
     stability: Stability
+    observation: object  # Observation of the state
     event_records: tuple = ()
 
 
@@ -41,7 +42,7 @@ class Follower:
 
     statics: object
     observers: tuple = ()
-    ended: Callable = lambda state: ""  # text on an element that ends the run in a state, "" if none; needs outputs
+    ended: Callable = lambda state, observation: ""  # text on an element that ends the run there, "" if none
     judge: Judge = field(init=False)
     losses: list = field(default_factory=list)  # texts: points at which stability was lost
     departures: list = field(default_factory=list)  # texts: unstable equilibria that were left
@@ -54,29 +55,33 @@ class Follower:
     def stability(self, s, p, drag=0.0):
         """Return the Stability of ``s`` at the parameter p, from the tangent with ``drag`` [N/m] as added stiffness."""
         self.statics.evaluate(self.statics.begin(s), p, 1.0, 0.0, True)
-        return self.judge(self.statics.system.data, drag)
+        return self.judge(self.statics.assembly.data, drag)
 
     def accept(self, s, p, place, step, found, rejected=0, critical=None):
-        """Return the Point of a converged state; the system holds its outputs when the observers are called.
+        """Return the Point of a converged state, after the observers were called with it.
 
         ``critical``: the parameter at which stability was lost within the step, if known. Raises as ``refuse``.
         """
         statics = self.statics
         s = statics.settled(statics.begin(s))
-        stability = self.stability(s, p)
-        statics.evaluate(s, p, 1.0, 0.0, False)
-        statics.system.observe_assembled(s)
-        point = Point(s, p, place, step, found.iterations, rejected, found.norms, stability, found.event_records)
+        stability, observation = self.stability(s, p), self.observe(s, p)
+        point = Point(
+            s, p, place, step, found.iterations, rejected, found.norms, stability, observation, found.event_records
+        )
         self._watch(point, critical)
         for observer in self.observers:
             observer(point)
-        self.refuse(s, p)
+        self.refuse(s, p, observation)
         return point
 
-    def refuse(self, s, p):
+    def observe(self, s, p):
+        """Return the Observation of an equilibrium at the parameter p."""
+        self.statics.evaluate(s, p, 1.0, 0.0, False)
+        return self.statics.system.observe(s, self.statics.assembly.forces)
+
+    def refuse(self, s, p, observation):
         """Raise ConvergenceError if an element cannot continue from the equilibrium ``s`` at the parameter p."""
-        self.statics.system.observe_assembled(s)
-        if text := self.ended(s):
+        if text := self.ended(s, observation):
             raise ConvergenceError(
                 f"cannot continue from {self.statics.loading.name} {p:.6g}{self.statics.loading.unit}: {text}"
             )
@@ -120,7 +125,8 @@ class Follower:
         of = statics.loading
         head = f"no equilibrium was found at {of.name} {p:.6g}{of.unit}: {found.message}\n"
         statics.evaluate(statics.begin(last), p, 1.0, 0.0, False)
-        equations = f"most out of balance after {of.name} {last_p:.6g}{of.unit}:\n{worst_equations(system)}"
+        worst = worst_equations(system, statics.assembly)
+        equations = f"most out of balance after {of.name} {last_p:.6g}{of.unit}:\n{worst}"
         if found.failure is Failure.NOT_FINITE:
             return NonFiniteError(head + equations)
         free = freedom(system, last, self.stability(last, last_p), statics.length)

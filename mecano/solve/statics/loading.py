@@ -27,24 +27,22 @@ class LoadFactor:
         self.imbalance = np.zeros(system.n_q)
         s = start.copy()
         s.v[:] = 0.0
-        self.assemble(s, 0.0, 1.0, 0.0)
-        self.imbalance = system.residual[: system.n_q].copy()
+        self.imbalance = self.assemble(s, 0.0, 1.0, 0.0).residual[: system.n_q]
 
-    def assemble(self, s, mu, k, penalty, cK=0.0, cC=0.0, cM=0.0, T=None):
+    def assemble(self, s, mu, k, penalty, cK=0.0, cC=0.0, cM=0.0, T=None, into=None):
         """Assemble ``system`` at the load factor mu; sets the accelerations of ``s``, which replace gravity."""
         system = self.system
         np.multiply(self.gravity, 1.0 - mu, out=s.a)
-        system.assemble(s, k, penalty, cK, cC, cM, T)
+        assembly = system.assemble(s, k, penalty, cK, cC, cM, T, into)
         if mu != 1.0:
-            system.scale_loads(s, mu, cK, cC, cM, T)
-            system.residual[: system.n_q] -= max(0.0, 1.0 - mu) * self.imbalance
+            system.scale_loads(assembly, s, mu, cK, cC, cM, T)
+            assembly.residual[: system.n_q] -= max(0.0, 1.0 - mu) * self.imbalance
+        return assembly
 
     def slope(self, s, mu):
         """Return the derivative (n,) of the residual by the load factor; at the corner mu = 1, the one to the right."""
-        self.assemble(s, 2.0, 1.0, 0.0)
-        more = self.system.residual.copy()
-        self.assemble(s, 1.0, 1.0, 0.0)
-        slope = more - self.system.residual
+        more, here = (self.assemble(s, factor, 1.0, 0.0).residual for factor in (2.0, 1.0))
+        slope = more - here
         slope[: self.system.n_q] += self.imbalance if mu < 1.0 else 0.0
         return slope[: self.system.n]
 
@@ -57,8 +55,8 @@ class Clock:
     def __init__(self, system):
         self.system = system
 
-    def assemble(self, s, t, k, penalty, cK=0.0, cC=0.0, cM=0.0, T=None):
+    def assemble(self, s, t, k, penalty, cK=0.0, cC=0.0, cM=0.0, T=None, into=None):
         """Assemble ``system`` at rest at the time t [s], to which the time of ``s`` is set."""
         s.t = t
         s.a[:] = 0.0
-        self.system.assemble(s, k, penalty, cK, cC, cM, T)
+        return self.system.assemble(s, k, penalty, cK, cC, cM, T, into)

@@ -89,7 +89,7 @@ class Relaxation:
         if not found.ok:
             raise follower.failure(self.end, found, s, self.end, self.hint)
         work.event_records += found.event_records
-        follower.refuse(found_s, self.end)
+        follower.refuse(found_s, self.end, follower.observe(found_s, self.end))
         return found_s, found, follower.stability(found_s, self.end)
 
     def _creep(self, follower, s, work, downhill):
@@ -127,7 +127,7 @@ class Relaxation:
         k, _ = statics.scales(statics.begin(s))
         size = max(statics.evaluate(s.copy(), self.end, k, 0.0, False))
         own = statics.weight > 0.0
-        force = statics.system.residual[: statics.system.n_q][own] / np.sqrt(statics.weight[own])
+        force = statics.assembly.residual[: statics.system.n_q][own] / np.sqrt(statics.weight[own])
         return size, max(float(np.abs(force).max(initial=0.0)), 1e-300)
 
     def _accepted(self, follower, s, found, work):

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mecano.errors import Failure
+from mecano.model.assembly import Assembly
 from mecano.model.numbering import ROTATION
 from mecano.solve.diagnostics.scales import Tolerances, balance, norms
 from mecano.solve.events.compliance import soften
@@ -42,7 +43,7 @@ class Found:
 
 
 class Statics:
-    """Solver of one equilibrium under a ``loading``; holds no motion."""
+    """Solver of one equilibrium under a ``loading``; holds no motion, but the ``assembly`` of its last evaluation."""
 
     def __init__(
         self, system, linear, loading, length, tolerances=TOLERANCES, k=None, penalty=None, compliance=None,
@@ -54,13 +55,13 @@ class Statics:
         self.rolling = VelocityConstraints(system, NONE if compliance is None else compliance.released)
         turns = system.numbering.kind[: system.n_q] == ROTATION
         self.weight = np.where(turns, length**2, np.where(system.signals, 0.0, 1.0))  # signals follow at once
-        self._increment = np.zeros(system.n)
+        self.assembly, self._increment = Assembly(system), np.zeros(system.n)
         self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
         self._rotations = np.flatnonzero(system.numbering.kind[: system.n_q] == ROTATION)
 
     def scales(self, s):
         """Return k and penalty of the constraints [N/m] at ``s``: as given, or the mean stiffness of the tangent."""
-        mean = balance(self.system, s, 1.0, 0.0, 0.0)
+        mean = balance(self.system, s, 1.0, 0.0, 0.0, self.assembly)
         k = self.given_k or mean
         penalty = mean if self.given_penalty is None else self.given_penalty
         if self.compliance is None:
@@ -80,19 +81,19 @@ class Statics:
 
         ``step`` (see ``step``) is the start of the displacement that velocity constraints restrain; ``s`` by default.
         """
-        system, of = self.system, self.system.numbering
+        system, of, assembly = self.system, self.system.numbering, self.assembly
         s0, held = step or self.step(s, s.phases)
         if tangent:
             tangents(of.rotation_dof, of.n_q, s.z, self._T)
-        self.loading.assemble(s, p, k, penalty, float(tangent), T=self._T)
+        self.loading.assemble(s, p, k, penalty, float(tangent), T=self._T, into=assembly)
         if held is not None:
             moved = np.zeros(system.n_q) if s0 is s else self.displacement(s, s0)
-            self.rolling.add(held, moved, k, penalty, tangent)
+            self.rolling.add(assembly, held, moved, k, penalty, tangent)
         if self.compliance is not None:
             n_q, n = system.n_q, system.n
-            soften(k, *self.compliance.rows, s.z[n_q:n], system.residual[n_q:n])
+            soften(k, *self.compliance.rows, s.z[n_q:n], assembly.residual[n_q:n])
             if tangent:
-                self.compliance.soften_tangent(k, system.data, self.compliance.values)
+                self.compliance.soften_tangent(k, assembly.data, self.compliance.values)
         return self.norms(s, k)
 
     def step(self, s0, phases):
@@ -100,22 +101,13 @@ class Statics:
         return s0, self.rolling.at(replace(s0, phases=phases))
 
     def norms(self, s, k):
-        """Return the norms (forces, constraints) of ``system.residual`` over their tolerances."""
+        """Return the norms (forces, constraints) of the assembled residual over their tolerances."""
         system, of, limits = self.system, self.system.numbering, self.tolerances
         reach = np.abs(s.z[: system.n_q]).max(initial=0.0)
         return norms(
-            system.residual,
-            system.size,
-            of.kind,
-            system.n,
-            self.length,
-            limits.force,
-            limits.constraint,
-            1.0,
-            k,
-            k,
-            reach,
-        )
+            self.assembly.residual, self.assembly.size, of.kind, system.n, self.length, limits.force,
+            limits.constraint, 1.0, k, k, reach,
+        )  # fmt: skip
 
     def move(self, s, s0, dz, k):
         """Add the correction dz (n,) to ``s``, rotations relative to ``s0``; return its size over the tolerance."""
@@ -126,8 +118,8 @@ class Statics:
         return largest / self.tolerances.increment
 
     def factor(self, b):
-        """Return the solution (n,) with the tangent in ``system.data`` and right-hand side b, or None if singular."""
-        return self._increment if self.linear.solve(self.system.data, b, self._increment).ok else None
+        """Return the solution (n,) with the assembled tangent and right-hand side b, or None if singular."""
+        return self._increment if self.linear.solve(self.assembly.data, b, self._increment).ok else None
 
     def correct(self, s0, p, drag=0.0):
         """Return (state, Found) of the equilibrium at p near ``s0``; with ``drag`` [N/m], of one step of creep.
@@ -175,7 +167,7 @@ class Statics:
 
     def _newton(self, guess, s0, p, drag):
         """Iterate from ``guess``: (state, Found); rotation increments, drag and rolling are relative to ``s0``."""
-        system, n, n_q = self.system, self.system.n, self.system.n_q
+        system, assembly, n, n_q = self.system, self.assembly, self.system.n, self.system.n_q
         s = self.begin(guess) if guess is s0 else guess.copy()
         k, penalty = self.scales(s)
         creep, steps, step = drag * self.weight, [], self.step(s0, s.phases)
@@ -183,13 +175,13 @@ class Statics:
         def evaluate(tangent):
             self.evaluate(s, p, k, penalty, tangent, step)
             if drag:
-                system.residual[:n_q] += creep * self.displacement(s, s0)
+                assembly.residual[:n_q] += creep * self.displacement(s, s0)
                 if tangent:
-                    system.data[system.diagonal[:n_q]] += creep
+                    assembly.data[system.diagonal[:n_q]] += creep
             return self.norms(s, k)
 
         def solve(fresh):
-            b, x = -system.residual[:n], self._increment
+            b, x = -assembly.residual[:n], self._increment
             if fresh:
                 return self.factor(b)
             self.linear.solve_again(b, x)
@@ -226,7 +218,7 @@ class Statics:
         trial, step = self.begin(s), self.step(s, s.phases)
         least = max(self.evaluate(trial, p, k, penalty, True, step))
         for _ in range(POLISH):
-            x = self.factor(-self.system.residual[: self.system.n])
+            x = self.factor(-self.assembly.residual[: self.system.n])
             if x is None:
                 break
             self.move(trial, s0, x, k)

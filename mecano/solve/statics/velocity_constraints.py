@@ -44,24 +44,23 @@ class VelocityConstraints:
         self.any = bool(of_rates.any())
 
     def at(self, s):
-        """Return the Held of ``s`` at rest, or None without constraints on velocities; overwrites the assembly."""
+        """Return the Held of ``s`` at rest, or None without constraints on velocities."""
         if not self.any:
             return None
         system = self.system
-        system.assemble(s, 1.0, 0.0, 0.0, 1.0, 0.0)
-        values = -system.data[self.entries]
+        values = -system.assemble(s, 1.0, 0.0, 0.0, 1.0, 0.0).data[self.entries]
         B = sp.csr_matrix((values, (self.rows, self.cols)), shape=(system.n_l, system.n_q))
         squares = sp.coo_matrix(B.T @ B)
         pattern = system.rows * system.n + system.cols
         places = np.searchsorted(pattern, squares.row.astype(np.int64) * system.n + squares.col)
         return Held(B, values, squares.data, places)
 
-    def add(self, held, displacement, k, penalty, tangent):
+    def add(self, assembly, held, displacement, k, penalty, tangent):
         """Add ``held`` over a ``displacement`` (n_q,) to the residual, and to the tangent: -k B and penalty B^T B."""
         system, n_q = self.system, self.system.n_q
         gap = held.B @ displacement
-        system.residual[n_q : system.n] -= k * gap
-        system.residual[:n_q] += penalty * (held.B.T @ gap)
+        assembly.residual[n_q : system.n] -= k * gap
+        assembly.residual[:n_q] += penalty * (held.B.T @ gap)
         if tangent:
-            system.data[self.entries] -= k * held.values
-            system.data[held.square_places] += penalty * held.squares
+            assembly.data[self.entries] -= k * held.values
+            assembly.data[held.square_places] += penalty * held.squares

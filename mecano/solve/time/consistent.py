@@ -40,8 +40,7 @@ class Consistent:
         bare = s.copy()
         bare.a[:] = 0.0
         bare.z[system.n_q : system.n] = 0.0
-        system.assemble(bare, 1.0, 0.0, 0.0, 0.0, 1.0)
-        data = system.data.copy()
+        data = system.assemble(bare, 1.0, 0.0, 0.0, 0.0, 1.0).data
         diagonal = data[system.diagonal[: system.n_q]]
         loose = (diagonal <= 0.0) | system.signals  # signals may not be known yet
         self.k = float(diagonal[~loose].mean()) if np.any(~loose) else 1.0
@@ -123,16 +122,16 @@ class Consistent:
             return
         best = None
         for _ in range(RATE_ITERATIONS):
-            system.assemble(s, 1.0, 0.0, 0.0, 1.0, 0.0)
-            r = system.residual[own].copy()
-            if np.abs(r).max() <= RATE_TOLERANCE * system.size.max():
+            assembly = system.assemble(s, 1.0, 0.0, 0.0, 1.0, 0.0)
+            r = assembly.residual[own]
+            if np.abs(r).max() <= RATE_TOLERANCE * assembly.size.max():
                 return
             size = np.linalg.norm(r)
             # friction that slips does not fall with the slip, and may grow on the way to rest: as long as the force
             # keeps its direction the next step goes further
             if best is None or size < 0.99 * best[0] or (size <= GROWTH * best[0] and r @ best[1] > 0.0):
                 best, reach = (size, r, s.v[own].copy()), 2.0 * reach
-                C = self._block()
+                C = self._block(assembly)
             else:
                 reach = 0.25 * reach
             change = np.linalg.lstsq(C + np.eye(len(own)) * (best[0] / reach), -best[1], rcond=LEAST_DAMPING)[0]
@@ -179,14 +178,13 @@ class Consistent:
 
     def _own(self, s, cK, cC):
         """Return cK K + cC C of the massless unknowns, dense."""
-        self.system.assemble(s, 1.0, 0.0, cK, cC, 0.0)
-        return self._block()
+        return self._block(self.system.assemble(s, 1.0, 0.0, cK, cC, 0.0))
 
-    def _block(self):
+    def _block(self, assembly):
         """Return the block of the massless unknowns of the assembled tangent, dense."""
         entries, places = self._of_block
         n = len(self.massless)
-        return np.bincount(places, self.system.data[:-1][entries], n * n).reshape(n, n)
+        return np.bincount(places, assembly.data[:-1][entries], n * n).reshape(n, n)
 
     @cached_property
     def _of_block(self):
@@ -198,16 +196,15 @@ class Consistent:
         return entries, rows[entries] * len(self.massless) + columns[entries]
 
     def _unbalanced(self, s):
-        self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
-        return self.system.residual[self.massless].copy()
+        return self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0).residual[self.massless]
 
     def accelerate(self, s):
         """Set accelerations and multipliers of ``s`` in place from the equations of motion at its q and v."""
         system = self.system
         bare = _with(self.bare, s.v, np.zeros_like(s.a))
         gamma = system.constraint_derivatives(bare)[:, 2]
-        system.assemble(bare, 1.0, 0.0, 0.0, 0.0, 0.0)
-        top = np.where(self.loose, 0.0, -system.residual[: system.n_q])
+        residual = system.assemble(bare, 1.0, 0.0, 0.0, 0.0, 0.0).residual
+        top = np.where(self.loose, 0.0, -residual[: system.n_q])
         a, reaction = self._solve_again(top, self.k * gamma)
         s.a[system.n_q :] = 0.0
         s.a[: system.n_q] = np.where(system.signals, s.a[: system.n_q], a)
@@ -225,8 +222,8 @@ class Consistent:
         for _ in range(RUBBING):
             here = _with(self.bare, s.v, s.a)
             here.z[n_q:n] = s.z[n_q:n]
-            system.assemble(here, self.k, 0.0, 0.0, 0.0, 0.0)
-            unbalanced = np.where(self.loose, 0.0, -system.residual[:n_q])
+            residual = system.assemble(here, self.k, 0.0, 0.0, 0.0, 0.0).residual
+            unbalanced = np.where(self.loose, 0.0, -residual[:n_q])
             data = self.data.copy()
             system.add_coupled_multipliers(here, self.k, data)
             change = self._solve(data, np.concatenate([unbalanced, np.zeros(system.n_l)]))

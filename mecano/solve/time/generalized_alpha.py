@@ -18,6 +18,7 @@ from functools import cached_property
 import numpy as np
 
 from mecano.errors import Failure
+from mecano.model.assembly import Assembly
 from mecano.model.loops import constraint_derivatives, residual, tangent
 from mecano.model.numbering import MASSLESS, RELEASED, ROTATION
 from mecano.model.state import History
@@ -104,12 +105,13 @@ class GeneralizedAlpha:
         self._massless = np.flatnonzero(system.massless)
         self._kind = system.numbering.kind.copy()
         self._kind[self._massless] = MASSLESS
-        self._equations, self._increment = system.residual[: system.n], np.zeros(system.n)
+        self.assembly = Assembly(system)
+        self._equations, self._increment = self.assembly.residual[: system.n], np.zeros(system.n)
         self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
         self._no_slope = np.zeros(system.n)
         self._no_shift = np.zeros(system.numbering.n_all)
         self._tangents = tangents.bind(system.numbering.rotation_dof, system.numbering.n_q)
-        self.workspace = Workspace(system)
+        self.workspace = Workspace(system, self.assembly)
         loops, batches = system.loops(constraint_derivatives)
         self.workspace.point_to(
             n_constraints=len(loops), constraints=loops, constraint_batches=batches,
@@ -134,7 +136,7 @@ class GeneralizedAlpha:
         of, c, to = self.system.numbering, self.coefficients, self.tolerances
         loops, batches = self.system.loops(residual)
         tangent_loops, tangent_batches = self.system.loops(tangent)
-        new, kept = self.linear.calls(self.system.data, self._equations, self._increment)
+        new, kept = self.linear.calls(self.assembly.data, self._equations, self._increment)
         starts, columns, values = self._rows
         entries = NO_ROWS[1] if self.compliance is None else self.compliance.places
         self._entry_values = np.zeros(len(entries))
@@ -147,7 +149,7 @@ class GeneralizedAlpha:
             most=to.max_iterations, most_kept=most_kept(self.system.n),
             n_massless=len(self._massless), massless=self._massless,
             n_loops=len(loops), loops=loops, batches=batches, n_tangents=len(tangent_loops), tangents=tangent_loops,
-            tangent_batches=tangent_batches, residual=self.system.residual, size=self.system.size,
+            tangent_batches=tangent_batches, residual=self.assembly.residual, size=self.assembly.size,
             increment=self._increment, T=self._T, kind=self._kind, rotation_dof=of.rotation_dof,
             fixed_k=self.k or 0.0, fixed_penalty=-1.0 if self.penalty is None else self.penalty,
             exact_rates=exact_rates,
@@ -205,7 +207,7 @@ class GeneralizedAlpha:
         w.point_to(substitute=ctypes.cast(of_superlu, ctypes.c_void_p).value)
         regular = True
         while regular and w.record["code"][0] != CONVERGED:
-            regular = self.linear.solve(self.system.data, self._equations, self._increment, tangent).ok
+            regular = self.linear.solve(self.assembly.data, self._equations, self._increment, tangent).ok
             w.record["factored"] += 1
             change_step(w.record)
         w.point_to(substitute=own)
@@ -314,7 +316,9 @@ class GeneralizedAlpha:
             return s, history, StepInfo(False, iterations, reached, np.nan, history, text, Failure.CONTRADICTION)
         new = w.new_history(TRIAL, self._no_shift, self.linear.label)
         error = self.coefficients.error * h * h * change
-        return s, new, StepInfo(True, iterations, reached, error, history, lag=lag, turning=turning, plain=error)
+        info = StepInfo(True, iterations, reached, error, history, lag=lag, turning=turning, plain=error)
+        info.forces = self.assembly.forces.copy()
+        return s, new, info
 
     def _guesses(self, s0, history):
         """Yield slope and bend (n,) of accelerations and multipliers from which Newton's iteration starts, in turn.
@@ -350,7 +354,7 @@ class GeneralizedAlpha:
     def _solve_with_superlu(self):
         """Solve the assembled equations by SuperLU, with row exchanges everywhere; return STALE or SINGULAR."""
         r = self.workspace.record
-        solved = self.linear.solve(self.system.data, self._equations, self._increment, self.linear.label)
+        solved = self.linear.solve(self.assembly.data, self._equations, self._increment, self.linear.label)
         r["code"] = STALE if solved.ok else SINGULAR
         r["usable"], r["pending"], r["stale"] = self.linear.kept, True, False
         return int(r["code"][0])
@@ -359,13 +363,13 @@ class GeneralizedAlpha:
         """Assemble residual and tangent at ``s``, with the compliance."""
         k, penalty, cC, cM = scales
         self._tangents(s.z, self._T)
-        self.system.assemble(s, k, penalty, 1.0, cC, cM, self._T)
+        self.system.assemble(s, k, penalty, 1.0, cC, cM, self._T, self.assembly)
         if self.compliance is not None:
             n_q, n = self.system.n_q, self.system.n
             soften(k, *self._rows, s.z[n_q:n], self._equations[n_q:])
-            self.compliance.soften_tangent(k, self.system.data, self.compliance.values)
+            self.compliance.soften_tangent(k, self.assembly.data, self.compliance.values)
 
     def _factor(self, tangent, scales):
         """Factor the tangent at an earlier state; return the LinearStatus."""
         self._assemble(tangent, scales)
-        return self.linear.solve(self.system.data, np.zeros(self.system.n), self._increment, tangent)
+        return self.linear.solve(self.assembly.data, np.zeros(self.system.n), self._increment, tangent)

@@ -20,7 +20,7 @@ NAMED = 5  # constraints named in a refusal
 def assemble_start(system, linear, s, length):
     """Assemble positions, and again if the phases that follow, such as closed contacts, are not satisfied."""
     found, moved = assemble_positions(system, linear, s, length)
-    if not system.has_events:
+    if not system.n_events:
         return found, moved
     settled = EventMonitor(system).settle(replace(found, memory=system.commit(found)))
     if np.all(np.abs(system.constraint_derivatives(settled)[:, 0]) <= FULFILLED * _scale(system, length)):

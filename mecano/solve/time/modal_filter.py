@@ -16,12 +16,12 @@ def modal_filter(system, linear, s, cM):
     """Return the function that filters accelerations (n_q,), along the constraints, for a step.
 
     ``linear`` holds the factored effective tangent and is to keep it; ``s`` is the state of the masses; cM [1/s^2] is
-    their weight in it. The residual and the tangent in ``system`` are those of the masses at ``s`` afterwards.
+    their weight in it.
     """
     n_q = system.n_q
-    system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
+    assembly = system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
     among = (system.rows < n_q) & (system.cols < n_q)
-    rows, columns, masses = system.rows[among], system.cols[among], system.data[:-1][among]
+    rows, columns, masses = system.rows[among], system.cols[among], assembly.data[:-1][among]
 
     def resolved_part(a):
         forces, x = np.zeros(system.n), np.zeros(system.n)

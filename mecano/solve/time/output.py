@@ -31,7 +31,7 @@ OUTPUT = fields(
 
 @entry
 def record_step(output: Records(OUTPUT), work: Records(STEP)):
-    """Record the step from BEGIN to TRIAL, whose outputs the system holds; ``code`` reports how far it came.
+    """Record the step from BEGIN to TRIAL, with its outputs and energies; ``code`` reports how far it came.
 
     FULL: to be called again when the buffers are empty. NOT_FINITE: number ``which`` of the row is not, and nothing was
     recorded. ENDED: an element, number ``which`` of those watched, can go no further.
@@ -67,7 +67,7 @@ def sample(o, w, row):
     """Write the numbers of the state TRIAL into the row."""
     z, v, a, R = motion_of(w, TRIAL)
     x, r, rotation = nodes_of(o)
-    fill(row, floats(o.outputs, o.n_outputs), floats(o.energy, 4), x, r, rotation, z, v, R, o.dissipated, o.given)
+    fill(row, x, r, rotation, floats(o.outputs, o.n_outputs), floats(o.energy, 4), z, v, R, o.dissipated, o.given)
 
 
 @kernel
@@ -176,6 +176,8 @@ class Output:
     Parameters
     ----------
     sampler : Sampler
+    observation : Observation
+        Where outputs and energies at the ends of the steps are written.
     extremes : Extremes
     ringing : OscillationMonitor
     times : tuple
@@ -184,7 +186,7 @@ class Output:
         (column of the row, greatest size) beyond which elements can go no further.
     """
 
-    def __init__(self, sampler, extremes, ringing, times, ends):
+    def __init__(self, sampler, observation, extremes, ringing, times, ends):
         n = len(sampler.row)
         start, end, every = times
         most_rows, most_steps = max(NUMBERS // (1 + n), 16), 4096
@@ -194,7 +196,7 @@ class Output:
         arrays = {
             "rows": self.rows, "steps": self.steps, "row0": self.row, "row1": np.zeros(n), "between": np.zeros(n),
             "high": extremes.high, "high_time": extremes.high_time, "low": extremes.low, "low_time": extremes.low_time,
-            "outputs": sampler.system.outputs, "energy": sampler.system.energy, "x": x, "r": r, "rotation": rotation,
+            "outputs": observation.outputs, "energy": observation.energy, "x": x, "r": r, "rotation": rotation,
             "pairs": sampler.pairs, "turned": sampler.rotations, "columns": ringing.columns,
             "difference": ringing.difference, "signs": ringing.signs, "swing": ringing.swing,
             "swing_time": ringing.time, "largest": ringing.largest,
@@ -204,7 +206,7 @@ class Output:
         self._arrays = arrays
         self.record = record(
             OUTPUT, every=every, start=start, end=end, row_size=n, most_rows=most_rows, most_steps=most_steps,
-            n_outputs=len(sampler.system.outputs), n_nodes=len(x), first=sampler.node_size, n_pairs=len(sampler.pairs),
+            n_outputs=len(observation.outputs), n_nodes=len(x), first=sampler.node_size, n_pairs=len(sampler.pairs),
             n_turned=len(sampler.rotations), n_forces=len(ringing.columns), n_ends=len(ends),
             **{name: array.ctypes.data for name, array in arrays.items()},
         )  # fmt: skip

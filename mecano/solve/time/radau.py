@@ -9,6 +9,7 @@ follow from them (Hairer & Wanner 1996, IV.8 and VII.2).
 
 import numpy as np
 
+from mecano.model.assembly import Assembly
 from mecano.model.numbering import ROTATION
 from mecano.model.state import RadauHistory
 from mecano.solve.diagnostics.scales import Tolerances, balance
@@ -43,7 +44,8 @@ class Radau:
         self.tolerances, self.k, self.penalty = tolerances or Tolerances(), k, 0.0
         self.patience = PATIENCE
         self.pause = lambda: None  # called in a step as often as the program may be late for a signal; may raise
-        of, self.workspace = system.numbering, Workspace(system)
+        of, self.assembly = system.numbering, Assembly(system)
+        self.workspace = Workspace(system, self.assembly)
         self.workspace.point_to(kind=of.kind.copy(), rotation_dof=of.rotation_dof)  # for the recorder
         self.use(compliance)
 
@@ -51,8 +53,8 @@ class Radau:
         """Give redundant constraints these compliances, or none (None), from now on."""
         self.compliance = compliance
         self.contradictions = Contradictions(self.system, self.length, compliance)
-        self.stages = Stages(self.system, compliance, self.length)
-        self.tangent = StageTangent(self.system, compliance)
+        self.stages = Stages(self.system, self.assembly, compliance, self.length)
+        self.tangent = StageTangent(self.system, self.assembly, compliance)
 
     def start(self, s, h, consistent=None):
         """Return a consistent state and the history for a first step of size h, at the start and after events.
@@ -119,11 +121,7 @@ class Radau:
         stages, k = self.stages, history.k
         within = stages.states()
         error = self._error(s0, k, h)
-        powers = []
-        for s in within:
-            self.system.observe(s)
-            powers.append(self.system.energy[2:].copy())
-        work = h * A @ np.array(powers)
+        work = h * A @ np.array([self.system.observe(s).powers for s in within])
         s, drift = self._projected(within[2])
         of = self.system.numbering
         turn = np.abs(stages.increments[-1][of.kind[: of.n_q] == ROTATION]).max(initial=0.0)
@@ -139,7 +137,6 @@ class Radau:
             True, iterations, (0.0, drift, increment), error, history, plain=error,
             stages=tuple(within[:2]), work=work,
         )  # fmt: skip
-        self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
         return s, new, info
 
     def _projected(self, s):

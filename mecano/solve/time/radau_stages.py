@@ -126,9 +126,9 @@ def residual(
 class Stages:
     """Increments (3, n_q) and reactions (3, n_l) of the stages of one step, and what follows from them."""
 
-    def __init__(self, system, compliance, length):
+    def __init__(self, system, assembly, compliance, length):
         of, n_q = system.numbering, system.n_q
-        self.system, self.compliance = system, compliance
+        self.system, self.assembly, self.compliance = system, assembly, compliance
         n_rotations, n_all = len(of.rotation_dof), of.n_all
         self.increments, self.reactions = np.zeros((3, n_q)), np.zeros((3, system.n_l))
         self.velocities = np.zeros((4, n_q))  # at the beginning and at the stages
@@ -141,7 +141,7 @@ class Stages:
         self._correct = correct.bind(*about, float(length))
         self._place = place.bind(D, *about, system.n)
         self._residual = residual.bind(
-            *system.loops(loops.residual), *system.loops(loops.constraint_derivatives), system.record
+            *system.loops(loops.residual), *system.loops(loops.constraint_derivatives), assembly.record
         )
         self._ratio = None
         self._scratch, self._rate, self._g = np.zeros(n_q), np.zeros((3, n_q)), np.zeros((system.n_l, 3))
@@ -185,7 +185,7 @@ class Stages:
         system, s0, n_q = self.system, self.s0, self.system.n_q
         n_rotations = len(system.numbering.rotation_dof)
         self._residual(
-            s0.phases, s0.memory, n_q, system.n, n_rotations, k, times, z, v, a, R, system.residual, self._g, F
+            s0.phases, s0.memory, n_q, system.n, n_rotations, k, times, z, v, a, R, self.assembly.residual, self._g, F
         )
         if self.compliance is not None:
             starts, columns, values = self.compliance.rows

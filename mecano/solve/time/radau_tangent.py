@@ -100,13 +100,13 @@ def join(from_both: Matrix, n_q: int, k: float, real: Vector, other: Matrix, cor
 class StageTangent:
     """The tangent of the stages in the middle of a step, and its factors."""
 
-    def __init__(self, system, compliance=None):
+    def __init__(self, system, assembly, compliance=None):
         from mecano.solve.linear.lu import factors  # no ordinary run needs it (docs/architecture.md, Start)
 
-        self.system, self.compliance = system, compliance
+        self.system, self.assembly, self.compliance = system, assembly, compliance
         n, n_q, of = system.n, system.n_q, system.numbering
         self._real, self._complex = (factors(n, system.rows, system.cols, dtype) for dtype in (float, complex))
-        self._parts = np.zeros((len(PARTS), len(system.data)))
+        self._parts = np.zeros((len(PARTS), system.nnz + 1))
         kind = np.full(n, MOTION)
         kind[n_q:] = np.where(of.of_rates, RATE, POSITION)
         self._weigh = weigh.bind(kind[system.rows], self._turned(), self._real.place, self._parts)
@@ -160,8 +160,7 @@ class StageTangent:
         return self._real.factor() and self._complex.factor()
 
     def _assemble(self, part, s, cK, cC, cM):
-        self.system.assemble(s, self.k, 0.0, cK, cC, cM)
-        self._parts[part] = self.system.data
+        self._parts[part] = self.system.assemble(s, self.k, 0.0, cK, cC, cM, into=self.assembly).data
 
     def _soften(self, real, other):
         """Add the compliances, which count as accelerations of the real system."""

@@ -78,10 +78,10 @@ def _equations(system, s, own):
     entries = np.flatnonzero((rows >= 0) & (columns >= 0))
     J = np.zeros((2, len(own), len(own)))
     for i, weights in enumerate(((1.0, 0.0), (0.0, 1.0))):
-        system.assemble(s, 1.0, 0.0, *weights, 0.0)
-        J[i, rows[entries], columns[entries]] = system.data[:-1][entries]
+        assembly = system.assemble(s, 1.0, 0.0, *weights, 0.0)
+        J[i, rows[entries], columns[entries]] = assembly.data[:-1][entries]
     is_state = system.states[own]
-    return np.where(is_state, J[1], J[0]), system.residual[own].copy(), bool(J[1][:, ~is_state].any())
+    return np.where(is_state, J[1], J[0]), assembly.residual[own], bool(J[1][:, ~is_state].any())
 
 
 def _decomposed(J):

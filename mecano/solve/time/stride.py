@@ -12,7 +12,7 @@ from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
 from mecano.model import assembly_driver, loops
-from mecano.model.loops import BATCH, fields, record
+from mecano.model.loops import BATCH, SYSTEM, fields, record
 from mecano.model.numbering import ROTATION
 from mecano.solve.events.events import some_happened
 from mecano.solve.linear.newton import CONVERGED, PAUSE
@@ -47,9 +47,9 @@ READY, STEPPING, RECORDING = range(3)
 STRIDE = fields(
     floats="until tolerance duration minimum maximum planned dissipated given power_dissipated power_given",
     words="phase steps done most iterations renewed_tangents attempt attempt_words records record record_words "
-    "n_events n_event_batches events event_batches event_values before_values n_departing departing "
+    "n_events n_event_batches events event_batches before_values n_departing departing "
     "n_observed observed observed_batches n_committed committed committed_batches "
-    "checks_gaps share_of_gap change_step change_step_words energy",
+    "checks_gaps share_of_gap change_step change_step_words observation",
 )
 
 
@@ -122,13 +122,11 @@ def begin(m, w):
 @kernel
 def evaluate_events(m, w, which, out):
     """Write the values of all events at BEGIN or TRIAL."""
-    batches, found = items(m.event_batches, m.n_event_batches, BATCH), floats(m.event_values, m.n_events)
+    batches = items(m.event_batches, m.n_event_batches, BATCH)
     assembly_driver.event_values(
         integers(m.events, m.n_event_batches), batches, system_of(w), time_of(w, which)[0], *motion_of(w, which),
-        integers(w.phases, w.n_phases), memory_of(w, which),
+        integers(w.phases, w.n_phases), memory_of(w, which), out,
     )  # fmt: skip
-    for i in range(m.n_events):
-        out[i] = found[i]
 
 
 @kernel
@@ -181,7 +179,7 @@ def is_probe(m, w, error, share):
 def accept(m, w, o, error, share):
     """Commit memories, observe the outputs, add the work by the trapezoidal rule, plan the next step."""
     observe(m, w)
-    energy = floats(m.energy, 4)
+    energy = floats(observation_of(m)[0].energy, 4)
     m.dissipated += 0.5 * w.h * (m.power_dissipated + energy[2])
     m.given += 0.5 * w.h * (m.power_given + energy[3])
     m.power_dissipated, m.power_given = energy[2], energy[3]
@@ -197,6 +195,12 @@ def accept(m, w, o, error, share):
 
 
 @kernel
+def observation_of(m):
+    """Return the record SYSTEM (1,) of outputs and energies."""
+    return items(m.observation, 1, SYSTEM)
+
+
+@kernel
 def observe(m, w):
     """Commit the memories at TRIAL, and write outputs and energies there."""
     t, phases, system = time_of(w, TRIAL)[0], integers(w.phases, w.n_phases), system_of(w)
@@ -206,7 +210,8 @@ def observe(m, w):
         loops, batches = integers(m.committed, m.n_committed), items(m.committed_batches, m.n_committed, BATCH)
         assembly_driver.commit(loops, batches, system, t, z, v, a, R, phases, memory_of(w, BEGIN), memory)
     loops, batches = integers(m.observed, m.n_observed), items(m.observed_batches, m.n_observed, BATCH)
-    assembly_driver.observe(loops, batches, system, t, z, v, a, R, phases, memory)
+    forces = floats(system[0].force, system[0].n_slots)
+    assembly_driver.observe(loops, batches, observation_of(m), t, z, v, a, R, phases, memory, forces)
 
 
 @kernel
@@ -251,17 +256,19 @@ class Strides:
     ----------
     system, method, control, shocks :
         Those of the TimeIntegrator.
+    observation : Observation
+        Written at the end of each step.
     recorder : object or None
         Has the buffers ``output`` (output.py); ``empty(again)``, called when they are full, ``again`` in one step; and
         ``refuse(t)``, which raises an error where the run cannot go on.
     """
 
-    def __init__(self, system, method, control, shocks, recorder=None):
+    def __init__(self, system, method, control, shocks, observation, recorder=None):
         self.system, self.method, self.control, self.recorder = system, method, control, recorder
         self.workspace, self.linear = method.workspace, method.linear
         self._output = record(OUTPUT) if recorder is None else recorder.output.record
         departing = np.array([c.event for c in shocks.impact_candidates if c.opened >= 0], np.int64)
-        self._values = np.zeros((2, len(system.values_of_events)))
+        self._values = np.zeros((2, system.n_events))
         found = {
             "events": system.loops(loops.event_values), "observed": system.loops(loops.observe),
             "committed": system.loops(loops.commit),
@@ -269,9 +276,8 @@ class Strides:
         calls = {"attempt": attempt.call_from_compiled_code(self.workspace.record)}
         if recorder is not None:
             calls["record"] = record_step.call_from_compiled_code(self._output, self.workspace.record)
-        self._kept = departing, found, calls  # their addresses stand in the record
-        addresses = {"departing": departing, "before_values": self._values}
-        addresses |= {"event_values": system.values_of_events, "energy": system.energy}
+        self._kept = departing, observation, found, calls  # their addresses stand in the record
+        addresses = {"departing": departing, "before_values": self._values, "observation": observation.record}
         addresses |= {name: addressed for name, (addressed, _) in found.items()}
         addresses |= {f"{name[:-1] if name[-1] == 's' else name}_batches": b for name, (_, b) in found.items()}
         addresses |= {f"{name}_words": packed.words for name, packed in calls.items()}

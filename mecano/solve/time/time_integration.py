@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from mecano.errors import AssemblyError, NonFiniteError
+from mecano.model.assembly import Observation
 from mecano.solve.diagnostics import failure
 from mecano.solve.events.events import EventMonitor, some_happened
 from mecano.solve.events.location import locate
@@ -52,6 +53,7 @@ class TimeIntegrator:
     pause: object = lambda run: None  # called within a step with the RunState before it; may raise
     recorder: object = None  # receives steps from compiled code (``Strides``) and, called with Accepted, from Python
     reporters: tuple = ()  # called with the RunState between calls of compiled code
+    observation: Observation = field(init=False)  # outputs and energies at the end of the last step, or after an event
     monitor: EventMonitor = field(init=False)
     shocks: Shocks = field(init=False)
     warnings: list = field(init=False, default_factory=list)  # reported at the end of the run
@@ -62,7 +64,7 @@ class TimeIntegrator:
     _at_once: Counter = field(init=False, default_factory=Counter)  # events since then
 
     def __post_init__(self):
-        self.monitor = EventMonitor(self.system)
+        self.observation, self.monitor = Observation(self.system), EventMonitor(self.system)
         self.shocks = Shocks(self.system, self.method, self.monitor, self.rest)
 
     def begin(self, s, h):
@@ -70,8 +72,7 @@ class TimeIntegrator:
         s = replace(s, memory=self.system.commit(solve_signals(self.system, s.copy())))
         s, history = self.method.start(self.monitor.settle(s), h)
         run = RunState(s, history, h, compliance=self.method.compliance)
-        self.system.observe(s)
-        return replace(run, powers=self._powers())
+        return replace(run, powers=self._observe(s).powers)
 
     def to(self, end, run):
         """Integrate from ``run`` to the time ``end`` and return the new RunState.
@@ -131,7 +132,8 @@ class TimeIntegrator:
         if not self.method.in_compiled_code:
             return run, None, True
         if self._strides is None:
-            self._strides = Strides(self.system, self.method, self.control, self.shocks, self.recorder)
+            about = self.system, self.method, self.control, self.shocks, self.observation
+            self._strides = Strides(*about, self.recorder)
         if not self.observers:
             return self._strides.advance(run, stop, MOST_STEPS)
         new, trial, decide = self._strides.advance(run, stop, 1)
@@ -228,7 +230,8 @@ class TimeIntegrator:
         met = abs(s.t - stop) <= max(NEGLIGIBLE_TIME * h, math.ulp(stop))
         if met and h <= SHORT * run.h and stop in self.breakpoints:
             s = self._consistent(s, run.h)
-        new = self._stepped(run, s, history, planned, h, work=info.work)
+            info = replace(info, forces=None)
+        new = self._stepped(run, s, history, planned, h, info)
         if met:
             s.t = stop
         self._notify(Accepted(run.motion, new, info, h, rejected))
@@ -252,7 +255,6 @@ class TimeIntegrator:
         before = self._potentials(s, freed)
         run, after, event_records, consistent = self._exchange(run, s, hit, at_once)
         rest = self._potentials(after, freed)
-        self.system.observe(s)  # the row at the event holds the values before it
         lost = {name: before[name] - rest[name] for name in freed}
         event_records = [
             replace(event, lost=event.lost + lost.pop(event.element)) if event.element in lost else event
@@ -262,9 +264,9 @@ class TimeIntegrator:
         return run, after, event_records, consistent
 
     def _potentials(self, s, elements):
-        """Return the potential energy [J] at ``s`` of the ``elements`` {name: (batch, index)}."""
-        self.system.observe(s)
-        return {name: float(batch.e[e, 1]) for name, (batch, e) in elements.items()}
+        """Return the potential energy [J] at ``s`` of the ``elements`` {name: number}."""
+        energies = self.system.observe(s).energies
+        return {name: float(energies[e, 1]) for name, e in elements.items()}
 
     def _exchange(self, run, s, hit, at_once):
         """Apply events ``hit`` at ``s`` with their shocks; return the same as ``_apply_events``."""
@@ -297,15 +299,16 @@ class TimeIntegrator:
         info.error = self._judged(trial, h)
         reached = self._powers_before(run, s, h)
         s = self._consistent(s, run.h, impact=self.shocks.impact_candidates.among(hit))
+        info = replace(info, forces=None)
         here = self.monitor.values(s)
-        new = self._stepped(run, s, history, run.h, h, reached, info.work)
+        new = self._stepped(run, s, history, run.h, h, info, reached)
         hit = self.monitor.together(hit, self.monitor.values(run.motion), here, self.monitor.values(s))
         after, s, event_records, consistent = self._apply_events(new, s, hit)
         self._notify(Accepted(run.motion, new, info, h, rejected, tuple(event_records)))
         return self._start_again(after, s, consistent)
 
     def _consistent(self, s, h, impact=False):
-        """Return ``s`` with consistent accelerations and multipliers, and evaluate the elements there.
+        """Return ``s`` with consistent accelerations and multipliers.
 
         Those of a very short step have the rounding error of the positions over the square of the step size. Before an
         ``impact`` the positions are those without the deflection of compliances.
@@ -314,7 +317,6 @@ class TimeIntegrator:
         s, consistent = consistent_state(self.system, method.linear, s, h, method.contradictions, method.compliance)
         if impact and method.compliance is not None:
             s = consistent.without_compliance(s)
-        self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
         return s
 
     def _guard(self, run, event_records):
@@ -335,16 +337,15 @@ class TimeIntegrator:
             {element for (element, _), count in self._at_once.items() if count >= MOST_REBOUNDS}
         )
 
-    def _stepped(self, run, s, history, planned, h, reached=None, work=None):
-        """Return the run after an accepted step to ``s``: memories committed, work added.
+    def _stepped(self, run, s, history, planned, h, info, reached=None):
+        """Return the run after an accepted step to ``s``: memories committed, outputs observed, work added.
 
-        ``work`` (m, 2), if the step has none, is that of the trapezoidal rule; ``reached`` are the powers at the end of
-        the step if ``s`` has new accelerations. Afterwards the outputs of the batches are those of ``s``, at which the
-        elements have just been evaluated.
+        The work of a step without stages is that of the trapezoidal rule; ``reached`` are the powers at the end of the
+        step if ``s`` has new accelerations.
         """
+        forces = self.system.forces(s) if info.forces is None else info.forces
         s.memory = self.system.commit(s)
-        self.system.observe_assembled(s)
-        powers = self._powers()
+        powers, work = self._observe(s, forces).powers, info.work
         if work is None:
             reached = powers if reached is None else reached
             work = [[0.5 * h * (power0 + power) for power0, power in zip(run.powers, reached, strict=True)]]
@@ -357,8 +358,7 @@ class TimeIntegrator:
     def _start_again(self, run, s, consistent=None):
         """Return the run with consistent accelerations and a new history at ``s``, after an event or a corner."""
         s, history = self.method.start(s, run.h, consistent)
-        self.system.observe(s)
-        new = replace(run, motion=s, history=history, powers=self._powers())
+        new = replace(run, motion=s, history=history, powers=self._observe(s).powers)
         if self.recorder is not None:
             self.recorder.restarted(new, passing=self._passes(s))  # forces may jump
         return new
@@ -370,13 +370,10 @@ class TimeIntegrator:
 
     def _powers_before(self, run, s, h):
         """Return the powers at the end of a step of size h to an event, before the accelerations jump there."""
-        if h <= SHORT * run.h:
-            return run.powers
-        self.system.observe(s)
-        return self._powers()
+        return run.powers if h <= SHORT * run.h else self.system.observe(s).powers
 
-    def _powers(self):
-        return float(self.system.energy[2]), float(self.system.energy[3])
+    def _observe(self, s, forces=None):
+        return self.system.observe(s, forces, self.observation)
 
     def _notify(self, accepted):
         if self.recorder is not None:
@@ -391,7 +388,7 @@ class TimeIntegrator:
         if h * AFTER_FAILURE >= self.control.minimum:
             cuts.append((t, h * AFTER_FAILURE))
             return h * AFTER_FAILURE
-        raise failure.no_step(self.system, info, t, h)
+        raise failure.no_step(self.system, self.method.assembly, info, t, h)
 
 
 def _redundant(t, event_records, group):

@@ -110,11 +110,13 @@ class Workspace:
     Parameters
     ----------
     system : System
+    assembly : Assembly
+        The one that the steps write.
     fixed : dict
         Fields of STEP that never change: numbers, and arrays in the place of their addresses.
     """
 
-    def __init__(self, system, **fixed):
+    def __init__(self, system, assembly, **fixed):
         of = system.numbering
         self.system, self._shapes = system, (of.n_all, len(of.rotation_dof))
         state = system.initial_state()
@@ -125,11 +127,11 @@ class Workspace:
         self.guess, self.v_shift, self.report = np.zeros((2, of.n)), np.zeros(n_all), np.zeros(8)
         own = ("states", "phases", "history", "guess", "v_shift", "report")
         self.held = None  # RunState from which compiled code can step on without anything being entered
-        self._kept = {"now": np.zeros(2, np.int64)}  # what the record points to
+        self._kept = {"now": np.zeros(2, np.int64), "assembly": assembly}  # what the record points to
         self.record = record(
             STEP, n_q=of.n_q, n_l=of.n_l, n=of.n, n_all=n_all, n_rotations=n_rotations, n_memory=n_memory,
             n_phases=len(state.phases), state_size=self.states.shape[1], clock=CLOCK, clock_id=time.CLOCK_MONOTONIC,
-            now=self._kept["now"].ctypes.data, system=system.record.ctypes.data,
+            now=self._kept["now"].ctypes.data, system=assembly.record.ctypes.data,
             **{name: getattr(self, name).ctypes.data for name in own},
         )  # fmt: skip
         self.point_to(**fixed)
