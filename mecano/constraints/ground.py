@@ -12,7 +12,7 @@ import numpy as np
 
 from mecano.element_interface import Context, Output
 from mecano.jit.kernel import kernel
-from mecano.laws.probe import curve_at
+from mecano.laws.probe import corners, curve_at, jumps
 from mecano.laws.table import LawTable, breakpoints, evaluate_curve
 from mecano.maths.dual import chain, implicit, sqrt, value
 from mecano.maths.surface import disc_contact, foot_residual, profile_normal
@@ -24,7 +24,6 @@ LEAST_Q = 0.1  # of |n x a|: below it the wheel lies flat, and its contact runs 
 STANDING = 1e-3  # of the radius: a rim no farther from the ground initially is taken as standing on it
 LEAN = Output("lean", "rad", "angle of the wheel's plane from the ground normal at the contact, right-handed about t")
 MOST_BENDS = 8
-JUMP = 1e-6  # m, -, 1/m: smaller jumps are round-off
 _ITERATIONS = 50  # 3 to 5 are usual; more only far above a concave part whose radius is smaller than the distance
 _STEP_END = 1e-11  # of the radius; the iteration converges quadratically
 
@@ -50,10 +49,9 @@ def check_ground(ground):
     texts = []
     if np.linalg.norm(in_plane(profile["direction"], unit(ground["plane"]["normal"]))) < 1e-6:
         texts.append("'ground.profile.direction' is along the normal of the plane; it must lie in the plane")
-    corners = [s for s in breakpoints(profile["height"]) if _jumps(profile["height"], s)[:2].any()]
-    if corners:
+    if places := corners(profile["height"]):
         texts.append(
-            f"'ground.profile.height' has a jump or a corner at {corners[0]:g} m; a wheel needs a smooth one "
+            f"'ground.profile.height' has a jump or a corner at {places[0]:g} m; a wheel needs a smooth one "
             "(a table: 'interpolation: cubic', and flat ends or 'beyond: extend')"
         )
     return texts
@@ -66,16 +64,10 @@ def bends(ground):
     cubic table. If there are more than MOST_BENDS, none is returned.
     """
     profile, found = ground.get("profile"), np.full(MOST_BENDS, math.inf)
-    places = [s for s in breakpoints(profile["height"]) if _jumps(profile["height"], s)[2]] if profile else []
+    places = [s for s in breakpoints(profile["height"]) if jumps(profile["height"], s)[2]] if profile else []
     if len(places) <= MOST_BENDS:
         found[: len(places)] = places
     return found
-
-
-def _jumps(law, s):
-    """Return whether value [m], slope [-] and second derivative [1/m] of the curve jump at s."""
-    step = 1e-9 * (1.0 + abs(s))
-    return np.abs(np.subtract(curve_at(law, s + step), curve_at(law, s - step))) > JUMP
 
 
 def check_axle(ground, x, axis):

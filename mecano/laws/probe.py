@@ -4,7 +4,9 @@ import numpy as np
 
 from mecano.jit.entry import Matrix, Vector, entry
 from mecano.laws import TERMS
-from mecano.laws.table import LawTable, evaluate_curve, terms_of
+from mecano.laws.table import LawTable, breakpoints, evaluate_curve, terms_of
+
+JUMP = 1e-6  # of a value, a derivative or a second derivative, in SI units: smaller jumps are round-off
 
 
 def curve_at(law, s):
@@ -26,6 +28,17 @@ def shape_of_curve(law, low, high):
     start, values = table.add(law), np.zeros((len(s), 3))
     _evaluate(table.array(), start, s, values)
     return s, values
+
+
+def jumps(law, s):
+    """Return whether (y, dy/ds, d2y/ds2) of a checked law of curves jump at s, (3,) of booleans."""
+    step = 1e-9 * (1.0 + abs(s))
+    return np.abs(np.subtract(curve_at(law, s + step), curve_at(law, s - step))) > JUMP
+
+
+def corners(law):
+    """Return the arguments, ascending, at which a checked law of curves jumps or has a corner."""
+    return [s for s in breakpoints(law) if jumps(law, s)[:2].any()]
 
 
 @entry
