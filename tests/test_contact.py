@@ -145,10 +145,9 @@ def test_a_bouncing_ball_is_rubbed_only_where_it_rests():
     assert v[-1] == pytest.approx(0.5, rel=1e-3) and run["elements/contact/closed"][-1] == 1.0
 
 
-@pytest.mark.parametrize("surface", ["sphere: {", "cylinder: {axis: [0, 1, 0], "])
-def test_a_ball_swings_in_a_bowl_and_in_a_pipe(surface):
+def test_a_ball_swings_in_a_bowl():
     """Without friction its centre is a pendulum of the length R - r, from the horizontal: T = 4 K(sin^2 45 deg)/w."""
-    contact = f"{surface}radius: 1.1, center: [0, 0, 0], inside: true}}, radius: 0.1"
+    contact = "sphere: {radius: 1.1, center: [0, 0, 0], inside: true}, radius: 0.1"
     period = 4 * ellipk(0.5) / math.sqrt(g)
     text = BALL.format(gx=0, gz=-g, start="[1.0, 0, 0]", contact=contact, end=period, step=period / 800)
     recorded = RecordedRun(deck(text))

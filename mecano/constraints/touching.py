@@ -22,7 +22,7 @@ from mecano.constraints.stop_phases import FAR
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, at_most
 from mecano.maths.vector import Vec3, cross, dot, mat, norm, vec
-from mecano.schema import BOOLEAN, DIRECTION, NUMBER, POINT, Field, mapping, not_negative, positive
+from mecano.schema import BOOLEAN, CURVE, DIRECTION, NUMBER, POINT, Field, mapping, not_negative, positive
 
 CENTRED = 1e-100  # [m] of the middle of a hole, where there is no normal and no contact
 SURFACE_RECORD = {
@@ -60,12 +60,19 @@ SURFACES = {
         RADIUS,
         _at("center", "centre of the first end"),
     ),
+    "revolution": mapping(
+        Field("axis", DIRECTION, "-", "axis at the start, inertial"),
+        Field("profile", CURVE, "m", "radius of the surface, a curve of the distance [m] along the axis from 'center'"),
+        _at("center", "the point of the axis from which distances are measured"),
+        INSIDE,
+    ),
 }
 FIELDS = (
     Field("plane", SURFACES["plane"], "-", "plane fixed in node a", None),
     Field("sphere", SURFACES["sphere"], "-", "sphere fixed in node a", None),
     Field("cylinder", SURFACES["cylinder"], "-", "cylinder without ends, fixed in node a", None),
     Field("capsule", SURFACES["capsule"], "-", "cylinder with rounded ends, fixed in node a", None),
+    Field("revolution", SURFACES["revolution"], "-", "surface of revolution without ends, fixed in node a", None),
     Field("radius", NUMBER, "m", "of the ball around node b", 0.0, not_negative),
 )
 
@@ -114,8 +121,8 @@ def given(d):
     return next((name, d[name]) for name in SURFACES if d.get(name) is not None)
 
 
-def _origin(values, nodes):
-    """Return the point of the surface at the start, inertial (3,)."""
+def origin(values, nodes):
+    """Return the point of the surface at the start, inertial (3,), from its deck values."""
     point = next((values[name] for name in ("point", "center") if values.get(name) is not None), nodes[0][0])
     return np.asarray(point, float)
 
@@ -126,7 +133,7 @@ def surface_record(d, nodes):
     axis = np.array(values.get("normal", values.get("axis", (0.0, 0.0, 1.0))), float)
     last = {"cylinder": FAR, "capsule": values.get("length")}.get(name, 0.0)
     return {
-        "axis": R_a.T @ axis / np.linalg.norm(axis), "origin": R_a.T @ (_origin(values, nodes) - x_a),
+        "axis": R_a.T @ axis / np.linalg.norm(axis), "origin": R_a.T @ (origin(values, nodes) - x_a),
         "planar": float(name == "plane"), "side": -1.0 if values.get("inside") else 1.0,
         "distance": values.get("radius", 0.0), "first": -FAR if name == "cylinder" else 0.0, "last": last,
         "radius": d["radius"],
@@ -136,7 +143,7 @@ def surface_record(d, nodes):
 def gap_at_start(d, nodes):
     """Return the gap [m] at the start, and the distance [m] of node b from the middle of the surface."""
     name, values = given(d)
-    p, offset = surface_record(d, nodes), np.subtract(nodes[1][0], _origin(values, nodes))
+    p, offset = surface_record(d, nodes), np.subtract(nodes[1][0], origin(values, nodes))
     axis = nodes[0][1] @ p["axis"]
     along = float(axis @ offset)
     if name == "plane":
@@ -145,15 +152,21 @@ def gap_at_start(d, nodes):
     return p["side"] * (away - p["distance"]) - p["radius"], away
 
 
-def check_surface(d, nodes):
-    """Return errors for none or several surfaces, and for a ball on the wrong side."""
+def check_given(d):
+    """Return errors for none or several surfaces, and for a surface of the ground without a place."""
     if sum(d[name] is not None for name in SURFACES) != 1:
         return [f"give exactly one of {', '.join(map(repr, SURFACES))}"]
     name, values = given(d)
     place = "point" if name == "plane" else "center"
     if d["nodes"][0] == "ground" and values[place] is None:
         return [f"'{name}' needs '{place}': the ground has no position"]
-    if name == "plane" or d.get("rod") is not None:  # a rod need not be at node b
+    return []
+
+
+def check_side(d, nodes):
+    """Return errors for a ball on the wrong side of a surface other than one of revolution."""
+    name, values = given(d)
+    if name == "plane":
         return []
     if values.get("inside"):
         small = d["radius"] < values["radius"]

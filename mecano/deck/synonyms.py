@@ -121,6 +121,12 @@ NOTES = {  # words with the same meaning: (targets, note)
     "bump stop, end stop, limit stop, limit, buffer": ("stop hinge.stops", "joints have 'stops', laws the term stop"),
     "backlash, clearance, free play, freeplay, gap, play": ("dead_band", ""),
     "latch, catch, locking": ("hinge.latch", ""),
+    "snap ring, circlip, snap fit, detent, ball plunger, snap": (
+        "hinge.latch contact", "a latch locks; a ball on a spring and a grooved 'revolution' also give the force"
+    ),
+    "drum contact, pin in hole, pin in a hole, surface of revolution, cone, funnel, groove": (
+        "contact", "a 'cylinder' or a 'revolution' with a profile, touched from outside, or with 'inside: true'"
+    ),
     "contact, collision, impact, unilateral": ("contact plane_contact rigid_wheel stop", ""),
     "capsule, capsule contact, line contact, rod contact, beam contact, cylinder contact": (
         "contact", "a 'rod' in place of the ball touches a capsule or a cylinder"

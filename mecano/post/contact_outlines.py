@@ -3,6 +3,7 @@
 import numpy as np
 
 from mecano.constraints.touching import given
+from mecano.post.curve_values import checked_law, curve_values
 
 POINTS = 49  # of a circle
 BEYOND = 2.0  # radii of the ball, or distances of the farthest node: how far a plane is drawn
@@ -25,12 +26,34 @@ def outlines(motion, d):
     extent = np.ptp(np.stack(list(places.values())), axis=0)
     across = main if name == "cylinder" else _across(main, extent)
     along = np.cross(across, _across(main, extent) if name == "cylinder" else main)
-    if name == "plane":
+    ball = _on_b(motion, d, places, np.cross(along, across), along)
+    if name == "revolution":
+        lines = _turned(motion.run.deck, surface, places[b] - middle, np.stack([main, along, across]))
+    elif name == "plane":
         farthest = max(np.linalg.norm(x - middle) for x in places.values())
-        line = np.array([-1.0, 1.0])[:, None] * BEYOND * max(d["radius"], farthest) * along
+        lines = [np.array([-1.0, 1.0])[:, None] * BEYOND * max(d["radius"], farthest) * along]
     else:
-        line = _stadium(surface["radius"], surface.get("length", 0.0), np.cross(along, across), along)
-    return [_carried(motion, a, middle + line), _on_b(motion, d, places, np.cross(along, across), along)]
+        lines = [_stadium(surface["radius"], surface.get("length", 0.0), np.cross(along, across), along)]
+    return [*(_carried(motion, a, middle + line) for line in lines), ball]
+
+
+def _turned(deck, surface, b, axes):
+    """Return the meridian, on both sides, and the circles at the ends of a surface of revolution around node b.
+
+    ``b`` (3,) and the lines (n, 3) are relative to its 'center'; ``axes`` are its axis and two directions across.
+    """
+    from mecano.laws.probe import shape_of_curve
+
+    profile, z = surface["profile"], float(axes[0] @ b)
+    beside = abs(curve_values(deck, profile, [z])[0])
+    bounded = shape_of_curve(checked_law(deck, profile), z - beside, z + beside)[0]
+    ends = np.append(bounded, [z - beside, z + beside])
+    z = np.linspace(ends.min(), ends.max(), POINTS)
+    radius = curve_values(deck, profile, z)
+    z, radius = z[radius > 0.0], radius[radius > 0.0]
+    sides = [z[:, None] * axes[0] + side * radius[:, None] * axes[1] for side in (1.0, -1.0)]
+    circles = [z[i] * axes[0] + _stadium(radius[i], 0.0, axes[1], axes[2]) for i in (0, -1)]
+    return [*sides, *circles]
 
 
 def _on_b(motion, d, places, across, along):

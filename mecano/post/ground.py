@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from mecano.post.curve_values import curve_values
+
 STEEPEST = 0.2  # component of the normal along the vertical axis below which the ground is not drawn
 POINTS = 60
 POINTS_OF_WAY = 500
@@ -73,22 +75,5 @@ def _raised(deck, profile, points, point, normal):
         return points
     direction = np.array(profile["direction"], float)
     direction -= (direction @ normal) * normal
-    heights = _heights(deck, profile["height"], (points - point) @ (direction / np.linalg.norm(direction)))
+    heights = curve_values(deck, profile["height"], (points - point) @ (direction / np.linalg.norm(direction)))
     return points + heights[:, None] * normal
-
-
-def _heights(deck, law, distances):
-    """Return the heights [m] of a profile from its ``law``, a name or the terms in the resolved deck."""
-    from mecano.laws.probe import curve_at
-
-    checked = _checked(deck["laws"][law] if isinstance(law, str) else law)
-    return np.array([curve_at(checked, s)[0] for s in distances])
-
-
-def _checked(terms):
-    """Return the checked law of the ``terms`` in a resolved deck, with defaults for absent fields."""
-    from mecano.laws import TERMS
-
-    return tuple(
-        (name, {f.name: values.get(f.name, f.default) for f in TERMS[name].fields}) for name, values in terms.items()
-    )

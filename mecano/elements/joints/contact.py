@@ -1,4 +1,4 @@
-r"""Contact of a ball or rod at node b with a surface fixed in node a: a plane, sphere, cylinder or capsule.
+r"""Contact of a ball or rod at node b with a surface fixed in node a: a plane, sphere, cylinder, capsule or profile.
 
 Without ``law`` the contact is rigid: it closes with a shock (docs/shocks.md), rebounds with the coefficient of
 ``restitution``, and opens where the normal force N, its multiplier, falls to zero. While closed it is held at the gap
@@ -13,12 +13,15 @@ With a law ``law`` of the depth w, by which both bodies overlap, it is elastic, 
 resting ball creeps. A rigid contact exerts it while it is closed, with its multiplier N; a shock is without friction.
 Node a needs an orientation (a body, a beam or the ground), with friction or a rod node b, too. A capsule or a box that
 touches a plane is a ball at each end or corner, on nodes attached to the body. The surface of a cylinder has no ends; a
-pin in a hole is a ball of the radius of the pin ``inside`` of a cylinder. A ``rod`` in place of the ball, a capsule,
-touches another capsule or cylinder in one point. Where both are parallel, the force acts in the middle of the part
-along which they touch, and does not resist their turning: two long parallel bodies need a contact near each end.
+pin in a hole is a ball of the radius of the pin ``inside`` of a cylinder. The radius of a ``revolution`` (a drum, cone
+or groove) is its ``profile``; it is touched in the nearest point of its meridian. A ``rod`` in place of the ball, a
+capsule, touches another capsule or cylinder in one point. Where both are parallel, the force acts in the middle of the
+part along which they touch, and does not resist their turning: two long parallel bodies need a contact near each end.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,10 +32,18 @@ from mecano.constraints.touching import (
     FIELDS,
     SURFACE_RECORD,
     approach,
-    check_surface,
+    check_given,
+    check_side,
     gap_at_start,
     surface_record,
     touch,
+)
+from mecano.constraints.touching_revolution import (
+    REVOLUTION,
+    REVOLUTION_RECORD,
+    check_revolution,
+    revolution_gap_at_start,
+    revolution_record,
 )
 from mecano.constraints.touching_rods import (
     ROD,
@@ -49,18 +60,47 @@ from mecano.laws.probe import curve_at
 from mecano.schema import CURVE, NODE_PAIR, NUMBER, Field, not_negative, share
 
 MATERIAL = {"law": "i", "damping": (), "restitution": (), "coefficient": "i", "regularization": ()}
-RECORD, RODS_RECORD = record(**MATERIAL, **SURFACE_RECORD), record(**MATERIAL, **ROD_RECORD)
 BALL = Shapes(touch, approach, False)
+RECORD = record(**MATERIAL, **SURFACE_RECORD)
 PHASES = ("open", "closed")
 ROUNDING = 1e-9  # [m]
 NORMAL = Row("normal force of the contact", "N", "m", unilateral=True)
 OPENS = Event("opens", "closed", "open", "the normal force falls to zero")
 
 
+class Pair(NamedTuple):
+    """Two shapes as the deck gives them: how they touch, and how they are read and checked."""
+
+    name: str
+    shapes: Shapes
+    dtype: np.dtype
+    record: Callable  # (d, nodes, context) -> values of the record
+    check: Callable  # (d, nodes) -> errors
+    gap_at_start: Callable  # (d, nodes) -> gap [m], a place
+
+
+PAIRS = {
+    "ball": Pair("", BALL, RECORD, lambda d, nodes, context: surface_record(d, nodes), check_side, gap_at_start),
+    "rod": Pair(
+        "rod_", RODS, record(**MATERIAL, **ROD_RECORD), lambda d, nodes, context: rod_record(d, nodes), check_rod,
+        rod_gap_at_start,
+    ),
+    "revolution": Pair(
+        "revolution_", REVOLUTION, record(**MATERIAL, **REVOLUTION_RECORD), revolution_record, check_revolution,
+        revolution_gap_at_start,
+    ),
+}  # fmt: skip
+
+
+def _pair(d):
+    """Return the key of the Pair that the deck describes."""
+    return next((name for name in ("rod", "revolution") if d[name] is not None), "ball")
+
+
 def prepare(d, nodes, context):
     """Return the record of one contact."""
-    shapes = surface_record(d, nodes) if d["rod"] is None else rod_record(d, nodes)
-    values = {"damping": d["damping"], "restitution": d["restitution"], **shapes}
+    values = {"damping": d["damping"], "restitution": d["restitution"]}
+    values |= PAIRS[_pair(d)].record(d, nodes, context)
     if d["law"] is not None:
         values["law"] = context.laws.add(d["law"])
     if d["friction"] is not None:
@@ -71,18 +111,17 @@ def prepare(d, nodes, context):
 
 def variant(d):
     """Return the kind of a rigid or elastic contact of a ball or a rod, with or without friction."""
-    return KINDS[d["rod"] is not None, d["law"] is None, d["friction"] is not None]
+    return KINDS[_pair(d), d["law"] is None, d["friction"] is not None]
 
 
 def check(d, nodes):
     """Return errors in the surface, in the law, and for values that have no effect on this contact."""
-    texts = check_surface(d, nodes)
-    if not texts and d["rod"] is not None:
-        texts = check_rod(d, nodes)
+    pair = PAIRS[_pair(d)]
+    texts = check_given(d) or pair.check(d, nodes)
     if d["law"] is None:
         texts += ["'damping' needs 'law': a rigid contact has none"] if d["damping"] else []
         texts += check_friction(d)
-        if not texts and (gap := (rod_gap_at_start if d["rod"] else gap_at_start)(d, nodes)[0]) < -ROUNDING:
+        if not texts and (gap := pair.gap_at_start(d, nodes)[0]) < -ROUNDING:
             what = "rod" if d["rod"] else "ball"
             texts.append(f"the {what} starts {-gap:.6g} m within the surface, which is rigid without 'law'")
         return texts
@@ -119,27 +158,37 @@ def sample(rng):
     found += [({**rods[0], **crossing, **rough}, nodes, phase) for phase in PHASES]
     thin = {**crossing, "nodes": ["a", "b"], "radius": 0.02}
     found += [({**rod, **thin}, nodes, phase) for rod in rods for phase in PHASES]
-    return [*found, ({**rods[0], **thin, "friction": dry}, nodes, "closed")]
+    found += [({**rods[0], **thin, "friction": dry}, nodes, "closed")]
+    barrel = {"axis": axis, "center": x, "inside": False, "profile": _barrel(0.44)}
+    turned = [{"revolution": surface} for surface in (barrel, {**barrel, "inside": True, "profile": _barrel(0.5)})]
+    found += [({**drum, **of, "radius": 0.15}, nodes, "closed") for drum in turned for of in (rough, elastic)]
+    touching = {"nodes": ["a", "b"], "radius": 0.01}
+    found += [({**drum, **touching}, nodes, phase) for drum in turned for phase in PHASES]
+    return found + [({**drum, **touching, "friction": dry}, nodes, "closed") for drum in turned]
 
 
-@kernel
-def _gap(p, at):
-    return touch(p, at).gap
+def _barrel(radius):
+    """Return the profile of a barrel with this radius [m] at its origin, for samples."""
+    return (("polynomial", {"coefficients": [radius, 0.1, -0.05]}),)
 
 
-@kernel
-def _gap_of_rod(p, at):
-    return RODS.touch(p, at).gap
+def _gap_sensor(pair):
+    """Return the Kind that senses the gap of a pair of shapes."""
+    touch = pair.shapes.touch
+
+    @kernel
+    def gap(p, at):
+        return touch(p, at).gap
+
+    name = f"{pair.name}gap_sensor"
+    return quantity_sensor(name, "Sensor of the gap of a contact.", pair.dtype, pair.shapes.layout, gap)
 
 
-GAP_SENSOR = quantity_sensor("contact_gap_sensor", "Sensor of the gap of a contact.", RECORD, BALL.layout, _gap)
-ROD_GAP_SENSOR = quantity_sensor(
-    "rod_gap_sensor", "Sensor of the gap of a contact of rods.", RODS_RECORD, RODS.layout, _gap_of_rod
-)
+GAP_SENSORS = {name: _gap_sensor(pair) for name, pair in PAIRS.items()}
 
 
 def _measured_gap(d, nodes, context):
-    return Part(GAP_SENSOR if d["rod"] is None else ROD_GAP_SENSOR, (0, 1), prepare(d, nodes, context))
+    return Part(GAP_SENSORS[_pair(d)], (0, 1), prepare(d, nodes, context))
 
 
 CONTACT = Kind(
@@ -223,7 +272,7 @@ def _kinds(name, shapes, dtype):
 
 
 KINDS = {
-    (of_rod, *which): kind
-    for of_rod, kinds in ((False, _kinds("", BALL, RECORD)), (True, _kinds("rod_", RODS, RODS_RECORD)))
-    for which, kind in kinds.items()
+    (name, *which): kind
+    for name, pair in PAIRS.items()
+    for which, kind in _kinds(pair.name, pair.shapes, pair.dtype).items()
 }
