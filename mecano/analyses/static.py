@@ -26,6 +26,7 @@ STEPS = (
     Series("constraint_residual", "", "largest residual constraint over its tolerance"),
     Series("increment", "", "largest last correction over its tolerance"),
 )
+OF_LOADS = ("N", "N m", "W", "N/m", "N m/m", "Pa")  # units of outputs that are proportional to the load factor
 PATH = (
     Series("static/load_factor", "", "share of the loads and of gravity that acts"),
     Series("static/unstable_directions", "", "directions in which the equilibrium is unstable; -1 where unknown"),
@@ -64,10 +65,10 @@ def _outputs_of_loads(system):
     """Return the indices of the outputs of a System that are proportional to the load factor."""
     found = np.zeros(system.n_outputs, bool)
     for b in system.batches:
-        if is_scaled(b.kind):
+        if is_scaled(b):
             sizes = [int(np.prod(output.shape, dtype=int)) for output in b.kind.outputs]
             units = np.repeat([output.unit for output in b.kind.outputs], sizes)
-            b.outputs(found)[:] = np.isin(units, ("N", "N m", "W"))
+            b.outputs(found)[:] = np.isin(units, OF_LOADS)
     return np.flatnonzero(found)
 
 

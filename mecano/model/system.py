@@ -124,9 +124,9 @@ class System:
     def loops(self, template, chosen=None):
         """Return the addresses (n,) of the loops of all kinds that have them, and the records (n,) of their batches.
 
-        Of the kinds ``chosen``, if given; otherwise the only loop may be that of a divided model.
+        Of the batches ``chosen``, if given; otherwise the only loop may be that of a divided model.
         """
-        found = [None if chosen and not chosen(b.kind) else loop_of(b.kind, template) for b in self.batches]
+        found = [None if chosen and not chosen(b) else loop_of(b.kind, template) for b in self.batches]
         own = np.array([loop is not None for loop in found], bool)
         if chosen is None and own.any() and self.halves is not None:
             return self._divided(
@@ -143,7 +143,7 @@ class System:
         return found.loops, found.batches
 
     def _driver(self, assembly_driver, template, chosen=None):
-        """Bind the driver ``assembly_driver`` to the loops of one purpose for the kinds ``chosen``."""
+        """Bind the driver ``assembly_driver`` to the loops of one purpose for the batches ``chosen``."""
         return assembly_driver.bind(*self.loops(template, chosen))
 
     @cached_property
@@ -156,11 +156,11 @@ class System:
 
     @cached_property
     def _add_constraints(self):
-        return self._adding(lambda kind: kind.multipliers and not kind.of_rates)
+        return self._adding(lambda batch: batch.kind.multipliers and not batch.kind.of_rates)
 
     @cached_property
     def _add_constraints_of_rates(self):
-        return self._adding(lambda kind: kind.of_rates)
+        return self._adding(lambda batch: batch.kind.of_rates)
 
     def _adding(self, chosen):
         return self._driver(assembly_driver.add, loops.tangent, chosen)
@@ -171,7 +171,7 @@ class System:
 
     @cached_property
     def _add_coupled_multipliers(self):
-        is_coupled = lambda kind: kind.coupled_multipliers  # noqa: E731
+        is_coupled = lambda batch: batch.kind.coupled_multipliers  # noqa: E731
         found, records = self.loops(loops.tangent, is_coupled)
         batches = [b for b in self.batches if b.kind.coupled_multipliers]
         self._coupled_entries = [b.entries.copy() for b in batches]
@@ -333,9 +333,12 @@ class System:
         phases[self.followers[:, 0]] = phases[self.followers[:, 1]]
 
 
-def is_scaled(kind):
-    """Return whether a load factor multiplies the kind: a load, unless signals give its value, as by a controller."""
-    return kind.section == "loads" and not kind.inputs
+def is_scaled(batch):
+    """Return whether a load factor multiplies the elements of a batch.
+
+    They are loads, or the parts of loads, whose value is not given by signals, as by a controller.
+    """
+    return batch.paths[0][0].startswith("loads/") and not batch.kind.inputs
 
 
 def _followers(instances, batches):
