@@ -75,6 +75,9 @@ EXAMPLES = {
         "orbit: {type: gravity_gradient, node: crank, mass: 1.2 kg, inertia: [1.0e-3, 2.0e-2, 2.0e-2], rate: 1.1e-3, "
         "normal: [0, 0, 1], radial: [1, 0, 0]}",
     "line_load": "wind: {type: line_load, line: [crank, girder.1, slider], direction: [1, 0, 0], value: 200}",
+    "line_moment": "screw: {type: line_moment, line: [crank, girder.1, slider], direction: [1, 0, 0], value: 30 N}",
+    "pressure":
+        "water: {type: pressure, line: [crank, girder.1, slider], across: [0, 1, 0], width: 0.4, value: 0.2 bar}",
     "moment": "twist: {type: moment, node: crank, direction: [0, 1, 0], value: 12 N m}",
     "follower_moment": "twist: {type: follower_moment, node: crank, direction: [0, 1, 0], value: 12 N m}",
     "couple": "drive: {type: couple, nodes: [crank, rod], axis: [0, 1, 0], value: 12 N m}",

@@ -145,7 +145,12 @@ NOTES = {  # words with the same meaning: (targets, note)
     "load, external force, weight": ("force moment gravity", ""),
     "torque": ("moment couple", ""),
     "thrust, thruster, following force": ("follower_force", ""),
-    "pressure, distributed load, wind, line force": ("line_load", ""),
+    "hydrostatic pressure, fluid pressure, water pressure": ("pressure", ""),
+    "distributed load, line force, uniformly distributed load": ("line_load pressure line_moment", ""),
+    "distributed moment, distributed torque": ("line_moment", ""),
+    "wind, wind load, rotor, current, morison": (
+        "drag line_load", "a 'drag' on each node of a member (docs/beams.md); a 'line_load' for a given force"
+    ),
     "aerodynamics, lift, air resistance, parachute, fluid": (
         "drag follower_force", "a lift is a follower_force whose value is a formula of signals"
     ),

@@ -9,8 +9,9 @@ from mecano.elements.forces.couple import COUPLE
 from mecano.elements.forces.drag import DRAG
 from mecano.elements.forces.gravity_gradient import GRAVITY_GRADIENT
 from mecano.elements.forces.joint_load import JOINT_FORCE, JOINT_MOMENT, LINE_FORCE
-from mecano.elements.forces.line_load import LINE_LOAD
+from mecano.elements.forces.line_load import LINE_LOAD, LINE_MOMENT
 from mecano.elements.forces.nodal_load import FOLLOWER_FORCE, FOLLOWER_MOMENT, FORCE, MOMENT
+from mecano.elements.forces.pressure import PRESSURE
 from mecano.elements.joints.contact import CONTACT
 from mecano.elements.joints.coupler import COUPLER
 from mecano.elements.joints.cylindrical import CYLINDRICAL
@@ -69,7 +70,7 @@ KINDS = {
         BEAM, SUPERELEMENT, BAR, CABLE, SPRING_DAMPER, OLEO, TORSION_SPRING_DAMPER, BELT, REEVED_CABLE,
         BUSHING, PLANE_CONTACT, CONTACT,
         FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, JOINT_MOMENT, JOINT_FORCE, LINE_FORCE,
-        LINE_LOAD, DRAG, GRAVITY_GRADIENT, BRAKE,
+        LINE_LOAD, LINE_MOMENT, PRESSURE, DRAG, GRAVITY_GRADIENT, BRAKE,
         RIGID_WHEEL, CARDONA_WHEEL, SKATE, WHEEL, TRANSIENT_WHEEL, FLEXIBLE_WHEEL, ADHESIVE_WHEEL,
         FORMULA, CURVE, LAG, INTEGRATOR, WASHOUT, PID, TRANSFER_FUNCTION, STATE_SPACE, SWITCH,
         SAMPLE_AND_HOLD, DELAY,

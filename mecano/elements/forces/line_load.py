@@ -1,137 +1,146 @@
-r"""Load along a line of nodes, such as those of a beam: a force per length, of a fixed direction or turning with them.
+r"""Loads along a line of nodes, such as those of a beam: a force or a moment per length.
 
 Each node carries the load of half of both neighbouring segments, whose lengths are those at the start:
 
 .. math::  F_i = \tfrac12 (\ell_{i-1} + \ell_i)\, q\, d
 
-with the force per length q, a function of time or a formula of signals, and the unit direction d, inertial, or fixed in
-each node if the load ``follows`` them, as pressure does. Displacements converge with the square of the length of the
-elements.
+with the force or moment per length q, a function of time or a formula of signals, and the unit direction d, inertial,
+or fixed in each node if the load ``follows`` them. Displacements converge with the square of the length of the
+elements; the twist and the rotation by a moment are exact.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import is_formula, law_of, of_input, of_time, on_demand
+from mecano.constraints.segments import check_line, lengths, sample_line
 from mecano.element_interface import Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, dot, mat, vec
 from mecano.schema import BOOLEAN, DIRECTION, DRIVE, NODES, Field
 
+EQUATIONS = __doc__.partition("\n\n")[2]
 RECORD = record(load=3, law="i")  # load of a node per unit of the law
 OF_LINE = record(length=(), law="i")
 
 
-def _dead(demand):
-    """Return ``residual`` and ``observe`` of the share of a node in a load of fixed direction."""
-
-    @kernel
-    def residual(p, at, f):
-        add_vec(f, 0, -demand(p, at), vec(p.load, 0))
-
-    @kernel
-    def observe(p, at, F, y, e):
-        e[3] = demand(p, at) * dot(vec(p.load, 0), vec(at.v, 0))
-
-    return residual, observe
+@kernel
+def _constant(p, at):
+    """Return the components of a force of fixed direction, or of a moment in material axes that follows its node."""
+    return vec(p.load, 0)
 
 
-def _following(demand):
-    """Return ``residual`` and ``observe`` of the share of a node in a load that turns with it."""
-
-    @kernel
-    def residual(p, at, f):
-        add_vec(f, 0, -demand(p, at), mat(at.R[0]) @ vec(p.load, 0))
-
-    @kernel
-    def observe(p, at, F, y, e):
-        e[3] = demand(p, at) * dot(mat(at.R[0]) @ vec(p.load, 0), vec(at.v, 0))
-
-    return residual, observe
+@kernel
+def _turned(p, at):
+    """Return the inertial components of a force that follows its node."""
+    return mat(at.R[0]) @ vec(p.load, 0)
 
 
-def _share(name, doc, layout, functions):
-    """Return the Kinds of the share of a node: of a load that is a law of time, and of one that is a signal."""
+@kernel
+def _turned_back(p, at):
+    """Return the material components of a moment of fixed direction."""
+    return mat(at.R[0]).T @ vec(p.load, 0)
+
+
+def _share(name, layout, components):
+    """Return the Kinds of the share of a node: of a load that is a law of time, and of one that is a signal.
+
+    components(p, at) are those of the load per unit of the law, in the axes of the velocity of the first slot.
+    """
 
     def kind(demand):
-        residual, observe = functions(demand)
+        @kernel
+        def residual(p, at, f):
+            add_vec(f, 0, -demand(p, at), components(p, at))
+
+        @kernel
+        def observe(p, at, F, y, e):
+            e[3] = demand(p, at) * dot(components(p, at), vec(at.v, 0))
+
         return Kind(
-            name=name, doc=doc, dtype=RECORD, layout=layout, residual=residual, observe=observe,
-            sample=lambda rng: [({"load": rng.normal(size=3), "law": 0}, 1, "")],
+            name=name, doc="Share of a node in a load along a line.", dtype=RECORD, layout=layout, residual=residual,
+            observe=observe, sample=lambda rng: [({"load": rng.normal(size=3), "law": 0}, 1, "")],
         )  # fmt: skip
 
     return kind(of_time), replace(kind(of_input(3 * len(layout))), inputs=("value",))
 
 
-DEAD = _share("dead_share", "Share of a node in a load along a line.", ("x0",), _dead)
-FOLLOWING = _share("following_share", "Share of a node in a load that turns with it.", ("x0", "R0"), _following)
-
-
-def _lengths(nodes):
-    return np.linalg.norm(np.diff([x for x, _ in nodes], axis=0), axis=1)
-
-
 def prepare(d, nodes, context):
     """Return the record of the whole line."""
-    return {"length": _lengths(nodes).sum(), "law": law_of(d["value"], context)}
-
-
-def parts(d, nodes, context):
-    """Return the Parts: the share of each node."""
-    half = 0.5 * _lengths(nodes)
-    share = np.append(half, 0.0) + np.append(0.0, half)
-    direction = np.asarray(d["direction"], float) / np.linalg.norm(d["direction"])
-    kinds, by_signal = FOLLOWING if d["follows"] else DEAD, is_formula(d["value"])
-    kind, law, reads = kinds[by_signal], law_of(d["value"], context), (d["value"],) if by_signal else ()
-    turned = [R.T @ direction if d["follows"] else direction for _, R in nodes]
-    return [Part(kind, (i,), {"load": share[i] * turned[i], "law": law}, reads=reads) for i in range(len(nodes))]
+    return {"length": lengths(nodes).sum(), "law": law_of(d["value"], context)}
 
 
 def check(d, nodes):
     """Return errors for a line of less than two nodes, or with nodes at one place."""
-    if len(nodes) < 2:
-        return ["'line' must name at least 2 nodes"]
-    return [] if _lengths(nodes).min() > 0.0 else ["consecutive nodes of 'line' must not coincide"]
+    return check_line(nodes)
 
 
 def sample(rng):
     """Return a growing load on three nodes, dead and following."""
     law = (("linear", {"slope": 0.5, "offset": 3.0}),)
-    nodes = [(rng.normal(size=3), np.linalg.qr(rng.normal(size=(3, 3)))[0]) for _ in range(3)]
-    nodes = [(x, Q * np.linalg.det(Q)) for x, Q in nodes]
     values = {"line": ["a", "b", "c"], "direction": rng.normal(size=3), "value": law}
-    loads = values, {**values, "value": "command"}
+    loads, nodes = (values, {**values, "value": "command"}), sample_line(rng)
     return [({**d, "follows": follows}, nodes, "") for d in loads for follows in (False, True)]
 
 
-def _kind(demand):
-    @kernel
-    def observe(p, at, F, y, e):
-        y[0] = demand(p, at)
-        y[1] = p.length * y[0]
+@dataclass(frozen=True)
+class _Quantity:
+    """A quantity, force or moment, that a load along a line applies."""
 
-    return Kind(
-        name="line_load",
-        section="loads",
-        doc=__doc__,
-        dtype=OF_LINE,
-        fields=(
-            Field("line", NODES, "-", "nodes from one end to the other, including those created by 'mesh'"),
-            Field("direction", DIRECTION, "-", "direction at the start, inertial, made a unit vector"),
-            Field("value", DRIVE, "N/m", "force per length: a function of time [s], or a formula of signals"),
-            Field("follows", BOOLEAN, "-", "whether the direction turns with each node", False),
-        ),
-        outputs=(
-            Output("value", "N/m", "force per length"),
-            Output("total", "N", "sum of the forces on all nodes, if they had one direction"),
-        ),
-        prepare=prepare,
-        parts=parts,
-        check=check,
-        observe=observe,
-        sample=sample,
-    )
+    name: str
+    unit: str
+    dead: tuple  # Kinds of the share of a node: of a law of time, and of a signal
+    following: tuple
+
+    def parts(self, d, nodes, context):
+        """Return the Parts: the share of each node."""
+        half = 0.5 * lengths(nodes)
+        share = np.append(half, 0.0) + np.append(0.0, half)
+        direction = np.asarray(d["direction"], float) / np.linalg.norm(d["direction"])
+        kinds, by_signal = self.following if d["follows"] else self.dead, is_formula(d["value"])
+        kind, law, reads = kinds[by_signal], law_of(d["value"], context), (d["value"],) if by_signal else ()
+        turned = [R.T @ direction if d["follows"] else direction for _, R in nodes]
+        return [Part(kind, (i,), {"load": share[i] * turned[i], "law": law}, reads=reads) for i in range(len(nodes))]
+
+    def kind(self, kind_name):
+        """Return the kind of load of this quantity."""
+        return on_demand(lambda demand: self._by(kind_name, demand), "value", 0)
+
+    def _by(self, kind_name, demand):
+        @kernel
+        def observe(p, at, F, y, e):
+            y[0] = demand(p, at)
+            y[1] = p.length * y[0]
+
+        per = f"{self.name} per length"
+        return Kind(
+            name=kind_name,
+            section="loads",
+            doc=f"{self.name.capitalize()} per length along a line of nodes, such as those of a beam.\n\n{EQUATIONS}",
+            dtype=OF_LINE,
+            fields=(
+                Field("line", NODES, "-", "nodes from one end to the other, including those created by 'mesh'"),
+                Field("direction", DIRECTION, "-", "direction at the start, inertial, made a unit vector"),
+                Field("value", DRIVE, f"{self.unit}/m", f"{per}: a function of time [s], or a formula of signals"),
+                Field("follows", BOOLEAN, "-", "whether the direction turns with each node", False),
+            ),
+            outputs=(
+                Output("value", f"{self.unit}/m", per),
+                Output("total", self.unit, f"sum of the {self.name}s on all nodes, if they had one direction"),
+            ),
+            prepare=prepare,
+            parts=self.parts,
+            check=check,
+            observe=observe,
+            sample=sample,
+        )
 
 
-LINE_LOAD = on_demand(_kind, "value", 0)
+LINE_LOAD = _Quantity(
+    "force", "N", _share("dead_share", ("x0",), _constant), _share("following_share", ("x0", "R0"), _turned)
+).kind("line_load")
+LINE_MOMENT = _Quantity(
+    "moment", "N m", _share("dead_moment_share", ("R0",), _turned_back),
+    _share("following_moment_share", ("R0",), _constant),
+).kind("line_moment")  # fmt: skip
