@@ -10,9 +10,13 @@ from scipy.optimize import brentq, minimize_scalar
 from scipy.special import ellipk
 from time_runs import RecordedRun, input_deck
 
+from mecano.analyses.dynamic import run
 from mecano.constraints.touching_revolution import revolution_gap_at_start
 from mecano.deck.format import deck_error_text
 from mecano.errors import DeckError
+from mecano.post.contact_outlines import outlines
+from mecano.post.runs import open_runs
+from mecano.post.shapes import Motion
 
 S, g = "Contact", 9.81
 
@@ -50,8 +54,8 @@ def test_a_point_circles_in_a_funnel(verify, balls):
 
 
 def test_a_detent_catches_a_shaft_and_pins_move_in_their_holes(verify):
-    run = RecordedRun(input_deck("snap_pin"))
-    z, v = -run["nodes/shaft/position"][:, 2], -run["nodes/shaft/velocity"][:, 2]
+    recorded = RecordedRun(input_deck("snap_pin"))
+    z, v = -recorded["nodes/shaft/position"][:, 2], -recorded["nodes/shaft/velocity"][:, 2]
     along, energy = _quasi_static_work()
     first = slice(0, np.argmax(z) + 1)
     for place in (0.008, 0.018):
@@ -60,10 +64,10 @@ def test_a_detent_catches_a_shaft_and_pins_move_in_their_holes(verify):
         what = f"detent: speed of the shaft after {1e3 * place:g} mm [m/s]"
         verify(S, what, found, known, "work of F tan(a + b), ball without mass", relative=1e-3)
     assert z[-1] == pytest.approx(0.018, abs=1e-3) and abs(v[-1]) < 1e-3
-    strikes = [e.t for e in run.event_records if e.element == "contact 'hole_of_flying'"]
+    strikes = [e.t for e in recorded.event_records if e.element == "contact 'hole_of_flying'"]
     known = 2e-3 + 4e-3 * (2.0 ** np.arange(1, 6) - 2.0)
     verify(S, "pin flies in its hole: strikes at [s]", strikes, known, "2 c/(v e^n)", absolute=1e-9)
-    gap = run["elements/hole_of_loaded/gap"][-1]
+    gap = recorded["elements/hole_of_loaded/gap"][-1]
     verify(S, "pin loaded in its hole: depth [m]", -gap, 100.0 / 5e5, "F/k", relative=1e-6)
 
 
@@ -101,6 +105,22 @@ def test_the_gap_is_the_least_distance_from_the_meridian(seed):
     sign = math.copysign(1.0, away - radius(along)) * (-1.0 if inside else 1.0)
     assert z == pytest.approx(least.x, abs=1e-6)
     assert gap == pytest.approx(sign * least.fun - 0.05, abs=1e-9)
+
+
+def test_pictures_show_the_profile(tmp_path):
+    """The meridian lies on the surface, from the ball to the ends of the table, and moves with the shaft."""
+    run(input_deck("snap_pin", "time.end=2.0e-3", "output.every=1.0e-3"), tmp_path / "snap.h5")
+    (drawn,) = open_runs([tmp_path / "snap.h5"])
+    motion = Motion(drawn, slice(None))
+    meridian, *_ = outlines(motion, drawn.things["elements/detent"])
+    moved = motion.position("shaft")[:, 2]
+    assert moved[-1] < -9e-4
+    z, radius = meridian[..., 2] - moved[:, None], np.linalg.norm(meridian[..., :2], axis=-1)
+    s = np.array([-0.01, 0.0, 0.008, 0.018, 0.028, 0.04])
+    profile = CubicHermiteSpline(s, [0.01, 0.01, 0.011, 0.009, 0.0115, 0.0115], np.zeros(6), extrapolate=False)
+    inside = (z[0] > s[0]) & (z[0] < s[-1])
+    np.testing.assert_allclose(radius[:, inside], np.tile(profile(z[0, inside]), (len(z), 1)), atol=1e-12)
+    assert z.min() <= s[0] and z.max() >= s[-1]
 
 
 @pytest.mark.parametrize(
