@@ -148,7 +148,8 @@ def test_pinion_pulls_a_rack():
     close(recorded["joints/guide/moment"][-1], 0.0, 2.0)
 
 
-GEARS = {"axis_a": Z, "axis_b": None, "radius_a": 0.1, "radius_b": 0.2, "ratio": None}
+RIGID = {"backlash": 0.0, "restitution": 0.0, "teeth": None, "friction": None}
+GEARS = {"axis_a": Z, "axis_b": None, "radius_a": 0.1, "radius_b": 0.2, "ratio": None, **RIGID}
 REFUSED = [
     ("gear_pair", GEARS, (0 * X, 0.31 * X), "they are 0.01 m apart"),
     ("gear_pair", GEARS, (0 * X, 0.3 * X + 0.02 * Z), "they are 0.02 m apart"),
@@ -156,7 +157,12 @@ REFUSED = [
     ("gear_pair", GEARS, (0 * X, Z), "must not lie on one axis"),
     ("gear_pair", {**GEARS, "ratio": -2.0}, (0 * X, 0.3 * X), "give either 'radius_b'"),
     ("gear_pair", {**GEARS, "radius_b": None}, (0 * X, 0.3 * X), "give either 'radius_b'"),
-    ("rack_and_pinion", {"axis": Z, "direction": X + Z}, (0 * X, X), "perpendicular; they are 45 degrees apart"),
+    (
+        "rack_and_pinion",
+        {"axis": Z, "direction": X + Z, **RIGID},
+        (0 * X, X),
+        "perpendicular; they are 45 degrees apart",
+    ),
     ("planar", {"axis": Z, "axis_1": -Z}, (0 * X, X), "'axis_1' must not be parallel to the axis"),
     ("screw", {"axis": Z, "axis_1": Z}, (0 * X, X), "'axis_1' must not be parallel to the axis"),
 ]

@@ -37,6 +37,7 @@ PLOTS = {
     "elastic_drive": "drive.angle,copy.angle",
     "fiala_sweep": "tire.lateral_force:tire.slip_angle",
     "filters": "lag.value,integral.value,washout.value",
+    "gear_stages": "loose.transmission_error,elastic.transmission_error",
     "magic_formula_sweep": "*.lateral_force:*.slip_angle",
     "main_gear": "wheel.normal_force,wheel.longitudinal_force",
     "oleo_drop": "strut.compression_force:strut.stroke",

@@ -50,6 +50,18 @@ def _coupling(p, at):
 
 
 @kernel
+def gear_travel(p, at):
+    """Return the constraint [m] with its gradient, and the mean travel of both gears [m] with its gradient."""
+    (Q_1, Q_2), Phi, gradient = _coupling(p, at)
+    h_1, h_2 = 0.5 * p.travel[0], -0.5 * p.travel[1]
+    angle_1, angle_2 = gear_angles(p, at.m, at.R)
+    c_1, b_1 = twist_gradient(Q_1, vec(p.mu_1[2], 0), vec(p.xi_1[2], 0))
+    c_2, b_2 = twist_gradient(Q_2, vec(p.mu_2[2], 0), vec(p.xi_2[2], 0))
+    mean = ((3, h_1 * c_1 + h_2 * c_2), (9, h_1 * b_1), (12, h_2 * b_2))
+    return (Phi, gradient), (h_1 * angle_1 + h_2 * angle_2, mean)
+
+
+@kernel
 def force(p, at, f, K, C, M):
     """Add forces to both gears, moments to all three nodes."""
     (Q_1, Q_2), Phi, gradient = _coupling(p, at)

@@ -36,6 +36,18 @@ def _coupling(p, at):
 
 
 @kernel
+def slide_travel(p, at):
+    """Return the constraint [m] with its gradient, and the mean travel of sliding and rolling [m] with its gradient."""
+    A, sigma = mat(at.R[0]), vec(p.sigma, 0)
+    Phi, gradient = _coupling(p, at)
+    along = dot(sigma, A.T @ (vec(at.q, 6) - vec(at.q, 0))) - p.offset
+    b_0, b_R, b_1 = slide_gradient(at.q, A, sigma)
+    turn_0, turn_1 = 0.5 * (b_R - gradient[1][1]), -0.5 * gradient[3][1]
+    mean = ((0, 0.5 * b_0), (3, 0.5 * b_R + turn_0), (6, 0.5 * b_1), (9, turn_1))
+    return (Phi, gradient), (along - 0.5 * Phi, mean)
+
+
+@kernel
 def residual(p, at, f):
     """Add forces and moments to both nodes."""
     Phi, gradient = _coupling(p, at)

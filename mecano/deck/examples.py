@@ -22,7 +22,8 @@ EXAMPLES = {
     "grip": "gripper: {type: grip, nodes: [crank, slider], close: {time: 0.2 s}, release: {time: 0.6 s}}",
     "rigid_rod": "rod: {type: rigid_rod, nodes: [crank, slider]}",
     "gear_pair":
-        "gears: {type: gear_pair, nodes: [ground, crank, slider], axis_a: [0, 1, 0], radius_a: 0.4 m, radius_b: 0.6 m}",
+        "gears: {type: gear_pair, nodes: [ground, crank, slider], axis_a: [0, 1, 0], radius_a: 0.4 m, radius_b: 0.6 m, "
+        "backlash: 0.1 mm, friction: {efficiency: 0.98, regularization: 1 mm/s}}",
     "coupler": "spindle: {type: coupler, angles: [knee], displacements: [rail], factors: [0.1, -1]}",
     "rack_and_pinion":
         "rack: {type: rack_and_pinion, nodes: [ground, rod], axis: [0, 1, 0], direction: [1, 0, 0], radius: 50 mm}",

@@ -25,6 +25,9 @@ NOTES = {  # words with the same meaning: (targets, note)
     ),
     "synchronisation, synchronization, differential, transmission, linear relation": ("coupler", ""),
     "gear, gearbox, gear train, gear wheel, planetary gear": ("gear_pair rack_and_pinion", ""),
+    "gear mesh, tooth stiffness, mesh stiffness, gear loss, lossy gear": (
+        "gear_pair rack_and_pinion", "with 'teeth' they are elastic, with 'friction' they have an efficiency"
+    ),
     "worm, lead screw, ball screw, nut, helical, helical joint": ("screw", ""),
     "revolute, revolute joint, pin, pin joint, pivot, axle": ("hinge", ""),
     "bearing, journal": ("hinge bushing", "an elastic one is a hinge with 'compliance', or a bushing"),

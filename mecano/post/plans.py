@@ -93,6 +93,8 @@ GEARS = Plan(
         View("angular velocity", ("rate", "rate_a", "rate_b")),
         View("displacement", ("displacement",)),
         View("force", ("force.magnitude",)),
+        View("transmission error", ("transmission_error",)),
+        View("dissipated power", ("dissipated_power",)),
     ),
 )  # fmt: skip
 PLANES = Plan(

@@ -13,8 +13,7 @@ the angles relative to the carrier, counted over any number of turns,
 
 so that external gears with parallel axes turn as :math:`r_a\theta_a = -r_b\theta_b`. The multiplier is the tangential
 force of the teeth on a, along :math:`\tau` at the pitch point; the opposite force acts on b, and the joints of both
-gears transmit their reactions to the carrier. The separating force of inclined flanks does no work and is omitted, as
-are play and friction.
+gears transmit their reactions to the carrier. The separating force of inclined flanks does no work and is omitted.
 
 Gears that do not touch, coupled by a chain or by intermediate gears, have a ``ratio`` i instead of the radius of b:
 
@@ -22,6 +21,10 @@ Gears that do not touch, coupled by a chain or by intermediate gears, have a ``r
 
 for any axes and centres. Only a moment acts on each gear, on a :math:`r_a` times the multiplier; the balancing moments
 act on the carrier.
+
+The left-hand side is the transmission error s. With ``backlash`` the teeth are free within it, and meet with a shock
+(docs/gears.md); with ``teeth`` they are elastic, and s causes the tooth force; ``friction`` gives the stage an
+efficiency.
 """
 
 from itertools import product
@@ -31,9 +34,10 @@ import numpy as np
 from mecano.constraints.along_coordinate.measure import angle_outputs
 from mecano.constraints.body_fixed import relative_rotation, turning_rate
 from mecano.constraints.coordinates.twist import twist_gradient
-from mecano.constraints.gear_mesh import GEAR_MESH, MESH_RECORD, gear_angles
+from mecano.constraints.gear_mesh import GEAR_MESH, gear_angles, gear_travel
+from mecano.constraints.gear_teeth import Mesh, with_teeth
 from mecano.constraints.joint_frame import triad
-from mecano.element_interface import Display, Kind, Output, Part
+from mecano.element_interface import Display, Kind, Output
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec
 from mecano.schema import DIRECTION, NODE, NUMBER, Field, Type, not_zero, positive
@@ -46,22 +50,15 @@ TRIPLE = Type("nodes", f"a list of 3 {NODE.name} names", (3,))
 @kernel
 def _rate(R, v, i, j, mu, xi):
     Q = relative_rotation(mat(R[0]), mat(R[i]))
-    return turning_rate(twist_gradient(Q, vec(mu[2], 0), vec(xi[2], 0)), vec(v, 0), vec(v, j))
+    return turning_rate(twist_gradient(Q, vec(mu[2], 0), vec(xi[2], 0)), vec(v, 3), vec(v, j))
 
 
 @kernel
-def observe(p, at, F, y, e):
-    """Write angles, rates and the force of the teeth."""
+def _put_motion(p, at, y):
+    """Write angles and rates."""
     y[0], y[2] = gear_angles(p, at.m, at.R)
-    y[1] = _rate(at.R, at.v, 1, 6, p.mu_1, p.xi_1)
+    y[1] = _rate(at.R, at.v, 1, 9, p.mu_1, p.xi_1)
     y[3] = _rate(at.R, at.v, 2, 12, p.mu_2, p.xi_2)
-    y[4] = at.q[15]
-
-
-@kernel
-def commit(p, at, m_out):
-    """Continue both angles over whole turns."""
-    m_out[0], m_out[1] = gear_angles(p, at.m, at.R)
 
 
 def _axes(d):
@@ -102,11 +99,6 @@ def prepare(d, nodes, context):
     }
 
 
-def parts(d, nodes, context):
-    """Return the Part of the mesh."""
-    return [Part(GEAR_MESH, (0, 1, 2), prepare(d, nodes, context))]
-
-
 def check(d, nodes):
     """Check that the pitch circles touch at a point, or that there is a ratio."""
     if (d["radius_b"] is None) == (d["ratio"] is None):
@@ -141,13 +133,11 @@ def sample(rng):
     return found
 
 
-GEAR_PAIR = Kind(
+_PAIR = Kind(
     name="gear_pair",
     section="joints",
     doc=__doc__,
     display=Display(support=False, pictures=("gears",)),
-    dtype=MESH_RECORD,
-    layout=("R0", "x1", "R1", "x2", "R2"),
     fields=(
         Field("nodes", TRIPLE, "-", "the carrier of both gears, the centres of the gears a and b; one may be ground"),
         Field("axis_a", DIRECTION, "-", "axis of a at the start, inertial; fixed in the carrier and in a"),
@@ -166,13 +156,12 @@ GEAR_PAIR = Kind(
     outputs=(
         *angle_outputs("rotation of a relative to the carrier about its axis since the start, any turns", "_a"),
         *angle_outputs("rotation of b relative to the carrier about its axis since the start, any turns", "_b"),
-        Output("force", "N", "tangential force on a at radius_a; > 0 turns a about +axis_a"),
+        Output("force", "N", "tangential force on a at radius_a, without friction; > 0 turns a about +axis_a"),
     ),
     memory=("angle_a", "angle_b"),
+    commit=GEAR_MESH.commit,
     prepare=prepare,
-    parts=parts,
     check=check,
-    observe=observe,
-    commit=commit,
     sample=sample,
 )
+GEAR_PAIR = with_teeth(_PAIR, Mesh(GEAR_MESH, gear_travel), _put_motion, "radius_a")

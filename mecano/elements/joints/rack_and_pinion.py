@@ -8,7 +8,8 @@ to the rack about an axis perpendicular to it:
 A positive angle moves the pinion along :math:`+\sigma`, or the rack along :math:`-\sigma`: the teeth are on the side of
 :math:`n \times \sigma`, n the axis. Other joints guide both parts, so that the axes of both nodes stay aligned. The
 multiplier is the tangential force of the teeth; it acts at the pitch point. The separating force of inclined flanks
-does no work and is omitted.
+does no work and is omitted. ``backlash``, elastic ``teeth`` and ``friction`` are those of a gear pair (docs/gears.md);
+the left-hand side is the transmission error.
 """
 
 import numpy as np
@@ -17,25 +18,24 @@ from mecano.constraints.along_coordinate.measure import OVER_TURNS, angle_output
 from mecano.constraints.body_fixed import follow
 from mecano.constraints.coordinates.slide import slide
 from mecano.constraints.coordinates.twist import turned
-from mecano.constraints.geared_slide import GEARED_SLIDE
+from mecano.constraints.gear_teeth import Mesh, with_teeth
+from mecano.constraints.geared_slide import GEARED_SLIDE, slide_travel
 from mecano.constraints.joint_frame import triad
-from mecano.element_interface import Display, Kind, Output, Part, record
+from mecano.element_interface import Display, Kind, Output
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec
 from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field, positive
 
-RECORD = record(mu=(3, 3), xi=(3, 3), sigma=3, offset=(), travel=())
 PERPENDICULAR = 1e-6  # cosine up to which axis and rack are perpendicular
 
 
 @kernel
-def observe(p, at, F, y, e):
-    """Write rolling and the force of the teeth; the sliding determines the turn."""
+def _put_motion(p, at, y):
+    """Write rolling and sliding; the sliding determines the turn."""
     angle, y[1] = turned(mat(at.R[0]), vec(at.v, 3), mat(p.mu), mat(at.R[1]), vec(at.v, 9), mat(p.xi))
     along, y[3] = slide(at.q, at.v, mat(at.R[0]), vec(p.sigma, 0))
     y[2] = along - p.offset
     y[0] = follow(y[2] / p.travel, angle)
-    y[4] = at.q[12]
 
 
 def prepare(d, nodes, context):
@@ -44,11 +44,6 @@ def prepare(d, nodes, context):
     mu, sigma = triad(d["axis"]), triad(d["direction"])[2]
     along = sigma @ np.subtract(x_b, x_a)
     return {"mu": mu @ R_a, "xi": mu @ R_b, "sigma": sigma @ R_a, "offset": along, "travel": d["radius"]}
-
-
-def parts(d, nodes, context):
-    """Return the Part of the teeth."""
-    return [Part(GEARED_SLIDE, (0, 1), prepare(d, nodes, context))]
 
 
 def check(d, nodes):
@@ -67,13 +62,11 @@ def sample(rng):
     return [({"axis": frame[2], "direction": frame[0], "radius": 0.8}, nodes, "")]
 
 
-RACK_AND_PINION = Kind(
+_RIGID = Kind(
     name="rack_and_pinion",
     section="joints",
     doc=__doc__,
     display=Display(support=False, pictures=("gears",)),
-    dtype=RECORD,
-    layout=("x0", "R0", "x1", "R1"),
     fields=(
         Field("nodes", NODE_PAIR, "-", "nodes a (rack) and b (centre of the pinion); either may be ground"),
         Field("axis", DIRECTION, "-", "axis of the pinion at the start, inertial; fixed in both nodes"),
@@ -89,11 +82,10 @@ RACK_AND_PINION = Kind(
         *angle_outputs(OVER_TURNS),
         Output("displacement", "m", "sliding of b relative to a along the direction since the start", rate="velocity"),
         Output("velocity", "m/s", "rate of the displacement"),
-        Output("force", "N", "tangential force of the teeth of a on b, along the direction"),
+        Output("force", "N", "tangential force of the teeth of a on b, along the direction, without friction"),
     ),
     prepare=prepare,
-    parts=parts,
     check=check,
-    observe=observe,
     sample=sample,
 )
+RACK_AND_PINION = with_teeth(_RIGID, Mesh(GEARED_SLIDE, slide_travel), _put_motion, "radius")
