@@ -133,8 +133,9 @@ class Event:
     restitution: str = ""
     """for a CONTACT: field of the record with its coefficient of restitution; a negative value means that the contact
     never opens. Without a name the coefficient is 0"""
-    frees_energy: bool = False
-    """True if the potential energy that the element loses by the change of phase is lost to the model"""
+    changes_energy: bool = False
+    """True if potential energy that the element loses by the change of phase is lost to the model, and what it gains is
+    given by the surroundings"""
     through: str = ""
     """phase whose constraints hold during the shock, if they are not those of ``after``"""
 

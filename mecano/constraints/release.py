@@ -67,7 +67,7 @@ def cut(kind, what):
 
     phases = kind.phases if kind.events else (ATTACHED_PHASE,)
     releases = tuple(
-        Event("releases", phase, RELEASED_PHASE, f"the {what} is released", frees_energy=True) for phase in phases
+        Event("releases", phase, RELEASED_PHASE, f"the {what} is released", changes_energy=True) for phase in phases
     )
     return replace(
         kind, name=f"{kind.name}_release", phases=(*phases, RELEASED_PHASE), events=(*kind.events, *releases),
@@ -81,22 +81,30 @@ def detached(kind, what, forces):
 
     Released it has no force, energy or power; ``forces`` are the indices of its outputs that are zero then.
     """
-    add, put, released = kind.residual, kind.observe, len(kind.phases)
+    return replace(cut(kind, what), **silent(kind, forces))
+
+
+def silent(kind, forces):
+    """Return ``residual`` and ``observe`` of a kind with one more phase, in which it has no force, energy or power.
+
+    ``forces`` are the indices of its outputs that are zero in this phase.
+    """
+    add, put, phase = kind.residual, kind.observe, len(kind.phases)
 
     @kernel
     def residual(p, at, f):
-        if at.phase != released:
+        if at.phase != phase:
             add(p, at, f)
 
     @kernel
     def observe(p, at, F, y, e):
         put(p, at, F, y, e)
-        if at.phase == released:
+        if at.phase == phase:
             e[:] = 0.0
             for i in forces:
                 y[i] = 0.0
 
-    return replace(cut(kind, what), residual=residual, observe=observe)
+    return {"residual": residual, "observe": observe}
 
 
 def with_release(kind, what, forces):

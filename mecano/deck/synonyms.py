@@ -38,8 +38,10 @@ NOTES = {  # words with the same meaning: (targets, note)
     ),
     "rail, guide, track, guide way, curve joint, slot": ("prismatic point_on_curve slider_on_beam", ""),
     "cam, follower": ("point_on_curve", ""),
-    "gripper, grab, hook, magnet, suction cup, docking, berthing, capture, attach, activate": (
-        "grip latch", "a grip closes and is released by command; a latch locks a joint when it is reached"
+    "gripper, grab, hook, magnet, suction cup, docking, berthing, capture, attach, engage": (
+        "grip latch",
+        "a grip closes and is released by command; a latch locks a joint when it is reached; springs, bushings and "
+        "elastic contacts have an 'activate'",
     ),
     "jettison, separation, detach, unlatch, pyro, burn wire, cut, break, deactivate": (
         "release grip", "'release' of joints, latches, cables, springs and bushings; loads end by a switch"

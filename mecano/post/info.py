@@ -214,7 +214,7 @@ def _event(group, unit, width):
         each, all_ = ("up to ", " in all") if number > 1 else ("", "")
         text += f"  impulse {each}{group.impulse:.6g} {first.impulse_unit}, {group.lost:.6g} J lost{all_}"
     elif group.lost:
-        text += f"  {group.lost:.6g} J lost"
+        text += f"  {abs(group.lost):.6g} J {'lost' if group.lost > 0.0 else 'given'}"
     return f"  {group.time:12.6g} {unit:1}  {group.title:<{width}}  {text}"
 
 

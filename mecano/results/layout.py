@@ -91,7 +91,7 @@ EVENT_TEXTS = {
 
 EVENT_NUMBERS = {
     "impulse": ("", "impulse of a shock, in impulse_unit, along the growing constraint"),
-    "energy_lost": ("J", "energy lost in a shock, or in the release of a cable"),
+    "energy_lost": ("J", "energy lost in a shock or release, negative if given in an activation"),
 }
 """Numbers of an event besides its time: units and descriptions."""
 

@@ -17,6 +17,7 @@ pin in a hole is a ball of the radius of the pin ``inside`` of a cylinder. The r
 or groove) is its ``profile``; it is touched in the nearest point of its meridian. A ``rod`` in place of the ball, a
 capsule, touches another capsule or cylinder in one point. Where both are parallel, the force acts in the middle of the
 part along which they touch, and does not resist their turning: two long parallel bodies need a contact near each end.
+With ``activate`` an elastic contact has no force before.
 """
 
 from collections.abc import Callable
@@ -25,6 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mecano.constraints.activation import with_activation
 from mecano.constraints.along_coordinate.friction import check_friction, friction_fields
 from mecano.constraints.along_coordinate.sense import quantity_sensor
 from mecano.constraints.contact_functions import Shapes, elastic, observed_rigid, rigid, rubbing
@@ -119,6 +121,7 @@ def check(d, nodes):
     pair = PAIRS[_pair(d)]
     texts = check_given(d) or pair.check(d, nodes)
     if d["law"] is None:
+        texts += ["'activate' needs 'law': a rigid contact is always active"] if d["activate"] else []
         texts += ["'damping' needs 'law': a rigid contact has none"] if d["damping"] else []
         texts += check_friction(d)
         if not texts and (gap := pair.gap_at_start(d, nodes)[0]) < -ROUNDING:
@@ -191,7 +194,7 @@ def _measured_gap(d, nodes, context):
     return Part(GAP_SENSORS[_pair(d)], (0, 1), prepare(d, nodes, context))
 
 
-CONTACT = Kind(
+_ALWAYS_ACTIVE = Kind(
     name="contact",
     section="elements",
     doc=__doc__,
@@ -250,14 +253,14 @@ def _parts(held, rubs):
 def _kinds(name, shapes, dtype):
     """Return {(rigid, rough): Kind} of the contacts of two shapes."""
     held = replace(
-        CONTACT, name=f"{name}contact", dtype=dtype, layout=shapes.layout, variant=None,
+        _ALWAYS_ACTIVE, name=f"{name}contact", dtype=dtype, layout=shapes.layout, variant=None,
         **rigid(shapes), **observed_rigid(shapes),
     )  # fmt: skip
     smooth = replace(held, name=f"smooth_{name}contact", **ELASTIC | elastic(shapes, False))
     rough = replace(smooth, name=f"rough_{name}contact", layout=ROUGH_LAYOUT, **elastic(shapes, True))
     constraint = Kind(
         name=f"rigid_{name}contact_part", doc="Constraint of a rigid contact with friction.", dtype=dtype,
-        layout=shapes.layout, multipliers=CONTACT.multipliers, phases=PHASES, memory=CONTACT.memory, **rigid(shapes),
+        layout=shapes.layout, multipliers=(NORMAL,), phases=PHASES, memory=_ALWAYS_ACTIVE.memory, **rigid(shapes),
     )  # fmt: skip
     residual, observed = rubbing(shapes)
     rubs = Kind(
@@ -276,3 +279,4 @@ KINDS = {
     for name, pair in PAIRS.items()
     for which, kind in _kinds(pair.name, pair.shapes, pair.dtype).items()
 }
+CONTACT = with_activation(_ALWAYS_ACTIVE, "contact", (1, 3, 10))

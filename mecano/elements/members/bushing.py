@@ -16,14 +16,16 @@ rotation up to :math:`|\psi| < \pi`, the limit of the rotation vector:
 
 ``laws`` add a law for single axes, with free play and stops: along an axis as a function of d, about an axis of
 the sines of tilt or of the twist. The set points :math:`e_0` (``natural``) of the matrices and laws are laws of time or
-formulas of signals; their power :math:`-(n, m) \cdot \dot e_0` is given by the surroundings. A ``release`` detaches a
-bushing without ``laws``: from then on it has no force, and its elastic energy is lost.
+formulas of signals; their power :math:`-(n, m) \cdot \dot e_0` is given by the surroundings. A bushing without
+``laws`` may have an ``activate``, before which it has no force, with ``stress_free`` at e = 0; and a ``release``, from
+which on it has no force, and its elastic energy is lost.
 """
 
 from dataclasses import replace
 
 import numpy as np
 
+from mecano.constraints.activation import SHIFT, with_activation
 from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.constraints.joint_frame import not_across, triad
 from mecano.constraints.joint_samples import two_places
@@ -193,8 +195,11 @@ def check(d, nodes):
         texts.append("give 'stiffness', 'damping' or 'laws'")
     if variant(d) is BY_SIGNALS and None in _formulas(d):
         texts.append("'natural' has formulas and laws of time: a law can be a signal, a 'curve' of the time")
-    if d["release"] is not None and d["laws"] is not None:
-        texts.append("'release' and 'laws' exclude one another")
+    texts += [
+        f"{name!r} and 'laws' exclude one another"
+        for name in ("activate", "release")
+        if d[name] is not None and d["laws"] is not None
+    ]
     S = matrix(d["stiffness"])
     if not np.allclose(S, S.T, rtol=1e-9, atol=0.0):
         texts.append("'stiffness' must be symmetric: it has a potential")
@@ -259,4 +264,32 @@ STILL = Kind(
 )
 BY_LAWS = replace(STILL, **_functions(_moving(_of_law)))
 BY_SIGNALS = replace(STILL, inputs=ORDER, reads=_formulas, **_functions(_moving(_of_signal)))
-BUSHING = with_release(STILL, "bushing", FORCES)
+
+
+def _stress_free(kind, set_points):
+    """Return the ``kind`` of a bushing with these ``set_points``, whose strain is that since its activation."""
+
+    @kernel
+    def shifted(p, at):
+        d_0, psi_0, d_0_rate, psi_0_rate = set_points(p, at)
+        return d_0 + vec(at.m, 0), psi_0 + vec(at.m, 3), d_0_rate, psi_0_rate
+
+    @kernel
+    def commit(p, at, m_out):
+        d, psi, _, _, _ = _strain(p, at.q, at.v, at.R)
+        d_0, psi_0, _, _ = set_points(p, at)
+        put(m_out, 0, d - d_0)
+        put(m_out, 3, psi - psi_0)
+
+    memory = tuple(f"{SHIFT}_{axis}" for axis in ORDER)
+    return replace(kind, memory=memory, commit=commit, **_functions(shifted))
+
+
+_SHIFTED = {
+    id(kind): _stress_free(kind, points)
+    for kind, points in ((STILL, _fixed), (BY_LAWS, _moving(_of_law)), (BY_SIGNALS, _moving(_of_signal)))
+}
+BUSHING = with_activation(
+    with_release(STILL, "bushing", FORCES), "bushing", FORCES,
+    (with_release(replace(STILL, variant=lambda d: _SHIFTED[id(variant(d))]), "bushing", FORCES), FORCES),
+)  # fmt: skip

@@ -6,12 +6,16 @@ With :math:`d = x_1 - x_0`, the length :math:`\ell = |d|` and :math:`u = d/\ell`
    f_1 = -f_0 = N u
 
 N > 0 pulls the nodes together. The natural length :math:`\ell_0` may be a law of time or a formula of signals: the
-set point of an elastic actuator, whose power :math:`-N\dot\ell_0` is given by the surroundings. A ``release`` detaches
-the spring: from then on it has no force, and its elastic energy is lost; the signal of its force stays that of the law.
+set point of an elastic actuator, whose power :math:`-N\dot\ell_0` is given by the surroundings. With ``activate`` it
+has no force before, and with ``stress_free`` its extension counts from then on. A ``release`` detaches it: from then on
+it has no force, and its elastic energy is lost. Signals of extension and force stay those of the law.
 """
+
+from dataclasses import replace
 
 import numpy as np
 
+from mecano.constraints.activation import SHIFT, since_activation, with_activation
 from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.constraints.along_coordinate.law import (
     LAW_RECORD,
@@ -132,6 +136,16 @@ def _sensor(what, value):
     return set_point_sensor(kind, of_time, "natural_length", prepare)
 
 
+def _stress_free(set_point):
+    """Return the Kind of a spring whose extension counts from its activation."""
+
+    @kernel
+    def commit(p, at, m_out):
+        m_out[0] = extension(p, set_point(p, at), line(at.q, at.v)[0])
+
+    return replace(_kind(since_activation(set_point, 0)), memory=(SHIFT,), commit=commit)
+
+
 def _kind(set_point):
     residual, observe, event_values = _functions(set_point)
     return Kind(
@@ -173,4 +187,7 @@ def _kind(set_point):
     )  # fmt: skip
 
 
-SPRING_DAMPER = with_release(with_set_point(_kind, "natural_length", 6), "spring", (3,))
+_GIVEN, _SHIFTED = (
+    with_release(with_set_point(make, "natural_length", 6), "spring", (3,)) for make in (_kind, _stress_free)
+)
+SPRING_DAMPER = with_activation(_GIVEN, "spring", (3,), (_SHIFTED, (1, 3, 4, 5)))

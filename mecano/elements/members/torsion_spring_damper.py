@@ -8,14 +8,24 @@ ends together:
 .. math::  M = M(\theta - \theta_0, \dot\theta - \dot\theta_0)
 
 The natural angle :math:`\theta_0` may be a law of time or a formula of signals: the set point of an elastic drive,
-whose power :math:`-M\dot\theta_0` is given by the surroundings. A ``release`` detaches it: from then on it has no
-moment, and its elastic energy is lost.
+whose power :math:`-M\dot\theta_0` is given by the surroundings. With ``activate`` it has no moment before, and with
+``stress_free`` its law takes the angle since then. A ``release`` detaches it: from then on it has no moment, and its
+elastic energy is lost.
 """
 
 from dataclasses import replace
 
+from mecano.constraints.activation import SHIFT, since_activation, with_activation
 from mecano.constraints.along_coordinate.demand import is_formula
-from mecano.constraints.along_coordinate.law import SET_POINT, extension, law_values, of_signal, of_time, report
+from mecano.constraints.along_coordinate.law import (
+    SET_POINT,
+    extension,
+    law_kind,
+    law_values,
+    of_signal,
+    of_time,
+    report,
+)
 from mecano.constraints.along_coordinate.measure import OVER_TURNS, angle_outputs
 from mecano.constraints.along_coordinate.sense import quantity_sensor, set_point_sensor
 from mecano.constraints.coordinates.twist import TWIST, followed
@@ -123,4 +133,27 @@ _BY_SIGNAL = replace(
     _BY_LAW, inputs=("natural_angle",), residual=_DRIVEN.residual, observe=_observe(of_signal(6)),
     event_values=_DRIVEN.event_values, commit=_DRIVEN.commit, variant=None,
 )  # fmt: skip
-TORSION_SPRING_DAMPER = with_release(_BY_LAW, "spring", (2,))
+
+
+def _stress_free(kind, set_point):
+    """Return the ``kind`` of a spring with this ``set_point``, whose law takes the angle since its activation."""
+    shifted = since_activation(set_point, 1)
+    law = law_kind(TWIST_LAW.name, TWIST_LAW.doc, TWIST, shifted)
+
+    @kernel
+    def commit(p, at, m_out):
+        angle, _ = followed(p, at.m, at.v, at.R)
+        m_out[0], m_out[1] = angle, extension(p, set_point(p, at), angle)
+
+    return replace(
+        kind, memory=("angle", SHIFT), residual=law.residual, observe=_observe(shifted), commit=commit,
+        event_values=law.event_values,
+    )  # fmt: skip
+
+
+_SHIFTED_BY_LAW, _SHIFTED_BY_SIGNAL = _stress_free(_BY_LAW, of_time), _stress_free(_BY_SIGNAL, of_signal(6))
+_SHIFTED = replace(
+    _SHIFTED_BY_LAW, variant=lambda d: _SHIFTED_BY_SIGNAL if is_formula(d["natural_angle"]) else _SHIFTED_BY_LAW
+)
+_GIVEN, _SHIFTED = (with_release(kind, "spring", (2,)) for kind in (_BY_LAW, _SHIFTED))
+TORSION_SPRING_DAMPER = with_activation(_GIVEN, "spring", (2,), (_SHIFTED, (2,)))

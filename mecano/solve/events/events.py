@@ -21,7 +21,7 @@ class EventRecord:
     after: str
     impulse: float = 0.0  # [N s, N m s] of a shock, along growing Phi; the magnitude where it is a vector
     unit: str = ""  # of the impulse; "" for an event without shock
-    lost: float = 0.0  # energy [J]
+    lost: float = 0.0  # energy [J]; negative if it is given
 
 
 class EventMonitor:
@@ -31,19 +31,19 @@ class EventMonitor:
         self.system = system
         within = [e.before == e.after for batch in system.batches for _ in batch.names for e in batch.kind.events]
         self.within = np.array(within, bool)
-        frees = [e.frees_energy for batch in system.batches for _ in batch.names for e in batch.kind.events]
-        self.frees_energy = np.array(frees, bool)
+        changes = [e.changes_energy for batch in system.batches for _ in batch.names for e in batch.kind.events]
+        self.changes_energy = np.array(changes, bool)
 
     def within_a_phase(self, hit):
         """Return whether some events ``hit`` (n_events,) bool make accelerations jump without a change of phase."""
         return bool(np.any(hit & self.within))
 
-    def freed(self, hit):
-        """Return {name of the element: its number} of the events ``hit`` after which energy is lost."""
-        found, frees = {}, hit & self.frees_energy
-        for batch in self.system.batches if np.any(frees) else ():
-            freed = np.flatnonzero(batch.events(frees).any(axis=1))
-            found |= {batch.names[e]: batch.first_phase + e for e in freed}
+    def changing_energy(self, hit):
+        """Return {name of the element: its number} of the events ``hit`` that change its stored energy."""
+        found, changes = {}, hit & self.changes_energy
+        for batch in self.system.batches if np.any(changes) else ():
+            changed = np.flatnonzero(batch.events(changes).any(axis=1))
+            found |= {batch.names[e]: batch.first_phase + e for e in changed}
         return found
 
     def values(self, s):

@@ -247,20 +247,22 @@ class TimeIntegrator:
     def _apply_events(self, run, s, hit, at_once=False):
         """Apply events ``hit`` at ``s``.
 
-        Return (run with the energy of shocks and releases, state after, [EventRecord], Consistent or None).
+        Return (run with the energy of shocks, releases and activations, state after, [EventRecord], Consistent or
+        None).
         """
-        freed = self.monitor.freed(hit)
-        if not freed:
+        changing = self.monitor.changing_energy(hit)
+        if not changing:
             return self._exchange(run, s, hit, at_once)
-        before = self._potentials(s, freed)
+        before = self._potentials(s, changing)
         run, after, event_records, consistent = self._exchange(run, s, hit, at_once)
-        rest = self._potentials(after, freed)
-        lost = {name: before[name] - rest[name] for name in freed}
+        rest = self._potentials(after, changing)
+        lost = {name: before[name] - rest[name] for name in changing}
+        dissipated, given = sum(max(x, 0.0) for x in lost.values()), sum(max(-x, 0.0) for x in lost.values())
         event_records = [
             replace(event, lost=event.lost + lost.pop(event.element)) if event.element in lost else event
             for event in event_records
         ]
-        run = replace(run, dissipated=run.dissipated + sum(before.values()) - sum(rest.values()))
+        run = replace(run, dissipated=run.dissipated + dissipated, given=run.given + given)
         return run, after, event_records, consistent
 
     def _potentials(self, s, elements):

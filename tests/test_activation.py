@@ -1,0 +1,99 @@
+"""Springs, bushings and contacts that begin to act at a time or by a condition: motion and energy."""
+
+import math
+
+import numpy as np
+import pytest
+from test_released_springs import LOSS, MOUNTS
+from time_runs import RecordedRun, deck, input_deck
+
+from mecano.errors import DeckError
+
+
+@pytest.fixture(scope="module")
+def carts():
+    return [RecordedRun(input_deck("release", f"time.step={h}")) for h in (4e-3, 2e-3)]
+
+
+def event_of(run, element):
+    (event,) = [event for event in run.event_records if event.element == element]
+    assert event.name == "activates"
+    return event
+
+
+def test_springs_that_begin_to_act_on_carts(verify, carts):
+    """x = 0.4 + sin(10 (t - 0.4))/10, which passes 0.45 m at t_2; then the other one is 0.1 (1 - cos(10 (t - t_2)))."""
+    instant = 0.4 + math.asin(0.5) / 10.0
+    known = [0.4, instant, 0.4 + 0.1 * math.sin(6.0), 0.1 * (1.0 - math.cos(10.0 * (1.0 - instant)))]
+    found = []
+    for run in carts:
+        events = [event_of(run, f"spring_damper '{name}'") for name in ("catch", "push")]
+        places = [run[f"nodes/cart_{i}/position"][-1, 0] for i in (1, 2)]
+        found.append(np.array([*(event.t for event in events), *places]))
+        assert [event.lost for event in events] == pytest.approx([0.0, -1.0], abs=1e-9)
+    what = "springs activated: instants, places of the carts [m]"
+    verify.second_order("Release", what, *found, known, 2e-6, "harmonic oscillation")
+    np.testing.assert_array_equal(run["elements/push/force"][run.time < instant], 0.0)
+
+
+STRESS_FREE = {"as given": "false", "stress-free": "true"}
+
+
+@pytest.mark.parametrize("free", STRESS_FREE)
+@pytest.mark.parametrize("case", MOUNTS)
+def test_a_spring_of_any_kind_is_activated(case, free):
+    """Uniform motion to c = 0.2 at 0.25 s, then an oscillation about 0.2, or about 0 with the energy k c^2/2 given."""
+    kind, properties, joint, output, inertia, stiffness = MOUNTS[case]
+    text = LOSS.replace("release: {time: 0.25}", f"activate: {{time: 0.25, stress_free: {STRESS_FREE[free]}}}")
+    m = RecordedRun(deck(text.replace("TYPE", kind).replace("PROPERTIES", properties).replace("JOINT", joint)))
+    w, after, strain = math.sqrt(stiffness / inertia), m.time - 0.25, 0.2 if free == "as given" else 0.0
+    oscillation = 0.2 - strain + strain * np.cos(w * after) + 0.8 / w * np.sin(w * after)
+    exact = np.where(after < 0.0, 0.8 * m.time, oscillation)
+    np.testing.assert_allclose(m[f"joints/guide/{output}"], exact, atol=2e-6)
+    (event,) = m.event_records
+    assert (event.t, event.lost) == pytest.approx((0.25, -0.5 * stiffness * strain**2), rel=1e-9, abs=1e-12)
+    assert np.ptp(m["energy/balance"]) < 1e-5 * np.ptp(m["energy/kinetic"])
+
+
+CONTACT = """
+    mecano: 1
+    gravity: none
+    nodes: {a: {position: [0, 0, 0.09]}}
+    elements:
+      ball: {type: rigid_body, node: a, mass: 2, inertia: [0.1, 0.1, 0.1]}
+      pad: {type: contact, nodes: [ground, a], plane: {normal: [0, 0, 1], point: [0, 0, 0]}, radius: 0.1, MATERIAL}
+    time: {end: 0.4, step: 1.0e-3}
+    """
+
+
+@pytest.mark.parametrize("friction", ["", ", friction: {coefficient: 0.3, regularization: 1.0e-3}"])
+def test_a_contact_is_activated(friction):
+    """A ball 10 mm within the surface is pushed off with the speed depth sqrt(k/m) by the energy k depth^2/2."""
+    material = "activate: {time: 0.1}, law: {polynomial: [0, 800]}" + friction
+    run = RecordedRun(deck(CONTACT.replace("MATERIAL", material)))
+    activated, opens = run.event_records
+    assert (activated.name, activated.after, opens.name) == ("activates", "closed", "opens")
+    assert activated.lost == pytest.approx(-0.5 * 800 * 0.01**2, rel=1e-9)
+    assert run["nodes/a/velocity"][-1, 2] == pytest.approx(0.01 * 20.0, rel=1e-4)
+    assert np.ptp(run["energy/balance"]) < 1e-4 * 0.04
+
+
+def test_a_spring_that_is_activated_and_released():
+    """It acts between both instants: from 0.4 s it stops the cart in a quarter of a period and is released there."""
+    release = "elements.catch.release={when: time > 0.4 + pi/20}"
+    run = RecordedRun(input_deck("release", release, "time.step=5e-4"))
+    assert [event.name for event in run.event_records if "catch" in event.element] == ["activates", "releases"]
+    assert run["nodes/cart_1/position"][-1, 0] == pytest.approx(0.5, abs=1e-5)
+    assert np.ptp(run["energy/balance"]) < 1e-4 * np.ptp(run["energy/kinetic"])
+
+
+@pytest.mark.parametrize(
+    ("material", "message"),
+    [
+        ("activate: {time: 0.1}, restitution: 0.5", "'activate' needs 'law'"),
+        ("activate: {}, law: {polynomial: [0, 800]}", "'activate' needs either 'time' or 'when'"),
+    ],
+)
+def test_wrong_activations(material, message):
+    with pytest.raises(DeckError, match=message):
+        deck(CONTACT.replace("MATERIAL", material))
