@@ -97,13 +97,13 @@ def test_natural_length_is_the_initial_distance_or_what_is_given():
 @pytest.mark.parametrize("natural", [-0.1, (("linear", {"slope": 1.0, "offset": -0.1}),)])
 def test_a_negative_natural_length_is_refused(natural):
     texts = KINDS["spring_damper"].check(
-        {"law": LINEAR, "natural_length": natural, "release": None}, at([0, 0, 0], [1, 0, 0])
+        {"law": LINEAR, "natural_length": natural, "activate": None, "release": None}, at([0, 0, 0], [1, 0, 0])
     )
     assert texts == ["'natural_length' must not be negative at t = 0"]
 
 
 def test_a_spring_of_no_length_is_refused_and_survives_a_trial():
-    kind, d = KINDS["spring_damper"], {"law": LINEAR, "natural_length": None, "release": None}
+    kind, d = KINDS["spring_damper"], {"law": LINEAR, "natural_length": None, "activate": None, "release": None}
     assert kind.check(d, at([1, 2, 3], [1, 2, 3])) == ["its nodes must not be at the same place"]
     assert kind.check(d, at([1, 2, 3], [1, 2, 4])) == []
     spring = One(kind, {"law": LINEAR, "natural_length": 1.0}, at([0, 0, 0], [1, 0, 0]))
