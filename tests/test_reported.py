@@ -24,7 +24,7 @@ from mecano.solve.diagnostics.scales import length_scale
 WARNINGS = {  # deck: overrides, what is said at the start
     "four_bar": (
         ["time.end=0.1"],
-        "3 redundant constraint(s) among: rigid_body 'crank_bar': force y of the rigid offset; ",
+        "3 redundant constraint(s) among: rigid_body 'crank_bar', 'coupler_bar', 'rocker_bar': force y of the ",
     ),
     "double_pendulum": (
         ["time.end=0.01", "initial.velocities=[{nodes: [elbow], velocity: [1, 0, 0]}]"],

@@ -162,8 +162,8 @@ def startup_warnings(prepared, start=None):
         texts.append(f"the assembly moved the initial positions by up to {prepared.displacement:.3g} m")
     for group in prepared.redundant:
         texts.append(
-            f"{group.count} redundant constraint(s) among: {some(group.names, MOST_NAMES)}. The motion is not "
-            "affected; the reactions of these constraints are not unique"
+            f"{group.count} redundant constraint(s) among: {some(group.by_joint(MOST_NAMES), MOST_NAMES)}. The "
+            "motion is not affected; the reactions of these constraints are not unique"
         )
         texts += _friction_of(prepared.system, group)
     if not analysis.complete:

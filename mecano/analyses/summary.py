@@ -13,6 +13,7 @@ from mecano.solve.diagnostics.analysis import DENSE_ROWS
 from mecano.solve.diagnostics.rigidity import stiff_mechanisms
 
 MOST_NAMES, MOST_MECHANISMS = 6, 4  # names printed of one mechanism, and mechanisms
+MOST_ALIKE = 8  # lines printed of one group of redundant constraints
 MOST_SHARING = 3  # names of nodes that share an unknown
 WIDTH = 110
 INDENT = " " * 17
@@ -21,7 +22,7 @@ INDENT = " " * 17
 def summary(deck, every=False):
     """Return the summary of a checked deck as text. Raises AssemblyError if the positions cannot be assembled.
 
-    Only the first of many free unknowns and mechanisms are listed, unless ``every`` is True.
+    Only the first of many free unknowns, mechanisms and redundant constraints are listed, unless ``every`` is True.
     """
     return summary_of(prepare(deck), every)
 
@@ -50,11 +51,21 @@ def summary_of(prepared, every=False):
     redundant = sum(group.count for group in prepared.redundant)
     lines.append(f"redundant        {redundant} constraint(s)")
     for group in prepared.redundant:
-        lines.append(f"  {group.count} redundant among these, whose reactions are therefore not unique:")
-        lines += [f"    {name}" for name in group.names]
+        lines += _redundant(group, every)
     if prepared.displacement > 1e-9 * prepared.length:
         lines.append(f"assembly         moves the positions of the deck by up to {prepared.displacement:.3g} m")
     return "\n".join(lines)
+
+
+def _redundant(group, every):
+    """Yield the lines on a Group of redundant constraints, by joint."""
+    found = group.by_joint(10**9 if every else MOST_NAMES)
+    shown = found if every else found[:MOST_ALIKE]
+    yield f"  {group.count} redundant among these {len(group.names)}, whose reactions are therefore not unique:"
+    for text in shown:
+        yield from wrap(text, WIDTH, initial_indent="    ", subsequent_indent="      ")
+    if more := len(found) - len(shown):
+        yield f"    and {more} more kinds of joints and directions: mecano check DECK --all"
 
 
 def _mobility(prepared, every):

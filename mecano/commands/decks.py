@@ -8,7 +8,7 @@ from mecano.commands import overrides, plugins, show
 @click.command()
 @click.argument("deck", type=click.Path())
 @overrides
-@click.option("--all", "every", is_flag=True, help="List all free motions, however many there are.")
+@click.option("--all", "every", is_flag=True, help="List all free motions and redundant constraints, however many.")
 @plugins
 def check(deck, overrides, every):
     """Check a deck without running it; print bodies, mass, unknowns, mobility, redundant constraints."""

@@ -4,14 +4,16 @@ Both follow from projectors of the scaled constraint gradient B, which do not de
 null space of B couples redundant constraints, its null space couples unknowns that can move.
 """
 
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from mecano.model.numbering import ROTATION
+from mecano.solve.diagnostics.constraint_names import by_joint
 
 RANK_TOLERANCE = 1e-9  # singular values of rows of unit length below this count as zero
 SHARE = 1e-7  # entries of a projector below this count as zero
@@ -24,7 +26,12 @@ class Group:
     """Constraints with ``count`` redundancies, or unknowns that move together in ``count`` free motions."""
 
     count: int
-    names: tuple
+    names: tuple  # EquationName
+    totals: dict = field(default_factory=dict, compare=False)  # place of a name -> number of its constraints
+
+    def by_joint(self, most):
+        """Return a text for the constraints of all joints that take part alike, with up to ``most`` joints each."""
+        return by_joint(self.names, self.totals, most)
 
 
 class Entries(NamedTuple):
@@ -111,7 +118,8 @@ def analyse(system, s, length):
         dependent = sp.diags(holds.astype(float), format="csr")
         return Analysis(n_l, (), dependent, None, B, names, system.signals, holds, False)
     null = _left_null(B.dense(loops))
-    redundant, rank = groups(null @ null.T, [of.name[of.n_q + i] for i in loops]), n_l - null.shape[1]
+    redundant = groups(null @ null.T, [of.name[of.n_q + i] for i in loops], of.name[of.n_q : of.n_q + system.n_l])
+    rank = n_l - null.shape[1]
     rows, shares, null = _repeated(null, of.of_rates[loops])
     release_matrix = (
         _spread(shares * size[loops] / size[loops[rows], None], loops[rows], loops, system.n_l) if rows else None
@@ -266,10 +274,11 @@ def _directions(system, projector, loops, size):
     return found
 
 
-def groups(projector, names):
+def groups(projector, names, every=()):
     """Return the Groups of ``names`` that a projector couples, each with the number of its dimensions.
 
-    Groups of the same names, such as those of one joint about two axes, are one.
+    Groups of the same names, such as those of one joint about two axes, are one. ``every``: the names of all
+    constraints, of which ``names`` are some.
     """
     taking_part = np.flatnonzero(np.diag(projector) > SHARE)
     if not len(taking_part):
@@ -282,7 +291,8 @@ def groups(projector, names):
             dict.fromkeys(names[i] for i in members),
         )
         found[tuple(of)] = found.get(tuple(of), 0) + count
-    return tuple(Group(count, of) for of, count in found.items())
+    totals = Counter(name.place for name in every)
+    return tuple(Group(count, of, totals) for of, count in found.items())
 
 
 def _connected(coupled):

@@ -395,7 +395,8 @@ class TimeIntegrator:
 
 def _redundant(t, event_records, group):
     """Return the warning on constraints that become redundant at events."""
-    names = "; ".join(group.names[:MOST_NAMES]) + (" and more" if len(group.names) > MOST_NAMES else "")
+    found = group.by_joint(MOST_NAMES)
+    names = "; ".join(found[:MOST_NAMES]) + (" and more" if len(found) > MOST_NAMES else "")
     which = ", ".join(dict.fromkeys(f"{h.element} {h.name}" for h in event_records[:MOST_NAMES]))
     return (
         f"since t = {t:.6g} s ({which}) {group.count} constraint(s) are redundant among: {names}; the motion is not "

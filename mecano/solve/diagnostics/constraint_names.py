@@ -1,0 +1,38 @@
+"""Constraints by joint: joints of one kind with the same constraints in one text."""
+
+from mecano.model.numbering import AXES
+
+
+def by_joint(names, totals, most):
+    """Return a text for all joints of one kind with the same constraints among ``names``, in their order.
+
+    For example "hinge 'a', 'b': force y; moment about material x, z (3 of 5 constraints each)". ``totals`` maps the
+    place of a name to the number of constraints that the joint has at all; of more than ``most`` joints in a text, the
+    others are counted.
+    """
+    held = {}
+    for name in names:
+        held.setdefault(name.place, []).append(name.what)
+    alike = {}
+    for place, whats in held.items():
+        kind, _, joint = place.partition(" ")
+        alike.setdefault((kind, tuple(whats), totals.get(place, 0)), []).append(joint)
+    return [_text(*key, joints, most) for key, joints in alike.items()]
+
+
+def _text(kind, whats, total, joints, most):
+    """Return the text of ``joints`` of one kind, each of which has ``total`` constraints, with the same constraints."""
+    shown = ", ".join(joints[:most]) + (f" and {len(joints) - most} more" if len(joints) > most else "")
+    each = " each" if len(joints) > 1 else ""
+    of = f" ({len(whats)} of {total} constraints{each})" if total > 1 else ""
+    return f"{kind} {shown}: {'; '.join(_directions(whats))}{of}"
+
+
+def _directions(whats):
+    """Yield the constraints of a joint, with the axes of a force or moment in one text: "force x, y"."""
+    axes = {}
+    for what in whats:
+        sort, _, axis = what.rpartition(" ")
+        axes.setdefault(sort, []).append(axis) if sort and axis in AXES else axes.setdefault(what, [])
+    for sort, own in axes.items():
+        yield f"{sort} {', '.join(own)}" if own else sort
