@@ -509,6 +509,26 @@ def test_pictures(tmp_path):
         draw_modes(picture)
 
 
+def test_released_joints_are_not_drawn(tmp_path):
+    """The clamp of the deck is released at 0.3 s, the hinge at about 0.375 s."""
+    from mecano.analyses.dynamic import run
+    from mecano.post.mode_shapes import mode_sketches
+    from mecano.post.runs import open_runs
+    from mecano.post.sketch import sketch
+
+    falling = input_deck("release", "time.end=0.36")
+    run(falling, tmp_path / "r.h5")
+    (opened,) = open_runs([tmp_path / "r.h5"])
+    found = sketch(opened)
+    shown = {shape.name: [shape.is_shown(i) for i in range(len(found.times))] for shape in found.shapes}
+    assert shown["clamp"] == list(found.times <= 0.3) and not all(shown["clamp"]) and all(shown["hinge"])
+    for time, released in ((0.2, set()), (0.36, {"fixed 'clamp'"})):
+        modes(falling, tmp_path / "m.h5", at=f"{tmp_path / 'r.h5'}:{time}", force=True)
+        file = read_modes(tmp_path / "m.h5")
+        hidden = {shape.name for shape in mode_sketches(file)[0].shapes if not shape.is_shown(0)}
+        assert file.released == released and hidden == ({"clamp"} if released else set())
+
+
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3, 1e5])
 def test_poles_of_a_control_loop_do_not_depend_on_the_units_of_its_signals(scale, tmp_path):
     """The servo of inputs/position_servo.yaml with mass, gains and limits multiplied by a factor has the same poles.

@@ -11,6 +11,7 @@ from mecano.analyses.load_state import rest_at, state_at
 from mecano.analyses.prepare import integrator_of, prepare, startup_warnings
 from mecano.errors import UsageError
 from mecano.post.recovered import nodes_inside, recovered
+from mecano.post.shapes import RELEASES
 from mecano.process.interrupt import abandonable
 from mecano.results.lock import locked
 from mecano.results.modes_file import write_modes
@@ -184,7 +185,17 @@ def contents(system, s, found, words_, turning, inner):
             "translation": found.shapes[:, x : x + 3] if x < of.n_q else zero,
             "rotation": found.shapes[:, r : r + 3] if r < of.n_q else zero,
         }
-    return {"modes": found, "nodes": nodes, "inner": inner, "about": words_, "time": s.t, "frame": turning}
+    return {
+        "modes": found, "nodes": nodes, "inner": inner, "about": words_, "time": s.t, "frame": turning,
+        "released": list(_released(system, s)),
+    }  # fmt: skip
+
+
+def _released(system, s):
+    """Yield the names of the joints and elements that have been released in state ``s``: "hinge 'pin'"."""
+    for b in system.batches:
+        after = {b.kind.phases.index(event.after) for event in b.kind.events if event.name == RELEASES}
+        yield from (name for name, phase in zip(b.names, s.phases[b.phases], strict=True) if phase in after)
 
 
 def inner_motions(deck, system, s, shapes):

@@ -125,6 +125,8 @@ def _shape(scene, i):
     else:
         rest = (shape.points[0] - scene.parts[group].start) / scene.size
         data |= {"exact": _floats(points), "group": group, "rest": _floats(rest)}
+    if shape.shown is not None:
+        data["shown"] = shape.shown.tolist()
     if orientation.turn is not None:
         data["turn"] = _floats(orientation.turn)
     if orientation.axis is not None:

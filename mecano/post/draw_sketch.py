@@ -32,7 +32,7 @@ def draw_sketch(ax, sketch, title="", named=True):
     few = sum(shape.style == JOINT for shape in sketch.shapes) <= MOST_DOTS
     for i in range(count):
         opacity = FAINTEST + (1.0 - FAINTEST) * (i / max(count - 1, 1)) ** 2 if sketch.in_place else 1.0
-        placed = [(shape, sketch.flat(shape.points[i], i)) for shape in sketch.shapes]
+        placed = [(shape, sketch.flat(shape.points[i], i)) for shape in sketch.shapes if shape.is_shown(i)]
         for shape, points in placed:
             if shape.style in DRAW and (few or shape.style != JOINT):
                 DRAW[shape.style](ax, points, colours.get(shape.name, INK), opacity)

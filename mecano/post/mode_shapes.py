@@ -54,6 +54,10 @@ class ModeMotion:
         """Return whether nodes with ``points`` (phases, nodes, 3) [m] are apart at any phase."""
         return apart(points)
 
+    def released(self, label):
+        """Return (phases,) whether the joint or element "hinge 'pin'" has been released in the state of the modes."""
+        return np.full(len(PHASES), label in self.file.released)
+
     def inside(self, name, d):
         """Return the positions (phases, n, 3) [m] of the nodes inside the superelement ``name``, or None."""
         values = self.file.inner.get(name)

@@ -3,7 +3,7 @@
 Positions come from the file, the connectivity from the resolved deck.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ BODY, MASS, ROD, SPRING, WHEEL, JOINT, SUPPORT = "body", "mass", "rod", "spring"
 CABLE = "cable"  # a thin rod
 GUIDE = "guide"  # a curve, of whose points none is a place of its own
 RIM_POINTS = 49
+RELEASES = "releases"  # name of the event after which a joint or element is not shown
 
 
 @dataclass(frozen=True)
@@ -24,12 +25,22 @@ class Shape:
     """A shape at some instants: ``points`` (instants, n, 3) [m]; the last point of a wheel is its centre.
 
     ``nodes`` are the names of the nodes at the points, "" for other points; empty if no point is a node.
+    ``shown`` (instants,) bool is False from the release of the joint or element on; None if it has no release.
     """
 
     style: str
     name: str
     points: np.ndarray
     nodes: tuple = ()
+    shown: np.ndarray | None = None
+
+    def at(self, instants):
+        """Return the shape at some of its instants, given by their numbers."""
+        return replace(self, points=self.points[instants], shown=None if self.shown is None else self.shown[instants])
+
+    def is_shown(self, i):
+        """Return whether the shape is there at instant number ``i``."""
+        return self.shown is None or bool(self.shown[i])
 
 
 class Motion:
@@ -53,6 +64,11 @@ class Motion:
     def apart(self, nodes, points):
         """Return whether nodes with ``points`` (instants, nodes, 3) [m] are apart at any instant."""
         return apart(points)
+
+    def released(self, label):
+        """Return at which instants (instants,) the joint or element "hinge 'pin'" has been released."""
+        times = [event.time for event in self.run.results.events if (event.element, event.name) == (label, RELEASES)]
+        return self.run.results.time[self.rows] > min(times, default=np.inf)
 
     def inside(self, name, d):
         """Return the positions (instants, n, 3) [m] of the nodes inside the superelement ``name``, or None."""
@@ -115,7 +131,11 @@ def shapes(motion):
         section, _, name = path.partition("/")
         if section != "loads":
             shape = motion.run.display(d).shape or ("line" if section == "elements" else "joint")
-            found += SHAPES[shape](motion, name, d)
+            own = SHAPES[shape](motion, name, d)
+            if own and d.get("release"):
+                shown = ~motion.released(f"{d['type']} '{name}'")
+                own = [replace(one, shown=shown) for one in own]
+            found += own
     for name in motion.nodes:
         if motion.run.deck["nodes"].get(name, {}).get("fixed"):
             found.append(Shape(SUPPORT, name, motion.position(name)[:, None], (name,)))

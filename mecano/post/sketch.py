@@ -1,6 +1,6 @@
 """A view of the mechanism at several instants: from the side, or from where it is seen best."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -87,7 +87,7 @@ def sketch(run):
     cloud = _cloud(moving)
     axes, view = _seen(run, moving, cloud)
     instants = _instants(run.results.time[rows], cloud)
-    drawn = tuple(replace(s, points=s.points[instants]) for s in moving)
+    drawn = tuple(s.at(instants) for s in moving)
     matrix = np.eye(3)[list(axes)] if view is None else view
     shift = _shift(drawn, matrix, None if view is None else vertical(run.deck.get("gravity")))
     paths = () if shift.any() else _paths(cloud @ matrix.T)

@@ -44,7 +44,7 @@ def wire_figure(run, times, title):
     if not shown:
         raise UsageError("--at: nothing in these results is drawn as a line")
     projection = view()
-    lines = [(shape.style == CABLE, shape.points @ projection.T) for shape in shown]
+    lines = [(shape, shape.points @ projection.T) for shape in shown]
     fixed = [name for name, node in run.deck.get("nodes", {}).items() if node.get("fixed")]
     supports = [run.results.find(f"nodes/{name}/position").values[rows] @ projection.T for name in fixed]
     shift, low, high = _frame(np.concatenate([points for _, points in lines], axis=1))
@@ -58,7 +58,7 @@ def wire_figure(run, times, title):
         grid = figure.add_gridspec(high_rows, columns)
         for i, row in enumerate(rows):
             ax = figure.add_subplot(grid[i // columns, i % columns])
-            _draw(ax, [(thin, points[i] - shift[i]) for thin, points in lines])
+            _draw(ax, [(shape.style == CABLE, p[i] - shift[i]) for shape, p in lines if shape.is_shown(i)])
             for place in supports:
                 ax.plot(*(place[i] - shift[i]), "o", color=INK, markersize=SUPPORT_SIZE, markerfacecolor=PALE)
             ax.set_xlim(low[0] - room, high[0] + room)

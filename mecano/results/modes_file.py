@@ -49,6 +49,7 @@ class ModesFile:
     inner: dict  # superelement -> {position (k, 3), translation (m, k, 3)} of the nodes inside it
     resolved: dict  # the deck
     displays: dict  # of its kinds: name -> Display
+    released: frozenset  # joints and elements that have been released in the state: "hinge 'pin'"
 
 
 def write_modes(path, contents, source, *, force=False):
@@ -86,6 +87,7 @@ def _fill(file, contents, source):
         _put(group, "position", position, *PLACES["position"])
         parts = np.stack([translation.real, translation.imag], axis=-1)
         _put(group, "translation", parts, *SHAPES["translation"], file["mode"])
+    file["released"] = np.array([name.encode() for name in contents["released"]], h5py.string_dtype())
     put_source(
         file, source, FORMAT, FORMAT_VERSION, method=found.method, computed=found.found,
         about=contents["about"], time=contents["time"], frame=contents["frame"],
@@ -111,8 +113,9 @@ def read_modes(path):
         kinds, run = [text.decode() for text in file["kind"][:]], file["run"].attrs
         resolved = json.loads(file["deck/resolved"][()])
         converged = file["converged"][:] > 0 if "converged" in file else np.ones(len(kinds), bool)
+        released = frozenset(name.decode() for name in file["released"][:]) if "released" in file else frozenset()
         return ModesFile(Path(path), run["title"], run["about"], values, kinds, converged, numbers, nodes, inner,
-                         resolved, read_displays(file, resolved))  # fmt: skip
+                         resolved, read_displays(file, resolved), released)  # fmt: skip
 
 
 def _groups(file, name):

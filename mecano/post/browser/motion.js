@@ -42,6 +42,11 @@ class Motion {
     return out.set(out.x + this.shift(frame, 0), out.y + this.shift(frame, 1), out.z + this.shift(frame, 2));
   }
 
+  // Whether a shape is there at a frame: a joint or cable that has been released is not.
+  there(shape, frame) {
+    return !shape.shown || shape.shown[frame];
+  }
+
   // Move a point away from where its body, undeformed, has it.
   magnify(shape, i, frame, out) {
     const group = this.groups[shape.group], rest = shape.rest;

@@ -62,7 +62,7 @@ class Solids {
     this.add(mesh, i => pieces[i][0]);
     this.moving.push(frame => {
       pieces.forEach(([shape, i], n) => {
-        const radius = RADIUS[shape.style] * this.thin;
+        const radius = RADIUS[shape.style] * this.thin * this.motion.there(shape, frame);
         mesh.setMatrixAt(n, between(this.motion.point(shape, i, frame, A), this.motion.point(shape, i + 1, frame, B), radius));
         mesh.setColorAt(n, this.colour(shape, i, frame));
       });
@@ -86,6 +86,7 @@ class Solids {
     mesh.matrixAutoUpdate = core.matrixAutoUpdate = false;
     this.moving.push(frame => {
       const a = this.motion.point(shape, 0, frame, A), b = this.motion.point(shape, 1, frame, B);
+      mesh.visible = core.visible = this.motion.there(shape, frame);
       const radius = Math.min(0.045, Math.max(0.25 * a.distanceTo(b), 0.012)) * this.thin;
       mesh.matrix.copy(between(a, b, radius));
       core.matrix.copy(between(a, b, 0.35 * radius));
@@ -179,7 +180,10 @@ class Solids {
     shapes.forEach(shape => {
       const mesh = this.add(new THREE.Mesh(cone, paint(PLAIN.support)), () => shape);
       mesh.quaternion.setFromUnitVectors(Y, this.up);
-      this.moving.push(frame => mesh.position.copy(this.motion.point(shape, 0, frame, A)));
+      this.moving.push(frame => {
+        mesh.position.copy(this.motion.point(shape, 0, frame, A));
+        mesh.visible = this.motion.there(shape, frame);
+      });
     });
   }
 
