@@ -66,7 +66,7 @@ def test_every_kind_with_outputs_is_on_a_sheet(tmp_path):
         for name in plans.pictures_of(runs[0], path):
             members.setdefault(name, []).append(path.rpartition("/")[2])
     full = {name for name in shown if f"6 of {len(members.get(name, ()))}, those that vary most" in shown[name].heading}
-    assert full == {"wheels", "reactions", "loads"}
+    assert full == {"wheels", "reactions", "loads", "signals"}
     left_out = {f"one_{kind.name}" for kind in KINDS.values() if kind.outputs} - subjects
     assert left_out <= {member for name in full for member in members[name]}
     named = {plan.name for plan in plans.plans(runs)}
@@ -280,14 +280,31 @@ def test_very_many_events_leave_the_panel_free(tmp_path):
 
 
 def test_lines_that_are_covered_are_wider(runs):
-    """Curves that differ by rounding only coincide, whatever the range of the axis of a constant."""
+    """Curves that nearly coincide, whatever the range of the axis of a constant."""
     (force,) = find(runs[0].results, "one_wheel.normal_force")
     for values in (np.full(41, 4.3), force.values):
-        covered = [replace(force, values=values * (1.0 + i * 1e-9)) for i in range(3)]
+        covered = [replace(force, values=values * (1.0 + i * 3e-6)) for i in range(3)]
         panel = Panel("force", tuple(Curve(time_of(y), y, 0, f"e{i}") for i, y in enumerate(covered)))
         (ax,) = figure.sheet_figure(Sheet("s", "", (panel,)), "").axes
         widths = [line.get_linewidth() for line in ax.lines]
         assert widths == sorted(widths, reverse=True) and len(set(widths)) == 3
+
+
+def test_equal_curves_are_drawn_once_with_all_names(runs):
+    """In the legend of a panel and, if equal in all panels, in that of a sheet; those of several runs stay apart."""
+    (force,) = find(runs[0].results, "one_wheel.normal_force")
+    other = replace(force, values=2.0 * force.values)
+    named = {"a": force, "b": force, "c": other, "d": replace(force, values=force.values * (1.0 + 1e-9))}
+    panel = Panel("force", tuple(Curve(time_of(y), y, 0, name) for name, y in named.items()))
+    drawn = figure.sheet_figure(Sheet("s", "", (panel,)), "")
+    assert [text.get_text() for text in drawn.legends[0].get_texts()] == ["a = b = d", "c"]
+    assert len(drawn.axes[0].lines) == 2
+    second = Panel("one more", tuple(replace(c, y=other) if c.subject == "b" else c for c in panel.curves))
+    assert [h.get_label() for h in Look(Sheet("s", "", (panel, second))).handles()] == ["a = d", "b", "c"]
+    overview = Look(Sheet("s", "", (panel, second)), panel_by_panel=True)
+    assert [h.get_label() for h in overview.legend(second)] == ["a = d", "b = c"]
+    two = Panel("force", tuple(Curve(time_of(force), force, run, "a") for run in (0, 1)))
+    assert len(Look(Sheet("s", "", (two,), (), ("x", "y"))).drawn(two)) == 2
 
 
 def test_legends_and_names_of_events_take_no_room_from_the_panels(runs):
@@ -486,7 +503,7 @@ def test_no_two_curves_look_the_same(runs, names, whats, labels):
     (force,) = find(runs[0].results, "one_wheel.normal_force")
     curves = []
     for run, i, j in np.ndindex(len(labels) or 1, names, whats):
-        y = replace(force, path=f"elements/e{i}/what_{j}", values=(i + 1.0) * force.values)
+        y = replace(force, path=f"elements/e{i}/what_{j}", values=(i + 1.0) * (1.0 + 0.01 * j) * force.values)
         curves.append(Curve(time_of(force), y, run, f"e{i}"))
     panel = Panel("force", tuple(curves))
     sheet = Sheet("s", "", (panel,), (), labels)

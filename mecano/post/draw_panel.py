@@ -34,15 +34,16 @@ def draw_panel(ax, panel, look, events, legend):
     x_factor, x_unit = shown_unit(panel.curves[0].x.unit, _all(panel, "x"))
     y_factor, y_unit = (1.0, unit) if panel.logarithmic else shown_unit(unit, _all(panel, "y"))
     spans = _spans(panel)
-    for i, curve in enumerate(panel.curves):
+    drawn = [equal[0] for equal in look.drawn(panel)]
+    for i, curve in enumerate(drawn):
         y = curve.y.values / y_factor
         if panel.logarithmic:
             y = np.where(y > TINY, y, np.nan)
         style = look.style(curve, panel) | _steps(panel, y)
         if style["linestyle"] == "-":
-            style.setdefault("linewidth", _width(curve, panel.curves[i + 1 :], spans))
+            style.setdefault("linewidth", _width(curve, drawn[i + 1 :], spans))
         ax.plot(curve.x.values / x_factor, y, **style)
-        if curve.peak and not panel.logarithmic and (_misses_peak(curve) or len(panel.curves) <= MARKED):
+        if curve.peak and not panel.logarithmic and (_misses_peak(curve) or len(drawn) <= MARKED):
             value, time = curve.peak
             ax.plot(time / x_factor, value / y_factor, "o", color=style["color"], markersize=3.5, zorder=3)
     _scales(ax, panel, x_factor, y_factor)

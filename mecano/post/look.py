@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.lines import Line2D
 
+from mecano.post.equal_curves import equal_curves, first_subjects, joined
 from mecano.post.sheet import Panel
 from mecano.post.style import COLOURS, DASHES, INK, PALE
 
@@ -17,6 +18,9 @@ class Look:
     Colours distinguish runs, otherwise elements, otherwise quantities; dashes distinguish the rest. Elements have the
     same style in the whole sheet, with one legend for all panels, or styles of their own in each panel. If there are
     more elements than styles, those with the largest values have them, and all others are pale.
+
+    Equal curves of one run are drawn once, with all their names in the legend: "a = b". With one legend for all panels
+    these are elements with equal curves in all panels.
     """
 
     def __init__(self, sheet, panel_by_panel=False):
@@ -27,6 +31,18 @@ class Look:
         self._legend_runs = self.runs[: len(COLOURS) * (len(DASHES) if alone else 1)]
         self._sheet = None if panel_by_panel or self.runs else self._largest(panels, sheet.subjects, whats)
         self._owners = None if panel_by_panel else sheet.subjects
+        self._first = first_subjects(panels, self._sheet) if self._common else {}
+
+    @property
+    def _common(self):
+        """Whether elements have the same style in the whole sheet, and a common legend."""
+        return not self.runs and self._sheet is not None and len(self._owners) > 1
+
+    def drawn(self, panel):
+        """Return the curves of a panel in lists of equal ones, of which the first is drawn."""
+        if self.runs or self._common:
+            return [[c] for c in panel.curves if self._first.get(c.subject, c.subject) == c.subject]
+        return equal_curves(panel.curves)
 
     def owners(self, panel):
         """Return the elements whose events are named: those of the sheet, or of the panel."""
@@ -81,9 +97,10 @@ class Look:
         if self.runs:
             handles = [_handle(i, name) for i, name in enumerate(self._legend_runs)]
             return handles + _others(len(self.runs) - len(self._legend_runs))
-        if self._sheet is None or len(self._owners) < 2:
+        if not self._common:
             return []
-        handles = [_handle(i, name) for i, name in enumerate(self._sheet)]
+        equal = {first: [s for s in self._sheet if self._first[s] == first] for first in self._first.values()}
+        handles = [_handle(i, joined(equal[name])) for i, name in enumerate(self._sheet) if name in equal]
         return handles + _others(len(self._owners) - len(self._sheet))
 
     def legend(self, panel):
@@ -91,9 +108,9 @@ class Look:
         several = len(panel.subjects) > 1 and self._sheet is None
         named = len(panel.whats) > 1 or any(curve.reference for curve in panel.curves)
         handles, others = {}, set()
-        for curve in panel.curves:
-            style = self.style(curve, panel)
-            text = ": ".join([curve.subject] * several + [curve.y.what] * named)
+        for equal in self.drawn(panel):
+            curve, style = equal[0], self.style(equal[0], panel)
+            text = joined(": ".join([one.subject] * several + [one.y.what] * named) for one in equal)
             if style is OTHERS:
                 reported = several or curve.subject in self._subjects(panel)
                 others |= {text} if reported and text else set()

@@ -20,8 +20,15 @@ def planned_panels(plan, runs):
     shown = _most_active(things, plan.views[0], runs)
     panels = [panel for view in plan.views if (panel := _panel(view, shown, runs)).curves]
     remark = f"{len(shown)} of {len(things)}, those that vary most" if len(shown) < len(things) else ""
-    parts = [part for panel in worth_showing(panels, runs) for part in _by_size(panel)]
+    own_unit = [part for panel in panels for part in _by_unit(panel)]
+    parts = [part for panel in worth_showing(own_unit, runs) for part in _by_size(panel)]
     return [with_peaks(part, runs) for part in parts], remark
+
+
+def _by_unit(panel):
+    """Split a panel into panels of one unit, as signals may have any."""
+    units = dict.fromkeys(curve.y.unit for curve in panel.curves)
+    return [replace(panel, curves=tuple(c for c in panel.curves if c.y.unit == unit)) for unit in units]
 
 
 def _by_size(panel):

@@ -142,8 +142,13 @@ LOADS = Plan(
         View("moment", ("moment.magnitude",)),
     ),
 )  # fmt: skip
+SIGNALS = Plan(
+    "signals", "Signals",
+    (View("value", ("value",)), View("integral", ("integral",)), View("filtered error", ("filtered",))),
+)  # fmt: skip
 
-_PLANS = (WHEELS, STRUTS, TORSION_SPRINGS, ANGLES, BEAMS, SLIDES, GEARS, PLANES, CURVES, BODIES, REACTIONS, LOADS)
+_PLANS = (WHEELS, STRUTS, TORSION_SPRINGS, ANGLES, BEAMS, SLIDES, GEARS, PLANES, CURVES, BODIES, REACTIONS, LOADS,
+          SIGNALS)  # fmt: skip
 
 
 def plans(runs):
@@ -159,7 +164,7 @@ def plans(runs):
 def pictures_of(run, path):
     """Return the names of the pictures to which the element, joint or load of a path belongs."""
     d, section = run.pieces[path], path.partition("/")[0]
-    by_section = {"joints": ("reactions",), "loads": ("loads",)}.get(section, ())
+    by_section = {"joints": ("reactions",), "loads": ("loads",), "signals": ("signals",)}.get(section, ())
     return (*run.display(d).pictures, *by_section, d["type"])
 
 

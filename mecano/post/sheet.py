@@ -7,6 +7,7 @@ import numpy as np
 from mecano.post.quantity import Quantity
 
 CONSTANT = 1e-5  # of the magnitude: a quantity that varies less is constant
+EQUAL = 1e-6  # of the magnitude: curves that differ by less are equal
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,12 @@ class Curve:
     subject: str
     reference: bool = False
     peak: tuple = ()
+
+    def equals(self, other):
+        """Return whether a curve of the same run has the same values over the same abscissae."""
+        alike = self.run == other.run and self.reference == other.reference
+        pairs = (self.x.values, other.x.values), (self.y.values, other.y.values)
+        return alike and all(len(a) == len(b) and _equal(a, b) for a, b in pairs)
 
 
 @dataclass(frozen=True)
@@ -71,6 +78,12 @@ class Panel:
     def whats(self):
         """Names of the different quantities except references."""
         return tuple(dict.fromkeys(curve.y.what for curve in self.curves if not curve.reference))
+
+
+def _equal(a, b):
+    known = np.isfinite(a)
+    size = np.abs(a[known]).max(initial=0.0)
+    return np.array_equal(known, np.isfinite(b)) and np.all(np.abs(a - b)[known] <= EQUAL * size)
 
 
 def _constant(values):
