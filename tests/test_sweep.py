@@ -21,7 +21,7 @@ from mecano.analyses.modal import about
 from mecano.analyses.sweep import Axis, sweep, sweep_into
 from mecano.analyses.sweep_text import known
 from mecano.errors import ConvergenceError, UsageError
-from mecano.post.loci import real_range, sweep_figure
+from mecano.post.loci import real_range, shown_modes, sweep_figure
 from mecano.post.pictures import post
 from mecano.results.sweep_file import read_sweep
 from mecano.solve.modal.tracking import Spectrum, growing, loci, track, unstable
@@ -325,6 +325,24 @@ def test_pictures_show_what_is_near_the_limit_of_stability():
     assert -10.0 < low < -3.0 and 0.5 < high < 0.8 and beyond == [1]
 
 
+def test_pictures_leave_out_modes_that_are_much_faster_than_the_growing_ones():
+    """Modes of 2 Hz that grows, 5 Hz, 900 Hz with little damping, and one without oscillation."""
+    frequency = np.array([[2.0, 2.1], [5.0, 5.5], [900.0, 800.0], [0.0, 0.0]])
+    real = np.array([[-0.1, 0.1], [-1.0, -1.0], [-2.0, -2.0], [-3.0, -3.0]])
+    imaginary = 2.0 * np.pi * frequency
+    modes = {"real_part": real, "imaginary_part": imaginary, "frequency": frequency}
+    modes["damping_ratio"] = -real / np.hypot(real, imaginary)
+    for below, wanted, left_out, limit in (
+        (None, [0, 1, 3], [2], 6.3),
+        (3, [0, 3], [1, 2], 3),
+        (1e3, range(4), [], None),
+    ):
+        shown, above, found = shown_modes(modes, below)
+        assert list(shown) == list(wanted) and list(above) == left_out and found == (limit and pytest.approx(limit))
+    stable = {name: values[1:] for name, values in modes.items()}  # none grows: the least damped one is the fast one
+    assert list(shown_modes(stable)[0]) == [0, 1, 2]
+
+
 def test_root_loci_on_the_command_line(tmp_path, monkeypatch, capsys):
     from mecano.cli import commands
 
@@ -334,6 +352,7 @@ def test_root_loci_on_the_command_line(tmp_path, monkeypatch, capsys):
     out, errors = capsys.readouterr()
     assert "critical speed 4.2923825363: mode " in out and "bicycle_sweep.png" in out and "3 states" in errors
     file = read_sweep("bicycle_sweep.h5")
+    assert len(sweep_figure(file, below=0.01).axes[2].lines) < len(sweep_figure(file).axes[2].lines)
     assert [ax.get_xlabel() for ax in sweep_figure(file).axes] == ["real part [1/s]", *["speed [m/s]"] * 3]
     assert file.title == "Benchmark bicycle" and file.modes["real_part"].shape == (3, 3)
     assert file.modes["damping_ratio"].max() == 1.0 and len(file.motions) == 3

@@ -13,6 +13,10 @@ overrides = click.option(
     "--set", "overrides", multiple=True, metavar="A.B.C=VALUE", help="Override a value of the deck; may be repeated."
 )
 
+BELOW = (
+    "Leave modes of higher frequency out of the picture of a sweep; default: far above growing or least damped ones."
+)
+
 
 def _load(context, parameter, paths):
     """Load installed plugins, and those that the user names."""

@@ -2,7 +2,7 @@
 
 import click
 
-from mecano.commands import plugins, show
+from mecano.commands import BELOW, plugins, show
 
 
 @click.command()
@@ -23,13 +23,14 @@ from mecano.commands import plugins, show
 @click.option("--format", "kind", type=click.Choice(["png", "svg"]), default="png", show_default=True)
 @click.option("--csv", "columns", is_flag=True, help="Also write the plotted numbers.")
 @click.option("--title", help="Title of the pictures; default: the title of the deck.")
+@click.option("--below", type=click.FloatRange(min=0.0, min_open=True), metavar="HZ", help=BELOW)
 @click.option(
     "--animate", "page", metavar="PAGE.html", type=click.Path(),
     help="Write a page that plays the motion; or a film, .gif, .webp or .mp4.",
 )  # fmt: skip
 @click.option("--report", metavar="PAGE.html", type=click.Path(), help="Write a report page on one run or study.")
 @plugins
-def post(results, plots, spectra, at, output, kind, columns, title, page, report):
+def post(results, plots, spectra, at, output, kind, columns, title, below, page, report):
     """Draw pictures of results; several files are drawn into the same pictures.
 
     Without --plot, --spectrum, --at: the standard plots for this model, from the overview to the step size.
@@ -43,16 +44,16 @@ def post(results, plots, spectra, at, output, kind, columns, title, page, report
     from mecano.results.checked import blaming, cut_short
 
     if page or report:
-        _refuse_strays(results, at=at, output=output, format=kind != "png", csv=columns)
+        _refuse_strays(results, at=at, output=output, format=kind != "png", csv=columns, below=below)
     if page and spectra and not report:
         raise click.UsageError("--spectrum: the page of --animate has plots over time only")
     for warning in cut_short(results):
         click.echo(f"mecano: {warning}", err=True)
     with blaming(*results):
-        _post(results, plots, spectra, at, output, kind, columns, title, page, report)
+        _post(results, plots, spectra, at, output, kind, columns, title, below, page, report)
 
 
-def _post(results, plots, spectra, at, output, kind, columns, title, page, report):
+def _post(results, plots, spectra, at, output, kind, columns, title, below, page, report):
     if page:
         from mecano.post.animation import animate
 
@@ -65,7 +66,9 @@ def _post(results, plots, spectra, at, output, kind, columns, title, page, repor
         return
     from mecano.post.pictures import post as draw
 
-    for path in draw(results, plots, spectra, output=output, kind=kind, columns=columns, title=title, at=at):
+    for path in draw(
+        results, plots, spectra, output=output, kind=kind, columns=columns, title=title, at=at, below=below
+    ):
         click.echo(path)
 
 

@@ -4,7 +4,7 @@ import os
 
 import click
 
-from mecano.commands import overrides, plugins, show
+from mecano.commands import BELOW, overrides, plugins, show
 from mecano.commands.viewing import live as shown
 from mecano.process.interrupt import Interruption, again, seconds
 
@@ -77,12 +77,13 @@ def run(deck, output, force, resume, limit, interval, threads, live, quiet, over
     help="File; default: the deck's name with _modes.h5, or _sweep.h5, in this folder.",
 )
 @click.option("--plot", is_flag=True, help="Draw the shapes, or the root loci, into a picture beside the file.")
+@click.option("--below", type=click.FloatRange(min=0.0, min_open=True), metavar="HZ", help=BELOW)
 @click.option("--csv", "columns", is_flag=True, help="Also write the numbers of a sweep, beside the file.")
 @click.option("-q", "--quiet", is_flag=True, help="Do not print the progress of sweeps and compilation.")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @overrides
 @plugins
-def modes(deck, at, at_rest, number, sweeps, frame, solver, output, plot, columns, quiet, force, overrides):
+def modes(deck, at, at_rest, number, sweeps, frame, solver, output, plot, below, columns, quiet, force, overrides):
     """Compute modes of small motions about the initial state of a deck, its equilibrium, or a saved state.
 
     If the deck has 'static' or 'initial: static', the modes are those about the static equilibrium; with 'initial:
@@ -98,9 +99,9 @@ def modes(deck, at, at_rest, number, sweeps, frame, solver, output, plot, column
                 "--set initial.from=FILE:TIME",
                 param_hint="--at",
             )
-        return _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns, quiet, force)
-    if columns:
-        raise click.BadParameter("belongs to --sweep", param_hint="--csv")
+        return _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, below, columns, quiet, force)
+    if columns or below:
+        raise click.BadParameter("belongs to --sweep", param_hint="--csv" if columns else "--below")
     if at_rest and at is None:
         raise click.BadParameter("belongs to --at RESULTS.h5:TIME", param_hint="--at-rest")
     from mecano.deck.read import read_deck
@@ -122,7 +123,7 @@ def modes(deck, at, at_rest, number, sweeps, frame, solver, output, plot, column
         show(str(draw_modes(path)) if len(found.values) else NO_SHAPES)
 
 
-def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns, quiet, force):
+def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, below, columns, quiet, force):
     from mecano.analyses.progress import SweepProgress
     from mecano.analyses.sweep import sweep_into
 
@@ -139,7 +140,7 @@ def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, columns
     if plot:
         from mecano.post.loci import draw_sweep
 
-        show(str(draw_sweep(path)))
+        show(str(draw_sweep(path, below=below)))
 
 
 @click.command(name="reduce")

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from mecano.deck.unit_of import parameters_of, unit_of
-from mecano.errors import ResultsError
+from mecano.errors import ResultsError, UsageError
 from mecano.post.figure import save
 from mecano.post.style import COLOURS, DASHES, GREY, INK, SETTINGS, note_below, with_unit
 from mecano.results.checked import open_checked
@@ -26,13 +26,19 @@ SLIGHT = 0.01  # damping ratio of the slowest oscillation, below which decay is 
 LONGEST = (110, 70)  # characters of a motion in a legend of one or two columns
 MOST_NAMED, IN_A_COLUMN = 16, 4  # modes in the legend
 MOST_REPORTED = 6  # modes listed as beyond the limits
+ABOVE = 3.0  # times the frequency of the growing or least damped modes: faster ones are left out
+ROUNDED = 1e-6  # damping ratio that is rounding
 
 
-def draw_sweep(path, output=None, kind="png"):
-    """Draw the picture of a file of a sweep beside it, or at ``output``, and return its Path. Raises ResultsError."""
+def draw_sweep(path, output=None, kind="png", below=None):
+    """Draw the picture of a file of a sweep beside it, or at ``output``, and return its Path.
+
+    Modes of higher frequency than ``below`` [Hz] are left out, see ``shown_modes``. Raises ResultsError, and UsageError
+    for a map of stability with ``below``.
+    """
     file = read_sweep(path)
     target = Path(output) if output else file.path.with_suffix(f".{kind}")
-    figure = sweep_figure(file)
+    figure = sweep_figure(file, below)
     try:
         save(figure, target)
     except OSError as error:
@@ -40,11 +46,13 @@ def draw_sweep(path, output=None, kind="png"):
     return target
 
 
-def sweep_figure(file):
-    """Return the figure of a SweepFile. Raises ResultsError."""
-    units = _units(file)
+def sweep_figure(file, below=None):
+    """Return the figure of a SweepFile; see ``draw_sweep``. Raises ResultsError, UsageError."""
+    units, is_map = _units(file), len(file.names) == 2
+    if is_map and below is not None:
+        raise UsageError(f"--below: {file.path} is a map of stability, which shows the least stable of all modes")
     with matplotlib.rc_context(SETTINGS):
-        return _map(file, units) if len(file.names) == 2 else _loci(file, units[0])
+        return _map(file, units) if is_map else _loci(file, units[0], below)
 
 
 def _units(file):
@@ -64,19 +72,50 @@ def _headed(file, size):
     return figure
 
 
-def _loci(file, unit):
+def shown_modes(modes, below=None):
+    """Return (numbers of the modes shown, numbers of those above the limit, limit [Hz] or None).
+
+    Modes that oscillate faster than the limit at all values are above it. Without ``below`` [Hz] the limit is ABOVE
+    times the highest frequency of the modes that grow at some value or, if none grows, of those that are least damped
+    at some value.
+    """
+    oscillates = modes["imaginary_part"] > 0.0
+    frequency = np.where(oscillates, modes["frequency"], np.nan)
+    if below is None:
+        below = _of_interest(modes, frequency) * ABOVE
+    known = np.isfinite(modes["real_part"])
+    inside = np.any(known & ~(frequency > below), axis=1)
+    above = np.flatnonzero(~inside)
+    fast = np.any(frequency > below)
+    return np.flatnonzero(inside), above, below if fast else None
+
+
+def _of_interest(modes, frequency):
+    """Return the highest frequency [Hz] of the growing oscillations or, if none grows, of the least damped ones."""
+    ratio = np.where(np.isfinite(frequency), modes["damping_ratio"], np.inf)
+    chosen = ratio < -ROUNDED
+    if not chosen.any():
+        chosen = np.isfinite(frequency) & (ratio <= ratio.min(axis=0, initial=np.inf) + ROUNDED)
+    return frequency[chosen].max(initial=0.0) or np.inf
+
+
+def _loci(file, unit, below):
     figure = _headed(file, SIZE)
+    shown, above, limit = shown_modes(file.modes, below)
     grid = figure.subplots(2, 2)
     modes, x = file.modes, file.parameter
     oscillates = modes["imaginary_part"] > 0.0
     frequency = np.where(oscillates, modes["frequency"], np.nan)
     damping = np.where(oscillates, modes["damping_ratio"], np.nan)
-    _plane(grid[0, 0], file, unit)
+    near = real_range({name: values[shown] for name, values in modes.items()})
+    near = (*near[:2], [shown[i] for i in near[2]])
+    _plane(grid[0, 0], file, unit, shown, near, limit)
     for ax, values, what in (
         (grid[0, 1], modes["real_part"], "growth [1/s]"), (grid[1, 0], frequency, "damped frequency [Hz]"),
         (grid[1, 1], damping, "damping ratio"),
     ):  # fmt: skip
-        for b, row in enumerate(values):
+        for b in shown:
+            row = values[b]
             marker = "." if np.isfinite(row).sum() < 3 else ""
             ax.plot(x, row, color=_colour(b), linestyle=_dashes(b), marker=marker)
         ax.set(xlabel=with_unit(file.names[0], unit), ylabel=what)
@@ -86,16 +125,20 @@ def _loci(file, unit):
     if not np.any(np.isfinite(frequency)):
         for ax in grid[1]:
             ax.text(0.5, 0.5, "no mode oscillates", transform=ax.transAxes, ha="center", color=GREY)
-    _limited(grid[0, 1], grid[0, 1].set_ylim, *real_range(modes))
-    handles = _handles(file)
+    _limited(grid[0, 1], grid[0, 1].set_ylim, *near)
+    if limit is not None:
+        grid[1, 0].set_ylim(0.0, limit)
+        if len(above):
+            note_below(grid[1, 0], f"{_named(above)} above {limit:.3g} Hz: --below HZ shows others")
+    handles = _handles(file, shown)
     figure.legend(handles=handles, loc="outside lower left", ncols=1 if len(handles) <= IN_A_COLUMN else 2)
     return figure
 
 
-def _handles(file):
+def _handles(file, shown):
     """Return the handles of the legend: the largest motions of each mode, or of the least stable of many modes."""
-    real = file.modes["real_part"]
-    order = np.argsort(-np.nanmax(real, axis=1), kind="stable")
+    real = file.modes["real_part"][shown]
+    order = shown[np.argsort(-np.nanmax(real, axis=1, initial=-np.inf), kind="stable")]
     longest = LONGEST[len(real) > IN_A_COLUMN]
     handles = []
     for b in np.sort(order[:MOST_NAMED]):
@@ -107,11 +150,14 @@ def _handles(file):
     return handles
 
 
-def _plane(ax, file, unit):
-    """Plot eigenvalues in the complex plane, from the open to the filled dot as the parameter increases."""
+def _plane(ax, file, unit, shown, near, limit):
+    """Plot eigenvalues in the complex plane, from the open to the filled dot as the parameter increases.
+
+    ``shown``: numbers of the modes; ``near``: as of ``real_range``; ``limit``: of the frequencies [Hz], or None.
+    """
     real, imaginary = file.modes["real_part"], file.modes["imaginary_part"]
-    low, high, beyond = real_range(file.modes)
-    for b in range(len(real)):
+    low, high, beyond = near
+    for b in shown:
         known = np.flatnonzero(np.isfinite(real[b]))
         ax.plot(real[b], imaginary[b], color=_colour(b), linestyle=_dashes(b), marker=".", markersize=3, linewidth=1.0)
         for i, fill in ((known[0], "white"), (known[-1], _colour(b))):
@@ -120,7 +166,9 @@ def _plane(ax, file, unit):
     ax.set(xlabel="real part [1/s]", ylabel="imaginary part [rad/s]")
     ax.set_title(f"root loci: {file.names[0]} from {first:g} (open dots) to {last:g} {unit}".rstrip(), loc="left")
     _limited(ax, ax.set_xlim, low, high, beyond)
-    if highest := imaginary[(real > low) & (real < high)].max(initial=0.0):
+    own, parts = imaginary[shown], real[shown]
+    own = own[(parts > low) & (parts < high) & ~(own > 2.0 * np.pi * (limit or np.inf))]
+    if highest := own.max(initial=0.0):
         ax.set_ylim(-0.05 * highest, 1.1 * highest)
     if high > 0.0:
         ax.axvspan(0.0, high, color=UNSTABLE, alpha=0.07, linewidth=0)
@@ -164,10 +212,15 @@ def _limited(ax, limits, low, high, beyond):
     """Set the limits of an axis, with a note on the modes beyond."""
     limits(low, high)
     if beyond:
-        which = (
-            f"{len(beyond)} modes" if len(beyond) > MOST_REPORTED else f"mode {', '.join(str(b + 1) for b in beyond)}"
-        )
+        which = _named(beyond)
         note_below(ax, f"{which}: also beyond the left" if limits == ax.set_xlim else f"{which}: also below")
+
+
+def _named(modes):
+    """Return the numbers of modes as text, or how many they are."""
+    if len(modes) > MOST_REPORTED:
+        return f"{len(modes)} modes"
+    return f"mode {', '.join(str(b + 1) for b in modes)}"
 
 
 def _colour(b):

@@ -25,7 +25,7 @@ ALONE = {modes_file.FORMAT: draw_modes, sweep_file.FORMAT: draw_sweep, study_fil
 LONGEST_STEM = 60
 
 
-def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False, title=None, at=None):
+def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False, title=None, at=None, below=None):
     """Draw pictures of results files, with several runs in one picture, and yield the Path of each file written.
 
     Files of modes, sweeps and studies are drawn one by one.
@@ -48,6 +48,8 @@ def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False,
     at : str
         Times [s] separated by commas: a picture for each file of the configurations at these times, in addition to the
         ``plots``.
+    below : float
+        Frequency [Hz] above which modes are left out of the picture of a sweep; by default ``loci.shown_modes``.
 
     Raises
     ------
@@ -58,8 +60,10 @@ def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False,
     """
     others = [path for path in paths if format_of(path) in ALONE]
     if others:
-        yield from _alone(paths, others, [*plots, *spectra], output, kind)
+        yield from _alone(paths, others, [*plots, *spectra], output, kind, below)
         return
+    if below is not None:
+        raise UsageError("--below: only for files of `mecano modes --sweep`")
     runs = open_runs(paths)
     if any(not len(run.results.time) for run in runs):
         raise ResultsError(f"{', '.join(map(str, paths))}: no saved times yet")
@@ -86,12 +90,14 @@ def asked_sheets(plots, spectra, runs):
     return plotted + [spectrum_sheet(text, runs) for text in spectra]
 
 
-def _alone(paths, others, plots, output, kind):
+def _alone(paths, others, plots, output, kind, below):
     """Draw files of modes, sweeps and studies, and yield the Path of each picture."""
     if plots or len(others) < len(paths):
         raise UsageError(
             f"{others[0]} is a file of modes or of a study: it is drawn alone, without --plot or --spectrum"
         )
+    if below is not None and any(format_of(path) != sweep_file.FORMAT for path in paths):
+        raise UsageError("--below: only for files of `mecano modes --sweep`")
     folder = output and (os.path.isdir(output) or str(output).endswith(("/", os.sep)))
     if len(paths) > 1 and output and not folder:
         raise UsageError(f"{output} names one picture, but there will be {len(paths)}: give a folder")
@@ -99,7 +105,10 @@ def _alone(paths, others, plots, output, kind):
         target = Path(output) / f"{Path(path).stem}.{kind}" if folder else _named(output, kind)
         if target is not None:
             make_folder(target.parent)
-        yield ALONE[format_of(path)](path, target, kind)
+        if below is not None:
+            yield draw_sweep(path, target, kind, below)
+        else:
+            yield ALONE[format_of(path)](path, target, kind)
 
 
 def _named(output, kind):
