@@ -1,5 +1,7 @@
 """Initial positions: brought onto the constraints, or refused by name; motions between steps."""
 
+import re
+
 import numpy as np
 import pytest
 from time_runs import RecordedRun, deck, in_python, input_deck
@@ -32,13 +34,17 @@ def test_positions_are_brought_to_the_nearest_that_fit():
     assert np.linalg.norm(x - [1.6, 0, 0]) == pytest.approx(1.0, abs=1e-11)
     assert x[0] == pytest.approx(0.8, abs=1e-11) and x[2] > 0  # of the two solutions the one on the deck's side
     assert prepared.displacement == pytest.approx(np.abs(x - [1.02, 0, 0.01]).max(), abs=1e-9)
-    assert any("moved the initial positions" in text for text in startup_warnings(prepared))
+    off = 1.0 - np.hypot(0.58, 0.01)  # of the right rod, of 1 m between [1.02, 0, 0.01] and [1.6, 0, 0]
+    text = f"as given, rigid_rod 'right' is most off, by {1e3 * off:.3g} mm (force that pushes the nodes apart)"
+    assert any(text in warning for warning in startup_warnings(prepared))
 
 
 def test_what_cannot_be_met_is_refused_by_name():
     with pytest.raises(AssemblyError, match="cannot be assembled") as refusal:
         prepare(deck(ROD % 2.5))  # two rods of 1 m between supports 2.5 m apart
     assert "rigid_rod 'left'" in str(refusal.value) and "rigid_rod 'right'" in str(refusal.value)
+    assert "rigid_rod 'right' is most off, by 480 mm" in str(refusal.value)  # 2.5 m - 1.02 m - 1 m
+    assert re.search("50 iterations from there moved nodes by up to .* mm, and at best leave", str(refusal.value))
     assert refusal.value.exit_code == 4
 
 

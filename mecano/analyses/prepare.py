@@ -22,7 +22,7 @@ from mecano.solve.diagnostics.scales import Tolerances, length_scale
 from mecano.solve.events.compliance import compliance
 from mecano.solve.linear.sparse import LinearSolver
 from mecano.solve.time.generalized_alpha import Coefficients, GeneralizedAlpha
-from mecano.solve.time.initial import assemble_start
+from mecano.solve.time.initial import assemble_start, most_off
 from mecano.solve.time.signals import refuse_circles
 from mecano.solve.time.step_control import StepControl
 from mecano.solve.time.time_integration import TimeIntegrator
@@ -34,6 +34,7 @@ METHODS = {
 }
 ORDERS = {"radau": 5}  # of the others 2
 SMALLEST_STEP = 1e-7  # of the first step, unless given in the deck
+MOVED = 1e-6  # of the length scale: displacements by the assembly that are reported
 MOST_NAMES = 8  # constraints named in a warning
 AUTOMATIC = "automatic"
 
@@ -51,6 +52,7 @@ class Prepared:
     analysis: object  # redundant constraints and mechanisms
     compliance: object  # Compliance, or None
     carried: tuple = ()  # texts on what was carried over from another run
+    off: str = ""  # the constraint that the deck's positions violate most, if the assembly moved them
 
     @cached_property
     def redundant(self):
@@ -88,7 +90,8 @@ def _prepare(deck, compile_ahead):
     set_velocities(deck, system, state)
     state.v += begin.v
     _refuse_circles(deck, system, state)
-    return Prepared(deck, system, linear, length, state, displacement, None, None, tuple(carried)).at(state)
+    off = most_off(system, begin, length) if displacement > MOVED * length else ""
+    return Prepared(deck, system, linear, length, state, displacement, None, None, tuple(carried), off).at(state)
 
 
 def _refuse_fixed(deck, system):
@@ -158,8 +161,11 @@ def startup_warnings(prepared, start=None):
     texts, analysis = [*prepared.carried], prepared.analysis
     if start is not None:
         texts += _changed_velocities(prepared, start.motion)
-    if prepared.displacement > 1e-6 * prepared.length:
-        texts.append(f"the assembly moved the initial positions by up to {prepared.displacement:.3g} m")
+    if prepared.displacement > MOVED * prepared.length:
+        texts.append(
+            f"the assembly moved the initial positions by up to {prepared.displacement:.3g} m, to the nearest that "
+            f"satisfy the constraints: as given, {prepared.off}"
+        )
     for group in prepared.redundant:
         texts.append(
             f"{group.count} redundant constraint(s) among: {some(group.by_joint(MOST_NAMES), MOST_NAMES)}. The "

@@ -38,7 +38,8 @@ def assemble_positions(system, linear, s, length):
     start, of = s, system.numbering
     scale = _scale(system, length)
     weight = np.where(of.kind[: system.n_q] == ROTATION, length**2, 1.0)
-    for _ in range(MAX_ITERATIONS):
+    iterations = 0
+    while iterations < MAX_ITERATIONS:
         phi = system.constraint_derivatives(s)[:, 0] if system.n_l else np.zeros(0)
         error = np.abs(phi) / scale
         if not len(phi) or error.max() <= TOLERANCE:
@@ -48,13 +49,20 @@ def assemble_positions(system, linear, s, length):
             break
         limit = max(np.abs(dq * np.sqrt(weight)).max() / (0.5 * length), 1.0)  # no leap into another assembly mode
         s = displaced(s, dq / limit, of)
+        iterations += 1
     phi = system.constraint_derivatives(s)[:, 0] if system.n_l else np.zeros(0)
     error = np.abs(phi) / scale
     if len(phi) and not error.max() <= FULFILLED:
-        raise AssemblyError(_refusal(system, s, phi, error, length))
+        raise AssemblyError(_refusal(system, start, s, iterations, length))
     s = displaced(s, np.zeros(system.n_q), of)
+    return s, _moved(system, start, s)
+
+
+def _moved(system, start, s):
+    """Return the largest change of a coordinate of a node [m] between two states."""
+    of = system.numbering
     shift = np.abs(s.z - start.z)[of.x[:, None] + np.arange(3)] if len(of.x) else np.zeros(1)
-    return s, float(shift.max(initial=0.0))
+    return float(shift.max(initial=0.0))
 
 
 def _scale(system, length):
@@ -74,15 +82,39 @@ def _least_change(system, linear, s, phi, weight):
     return x[: system.n_q] if status.ok else None
 
 
-def _refusal(system, s, phi, error, length):
-    worst = np.argsort(-error)[:NAMED]
-    lines = [
-        f"  {system.numbering.name[system.n_q + i]}: off by {abs(phi[i]):.3g} "
-        f"{'m' if system.numbering.kind[system.n_q + i] == LENGTH_CONSTRAINT else 'rad'}"
-        for i in worst
-        if error[i] > FULFILLED
-    ]
-    taking_part = dict.fromkeys(name.place for name in contradicting(system, s, length, phi))
-    if len(taking_part) > 1:
-        lines.append(f"  taking part: {', '.join(taking_part)}")
-    return "the initial positions cannot be assembled; these constraints cannot be met together:\n" + "\n".join(lines)
+def _refusal(system, start, s, iterations, length):
+    """Return the text of an assembly that failed at ``s``: how far joints are off in the deck, and at the best."""
+    phi = system.constraint_derivatives(s)[:, 0]
+    error = np.abs(phi) / _scale(system, length)
+    worst = [i for i in np.argsort(-error)[:NAMED] if not error[i] <= FULFILLED]
+    places = dict.fromkeys(name.place for name in contradicting(system, s, length, phi))
+    taking_part = [f"  taking part: {', '.join(places)}"] if len(places) > 1 else []
+    return "\n".join(
+        [
+            f"the initial positions cannot be assembled: as given, {most_off(system, start, length)}",
+            f"{iterations} iterations from there moved nodes by up to {_length(_moved(system, start, s))}, and at best "
+            "leave these constraints, which cannot be met together:",
+            *(f"  {system.numbering.name[system.n_q + i]}: off by {_size(system, i, phi)}" for i in worst),
+            *taking_part,
+        ]
+    )
+
+
+def most_off(system, s, length):
+    """Return as text the constraint of a system with constraints that is violated most at ``s``, and by how much."""
+    phi = system.constraint_derivatives(s)[:, 0]
+    first = int(np.argmax(np.abs(phi) / _scale(system, length)))
+    name = system.numbering.name[system.n_q + first]
+    return f"{name.place} is most off, by {_size(system, first, phi)} ({name.what})"
+
+
+def _size(system, i, phi):
+    """Return the magnitude of constraint number ``i`` of ``phi`` (n_l,) [m, rad] as text with its unit."""
+    if system.numbering.kind[system.n_q + i] == LENGTH_CONSTRAINT:
+        return _length(phi[i])
+    return f"{np.degrees(abs(phi[i])):.3g} deg"
+
+
+def _length(value):
+    """Return the magnitude of a length [m] as text, in mm below a metre."""
+    return f"{abs(value):.3g} m" if abs(value) >= 1.0 else f"{1e3 * abs(value):.3g} mm"
