@@ -152,10 +152,10 @@ WIDE = "time [ms], note, load (kN), speed (of the head) [km/h]\n0, a, 1, 36\n500
     [
         ("t [ms],F [kN]\n0,0\n20,3\n", "", [[0.0, 0.0], [0.02, 3000.0]]),
         (WIDE, "columns: [time, load]", [[0.0, 1000.0], [0.5, 2500.0]]),
-        (WIDE, "columns: [time, speed (of the head)]", [[0.0, 10.0], [0.5, 20.0]]),
-        (WIDE, "columns: [3, 1]", [[1000.0, 0.0], [2500.0, 0.5]]),
+        (WIDE.replace("km/h", "cN"), "columns: [time, speed (of the head)]", [[0.0, 0.36], [0.5, 0.72]]),
+        (WIDE, "columns: [3, 3]", [[1000.0, 1000.0], [2500.0, 2500.0]]),
         (WIDE, "columns: [1, 3], units: [s, N]", [[0.0, 1.0], [500.0, 2.5]]),
-        ("0,0\n20,3\n", "units: [mm, bar]", [[0.0, 0.0], [0.02, 3e5]]),
+        ("0,0\n20,3\n", "units: [mm, kN]", [[0.0, 0.0], [0.02, 3e3]]),
         ("0;7;0\n20;7;3\n", "columns: [1, 3]", [[0.0, 0.0], [20.0, 3.0]]),
         ("t (measured),F\n0,0\n1,3\n", "", [[0.0, 0.0], [1.0, 3.0]]),
     ],
@@ -190,6 +190,13 @@ def test_columns_and_units(tmp_path, data, more, points):
             "columns: [time, load], units: [s, kn]",
             "deck.yaml:20:100",
             "unit of a column: 'kn' is not a unit; did you mean",
+        ),
+        (WIDE, "columns: [1, 4]", "push.csv:1:50", "unit of a column: a force [N] is expected, and 'km/h' is a speed"),
+        (
+            "0,0\n20,3\n",
+            "units: [mm, bar]",
+            "deck.yaml:20:78",
+            "unit of a column: a force [N] is expected, and 'bar' is",
         ),
         (WIDE, "columns: [time]", "deck.yaml:20:75", "'value.table.columns' must be a list of 2 column headers"),
         (

@@ -110,7 +110,7 @@ STRUCTURE = [
     ("[[0, 0], [1, 1e3]]", "[[0, 0], [1]]", 20, "[1]",
      "force 'push': 'value.table.points[1]' must be two numbers, got [1]"),
     ("[[0, 0], [1, 1e3]]", "[[0, 0], [1, a]]", 20, "a",
-     "force 'push': 'value.table.points[1][1]' must be a number, got the text 'a'"),
+     "force 'push': 'value.table.points[1][1]' must be a number [N], got the text 'a'"),
     ("[[0, 0], [1, 1e3]]", "7", 20, "7",
      "force 'push': 'value.table.points' must be a list of [x, y] pairs, got 7"),
     ("[[0, 0], [1, 1e3]]", "[[0, 0], [0, 1e3]]", 20, "[[0",

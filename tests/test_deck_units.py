@@ -79,6 +79,11 @@ def test_units_in_a_deck():
             "the expression '$sink + 90 kg' cannot be understood: expressions contain",
         ),
         ("mass: 7e1", "mass: $pi", "'pi' is a constant: write pi without $"),
+        (
+            "[[0, 0], [1, 1e3]]",
+            "[[0, 0], [1, 1 kg]]",
+            "20:71 force 'push': 'value.table.points[1][1]': a force [N] is expected, and 'kg' is a mass",
+        ),
         ("mass: 7e1", "mass: pi", "got the text 'pi'; write '=pi'"),
     ],
 )
@@ -109,6 +114,28 @@ def test_units_of_coefficients_that_do_not_go_together():
     text = VALID.replace("{table: {points: [[0, 0], [1, 1e3]]}}", f"{{polynomial: {coefficients}}}")
     (problem,) = problems_of(text)
     assert "units are inconsistent: 2 N (power 0), 2 N/mm (power 1), 3 N/mm (power 2)" in problem
+
+
+def test_units_of_a_column_go_together():
+    """In a law of the section 'laws', whose use is not known where it is read."""
+    text = VALID.replace("smooth: 0.8", "smooth: {table: {points: [[0, 0.8], [10 mm, $own], [2 %s, 0.5 %s]]}}")
+    text = text.replace("mass: 82.0", "mass: 82.0, own: 50 %%")
+    place, hint = "26:55 law 'smooth': 'table.points[2]", "; give each a unit as that of 10 mm, or none"
+    assert problems_of(text % ("N", "%")) == [f"{place}[0]': units of a column are inconsistent: 10 mm and 2 N{hint}"]
+    (problem,) = problems_of(text % ("cm", "m"))
+    assert "'table.points[2][1]': units of a column are inconsistent: 50 % and 0.5 m" in problem
+
+
+def test_a_parameter_with_a_unit_is_checked_where_it_stands_alone():
+    """Also one that is given by another; an expression has numbers only."""
+    text = VALID.replace("mass: 82.0", "mass: $own, own: 82 %s")
+    assert read_fake(text % "kg").values["elements"]["hub"]["mass"] == 82.0
+    (problem,) = problems_of(text % "N")
+    assert problem.startswith(
+        "13:39 body 'hub': 'mass': parameter $mass is 82 N: a mass [kg] is expected, and 'N' is a"
+    )
+    assert problem.endswith("$mass is given in line 3")
+    assert read_fake(text.replace("mass: $mass,", "mass: =1*$mass,") % "N").values["elements"]["hub"]["mass"] == 82.0
 
 
 def test_other_names_of_the_modulus():

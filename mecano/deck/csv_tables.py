@@ -33,6 +33,7 @@ class Table:
     source: object
     numbers: array = field(default_factory=lambda: array("d"))  # x, y of each point in turn
     rows: array = field(default_factory=lambda: array("q"))  # line number of each point, from 0
+    units: list = field(default_factory=list)  # of x and y: (unit, node at its place), or None
 
     @property
     def points(self):
@@ -76,6 +77,16 @@ def within(name, node, scope):
     if path is None:
         scope.refuse(node, f"file {quoted(name)} must lie in the folder of the deck")
     return path
+
+
+def factor(unit, declared, place, scope):
+    """Return the factor from the ``unit`` of a column, given at a ``place``, to SI units; None after reporting one."""
+    try:
+        return factor_of(unit, declared)
+    except UnitError as error:
+        in_deck = place.value is not None
+        scope.refuse(place, f"unit of a column: {error}", "" if in_deck else "or give 'units: [.., ..]'")
+        return None
 
 
 def _source(name, node, scope):
@@ -183,13 +194,11 @@ class _Reading:
         column = self.columns[i]
         unit = node.value if node else (units[column] if column < len(units) else None)
         if not unit:
+            self.found.units.append(None)
             return 1.0
-        try:
-            return factor_of(unit, declared)
-        except UnitError as error:
-            place = node or Node(None, self.source, line, max(self.source.lines[line].find(unit), 0))
-            self.scope.refuse(place, f"unit of a column: {error}", "" if node else "or give 'units: [.., ..]'")
-            return None
+        place = node or Node(None, self.source, line, max(self.source.lines[line].find(unit), 0))
+        self.found.units.append((unit, place))
+        return factor(unit, declared, place, self.scope)
 
     def _added(self, cells, line):
         """Add the point of a row of plain numbers, the usual case in a long table; return False for other rows."""

@@ -5,11 +5,13 @@ from dataclasses import replace
 
 from mecano.deck.compose import Node
 from mecano.deck.containers import IDENTIFIER, filled
-from mecano.deck.csv_tables import Wanted, table
+from mecano.deck.csv_tables import Wanted, factor, table
 from mecano.deck.scope import INVALID, Reference, place_of
+from mecano.deck.units import unit_of
 from mecano.deck.values import number, plain_number
 from mecano.deck.wording import quoted
-from mecano.schema import NUMBER, Field, Type
+from mecano.laws.term import ARGUMENT, VALUE
+from mecano.schema import NUMBER, TIME_CURVE, Field, Type
 
 TERM = Type("mapping", "a mapping")
 HOW = "{term: {field: value, ...}, another: {...}}, such as {linear: {slope: 2.0}}"
@@ -67,8 +69,9 @@ def _term(name, key, node, field, scope):
     scope.owner = key
     if len(term.fields) == 1 and type(node.value) is not dict:  # as its only field
         node = Node({term.fields[0].name: (key, node)}, node.source, node.line, node.column)
-    values = filled(node, Field(name, TERM, "-", term.doc), term.fields, scope)
-    if values is INVALID or ("file" in values and not _with_points(values, term, node, scope)):
+    fields = _in_use(term.fields, field)
+    values = filled(node, Field(name, TERM, "-", term.doc), fields, scope)
+    if values is INVALID or ("file" in values and not _with_points(values, term.fields, fields, node, scope)):
         return INVALID
     texts = term.check(values)
     for text in texts:
@@ -76,13 +79,24 @@ def _term(name, key, node, field, scope):
     return INVALID if texts else values
 
 
+def _in_use(fields, use):
+    """Return the fields of a term with the units of value and argument, where the field of its ``use`` gives them."""
+    if use.type.name not in ("curve", "drive"):
+        return fields  # a force of extension and rate, or of the section 'laws'
+    units = {VALUE: use.unit} | ({ARGUMENT: "s"} if use.type == TIME_CURVE or use.type.name == "drive" else {})
+    return [replace(f, unit=", ".join(units.get(unit, unit) for unit in f.unit.split(", "))) for f in fields]
+
+
 def fits(term, wanted):
     """Return True if a law with this term is allowed where ``wanted`` ("law", "curve" or "drive") is required."""
     return wanted not in ("curve", "drive") or term.role == "curve"
 
 
-def _with_points(values, term, node, scope):
-    """Read the points of a term from its file, if it has one; return False if they cannot be read."""
+def _with_points(values, general, in_use, node, scope):
+    """Read the points of a term from its file, if it has one; return False if they cannot be read.
+
+    ``general`` are its fields with the units of any use, as one file may have several, ``in_use`` those of this use.
+    """
     if values["file"] is None:
         useless = next((key for key in ("columns", "units") if values[key] is not None), None)
         if useless:
@@ -91,10 +105,10 @@ def _with_points(values, term, node, scope):
     if values["points"] is not None:
         scope.refuse(node.value["file"][0], "give either 'points' or 'file', not both")
         return False
-    points = next(field for field in term.fields if field.name == "points")
+    points, used = (next(field for field in fields if field.name == "points") for fields in (general, in_use))
     columns, units = ([None, None] if values[key] is None else node.value[key][1].value for key in ("columns", "units"))
     found = table(values["file"], node.value["file"][1], Wanted(columns, units, points.unit), scope)
-    if found is None:
+    if found is None or not _units_fit(found, used.unit, scope):
         return False
     values |= {"file": None, "columns": None, "units": None, "points": found.points}
     text = points.check(values["points"])
@@ -102,3 +116,9 @@ def _with_points(values, term, node, scope):
         match = POINT_NUMBER.search(text)
         scope.refuse(found.place(int(match[1]) - 1 if match else 0), f"the points {text}")
     return not text
+
+
+def _units_fit(found, declared, scope):
+    """Return whether the units of the columns of a Table agree with its use; report those that do not."""
+    given = [(unit_of(declared, i, 2), *pair) for i, pair in enumerate(found.units) if pair]
+    return None not in [factor(unit, wanted, place, scope) for wanted, unit, place in given]

@@ -8,6 +8,7 @@ from mecano.deck.expressions import ExpressionError, evaluate, is_evaluated, is_
 from mecano.deck.parameters import Parameters, Refused
 from mecano.deck.similar_names import similar
 from mecano.deck.source import Source
+from mecano.deck.units import is_quantity
 from mecano.deck.wording import found, how_to_write, quoted, suggestion, unit_text
 from mecano.errors import DeckError, Problem
 from mecano.schema import SECTION_OF
@@ -23,6 +24,8 @@ KEYWORDS = {  # type -> keywords that may replace a value
 }
 MAX_KEYWORD = 20  # letters
 MOST_PARAMETERS = 3  # named in a hint
+MOST_PARAMETERS_DEEP = 10  # parameters given by one another
+BARE = re.compile(r"\$([A-Za-z_][A-Za-z0-9_-]*)")  # nothing but a parameter
 MOST_NODES = 1000  # of a value, in which parameters are looked for
 DEFAULT = Source("default", "")
 INVALID = object()  # stands for a value that has been refused
@@ -135,6 +138,18 @@ class Scope:
             return INVALID
         except ExpressionError as error:
             return self.refuse_expression(node, error)
+
+    def quantity_of(self, text):
+        """Return the number with a unit by which the parameter of an expression "$name" is given, or ""."""
+        for _ in range(MOST_PARAMETERS_DEEP):
+            name = BARE.fullmatch(text)
+            node = self.parameters.node(name[1]) if name else None
+            if node is None or type(node.value) is not str:
+                return ""
+            if is_quantity(node.value):
+                return node.value
+            text = node.value
+        return ""
 
     def refuse_expression(self, node, error):
         """Report an error of an expression, at its character in the line if that is known."""

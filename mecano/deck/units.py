@@ -84,6 +84,11 @@ def go_together(coefficients):
     return False
 
 
+def same_dimension(one, other):
+    """Return True if two valid quantities have the same dimension."""
+    return len({parsed(QUANTITY.fullmatch(text)[2])[1] for text in (one, other)}) == 1
+
+
 def si_unit(text):
     """Return the SI unit of a valid quantity in the form closest to the written one: for "40 km/h" it is m/s."""
     unit = NAME.sub(lambda match: SI[_simple(match[0])[1]], QUANTITY.fullmatch(text)[2])

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from mecano.deck.scalar import number as number_in
 from mecano.deck.scope import INVALID, Reference
-from mecano.deck.units import UnitError, converted, go_together, is_quantity, unit_of
+from mecano.deck.units import UnitError, converted, go_together, is_quantity, same_dimension, unit_of
 from mecano.deck.wording import quoted
 from mecano.schema import NODE, NUMBER, NUMBERS, SECTION_OF, Field
 
@@ -26,17 +26,24 @@ def plain_number(node, field, scope):
     value = node.value
     if type(value) is str and (quoted_number := number_in(value)) is not None:
         return quoted_number
-    if type(value) is str:
-        value = _quantity(node, field, scope) if is_quantity(value) else scope.evaluated(node)
+    if type(value) is str and is_quantity(value):
+        value = _quantity(node, value, field, scope)
+    elif type(value) is str:
+        given = scope.quantity_of(value)
+        wrong = given and _quantity(node, given, field, scope, value) is INVALID
+        value = INVALID if wrong else scope.evaluated(node)
     return value if value is INVALID or type(value) in (int, float) else None
 
 
-def _quantity(node, field, scope):
+def _quantity(node, text, field, scope, parameter=""):
+    """Return the number of a quantity, or INVALID; ``parameter``: the text "$name" of one that is given as ``text``."""
     try:
-        return converted(node.value, field.unit)
+        return converted(text, field.unit)
     except UnitError as error:
         name = scope.name_of(field.name)
-        return scope.refuse(node, f"{quoted(name)}: {error}" if name else str(error))
+        subject = f"{quoted(name)}: " if name else ""
+        of = f"parameter {parameter} is {text}: " if parameter else ""
+        return scope.refuse(node, f"{subject}{of}{error}", scope.where_given(node) if parameter else "")
 
 
 def number(node, field, scope):
@@ -178,7 +185,27 @@ def points(node, field, scope):
     odd = [i for i, item in enumerate(node.value) if type(item.value) is not list or len(item.value) != 2]
     for i in odd:
         scope.refuse_value(node.value[i], replace(field, name=f"{field.name}[{i}]", type=PAIR))
-    return INVALID if odd else items(node, field, scope, PAIR)
+    values = INVALID if odd else items(node, field, scope, PAIR)
+    if values is INVALID or not all(_alike(node, i, field, scope) for i in (0, 1)):
+        return INVALID
+    return values
+
+
+def _alike(node, i, field, scope):
+    """Return whether the quantities of column ``i`` of pairs have one dimension; report the first other one."""
+    cells = [row.value[i] for row in node.value]
+    texts = [_with_unit(cell.value, scope) if type(cell.value) is str else "" for cell in cells]
+    first = next(filter(None, texts), "")
+    odd = next((n for n, text in enumerate(texts) if text and not same_dimension(first, text)), None)
+    if odd is None:
+        return True
+    of = f"{quoted(scope.name_of(f'{field.name}[{odd}][{i}]'))}: units of a column are inconsistent"
+    scope.refuse(cells[odd], f"{of}: {first} and {texts[odd]}", f"give each a unit as that of {first}, or none")
+    return False
+
+
+def _with_unit(text, scope):
+    return text if is_quantity(text) else scope.quantity_of(text)
 
 
 def columns(node, field, scope):
