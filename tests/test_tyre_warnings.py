@@ -40,6 +40,26 @@ def test_a_twist_that_swings_with_the_spin_is_warned_of(share, warned):
             assert f"'tire_law.lateral.moreland.yaw_time' ({share * needed:g} s) is more than {needed:.2g} s" in text
 
 
+def test_a_wheel_that_starts_backward_or_deep_is_warned_of():
+    """At 60 m/s with the axis reversed; 82.5 mm deep with 1.2 MN/m. Nothing is said of a wheel in place."""
+    reverse = "elements.%s.axis=[0, -1, 0]"
+    (said,) = warnings_of(prepare(input_deck("wheel_spin_up", reverse % "tire")))
+    assert (
+        "wheel 'tire': it starts backward, at 60 m/s against its forward direction [-1, 0, 0], which is 'axis'" in said
+    )
+    assert said.endswith("with 'axis: [0, 1, 0]' it rolls forward")
+    deep = [f"nodes.{node}.position=[0, 0, 0.24]" for node in ("fork", "hub")]
+    (said,) = warnings_of(prepare(input_deck("wheel_spin_up", *deep)))
+    assert "its tyre starts 82.5 mm deep in the ground, 0.26 of its radius, which pushes with 9.9e+04 N; it" in said
+    assert said.endswith("just touches with its node 82.5 mm higher along the normal of the ground")
+    assert len(warnings_of(prepare(input_deck("wheel_spin_up", reverse % "tire", *deep)))) == 2
+    for speed in ("-60", "0"):
+        assert warnings_of(prepare(input_deck("wheel_spin_up", reverse % "tire", f"parameters.speed={speed}"))) == []
+    for name, wheel in (("step_slip", "tire"), ("nose_landing_gear", "wheel")):  # a transient and a flexible wheel
+        warnings = warnings_of(prepare(input_deck(name, reverse % wheel)))
+        assert any("it starts backward" in said for said in warnings)
+
+
 @pytest.mark.parametrize("name", ["nose_landing_gear", "step_steer", "caster_shimmy"])
 def test_no_warning_of_good_tyres(name):
     assert warnings_of(prepare(input_deck(name))) == []

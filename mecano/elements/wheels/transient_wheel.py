@@ -26,6 +26,7 @@ import numpy as np
 
 from mecano.constraints.ground import GROUND_RECORD, ends
 from mecano.element_interface import Kind, Output, record
+from mecano.elements.wheels.at_start import odd_start
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import FIRST, add_ground, event_values, law_samples, put_rolling, rolling
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
@@ -200,6 +201,7 @@ TRANSIENT_WHEEL = Kind(
     prepare=prepare,
     check=check,
     limits=limits,
+    suspicious=odd_start,
     ends=ends,
     residual=RESIDUAL,
     observe=OBSERVE,

@@ -31,6 +31,7 @@ from functools import cache
 
 from mecano.constraints.ground import GROUND_RECORD, ends
 from mecano.element_interface import Kind, record
+from mecano.elements.wheels.at_start import odd_start
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
 from mecano.elements.wheels.rolling_contact import add_ground, event_values, law_samples, put_rolling, rolling
@@ -135,6 +136,7 @@ WHEEL = Kind(
     prepare=prepare,
     check=check_wheel,
     limits=limits,
+    suspicious=odd_start,
     ends=ends,
     residual=RESIDUAL,
     observe=OBSERVE,
