@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import mecano
+from mecano.cli import commands
 from mecano.elements import KINDS
 from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.model.extremes import Extremes
@@ -714,3 +715,23 @@ def test_titles_fit_their_pictures(title, ends):
     assert head.get_text().endswith(f"{ends}\n") and below.get_text().endswith(" ...")
     assert (head.get_fontsize() == 12) == (len(title) < 70) and 8 <= head.get_fontsize() <= 12
     assert max(text.get_window_extent().x1 for text in drawn.texts) <= 8.0 * drawn.dpi
+
+
+def test_pictures_of_mecano_are_replaced_and_others_only_with_force(path, tmp_path):
+    """As results files are: drawing again replaces what was drawn, never a photograph of the same name."""
+    one, page = tmp_path / "spin.png", tmp_path / "report.html"
+    plot = ["one_wheel.spin_rate"]
+    for _ in range(2):
+        assert list(post([path], plot, output=one)) == [one]
+    for other in (one, tmp_path / "spin.svg"):
+        other.write_bytes(b"a photograph")
+        with pytest.raises(ResultsError, match=f"{other.name} exists already, and mecano has not written it; --force"):
+            list(post([path], plot, output=other))
+        assert other.read_bytes() == b"a photograph"
+        assert list(post([path], plot, output=other, force=True)) == [other]
+    page.write_text("<html>minutes of a meeting</html>")
+    arguments = ["post", str(path), "--report", str(page)]
+    with pytest.raises(ResultsError, match="mecano has not written it"):
+        commands(arguments, standalone_mode=False)
+    for more in (["--force"], []):
+        commands([*arguments, *more], standalone_mode=False)

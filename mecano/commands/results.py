@@ -1,5 +1,7 @@
 """Commands about results files."""
 
+from pathlib import Path
+
 import click
 
 from mecano.commands import BELOW, plugins, show
@@ -29,8 +31,9 @@ from mecano.commands import BELOW, plugins, show
     help="Write a page that plays the motion; or a film, .gif, .webp or .mp4.",
 )  # fmt: skip
 @click.option("--report", metavar="PAGE.html", type=click.Path(), help="Write a report page on one run or study.")
+@click.option("--force", is_flag=True, help="Also replace pictures and pages that mecano has not written.")
 @plugins
-def post(results, plots, spectra, at, output, kind, columns, title, below, page, report):
+def post(results, plots, spectra, at, output, kind, columns, title, below, page, report, force):
     """Draw pictures of results; several files are drawn into the same pictures.
 
     Without --plot, --spectrum, --at: the standard plots for this model, from the overview to the step size.
@@ -40,6 +43,8 @@ def post(results, plots, spectra, at, output, kind, columns, title, below, page,
     --animate writes one self-contained page for a browser: the motion of one file in space, with a time slider, colours
     by stress or force, and beside it the requested plots, or the first of the overview. --report writes one page on
     the run: model, solution, energies, events, pictures (requested ones first), extremes, the deck.
+
+    Pictures and pages of mecano are replaced; a file of this name from elsewhere is refused without --force.
     """
     from mecano.results.checked import blaming, cut_short
 
@@ -50,10 +55,14 @@ def post(results, plots, spectra, at, output, kind, columns, title, below, page,
     for warning in cut_short(results):
         click.echo(f"mecano: {warning}", err=True)
     with blaming(*results):
-        _post(results, plots, spectra, at, output, kind, columns, title, below, page, report)
+        _post(results, plots, spectra, at, output, kind, columns, title, below, page, report, force)
 
 
-def _post(results, plots, spectra, at, output, kind, columns, title, below, page, report):
+def _post(results, plots, spectra, at, output, kind, columns, title, below, page, report, force):
+    from mecano.results.whole_file import refuse_foreign
+
+    for name in filter(None, (page, report)):
+        refuse_foreign(Path(name), force)
     if page:
         from mecano.post.animation import animate
 
@@ -67,7 +76,16 @@ def _post(results, plots, spectra, at, output, kind, columns, title, below, page
     from mecano.post.pictures import post as draw
 
     for path in draw(
-        results, plots, spectra, output=output, kind=kind, columns=columns, title=title, at=at, below=below
+        results,
+        plots,
+        spectra,
+        output=output,
+        kind=kind,
+        columns=columns,
+        title=title,
+        at=at,
+        below=below,
+        force=force,
     ):
         click.echo(path)
 

@@ -20,6 +20,7 @@ COLUMNS = 3  # of the overview
 MOST_COLUMNS = 6  # of the legend
 SMALLEST = 8  # points
 CUT = " ..."
+METADATA = {"png": {"Software": "mecano"}, "svg": {"Creator": "mecano", "Date": None}}
 
 
 def sheet_figure(sheet, title):
@@ -66,7 +67,7 @@ def save(figure, target, kind=""):
         figure.get_layout_engine().execute(figure)
     with matplotlib.rc_context(SETTINGS | {"figure.constrained_layout.use": False}):
         figure.set_layout_engine()  # none, as savefig would draw everything again to compute the layout
-        figure.savefig(target, format=kind, metadata={"Date": None} if kind == "svg" else None)
+        figure.savefig(target, format=kind, metadata=METADATA[kind])
 
 
 def _room(sheet, look, cells, width):

@@ -17,7 +17,7 @@ from mecano.post.study_plots import draw_study
 from mecano.post.wire import times_of, wire_figure
 from mecano.results import modes_file, study_file, sweep_file
 from mecano.results.checked import format_of
-from mecano.results.whole_file import make_folder
+from mecano.results.whole_file import make_folder, refuse_foreign
 
 FORMATS = ("png", "svg")
 OTHER_FORMATS = ("jpg", "jpeg", "pdf", "eps", "ps", "tif", "tiff", "gif", "bmp", "webp")  # other dots are in names
@@ -25,7 +25,8 @@ ALONE = {modes_file.FORMAT: draw_modes, sweep_file.FORMAT: draw_sweep, study_fil
 LONGEST_STEM = 60
 
 
-def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False, title=None, at=None, below=None):
+def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False, title=None, at=None, below=None,
+         force=False):  # fmt: skip
     """Draw pictures of results files, with several runs in one picture, and yield the Path of each file written.
 
     Files of modes, sweeps and studies are drawn one by one.
@@ -50,6 +51,8 @@ def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False,
         ``plots``.
     below : float
         Frequency [Hz] above which modes are left out of the picture of a sweep; by default ``loci.shown_modes``.
+    force : bool
+        Also replace pictures that mecano has not written.
 
     Raises
     ------
@@ -60,7 +63,7 @@ def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False,
     """
     others = [path for path in paths if format_of(path) in ALONE]
     if others:
-        yield from _alone(paths, others, [*plots, *spectra], output, kind, below)
+        yield from _alone(paths, others, [*plots, *spectra], output, kind, below, force)
         return
     if below is not None:
         raise UsageError("--below: only for files of `mecano modes --sweep`")
@@ -76,6 +79,8 @@ def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False,
         pictures = _default_pictures(runs)
     names = [sheet.name for sheet, _ in pictures] + ["configurations"] * (len(runs) if times else 0)
     targets = _targets(names, output, kind, runs)
+    for target in targets:
+        refuse_foreign(target, force)
     for run, target in zip(runs if times else [], targets[len(pictures) :], strict=True):
         yield _save(wire_figure(run, times, title), target)
     for (sheet, draw), target in zip(pictures, targets, strict=False):
@@ -90,7 +95,7 @@ def asked_sheets(plots, spectra, runs):
     return plotted + [spectrum_sheet(text, runs) for text in spectra]
 
 
-def _alone(paths, others, plots, output, kind, below):
+def _alone(paths, others, plots, output, kind, below, force):
     """Draw files of modes, sweeps and studies, and yield the Path of each picture."""
     if plots or len(others) < len(paths):
         raise UsageError(
@@ -103,8 +108,9 @@ def _alone(paths, others, plots, output, kind, below):
         raise UsageError(f"{output} names one picture, but there will be {len(paths)}: give a folder")
     for path in paths:
         target = Path(output) / f"{Path(path).stem}.{kind}" if folder else _named(output, kind)
-        if target is not None:
-            make_folder(target.parent)
+        target = target or Path(path).with_suffix(f".{kind}")
+        make_folder(target.parent)
+        refuse_foreign(target, force)
         if below is not None:
             yield draw_sweep(path, target, kind, below)
         else:

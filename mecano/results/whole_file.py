@@ -10,6 +10,8 @@ from mecano.results.provenance import provenance
 LONGEST = 200  # bytes of a name used in a hidden one: file systems allow 255
 
 LONGEST_ENDING = 20
+MARKED = (".png", ".svg", ".html", ".htm")  # files in which mecano is named as the program that wrote them
+MARK, BEGINNING = b"mecano", 4096  # in the first bytes
 
 
 @contextmanager
@@ -56,6 +58,20 @@ def refuse_other_than_file(path):
     """Raise ResultsError if ``path`` is a folder, a pipe or a device, or not a valid name of a file."""
     if exists(path) and (other := other_than_file(path)):
         raise ResultsError(f"cannot write {path}: it is {other}; give the name of a file")
+
+
+def refuse_foreign(path, force):
+    """Raise ResultsError if a picture or page ``path`` exists that mecano has not written, unless ``force`` is True."""
+    refuse_other_than_file(path)
+    if force or path.suffix not in MARKED or not exists(path):
+        return
+    try:
+        with open(path, "rb") as file:
+            begins = file.read(BEGINNING)
+    except OSError as error:
+        raise ResultsError(f"cannot read {path}, which would be replaced: {error.strerror}") from error
+    if MARK not in begins:
+        raise ResultsError(f"{path} exists already, and mecano has not written it; --force replaces it")
 
 
 def other_than_file(path):
