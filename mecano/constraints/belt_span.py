@@ -164,6 +164,10 @@ def check_tangent(names, places, radii, frame):
 
 def _samples(radii):
     def sample(rng):
+        """Return (values of RECORD, nodes, phase) of a span between two pulleys at random places, in each phase.
+
+        Lengths are in m, stiffness in N/m, damping in s; the axes (3, 3) of both pulleys in their nodes are random.
+        """
         found = []
         for phase in PHASES:
             values = {

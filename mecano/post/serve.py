@@ -82,6 +82,7 @@ class Server(ThreadingHTTPServer):
 
 class _Handler(BaseHTTPRequestHandler):
     def do_GET(self):
+        """Answer GET "/" with the page and "/data" with the data of a run; 403 for a wrong host or token, else 404."""
         asked = urlsplit(self.path)
         query = {name: values[-1] for name, values in parse_qs(asked.query).items()}
         answers = {"/": self._page, "/data": self._data}

@@ -47,6 +47,7 @@ def _load(name, what, coordinate, field, prepare, check, sample):
     rate_unit = f"{coordinate.unit}/s"
 
     def kind(demand):
+        """Return the Kind whose force Q [N] or moment [N m] is ``demand`` (p, at) -> Q: f = -Q dq/dx, power Q dq/dt."""
         residual, observe = _functions(coordinate, demand)
         return Kind(
             name=name, section="loads", doc=f"{what}.\n\n{EQUATIONS}",

@@ -123,6 +123,11 @@ def _functions(set_points):
 
     @kernel
     def observe(p, at, F, y, e):
+        """Write y = (d [m], psi [rad], force [N], moment [N m] on node b), each (3,) along mu, and energies.
+
+        With the strain s = (d - d_0, psi - psi_0): e[1] = s.K s/2 [J], e[2] = s'.D s' [W] is dissipated, e[3] =
+        -(n.d_0' + m.psi_0') [W] is given by moving set points.
+        """
         (d, psi, _), strain, rate, elastic, viscous = loads(p, at)
         _, _, d_0_rate, psi_0_rate = set_points(p, at)
         n, m = elastic[0] + viscous[0], elastic[1] + viscous[1]

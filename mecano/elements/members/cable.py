@@ -104,6 +104,11 @@ def _functions(natural, add_by_natural):
 
     @kernel
     def force(p, at, f, K, C, M):
+        """Add f = (-N u, N u) [N], (6,), and the inertia of the line, with their tangents K, C, M (6, 6).
+
+        N = EA (eps + c d eps/dt) with eps = l/L - 1, the unit vector u from the first to the second node, l their
+        distance and L the natural length; N = 0 unless taut. A natural length that is a signal adds a column.
+        """
         add_line_inertia(p, at.a, f, M)
         if at.phase != TAUT:
             return
@@ -116,6 +121,11 @@ def _functions(natural, add_by_natural):
 
     @kernel
     def observe(p, at, F, y, e):
+        """Write length [m], natural length L [m], strain eps, its rate [1/s], tension N [N], stress [Pa], and energies.
+
+        With N_v = N - EA eps: e[1] += EA eps^2 L/2 [J], e[2] = N_v L d eps/dt [W] is dissipated, and
+        e[3] = -(EA eps (1 + eps/2) + N_v (1 + eps)) dL/dt [W] is given by a changing natural length.
+        """
         length, rate, _ = line(at.q, at.v)
         L, L_rate = natural(p, at)
         strain, strain_rate = strained(length, rate, L, L_rate)
@@ -145,6 +155,7 @@ def _cable_functions(natural, add_by_natural):
 
     @kernel
     def observe(p, at, F, y, e):
+        """Write y and e of a bar, without a tension that pushes, and y[6] = 1 while taut, 0 while slack."""
         put(p, at, F, y, e)
         put_no_push(y)
         y[6] = 1.0 if at.phase == TAUT else 0.0

@@ -59,6 +59,10 @@ def _functions(set_point):
 
     @kernel
     def observe(p, at, F, y, e):
+        """Write length l [m], extension l - l_0 [m], dl/dt [m/s], force N [N], stroke l_0 - l [m], d(l - l_0)/dt [m/s].
+
+        Energies: the potential of the law in e[1] [J], the power dissipated in e[2] and given by l_0 in e[3] [W].
+        """
         length, rate, _ = line(at.q, at.v)
         point = set_point(p, at)
         y[0] = length
