@@ -83,6 +83,7 @@ def test_an_angle_is_prescribed_about_the_axis_of_the_hinge():
         ("[0, -2, 0]", "[0, -2, 0", "not valid YAML", "the bracket opened in line 8 is not closed before this"),
         ("  motor:", "   motor:", "not valid YAML", "keys that belong together begin in the same column"),
         ("mecano: 1", "mecano: 1\nbodies: {}", "unknown key 'bodies'", "here it is called 'elements'"),
+        ("mecano: 1", "mecano: 1\nuse: {}", "unknown key 'use'", "here it is called 'place'"),
         ("{position: [0", "{velocity: [1, 0, 0], position: [0", "unknown key 'velocity'", "give it in 'initial': "),
         ("step: 0.1", "step: 0.1, tolerance: 1", "unknown key 'time.tolerance'", "did you mean 'adaptive.tolerance'?"),
         ("[0, -2, 0]", "[0, -2, 0] * $s", "not valid YAML", "'*' begins a reference of YAML; lists have no products"),

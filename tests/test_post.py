@@ -634,6 +634,7 @@ class TestInfo:
         """Extremes below 1e-10 of the largest of a unit, and nodes, are left out; nan is reported."""
         values = {
             "a/f": (-9.0, 2.0, "N"),
+            "joints/j/f": (0.0, 3.0, "N"),
             "a/g": (0.0, 8e-10, "N"),
             "a/u": (0.0, 8e-10, "m"),
             "a/zero": (0.0, 0.0, "J"),
@@ -641,7 +642,7 @@ class TestInfo:
             "nodes/p/position.x": (0.0, 5.0, "m"),
         }
         extremes = {path: Extreme(high, 1.0, low, 2.0, unit) for path, (low, high, unit) in values.items()}
-        assert [name for name, _ in telling(extremes)] == ["a.f", "a.u", "a.bad"]
+        assert [name for name, _ in telling(extremes)] == ["joints.j.f", "a.f", "a.u", "a.bad"]
 
     def test_names(self, tmp_path):
         path = every_kind.write(tmp_path / "all.h5", kinds=KINDS)

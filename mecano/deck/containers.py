@@ -21,6 +21,7 @@ KEYS_ELSEWHERE = {  # names of some fields in other programs, without '_'
     "bodies": "elements", "constraints": "elements", "forces": "elements",
     "springs": "elements", "dampers": "elements", "loads": "elements", "wheels": "elements", "contacts": "elements",
     "objects": "elements", "markers": "nodes", "points": "nodes", "variables": "parameters",
+    "use": "place", "instances": "place", "copies": "place", "vary": "grid", "cases": "list",
     "controllers": "signals", "filters": "signals", "simulation": "time", "solver": "time", "integrator": "time",
 }  # fmt: skip
 ELSEWHERE = dict.fromkeys(
@@ -111,7 +112,7 @@ def _meant(key, known, fields, field, scope):
     if key == "include" and not field.name:  # files were included before: this is of --set
         return f"{quoted(key)} is allowed in the file of the deck only"
     name = KEYS_ELSEWHERE.get(key.lower().replace("_", ""))
-    if name in known:
+    if name in known or (name in LANGUAGE_KEYS and not field.name):
         return f"here it is called {quoted(name)}"
     if key in ELSEWHERE and "position" in known:
         return ELSEWHERE[key]

@@ -58,6 +58,13 @@ NOTES = {  # words with the same meaning: (targets, note)
         "not available; two universals with a shaft between them are similar",
     ),
     "plane joint, planar joint": ("planar", ""),
+    "roller, roller support, inplane, in plane, point on plane, point in plane": (
+        "prescribed_position generic planar",
+        "a node stays in a plane with a prescribed_position along its normal and 'value: 0', or with a generic joint",
+    ),
+    "inline, in line, point on line, pin in slot, slotted link, geneva, scotch yoke": (
+        "point_on_curve prismatic generic", "a point of one body slides along a straight or curved line of another"
+    ),
     "support, ground joint, fixation, boundary condition, constraint": (
         "nodes fixed prescribed_position held_rotation",
         "a node with 'fixed: true' is held; 'ground' may be one of two nodes",

@@ -6,16 +6,21 @@ ROUNDING = 1e-10  # of the largest value of the same unit: smaller extremes are 
 
 
 def telling(extremes):
-    """Return (name, Extreme) of all outputs, except those of nodes and those that are zero or rounding errors."""
+    """Return (name, Extreme) of all outputs, except those of nodes and those that are zero or rounding errors.
+
+    Joints come first, as the elements of one divided member may be many.
+    """
     least = dict.fromkeys((extreme.unit for extreme in extremes.values()), 0.0)
     for extreme in extremes.values():
         if math.isfinite(size := _largest(extreme)):
             least[extreme.unit] = max(least[extreme.unit], ROUNDING * size)
-    return [
-        (named(path), extreme)
+    found = [
+        (path, extreme)
         for path, extreme in extremes.items()
         if not path.startswith("nodes/") and not _largest(extreme) <= least[extreme.unit]
     ]
+    found.sort(key=lambda item: not item[0].startswith("joints/"))
+    return [(named(path), extreme) for path, extreme in found]
 
 
 def named(path):

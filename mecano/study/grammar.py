@@ -78,6 +78,7 @@ OUTPUT_FIELDS = (
     Field("event", TEXT, "-", "an element, or a pattern, and its event: wheel touch_down, '* locks'", None),
     Field("take", choice(*OF_SERIES, *OF_EVENTS), "-", "the number to take"),
 )
+OUTPUT = replace(mapping(*OUTPUT_FIELDS), expects="a mapping, such as {of: hinge.angle, take: max}")
 FIELDS = (
     Field("study", INTEGER, "-", "version of the study file"),
     Field("title", TEXT, "-", "title of the study", ""),
@@ -89,7 +90,7 @@ FIELDS = (
     Field("csv", TEXT, "-", "a CSV file of such rows; its first line has the varied values, and 'case'", None),
     Field("latin_hypercube", mapping(*HYPERCUBE_FIELDS), "-", "rows of random values that fill ranges evenly", None),
     Field("seeds", mapping(*SEED_FIELDS), "-", "one case for each seed of random numbers", None),
-    Field("outputs", named(mapping(*OUTPUT_FIELDS), check_output), "-", "numbers of each case, for the table", {}),
+    Field("outputs", named(OUTPUT, check_output), "-", "numbers of each case, for the table", {}),
 )  # fmt: skip
 
 
