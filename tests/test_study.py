@@ -119,7 +119,7 @@ class TestCases:
         ("title: nothing", "1:1", "nothing is varied: a study has at least one of 'grid', 'list'"),
         ("grid: {a: {from: 1, to: 2, number: 90000}, b: [1, 2]}", "1:1", "180000 cases are more than 100000"),
         ("vary: {time.end: [1]}", "3:1", "unknown key 'vary'; here it is called 'grid'"),
-        ("grid: {time.end: [1]}\noutputs: {a: max(x)}", "4:", "must be a mapping, such as {of: hinge.angle, take: max}"),
+        ("grid: {time.end: [1]}\noutputs: {a: max(x)}", "4:", "must be a mapping, such as {of: hinge.angle, ta"),
         ("grid: {time.end: [1]}\noutputs: {a: {take: max}}", "4:", "an output is 'of' a series, or of an 'event'"),
         ("grid: {time.end: [1]}\noutputs: {a: {of: x, take: first}}", "4:28", "'take' of a series is one of: max, min"),
         ("grid: {time.end: [1]}\noutputs: {a: {event: x, take: first}}", "4:22", "'event' is the name of an element"),
