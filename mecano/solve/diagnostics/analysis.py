@@ -7,7 +7,7 @@ null space of B couples redundant constraints, its null space couples unknowns t
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -118,7 +118,8 @@ def analyse(system, s, length):
         dependent = sp.diags(holds.astype(float), format="csr")
         return Analysis(n_l, (), dependent, None, B, names, system.signals, holds, False)
     null = _left_null(B.dense(loops))
-    redundant = groups(null @ null.T, [of.name[of.n_q + i] for i in loops], of.name[of.n_q : of.n_q + system.n_l])
+    every = partial(of.name.__getitem__, slice(of.n_q, of.n_q + system.n_l))
+    redundant = groups(null @ null.T, [of.name[of.n_q + i] for i in loops], every)
     rank = n_l - null.shape[1]
     rows, shares, null = _repeated(null, of.of_rates[loops])
     release_matrix = (
@@ -274,11 +275,11 @@ def _directions(system, projector, loops, size):
     return found
 
 
-def groups(projector, names, every=()):
+def groups(projector, names, every=tuple):
     """Return the Groups of ``names`` that a projector couples, each with the number of its dimensions.
 
-    Groups of the same names, such as those of one joint about two axes, are one. ``every``: the names of all
-    constraints, of which ``names`` are some.
+    Groups of the same names, such as those of one joint about two axes, are one. ``every`` () returns the names of all
+    constraints, of which ``names`` are some; it is called only if there are groups, as a large model has many names.
     """
     taking_part = np.flatnonzero(np.diag(projector) > SHARE)
     if not len(taking_part):
@@ -291,7 +292,7 @@ def groups(projector, names, every=()):
             dict.fromkeys(names[i] for i in members),
         )
         found[tuple(of)] = found.get(tuple(of), 0) + count
-    totals = Counter(name.place for name in every)
+    totals = Counter(name.place for name in every())
     return tuple(Group(count, of, totals) for of, count in found.items())
 
 

@@ -34,7 +34,7 @@ def redundant_groups(system, s, length, analysis):
     loops, null = dependent_rows(B, group, holds)
     if null is None:
         return analysis.redundant
-    return groups(null @ null.T, [names[row] for row in loops], names)
+    return groups(null @ null.T, [names[row] for row in loops], lambda: names)
 
 
 def contradicting(system, s, length, phi):
