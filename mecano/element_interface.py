@@ -287,8 +287,14 @@ class Mechanics:
     coupled_multipliers: tuple = ()  # Row: coupled multipliers, of other parts of the same owner
     outputs: tuple = ()  # Output
     measures: dict = field(default_factory=dict, compare=False)
-    """{output: (deck values, nodes, Context) -> Measured, or the Part of which it is the first scalar}: outputs that
-    signals can read; with a Measured, they can also read the output that is declared as its rate"""
+    """{output: (deck values, nodes, Context) -> Measured}: coordinates, whose sensors need no other unknowns than those
+    of the nodes; they also measure the output that is declared as the rate. Other outputs are measured by ``observe``,
+    called with Duals"""
+    hidden: dict = field(default_factory=dict, compare=False)
+    """{output: text, what to do instead}: outputs that signals cannot read, because ``observe`` has them from F, from
+    accelerations, or not from Duals"""
+    revealed: "Kind | None" = None  # variant without shared unknowns, in which nothing is hidden
+    senses: "Kind | None" = None  # the kind of which it measures an output; see constraints/output_sensor.py
     start: Callable | None = None
     """record -> initial values (n_scalars,) of its scalars; zeros by default"""
     residual: Callable | None = None
@@ -309,6 +315,12 @@ class Mechanics:
     def of_rates(self):
         """True if its constraints are on velocities."""
         return any(row.constraint_unit.endswith("/s") for row in self.multipliers)
+
+    @property
+    def first_reaction(self):
+        """Index of the first multiplier, own or coupled, among the local unknowns; the value of a sensor follows."""
+        last = len(self.scalars) if self.senses else 0
+        return self.n_local - len(self.multipliers) - len(self.coupled_multipliers) - last
 
     @property
     def n_local(self):

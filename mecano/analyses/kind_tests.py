@@ -9,9 +9,10 @@ import re
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from mecano.analyses.kind_trial import GRAVITY, expand, samples, seed_of, turned_values
+from mecano.analyses.kind_trial import GRAVITY, SENSED, expand, moved_along, samples, seed_of, sensor_of, turned_values
 from mecano.element_interface import Context
 from mecano.laws.table import LawTable
+from mecano.maths.dual import value as number_in
 
 K_SCALE, PENALTY = 1.7, 2.3  # k and penalty of the constraints
 
@@ -330,6 +331,36 @@ def check_outputs_of_parts(kind):
         assert part.doc.strip() and all(o.name and o.unit and o.doc for o in part.outputs)
 
 
+def check_measures(kind):
+    """Signals that measure outputs have their values, and exact derivatives; hidden outputs are declared."""
+    for sample in samples(kind):
+        for instance in sample.instances:
+            outputs = [o for o in instance.kind.outputs for _ in range(int(np.prod(o.shape, dtype=int)))]
+            measured = [i for i, output in enumerate(outputs) if output.name not in instance.kind.hidden]
+            if measured and not instance.kind.of_signals:
+                _check_sensors(instance, sample.motion, measured, [output.name for output in outputs])
+
+
+def _check_sensors(instance, motion, measured, names):
+    """Compare sensors with ``observe``, and their slopes along a random direction with differences."""
+    t, state = motion.t, instance.local(motion)
+    n, unknown = len(state[0]), np.full(3 * len(instance.kind.layout), np.nan)  # the forces F
+    rates = n - len(instance.multipliers) - sum(len(lender.multipliers) for lender in instance.lenders)
+    direction = seed_of("direction").normal(size=(2, n))
+    direction[1, rates:] = 0.0
+
+    def outputs(h):
+        return instance.observe(t, moved_along(instance, state, h * direction), unknown)[0]
+
+    values, slopes = outputs(0.0), difference(outputs, 1e-4)
+    for i in measured:
+        residual = sensor_of(instance, i).along(t, state, direction)
+        assert np.isfinite(values[i]), f"{names[i]} depends on F, and is not hidden"
+        assert not any(x.value or x.slope for x in residual[:-1]), names[i]
+        np.testing.assert_allclose(number_in(residual[-1]), SENSED - values[i], rtol=1e-12, err_msg=names[i])
+        np.testing.assert_allclose(-residual[-1].slope, slopes[i], rtol=1e-6, atol=1e-8, err_msg=names[i])
+
+
 def check_samples(kind):
     """Samples pass the check of the kind and reach all its phases."""
     found = samples(kind)
@@ -343,6 +374,6 @@ def check_samples(kind):
 
 OF_EVERY_KIND = (
     check_declarations, check_samples, check_force, check_tangents, check_power, check_purity,
-    check_constraint_derivatives, check_multiplier_rows, check_output_rates, check_outputs_of_parts,
+    check_constraint_derivatives, check_multiplier_rows, check_output_rates, check_outputs_of_parts, check_measures,
 )  # fmt: skip
 OF_DECK_KINDS = (*OF_EVERY_KIND, check_invariance)

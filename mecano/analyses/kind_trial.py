@@ -1,12 +1,13 @@
 """Samples of every registered kind, expanded into single elements that can be evaluated and moved."""
 
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from dataclasses import field as value_of
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from mecano.constraints.output_sensor import output_sensor
 from mecano.element_interface import Context, Place
 from mecano.elements import KINDS
 from mecano.jit.null_matrix import NULL_MATRIX
@@ -17,6 +18,7 @@ from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL, list_of
 
 GRAVITY = np.array([0.7, -0.4, -9.3])
 BEYOND = 30  # places behind the outputs that must stay empty
+SENSED = 0.3  # value of a sensor
 SPREAD = 0.05  # of the random states around the nodes of a sample [m, rad]
 
 
@@ -138,6 +140,17 @@ class Instance:
                 tangents[array, :, j] = found[:, 1] * (k if j >= end else 1.0)
         return f, *tangents
 
+    def along(self, t, state, direction):
+        """Return f of a sensor of the value SENSED as Duals along the ``direction`` (2, n) of q and v of ``state``."""
+        q, v, a, R = state
+        n = self.kind.n_local
+        values = np.append(q, SENSED), np.append(v, 0.0)
+        of_q, of_v = (duals(x, np.append(d, 0.0)) for x, d in zip(values, direction, strict=True))
+        turns = np.array([R_r @ (EYES @ direction[0, c : c + 3]) for R_r, c in zip(R, self._columns(), strict=True)])
+        out = duals(np.zeros(n), np.zeros(n))
+        self.run("residual", t, (of_q, of_v, np.append(a, 0.0), duals(R, turns.reshape(R.shape))), out)
+        return out
+
     def _columns(self):
         return [3 * i for i, slot in enumerate(self.kind.layout) if slot[0] == "R"]
 
@@ -168,6 +181,28 @@ class Instance:
         out = np.zeros(size)
         self.run(name, t, state, out)
         return out
+
+
+def moved_along(instance, state, by):
+    """Return the local ``state`` displaced by ``by`` (2, n) in q and v, rotations materially."""
+    q, v, a, R = state
+    turns = [Rotation.from_rotvec(by[0, c : c + 3]).as_matrix() for c in instance._columns()]
+    angles = np.zeros(len(q), bool)
+    for c in instance._columns():
+        angles[c : c + 3] = True
+    turned = np.array([R_r @ turn for R_r, turn in zip(R, turns, strict=True)]).reshape(R.shape)
+    return q + np.where(angles, 0.0, by[0]), v + by[1], a, turned
+
+
+def sensor_of(instance, index):
+    """Return the sensor of an output of an instance, of the number ``index``."""
+    lenders = [instance, *instance.lenders]
+    kind = output_sensor(instance.kind, sum(len(lender.multipliers) for lender in lenders))
+    p = np.zeros(1, kind.dtype)
+    for name in instance.kind.dtype.names:
+        p[name] = instance.p[name]
+    p["sensed"] = index
+    return replace(instance, kind=kind, p=p)
 
 
 @dataclass

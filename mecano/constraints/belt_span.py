@@ -26,7 +26,7 @@ from mecano.constraints.body_fixed import wrap
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.element_interface import Event, Kind, Output, record
 from mecano.jit.kernel import kernel
-from mecano.maths.dual import atan2, sqrt
+from mecano.maths.dual import atan2, select, sqrt
 from mecano.maths.vector import Vec3, cross, dot, mat, vec
 
 TAUT = 0
@@ -104,8 +104,8 @@ def _kind(name, doc, layout, memory, geometry, sample):
     def observe(p, at, F, y, e):
         stretch, along, L, _, _ = geometry(p, at)
         rate = rate_of(along, at.v)
-        elastic = p.stiffness * stretch if at.phase == TAUT or stretch > 0.0 else 0.0
-        T = p.stiffness * (stretch + p.damping * rate) if at.phase == TAUT else 0.0
+        elastic = select(at.phase == TAUT or stretch > 0.0, p.stiffness * stretch, 0.0)
+        T = select(at.phase == TAUT, p.stiffness * (stretch + p.damping * rate), 0.0)
         y[0], y[1], y[2] = T, stretch, L
         e[1] = 0.5 * elastic * stretch
         e[2] = (T - elastic) * rate

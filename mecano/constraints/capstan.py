@@ -147,13 +147,13 @@ def observe(p, at, F, y, e):
     n, cable = len(p.coefficients), _cable(p, at)
     first = _first_tension(p, at, cable)
     sums = _begin(p, at, cable, first)
-    y[1] = max(first, 0.0)
+    y[1], lost = at_least(first, 0.0), constant(0.0, first)
     for i in range(1, n + 1):
         tension = sums[2]
         u, sums = _over(p, at, i, _pulley(p, at, i), cable, sums)
-        y[0] += (tension - sums[2]) * u
-        y[1 + i], y[1 + n + i] = max(sums[2], 0.0), u
-    e[2] = y[0]
+        lost = lost + (tension - sums[2]) * u
+        y[1 + i], y[1 + n + i] = at_least(sums[2], 0.0), u
+    y[0] = e[2] = lost
     e[3] = -cable[2] * (first - cable[3])
 
 

@@ -12,7 +12,7 @@ from mecano.constraints.touching import sliding
 from mecano.jit.kernel import kernel
 from mecano.laws.contact_force import contact_force, elastic_energy, elastic_force
 from mecano.laws.friction import friction
-from mecano.maths.dual import at_least
+from mecano.maths.dual import at_least, number, select, value
 from mecano.maths.vector import ZERO, add_vec, cross, dot, mat, norm, put, vec
 
 OPEN, CLOSED = 0, 1
@@ -123,22 +123,22 @@ def elastic(shapes, rubs):
     @kernel
     def put_energies(p, at, touched, N, e):
         w = -touched.gap
-        e[1] = elastic_energy(at.laws, p.law, at_least(w, 0.0))
+        e[1] = elastic_energy(at.laws, p.law, at_least(value(w), 0.0))
         e[2] = (N - elastic_force(at.laws, p.law, w)) * approach(touched, at)
 
     @kernel
     def observe_smooth(p, at, F, y, e):
-        touched, N = touch(p, at), 0.0
+        touched = touch(p, at)
+        N = select(at.phase == CLOSED, normal_force(p, at, touched), 0.0)
         if at.phase == CLOSED:
-            N = normal_force(p, at, touched)
             put_energies(p, at, touched, N, e)
         _put(at, touched, N, ZERO, ZERO, y)
 
     @kernel
     def observe_rough(p, at, F, y, e):
-        touched, N = touch(p, at), 0.0
+        touched = touch(p, at)
+        N = select(at.phase == CLOSED, normal_force(p, at, touched), 0.0)
         if at.phase == CLOSED:
-            N = normal_force(p, at, touched)
             put_energies(p, at, touched, N, e)
         F_t, u = _friction(p, at, touched, N)
         e[2] -= dot(F_t, u)
@@ -182,7 +182,7 @@ def observed_rigid(shapes):
 
     @kernel
     def observe(p, at, F, y, e):
-        _put(at, touch(p, at), at.q[row], ZERO, ZERO, y)
+        _put(at, touch(p, at), number(at.q[row]), ZERO, ZERO, y)
 
     return {"observe": observe, "event_values": _event_values(shapes, row)}
 
@@ -201,7 +201,7 @@ def rubbing(shapes):
 
     @kernel
     def observe(p, at, F, y, e):
-        touched, N = touch(p, at), at_least(at.q[TURNING], 0.0)
+        touched, N = touch(p, at), at_least(number(at.q[TURNING]), 0.0)
         F_t, u = _friction(p, at, touched, N)
         e[2] = -dot(F_t, u)
         _put(at, touched, N, F_t, u, y)

@@ -89,4 +89,5 @@ def put_contact(y, q, push, radius, wheel):
 def put_outputs(y, q, push, radius, wheel):
     """Write OUTPUTS, as ``put_contact``."""
     put_contact(y, q, push, radius, wheel)
-    y[13] = norm(Vec3(push[1], push[2], 0.0)) / push[0] if push[0] > 0.0 else 0.0
+    if push[0] > 0.0:
+        y[13] = norm(Vec3(push[1], push[2], 0.0)) / push[0]

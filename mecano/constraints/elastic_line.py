@@ -6,7 +6,7 @@ from mecano.constraints.along_coordinate.demand import is_formula, law_of
 from mecano.constraints.line import SHORTEST
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
-from mecano.maths.dual import at_least
+from mecano.maths.dual import at_least, number
 from mecano.maths.vector import EYE, add_mat, add_vec, dot, vec
 
 STRAIN_OF_STEEL = 2e-3  # at its yield strength
@@ -45,7 +45,7 @@ def put_no_push(y):
 
     When an accepted step ends where the cable goes slack, its tension is zero within round-off, of either sign.
     """
-    y[4], y[5] = max(y[4], 0.0), max(y[5], 0.0)
+    y[4], y[5] = at_least(number(y[4]), 0.0), at_least(number(y[5]), 0.0)
 
 
 @kernel

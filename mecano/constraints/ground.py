@@ -126,7 +126,7 @@ def in_plane(direction, normal):
 @kernel
 def lean_of(g):
     """Return LEAN [rad] of a disc at the Contact ``g``."""
-    return math.asin(max(-1.0, min(1.0, g.s)))
+    return chain(g.s, math.asin(max(-1.0, min(1.0, value(g.s)))), 1.0 / value(g.q))
 
 
 @kernel

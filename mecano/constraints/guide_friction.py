@@ -75,9 +75,9 @@ def round_residual(p, at, f):
 def round_observe(p, at, F, y, e):
     """Write force, moment, normal force, power."""
     rate, turn = rate_of(slide_along(p, at), at.v), rate_of(_turn_along(p, at), at.v)
-    y[0], y[1], y[2] = _round_friction(p, at, rate, turn)
-    y[3] = y[0] * rate + y[1] * turn
-    e[2] = y[3]
+    P, M, N = _round_friction(p, at, rate, turn)
+    y[0], y[1], y[2], y[3] = P, M, N, P * rate + M * turn
+    e[2] = P * rate + M * turn
 
 
 def keyed_record(place, friction, context):

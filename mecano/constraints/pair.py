@@ -25,7 +25,8 @@ from mecano.constraints.of_coordinates import (
 )
 from mecano.element_interface import Part, record
 from mecano.jit.kernel import kernel
-from mecano.laws.table import evaluate_force
+from mecano.laws.table import law_force
+from mecano.maths.dual import constant, number, select
 from mecano.maths.vector import Vec3, mat, put, vec
 from mecano.schema import DIRECTION, LAW, Field, mapping
 
@@ -134,8 +135,8 @@ def _elastic(axis, place, law, context, natural=0.0):
 def held(p, laws, q, i, coordinate, rate):
     """Return the reaction on b along the axis with index i in ``AXES``, from its multiplier or law; 0 if it is free."""
     if p.row[i] >= 0.0:
-        return q[int(p.row[i])]
-    return -evaluate_force(laws, int(p.law[i]), coordinate, rate)[0]
+        return constant(0.0, coordinate) + number(q[int(p.row[i])])
+    return -law_force(laws, int(p.law[i]), coordinate, rate)
 
 
 @kernel
@@ -159,7 +160,7 @@ def pair_moment(p, laws, q, v, R):
     tilt_1, rate_1 = tilted(-mu[1], xi[2], A, omega_0, omega_1)
     angle, rate = turned(mat(R[0]), omega_0, mu, mat(R[1]), omega_1, xi)
     M_1 = held(p, laws, q, 1, tilt_1, rate_1)
-    M_1 = -M_1 if p.row[1] >= 0.0 else M_1
+    M_1 = select(p.row[1] >= 0.0, -M_1, M_1)
     return Vec3(M_1, held(p, laws, q, 0, tilt_2, rate_2), held(p, laws, q, 2, angle, rate))
 
 

@@ -16,8 +16,9 @@ def describe(kind):
     parts = [f"{kind.name} (section '{kind.section}')", "", kind.doc.strip(), "", "Fields", *field_lines(kind.fields)]
     if kind.outputs:
         parts += ["", "Outputs", *output_lines(kind.outputs)]
-    if kind.measures:
-        parts += ["", *wrap(f"Signals can read its {', '.join(measurable(kind))} (mecano explain signals).", WIDTH)]
+    names = [output.name for output in measurable(kind)]
+    if names and kind.section != "signals":
+        parts += ["", *wrap(f"Signals can read its {', '.join(names)} (mecano explain signals).", WIDTH)]
     for field in dict.fromkeys(field for field, _, _ in kind.optional):
         parts += _option(field, [(part, label) for name, part, label in kind.optional if name == field])
     if kind.multipliers:

@@ -120,12 +120,12 @@ def _noted(found, node, scope):
 
 def check_formulas(values, scope):
     """Note errors for names in formulas that are unknown or ambiguous in the checked ``values`` of a deck."""
-    kinds = {(section, name): scope.kinds[d["type"]] for section in SECTIONS for name, d in values[section].items()}
+    entries = {(s, name): (scope.kinds[d["type"]], d) for s in SECTIONS for name, d in values[s].items()}
     for found, node, subject in scope.formulas:
         scope.subject = subject
         for name, column in zip(found.references, found.columns, strict=True):
             try:
-                meaning(name, kinds, values["nodes"])
+                meaning(name, entries, values["nodes"])
             except UnknownQuantity as error:
                 exact = found.text == node.value
                 place = ExpressionError(error.message, column if exact else 0)

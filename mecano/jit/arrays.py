@@ -125,6 +125,22 @@ def _take_zeros(shape):
     return take
 
 
+@intrinsic
+def _array_like(typing_context, address, n, like):
+    of = types.Array(like.dtype, 1, "C")
+
+    def generate(context, builder, signature, arguments):
+        return _array(context, builder, of, arguments[0], [arguments[1]])
+
+    return of(types.int64, types.int64, like), generate
+
+
+@overload(memory.take_items)
+def _take_items(n, like):
+    size = like.dtype.size if isinstance(like.dtype, types.Record) else 8
+    return lambda n, like: _array_like(_calloc(n, size), n, like)
+
+
 @overload(memory.give_back)
 def _give_back(array):
     return lambda array: _free(array.ctypes.data)

@@ -46,5 +46,13 @@ def take_zeros(shape):
     return np.zeros(shape)
 
 
+def take_items(n, like):
+    """Return a vector of n zeros, numbers or Duals as in ``like``, which must be freed with ``give_back``."""
+    out = np.empty(n, like.dtype)
+    for i in range(n):
+        out[i] = 0.0 * like[0]
+    return out
+
+
 def give_back(array):
-    """Free the memory of an array from ``take_zeros``."""
+    """Free the memory of an array from ``take_zeros`` or ``take_items``."""

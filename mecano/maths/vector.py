@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from mecano.jit.kernel import kernel
 from mecano.jit.methods import Generic, algebraic, attribute, method
-from mecano.maths.dual import NUMBER, Dual, number, sqrt, value
+from mecano.maths.dual import NUMBER, Dual, number, select, sqrt, value
 
 SCALAR = (NUMBER, Dual)
 
@@ -70,6 +70,11 @@ def _(a, b):
 @method(value, Vec3)
 def _(a):
     return Vec3(value(a[0]), value(a[1]), value(a[2]))
+
+
+@method(select, NUMBER, Vec3, Vec3)
+def _(condition, a, b):
+    return Vec3(*(select(condition, one, other) for one, other in zip(a, b, strict=True)))
 
 
 @method(operator.add, Mat3, Mat3)

@@ -81,6 +81,7 @@ class Batch:
         n, n_local = self.dofs.shape
         sizes = {
             "n": n, "n_local": n_local, "n_rotations": len(self.columns), "n_multipliers": self.multipliers.shape[1],
+            "first_reaction": self.kind.first_reaction,
             "n_reactions": len(self.kind.multipliers) + len(self.kind.coupled_multipliers),
             "n_output_dofs": self.output_dofs.shape[1], "n_forces": len(self.F), "n_outputs": self.n_outputs,
             "n_events": self.n_events, "n_memory": len(self.kind.memory), "first_phase": self.first_phase,
@@ -121,11 +122,15 @@ def batches(instances, of, n_slots, partition):
     groups = {}
     for number, item in enumerate(instances):
         scalars, rows = taken[number]
+        last = []
+        if item.senses is not None:  # the unknowns of that instance come first
+            scalars, last = taken[item.senses][0], scalars
         scalars = scalars + [taken[source][0][0] for source in item.inputs]
         coupled = [row for other in item.coupled_to for row in taken[other][1]]
         of_parts = [row for part in range(number + 1, number + 1 + item.n_parts) for row in taken[part][1]]
         output_dofs = len(of_parts) if not item.kind.acts else 0  # an option may add a part with a multiplier
-        groups.setdefault((id(item.kind), output_dofs), []).append((number, item, scalars, rows, coupled, of_parts))
+        member = number, item, scalars, rows, coupled, of_parts, last
+        groups.setdefault((id(item.kind), output_dofs), []).append(member)
     found, begins = [], (0, 0, 0, 0)
     for members in groups.values():
         found.append(_batch(members, of, places, partition, begins))
@@ -155,10 +160,10 @@ def _batch(members, of, places, partition, begins):
     numbers = [number for number, *_ in members]
     layout = [(slot[0], int(slot[1:])) for slot in kind.layout]
     nodes = np.array([[item.nodes[i] for _, i in layout] for _, item, *_ in members], np.int64).reshape(n, -1)
-    multipliers = _table([rows for *_, rows, _, _ in members])
-    scalars, coupled = (_table([member[i] for member in members]) for i in (2, 4))
-    own = np.hstack([places.first_scalar + scalars, places.first_row + multipliers, places.first_row + coupled])
-    parts = [] if kind.acts else [places.first_row + _table([of_parts for *_, of_parts in members])]
+    scalars, multipliers, coupled, of_parts, last = (_table([member[i] for member in members]) for i in range(2, 7))
+    reactions = [places.first_row + multipliers, places.first_row + coupled]
+    own = np.hstack([places.first_scalar + scalars, *reactions, places.first_scalar + last])
+    parts = [] if kind.acts else [places.first_row + of_parts]
     of_nodes = [_three((of.x if what == "x" else of.r)[nodes[:, j]]) for j, (what, _) in enumerate(layout)]
     plain = [_three(6 * nodes[:, j] + 3 * (what == "R")) for j, (what, _) in enumerate(layout)]
     rotations = [j for j, (what, _) in enumerate(layout) if what == "R"]

@@ -17,3 +17,4 @@ class Instance:
     label: str = ""  # suffix of its outputs
     reads: tuple = ()  # formulas of its inputs
     inputs: tuple = ()  # list indices of the instances whose first scalars are its inputs
+    senses: int | None = None  # list index of the instance of which it measures an output

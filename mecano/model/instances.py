@@ -8,13 +8,42 @@ from mecano.model.wiring import wire
 
 
 def expand(model, context):
-    """Return (instances of elements and parts, shared unknowns (what, i, j, owner's index), unknowns in use)."""
+    """Return (instances of elements and parts, shared unknowns (what, i, j, owner's index), unknowns in use).
+
+    Elements whose hidden outputs are read by signals are replaced by the variants that reveal them.
+    """
+    revealed, wanted = None, set()
+    while revealed != wanted:
+        revealed = set(wanted)
+        instances, shared = _listed(model, context, revealed)
+        if any(item.reads for item in instances):
+            wanted |= wire(instances, model, context)
+    used = set()
+    for item in instances:
+        if item.kind.acts and not item.kind.of_signals:
+            used |= {(slot[0], item.nodes[int(slot[1:])]) for slot in item.kind.layout}
+    return instances, shared, used
+
+
+def chosen_kind(element, revealed):
+    """Return the Kind of an element for its deck values, without hidden outputs if its path is in ``revealed``."""
+    kind = element.kind.chosen(element.values)
+    return kind.revealed if path_of(element) in revealed and kind.revealed else kind
+
+
+def path_of(element):
+    """Return the section and name of an element."""
+    return f"{element.kind.section}/{element.name}"
+
+
+def _listed(model, context, revealed):
+    """Return (instances of elements and parts, shared unknowns); see ``expand``."""
     index = {node.name: i for i, node in enumerate(model.nodes)}
-    instances, shared, used = [], [], set()
+    instances, shared = [], []
     for element in model.elements:
-        kind, nodes = element.kind.chosen(element.values), tuple(index[name] for name in element.nodes)
+        kind, nodes = chosen_kind(element, revealed), tuple(index[name] for name in element.nodes)
         frames = [(np.asarray(model.nodes[i].x, float), model.nodes[i].R) for i in nodes]
-        title, path = title_of(element.kind.name, element.name), f"{kind.section}/{element.name}"
+        title, path = title_of(element.kind.name, element.name), path_of(element)
         record = kind.record_values(element.values, frames, context)
         parts = kind.parts(element.values, frames, context)
         reads = kind.read(element.values) if kind.inputs else ()
@@ -25,9 +54,4 @@ def expand(model, context):
             instances.append(Instance(title, path, part.kind, on, part.parameters, 0, lenders, part.label, part.reads))
         for what, i, j in kind.shares(element.values, frames):
             shared.append((what, nodes[i], nodes[j], len(instances) - len(parts) - 1))
-    if any(item.reads for item in instances):
-        wire(instances, model, context)
-    for item in instances:
-        if item.kind.acts and not item.kind.of_signals:
-            used |= {(slot[0], item.nodes[int(slot[1:])]) for slot in item.kind.layout}
-    return instances, shared, used
+    return instances, shared

@@ -29,8 +29,8 @@ def fields(floats="", words=""):
 
 # Addresses of arrays, and their lengths (n, n_...); shapes as in batch.py.
 BATCH = fields(
-    words="n n_local n_rotations n_multipliers n_reactions n_output_dofs n_forces n_outputs n_events n_memory "
-    "p dofs rots slots columns entries multipliers output_dofs output_slots "
+    words="n n_local n_rotations n_multipliers first_reaction n_reactions n_output_dofs n_forces n_outputs n_events "
+    "n_memory p dofs rots slots columns entries multipliers output_dofs output_slots "
     "q v a R f K C M seeded F g before first_phase first_memory first_output first_event"
 )
 # Addresses of the arrays of the system, of the state on which the loops work, and of the values that they write.
@@ -207,7 +207,8 @@ def dual_tangent(batch, system):
                 f_1[i] = 0.0
             turned = rotation_of(j, columns)
             if turned < 0:
-                q_1[j].slope = s.cK * (s.k if j >= n - b.n_reactions else 1.0)
+                reaction = b.first_reaction <= j < b.first_reaction + b.n_reactions
+                q_1[j].slope = s.cK * (s.k if reaction else 1.0)
             else:
                 turn = T[rots[e, turned]]
                 c = j - columns[turned]

@@ -8,7 +8,7 @@ several sections of the deck is prefixed by the section: ``joints.elbow.angle``.
 import numpy as np
 
 from mecano.constraints.sensors import NODE_SENSORS, SENSORS
-from mecano.element_interface import Measured, Part
+from mecano.element_interface import Part
 
 AXES = "xyz"
 
@@ -22,33 +22,51 @@ class UnknownQuantity(Exception):
 
 
 def measurable(kind):
-    """Return the names of the outputs of a kind that signals can read."""
-    names = list(kind.measures)
-    rates = {output.name: output.rate for output in kind.outputs}
-    return list(dict.fromkeys([*names, *(rates[name] for name in names if rates.get(name))]))
+    """Return the outputs of a kind that signals can read, without those that options add."""
+    return [
+        o for o in kind.outputs if o.name not in kind.hidden or (kind.revealed and o.name not in kind.revealed.hidden)
+    ]
 
 
-def meaning(name, kinds, nodes):
+def components(output, label=""):
+    """Return the names of the numbers of an output in a formula: force.x, force.y, force.z of a vector."""
+    name = output.name + label
+    return [f"{name}.{axis}" for axis in AXES[: output.shape[0]]] if output.shape else [name]
+
+
+def index_of(what, kind, label=""):
+    """Return the index of a number among the outputs of a kind, or None; ``what`` is named as by ``components``."""
+    start = 0
+    for output in kind.outputs:
+        names = components(output, label)
+        if what in names:
+            return start + names.index(what)
+        start += int(np.prod(output.shape, dtype=int))
+    return None
+
+
+def meaning(name, entries, nodes):
     """Return the quantity that a name in a formula refers to: (section, name of the entry, name of the quantity).
 
-    ``kinds``: {(section, name): Kind} of all entries of a deck; ``nodes``: names of the nodes. Raises UnknownQuantity.
+    ``entries``: {(section, name): (Kind, deck values)} of all entries of a deck; ``nodes``: names of the nodes. Raises
+    UnknownQuantity.
     """
     words = name.split(".")
     if len(words) == 1:
-        if ("signals", name) in kinds:
+        if ("signals", name) in entries:
             return "signals", name, ""
-        signals = [n for section, n in kinds if section == "signals"]
+        signals = [n for section, n in entries if section == "signals"]
         raise UnknownQuantity(f"there is no signal '{name}'", name, signals)
-    sections = dict.fromkeys(section for section, _ in kinds)
+    sections = dict.fromkeys(section for section, _ in entries)
     if words[0] in (*sections, "nodes") and len(words) > 2:
         asked, owner, rest = (words[0],), words[1], ".".join(words[2:])
     else:
         asked, owner, rest = (*sections, "nodes"), words[0], ".".join(words[1:])
-    owners = [section for section in asked if (owner in nodes if section == "nodes" else (section, owner) in kinds)]
+    owners = [section for section in asked if (owner in nodes if section == "nodes" else (section, owner) in entries)]
     if not owners:
-        known = [*(n for section, n in kinds if section in asked), *(nodes if "nodes" in asked else ())]
+        known = [*(n for section, n in entries if section in asked), *(nodes if "nodes" in asked else ())]
         raise UnknownQuantity(f"there is no '{owner}' with a measurable '{rest}'", owner, known)
-    offered = {section: _offered(section, owner, kinds) for section in owners}
+    offered = {section: _offered(section, owner, entries) for section in owners}
     found = [section for section in owners if rest in offered[section]]
     if len(found) == 1:
         return found[0], owner, rest
@@ -56,16 +74,38 @@ def meaning(name, kinds, nodes):
         which = " or ".join(f"{section}.{name}" for section in found)
         raise UnknownQuantity(f"'{name}' is ambiguous: write {which}")
     known = [n for section in owners for n in offered[section]]
-    nothing = "" if known else "; it has no measurable outputs (of a load, give its formula a name among the signals)"
-    raise UnknownQuantity(f"'{rest}' of '{owner}' cannot be measured{nothing}", rest, known)
+    nothing = "" if known else "; it has no measurable outputs"
+    hint = next((f": {text}" for section in owners if (text := _instead(rest, *entries.get((section, owner), ())))), "")
+    raise UnknownQuantity(f"'{rest}' of '{owner}' cannot be measured{nothing}{hint}", rest, () if hint else known)
 
 
-def _offered(section, owner, kinds):
+def _offered(section, owner, entries):
     if section == "nodes":
         return [f"{quantity}.{axis}" for quantity in NODE_SENSORS for axis in AXES]
     if section == "signals":
         return []
-    return measurable(kinds[section, owner])
+    kind, d = entries[section, owner]
+    chosen = kind.chosen(d)
+    names = [name for output in measurable(chosen) for name in components(output)]
+    for field, part, label in kind.optional:
+        if _is_given(d[field], label.removeprefix("_")):
+            names += [name for output in measurable(part) for name in components(output, label)]
+    return names
+
+
+def _is_given(value, axis):
+    """Return whether a deck gives an option: its field, and the ``axis`` in it, if it is a mapping of axes."""
+    return bool(value[axis] if type(value) is dict and axis in value else value)
+
+
+def _instead(what, kind=None, d=None):
+    """Return what to do instead of measuring an output, a vector or a component of it, or ""."""
+    if kind is None:
+        return ""
+    name, chosen = what.partition(".")[0], kind.chosen(d)
+    if name in chosen.hidden:
+        return chosen.hidden[name]
+    return next((f"write {', '.join(components(o))}" for o in chosen.outputs if o.shape and o.name == name), "")
 
 
 def sensor_of_node(what):
@@ -78,14 +118,12 @@ def sensor_of_node(what):
 
 
 def sensor_of_output(kind, output, values, frames, context):
-    """Return the Part of the sensor of an output of an element with these deck values at ``frames`` [(x, R)]."""
-    if output in kind.measures:
-        found = kind.measures[output](values, frames, context)
-        return found if isinstance(found, Part) else _sensor(found, 0)
-    name = next(o.name for o in kind.outputs if o.rate == output and o.name in kind.measures)
-    return _sensor(kind.measures[name](values, frames, context), 1)
+    """Return the Part of the sensor of a coordinate of an element or of its rate, at ``frames`` [(x, R)], or None."""
+    for name in (output, *(o.name for o in kind.outputs if o.rate == output)):
+        if name in kind.measures:
+            return _sensor(kind.measures[name](values, frames, context), int(name != output))
+    return None
 
 
 def _sensor(found, which):
-    assert isinstance(found, Measured)
     return Part(SENSORS[found.coordinate][which], found.nodes, {**found.axes, "zero": found.zero})

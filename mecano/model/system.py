@@ -171,9 +171,8 @@ class System:
 
     @cached_property
     def _add_coupled_multipliers(self):
-        is_coupled = lambda batch: batch.kind.coupled_multipliers  # noqa: E731
-        found, records = self.loops(loops.tangent, is_coupled)
-        batches = [b for b in self.batches if b.kind.coupled_multipliers]
+        found, records = self.loops(loops.tangent, acts_by_multipliers)
+        batches = [b for b in self.batches if acts_by_multipliers(b)]
         self._coupled_entries = [b.entries.copy() for b in batches]
         for entries, b, record_of in zip(self._coupled_entries, batches, records, strict=True):
             entries[:, :, : b.kind.n_local - len(b.kind.coupled_multipliers)] = self.nnz
@@ -275,7 +274,17 @@ class System:
         found = [
             b.dofs[:, b.kind.n_local - len(b.kind.coupled_multipliers) :]
             for b in self.batches
-            if b.kind.coupled_multipliers
+            if acts_by_multipliers(b)
+        ]
+        return np.unique(np.concatenate([dofs.ravel() for dofs in found])) - self.n_q if found else NO_MULTIPLIERS
+
+    @cached_property
+    def sensed_multipliers(self):
+        """Indices, ascending, of the multipliers that signals read."""
+        found = [
+            b.dofs[:, b.kind.first_reaction : b.kind.first_reaction + len(b.kind.coupled_multipliers)]
+            for b in self.batches
+            if b.kind.senses
         ]
         return np.unique(np.concatenate([dofs.ravel() for dofs in found])) - self.n_q if found else NO_MULTIPLIERS
 
@@ -341,8 +350,16 @@ def is_scaled(batch):
     return batch.paths[0][0].startswith("loads/") and not batch.kind.inputs
 
 
+def acts_by_multipliers(batch):
+    """Return whether multipliers of other parts determine forces of a batch, such as friction."""
+    return batch.kind.coupled_multipliers and not batch.kind.senses
+
+
 def _followers(instances, batches):
-    """Return (m, 2) indices into the phases of a state: parts that share the phase of their owner, and their owners."""
+    """Return (m, 2) indices into the phases of a state: instances that share the phase of another one, and that one.
+
+    They are parts that share the phase of their owner, and sensors.
+    """
     place = {number: b.first_phase + e for b in batches for e, number in enumerate(b.instances)}
     found = [
         (place[part], place[owner])
@@ -350,6 +367,9 @@ def _followers(instances, batches):
         for part in range(owner + 1, owner + 1 + item.n_parts)
         if len(item.kind.phases) > 1 and instances[part].kind.phases == item.kind.phases
     ]
+    owner = dict(found)
+    sensed = [(place[i], place[item.senses]) for i, item in enumerate(instances) if item.senses is not None]
+    found += [(sensor, owner.get(part, part)) for sensor, part in sensed]
     return np.array(found, np.int64).reshape(-1, 2)
 
 

@@ -2,20 +2,25 @@
 
 import numpy as np
 
+from mecano.constraints.output_sensor import output_sensor
 from mecano.elements.signals.formula import FORMULA
 from mecano.laws.formula import read_formula
 from mecano.model.instance import Instance
-from mecano.model.measured import meaning, sensor_of_node, sensor_of_output
+from mecano.model.measured import index_of, meaning, sensor_of_node, sensor_of_output
 from mecano.model.model import title_of
 
 DIVISION = "\N{DIVISION SLASH}"  # in the name of a formula, since / separates groups of the results file
 
 
 def wire(instances, model, context):
-    """Set ``inputs`` of all instances that read formulas; sensors, and formulas written in place, are appended."""
+    """Set ``inputs`` of all instances that read formulas; sensors, and formulas written in place, are appended.
+
+    Return the paths of the elements of which hidden outputs are read.
+    """
     wiring = _Wiring(instances, model, context)
     for item in instances:  # the list grows
         item.inputs = tuple(wiring.source(text) for text in item.reads)
+    return wiring.hidden
 
 
 class _Wiring:
@@ -25,10 +30,11 @@ class _Wiring:
         self.instances, self.model, self.context = instances, model, context
         self.nodes = {node.name: i for i, node in enumerate(model.nodes)}
         self.elements = {(element.kind.section, element.name): element for element in model.elements}
-        self.kinds = {place: element.kind for place, element in self.elements.items()}
+        self.entries = {place: (element.kind, element.values) for place, element in self.elements.items()}
         self.sources = {
             item.path.partition("/")[2]: i for i, item in enumerate(instances) if item.kind.section == "signals"
         }
+        self.hidden = set()
 
     def source(self, text):
         """Return the list index of the instance whose first scalar is the value of a formula; append it if new."""
@@ -50,7 +56,7 @@ class _Wiring:
     def _of_reference(self, name):
         if name in self.sources:
             return self.sources[name]
-        section, owner, what = meaning(name, self.kinds, self.nodes)
+        section, owner, what = meaning(name, self.entries, self.nodes)
         if section == "nodes":
             title, part, nodes = f"node '{owner}'", sensor_of_node(what), (self.nodes[owner],)
         else:
@@ -59,9 +65,29 @@ class _Wiring:
             frames = [(np.asarray(self.model.nodes[i].x, float), self.model.nodes[i].R) for i in nodes]
             title = title_of(element.kind.name, owner)
             part = sensor_of_output(element.kind, what, element.values, frames, self.context)
+            if part is None:
+                self.sources[name] = self._of_observed(f"{title}: {what}", f"{section}/{owner}", what)
+                return self.sources[name]
         on = tuple(nodes[i] for i in part.nodes)
         self.instances.append(
             Instance(f"{title}: {what}", f"sensors/{name}", part.kind, on, part.parameters, reads=part.reads)
         )
         self.sources[name] = len(self.instances) - 1
         return self.sources[name]
+
+    def _of_observed(self, title, path, what):
+        """Append the sensor of an output that ``observe`` of an element, or of one of its parts, writes."""
+        for i, item in [(i, item) for i, item in enumerate(self.instances) if item.path == path]:
+            if (index := index_of(what, item.kind, item.label)) is not None:
+                if what.partition(".")[0] in item.kind.hidden:
+                    self.hidden.add(path)
+                return self._append_sensor(title, i, item, index)
+        raise AssertionError(f"{what} is no output of {path}")
+
+    def _append_sensor(self, title, i, item, index):
+        lenders = (i, *(item.coupled_to if item.kind.acts else range(i + 1, i + 1 + item.n_parts)))
+        n_multipliers = sum(len(self.instances[j].kind.multipliers) for j in lenders)
+        kind, record = output_sensor(item.kind, n_multipliers), {**item.parameters, "sensed": index}
+        path = f"sensors/{item.path}/{index}"
+        self.instances.append(Instance(title, path, kind, item.nodes, record, 0, lenders, reads=item.reads, senses=i))
+        return len(self.instances) - 1

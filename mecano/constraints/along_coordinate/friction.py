@@ -66,9 +66,9 @@ def friction_kind(name, doc, coordinate, values, coupled_multipliers, output, lo
     @kernel
     def observe(p, at, F, y, e):
         rate = rate_of(gradient(p, at), at.v)
-        y[0], y[1] = load(p, at, rate)
-        y[2] = y[0] * rate
-        e[2] = y[2]
+        force, normal = load(p, at, rate)
+        y[0], y[1], y[2] = force, normal, force * rate
+        e[2] = force * rate
 
     return Kind(
         name=name, doc=doc, dtype=record(**coordinate.axes, **values, **FRICTION_RECORD),

@@ -13,8 +13,8 @@ from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.stop_phases import EVENTS, PHASES, law_record, put_stop_events
 from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
-from mecano.laws.table import evaluate_curve, evaluate_force, law_force, potential
-from mecano.maths.dual import number
+from mecano.laws.table import evaluate_curve, law_force, potential
+from mecano.maths.dual import number, value
 from mecano.schema import CONTINUOUS_DRIVE, LAW, Field
 
 SET_POINT = "at which the extension of the {} law is zero: a function of time [s], or a formula of signals"
@@ -70,15 +70,16 @@ def extension(p, set_point, c):
 
 
 @kernel
-def report(p, at, set_point, coordinate, rate, y, e):
-    """Write the force of the law to y[0], potential energy, dissipated and given power to e."""
+def report(p, at, set_point, coordinate, rate, y, i, e):
+    """Write the force of the law to y[i], potential energy, dissipated and given power to e; return what dissipates."""
     s, s_rate = extension(p, set_point, coordinate), rate - set_point[1]
-    P, _, _ = evaluate_force(at.laws, p.law, s, s_rate)
-    elastic, _, _ = evaluate_force(at.laws, p.law, s, 0.0)
-    y[0] = P
-    e[1] = potential(at.laws, p.law, s)
-    e[2] = (P - elastic) * s_rate
+    P, elastic = law_force(at.laws, p.law, s, s_rate), law_force(at.laws, p.law, s, 0.0)
+    dissipated = (P - elastic) * s_rate
+    y[i] = P
+    e[1] = potential(at.laws, p.law, value(s))
+    e[2] = dissipated
     e[3] = P * (s_rate - rate)
+    return dissipated
 
 
 @kernel
@@ -104,26 +105,25 @@ def counted(coordinate):
 
 def law_kind(name, doc, coordinate, set_point=of_time):
     """Return the Kind of a law along a coordinate with a ``set_point``, of time or of a signal."""
-    value, gradient = counted(coordinate), coordinate.gradient
+    count, gradient = counted(coordinate), coordinate.gradient
 
     @kernel
     def residual(p, at, f):
         along, point = gradient(p, at), set_point(p, at)
-        s, s_rate = extension(p, point, value(p, at)), rate_of(along, at.v) - point[1]
+        s, s_rate = extension(p, point, count(p, at)), rate_of(along, at.v) - point[1]
         add_along(f, law_force(at.laws, p.law, s, s_rate), along)
 
     @kernel
     def observe(p, at, F, y, e):
-        report(p, at, set_point(p, at), value(p, at), rate_of(gradient(p, at), at.v), y, e)
-        y[1] = e[2]
+        y[1] = report(p, at, set_point(p, at), count(p, at), rate_of(gradient(p, at), at.v), y, 0, e)
 
     @kernel
     def event_values(p, at, g):
-        put_stop_events(g, p.low, p.high, extension(p, set_point(p, at), value(p, at)))
+        put_stop_events(g, p.low, p.high, extension(p, set_point(p, at), count(p, at)))
 
     @kernel
     def commit(p, at, m_out):
-        m_out[0] = value(p, at)
+        m_out[0] = count(p, at)
 
     what, unit = coordinate.load
     return Kind(

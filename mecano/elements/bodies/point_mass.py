@@ -21,7 +21,7 @@ def observe(p, at, F, y, e):
     velocity = vec(at.v, 0)
     e[0] = 0.5 * p.mass * dot(velocity, velocity)
     e[1] = -p.mass * dot(vec(p.gravity, 0), vec(at.q, 0))
-    y[0] = e[0]
+    y[0] = 0.5 * p.mass * dot(velocity, velocity)
 
 
 POINT_MASS = Kind(

@@ -12,6 +12,7 @@ from mecano.constraints.attachment import attached_rotations, attachment, is_mar
 from mecano.constraints.joint_samples import two_parallel, two_places
 from mecano.element_interface import Display, Kind, Output, record
 from mecano.jit.kernel import kernel
+from mecano.maths.dual import number
 from mecano.maths.vector import Vec3, mat, put, vec
 from mecano.schema import NODE_PAIR, Field
 
@@ -24,7 +25,7 @@ def observe(p, at, F, y, e):
     """Write the reactions on the follower."""
     put(y, 0, vec(at.q, FORCE))
     if p.turned > 0.0:
-        put(y, 3, mat(at.R[0]) @ Vec3(-at.q[MOMENT + 1], at.q[MOMENT], at.q[MOMENT + 2]))
+        put(y, 3, mat(at.R[0]) @ Vec3(-number(at.q[MOMENT + 1]), number(at.q[MOMENT]), number(at.q[MOMENT + 2])))
     else:
         put(y, 3, -(mat(at.R[1]) @ vec(F, 9)))
 
@@ -60,5 +61,6 @@ RIGID_LINK = Kind(
     shares=attached_rotations,
     parts=parts,
     observe=observe,
+    hidden={"moment": "use a 'generic' joint, which holds the second node in its initial place"},
     sample=sample,
 )

@@ -169,20 +169,27 @@ def variant(d):
 @cache
 def _of_size(n_nodes, n_modes):
     numbers, modes = range(1, n_nodes + 1), range(1, n_modes + 1)
+    outputs = (
+        *OUTPUTS,
+        *(Output(f"{name}_{i}", unit, doc.format(i), (3,)) for i in numbers for name, unit, doc in NODE_OUTPUTS),
+        *(
+            Output(name.format(i), unit, doc.format(i), rate=rate.format(i))
+            for i in modes
+            for name, unit, doc, rate in MODE_OUTPUTS
+        ),
+    )
     return Kind(
         **DECLARED,
         layout=tuple(f"{slot}{i}" for i in range(n_nodes) for slot in "xR"),
         scalars=tuple(f"amplitude_{i}" for i in modes),
-        outputs=(
-            *OUTPUTS,
-            *(Output(f"{name}_{i}", unit, doc.format(i), (3,)) for i in numbers for name, unit, doc in NODE_OUTPUTS),
-            *(
-                Output(name.format(i), unit, doc.format(i), rate=rate.format(i))
-                for i in modes
-                for name, unit, doc, rate in MODE_OUTPUTS
-            ),
-        ),
+        outputs=outputs,
+        hidden=_hidden(outputs),
     )
+
+
+def _hidden(outputs):
+    """Return {output: what to do instead}: they do not follow from Duals."""
+    return {output.name: "measure the motion of its nodes, or a reaction of a joint" for output in outputs}
 
 
 def sample(rng):
@@ -248,4 +255,4 @@ DECLARED = {
     "sample": sample,
     "variant": variant,
 }
-SUPERELEMENT = Kind(**DECLARED, outputs=DECLARED_OUTPUTS)
+SUPERELEMENT = Kind(**DECLARED, outputs=DECLARED_OUTPUTS, hidden=_hidden(DECLARED_OUTPUTS))

@@ -31,10 +31,9 @@ def _functions(demand):
     @kernel
     def observe(p, at, F, y, e):
         size, s = demand(p, at), vec(p.axis, 0)
-        y[0] = size
-        y[1] = dot(mat(at.R[1]).T @ (mat(at.R[0]) @ s), vec(at.v, 3)) - dot(s, vec(at.v, 0))
-        y[2] = size * y[1]
-        e[3] = y[2]
+        rate = dot(mat(at.R[1]).T @ (mat(at.R[0]) @ s), vec(at.v, 3)) - dot(s, vec(at.v, 0))
+        y[0], y[1], y[2] = size, rate, size * rate
+        e[3] = size * rate
 
     return residual, observe
 

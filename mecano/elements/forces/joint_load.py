@@ -33,10 +33,9 @@ def _functions(coordinate, demand):
 
     @kernel
     def observe(p, at, F, y, e):
-        y[0] = demand(p, at)
-        y[1] = rate_of(gradient(p, at), at.v)
-        y[2] = y[0] * y[1]
-        e[3] = y[2]
+        size, rate = demand(p, at), rate_of(gradient(p, at), at.v)
+        y[0], y[1], y[2] = size, rate, size * rate
+        e[3] = size * rate
 
     return residual, observe
 

@@ -110,8 +110,7 @@ class _Quantity:
     def _by(self, kind_name, demand):
         @kernel
         def observe(p, at, F, y, e):
-            y[0] = demand(p, at)
-            y[1] = p.length * y[0]
+            y[0], y[1] = demand(p, at), p.length * demand(p, at)
 
         per = f"{self.name} per length"
         return Kind(

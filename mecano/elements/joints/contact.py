@@ -28,7 +28,6 @@ import numpy as np
 
 from mecano.constraints.activation import with_activation
 from mecano.constraints.along_coordinate.friction import check_friction, friction_fields
-from mecano.constraints.along_coordinate.sense import quantity_sensor
 from mecano.constraints.contact_functions import Shapes, elastic, observed_rigid, rigid, rubbing
 from mecano.constraints.touching import (
     FIELDS,
@@ -57,7 +56,6 @@ from mecano.constraints.touching_rods import (
 )
 from mecano.element_interface import CONTACT as SHOCK
 from mecano.element_interface import Display, Event, Kind, Output, Part, Row, record
-from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.schema import CURVE, NODE_PAIR, NUMBER, Field, not_negative, share
 
@@ -175,25 +173,6 @@ def _barrel(radius):
     return (("polynomial", {"coefficients": [radius, 0.1, -0.05]}),)
 
 
-def _gap_sensor(pair):
-    """Return the Kind that senses the gap of a pair of shapes."""
-    touch = pair.shapes.touch
-
-    @kernel
-    def gap(p, at):
-        return touch(p, at).gap
-
-    name = f"{pair.name}gap_sensor"
-    return quantity_sensor(name, "Sensor of the gap of a contact.", pair.dtype, pair.shapes.layout, gap)
-
-
-GAP_SENSORS = {name: _gap_sensor(pair) for name, pair in PAIRS.items()}
-
-
-def _measured_gap(d, nodes, context):
-    return Part(GAP_SENSORS[_pair(d)], (0, 1), prepare(d, nodes, context))
-
-
 _ALWAYS_ACTIVE = Kind(
     name="contact",
     section="elements",
@@ -229,7 +208,6 @@ _ALWAYS_ACTIVE = Kind(
     variant=variant,
     check=check,
     sample=sample,
-    measures={"gap": _measured_gap},
     **rigid(BALL),
     **observed_rigid(BALL),
 )

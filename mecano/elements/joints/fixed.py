@@ -72,6 +72,7 @@ FIXED = sharing_pair(
         lambda d, nodes: one_position(d, nodes) + one_rotation(d, nodes),
         (),
         _put_shared,
+        ("force", "moment"),
         lambda nodes: not_at_one_place(nodes) + not_parallel(nodes),
     ),
     sample,

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from mecano.jit.kernel import kernel
-from mecano.maths.dual import at_least, at_most, cos, sin, value
+from mecano.maths.dual import at_least, at_most, constant, cos, sin, value
 from mecano.maths.vector import vec
 
 CURVE_RECORD = {
@@ -55,8 +55,8 @@ def _spline_at(p, laws, s):
 def overrun(p, s):
     """Return the distance of s beyond the ends of an open curve [m]; 0 on the curve."""
     if p.pieces == 0 or p.closed > 0.0:
-        return 0.0
-    return max(-s, s - p.length, 0.0)
+        return constant(0.0, s)
+    return at_least(at_least(-s, 0.0), s - p.length)
 
 
 def prepare_curve(d, frame, x, laws):

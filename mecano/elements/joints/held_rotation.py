@@ -38,5 +38,6 @@ HELD_ROTATION = Kind(
     shares=one_rotation,
     check=check,
     observe=observe,
+    hidden={"moment": "use a 'generic' joint with free: [along_1, along_2, along_axis]"},
     sample=sample,
 )

@@ -32,6 +32,7 @@ from mecano.constraints.release import SAMPLE
 from mecano.element_interface import Display
 from mecano.elements.joints.lower_pair import LowerPair, Shared, sharing_pair
 from mecano.jit.kernel import kernel
+from mecano.maths.dual import number
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, Field
 
@@ -45,7 +46,7 @@ COLLAR = radius("collar_radius", "mean radius at which the axial force acts", 0.
 def _put_reactions(p, at, F, y, i):
     """Write the force on b that its shared position hides, and the moment of two multipliers."""
     put(y, i, -(mat(p.mu) @ (mat(at.R[0]).T @ vec(F, 6))))
-    put(y, i + 3, (-at.q[13], at.q[12], 0.0))
+    put(y, i + 3, (-number(at.q[13]), number(at.q[12]), 0.0))
 
 
 def _place(d, nodes, context):
@@ -89,6 +90,6 @@ HINGE = sharing_pair(
         fields=(AXIS_B,),
         place=_place,
     ),
-    Shared(one_position, ("about_2", "about_1"), _put_reactions, not_at_one_place),
+    Shared(one_position, ("about_2", "about_1"), _put_reactions, ("force",), not_at_one_place),
     sample,
 )

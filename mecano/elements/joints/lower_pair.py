@@ -46,6 +46,7 @@ class Shared:
     unknowns: Callable  # (deck values, nodes) -> shares
     held: tuple  # axes that are left to be held by constraints
     put_reactions: Callable  # (p, at, F, y, i): write the reactions, starting at y[i]
+    hidden: tuple  # outputs of these that depend on the forces F
     check: Callable  # nodes -> texts: what keeps them from sharing it
 
 
@@ -165,6 +166,7 @@ def sharing_pair(name, doc, pair, shared, sample):
     together = replace(
         apart, name=name, dtype=pair.record, prepare=pair.place, shares=shared.unknowns, parts=parts, variant=variant,
         observe=pair.observe(shared.put_reactions), admissible=not_flipped if "about_2" in shared.held else None,
+        hidden=dict.fromkeys(shared.hidden, ""), revealed=apart,
     )  # fmt: skip
     return together
 

@@ -24,7 +24,6 @@ b is held from both sides, as by a groove. For a roller, give the curve of its c
 the radius increased by that of the roller.
 """
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -46,8 +45,8 @@ from mecano.elements.joints.guiding_curve import (
     prepare_curve,
 )  # fmt: skip
 from mecano.jit.kernel import kernel
-from mecano.maths.dual import number
-from mecano.maths.vector import ZERO, dot, mat, norm, put, vec
+from mecano.maths.dual import at_most, atan2, constant, number, sqrt
+from mecano.maths.vector import dot, mat, norm, put, vec
 from mecano.schema import BOOLEAN, NODE_PAIR, POINT, VECTOR, Field, choice, list_of
 
 RECORD = record(axes=(3, 3), rows="i", start=(), **CURVE_RECORD)
@@ -85,18 +84,21 @@ def constraints(p, at, g):
 @kernel
 def observe(p, at, F, y, e):
     """Place on the curve, force, pressure angle."""
-    _, slope = curve_at(p, at.laws, at.q[S])
-    y[0], y[1], y[2] = at.q[S], at.v[S], norm(slope) * at.v[S]
-    on_b = ZERO
+    place, rate = number(at.q[S]), number(at.v[S])
+    _, slope = curve_at(p, at.laws, place)
+    along = norm(slope) * rate
+    y[0], y[1], y[2] = place, rate, along
+    on_b = constant(0.0, place) * vec(p.axes[0], 0)
     for i in range(p.rows):
-        on_b = on_b + at.q[ROW + i] * (mat(at.R[0]) @ vec(p.axes[i], 0))
+        on_b = on_b + number(at.q[ROW + i]) * (mat(at.R[0]) @ vec(p.axes[i], 0))
     put(y, 3, on_b)
-    velocity = vec(at.v, 6)
-    y[6] = norm(on_b)
+    velocity, force = vec(at.v, 6), norm(on_b)
     speed = norm(velocity)
-    moves = speed > STILL * abs(y[2]) and y[6] > 0.0
-    y[7] = math.acos(min(1.0, abs(dot(velocity, on_b)) / (speed * y[6]))) if moves else 0.0
-    y[8] = overrun(p, at.q[S])
+    y[6] = force
+    if speed > STILL * abs(along) and force > 0.0:
+        cosine = at_most(abs(dot(velocity, on_b)) / (speed * force), 1.0)
+        y[7] = atan2(sqrt(1.0 - cosine * cosine), cosine)
+    y[8] = overrun(p, place)
 
 
 def prepare(d, nodes, context):

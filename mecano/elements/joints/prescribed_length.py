@@ -53,8 +53,8 @@ def _kind(motion):
     @kernel
     def observe(p, at, F, y, e):
         d = vec(at.q, 3) - vec(at.q, 0)
-        y[0] = norm(d)
-        y[1] = dot(d, vec(at.v, 3) - vec(at.v, 0)) / y[0]
+        length = norm(d)
+        y[0], y[1] = length, dot(d, vec(at.v, 3) - vec(at.v, 0)) / length
         y[2] = at.q[6]
         e[3] = at.q[6] * target(p, at)[1]
 

@@ -25,6 +25,7 @@ from mecano.constraints.release import SAMPLE
 from mecano.element_interface import Display
 from mecano.elements.joints.lower_pair import LowerPair, Shared, sharing_pair
 from mecano.jit.kernel import kernel
+from mecano.maths.dual import number
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, NUMBER, Field, positive
 
@@ -38,7 +39,7 @@ KEY_RADIUS = Field(
 @kernel
 def _put_reactions(p, at, F, y, i):
     """Write the force of two multipliers, and the moment on b that its shared rotation hides."""
-    put(y, i, (at.q[12], at.q[13], 0.0))
+    put(y, i, (number(at.q[12]), number(at.q[13]), 0.0))
     put(y, i + 3, -(mat(p.mu) @ vec(F, 9)))
 
 
@@ -66,6 +67,6 @@ PRISMATIC = sharing_pair(
         motions=(SLIDING,),
         options=(SLIDING_LAW, SLIDE_ENDS, friction_option(KEYED_FRICTION, keyed_record, LENGTH, KEY_RADIUS)),
     ),
-    Shared(one_rotation, ("along_1", "along_2"), _put_reactions, not_parallel),
+    Shared(one_rotation, ("along_1", "along_2"), _put_reactions, ("moment",), not_parallel),
     sample,
 )

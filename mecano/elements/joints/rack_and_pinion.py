@@ -35,7 +35,7 @@ def _put_motion(p, at, y):
     angle, y[1] = turned(mat(at.R[0]), vec(at.v, 3), mat(p.mu), mat(at.R[1]), vec(at.v, 9), mat(p.xi))
     along, y[3] = slide(at.q, at.v, mat(at.R[0]), vec(p.sigma, 0))
     y[2] = along - p.offset
-    y[0] = follow(y[2] / p.travel, angle)
+    y[0] = follow((along - p.offset) / p.travel, angle)
 
 
 def prepare(d, nodes, context):

@@ -25,6 +25,7 @@ from mecano.constraints.along_coordinate.measure import (
     put_sliding,
 )  # fmt: skip
 from mecano.constraints.body_fixed import follow
+from mecano.constraints.coordinates.slide import slide
 from mecano.constraints.geared_slide import GEARED_SLIDE
 from mecano.constraints.joint_options import SLIDE_ENDS, TURNING_LAW, Option
 from mecano.constraints.joint_samples import SLIDE_STOPPED, SPRUNG, two_places
@@ -32,7 +33,8 @@ from mecano.constraints.pair import AXES_FIELDS, axis_place
 from mecano.element_interface import Display, Part, record
 from mecano.elements.joints.lower_pair import LowerPair, rigid_pair
 from mecano.jit.kernel import kernel
-from mecano.maths.vector import put
+from mecano.maths.dual import number
+from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, NUMBER, Field
 
 
@@ -41,14 +43,15 @@ def _put_motion(p, at, F, y, i):
     """Write rotation and sliding; the sliding tells which turn it is."""
     angle, y[i + 1] = angle_in_turn(p, at.v, at.R)
     put_sliding(p, at, F, y, i + 2)
-    y[i] = follow(y[i + 2] / p.travel, angle)
+    along = slide(at.q, at.v, mat(at.R[0]), vec(p.mu[2], 0))[0]
+    y[i] = follow((along - p.start[2]) / p.travel, angle)
 
 
 @kernel
 def _put_reactions(p, at, F, y, i):
     """Write the force of three multipliers; with that of the thread comes its moment."""
-    put(y, i, (at.q[14], at.q[15], at.q[16]))
-    put(y, i + 3, (-at.q[13], at.q[12], -p.travel * at.q[16]))
+    put(y, i, vec(at.q, 14))
+    put(y, i + 3, (-number(at.q[13]), number(at.q[12]), -p.travel * number(at.q[16])))
 
 
 def _place(d, nodes, context):

@@ -24,7 +24,7 @@ import numpy as np
 from mecano.element_interface import Display, Event, Kind, Output, Row, record
 from mecano.elements.members.smooth_line import nearest_station, smooth_line
 from mecano.jit.kernel import kernel
-from mecano.maths.dual import number
+from mecano.maths.dual import at_least, number
 from mecano.maths.vector import add_vec, cross, dot, mat, norm, put, vec
 from mecano.schema import NODE, NODES, Field
 
@@ -107,12 +107,13 @@ def constraints(p, at, g):
 def observe(p, at, F, y, e):
     """Write position on the beam, speed along it, force."""
     i, own = _element(p, at.m), 3 + 6 * p.n_nodes
-    _, H_1 = _shape(p, at.laws, i, at.q[own])
+    s, s_rate = number(at.q[own]), number(at.v[own])
+    _, H_1 = _shape(p, at.laws, i, s)
     places, _ = _ends(p, at, i)
-    y[0], y[1], y[2] = at.q[own], at.v[own], norm(_sum(H_1, places)) * at.v[own]
+    y[0], y[1], y[2] = s, s_rate, norm(_sum(H_1, places)) * s_rate
     put(y, 3, vec(at.q, own + 1))
     y[6] = norm(vec(at.q, own + 1))
-    y[7] = max(-at.q[own], at.q[own] - p.length, 0.0)
+    y[7] = at_least(at_least(-s, 0.0), s - p.length)
 
 
 @kernel

@@ -30,9 +30,11 @@ def observe_held(p, at, F, y, e):
 
 
 def parts_held(d, nodes, context):
-    """Return the Parts of three multipliers, and of the friction that they drive."""
-    friction = Part(BALL_FRICTION, (0, 1), ball_friction_record(d["friction"], context), coupled_to=(0,))
-    return [Part(RIGID_OFFSET, (0, 1), {"d": np.zeros(3)}), friction]
+    """Return the Parts of three multipliers, and of the friction that they drive, if any."""
+    found = [Part(RIGID_OFFSET, (0, 1), {"d": np.zeros(3)})]
+    if d["friction"]:
+        found.append(Part(BALL_FRICTION, (0, 1), ball_friction_record(d["friction"], context), coupled_to=(0,)))
+    return found
 
 
 def variant(d):
@@ -51,8 +53,8 @@ def sample(rng):
     return [({}, nodes, ""), *(({"friction": {**friction, "regularization": eps}}, nodes, "") for eps in (0.2, 50.0))]
 
 
-SPHERICAL = Kind(
-    name="spherical",
+SPHERICAL_HELD = Kind(
+    name="spherical_held",
     section="joints",
     doc=__doc__,
     display=Display(force="force"),
@@ -63,11 +65,14 @@ SPHERICAL = Kind(
     ),
     outputs=(Output("force", "N", "force of a on b, inertial axes", (3,)),),
     optional=(("friction", BALL_FRICTION, ""),),
-    shares=one_position,
+    parts=parts_held,
     variant=variant,
     check=check,
-    observe=observe,
+    observe=observe_held,
     sample=sample,
 )
 
-SPHERICAL_HELD = replace(SPHERICAL, name="spherical_held", shares=nothing, parts=parts_held, observe=observe_held)
+SPHERICAL = replace(
+    SPHERICAL_HELD, name="spherical", shares=one_position, parts=nothing, observe=observe, hidden={"force": ""},
+    revealed=SPHERICAL_HELD,
+)  # fmt: skip

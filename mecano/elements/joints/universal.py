@@ -37,8 +37,9 @@ from mecano.constraints.pair import (
 )
 from mecano.constraints.pin_friction import PIN_FRICTION, pin_friction_record
 from mecano.constraints.rigid_offset import RIGID_OFFSET
-from mecano.element_interface import Display, Kind, Output, Part, nothing, record
+from mecano.element_interface import Display, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
+from mecano.maths.dual import number
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import CONTINUOUS_DRIVE, DIRECTION, LAW, Field
 
@@ -66,7 +67,7 @@ def observe(p, at, F, y, e):
     """Write both angles and the reactions."""
     _put_angles(p, at.m, at.v, at.R, y)
     put(y, 4, -vec(F, 6))
-    y[7] = at.q[12]
+    y[7] = number(at.q[12])
 
 
 @kernel
@@ -81,7 +82,7 @@ def observe_with_friction(p, at, F, y, e):
     """Write both angles and the reactions, if three multipliers hold the position."""
     _put_angles(p, at.m, at.v, at.R, y)
     put(y, 4, vec(at.q, 13))
-    y[7] = at.q[12]
+    y[7] = number(at.q[12])
 
 
 @kernel
@@ -135,6 +136,7 @@ def parts_with_friction(d, nodes, context):
     friction = [
         Part(PIN_FRICTION, on, pin_friction_record(mu, xi, given[f"radius_{end}"], given, context), (0, 1), f"_{end}")
         for on, mu, xi, end in _seen_by_pins(p)
+        if given
     ]
     return [perpendicular, Part(RIGID_OFFSET, (0, 1), {"d": np.zeros(3)}), *friction, *turning]
 
@@ -190,8 +192,8 @@ def sample(rng):
     ]
 
 
-UNIVERSAL = Kind(
-    name="universal",
+UNIVERSAL_RUBBING = Kind(
+    name="universal_rubbing",
     section="joints",
     doc=__doc__,
     display=Display(pictures=("angles",), force="force"),
@@ -233,19 +235,19 @@ UNIVERSAL = Kind(
     ),
     memory=("angle_a", "angle_b"),
     prepare=prepare,
-    shares=one_position,
-    parts=parts,
+    parts=parts_with_friction,
     variant=variant,
     check=check,
-    observe=observe,
+    observe=observe_with_friction,
     commit=commit,
     sample=sample,
 )  # fmt: skip
 
-UNIVERSAL_RUBBING = replace(
-    UNIVERSAL, name="universal_rubbing", shares=nothing, parts=parts_with_friction, observe=observe_with_friction
-)
 UNIVERSAL_ELASTIC = replace(
-    UNIVERSAL, name="universal_elastic", dtype=PAIR_RECORD, prepare=prepare_elastic, shares=nothing,
-    parts=parts_elastic, observe=observe_elastic,
+    UNIVERSAL_RUBBING, name="universal_elastic", dtype=PAIR_RECORD, prepare=prepare_elastic, parts=parts_elastic,
+    observe=observe_elastic,
+)  # fmt: skip
+UNIVERSAL = replace(
+    UNIVERSAL_RUBBING, name="universal", shares=one_position, parts=parts, observe=observe, hidden={"force": ""},
+    revealed=UNIVERSAL_RUBBING,
 )  # fmt: skip

@@ -259,6 +259,19 @@ def sample(rng):
     ]
 
 
+OUTPUTS = (
+    Output("force", "N", "section force (N, V_2, V_3) in the middle, section axes", (3,)),
+    Output("moment", "N m", "section moment (T, M_2, M_3) in the middle, section axes", (3,)),
+    Output("moment_start", "N m", "section moment at the first node, section axes there", (3,)),
+    Output("moment_end", "N m", "section moment at the second node, section axes there", (3,)),
+    Output("strain", "-", "elongation and shear strains in the middle", (3,)),
+    Output("curvature", "1/m", "twist and curvatures in the middle, beyond those of the free shape", (3,)),
+    Output("normal_stress", "Pa", "largest normal stress of the outer fibres, at the ends and in the middle"),
+    Output("torsion_stress", "Pa", "largest shear stress of torsion"),
+    Output("stress", "Pa", "largest von Mises stress, from the normal stress and the shear stress of torsion"),
+    Output("strain_energy", "J", "strain energy"),
+    Output("kinetic_energy", "J", "kinetic energy"),
+)
 BEAM = Kind(
     name="beam",
     section="elements",
@@ -275,19 +288,8 @@ BEAM = Kind(
         Field("twist", NUMBER, "rad", "angle by which the section turns about axis 1 from start to end", 0.0),
         THERMAL,
     ),
-    outputs=(
-        Output("force", "N", "section force (N, V_2, V_3) in the middle, section axes", (3,)),
-        Output("moment", "N m", "section moment (T, M_2, M_3) in the middle, section axes", (3,)),
-        Output("moment_start", "N m", "section moment at the first node, section axes there", (3,)),
-        Output("moment_end", "N m", "section moment at the second node, section axes there", (3,)),
-        Output("strain", "-", "elongation and shear strains in the middle", (3,)),
-        Output("curvature", "1/m", "twist and curvatures in the middle, beyond those of the free shape", (3,)),
-        Output("normal_stress", "Pa", "largest normal stress of the outer fibres, at the ends and in the middle"),
-        Output("torsion_stress", "Pa", "largest shear stress of torsion"),
-        Output("stress", "Pa", "largest von Mises stress, from the normal stress and the shear stress of torsion"),
-        Output("strain_energy", "J", "strain energy"),
-        Output("kinetic_energy", "J", "kinetic energy"),
-    ),
+    outputs=OUTPUTS,
+    hidden=dict.fromkeys([output.name for output in OUTPUTS], "read the reaction of a joint at its end, such as fixed"),
     flexible=True,
     variant=variant,
     prepare=prepare,

@@ -9,8 +9,8 @@ With the length :math:`\ell`, the natural length :math:`L(t)`, the axial stiffne
 A cable is taut as long as both :math:`\varepsilon` and :math:`\varepsilon + \tau \dot\varepsilon` are positive: it
 never pushes, even with damping. The changes from slack to taut and back are events. If elastic energy remains when it
 goes slack with :math:`\varepsilon > 0`, it is dissipated while the cable shortens to its natural length. A ``release``
-cuts the cable: it carries no force from then on, its elastic energy is lost at that instant, and its mass stays. The
-signal of its tension is that of an uncut cable without a winder; ``release: {when: rope.tension > 5000}`` breaks it.
+cuts the cable: it carries no force from then on, its elastic energy is lost at that instant, and its mass stays;
+``release: {when: rope.tension > 5000}`` breaks it.
 
 A varying natural length, a law of time or a formula of signals, does work, which is supplied by the surroundings (a
 winder). With
@@ -33,7 +33,6 @@ import numpy as np
 
 from mecano.constraints import wound_line
 from mecano.constraints.along_coordinate.demand import is_formula
-from mecano.constraints.along_coordinate.sense import quantity_sensor, set_point_sensor
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.elastic_line import (
     LINE_RECORD,
@@ -54,7 +53,7 @@ from mecano.element_interface import Display, Event, Kind, Measured, Output, rec
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.laws.table import evaluate_curve, terms_of
-from mecano.maths.dual import at_least, select
+from mecano.maths.dual import select
 from mecano.maths.vector import add_col
 from mecano.schema import CONTINUOUS_DRIVE, CURVE, NODE_PAIR, NUMBER, Field, choice, not_negative, positive
 
@@ -129,8 +128,9 @@ def _functions(natural, add_by_natural):
         length, rate, _ = line(at.q, at.v)
         L, L_rate = natural(p, at)
         strain, strain_rate = strained(length, rate, L, L_rate)
-        elastic = p.EA * strain if at.phase == TAUT or (strain > 0.0 and at.phase != RELEASED) else 0.0
-        N = _tension(p, strain, strain_rate) if at.phase == TAUT else 0.0
+        pulls = at.phase == TAUT or (strain > 0.0 and at.phase != RELEASED)
+        elastic = select(pulls, p.EA * strain, 0.0)
+        N = select(at.phase == TAUT, _tension(p, strain, strain_rate), 0.0)
         viscous = N - elastic
         put_line(p, y, length, L, strain, strain_rate, N)
         put_line_energy(p, at.q, at.v, e)
@@ -253,32 +253,7 @@ def _apart(rng, distance):
     return [(x, np.eye(3)), (x + distance * direction / np.linalg.norm(direction), np.eye(3))]
 
 
-@kernel
-def _strain(p, strain, strain_rate):
-    return strain
-
-
-@kernel
-def _cable_tension(p, strain, strain_rate):
-    N = _tension(p, strain, strain_rate)
-    return select(strain > 0.0, at_least(N, 0.0), 0.0)
-
-
-def _sensor(what, value):
-    """Return what the signal ``what`` is measured with; value(p, strain, strain rate) is compiled."""
-
-    def kind(natural):
-        @kernel
-        def sensed(p, at):
-            length, rate, _ = line(at.q, at.v)
-            return value(p, *strained(length, rate, *natural(p, at)))
-
-        return quantity_sensor(f"{what}_sensor", f"Sensor of the {what} of a line.", RECORD, ("x0", "x1"), sensed)
-
-    return set_point_sensor(kind, _of_time, "natural_length", prepare)
-
-
-MEASURES = {"length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {}), "strain": _sensor("strain", _strain)}
+MEASURES = {"length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {})}
 FIELDS = (
     Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
     Field("axial_stiffness", NUMBER, "N", "EA: force per strain; or give E and area", None, positive),
@@ -331,7 +306,7 @@ BAR = Kind(
     force=BAR_FORCE,
     observe=OBSERVE_BAR,
     variant=lambda d: BAR_BY_SIGNAL if is_formula(d["natural_length"]) else BAR,
-    measures={**MEASURES, "tension": _sensor("bar_tension", _tension)},
+    measures=MEASURES,
     sample=sample_bar,
 )
 BAR_BY_SIGNAL = replace(
@@ -358,7 +333,7 @@ CABLE = Kind(
     check=check_cable,
     strains=(-np.inf, STRAIN_OF_STEEL),  # it may be slack
     sample=sample_cable,
-    measures={**MEASURES, "tension": _sensor("cable_tension", _cable_tension)},
+    measures=MEASURES,
     **_cable_functions(_of_time, _without_input),
 )
 CABLE_BY_SIGNAL = replace(

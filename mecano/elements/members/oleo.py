@@ -90,19 +90,18 @@ def residual(p, at, f):
 def observe(p, at, F, y, e):
     """Write length, extension, rate, force, stroke, pressures, flow, compression of the oil; energies."""
     length, rate, _ = line(at.q, at.v)
-    s, oil, u = extension(p, STILL, length), at.q[OIL], -rate - at.v[OIL]
-    report(p, at, STILL, length, rate, y[3:], e)
-    gas, _, energy = gas_at(p, s)
-    F_h = through_orifice(p, at, s, u)
+    s, oil, u = extension(p, STILL, length), number(at.q[OIL]), -rate - number(at.v[OIL])
+    report(p, at, STILL, length, rate, y, 3, e)
+    gas, F_h = gas_pull(p, s), through_orifice(p, at, s, u)
     y[0], y[1], y[2] = length, s, rate
     y[3] += gas + p.ambient * p.gas_area - F_h
     y[4] = -s
     y[5] = -gas / p.gas_area
-    pressing = p.pressing[0 if u > 0.0 else 1]
-    y[6] = y[5] + F_h * pressing
+    pressing = select(u > 0.0, p.pressing[0], p.pressing[1])
+    y[6] = -gas / p.gas_area + F_h * pressing
     y[7] = u / abs(pressing)
     y[8], y[9] = oil, at.v[OIL]
-    e[1] += energy + p.ambient * p.gas_area * s + 0.5 * p.oil_stiffness * oil * oil
+    e[1] += gas_at(p, value(s))[2] + p.ambient * p.gas_area * s + 0.5 * p.oil_stiffness * oil * oil
     e[2] += F_h * u
 
 

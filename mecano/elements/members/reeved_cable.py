@@ -50,6 +50,7 @@ from mecano.constraints.release import RELEASED_PHASE, SAMPLE, check_release, cu
 from mecano.element_interface import Display, Event, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
+from mecano.maths.dual import at_least, number, select
 from mecano.maths.vector import add_vec, dot, mat, norm
 from mecano.schema import DIRECTION, NODES, NUMBER, NUMBERS, TIME_CURVE, Field, not_negative, positive
 
@@ -82,23 +83,23 @@ def observe(p, at, F, y, e):
     if at.phase == RELEASED:
         return
     length, _, strain, strain_rate, L, L_rate = cable_strain(p, at)
-    elastic = p.EA * strain if at.phase == TAUT or strain > 0.0 else 0.0
-    N = p.EA * (strain + p.damping * strain_rate) if at.phase == TAUT else 0.0
+    elastic = select(at.phase == TAUT or strain > 0.0, p.EA * strain, 0.0)
+    N = select(at.phase == TAUT, p.EA * (strain + p.damping * strain_rate), 0.0)
     viscous = N - elastic
-    y[0], y[1], y[2], y[3], y[4] = length, L, strain, strain_rate, max(N, 0.0)
+    y[0], y[1], y[2], y[3], y[4] = length, L, strain, strain_rate, at_least(N, 0.0)
     y[5] = 1.0 if at.phase == TAUT else 0.0
     for i in range(1, len(p.radii) - 1):
         angle, _, _, _ = arc(p, at, i)
-        wrap = angle if p.radii[i] > 0.0 else -angle
+        wrap = select(p.radii[i] > 0.0, angle, -angle)
         axis = mat(at.R[i - 1]) @ mat(p.axes[i - 1]).z
         for k in (i - 1, i):
             d, _, _ = span(p, at.q, k)
-            y[6] = max(y[6], abs(dot(axis, d)) / norm(d))
-        y[7] = max(y[7], -wrap)
+            y[6] = at_least(number(y[6]), abs(dot(axis, d)) / norm(d))
+        y[7] = at_least(number(y[7]), -wrap)
         y[8 + i] = wrap
     for i in range(len(p.radii) - 1):
         d, delta, _ = span(p, at.q, i)
-        y[8] = max(y[8], abs(delta) / norm(d))
+        y[8] = at_least(number(y[8]), abs(delta) / norm(d))
     e[1] = 0.5 * elastic * strain * L
     e[2] = viscous * L * strain_rate
     e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate

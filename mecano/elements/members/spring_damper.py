@@ -8,7 +8,7 @@ With :math:`d = x_1 - x_0`, the length :math:`\ell = |d|` and :math:`u = d/\ell`
 N > 0 pulls the nodes together. The natural length :math:`\ell_0` may be a law of time or a formula of signals: the
 set point of an elastic actuator, whose power :math:`-N\dot\ell_0` is given by the surroundings. With ``activate`` it
 has no force before, and with ``stress_free`` its extension counts from then on. A ``release`` detaches it: from then on
-it has no force, and its elastic energy is lost. Signals of extension and force stay those of the law.
+it has no force, and its elastic energy is lost.
 """
 
 from dataclasses import replace
@@ -17,15 +17,7 @@ import numpy as np
 
 from mecano.constraints.activation import SHIFT, since_activation, with_activation
 from mecano.constraints.along_coordinate.demand import is_formula
-from mecano.constraints.along_coordinate.law import (
-    LAW_RECORD,
-    extension,
-    law_values,
-    of_time,
-    report,
-    with_set_point,
-)
-from mecano.constraints.along_coordinate.sense import quantity_sensor, set_point_sensor
+from mecano.constraints.along_coordinate.law import LAW_RECORD, extension, law_values, report, with_set_point
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.joint_frame import at_one_place
 from mecano.constraints.line import line
@@ -68,8 +60,8 @@ def _functions(set_point):
         y[0] = length
         y[1] = extension(p, point, length)
         y[2] = rate
-        report(p, at, point, length, rate, y[3:], e)
-        y[4] = -y[1]
+        report(p, at, point, length, rate, y, 3, e)
+        y[4] = -extension(p, point, length)
         y[5] = rate - point[1]
 
     @kernel
@@ -113,31 +105,6 @@ def sample(rng):
     return [
         *samples, *(({"law": cubic, "natural_length": length}, 2, "between") for length in (None, moved, "1 + command"))
     ]  # fmt: skip
-
-
-@kernel
-def _extension(p, at, length, rate, point):
-    return extension(p, point, length)
-
-
-@kernel
-def _extension_rate(p, at, length, rate, point):
-    return rate - point[1]
-
-
-def _sensor(what, value):
-    """Return what the signal ``what`` is measured with; value(p, at, length, rate, set point) is compiled."""
-
-    def kind(set_point):
-        @kernel
-        def sensed(p, at):
-            length, rate, _ = line(at.q, at.v)
-            return value(p, at, length, rate, set_point(p, at))
-
-        doc = f"Sensor of the {what} of a spring-damper."
-        return quantity_sensor(f"spring_{what}_sensor", doc, RECORD, ("x0", "x1"), sensed)
-
-    return set_point_sensor(kind, of_time, "natural_length", prepare)
 
 
 def _stress_free(set_point):
@@ -184,9 +151,6 @@ def _kind(set_point):
         sample=sample,
         measures={
             "length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {}),
-            "extension": _sensor("extension", _extension),
-            "extension_rate": _sensor("extension_rate", _extension_rate),
-            "force": _sensor("force", _force),
         },
     )  # fmt: skip
 

@@ -27,7 +27,6 @@ from mecano.constraints.along_coordinate.law import (
     report,
 )
 from mecano.constraints.along_coordinate.measure import OVER_TURNS, angle_outputs
-from mecano.constraints.along_coordinate.sense import quantity_sensor, set_point_sensor
 from mecano.constraints.coordinates.twist import TWIST, followed
 from mecano.constraints.joint_frame import NODES, triad
 from mecano.constraints.of_coordinates import OF_SIGNAL, TWIST_LAW
@@ -35,7 +34,6 @@ from mecano.constraints.release import with_release
 from mecano.constraints.stop_phases import EVENTS, PHASES
 from mecano.element_interface import Display, Kind, Measured, Output
 from mecano.jit.kernel import kernel
-from mecano.laws.table import law_force
 from mecano.schema import CONTINUOUS_DRIVE, DIRECTION, LAW, Field
 
 
@@ -45,7 +43,7 @@ def _observe(set_point):
     @kernel
     def observe(p, at, F, y, e):
         angle, rate = followed(p, at.m, at.v, at.R)
-        report(p, at, set_point(p, at), angle, rate, y[2:], e)
+        report(p, at, set_point(p, at), angle, rate, y, 2, e)
         y[0] = angle
         y[1] = rate
 
@@ -85,20 +83,6 @@ def _angle(d, nodes, context):
     return Measured(TWIST, (0, 1), {"mu": p["mu"], "xi": p["xi"]})
 
 
-def _moment_sensor(set_point):
-    """Return the Kind of a sensor of the moment for a natural angle (p, at) -> (value, rate)."""
-
-    @kernel
-    def sensed(p, at):
-        angle, rate = followed(p, at.m, at.v, at.R)
-        point = set_point(p, at)
-        return law_force(at.laws, p.law, extension(p, point, angle), rate - point[1])
-
-    doc = "Sensor of the moment of a torsion spring-damper."
-    kind = quantity_sensor("torsion_moment_sensor", doc, TWIST_LAW.dtype, ("R0", "R1"), sensed)
-    return replace(kind, memory=("angle",), commit=TWIST_LAW.commit)
-
-
 _BY_LAW = Kind(
     name="torsion_spring_damper",
     section="elements",
@@ -126,7 +110,7 @@ _BY_LAW = Kind(
     event_values=TWIST_LAW.event_values,
     commit=TWIST_LAW.commit,
     sample=sample,
-    measures={"angle": _angle, "moment": set_point_sensor(_moment_sensor, of_time, "natural_angle", prepare)},
+    measures={"angle": _angle},
 )
 _DRIVEN = OF_SIGNAL[TWIST_LAW]
 _BY_SIGNAL = replace(

@@ -18,6 +18,7 @@ from mecano.constraints.of_coordinates import HELD_COORDINATE
 from mecano.constraints.upright_rolling import RECORD, UPRIGHT_ROLLING
 from mecano.element_interface import Kind, Part
 from mecano.jit.kernel import kernel
+from mecano.maths.dual import number
 from mecano.maths.surface import disc_contact
 from mecano.maths.vector import ZERO, dot, mat, vec
 
@@ -30,7 +31,7 @@ def observe(p, at, F, y, e):
     Rn, n = mat(at.R[0]), vec(p.normal, 0)
     axis = Rn @ vec(p.axis, 0)
     g = disc_contact(n, ZERO, p.radius, axis)
-    push = at.q[HEIGHT], at.q[DRIVING], at.q[LATERAL]
+    push = number(at.q[HEIGHT]), number(at.q[DRIVING]), number(at.q[LATERAL])
     put_outputs(y, at.q, push, p.radius, Wheel(g, axis, -p.radius * n, dot(Rn @ vec(at.v, 3), axis)))
 
 

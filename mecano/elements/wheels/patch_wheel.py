@@ -29,6 +29,8 @@ from mecano.elements.wheels.tire_wheel import (
 from mecano.elements.wheels.tire_wheel import FIELDS as WHEEL_FIELDS
 from mecano.elements.wheels.tire_wheel import OUTPUTS as TIRE_OUTPUTS
 from mecano.jit.kernel import kernel
+from mecano.maths.dual import select
+from mecano.maths.surface import directions
 from mecano.maths.vector import cross, dot, mat, put, vec
 from mecano.schema import NUMBER, Field, mapping
 
@@ -74,24 +76,23 @@ def put_patch(p, at, k, load, force, lost, y, e):
     ``force`` (3,) [N] of the ground on the wheel in the ground; ``lost`` [W] what friction dissipates.
     """
     q, v, contact, law = at.q, at.v, at.phase == CONTACT, load.law
-    arm = k.rho if contact else p.radius * k.g.c
+    arm = select(contact, k.rho, p.radius * k.g.c)
     lowest = vec(v, 0) + cross(k.omega, arm)
-    v_C = k.v_C if contact else lowest - dot(k.g.n, lowest) * k.g.n
+    v_C = select(contact, k.v_C, lowest - dot(k.g.n, lowest) * k.g.n)
     grip = Grip(load.radial, force, load.N, v_C, lost, k.w1)
     touching = put_tire(p, at, Wheel(k.g, k.a, arm, dot(k.omega, k.a)), grip, y, e)
     put(y, 18, vec(q, Y))
     put(y, 24, vec(v, Y))
     if touching and p.twist > 0.0 and p.A0[1, 0] < 0.0:
-        y[27] = y[3] / p.A0[1, 0]
-    f = mat(p.A0) @ vec(q, Y) + mat(p.A1_air) @ vec(v, Y)
+        y[27] = dot(force, directions(k.a, k.g)[0]) / p.A0[1, 0]
+    f = select(contact, law.f, mat(p.A0) @ vec(q, Y) + mat(p.A1_air) @ vec(v, Y))
     if contact:
-        f = law.f
         put(y, 21, (f[0], f[1], law.turn))
     stored, rate = mat(p.stored) @ vec(q, Y), dot(vec(v, Y), mat(p.stored) @ vec(q, Y))
     e[1] += 0.5 * dot(vec(q, Y), stored)
-    damped = law.damped if contact else dot(vec(v, Y), mat(p.damped_air) @ vec(v, Y))
+    damped = select(contact, law.damped, dot(vec(v, Y), mat(p.damped_air) @ vec(v, Y)))
     e[2] += damped
-    e[3] = damped + rate - dot(f, vec(v, Y)) + (law.turn * dot(k.g.n, k.omega) if contact else 0.0)
+    e[3] = damped + rate - dot(f, vec(v, Y)) + select(contact, law.turn * dot(k.g.n, k.omega), 0.0)
 
 
 @kernel

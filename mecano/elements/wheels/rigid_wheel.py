@@ -46,6 +46,7 @@ from mecano.constraints.rolling_radius import ROLLING_RADIUS
 from mecano.element_interface import CONTACT as SHOCK
 from mecano.element_interface import Event, Kind, Part, record
 from mecano.jit.kernel import kernel
+from mecano.maths.dual import number, select
 from mecano.maths.vector import dot, mat, vec
 from mecano.schema import BOOLEAN, Field, choice
 
@@ -68,8 +69,8 @@ def observe(p, at, F, y, e):
     Rn = mat(at.R[0])
     axis = Rn @ vec(p.axis, 0)
     g = touch(p, at.laws, vec(at.q, 0), axis)
-    radius = p.radius if at.phase == AIR else g.r
-    push = at.q[RADIAL] / g.q, at.q[DRIVING], at.q[LATERAL]
+    radius = select(at.phase == AIR, p.radius, g.r)
+    push = number(at.q[RADIAL]) / g.q, number(at.q[DRIVING]), number(at.q[LATERAL])
     put_outputs(y, at.q, push, radius, Wheel(g, axis, radius * g.c, dot(Rn @ vec(at.v, 3), axis)))
 
 

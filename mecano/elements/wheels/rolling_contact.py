@@ -1,6 +1,5 @@
 """Kinematics of the contact, outputs, events and samples shared by wheels with a slip law."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +12,7 @@ from mecano.elements.wheels.slip_law import Slip, default_values
 from mecano.elements.wheels.tire_law import radial_force
 from mecano.elements.wheels.tire_wheel import CONTACT, Grip, large_wheel, put_tire
 from mecano.jit.kernel import kernel
+from mecano.maths.dual import atan2, select, sqrt
 from mecano.maths.surface import Contact, directions
 from mecano.maths.vector import add_vec, cross, dot, mat, put, vec
 
@@ -69,7 +69,7 @@ def add_ground(f, at, k, ground):
 def put_rolling(p, at, k, ground, y, e):
     """Write outputs and energies of a Rolling under the SlipForces ``ground``; return True if the ground pushes."""
     touching = at.phase == CONTACT
-    arm = (k.g.r if touching else p.radius) * k.g.c
+    arm = select(touching, k.g.r, p.radius) * k.g.c
     grip = Grip(k.F, ground.F, k.slip.N, k.slip.v_0, ground.lost, k.w1)
     pushes = put_tire(p, at, Wheel(k.g, k.axis, arm, k.slip.spin), grip, y, e)
     if pushes:
@@ -77,9 +77,9 @@ def put_rolling(p, at, k, ground, y, e):
         put(y, FIRST, (dot(t, M), dot(l, M), dot(k.slip.n, M)))
         e[3] = ground.given + dot(ground.F, k.surface.v) + dot(M, k.surface.omega)
         forward = dot(t, k.slip.u)
-        V = math.sqrt(forward * forward + SLOW * SLOW)
+        V = sqrt(forward * forward + SLOW * SLOW)
         y[FIRST + 3] = -dot(t, k.slip.v_0) / V
-        y[FIRST + 4] = math.atan(dot(l, k.slip.v_0) / V)
+        y[FIRST + 4] = atan2(dot(l, k.slip.v_0), V)
     return pushes
 
 

@@ -15,6 +15,7 @@ from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import LEAN, check_axle, ends, lean_of, slope_below
 from mecano.element_interface import Display, Kind, Output, Part
 from mecano.jit.kernel import kernel
+from mecano.maths.dual import number
 from mecano.maths.surface import directions, disc_contact
 from mecano.maths.vector import ZERO, dot, mat, put, vec
 from mecano.schema import DIRECTION, GROUND, NODE, Field
@@ -28,8 +29,8 @@ def observe(p, at, F, y, e):
     axis = mat(at.R[0]) @ vec(p.axis, 0)
     g = disc_contact(vec(p.normal, 0), ZERO, 0.0, axis)
     along, across = directions(axis, g)
-    y[0] = at.q[LATERAL]
-    put(y, 1, at.q[LATERAL] * across)
+    y[0] = number(at.q[LATERAL])
+    put(y, 1, number(at.q[LATERAL]) * across)
     y[4] = dot(along, vec(at.v, 0))
     y[5] = lean_of(g)
 

@@ -12,6 +12,7 @@ from mecano.elements.wheels.ground_surface import check_surface, prepare_surface
 from mecano.elements.wheels.tire_law import check_tire_law, prepare_radial
 from mecano.jit.kernel import kernel
 from mecano.laws.contact_force import elastic_energy, elastic_force
+from mecano.maths.dual import at_least, select, value
 from mecano.maths.surface import directions
 from mecano.maths.vector import dot, norm
 from mecano.schema import TIRE_LAW, Field
@@ -54,18 +55,18 @@ def put_tire(p, at, wheel, grip, y, e):
     # an accepted step that ends at the lift-off is within the tolerance of w = 0, on either side
     touching = contact and grip.radial > 0.0
     t, l = directions(wheel.axis, g)
-    radius = g.r if contact else p.radius
-    w = max(0.0, p.radius - radius)
-    F = grip.radial if touching else 0.0
-    push = (F / g.q, dot(grip.force, t), dot(grip.force, l)) if touching else (0.0, 0.0, 0.0)
+    radius = select(contact, g.r, p.radius)
+    w = at_least(p.radius - radius, 0.0)
+    F = select(touching, grip.radial, 0.0)
+    push = F / g.q, select(touching, dot(grip.force, t), 0.0), select(touching, dot(grip.force, l), 0.0)
     put_contact(y, at.q, push, radius, wheel)
     y[13], y[14] = w, F
     y[15], y[16] = dot(grip.v_C, t), dot(grip.v_C, l)
     if touching:
         y[17] = norm(grip.force) / grip.N
     if contact:
-        e[1] = elastic_energy(laws, p.radial, w)
-        e[2] = (grip.lost if touching else 0.0) + (F - elastic_force(laws, p.radial, w)) * grip.w1
+        e[1] = elastic_energy(laws, p.radial, value(w))
+        e[2] = select(touching, grip.lost, 0.0) + (F - elastic_force(laws, p.radial, w)) * grip.w1
     return touching
 
 

@@ -152,9 +152,9 @@ def _react(system, s, assemble):
     n_q, n = system.n_q, system.n
     if not system.n_l or n_q > DENSE_ROWS:
         return
-    assembly = assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0)
+    assembly, motions = assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0), ~system.signals
     D = sp.csr_matrix((assembly.data[: system.nnz], (system.rows, system.cols)), shape=(n, n))[:n_q, n_q:].toarray()
-    s.z[n_q:n] -= np.linalg.lstsq(D, assembly.residual[:n_q], rcond=1e-12)[0]
+    s.z[n_q:n] -= np.linalg.lstsq(D[motions], assembly.residual[:n_q][motions], rcond=1e-12)[0]
 
 
 def _hat(a):

@@ -16,6 +16,7 @@ from mecano.solve.statics.stability import null_space
 MASSLESS = 1e-13  # of the largest inertia: a smaller one counts as zero
 ZERO, SINGULAR = 1e-12, 1e-9  # of the largest singular value: rounding; a singular matrix
 EXACT_ZERO = 2e-14  # of the largest singular value: tighter bound of rounding, as stiff and soft motions occur together
+ROUNDED_MASS = 1e-12  # of the largest inertia: asymmetry that is rounding
 ROUNDED = 1e-15  # of the largest entry of its row: an entry that is rounding
 INFINITE = 3e-7  # smaller denominators of the generalized eigenvalues count as zero
 
@@ -31,6 +32,9 @@ def dense(scaled):
     if scaled.on_velocity.any():
         values, p = _on_velocities(E @ Z, F @ Z, Z.T @ D[:, scaled.on_velocity], M, C, K)
         return values, follow(values, p @ Z.T), "dense, first order, with constraints on velocities"
+    if np.abs(M - M.T).max(initial=0.0) > ROUNDED_MASS * np.abs(M).max(initial=0.0):  # signals that read reactions
+        values, p = _general(M, C, K)
+        return values, follow(values, p @ Z.T), "dense, first order"
     M, C, K, back = _condensed(M, C, K)
     if scaled.undamped and kept.all():
         squares, vectors = la.eigh(0.5 * (K + K.T), 0.5 * (M + M.T))
@@ -96,9 +100,8 @@ def _first_order(M, C, K):
     drag = U2.T @ C @ U2
     sigma = np.linalg.svd(drag, compute_uv=False)
     if len(sigma) and sigma[-1] <= SINGULAR * sigma[0]:
-        eye, zero = np.eye(r), np.zeros((r, r))
-        values, vectors = _finite(np.block([[zero, eye], [-K, -C]]), la.block_diag(eye, M))
-        return values * rate, vectors[:r].T
+        values, vectors = _of_blocks(M, C, K)
+        return values * rate, vectors
     rates = np.hstack([np.zeros((r, r)), U1])  # p' from (p, v); without inertia, rates follow from the damping
     rates -= U2 @ np.linalg.solve(drag, U2.T @ np.hstack([K, C @ U1]))
     forces = np.hstack([K, np.zeros_like(U1)]) + C @ rates
@@ -107,6 +110,20 @@ def _first_order(M, C, K):
     A, T = la.matrix_balance(A, permute=False)  # signals have any unit
     values, vectors = _without_zeros(A, np.eye(len(A)), EXACT_ZERO * np.linalg.norm(A, 2), _all)
     return values * rate, (T @ vectors)[:r].T
+
+
+def _general(M, C, K):
+    """Return the same as ``_first_order`` for any M."""
+    rate = np.sqrt(np.abs(K).max() / np.abs(M).max()) or 1.0
+    values, vectors = _of_blocks(M * rate**2, C * rate, K)
+    return values * rate, vectors
+
+
+def _of_blocks(M, C, K):
+    """Return finite eigenvalues (m,) and position parts (m, r) of the eigenvectors of M y'' + C y' + K y = 0 by QZ."""
+    eye, zero = np.eye(len(M)), np.zeros_like(M)
+    values, vectors = _finite(np.block([[zero, eye], [-K, -C]]), la.block_diag(eye, M))
+    return values, vectors[: len(M)].T
 
 
 def _all(A, E):

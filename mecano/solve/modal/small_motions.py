@@ -24,7 +24,7 @@ class SmallMotions:
         rows, self.units = _balance(lin)
         rest = np.ones(lin.K.shape[0] - n_q)
         L, R = (sp.diags(np.concatenate([by / lin.root, rest])) for by in (rows, self.units))
-        self.full = tuple((L @ A @ R).tocsr() for A in (lin.M, lin.C, lin.K))
+        self.full = self._without_reactions(tuple((L @ A @ R).tocsr() for A in (lin.M, lin.C, lin.K)), lin.signals)
         self.M, self.C, self.K = (A[:n_q, :n_q] for A in self.full)
         self.D = self.full[2][:n_q, n_q:]
         rows_K, rows_C = -self.full[2][n_q:, :n_q], -self.full[1][n_q:, :n_q]
@@ -33,6 +33,24 @@ class SmallMotions:
         self.signals = np.zeros(n_q, bool) if lin.signals is None else lin.signals
         self.groups = lin.groups
         self.size = [float(abs(A).max()) if A.nnz else 0.0 for A in (self.M, self.C, self.K)]
+
+    def _without_reactions(self, matrices, signals):
+        """Return the matrices with the reactions that signals read replaced by the forces that they balance.
+
+        From the equations of the signals, combinations of those of motions are subtracted such that no multiplier is
+        left in them.
+        """
+        if signals is None or not (read := np.flatnonzero(signals[: self.n_q] & self._read(matrices[2]))).size:
+            return matrices
+        D, motions = matrices[2][:, self.n_q :], np.flatnonzero(~signals)
+        parts = _least(D[motions].T.tocsr(), D[read].T.toarray())
+        at = np.repeat(read, len(motions)), np.tile(motions, len(read))
+        rows = sp.csr_matrix((parts.T.ravel(), at), matrices[2].shape)
+        return tuple((A - rows @ A).tocsr() for A in matrices)
+
+    def _read(self, K):
+        """Return (n_q,) bool: equations in which multipliers occur."""
+        return np.diff(K[: self.n_q, self.n_q :].tocsr().indptr) > 0
 
     @property
     def undamped(self):
@@ -62,6 +80,13 @@ class SmallMotions:
             return np.linalg.lstsq(self.D.toarray(), -r, rcond=1e-12)[0]
         parts = [spla.lsqr(self.D, -part, atol=1e-14, btol=1e-14, iter_lim=2000)[0] for part in (r.real, r.imag)]
         return parts[0] + 1j * parts[1]
+
+
+def _least(A, b):
+    """Return the least x (n, m) that minimizes |A x - b|; A is sparse, b (rows, m)."""
+    if max(A.shape) <= DENSE_ROWS:
+        return np.linalg.lstsq(A.toarray(), b, rcond=1e-12)[0]
+    return np.array([spla.lsqr(A, column, atol=1e-14, btol=1e-14, iter_lim=2000)[0] for column in b.T]).T
 
 
 def _balance(lin):

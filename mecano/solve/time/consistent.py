@@ -209,29 +209,49 @@ class Consistent:
         s.a[system.n_q :] = 0.0
         s.a[: system.n_q] = np.where(system.signals, s.a[: system.n_q], a)
         s.z[system.n_q : system.n] = reaction + self.k * gamma
-        if len(system.coupled_multipliers):
-            self._apply_coupled_friction(s)
+        if len(system.coupled_multipliers) or len(system.sensed_multipliers):
+            self._apply_multipliers(s)
 
-    def _apply_coupled_friction(self, s):
-        """Solve for accelerations and multipliers of ``s`` with forces that depend on multipliers (Newton).
+    def _apply_multipliers(self, s):
+        """Solve for accelerations, multipliers and signals of ``s``, where forces or signals depend on multipliers.
 
-        The accelerations stay on the constraints. An iteration that does not converge, where friction locks, leaves it
-        to the first step to find the motion.
+        Newton's method; forces are those of friction. The accelerations stay on the constraints. An iteration that does
+        not converge, where friction locks, leaves it to the first step to find the motion.
         """
         system, n_q, n = self.system, self.system.n_q, self.system.n
+        signals = system.signals if len(system.sensed_multipliers) else np.zeros(n_q, bool)
         for _ in range(RUBBING):
             here = _with(self.bare, s.v, s.a)
             here.z[n_q:n] = s.z[n_q:n]
-            residual = system.assemble(here, self.k, 0.0, 0.0, 0.0, 0.0).residual
-            unbalanced = np.where(self.loose, 0.0, -residual[:n_q])
+            here.z[:n_q][signals] = s.z[:n_q][signals]
             data = self.data.copy()
+            residual = self._couple_signals(here, signals, data)
+            unbalanced = np.where(self.loose & ~signals, 0.0, -residual[:n_q])
             system.add_coupled_multipliers(here, self.k, data)
             change = self._solve(data, np.concatenate([unbalanced, np.zeros(system.n_l)]))
-            s.a[:n_q] += change[:n_q]
+            of_motions, of_signals = np.where(signals, 0.0, change[:n_q]), np.where(signals, change[:n_q], 0.0)
+            s.a[:n_q] += of_motions
+            s.v[:n_q] += np.where(system.states, of_signals, 0.0)
+            s.z[:n_q] += np.where(system.states, 0.0, of_signals)
             s.z[n_q:n] += self.k * change[n_q:]
             if np.abs(self.k * change[n_q:]).max() <= ROUNDING * np.abs(s.z[n_q:n]).max():
                 break
         self._solve(self.data, np.zeros(n))
+
+    def _couple_signals(self, s, signals, data):
+        """Put the equations of ``signals`` (n_q,) bool and their columns at ``s`` in data; return the residual there.
+
+        The unknown of a signal is its value, that of a signal with a state its rate.
+        """
+        system, n_q = self.system, self.system.n_q
+        assembly = system.assemble(s, self.k, 0.0, 1.0, 0.0, 0.0)
+        by_value, residual = assembly.data[:-1].copy(), assembly.residual.copy()
+        by_rate = system.assemble(s, self.k, 0.0, 0.0, 1.0, 0.0).data[:-1]
+        row, column = (np.append(signals, np.zeros(system.n_l, bool))[i] for i in (system.rows, system.cols))
+        has_state = np.append(system.states, np.zeros(system.n_l, bool))[system.cols]
+        values = np.where(has_state, by_rate, by_value)
+        data[:-1][row | column] = np.where(column | (system.cols >= n_q), values, 0.0)[row | column]
+        return residual
 
     def apply_compliance(self, s, compliance):
         """Return ``s`` with positions moved by the deflection of the compliances under its reactions."""
@@ -264,7 +284,7 @@ def consistent_state(system, linear, s, h, contradictions, compliance=None, cons
     contradictions.refuse(s, h)
     consistent.settle(s, h)
     consistent.accelerate(s)
-    if len(consistent.massless) and system.n_l:  # reactions may act on the massless unknowns
+    if (len(consistent.massless) and system.n_l) or len(system.sensed_multipliers):  # reactions may act on these
         consistent.settle(s, h)
         consistent.accelerate(s)
     if compliance is not None:

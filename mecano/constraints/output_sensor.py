@@ -1,0 +1,54 @@
+r"""Sensors of the outputs of elements: a signal y with y - c = 0, where c is an output as ``observe`` writes it.
+
+The local unknowns of a sensor are those of the ``observe`` of the element, the value y follows them: positions and
+rotations, scalars and inputs, and the multipliers, of which reactions are linear functions. It has the record, the
+phase and a copy of the memory of the element, so the same function computes output and signal, once for numbers and
+once for Duals, from which the exact derivatives for the implicit step follow. The forces F are unknown to a sensor:
+outputs that depend on them are ``Kind.hidden``.
+"""
+
+import numpy as np
+
+from mecano.constraints.along_coordinate.signal import SIGNAL
+from mecano.element_interface import Kind, Row
+from mecano.jit.kernel import kernel
+from mecano.jit.memory import give_back, take_items
+from mecano.maths.dual import number
+
+ENERGIES = 4  # number that ``observe`` writes
+_made = {}  # (id of the kind, number of multipliers): sensor
+
+
+def output_sensor(kind, n_multipliers):
+    """Return the Kind that senses an output of ``kind``, whose ``observe`` sees ``n_multipliers`` multipliers.
+
+    Its record is that of ``kind`` with the index ``sensed`` of the output, components of vectors counted.
+    """
+    key = id(kind), n_multipliers
+    if key not in _made:
+        _made[key] = _sensor(kind, n_multipliers)
+    return _made[key]
+
+
+def _sensor(kind, n_multipliers):
+    row, observe = 3 * len(kind.layout) + len(kind.scalars) + len(kind.inputs) + n_multipliers, kind.observe
+    n_outputs = sum(int(np.prod(output.shape, dtype=int)) for output in kind.outputs)
+    n_forces = 3 * len(kind.layout)
+
+    @kernel
+    def residual(p, at, f):
+        y = take_items(n_outputs + ENERGIES + n_forces, f)
+        observe(p, at, y[n_outputs + ENERGIES :], y, y[n_outputs:])
+        f[row] += number(at.q[row]) - number(y[p.sensed])
+        give_back(y)
+
+    return Kind(
+        name=f"sensor_of_{kind.name}", doc=f"Sensor of an output of {kind.name}.", dtype=_with_index(kind.dtype),
+        layout=kind.layout, inputs=(*kind.scalars, *kind.inputs), phases=kind.phases, memory=kind.memory,
+        commit=kind.commit, residual=residual, senses=kind, **SIGNAL,
+        coupled_multipliers=tuple(Row(f"multiplier {i + 1}", "-", "-") for i in range(n_multipliers)),
+    )  # fmt: skip
+
+
+def _with_index(dtype):
+    return np.dtype([*((name, dtype.fields[name][0]) for name in dtype.names), ("sensed", "i8")], align=True)
