@@ -10,7 +10,11 @@ SWINGING = """
     nodes: {top: {position: [0, 0, 0], fixed: true}, load: {position: [0.3, 0, -1]}}
     elements:
       load: {type: rigid_body, node: load, mass: 2, inertia: [0.1, 0.1, 0.1]}
+      held: {type: point_mass, node: top, mass: 1}
       measured: {type: TYPE, PROPERTIES}
+    grounds: {road: {plane: {normal: [0, 0, 1], point: [0, 0, -1.5]}}}
+    tire_laws: {rubber: {radius: 0.2, radial: {linear: {slope: 4000}}, friction: 0.6, slip_regularization: 0.5}}
+    initial: {velocities: [{nodes: [load], velocity: [0.4, 0.2, 0]}]}
     signals: {SIGNALS}
     time: {end: 0.6, step: 0.002}
     """
@@ -28,7 +32,17 @@ CASES = {
         ("extension", "extension_rate", "force"),
     ),
     "contact": (
-        "contact", "nodes: [top, load], plane: {normal: [0, 0, 1], point: [0, 0, -1.5]}, radius: 0.1", ("gap",),
+        "contact", "nodes: [top, load], plane: {normal: [0, 0, 1], point: [0, 0, -1.5]}, radius: 0.1",
+        ("gap", "normal_force", "force.z"),
+    ),
+    "wheel that slips": (
+        "wheel", "node: load, axis: [0, 1, 0], ground: road, tire_law: rubber",
+        ("normal_force", "contact_force.x", "longitudinal_slip", "spin_rate", "slip_ratio", "lateral_slip"),
+    ),
+    "oleo": (
+        "oleo", "nodes: [top, load], extended_length: 1.2, gas: {pressure: 1.1e5, volume: 1.0e-3, area: 1.0e-3}, "
+        "oil: {area: 1.0e-3, volume: 1.0e-3, orifice: 1.0e-4}",
+        ("force", "gas_pressure", "oil_pressure", "flow"),
     ),
 }  # fmt: skip
 
@@ -36,15 +50,18 @@ CASES = {
 @pytest.mark.parametrize("case", CASES)
 def test_a_signal_equals_the_output_that_it_measures(case):
     kind, properties, outputs = CASES[case]
-    signals = ", ".join(f"of_{output}: measured.{output}" for output in outputs)
+    signals = ", ".join(f"of_{output.replace('.', '_')}: measured.{output}" for output in outputs)
     text = SWINGING.replace("TYPE", kind).replace("PROPERTIES", properties).replace("SIGNALS", signals)
     m = RecordedRun(deck(text))
     smooth = ~np.isin(m.time, [event.t for event in m.event_records])  # the damping force of a cable jumps there
     for output in outputs:
-        values = m[f"elements/measured/{output}"][smooth]
+        name, _, axis = output.partition(".")
+        values = m[f"elements/measured/{name}"][smooth]
+        values = values[:, "xyz".index(axis)] if axis else values
         scale = np.abs(values).max()
         assert scale > 0.0
-        np.testing.assert_allclose(m[f"signals/of_{output}/value"][smooth], values, atol=1e-9 * scale, err_msg=output)
+        signal = m[f"signals/of_{output.replace('.', '_')}/value"][smooth]
+        np.testing.assert_allclose(signal, values, atol=1e-9 * scale, err_msg=output)
 
 
 def test_a_cable_breaks_at_a_tension(verify):

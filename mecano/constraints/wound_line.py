@@ -28,8 +28,8 @@ from mecano.constraints.line import add_line_force, line
 from mecano.constraints.stop_phases import FAR
 from mecano.element_interface import CONTACT, Event, Kind, Part, Row, record
 from mecano.jit.kernel import kernel
-from mecano.laws.table import evaluate_curve
-from mecano.maths.dual import chain, value
+from mecano.laws.table import curve, evaluate_curve
+from mecano.maths.dual import chain, number, select, value
 
 RECORD = record(payout="i", wound=(), start=(), catch="i", **LINE_RECORD)
 STRETCH, SHOCK, HOLD = 0, 1, 2
@@ -120,26 +120,26 @@ def observe(p, at, F, y, e):
     """Write length, natural length, strain, tension, stress, state; energies."""
     length, rate, _ = line(at.q, at.v)
     put_line_energy(p, at.q, at.v, e)
-    L, L_rate, _ = _paid_out(p, at.m, at.laws, at.t)
-    if at.phase == PAYING:
-        N, _, strain = _tension(p, at.laws, rate)
-        L, L_rate, strain_rate = length / (1.0 + strain), rate / (1.0 + strain), 0.0
-        stored = 0.5 * p.EA * strain * strain
+    paid, paid_rate, _ = _paid_out(p, at.m, at.laws, at.t)
+    paying, leaving = at.phase == PAYING, evaluate_curve(at.laws, p.payout, 0.0)[0] / p.EA
+    L = select(paying, length / (1.0 + leaving), paid)
+    L_rate = select(paying, rate / (1.0 + leaving), paid_rate)
+    strain, strain_rate = strained(length, rate, paid, paid_rate)
+    strain, strain_rate = select(paying, leaving, strain), select(paying, 0.0, strain_rate)
+    elastic = select(at.phase == TAUT or strain > 0.0, p.EA * strain, 0.0)
+    N = select(at.phase == TAUT, p.EA * (strain + p.damping * strain_rate), 0.0)
+    N = select(paying, curve(at.laws, p.payout, rate), select(at.phase == HELD, number(at.q[MULTIPLIER]), N))
+    viscous, stored, kept = N - elastic, 0.5 * p.EA * strain * strain, max(at.m[1], 0.0) / paid
+    if paying:
         e[1] += stored * L
         e[2] = N * rate - stored * L_rate
+    elif at.phase == HELD:
+        e[1] += 0.5 * p.EA * kept * kept * L
+        e[3] = -(N + 0.5 * p.EA * kept * kept) * L_rate
     else:
-        strain, strain_rate = strained(length, rate, L, L_rate)
-        if at.phase == HELD:
-            N, kept = at.q[MULTIPLIER], max(at.m[1], 0.0) / L
-            e[1] += 0.5 * p.EA * kept * kept * L
-            e[3] = -(N + 0.5 * p.EA * kept * kept) * L_rate
-        else:
-            elastic = p.EA * strain if at.phase == TAUT or strain > 0.0 else 0.0
-            N = p.EA * (strain + p.damping * strain_rate) if at.phase == TAUT else 0.0
-            viscous = N - elastic
-            e[1] += 0.5 * elastic * strain * L
-            e[2] = viscous * L * strain_rate
-            e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
+        e[1] += 0.5 * elastic * strain * L
+        e[2] = viscous * L * strain_rate
+        e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
     put_line(p, y, length, L, strain, strain_rate, N)
     put_no_push(y)
     y[6] = 2.0 if at.phase == PAYING else 0.0 if at.phase == SLACK else 1.0

@@ -103,7 +103,7 @@ def _instead(what, kind=None, d=None):
     if kind is None:
         return ""
     name, chosen = what.partition(".")[0], kind.chosen(d)
-    if name in chosen.hidden:
+    if chosen.hidden.get(name):
         return chosen.hidden[name]
     return next((f"write {', '.join(components(o))}" for o in chosen.outputs if o.shape and o.name == name), "")
 

@@ -284,7 +284,8 @@ def consistent_state(system, linear, s, h, contradictions, compliance=None, cons
     contradictions.refuse(s, h)
     consistent.settle(s, h)
     consistent.accelerate(s)
-    if (len(consistent.massless) and system.n_l) or len(system.sensed_multipliers):  # reactions may act on these
+    again = len(consistent.massless) and (system.n_l or system.signals.any())  # reactions and signals may act on these
+    if again or len(system.sensed_multipliers):
         consistent.settle(s, h)
         consistent.accelerate(s)
     if compliance is not None:
