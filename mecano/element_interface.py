@@ -282,6 +282,8 @@ class Mechanics:
     jumps: bool = False  # the value of a signal may jump although its inputs do not
     smooths: Callable = never
     """deck values of a signal -> True if its value does not jump with its inputs"""
+    like: Callable = never
+    """deck values of a signal -> formula (text) of the same unit as its value; "" if there is none"""
     inputs: tuple = ()  # names of the signals that it reads
     multipliers: tuple = ()  # Row
     coupled_multipliers: tuple = ()  # Row: coupled multipliers, of other parts of the same owner

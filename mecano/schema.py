@@ -45,6 +45,7 @@ TIME_CURVE = Type("curve", "a number, the name of a law, or a law of time writte
 DRIVE = Type("drive", "a number, the name of a law or of a signal, a law of time, or a formula of signals")
 CONTINUOUS_DRIVE = Type("drive", DRIVE.expects, ("continuous",))  # without jumps
 MOTION = Type("drive", "a number, the name of a law, a law of time, or a formula of the time", ("motion",))
+UNIT = Type("unit", "a unit, such as N m, deg or m/s")
 FORMULA = Type("formula", "a formula of signals, outputs of elements, motions of nodes and the time")
 CONDITION = Type("condition", "a condition, such as hinge.angle > 1.5")
 SIGNAL_ENTRY = Type("signal_entry", "a formula, or a mapping with the key 'type'", ("signals",))

@@ -57,6 +57,7 @@ CHECKS = {
     "points": values.points,
     "columns": values.columns,
     "units": values.units,
+    "unit": values.unit,
     "node": values.node_name,
     "nodes": values.node_names,
     "ground": values.named,

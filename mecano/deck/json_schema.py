@@ -171,7 +171,7 @@ def _template():
 ARRAY_OR_ROWS = {"anyOf": [NUMBER, _list(NUMBER)]}
 WRITTEN = {
     "number": NUMBER, "parameter": NUMBER, "integer": {"anyOf": [{"type": "integer"}, WORKED_OUT]},
-    "boolean": {"type": "boolean"}, "text": TEXT, "numbers": _list(NUMBER), "coefficients": _list(NUMBER),
+    "boolean": {"type": "boolean"}, "text": TEXT, "unit": TEXT, "numbers": _list(NUMBER), "coefficients": _list(NUMBER),
     "vector": _list(NUMBER, 3, 3),
     "direction": _list(NUMBER, 3, 3), "inertia": _list(ARRAY_OR_ROWS, 3, 6), "matrix": _list(_list(NUMBER, 6, 6), 6, 6),
     "matrix_6": _list(ARRAY_OR_ROWS, 6, 6), "points": _list(_list(NUMBER, 2, 2)), "law": {"anyOf": [TEXT, LAW]},

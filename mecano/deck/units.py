@@ -95,6 +95,17 @@ def si_unit(text):
     return "" if unit == "1" else unit
 
 
+def written_in_si(unit):
+    """Return the SI unit of a quantity given in ``unit``, as outputs are declared: "N m" of N*mm, "-" of %.
+
+    Raises UnitError.
+    """
+    _unit(unit)
+    plain = unit.translate(str.maketrans({"*": " ", "·": " ", "²": "2", "³": "3"}))
+    si = " ".join(NAME.sub(lambda match: SI[_simple(match[0])[1]], re.sub(r"\^(-?[0-9])(?!\.)", r"\1", plain)).split())
+    return "-" if si == "1" else si
+
+
 def factor_of(unit, declared):
     """Return the value of a unit in SI units, for a field declared with another; arguments as in ``converted``."""
     if len(unit) > LONGEST:

@@ -9,7 +9,15 @@ from dataclasses import replace
 
 from mecano.deck.scalar import number as number_in
 from mecano.deck.scope import INVALID, Reference
-from mecano.deck.units import UnitError, converted, go_together, is_quantity, same_dimension, unit_of
+from mecano.deck.units import (
+    UnitError,
+    converted,
+    go_together,
+    is_quantity,
+    same_dimension,
+    unit_of,
+    written_in_si,
+)
 from mecano.deck.wording import quoted
 from mecano.schema import NODE, NUMBER, NUMBERS, SECTION_OF, Field
 
@@ -84,6 +92,16 @@ def boolean(node, field, scope):
 def text(node, field, scope):
     """Return a text."""
     return node.value if type(node.value) is str else scope.refuse_value(node, field)
+
+
+def unit(node, field, scope):
+    """Return the SI unit of a quantity whose unit is given."""
+    if type(node.value) is not str:
+        return scope.refuse_value(node, field)
+    try:
+        return written_in_si(node.value)
+    except UnitError as error:
+        return scope.refuse(node, f"{quoted(scope.name_of(field.name))}: {error}")
 
 
 def choice(node, field, scope):

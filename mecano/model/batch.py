@@ -160,10 +160,10 @@ def _batch(members, of, places, partition, begins):
     numbers = [number for number, *_ in members]
     layout = [(slot[0], int(slot[1:])) for slot in kind.layout]
     nodes = np.array([[item.nodes[i] for _, i in layout] for _, item, *_ in members], np.int64).reshape(n, -1)
-    scalars, multipliers, coupled, of_parts, last = (_table([member[i] for member in members]) for i in range(2, 7))
+    scalars, multipliers, coupled, last = (_table([member[i] for member in members]) for i in (2, 3, 4, 6))
     reactions = [places.first_row + multipliers, places.first_row + coupled]
     own = np.hstack([places.first_scalar + scalars, *reactions, places.first_scalar + last])
-    parts = [] if kind.acts else [places.first_row + of_parts]
+    parts = [] if kind.acts else [places.first_row + _table([of_parts for *_, of_parts, _ in members])]
     of_nodes = [_three((of.x if what == "x" else of.r)[nodes[:, j]]) for j, (what, _) in enumerate(layout)]
     plain = [_three(6 * nodes[:, j] + 3 * (what == "R")) for j, (what, _) in enumerate(layout)]
     rotations = [j for j, (what, _) in enumerate(layout) if what == "R"]

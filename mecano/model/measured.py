@@ -84,13 +84,13 @@ def _offered(section, owner, entries):
         return [f"{quantity}.{axis}" for quantity in NODE_SENSORS for axis in AXES]
     if section == "signals":
         return []
-    kind, d = entries[section, owner]
-    chosen = kind.chosen(d)
-    names = [name for output in measurable(chosen) for name in components(output)]
-    for field, part, label in kind.optional:
-        if _is_given(d[field], label.removeprefix("_")):
-            names += [name for output in measurable(part) for name in components(output, label)]
-    return names
+    return [name for output, label in measured_outputs(*entries[section, owner]) for name in components(output, label)]
+
+
+def measured_outputs(kind, d):
+    """Return [(Output, suffix of its name)] of what signals can measure of an element with these deck values."""
+    options = [(part, label) for field, part, label in kind.optional if _is_given(d[field], label.removeprefix("_"))]
+    return [(output, label) for one, label in [(kind.chosen(d), ""), *options] for output in measurable(one)]
 
 
 def _is_given(value, axis):

@@ -70,7 +70,7 @@ class Sampler:
     """Builder of the row; ``columns`` describe it."""
 
     def __init__(self, system):
-        self.system, self.columns = system, []
+        self.system, self.columns, units = system, [], system.signal_units
         of = system.numbering
         shown = [i for i, node in enumerate(system.nodes) if not node.internal]
         self.nodes = tuple(np.array([table[i] for i in shown], np.int64) for table in (of.x, of.r, of.rotation))
@@ -79,7 +79,10 @@ class Sampler:
         self.node_size = self._size()
         for b in system.batches:
             for path, label in b.paths:
-                outputs = [(o.name + label, o.unit, o.doc, o.shape, o.rate and o.rate + label) for o in b.kind.outputs]
+                outputs = [
+                    (o.name + label, units.get(f"{path}/{o.name}", o.unit), o.doc, o.shape, o.rate and o.rate + label)
+                    for o in b.kind.outputs
+                ]
                 self._declare(path, outputs)
         self._declare("energy", [(*item, (), "") for item in ENERGIES])
         self.row = np.zeros(self._size())

@@ -16,6 +16,7 @@ from mecano.model.mesh import divided
 from mecano.model.model import with_ground
 from mecano.model.numbering import SCALAR, SIGNAL, EquationName, number
 from mecano.model.reaction_partition import ReactionPartition
+from mecano.model.signal_units import signal_units
 from mecano.model.state import State
 
 NO_MULTIPLIERS = np.zeros(0, np.int64)
@@ -145,6 +146,11 @@ class System:
     def _driver(self, assembly_driver, template, chosen=None):
         """Bind the driver ``assembly_driver`` to the loops of one purpose for the batches ``chosen``."""
         return assembly_driver.bind(*self.loops(template, chosen))
+
+    @cached_property
+    def signal_units(self):
+        """{path: unit} of the values of signals."""
+        return signal_units(self.model)
 
     @cached_property
     def _assemble(self):

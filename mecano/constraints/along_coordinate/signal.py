@@ -2,12 +2,18 @@
 
 from mecano.element_interface import Output
 from mecano.jit.kernel import kernel
-from mecano.schema import FORMULA, NUMBER, Field
+from mecano.schema import FORMULA, NUMBER, UNIT, Field
 
 SIGNAL = {"scalars": ("value",), "of_signals": True}
 VALUE = Output("value", "SI", "value of the signal, in SI units")
 INPUT = Field("input", FORMULA, "-", "the input: a formula of signals, outputs of elements, motions of nodes, time")
 INITIAL = Field("initial", NUMBER, "-", "value at the start", 0.0)
+
+
+UNIT_OF_VALUE = Field(
+    "unit", UNIT, "-", "unit of the value, such as N m or deg; values are in SI units, which results state: N m, rad. "
+    "When absent, the unit of the input or formula, where it follows from that", None,
+)  # fmt: skip
 
 
 @kernel

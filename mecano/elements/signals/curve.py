@@ -6,7 +6,7 @@ Time steps end at the breakpoints of the law if the input is ``time``; in a func
 of the signal, as those of ``max`` and ``abs``.
 """
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT
+from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT, UNIT_OF_VALUE
 from mecano.element_interface import Kind
 from mecano.jit.kernel import kernel
 from mecano.laws.table import breakpoints, curve
@@ -38,7 +38,11 @@ def sample(rng):
 CURVE = Kind(
     name="curve",
     doc=__doc__,
-    fields=(INPUT, Field("law", CURVE_LAW, "-", "c, the value as a function of the input, both in SI units")),
+    fields=(
+        INPUT,
+        Field("law", CURVE_LAW, "-", "c, the value as a function of the input, both in SI units"),
+        UNIT_OF_VALUE,
+    ),
     inputs=("input",),
     residual=residual,
     times=times,

@@ -7,7 +7,7 @@ of the delay, and interpolated linearly. In a step longer than the delay, the va
 interpolation.
 """
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT
+from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT, UNIT_OF_VALUE
 from mecano.element_interface import Kind
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import constant, number
@@ -60,7 +60,8 @@ def commit(p, at, m_out):
 DELAY = Kind(
     name="delay",
     doc=__doc__,
-    fields=(INPUT, Field("time", NUMBER, "s", "T", check=positive)),
+    fields=(INPUT, Field("time", NUMBER, "s", "T", check=positive), UNIT_OF_VALUE),
+    like=lambda d: d["input"],
     inputs=("input",),
     memory=("count", *(f"{name}_{i}" for i in range(KEPT + 2) for name in ("time", "value"))),
     residual=residual,

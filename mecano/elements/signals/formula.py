@@ -15,7 +15,7 @@ depend on one another are solved simultaneously.
 from dataclasses import replace
 from functools import cache
 
-from mecano.constraints.along_coordinate.signal import IN_DECK
+from mecano.constraints.along_coordinate.signal import IN_DECK, UNIT_OF_VALUE
 from mecano.element_interface import Kind, record
 from mecano.jit.kernel import kernel
 from mecano.laws.formula import evaluate_formula, read_formula
@@ -61,7 +61,8 @@ FORMULA = Kind(
     name="formula",
     doc=__doc__,
     dtype=record(program="i"),
-    fields=(Field("value", FORMULA_TYPE, "-", "the formula"),),
+    fields=(Field("value", FORMULA_TYPE, "-", "the formula"), UNIT_OF_VALUE),
+    like=lambda d: d["value"],
     reads=lambda d: read_formula(d["value"]).references,
     prepare=prepare,
     variant=variant,

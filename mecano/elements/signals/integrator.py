@@ -3,7 +3,7 @@ r"""Integrator: the time integral of the input.
 .. math::  \dot y = u
 """
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INITIAL, INPUT
+from mecano.constraints.along_coordinate.signal import IN_DECK, INITIAL, INPUT, UNIT_OF_VALUE
 from mecano.element_interface import Kind
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
@@ -21,7 +21,7 @@ INTEGRATOR = Kind(
     name="integrator",
     doc=__doc__,
     smooths=lambda d: True,
-    fields=(INPUT, INITIAL),
+    fields=(INPUT, INITIAL, UNIT_OF_VALUE),
     states=("value",),
     inputs=("input",),
     start=lambda p: [p["initial"]],

@@ -3,7 +3,7 @@ r"""First-order lag: a low-pass filter, or an actuator or sensor with a time con
 .. math::  T \dot y + y = g u
 """
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INITIAL, INPUT
+from mecano.constraints.along_coordinate.signal import IN_DECK, INITIAL, INPUT, UNIT_OF_VALUE
 from mecano.element_interface import Kind
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
@@ -27,7 +27,9 @@ LAG = Kind(
         Field("time_constant", NUMBER, "s", "T", check=positive),
         Field("gain", NUMBER, "-", "g, ratio of the value to a constant input", 1.0),
         INITIAL,
+        UNIT_OF_VALUE,
     ),
+    like=lambda d: d["input"] if d["gain"] == 1.0 else "",
     states=("value",),
     inputs=("input",),
     start=lambda p: [p["initial"]],

@@ -16,7 +16,7 @@ import math
 from dataclasses import replace
 from functools import cache
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INITIAL, INPUT, VALUE
+from mecano.constraints.along_coordinate.signal import IN_DECK, INITIAL, INPUT, UNIT_OF_VALUE, VALUE
 from mecano.element_interface import Event, Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select
@@ -170,6 +170,7 @@ PID = Kind(
             positive,
         ),
         replace(INITIAL, doc="integral x_I at the start"),
+        UNIT_OF_VALUE,
     ),
     prepare=prepare,
     check=check,

@@ -7,7 +7,7 @@ Time steps end at all sampling times; the first one is the start of the run.
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT
+from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT, UNIT_OF_VALUE
 from mecano.element_interface import Kind
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
@@ -42,7 +42,8 @@ SAMPLE_AND_HOLD = Kind(
     name="sample_and_hold",
     doc=__doc__,
     jumps=True,
-    fields=(INPUT, Field("period", NUMBER, "s", "T", check=positive)),
+    fields=(INPUT, Field("period", NUMBER, "s", "T", check=positive), UNIT_OF_VALUE),
+    like=lambda d: d["input"],
     inputs=("input",),
     memory=("held", "next", "started"),
     residual=residual,

@@ -14,7 +14,7 @@ from functools import cache
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT, VALUE
+from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT, UNIT_OF_VALUE, VALUE
 from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.schema import FORMULA, NUMBERS, ROWS, Field, list_of
@@ -158,6 +158,7 @@ DECLARED = {
             Field("B", ROWS, "-", "rows of B"),
             Field("C", NUMBERS, "-", "the row C, one number for each state"),
             Field("D", NUMBERS, "-", "the row D, one number for each input; zero when absent", None),
+            UNIT_OF_VALUE,
         ),
         "prepare": prepare_space,
         "check": check_space,
@@ -174,6 +175,7 @@ DECLARED = {
             INPUT,
             Field("numerator", NUMBERS, "-", "coefficients in ascending powers of s"),
             Field("denominator", NUMBERS, "-", "coefficients in ascending powers of s"),
+            UNIT_OF_VALUE,
         ),
         "prepare": prepare_transfer,
         "check": check_transfer,

@@ -7,7 +7,7 @@ formula ``high`` or ``low``; with the numbers 1 and 0 it is a condition, for use
 events.
 """
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT
+from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT, UNIT_OF_VALUE
 from mecano.element_interface import Event, Kind, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select
@@ -58,6 +58,7 @@ SWITCH = Kind(
         Field("lower", NUMBER, "-", "level below which it becomes low again; 'upper' when absent", None),
         Field("high", FORMULA, "-", "value when it is high", "1"),
         Field("low", FORMULA, "-", "value when it is low", "0"),
+        UNIT_OF_VALUE,
     ),
     inputs=("input", "high", "low"),
     phases=("low", "high"),

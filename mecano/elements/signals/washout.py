@@ -5,7 +5,7 @@ r"""Washout: a high-pass filter, which passes changes and removes constant value
 x follows the input with the time constant T. With the gain g = 1/T, y is the rate of x, a filtered derivative of u.
 """
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT, VALUE
+from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT, UNIT_OF_VALUE, VALUE
 from mecano.element_interface import Kind, Output
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
@@ -37,7 +37,9 @@ WASHOUT = Kind(
         Field("time_constant", NUMBER, "s", "T", check=positive),
         Field("gain", NUMBER, "-", "g, the value over a sudden change of the input", 1.0),
         Field("initial_state", NUMBER, "-", "x at the start: the input from which changes count", 0.0),
+        UNIT_OF_VALUE,
     ),
+    like=lambda d: d["input"] if d["gain"] == 1.0 else "",
     states=("state",),
     inputs=("input",),
     start=lambda p: [0.0, p["initial_state"]],

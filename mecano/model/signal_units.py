@@ -1,0 +1,89 @@
+"""Units of signals: as the deck gives them, or as they follow from the quantities of which signals are made."""
+
+from mecano.laws.formula import (
+    ABS,
+    ACOS,
+    ADD,
+    ASIN,
+    ATAN,
+    ATAN2,
+    COS,
+    HYPOT,
+    INPUT,
+    MAX,
+    MIN,
+    NEGATIVE,
+    NUMBER,
+    SIGN,
+    SIN,
+    SUBTRACT,
+    TAN,
+    TANH,
+    TIME,
+    read_formula,
+)
+from mecano.model.measured import components, meaning, measured_outputs
+from mecano.model.sampler import NODE_OUTPUTS
+
+UNKNOWN = "SI"  # as declared for the value of a signal
+ANY = ""  # unit of a number: that of what it is added to or compared with
+LIKE = (ADD, SUBTRACT, MIN, MAX, HYPOT)  # of two numbers of one unit
+OWN = dict.fromkeys((SIN, COS, TAN, TANH, SIGN), "-") | dict.fromkeys((ASIN, ACOS, ATAN, ATAN2), "rad")
+OF_NODES = {name: unit for name, unit, _, _ in NODE_OUTPUTS}
+
+
+def signal_units(model):
+    """Return {path: unit} of the outputs of the signals of a Model."""
+    units = _Units(model)
+    return {f"signals/{name}/value": units.of_signal(name) for section, name in units.entries if section == "signals"}
+
+
+class _Units:
+    """Units of signals by name, found one after another."""
+
+    def __init__(self, model):
+        self.nodes = {node.name for node in model.nodes}
+        self.entries = {(e.kind.section, e.name): (e.kind, e.values) for e in model.elements}
+        self.found = {}
+
+    def of_signal(self, name):
+        """Return the unit of a signal; a loop of signals has only the units that the deck gives."""
+        if name not in self.found:
+            self.found[name] = UNKNOWN
+            kind, d = self.entries["signals", name]
+            self.found[name] = d["unit"] or (self._of_formula(kind.like(d)) if kind.like(d) else UNKNOWN)
+        return self.found[name]
+
+    def _of_formula(self, text):
+        """Return the unit of a formula whose operations do not change the unit of its quantities."""
+        formula, stack = read_formula(text), []
+        for code, x in formula.program:
+            if code in (NUMBER, INPUT, TIME):
+                stack.append({NUMBER: ANY, TIME: "s"}.get(code) or self._of_input(code, formula, x))
+            elif code < ADD:
+                stack.append(OWN.get(code, stack.pop() if code in (NEGATIVE, ABS) else UNKNOWN))
+            else:
+                second, first = stack.pop(), stack.pop()
+                stack.append(_of_two(code, first, second))
+        return stack[0] or UNKNOWN
+
+    def _of_input(self, code, formula, x):
+        return self._of_quantity(formula.references[int(x)]) if code == INPUT else ANY
+
+    def _of_quantity(self, name):
+        section, owner, what = meaning(name, self.entries, self.nodes)
+        if section == "nodes":
+            return OF_NODES[what.partition(".")[0]]
+        if section == "signals":
+            return self.of_signal(owner)
+        outputs = measured_outputs(*self.entries[section, owner])
+        return next(output.unit for output, label in outputs if what in components(output, label))
+
+
+def _of_two(code, first, second):
+    """Return the unit of an operation on two numbers with these units."""
+    if code in OWN:
+        return OWN[code]
+    if code not in LIKE or UNKNOWN in (first, second) or (first and second and first != second):
+        return UNKNOWN
+    return first or second
