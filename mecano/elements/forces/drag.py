@@ -1,6 +1,7 @@
 r"""Drag of a fluid on a body around a node: parachutes, wind on a structure, a body in water.
 
-With the velocity w of the stream, a direction times a function of time, and the velocity v of the node,
+With the velocity w of the stream, a direction times a function of time or a formula of signals, and the velocity v of
+the node,
 
 .. math::  F = \tfrac12 \rho\, c_d A\, |w - v|\,(w - v)
 
@@ -9,44 +10,45 @@ The power of the force, F.v, is what the stream gives, F.w, less what is dissipa
 
 import numpy as np
 
+from mecano.constraints.along_coordinate.demand import law_of, on_demand
 from mecano.element_interface import Display, Kind, Output, record
 from mecano.jit.kernel import kernel
-from mecano.laws.table import curve
 from mecano.maths.vector import add_vec, dot, norm, put, vec
-from mecano.schema import DIRECTION, NODE, NUMBER, TIME_CURVE, Field, positive
+from mecano.schema import DIRECTION, DRIVE, NODE, NUMBER, Field, positive
 
 RECORD = record(factor=(), stream=3, law="i")
 AIR = 1.225  # kg/m3, at sea level in the standard atmosphere
 
 
-@kernel
-def _force(p, at):
-    """Return force [N] and velocity of the stream [m/s]."""
-    w = curve(at.laws, p.law, at.t) * vec(p.stream, 0)
-    u = w - vec(at.v, 0)
-    return p.factor * norm(u) * u, w
+def _functions(speed):
+    """Return ``residual`` and ``observe`` for a speed of the stream (p, at) -> [m/s]."""
 
+    @kernel
+    def force(p, at):
+        w = speed(p, at) * vec(p.stream, 0)
+        u = w - vec(at.v, 0)
+        return p.factor * norm(u) * u, w
 
-@kernel
-def residual(p, at, f):
-    """Add the drag."""
-    add_vec(f, 0, -1.0, _force(p, at)[0])
+    @kernel
+    def residual(p, at, f):
+        add_vec(f, 0, -1.0, force(p, at)[0])
 
+    @kernel
+    def observe(p, at, F, y, e):
+        D, w = force(p, at)
+        lost = dot(D, w - vec(at.v, 0))
+        put(y, 0, D)
+        y[3] = lost
+        e[2], e[3] = lost, dot(D, w)
 
-@kernel
-def observe(p, at, F, y, e):
-    """Write the force; the power of the stream, the dissipated one."""
-    D, w = _force(p, at)
-    put(y, 0, D)
-    y[3] = dot(D, w - vec(at.v, 0))
-    e[2], e[3] = y[3], dot(D, w)
+    return residual, observe
 
 
 def prepare(d, nodes, context):
     """Return the record: (1/2) rho c_d A, unit vector and speed of the stream."""
     direction = np.zeros(3) if d["direction"] is None else np.asarray(d["direction"], float)
     return {
-        "factor": 0.5 * d["density"] * d["coefficient"] * d["area"], "law": context.laws.add(d["speed"]),
+        "factor": 0.5 * d["density"] * d["coefficient"] * d["area"], "law": law_of(d["speed"], context),
         "stream": direction / max(np.linalg.norm(direction), np.finfo(float).tiny),
     }  # fmt: skip
 
@@ -59,34 +61,43 @@ def check(d, nodes):
 
 
 def sample(rng):
-    """Return a body in a gust, and one in a fluid at rest."""
+    """Return a body in a gust, in a stream of a signal, and in a fluid at rest."""
     gust = (("sine", {"amplitude": 3.0, "frequency": 0.2, "phase": 0.4, "offset": 5.0}),)
     body = {"area": 2.0, "coefficient": 1.3}
-    return [({**body, "direction": rng.normal(size=3), "speed": gust}, 1, ""), ({**body, "density": 1e3}, 1, "")]
+    stream = {**body, "direction": rng.normal(size=3)}
+    return [*(({**stream, "speed": speed}, 1, "") for speed in (gust, "command")), ({**body, "density": 1e3}, 1, "")]
 
 
-DRAG = Kind(
-    name="drag",
-    section="loads",
-    doc=__doc__,
-    display=Display(force="force"),
-    dtype=RECORD,
-    layout=("x0",),
-    fields=(
-        Field("node", NODE, "-", "node that it acts on"),
-        Field("area", NUMBER, "m2", "A, across the stream", check=positive),
-        Field("coefficient", NUMBER, "-", "c_d", check=positive),
-        Field("density", NUMBER, "kg/m3", "rho of the fluid; air at sea level when absent", AIR, positive),
-        Field("direction", DIRECTION, "-", "direction of the stream, inertial, made a unit vector", None),
-        Field("speed", TIME_CURVE, "m/s", "speed of the stream, a function of time [s]; at rest when absent", None),
-    ),
-    outputs=(
-        Output("force", "N", "drag on the node, inertial", (3,)),
-        Output("dissipated_power", "W", "power dissipated in the fluid"),
-    ),
-    prepare=prepare,
-    check=check,
-    residual=residual,
-    observe=observe,
-    sample=sample,
-)
+def _kind(speed):
+    residual, observe = _functions(speed)
+    return Kind(
+        name="drag",
+        section="loads",
+        doc=__doc__,
+        display=Display(force="force"),
+        dtype=RECORD,
+        layout=("x0",),
+        fields=(
+            Field("node", NODE, "-", "node that it acts on"),
+            Field("area", NUMBER, "m2", "A, across the stream", check=positive),
+            Field("coefficient", NUMBER, "-", "c_d", check=positive),
+            Field("density", NUMBER, "kg/m3", "rho of the fluid; air at sea level when absent", AIR, positive),
+            Field("direction", DIRECTION, "-", "direction of the stream, inertial, made a unit vector", None),
+            Field(
+                "speed", DRIVE, "m/s",
+                "speed of the stream: a function of time [s], or a formula of signals; at rest when absent", None,
+            ),
+        ),
+        outputs=(
+            Output("force", "N", "drag on the node, inertial", (3,)),
+            Output("dissipated_power", "W", "power dissipated in the fluid"),
+        ),
+        prepare=prepare,
+        check=check,
+        residual=residual,
+        observe=observe,
+        sample=sample,
+    )  # fmt: skip
+
+
+DRAG = on_demand(_kind, "speed", 3)
