@@ -40,7 +40,8 @@ of time, the time is a Dual there, too: ``chain(at.t, rate, second_rate)``.
 kinetic energy [J], potential energy [J], dissipated power [W] (>= 0), power supplied by the surroundings [W].
 ``F`` (n_local,) are the forces and moments that the rest of the model exerts on the nodes of the element's slots (the
 forces that a joint transmits); for a kind without ``force``, the multipliers of its ``parts`` follow its own unknowns
-in ``q``, in their order. The energies of an element are those of its own ``observe`` plus those of its parts, whose
+in ``q``, in their order. Signals read outputs by calling it with Duals, with all ``F`` zero; outputs that do not follow
+from these are ``hidden``. The energies of an element are those of its own ``observe`` plus those of its parts, whose
 outputs are written next to its own.
 
 ``event_values(p, at, g)`` writes one number per event; an event that is monitored in the current phase occurs when its

@@ -38,6 +38,7 @@ PLOTS = {
     "fiala_sweep": "tire.lateral_force:tire.slip_angle",
     "filters": "lag.value,integral.value,washout.value",
     "gear_stages": "loose.transmission_error,elastic.transmission_error",
+    "nose_wheel_steering": "command.value,steering.angle,piston.value",
     "magic_formula_sweep": "*.lateral_force:*.slip_angle",
     "main_gear": "wheel.normal_force,wheel.longitudinal_force",
     "oleo_drop": "strut.compression_force:strut.stroke",

@@ -79,7 +79,7 @@ def _without_past(system, memory):
     """Return the memory without that of signals, which has times of the other run, and the names of these signals."""
     memory, anew = memory.copy(), []
     for b in system.batches:
-        if b.kind.of_signals and b.kind.memory:
+        if b.kind.section == "signals" and b.kind.memory:
             memory[b.first_memory : b.first_memory + len(b.p) * len(b.kind.memory)] = 0.0
             anew += b.names
     return memory, anew

@@ -171,7 +171,7 @@ def startup_warnings(prepared, start=None):
             f"{group.count} redundant constraint(s) among: {some(group.by_joint(MOST_NAMES), MOST_NAMES)}. The "
             "motion is not affected; the reactions of these constraints are not unique"
         )
-        texts += _friction_of(prepared.system, group)
+        texts += _friction_of(prepared.system, group) + _read_by_signals(prepared.system, group)
     if not analysis.complete:
         texts.append(
             f"more than {DENSE_ROWS} constraints form closed loops: their redundancy is not analysed, and the run "
@@ -219,15 +219,30 @@ def some(names, most):
 
 def _friction_of(system, group):
     """Return a warning about friction that depends on the reactions of a redundant group, or none."""
-    of = system.numbering
-    rubbing = {of.name[system.n_q + i] for i in system.coupled_multipliers} & set(group.names)
-    owners = sorted({name.place for name in rubbing})
+    owners = _owners(system, system.coupled_multipliers, group)
     if not owners:
         return []
     return [
         f"the friction of {', '.join(owners)} depends on reactions that are not unique: friction and motion depend on "
         "how equal compliances of the redundant constraints distribute the reactions; release redundant constraints, "
         "or give other joints of the group a 'compliance'"
+    ]
+
+
+def _owners(system, multipliers, group):
+    """Return the elements of a redundant group to which some of the ``multipliers`` belong."""
+    names = {system.numbering.name[system.n_q + i] for i in multipliers}
+    return sorted({name.place for name in names & set(group.names)})
+
+
+def _read_by_signals(system, group):
+    """Return a warning about signals that read reactions of a redundant group, or none."""
+    owners = _owners(system, system.sensed_multipliers, group)
+    if not owners:
+        return []
+    return [
+        f"signals read reactions of {', '.join(owners)} that are not unique: they depend on how equal compliances of "
+        "the redundant constraints distribute the reactions"
     ]
 
 
