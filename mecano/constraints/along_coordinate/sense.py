@@ -4,13 +4,10 @@ A sensor exerts no forces: its equation depends on the motion of the nodes, but 
 angle is continued over full turns with the angle of the last accepted step, kept in memory.
 """
 
-from dataclasses import replace
-
-from mecano.constraints.along_coordinate.demand import is_formula
-from mecano.constraints.along_coordinate.law import counted, of_signal
+from mecano.constraints.along_coordinate.law import counted
 from mecano.constraints.along_coordinate.signal import SIGNAL
 from mecano.constraints.coordinates.coordinate import rate_of
-from mecano.element_interface import Kind, Part, record
+from mecano.element_interface import Kind, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 
@@ -49,33 +46,6 @@ def rate_sensor_kind(name, doc, coordinate):
         name=name, doc=doc, dtype=record(**coordinate.axes, **ZERO), layout=coordinate.layout,
         residual=residual, sample=_sample(coordinate), **SIGNAL,
     )  # fmt: skip
-
-
-def quantity_sensor(name, doc, dtype, layout, value):
-    """Return the Kind that senses a quantity of an element with these slots; value(p, at) is compiled, for Duals."""
-    row = 3 * len(layout)
-
-    @kernel
-    def residual(p, at, f):
-        f[row] += number(at.q[row]) - value(p, at)
-
-    return Kind(name=name, section="", doc=doc, dtype=dtype, layout=layout, residual=residual, **SIGNAL)
-
-
-def set_point_sensor(sensor, of_time, field, prepare):
-    """Return what signals measure a quantity with that depends on a set point: (deck values, nodes, Context) -> Part.
-
-    ``sensor(set_point)`` is the Kind for a set point (p, at) -> value, rate: ``of_time``, or the input that the
-    deck's ``field`` names.
-    """
-    by_law = sensor(of_time)
-    by_signal = replace(sensor(of_signal(by_law.n_local)), inputs=(field,))
-
-    def part(d, nodes, context):
-        on, p = tuple(range(len(nodes))), prepare(d, nodes, context)
-        return Part(by_signal, on, p, reads=(d[field],)) if is_formula(d[field]) else Part(by_law, on, p)
-
-    return part
 
 
 def _sample(coordinate):
