@@ -8,7 +8,7 @@ from deck_samples import VALID, problems_of, read_fake
 from mecano.deck.catalogue import _declared as declared_fields
 from mecano.deck.catalogue import _walk
 from mecano.deck.read import deck_of_bytes
-from mecano.deck.units import ANY, UnitError, converted, is_quantity, parsed
+from mecano.deck.units import ANY, UnitError, converted, is_quantity, parsed, written_in_si
 from mecano.errors import DeckError
 
 EXACT = [  # SI Brochure, 9th edition (2019), and NIST SP 811 (2008), appendix B
@@ -144,3 +144,11 @@ def test_other_names_of_the_modulus():
     with pytest.raises(DeckError) as info:
         deck_of_bytes(text.encode(), "deck.yaml")
     assert info.value.problems[0].hint == "here it is called 'E'"
+
+
+@pytest.mark.parametrize(
+    ("unit", "si"),
+    [("N*mm", "N m"), ("deg/s", "rad/s"), ("kN/m^1.5", "N/m^1.5"), ("%", "-"), ("kg m²", "kg m2"), ("rpm", "rad/s")],
+)
+def test_units_of_signals_in_si(unit, si):
+    assert written_in_si(unit) == si

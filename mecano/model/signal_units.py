@@ -34,8 +34,9 @@ OF_NODES = {name: unit for name, unit, _, _ in NODE_OUTPUTS}
 
 def signal_units(model):
     """Return {path: unit} of the outputs of the signals of a Model."""
-    units = _Units(model)
-    return {f"signals/{name}/value": units.of_signal(name) for section, name in units.entries if section == "signals"}
+    names = [element.name for element in model.elements if element.kind.section == "signals"]
+    units = _Units(model) if names else None
+    return {f"signals/{name}/value": units.of_signal(name) for name in names}
 
 
 class _Units:
