@@ -24,8 +24,8 @@ from mecano.schema import NUMBER, Field, list_of, mapping, not_negative, positiv
 @kernel
 def _stored(p, at, s):
     """Return U [J] and dU/ds [N]."""
-    elastic = law_force(at.laws, p.law, value(s), 0.0)
-    return chain(s, potential(at.laws, p.law, value(s)), elastic), elastic
+    elastic = law_force(at.laws, p.law, s, 0.0)
+    return chain(s, potential(at.laws, p.law, value(s)), value(elastic)), elastic
 
 
 @kernel
