@@ -10,6 +10,7 @@ from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT, UNIT_OF_V
 from mecano.element_interface import Kind
 from mecano.jit.kernel import kernel
 from mecano.laws.table import breakpoints, curve
+from mecano.laws.term import VALUE as VALUE_UNIT
 from mecano.maths.dual import number
 from mecano.schema import CURVE as CURVE_LAW
 from mecano.schema import Field
@@ -40,7 +41,7 @@ CURVE = Kind(
     doc=__doc__,
     fields=(
         INPUT,
-        Field("law", CURVE_LAW, "-", "c, the value as a function of the input, both in SI units"),
+        Field("law", CURVE_LAW, VALUE_UNIT, "c, the value as a function of the input, both in SI units"),
         UNIT_OF_VALUE,
     ),
     inputs=("input",),
