@@ -106,6 +106,9 @@ EXAMPLES = {
     "cardona_wheel": "disc: {type: cardona_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road}",
     "skate": "blade: {type: skate, node: slider, axis: [0, 1, 0], ground: road}",
     "wheel": "nose: {type: wheel, node: wheel, axis: [0, 1, 0], tire_law: tyre, ground: road}",
+    "wheel_on_body":
+        "nose: {type: wheel_on_body, nodes: [crank, wheel], axis: [0, 1, 0], tire_law: tyre, "
+        "cylinder: {axis: [0, 1, 0], radius: 0.4 m}}",
     "transient_wheel": "nose: {type: transient_wheel, node: wheel, axis: [0, 1, 0], tire_law: brush, ground: road}",
     "flexible_wheel": "nose: {type: flexible_wheel, node: wheel, axis: [0, 1, 0], tire_law: soft_tyre, ground: road}",
     "adhesive_wheel": "nose: {type: adhesive_wheel, node: wheel, axis: [0, 1, 0], tire_law: soft_tyre, ground: road}",

@@ -17,7 +17,8 @@ NOTES = {  # words with the same meaning: (targets, note)
     "pulley, sheave, block, tackle, reeving": (
         "reeved_cable belt", "a reeved_cable slides over the pulleys, with or without friction; a belt turns them"
     ),
-    "drum, timing belt, belt drive": ("belt", ""),
+    "timing belt, belt drive": ("belt", ""),
+    "drum": ("belt wheel_on_body", "a rope runs on a drum, or a wheel"),
     "capstan, bollard, rope brake, band brake": ("reeved_cable", "a reeved_cable with 'friction'"),
     "chain drive, sprocket": (
         "belt gear_pair coupler",
@@ -149,7 +150,10 @@ NOTES = {  # words with the same meaning: (targets, note)
     "tyre, tire, pneumatic, pacejka, brush": (
         "wheel transient_wheel flexible_wheel adhesive_wheel tire_laws fiala magic_formula", "",
     ),
-    "wheel": ("flexible_wheel adhesive_wheel rigid_wheel cardona_wheel tire_laws", ""),
+    "treadmill, test rig, dynamometer, ship, moving deck, carrier": (
+        "wheel_on_body", "the surface, a plane or a cylinder, is carried by a node"
+    ),
+    "wheel": ("wheel_on_body flexible_wheel adhesive_wheel rigid_wheel cardona_wheel tire_laws", ""),
     "knife edge, blade, nonholonomic, sled": ("skate", ""),
     "runway, road, terrain, track surface, ground plane, floor": ("grounds", ""),
     "bump road, obstacle, roughness, unevenness": ("grounds bump random", "the 'profile' of a ground"),

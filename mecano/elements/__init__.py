@@ -59,6 +59,7 @@ from mecano.elements.wheels.rigid_wheel import RIGID_WHEEL
 from mecano.elements.wheels.skate import SKATE
 from mecano.elements.wheels.transient_wheel import TRANSIENT_WHEEL
 from mecano.elements.wheels.wheel import WHEEL
+from mecano.elements.wheels.wheel_on_body import WHEEL_ON_BODY
 
 KINDS = {
     kind.name: kind
@@ -72,6 +73,7 @@ KINDS = {
         FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, JOINT_MOMENT, JOINT_FORCE, LINE_FORCE,
         LINE_LOAD, LINE_MOMENT, PRESSURE, DRAG, GRAVITY_GRADIENT, BRAKE,
         RIGID_WHEEL, CARDONA_WHEEL, SKATE, WHEEL, TRANSIENT_WHEEL, FLEXIBLE_WHEEL, ADHESIVE_WHEEL,
+        WHEEL_ON_BODY,
         FORMULA, CURVE, LAG, INTEGRATOR, WASHOUT, PID, TRANSFER_FUNCTION, STATE_SPACE, SWITCH,
         SAMPLE_AND_HOLD, DELAY,
     )

@@ -15,26 +15,42 @@ def outlines(motion, d):
 
     What is drawn at an instant does not depend on the other instants.
     """
-    (a, b), (name, surface) = d["nodes"], given(d)
-    if b not in motion.nodes:
+    if d["nodes"][1] not in motion.nodes:
         return []
-    places = {node: np.array(values["position"], float) for node, values in motion.run.deck["nodes"].items()}
+    places = _places(motion)
+    _, (_, across, along) = _directions(d, places)
+    ball = _on_b(motion, d, places, np.cross(along, across), along)
+    return [*surface_outlines(motion, d, d["radius"]), ball]
+
+
+def surface_outlines(motion, d, radius):
+    """Return lines [(instants, n, 3)] of the surface in the deck values ``d``; ``radius`` [m] of what touches it."""
+    (a, b), (name, surface), places = d["nodes"], given(d), _places(motion)
+    middle, (main, across, along) = _directions(d, places)
+    if name == "revolution":
+        lines = _turned(motion.run.deck, surface, places[b] - middle, np.stack([main, along, across]))
+    elif name == "plane":
+        farthest = max(np.linalg.norm(x - middle) for x in places.values())
+        lines = [np.array([-1.0, 1.0])[:, None] * BEYOND * max(radius, farthest) * along]
+    else:
+        lines = [_stadium(surface["radius"], surface.get("length", 0.0), np.cross(along, across), along)]
+    return [_carried(motion, a, middle + line) for line in lines]
+
+
+def _places(motion):
+    return {node: np.array(values["position"], float) for node, values in motion.run.deck["nodes"].items()}
+
+
+def _directions(d, places):
+    """Return the middle of the surface, and its normal or axis with the directions across and along the lines."""
+    (a, b), (name, surface) = d["nodes"], given(d)
     middle = surface.get("point", surface.get("center"))
     middle = places[a] if middle is None else np.array(middle, float)
     main = np.array(surface.get("normal", surface.get("axis", places[b] - middle)), float)
     main /= np.linalg.norm(main)
     extent = np.ptp(np.stack(list(places.values())), axis=0)
     across = main if name == "cylinder" else _across(main, extent)
-    along = np.cross(across, _across(main, extent) if name == "cylinder" else main)
-    ball = _on_b(motion, d, places, np.cross(along, across), along)
-    if name == "revolution":
-        lines = _turned(motion.run.deck, surface, places[b] - middle, np.stack([main, along, across]))
-    elif name == "plane":
-        farthest = max(np.linalg.norm(x - middle) for x in places.values())
-        lines = [np.array([-1.0, 1.0])[:, None] * BEYOND * max(d["radius"], farthest) * along]
-    else:
-        lines = [_stadium(surface["radius"], surface.get("length", 0.0), np.cross(along, across), along)]
-    return [*(_carried(motion, a, middle + line) for line in lines), ball]
+    return middle, (main, across, np.cross(across, _across(main, extent) if name == "cylinder" else main))
 
 
 def _turned(deck, surface, b, axes):

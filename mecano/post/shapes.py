@@ -10,7 +10,7 @@ import numpy as np
 from mecano.elements.joints.guiding_curve import drawn
 from mecano.model.mesh import divided_nodes, inner_names
 from mecano.post.belt_lines import belt_lines
-from mecano.post.contact_outlines import outlines
+from mecano.post.contact_outlines import outlines, surface_outlines
 from mecano.post.recovered import lines, nodes_inside, recovered
 
 BODY, MASS, ROD, SPRING, WHEEL, JOINT, SUPPORT = "body", "mass", "rod", "spring", "wheel", "joint", "support"
@@ -242,16 +242,32 @@ def _contact(motion, name, d):
 def _wheel(motion, name, d):
     if d["node"] not in motion.nodes:
         return []
-    centre, axis = motion.position(d["node"]), np.array(d["axis"], float)
+    rim = _flattened(_rim(motion, d, d["node"]), motion.run.deck["grounds"][d["ground"]])
+    return [_rolling(motion, name, rim, d["node"])]
+
+
+def _wheel_on_body(motion, name, d):
+    hub = d["nodes"][1]
+    radius = motion.run.deck["tire_laws"][d["tire_law"]]["radius"]
+    surface = [Shape(GUIDE, name, line) for line in surface_outlines(motion, d, radius)]
+    return [*surface, _rolling(motion, name, _rim(motion, d, hub), hub)] if hub in motion.nodes else []
+
+
+def _rim(motion, d, node):
+    """Return points (instants, RIM_POINTS, 3) of the undeformed rim."""
+    axis = np.array(d["axis"], float)
     spoke = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     other = np.cross(axis, spoke)
-    e1, e2 = (motion.turned(d["node"], v / np.linalg.norm(v)) for v in (spoke, other))
+    e1, e2 = (motion.turned(node, v / np.linalg.norm(v)) for v in (spoke, other))
     angle = np.linspace(0.0, 2.0 * np.pi, RIM_POINTS)[:, None]
     radius = d["radius"] if "radius" in d else motion.run.deck["tire_laws"][d["tire_law"]]["radius"]
-    rim = centre[:, None] + radius * (np.cos(angle) * e1[:, None] + np.sin(angle) * e2[:, None])
-    rim = _flattened(rim, motion.run.deck["grounds"][d["ground"]])
-    nodes = ("",) * RIM_POINTS + (d["node"],)
-    return [Shape(WHEEL, name, np.concatenate([rim, centre[:, None]], axis=1), nodes)]
+    return motion.position(node)[:, None] + radius * (np.cos(angle) * e1[:, None] + np.sin(angle) * e2[:, None])
+
+
+def _rolling(motion, name, rim, node):
+    """Return the Shape of a rim and its centre."""
+    points = np.concatenate([rim, motion.position(node)[:, None]], axis=1)
+    return Shape(WHEEL, name, points, ("",) * RIM_POINTS + (node,))
 
 
 def _flattened(points, ground):
@@ -268,7 +284,8 @@ BEAM, SUPERELEMENT = "beam", "superelement"
 BENDING = (BEAM, SUPERELEMENT)
 SHAPES = {
     "line": _rod, "cable": _cable, "belt": _belt, BEAM: _beam, SUPERELEMENT: _superelement, "spring": _spring,
-    "body": _body, "mass": _mass, "wheel": _wheel, "curve": _curve, "contact": _contact, "joint": _joint,
+    "body": _body, "mass": _mass, "wheel": _wheel, "wheel_on_body": _wheel_on_body, "curve": _curve,
+    "contact": _contact, "joint": _joint,
     "nothing": lambda motion, name, d: [],
 }  # fmt: skip
 """Functions that draw each ``Display.shape``."""

@@ -107,6 +107,8 @@ def check(d, nodes):
         return [f"'{name}' needs 'wheel', the name of the wheel with the tyre" for name in wanted]
     if "tire_law" not in wheel:
         return [f"'wheel' must be a wheel with a tire law, got a {wheel['type']}"]
+    if "ground" not in wheel:
+        return [f"'wheel' must roll on one of the 'grounds', not on a body: it is a {wheel['type']}"]
     texts = []
     if not wanted:
         texts.append("'wheel' has no effect without 'adhesion' or 'anti_skid'")

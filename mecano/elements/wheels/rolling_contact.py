@@ -42,15 +42,20 @@ class Rolling(NamedTuple):
 @kernel
 def rolling(p, at, touching):
     """Return the Rolling of a wheel; if not ``touching``, with the velocity of the lowest point of the rim."""
-    R, x, v = mat(at.R[0]), vec(at.q, 0), vec(at.v, 0)
-    axis, omega = R @ vec(p.axis, 0), R @ vec(at.v, 3)
+    x, axis = vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)
     g = touch(p, at.laws, x, axis)
+    return rolling_on(p, at, touching, g, axis, surface_at(p, at, g.n, x + g.arm), 0.0)
+
+
+@kernel
+def rolling_on(p, at, touching, g, axis, surface, rise):
+    """Return the Rolling at the Contact ``g`` with a Surface that moves along its normal with ``rise`` [m/s]."""
+    v, omega = vec(at.v, 0), mat(at.R[0]) @ vec(at.v, 3)
     point = v + cross(omega, g.arm if touching else p.radius * g.c)
     lift = dot(g.n, point)
-    v_C, w1 = point - lift * g.n, -lift / g.q
+    v_C, w1 = point - lift * g.n, (rise - lift) / g.q
     F = radial_force(p, at.laws, p.radius - g.r, w1)
     t, l = directions(axis, g)
-    surface = surface_at(p, at, g.n, x + g.arm)
     v_C, u = v_C - surface.v, v - dot(g.n, v) * g.n - surface.v
     turning = omega - surface.omega
     slip = Slip(F / g.q, p.radius - g.r, surface.grip, v_C, v_C, u, turning, dot(omega, axis), g.s, t, l, g.n)

@@ -90,11 +90,16 @@ def check_wheel(d, nodes):
 def _check_deformation(law, ground, x, axis):
     """Return errors for an initial deformation outside the validity of the tyre law."""
     gap, along_normal = rim_above(ground, law["radius"], x, axis)
+    most, limit = deepest(law)
+    return [too_low(-gap, -along_normal, limit)] if -gap > most else []
+
+
+def deepest(law):
+    """Return the largest deformation [m] of a tyre at the start, and a text that gives the reason for this bound."""
     valid = law["valid_deformation"]
-    if -gap <= (valid or MOST_DEFORMATION * law["radius"]):
-        return []
-    most = f"its law is valid up to {valid:g} m ('valid_deformation')" if valid else "more than half of its radius"
-    return [too_low(-gap, -along_normal, f", {most}")]
+    if valid:
+        return valid, f", its law is valid up to {valid:g} m ('valid_deformation')"
+    return MOST_DEFORMATION * law["radius"], ", more than half of its radius"
 
 
 def range_of_law(d):

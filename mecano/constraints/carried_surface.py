@@ -1,0 +1,144 @@
+r"""A surface fixed in a body on which a wheel rolls: a plane (ship's deck, treadmill) or a cylinder (drum).
+
+A disc of centre x and unit axis a touches it at C = x + r c, as on a ground at rest (maths/surface.py):
+
+    c = -(n - s a)/q,   s = n.a,   q = sqrt(1 - s^2),   r = h/q
+
+with the normal n towards the wheel and the height h of the centre, both taken at C. For a plane through P0 they are
+n and h = n.(x - P0). For a cylinder of radius rho about the axis alpha through P0, with X = x - P0 and the unit vector
+e(phi) from the axis, turned by phi from the direction of the centre about alpha,
+
+    n = sigma e,   h = sigma (X.e - rho),   sigma = 1 outside, -1 inside
+
+and C lies on the line of the cylinder along which n is normal: (C - P0).de/dphi = 0, that is
+
+    f(phi) = X.de/dphi + (h s/q^2) a.de/dphi = 0.
+
+phi is zero for an upright wheel. The contact is single inside a drum if rho > r.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from mecano.jit.kernel import kernel
+from mecano.maths.dual import at_least, cos, implicit, sin, value
+from mecano.maths.surface import LEAST_Q, disc_contact
+from mecano.maths.vector import ZERO, Vec3, cross, dot, norm
+from mecano.schema import BOOLEAN, DIRECTION, NUMBER, POINT, Field, mapping, positive
+
+CARRIED_RECORD = {"surface_axis": 3, "surface_origin": 3, "cylindrical": (), "drum_radius": (), "drum_side": ()}
+SURFACES = {
+    "plane": mapping(
+        Field("normal", DIRECTION, "-", "normal at the start, inertial, towards the wheel"),
+        Field("point", POINT, "m", "a point at the start, inertial; the first node when absent", None),
+    ),
+    "cylinder": mapping(
+        Field("axis", DIRECTION, "-", "axis at the start, inertial"),
+        Field("radius", NUMBER, "m", "of the drum", check=positive),
+        Field("center", POINT, "m", "a point of the axis at the start, inertial; the first node when absent", None),
+        Field("inside", BOOLEAN, "-", "whether the wheel rolls on the inner surface", False),
+    ),
+}
+FIELDS = (
+    Field("plane", SURFACES["plane"], "-", "plane fixed in the first node", None),
+    Field("cylinder", SURFACES["cylinder"], "-", "cylinder without ends, fixed in the first node", None),
+)
+LEAST_DISTANCE = 1e-9  # [m] of the centre from the axis of a drum, where the direction to the wheel is not defined
+LEAST_SLOPE = 1e-6  # [m] bound of -df/dphi, which is positive where the contact is single
+ITERATIONS = 30  # 2 to 5 are usual
+LONGEST = 0.3  # [rad] step of the iteration
+CONVERGED = 1e-12  # [rad]; the iteration converges quadratically
+
+
+class Foot(NamedTuple):
+    """The equation f(phi) = 0 of the contact with a cylinder, and its terms."""
+
+    f: float  # [m]
+    slope: float  # df/dphi [m]
+    n: Vec3
+    height: float  # h [m]
+
+
+@kernel
+def touch_carried(p, x, a, origin, main):
+    """Return the Contact of a disc (centre ``x`` [m], unit axis ``a``) with the surface of record ``p``.
+
+    ``origin`` [m] and ``main``, the normal or the axis, are those of CARRIED_RECORD in inertial axes.
+    """
+    X = x - origin
+    along = dot(main, X)
+    if p.cylindrical == 0.0:
+        return disc_contact(main, ZERO, along, a)
+    away = X - along * main
+    distance = at_least(norm(away), LEAST_DISTANCE)
+    e = away / distance
+    ahead = cross(main, e)
+    phi = _angle(p, value(a), value(e), value(ahead), value(distance))
+    now = _foot(p, a, e, ahead, distance, phi)
+    found = _foot(p, a, e, ahead, distance, implicit(phi, now.f, value(now.slope)))
+    return disc_contact(found.n, ZERO, found.height, a)
+
+
+@kernel
+def _angle(p, a, e, ahead, distance):
+    """Return the angle [rad] from the direction ``e`` of the centre to the contact, by Newton's method."""
+    phi, step, i = 0.0, LONGEST, 0
+    while abs(step) > CONVERGED and i < ITERATIONS:
+        now = _foot(p, a, e, ahead, distance, phi)
+        step = max(-LONGEST, min(LONGEST, now.f / max(-now.slope, LEAST_SLOPE)))
+        phi, i = phi + step, i + 1
+    return phi
+
+
+@kernel
+def _foot(p, a, e, ahead, distance, phi):
+    """Return the Foot at the angle ``phi`` of a centre at the ``distance`` [m] along ``e`` from the axis."""
+    outward, tangent = cos(phi) * e + sin(phi) * ahead, cos(phi) * ahead - sin(phi) * e
+    n = p.drum_side * outward
+    height = p.drum_side * (distance * cos(phi) - p.drum_radius)
+    s, s1 = dot(n, a), p.drum_side * dot(tangent, a)
+    q2 = at_least(1.0 - s * s, LEAST_Q * LEAST_Q)
+    lever, across = height * s / q2, dot(tangent, a)
+    lever1 = (height * s1 - p.drum_side * distance * sin(phi) * s + 2.0 * lever * s * s1) / q2
+    f = lever * across - distance * sin(phi)
+    return Foot(f, lever1 * across - lever * dot(outward, a) - distance * cos(phi), n, height)
+
+
+def given(d):
+    """Return name and values of the surface, from the values of the deck that name exactly one."""
+    return next((name, d[name]) for name in SURFACES if d.get(name) is not None)
+
+
+def carried_record(d, nodes):
+    """Return the values of CARRIED_RECORD; the first of ``nodes`` carries the surface."""
+    (name, values), (x, R) = given(d), nodes[0]
+    origin, main = place_at_start(d, nodes)
+    return {
+        "surface_axis": R.T @ main, "surface_origin": R.T @ (origin - x), "cylindrical": float(name == "cylinder"),
+        "drum_radius": values.get("radius", 0.0), "drum_side": -1.0 if values.get("inside") else 1.0,
+    }  # fmt: skip
+
+
+def place_at_start(d, nodes):
+    """Return origin [m] and unit normal or axis of the surface at the start, inertial, (3,) each."""
+    name, values = given(d)
+    point = values["point" if name == "plane" else "center"]
+    main = np.array(values["normal" if name == "plane" else "axis"], float)
+    return np.asarray(nodes[0][0] if point is None else point, float), main / np.linalg.norm(main)
+
+
+def contact_at_start(p, nodes, axis, origin, main):
+    """Return the Contact at the start, ``p`` with CARRIED_RECORD; ``axis`` (3,) of the wheel, inertial."""
+    return touch_carried(p, *(Vec3(*map(float, one)) for one in (nodes[1][0], axis, origin, main)))
+
+
+def check_carried(d, nodes):
+    """Return errors for none or two surfaces, and for a surface on the ground without a place."""
+    if sum(d[name] is not None for name in SURFACES) != 1:
+        return ["give exactly one of 'plane', 'cylinder'"]
+    name, values = given(d)
+    place = "point" if name == "plane" else "center"
+    if d["nodes"][0] == "ground" and values[place] is None:
+        return [f"'{name}' needs '{place}': the ground has no position"]
+    return []

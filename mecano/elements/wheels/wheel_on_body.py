@@ -1,0 +1,236 @@
+r"""Wheel that rolls on a surface of another body: a drum of a test rig, a treadmill, the deck of a ship.
+
+The first node carries the surface, a ``plane`` or a ``cylinder`` on whose outer or inner side the wheel rolls; the
+second one is the hub. Forces are those of the kind ``wheel`` with the same tyre law, with all velocities relative to
+the material of the surface at the contact C, which moves with v_g = v_a + omega_a x (C - x_a):
+
+    radial deformation   w = radius - r                  dw/dt = -n.(v + omega x r c - v_g)/q
+    normal force         N = F_r(w, dw/dt)/q
+    slip velocity        v_C = (I - n n^T)(v + omega x r c - v_g)
+    force and moment     F, M of the slip law; its velocity of the axle is (I - n n^T)(v - v_g), omega is relative
+
+The contact on a drum follows the lean and the heading of the wheel (constraints/carried_surface.py). The force F + N n
+acts at C on the wheel and with the opposite sign on the body, and so does M: momentum is exchanged between both, and
+the work of a driven drum is supplied by its motor, not by this element. Motions of the first node may be prescribed.
+
+Validity: as the kind ``wheel``; inside a drum, its radius must exceed that of the wheel. A drum has no ends, and the
+tyre law is not corrected for its curvature.
+"""
+
+from dataclasses import replace
+from functools import cache
+from types import SimpleNamespace
+
+import numpy as np
+
+from mecano.constraints.carried_surface import (
+    CARRIED_RECORD,
+    FIELDS,
+    carried_record,
+    check_carried,
+    contact_at_start,
+    given,
+    place_at_start,
+    touch_carried,
+)
+from mecano.constraints.disc import carried_axis
+from mecano.constraints.ground import LEAST_Q, ends, too_low
+from mecano.element_interface import Display, Kind, record
+from mecano.elements.wheels.ground_surface import Surface
+from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
+from mecano.elements.wheels.rolling_contact import add_ground, law_samples, put_rolling, rolling_on
+from mecano.elements.wheels.slip_laws import SLIP_LAWS
+from mecano.elements.wheels.tire_law import RADIAL_RECORD, check_tire_law, prepare_radial, slip_law_of
+from mecano.elements.wheels.tire_wheel import (
+    AIR,
+    CONTACT,
+    EVENTS,
+    OUTPUTS,
+    PHASES,
+    deepest,
+    large_wheel,
+    range_of_law,
+)
+from mecano.jit.kernel import kernel
+from mecano.maths.dual import constant
+from mecano.maths.vector import add_vec, cross, dot, mat, vec
+from mecano.schema import DIRECTION, NODE_PAIR, TIRE_LAW, Field
+
+FRICTION = SLIP_LAWS["friction"]
+BODY, TURN = 6, 9  # local unknowns of the first node; those of the hub come first, as in all wheels
+
+
+@kernel
+def _touch(p, at):
+    """Return the Contact, the axis of the wheel, and the arm from the first node to the contact [m]."""
+    R, x_a, x, axis = mat(at.R[1]), vec(at.q, BODY), vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)
+    g = touch_carried(p, x, axis, x_a + R @ vec(p.surface_origin, 0), R @ vec(p.surface_axis, 0))
+    return g, axis, x + g.arm - x_a
+
+
+@kernel
+def _rolling(p, at, touching):
+    """Return the Rolling of the wheel and the arm from the first node to the contact [m]."""
+    g, axis, arm = _touch(p, at)
+    omega = mat(at.R[1]) @ vec(at.v, TURN)
+    v_g = vec(at.v, BODY) + cross(omega, arm)
+    rise = dot(g.n, v_g)
+    surface = Surface(constant(1.0, rise), v_g - rise * g.n, omega)
+    return rolling_on(p, at, touching, g, axis, surface, rise), arm
+
+
+def compiled(law):
+    """Return ``residual`` and ``observe`` of a wheel with a SlipLaw."""
+    forces = law.forces
+
+    @kernel
+    def residual(p, at, f):
+        """Add force and material moment of the wheel and of the body that carries it; see element_interface.py."""
+        if at.phase == AIR:
+            return
+        k, arm = _rolling(p, at, True)
+        ground = forces(p, at.laws, k.slip)
+        add_ground(f, at, k, ground)
+        push = ground.F + k.slip.N * k.slip.n
+        add_vec(f, BODY, 1.0, push)
+        add_vec(f, TURN, 1.0, mat(at.R[1]).T @ (cross(arm, push) + ground.M))
+
+    @kernel
+    def observe(p, at, F, y, e):
+        """Write outputs and energies."""
+        k, _ = _rolling(p, at, at.phase == CONTACT)
+        ground = forces(p, at.laws, k.slip)
+        if put_rolling(p, at, k, ground, y, e):
+            e[3] = ground.given
+
+    return residual, observe
+
+
+@kernel
+def event_values(p, at, g):
+    """Write w for the touch-down, -w for the lift-off [m]."""
+    contact, _, _ = _touch(p, at)
+    g[0] = p.radius - contact.r
+    g[1] = contact.r - p.radius
+
+
+def dtype_of(law):
+    """Return the record of a wheel with a SlipLaw."""
+    return record(axis=3, **CARRIED_RECORD, **RADIAL_RECORD, **law.record)
+
+
+@cache
+def with_law(law):
+    """Return the Kind of a wheel with a SlipLaw."""
+    residual, observe = compiled(law)
+
+    def prepare(d, nodes, context):
+        return {**_prepare(d, nodes, context), **law.prepare(d["tire_law"], context)}
+
+    return replace(
+        WHEEL_ON_BODY, name=f"wheel_on_body_{law.name}", dtype=dtype_of(law), prepare=prepare, residual=residual,
+        observe=observe, variant=None,
+    )  # fmt: skip
+
+
+def variant(d):
+    """Return the kind with the slip law of the tyre."""
+    law = slip_law_of(d["tire_law"])
+    return WHEEL_ON_BODY if law is FRICTION else with_law(law)
+
+
+def _prepare(d, nodes, context):
+    """Return the record without the values of the slip law."""
+    return {
+        "axis": carried_axis(d, nodes[1:]),
+        **carried_record(d, nodes),
+        **prepare_radial(d["tire_law"], context),
+    }
+
+
+def prepare(d, nodes, context):
+    """Return the record of a wheel with friction."""
+    return {**_prepare(d, nodes, context), **FRICTION.prepare(d["tire_law"], context)}
+
+
+def check(d, nodes):
+    """Return errors in the surface and the tyre law, for a wheel that lies flat or starts too far in the surface."""
+    texts = check_carried(d, nodes)
+    return texts + check_tire_law(d["tire_law"]) + ([] if texts else _check_place(d, nodes))
+
+
+def _check_place(d, nodes):
+    """Return errors in the place of the wheel at the start."""
+    (name, values), law = given(d), d["tire_law"]
+    if name == "cylinder" and values["inside"] and values["radius"] <= law["radius"]:
+        return [f"'cylinder.radius' must exceed the radius of the wheel inside it, {law['radius']:g} m"]
+    axis = np.asarray(d["axis"], float) / np.linalg.norm(d["axis"])
+    p = SimpleNamespace(**carried_record(d, nodes))
+    g = contact_at_start(p, nodes, axis, *place_at_start(d, nodes))
+    if g.q < LEAST_Q:
+        return ["the wheel lies flat: its axis is along the normal of the surface"]
+    if g.r <= 0.0:
+        return [f"the wheel's centre is {-g.r * g.q:.4g} m beyond the surface, on the side away from it"]
+    depth, (most, limit) = law["radius"] - g.r, deepest(law)
+    return [too_low(depth, depth * g.q, limit)] if depth > most else []
+
+
+def limits(d):
+    """Return the limits of the radial law and of the slip law."""
+    return range_of_law(d) + slip_law_of(d["tire_law"]).limits(d["tire_law"])
+
+
+def sample(rng):
+    """Return large wheels on a plane, outside and inside of drums, in contact and in the air, with each slip law."""
+    friction = (("exponential", {"start": 0.8, "limit": 0.3, "rate": 0.1, "origin": 0.0}),)
+    wheels = [(large_wheel(rng, False, eps, friction, 1.0, None), phase)
+              for eps, phase in ((0.05, "contact"), (50.0, "contact"), (50.0, "contact"), (0.05, "air"))]  # fmt: skip
+    for law, own in zip(SLIP_LAWS.values(), rng.spawn(len(SLIP_LAWS)), strict=True):
+        wheels += [(wheel, phase) for wheel, _, phase in law_samples(own, law)]
+    return [(*_on_body(rng, wheel, i), phase) for i, (wheel, phase) in enumerate(wheels)]
+
+
+def _on_body(rng, wheel, number):
+    """Return values and nodes of a wheel of ``large_wheel`` on a plane, outside or inside of a drum, by turns."""
+    plane = wheel["ground"]["plane"]
+    point, normal = (np.array(plane[name], float) for name in ("point", "normal"))
+    across = np.cross(normal, rng.normal(size=3))
+    radius = (0.0, 20.0, 30.0)[number % 3]
+    surface = {"plane": plane, "cylinder": None}
+    if radius:
+        inside = number % 3 == 2
+        center = point + (radius if inside else -radius) * normal
+        cylinder = {"axis": across, "radius": radius, "center": center, "inside": inside}
+        surface = {"plane": None, "cylinder": cylinder}
+    nodes = [(point + rng.normal(size=3), np.eye(3)), (np.zeros(3), np.eye(3))]
+    own = {name: wheel[name] for name in ("axis", "tire_law")}
+    return {**own, **surface, "nodes": ["drum", "hub"]}, nodes
+
+
+RESIDUAL, OBSERVE = compiled(FRICTION)
+WHEEL_ON_BODY = Kind(
+    name="wheel_on_body",
+    section="elements",
+    doc=__doc__,
+    display=Display("wheel_on_body", pictures=("wheels",), force="contact_force", force_at="contact_point"),
+    dtype=dtype_of(FRICTION),
+    layout=("x1", "R1", "x0", "R0"),
+    fields=(
+        Field("nodes", NODE_PAIR, "-", "the body that carries the surface, and the hub, which spins with the wheel"),
+        Field("axis", DIRECTION, "-", "spin axis at the start, inertial; rolling forward turns right-handed"),
+        *FIELDS,
+        Field("tire_law", TIRE_LAW, "-", "law of the tyre: radius, forces, friction"),
+    ),
+    outputs=(*OUTPUTS, *ROLLING_OUTPUTS),
+    phases=PHASES,
+    events=EVENTS,
+    variant=variant,
+    prepare=prepare,
+    check=check,
+    limits=limits,
+    ends=ends,
+    residual=RESIDUAL,
+    observe=OBSERVE,
+    event_values=event_values,
+    sample=sample,
+)
