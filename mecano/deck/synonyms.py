@@ -153,6 +153,12 @@ NOTES = {  # words with the same meaning: (targets, note)
     "treadmill, test rig, dynamometer, ship, moving deck, carrier": (
         "wheel_on_body", "the surface, a plane or a cylinder, is carried by a node"
     ),
+    "rolling resistance, rolling radius, effective radius, rolling drag": (
+        "tire_laws", "'rolling_radius_coefficient' and 'rolling_resistance' of a tyre law"
+    ),
+    "lift, spoiler, lift dumper, dynamic pressure, aerodynamic force": (
+        "force signals drag", "a force by a law of time, or a formula of the speed: docs/tyres.md, Lift"
+    ),
     "wheel": ("wheel_on_body flexible_wheel adhesive_wheel rigid_wheel cardona_wheel tire_laws", ""),
     "knife edge, blade, nonholonomic, sled": ("skate", ""),
     "runway, road, terrain, track surface, ground plane, floor": ("grounds", ""),
@@ -167,7 +173,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     "wind, wind load, rotor, current, morison": (
         "drag line_load", "a 'drag' on each node of a member (docs/beams.md); a 'line_load' for a given force"
     ),
-    "aerodynamics, lift, air resistance, parachute, fluid": (
+    "aerodynamics, air resistance, parachute, fluid": (
         "drag follower_force", "a lift is a follower_force whose value is a formula of signals"
     ),
     "function, time series, spline, curve": ("laws formula table polynomial", ""),

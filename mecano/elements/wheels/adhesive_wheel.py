@@ -11,12 +11,15 @@ ones, in the norm of the kinetic energy, that do not slip. The impulse of this s
 its energy is lost (docs/shocks.md). There is no lateral shock, since y has no inertia.
 """
 
+from dataclasses import replace
+
 from mecano.constraints.rolling import ROWS
 from mecano.constraints.tire_patch import patch
 from mecano.element_interface import GRIP, Event
 from mecano.elements.wheels.lateral_force import relax
 from mecano.elements.wheels.patch_load import add_load, load_of
-from mecano.elements.wheels.patch_wheel import patch_wheel, put_patch
+from mecano.elements.wheels.patch_wheel import PatchFriction, check, patch_wheel, put_patch
+from mecano.elements.wheels.rolling_tyre import FIELDS as ROLLING_FIELDS
 from mecano.elements.wheels.tire_wheel import AIR, LIFT_OFF
 from mecano.jit.kernel import kernel
 from mecano.maths.surface import directions
@@ -59,16 +62,28 @@ def observe(p, at, F, y, e):
     load = load_of(p, at, k)
     t, l = directions(k.a, k.g)
     reaction = at.q[MULTIPLIERS] * t + at.q[MULTIPLIERS + 1] * l
-    put_patch(p, at, k, load, reaction, 0.0, y, e)
+    put_patch(p, at, k, load, PatchFriction(k.v_C, reaction, 0.0), y, e)
 
 
-ADHESIVE_WHEEL = patch_wheel(
-    "adhesive_wheel",
-    __doc__,
-    ("psi", "bow"),
-    residual,
-    observe,
-    events=(Event("touch_down", "air", "contact", "the undeformed rim reaches the ground; a shock", GRIP), LIFT_OFF),
-    multipliers=ROWS,
-    constraints=constraints,
+def check_adhesive(d, nodes):
+    """Return errors of any wheel with a patch, and for values that only a slipping wheel has."""
+    given = [field.name for field in ROLLING_FIELDS if d["tire_law"].get(field.name) is not None]
+    return [f"'tire_law.{name}' is not available for an adhesive_wheel" for name in given] + check(d, nodes)
+
+
+ADHESIVE_WHEEL = replace(
+    patch_wheel(
+        "adhesive_wheel",
+        __doc__,
+        ("psi", "bow"),
+        residual,
+        observe,
+        events=(
+            Event("touch_down", "air", "contact", "the undeformed rim reaches the ground; a shock", GRIP),
+            LIFT_OFF,
+        ),
+        multipliers=ROWS,
+        constraints=constraints,
+    ),
+    check=check_adhesive,
 )

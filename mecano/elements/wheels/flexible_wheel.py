@@ -27,33 +27,76 @@ In the phase "air" F = M = 0 and y, psi decay. For a patch that never slips see 
 ``wheel``.
 """
 
+from dataclasses import replace
+from functools import cache
+
 from mecano.constraints.tire_patch import patch
+from mecano.element_interface import record
 from mecano.elements.wheels.lateral_force import relax
 from mecano.elements.wheels.patch_load import add_load, load_of
-from mecano.elements.wheels.patch_wheel import SCALARS, patch_wheel, put_patch
-from mecano.elements.wheels.sliding_friction import forces
+from mecano.elements.wheels.patch_wheel import RECORD, SCALARS, PatchFriction, patch_wheel, prepare, put_patch, sample
+from mecano.elements.wheels.rolling_tyre import is_given, rolling_law, with_rolling
+from mecano.elements.wheels.sliding_friction import SLIDING_FRICTION
 from mecano.elements.wheels.tire_wheel import AIR
 from mecano.jit.kernel import kernel
+from mecano.maths.vector import add_vec, mat
 
 
-@kernel
-def residual(p, at, f):
-    """Add the forces of ground and tyre law; see element_interface.py."""
-    if at.phase == AIR:
-        relax(p, at, f)
-        return
-    k = patch(p, at)
-    load = load_of(p, at, k)
-    add_load(f, at, k, load, -forces(p, at.laws, load.slip).F)
+def compiled(law):
+    """Return ``residual`` and ``observe`` of a wheel with this friction, a SlipLaw."""
+    forces, slip = law.forces, law.slip
+
+    @kernel
+    def residual(p, at, f):
+        """Add the forces of ground and tyre law; see element_interface.py."""
+        if at.phase == AIR:
+            relax(p, at, f)
+            return
+        k = patch(p, at)
+        load = load_of(p, at, k)
+        ground = forces(p, at.laws, slip(p, load.slip))
+        add_load(f, at, k, load, -ground.F)
+        add_vec(f, 3, -1.0, mat(at.R[0]).T @ ground.M)
+
+    @kernel
+    def observe(p, at, F, y, e):
+        """Write outputs and energies; see OUTPUTS and element_interface.py."""
+        k = patch(p, at)
+        load = load_of(p, at, k)
+        seen = slip(p, load.slip)
+        ground = forces(p, at.laws, seen)
+        put_patch(p, at, k, load, PatchFriction(seen.v, ground.F, ground.lost), y, e)
+
+    return residual, observe
 
 
-@kernel
-def observe(p, at, F, y, e):
-    """Write outputs and energies; see OUTPUTS and element_interface.py."""
-    k = patch(p, at)
-    load = load_of(p, at, k)
-    ground = forces(p, at.laws, load.slip)
-    put_patch(p, at, k, load, ground.F, ground.lost, y, e)
+@cache
+def rolling_kind():
+    """Return the Kind of a wheel with a rolling radius or a rolling resistance."""
+    law = rolling_law(SLIDING_FRICTION)
+    residual, observe = compiled(law)
+
+    def prepare_all(d, nodes, context):
+        return {**prepare(d, nodes, context), **law.prepare(d["tire_law"], context)}
+
+    return replace(
+        FLEXIBLE_WHEEL, name="flexible_wheel_rolling", dtype=record(**RECORD, **law.record), prepare=prepare_all,
+        residual=residual, observe=observe, variant=None,
+    )  # fmt: skip
 
 
-FLEXIBLE_WHEEL = patch_wheel("flexible_wheel", __doc__, SCALARS, residual, observe)
+def variant(d):
+    """Return the kind with or without a rolling radius or a rolling resistance."""
+    return rolling_kind() if is_given(d["tire_law"]) else FLEXIBLE_WHEEL
+
+
+def samples(rng):
+    """Return samples of any wheel with a patch, and one with a rolling radius and a rolling resistance."""
+    found = sample(rng)
+    return [*found, with_rolling(found[0])]
+
+
+RESIDUAL, OBSERVE = compiled(SLIDING_FRICTION)
+FLEXIBLE_WHEEL = replace(
+    patch_wheel("flexible_wheel", __doc__, SCALARS, RESIDUAL, OBSERVE), variant=variant, sample=samples
+)

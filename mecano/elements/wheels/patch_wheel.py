@@ -1,6 +1,7 @@
 """Deck fields, outputs, energies, events, samples and warnings shared by wheels with a flexible patch."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -62,6 +63,7 @@ DIVERGENT = (
     "braking exceeds the capacity of the torsional stiffness of the tyre: its patch is laterally unstable; "
     "increase 'torsional_stiffness'"
 )
+RECORD = {"start": 3, **LATERAL_RECORD, "axis": 3, **GROUND_RECORD, **SURFACE_RECORD, **RADIAL_RECORD}
 STRING = {
     "cornering_stiffness": 2e3, "relaxation_length": 2.0, "contact_length": 3.0, "torsional_stiffness": 300.0,
     "least_speed": 1.0,
@@ -69,17 +71,22 @@ STRING = {
 MATRICES = {"stiffness": [900.0, 50.0, -80.0, 300.0], "damping": [30.0, -2.0, 4.0, 20.0]}
 
 
-@kernel
-def put_patch(p, at, k, load, force, lost, y, e):
-    """Write OUTPUTS and energies of the Patch ``k`` under the Load ``load``.
+class PatchFriction(NamedTuple):
+    """Action of the ground on a patch; 3-vectors in the inertial frame."""
 
-    ``force`` (3,) [N] of the ground on the wheel in the ground; ``lost`` [W] what friction dissipates.
-    """
+    v: tuple  # slip velocity [m/s]
+    F: tuple  # force on the wheel, in the ground [N]
+    lost: float  # dissipated power [W]
+
+
+@kernel
+def put_patch(p, at, k, load, friction, y, e):
+    """Write OUTPUTS and energies of the Patch ``k`` under the Load ``load`` and the PatchFriction ``friction``."""
     q, v, contact, law = at.q, at.v, at.phase == CONTACT, load.law
     arm = select(contact, k.rho, p.radius * k.g.c)
     lowest = vec(v, 0) + cross(k.omega, arm)
-    v_C = select(contact, k.v_C, lowest - dot(k.g.n, lowest) * k.g.n)
-    grip = Grip(load.radial, force, load.N, v_C, lost, k.w1)
+    v_C = select(contact, friction.v, lowest - dot(k.g.n, lowest) * k.g.n)
+    grip = Grip(load.radial, friction.F, load.N, v_C, friction.lost, k.w1)
     touching = put_tire(p, at, Wheel(k.g, k.a, arm, dot(k.omega, k.a)), grip, y, e)
     put(y, 18, vec(q, Y))
     put(y, 24, vec(v, Y))
@@ -203,9 +210,7 @@ def patch_wheel(name, doc, massless, residual, observe, events=EVENTS, **constra
         section="elements",
         doc=doc,
         display=TYRE_DISPLAY,
-        dtype=record(
-            start=3, **LATERAL_RECORD, axis=3, **GROUND_RECORD, **SURFACE_RECORD, **RADIAL_RECORD, **FRICTION_RECORD
-        ),
+        dtype=record(**RECORD, **FRICTION_RECORD),
         layout=("x0", "R0"),
         scalars=SCALARS,
         massless=massless,

@@ -63,6 +63,12 @@ def rolling_on(p, at, touching, g, axis, surface, rise):
 
 
 @kernel
+def with_slip(k, slip):
+    """Return the Rolling with another Slip."""
+    return Rolling(k.g, k.surface, k.axis, k.w1, k.F, slip)
+
+
+@kernel
 def add_ground(f, at, k, ground):
     """Subtract force and material moment of the ground from ``f``: SlipForces ``ground`` and the normal force."""
     push = ground.F + k.slip.N * k.slip.n

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from mecano.element_interface import recorded, recorded_values
+from mecano.jit.kernel import kernel
 from mecano.schema import Type
 
 
@@ -32,6 +33,12 @@ class Slip(NamedTuple):
     t: tuple  # driving direction
     l: tuple  # lateral direction
     n: tuple  # normal of the ground; (t, l, n) is right-handed
+
+
+@kernel
+def unchanged(p, k):
+    """Return a Slip unchanged."""
+    return k
 
 
 class SlipForces(NamedTuple):
@@ -74,6 +81,8 @@ class SlipLaw:
     """values of the tyre law -> values that the law provides for its other fields, if the deck gives none"""
     sample: Callable | None = None
     """rng -> [values of the field] for a wheel of 12 m radius under about 10 kN, for the generic tests"""
+    slip: Callable = unchanged
+    """kernel (record, Slip) -> Slip that ``forces`` receives and that is output: that of the rim at another radius"""
     passive: bool = True
     """True if the force never drives the slip: lost = -F.v, given = M.omega"""
 

@@ -15,6 +15,8 @@ whose fields are listed here, or one under its own name, such as ``fiala``.
 import numpy as np
 
 from mecano.elements.wheels.lateral_law import LATERAL_TYPE
+from mecano.elements.wheels.rolling_tyre import FIELDS as ROLLING_FIELDS
+from mecano.elements.wheels.rolling_tyre import check_rolling, is_given, rolling_law
 from mecano.elements.wheels.sliding_friction import FIELDS as FRICTION_FIELDS
 from mecano.elements.wheels.slip_law import given_law
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
@@ -39,6 +41,7 @@ LAW_FIELDS = (
         "valid_deformation", NUMBER, "m", "deformation up to which the law is valid; a warning beyond",
         None, positive,
     ),
+    *ROLLING_FIELDS,
     Field("lateral", LATERAL_TYPE, "-", "lateral law of the patch: flexible wheels", None),
 )  # fmt: skip
 
@@ -62,8 +65,9 @@ def register(law):
 
 
 def slip_law_of(values):
-    """Return the SlipLaw of the values of a tyre law."""
-    return given_law(values, SLIP_LAWS)
+    """Return the SlipLaw of the values of a tyre law, with its rolling radius and resistance if there are any."""
+    law = given_law(values, SLIP_LAWS)
+    return rolling_law(law) if is_given(values) else law
 
 
 def prepare_radial(law, context):
@@ -77,7 +81,7 @@ def prepare_radial(law, context):
 
 def check_tire_law(law):
     """Return errors in the combination of the values of a tyre law."""
-    texts = slip_law_of(law).check(law)
+    texts = slip_law_of(law).check(law) + check_rolling(law)
     at_zero, slope, _ = curve_at(law["radial"], 0.0)
     size = abs(curve_at(law["radial"], 0.1 * law["radius"])[0])
     if abs(at_zero) > 1e-6 * size:

@@ -28,9 +28,18 @@ from mecano.constraints.ground import GROUND_RECORD, ends
 from mecano.element_interface import Kind, Output, record
 from mecano.elements.wheels.at_start import odd_start
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
-from mecano.elements.wheels.rolling_contact import FIRST, add_ground, event_values, law_samples, put_rolling, rolling
+from mecano.elements.wheels.rolling_contact import (
+    FIRST,
+    add_ground,
+    event_values,
+    law_samples,
+    put_rolling,
+    rolling,
+    with_slip,
+)
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
-from mecano.elements.wheels.slip_law import Slip
+from mecano.elements.wheels.rolling_tyre import with_rolling
+from mecano.elements.wheels.slip_law import Slip, given_law
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, slip_law_of
 from mecano.elements.wheels.tire_wheel import (
@@ -93,7 +102,7 @@ def damping(p, slip):
 
 def compiled(law):
     """Return ``residual`` and ``observe`` of a wheel with a SlipLaw."""
-    forces = law.forces
+    forces, slip = law.forces, law.slip
 
     @kernel
     def residual(p, at, f):
@@ -104,6 +113,7 @@ def compiled(law):
             f[Y] += p.stiffness[1] * (y + DECAY * y1)
             return
         k = rolling(p, at, True)
+        k = with_slip(k, slip(p, k.slip))
         ground = forces(p, at.laws, carried(at, k.slip))
         add_ground(f, at, k, ground)
         d_t, d_l = damping(p, k.slip)
@@ -114,6 +124,7 @@ def compiled(law):
     def observe(p, at, F, y, e):
         """Write outputs and energies."""
         k = rolling(p, at, at.phase == CONTACT)
+        k = with_slip(k, slip(p, k.slip))
         put_rolling(p, at, k, forces(p, at.laws, carried(at, k.slip)), y, e)
         x1, y1 = at.v[X], at.v[Y]
         y[BEHIND], y[BEHIND + 1], y[BEHIND + 2], y[BEHIND + 3] = at.q[X], at.q[Y], x1, y1
@@ -150,16 +161,16 @@ def variant(d):
 
 def check(d, nodes):
     """Return errors of any wheel with a tyre law, and for a law without a carcass."""
-    law = slip_law_of(d["tire_law"])
-    texts = check_wheel(d, nodes)
+    texts, law = check_wheel(d, nodes), slip_law_of(d["tire_law"])
     if texts:
         return texts
+    name = given_law(d["tire_law"], SLIP_LAWS).name
     if law.carcass is None:
         known = ", ".join(name for name, other in SLIP_LAWS.items() if other.carcass)
-        return [f"'tire_law.{law.name}' has no carcass, which a transient_wheel needs; laws with a carcass: {known}"]
+        return [f"'tire_law.{name}' has no carcass, which a transient_wheel needs; laws with a carcass: {known}"]
     if law.carcass(d["tire_law"]) is None:
         return [
-            f"'tire_law.{law.name}' has no carcass stiffness, which a transient_wheel needs: "
+            f"'tire_law.{name}' has no carcass stiffness, which a transient_wheel needs: "
             "'carcass_stiffness' of fiala; PTX1 and PTY1, or LONGITUDINAL_STIFFNESS and LATERAL_STIFFNESS, of a file"
         ]
     return []
@@ -178,7 +189,8 @@ def prepare(d, nodes, context):
 def sample(rng):
     """Return large wheels with each slip law that has a carcass, in contact and in the air."""
     laws = [law for law in SLIP_LAWS.values() if law.carcass]
-    return [one for law, own in zip(laws, rng.spawn(len(laws)), strict=True) for one in law_samples(own, law)]
+    found = [one for law, own in zip(laws, rng.spawn(len(laws)), strict=True) for one in law_samples(own, law)]
+    return [*found, with_rolling(found[0])]
 
 
 RESIDUAL, OBSERVE = compiled(SLIP_LAWS["fiala"])

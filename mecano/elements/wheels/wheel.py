@@ -34,7 +34,15 @@ from mecano.element_interface import Kind, record
 from mecano.elements.wheels.at_start import odd_start
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
-from mecano.elements.wheels.rolling_contact import add_ground, event_values, law_samples, put_rolling, rolling
+from mecano.elements.wheels.rolling_contact import (
+    add_ground,
+    event_values,
+    law_samples,
+    put_rolling,
+    rolling,
+    with_slip,
+)
+from mecano.elements.wheels.rolling_tyre import with_rolling
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, slip_law_of
 from mecano.elements.wheels.tire_wheel import (
@@ -57,7 +65,7 @@ FRICTION = SLIP_LAWS["friction"]
 
 def compiled(law):
     """Return ``residual`` and ``observe`` of a wheel with a SlipLaw."""
-    forces = law.forces
+    forces, slip = law.forces, law.slip
 
     @kernel
     def residual(p, at, f):
@@ -65,12 +73,14 @@ def compiled(law):
         if at.phase == AIR:
             return
         k = rolling(p, at, True)
+        k = with_slip(k, slip(p, k.slip))
         add_ground(f, at, k, forces(p, at.laws, k.slip))
 
     @kernel
     def observe(p, at, F, y, e):
         """Write outputs and energies."""
         k = rolling(p, at, at.phase == CONTACT)
+        k = with_slip(k, slip(p, k.slip))
         put_rolling(p, at, k, forces(p, at.laws, k.slip), y, e)
 
     return residual, observe
@@ -117,7 +127,7 @@ def sample(rng):
     ]
     for law, own in zip(SLIP_LAWS.values(), rng.spawn(len(SLIP_LAWS)), strict=True):
         found += law_samples(own, law)
-    return found
+    return [*found, *(with_rolling(found[i]) for i in (0, 3))]
 
 
 RESIDUAL, OBSERVE = compiled(FRICTION)

@@ -38,7 +38,8 @@ from mecano.constraints.ground import LEAST_Q, ends, too_low
 from mecano.element_interface import Display, Kind, record
 from mecano.elements.wheels.ground_surface import Surface
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
-from mecano.elements.wheels.rolling_contact import add_ground, law_samples, put_rolling, rolling_on
+from mecano.elements.wheels.rolling_contact import add_ground, law_samples, put_rolling, rolling_on, with_slip
+from mecano.elements.wheels.rolling_tyre import with_rolling
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, check_tire_law, prepare_radial, slip_law_of
 from mecano.elements.wheels.tire_wheel import (
@@ -81,7 +82,7 @@ def _rolling(p, at, touching):
 
 def compiled(law):
     """Return ``residual`` and ``observe`` of a wheel with a SlipLaw."""
-    forces = law.forces
+    forces, slip = law.forces, law.slip
 
     @kernel
     def residual(p, at, f):
@@ -89,6 +90,7 @@ def compiled(law):
         if at.phase == AIR:
             return
         k, arm = _rolling(p, at, True)
+        k = with_slip(k, slip(p, k.slip))
         ground = forces(p, at.laws, k.slip)
         add_ground(f, at, k, ground)
         push = ground.F + k.slip.N * k.slip.n
@@ -99,6 +101,7 @@ def compiled(law):
     def observe(p, at, F, y, e):
         """Write outputs and energies."""
         k, _ = _rolling(p, at, at.phase == CONTACT)
+        k = with_slip(k, slip(p, k.slip))
         ground = forces(p, at.laws, k.slip)
         if put_rolling(p, at, k, ground, y, e):
             e[3] = ground.given
@@ -187,7 +190,8 @@ def sample(rng):
               for eps, phase in ((0.05, "contact"), (50.0, "contact"), (50.0, "contact"), (0.05, "air"))]  # fmt: skip
     for law, own in zip(SLIP_LAWS.values(), rng.spawn(len(SLIP_LAWS)), strict=True):
         wheels += [(wheel, phase) for wheel, _, phase in law_samples(own, law)]
-    return [(*_on_body(rng, wheel, i), phase) for i, (wheel, phase) in enumerate(wheels)]
+    found = [(*_on_body(rng, wheel, i), phase) for i, (wheel, phase) in enumerate(wheels)]
+    return [*found, with_rolling(found[1])]
 
 
 def _on_body(rng, wheel, number):

@@ -1,0 +1,126 @@
+r"""Effective rolling radius and rolling resistance of a tyre, for any slip law except that of a .tir file.
+
+Without ``rolling_radius_coefficient`` a tyre without slip rolls on its loaded radius r_l = radius - w, w being the
+radial deformation. With the coefficient c the effective rolling radius is
+
+    r_e = radius - c w
+
+For a belt that keeps its length while its arc of contact is pressed flat, r_e = radius sin(phi)/phi with
+radius (1 - cos phi) = w, and c = 1/3 for small w. The slip velocity is that of a rim of this radius, with t the driving
+direction and W = a.omega the spin relative to the ground:
+
+    v' = v_C - (r_e - r_l) W t,      free rolling: u.t = r_e W
+
+The force F of the slip law at v' still acts at the contact; with the moment -(r_e - r_l) (F.t) a its moment about the
+axle is r_e F.t, and no power is lost except by the slip: F.v_C + M.omega = F.v'.
+
+``rolling_resistance`` f(N) g(u), a coefficient times a factor of the speed u of the axle, adds the moment
+
+    M = -f g N r_e phi(|W| r_e/v_0) sign(W) a,      phi(x) = x (2 - x) for x < 1, else 1
+
+A wheel that rolls freely at a constant speed is braked by the force f g N. The moment dissipates -M.omega >= 0.
+"""
+
+from dataclasses import replace
+from functools import cache
+
+from mecano.elements.wheels.slip_law import Slip, SlipForces
+from mecano.jit.kernel import kernel
+from mecano.laws.friction import sticking
+from mecano.laws.probe import curve_at
+from mecano.laws.table import curve
+from mecano.maths.dual import at_least, sqrt
+from mecano.maths.vector import dot, norm
+from mecano.schema import CURVE, NUMBER, Field, mapping, positive, share
+
+RESISTANCE = mapping(
+    Field("coefficient", CURVE, "-", "coefficient f, a curve of the normal force [N]"),
+    Field("by_speed", CURVE, "-", "factor g, a curve of the speed of the axle [m/s]", 1.0),
+    Field("least_speed", NUMBER, "m/s", "v_0, speed of the rim below which the moment falls to zero", 0.1, positive),
+)
+FIELDS = (
+    Field(
+        "rolling_radius_coefficient", NUMBER, "-",
+        "c in the effective rolling radius r_e = radius - c w, about 1/3 for tyres; the loaded radius (c = 1) when "
+        "absent", None, share,
+    ),
+    Field("rolling_resistance", RESISTANCE, "-", "moment against the rolling", None),
+)  # fmt: skip
+RECORD = {"undeflected": (), "resistance": "i", "resistance_by_speed": "i", "resistance_speed": ()}
+
+
+def is_given(law):
+    """Return True if the values of a tyre law contain a rolling radius or a rolling resistance."""
+    return any(law.get(field.name) is not None for field in FIELDS)
+
+
+@cache
+def rolling_law(law):
+    """Return the SlipLaw with the forces of ``law`` at the effective rolling radius, and rolling resistance."""
+    forces = law.forces
+
+    @kernel
+    def rolled_forces(p, laws, k):
+        ground = forces(p, laws, k)
+        a, extra = k.lean * k.n + sqrt(1.0 - k.lean * k.lean) * k.l, p.undeflected * k.w
+        spin, r_e = dot(a, k.omega), p.radius - k.w + extra
+        load, rim = at_least(k.N, 0.0), r_e * spin
+        f, g = curve(laws, p.resistance, load), curve(laws, p.resistance_by_speed, norm(k.u))
+        moment = -load * at_least(f, 0.0) * at_least(g, 0.0) * r_e * sticking(p.resistance_speed, abs(rim)) * rim
+        M = ground.M + (moment - extra * dot(ground.F, k.t)) * a
+        return SlipForces(ground.F, M, ground.lost - moment * spin, ground.given)
+
+    def prepare(d, context):
+        return {**law.prepare(d, context), **_prepare(d, context)}
+
+    return replace(
+        law, name=f"{law.name}_rolling", forces=rolled_forces, slip=at_effective_radius,
+        record={**law.record, **RECORD}, prepare=prepare,
+    )  # fmt: skip
+
+
+@kernel
+def at_effective_radius(p, k):
+    """Return the Slip of a rim of the effective rolling radius."""
+    a = k.lean * k.n + sqrt(1.0 - k.lean * k.lean) * k.l
+    back = p.undeflected * k.w * dot(a, k.omega) * k.t
+    return Slip(k.N, k.w, k.grip, k.v - back, k.v_0 - back, k.u, k.omega, k.spin, k.lean, k.t, k.l, k.n)
+
+
+def _prepare(d, context):
+    """Return the values of RECORD."""
+    coefficient, resistance = d.get("rolling_radius_coefficient"), d.get("rolling_resistance")
+    values = {"undeflected": 0.0 if coefficient is None else 1.0 - coefficient}
+    if resistance is None:
+        return {**values, "resistance": 0, "resistance_by_speed": 0, "resistance_speed": 1.0}
+    return {
+        **values,
+        "resistance": int(context.laws.add(resistance["coefficient"])),
+        "resistance_by_speed": int(context.laws.add(resistance["by_speed"])),
+        "resistance_speed": resistance["least_speed"],
+    }
+
+
+def with_rolling(sample):
+    """Return a sample (values, nodes, phase) of a wheel of 12 m with a rolling radius and a rolling resistance."""
+    values, nodes, phase = sample
+    falling = (("exponential", {"start": 0.3, "limit": 0.1, "rate": 1e-4, "origin": 0.0}),)
+    rising = (("linear", {"slope": 0.1, "offset": 1.0}),)
+    own = {
+        "rolling_radius_coefficient": 0.3,
+        "rolling_resistance": {"coefficient": falling, "by_speed": rising, "least_speed": 5.0},
+    }
+    return {**values, "tire_law": {**values["tire_law"], **own}}, nodes, phase
+
+
+def check_rolling(law):
+    """Return errors for a negative resistance, and for values that a .tir file contains."""
+    given = [field.name for field in FIELDS if law.get(field.name) is not None]
+    if law.get("magic_formula") is not None:
+        text = "is not available with 'magic_formula', whose file contains it"
+        return [f"'tire_law.{name}' {text}" for name in given]
+    if law.get("rolling_resistance") is None:
+        return []
+    curves = {name: law["rolling_resistance"][name] for name in ("coefficient", "by_speed")}
+    wrong = [name for name, one in curves.items() if curve_at(one, 0.0)[0] < 0.0]
+    return [f"'tire_law.rolling_resistance.{name}' must not be negative" for name in wrong]
