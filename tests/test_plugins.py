@@ -156,6 +156,7 @@ def test_the_cases_of_a_study_get_the_plugins(folder):
 
 def test_a_tyre_law_and_a_law_in_a_deck(folder):
     deck = (Path(__file__).parent.parent / "inputs" / "fiala_sweep.yaml").read_text()
+    deck = deck.replace("tire_law: camber", "tire_law: brush")
     head, _, tail = deck.partition("tire_laws:\n")
     (folder / "own.yaml").write_text(head + TYRE.replace("mine:", "brush:") + tail[tail.index("\ngrounds:") :])
     code, _, err = call("check", "own.yaml", "--plugin", "my_tyre.py")

@@ -145,6 +145,29 @@ def test_a_wheel_in_a_slow_sweep_of_the_slip_angle_has_the_force_of_fiala():
     np.testing.assert_allclose(recorded["elements/tire/slip_moment"][:, 2], turn, atol=2e-4 * 20.0)
 
 
+def test_a_leaning_wheel_is_pushed_to_the_side_of_its_top(verify):
+    """inputs/fiala_sweep.yaml, the second wheel: C_g gamma is added to the shear of the slip angle."""
+    recorded = RecordedRun(input_deck("fiala_sweep"))
+    gamma = np.radians(5.0)
+    most = MU * 2e5 * (0.3 - 0.28 / np.cos(gamma)) / np.cos(gamma)
+    G = 6e4 * np.tan(np.radians(recorded.time)) - 6e3 * gamma
+    closed = np.where(most * 3 > G, G - G * abs(G) / (3 * most) + G**3 / (27 * most**2), most)
+    force = recorded["elements/leaning_tire/lateral_force"].ravel()
+    force, closed = force[recorded.time > 0.1], closed[recorded.time > 0.1]  # its spin has settled
+    assert force[0] < 0.0
+    source = "Pacejka 2012, (3.11), with C_g gamma added to C tan(alpha)"
+    verify("Tyres", "Fiala's tyre at 5 degrees of camber: lateral force over mu N [-]", force / most, closed / most,
+           source, absolute=4e-4)  # fmt: skip
+    assert np.ptp(recorded["energy/balance"]) < 1e-4 * recorded["energy/dissipated"][-1]
+
+
+def test_fiala_without_camber_gives_only_the_power_of_its_moment():
+    for slip in ((0.2, 0.3), (-1.0, 5.0)):
+        k = brush().forces(LOAD, slip, omega=(0.1, 60.0, 0.3))
+        assert k.given == pytest.approx(k.M[2] * 0.3, abs=1e-12)
+        assert k.lost == pytest.approx(-k.F[0] * slip[0] - k.F[1] * slip[1], rel=1e-12)
+
+
 def test_a_patch_with_a_relaxation_length_exchanges_nothing_with_the_rolling():
     """Where M = 0 holds, what the wheel loses is stored in K y^2/2 or dissipated: nothing is given."""
     checked = 0

@@ -2,25 +2,29 @@ r"""Brush tyre in steady slip (Fiala): force and aligning moment from slip stiff
 
 Elastic bristles on a contact of length 2a carry a parabolic pressure and slide where their shear exceeds mu times the
 pressure (Fiala 1954; Pacejka, Tire and Vehicle Dynamics, 3rd ed. 2012, section 3.2). With the slip velocity
-v = (v_t, v_l), the rolling velocity V_r = u.t - v_0.t and the slip stiffnesses C_t, C_l, the force without sliding is
+v = (v_t, v_l), the rolling velocity V_r = u.t - v_0.t, the slip stiffnesses C_t, C_l and the camber stiffness C_g, the
+force without sliding is
 
-    G = -(C_t v_t, C_l v_l)/sqrt(V_r^2 + v_0^2),     x = |G|/(3 mu N)
+    G = -(C_t v_t, C_l v_l)/V - (0, C_g gamma) (V_r/V)^2,   V = sqrt(V_r^2 + v_0^2),   x = |G|/(3 mu N)
 
 and the force of the bristles is (3.11), in combined slip (3.45), here for two stiffnesses:
 
     F = G (1 - x + x^2/3) for x < 1,   mu N G/|G| beyond (the whole contact slides)
-    M = -t_p F_l n,   t_p = (a/3) (1 - x)^3/(1 - x + x^2/3) for x < 1, else 0
+    M = (a/3) C_l (v_l/V) (1 - x)^3 n for x < 1, else 0: the trail (a/3) (1 - x)^3/(1 - x + x^2/3) in pure side slip
 
 In pure side slip the rolling velocity is u.t and tan alpha = v_l/|u.t|. With v_0 = ``least_speed`` the slip is finite
-at rest, where the tyre therefore creeps. The force opposes the slip and dissipates -F.v >= 0; the moment exchanges the
-power M.omega with the rolling. The friction mu is a curve of the slip speed.
+at rest, where the tyre therefore creeps. A tyre with the camber angle gamma, sin gamma = n.a, is pushed to the side to
+which its top leans, by C_g gamma for small angles, within the same limit of friction; this camber thrust has no
+aligning moment. The force dissipates -F.v where it opposes the slip; the moment exchanges the power M.omega with the
+rolling, and so does the camber thrust the power with which it drives the slip. The friction mu is a curve of the slip
+speed.
 """
 
 from mecano.elements.wheels.slip_law import Carcass, SlipForces, SlipLaw
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.laws.table import curve
-from mecano.maths.dual import at_least, at_most, select, sqrt
+from mecano.maths.dual import at_least, at_most, atan2, select, sqrt
 from mecano.maths.vector import dot, norm
 from mecano.schema import CURVE, NUMBER, NUMBERS, Field, mapping, not_negative, positive
 
@@ -36,6 +40,7 @@ FIELDS = (
     Field("cornering_stiffness", CURVE, "N/rad", "C_l, lateral force per slip angle; a curve of the normal force [N]"),
     Field("longitudinal_stiffness", CURVE, "N", "C_t, driving force per slip ratio; C_l when absent", None),
     Field("friction", CURVE, "-", "coefficient of friction mu, a curve of the slip speed [m/s]"),
+    Field("camber_stiffness", CURVE, "N/rad", "C_g, lateral force per camber; a curve of the normal force [N]", 0.0),
     Field("contact_length", NUMBER, "m", "2a, for the aligning moment", 0.0, not_negative),
     Field("least_speed", NUMBER, "m/s", "v_0, speed below which the slip no longer grows as 1/speed", 0.1, positive),
     Field(
@@ -47,7 +52,7 @@ FIELDS = (
         0.02, positive,
     ),
 )  # fmt: skip
-RECORD = {"cornering": "i", "longitudinal": "i", "mu": "i", "half_length": (), "least_speed": ()}
+RECORD = {"cornering": "i", "longitudinal": "i", "camber": "i", "mu": "i", "half_length": (), "least_speed": ()}
 
 
 def prepare(law, context):
@@ -58,6 +63,7 @@ def prepare(law, context):
     return {
         "cornering": cornering,
         "longitudinal": cornering if along is None else int(add(along)),
+        "camber": int(add(d["camber_stiffness"])),
         "mu": int(add(d["friction"])),
         "half_length": 0.5 * d["contact_length"],
         "least_speed": d["least_speed"],
@@ -67,7 +73,8 @@ def prepare(law, context):
 def check(law):
     """Return errors for negative friction or stiffness."""
     d = law["fiala"]
-    given = [name for name in ("cornering_stiffness", "longitudinal_stiffness", "friction") if d[name] is not None]
+    names = ("cornering_stiffness", "longitudinal_stiffness", "camber_stiffness", "friction")
+    given = [name for name in names if d[name] is not None]
     wrong = [name for name in given if curve_at(d[name], 0.0)[0] < 0.0]
     return [f"'tire_law.fiala.{name}' must not be negative" for name in wrong]
 
@@ -85,25 +92,31 @@ def forces(p, laws, k):
     rolling = dot(k.t, k.u) - dot(k.t, k.v_0)
     V = sqrt(rolling * rolling + p.least_speed * p.least_speed)
     load = at_least(k.N, 0.0)
-    G_t, G_l = -curve(laws, p.longitudinal, load) * v_t / V, -curve(laws, p.cornering, load) * v_l / V
+    G_t, G_s = -curve(laws, p.longitudinal, load) * v_t / V, -curve(laws, p.cornering, load) * v_l / V
+    camber, ahead = atan2(k.lean, sqrt(1.0 - k.lean * k.lean)), rolling / V
+    G_l = G_s - curve(laws, p.camber, load) * camber * (ahead * ahead)
     sliding = at_least(k.grip * at_least(curve(laws, p.mu, norm(k.v_0)), 0.0) * load, LEAST_FORCE)
     x = sqrt(G_t * G_t + G_l * G_l) / (3.0 * sliding)
     y = at_most(x, 1.0)
     share = select(x < 1.0, 1.0 - y + y * y / 3.0, 1.0 / (3.0 * at_least(x, 1.0)))
-    turn = -p.half_length / 3.0 * (1.0 - y) * (1.0 - y) * (1.0 - y) * G_l
+    turn = -p.half_length / 3.0 * (1.0 - y) * (1.0 - y) * (1.0 - y) * G_s
     F_t, F_l = share * G_t, share * G_l
-    return SlipForces(F_t * k.t + F_l * k.l, turn * k.n, -(F_t * v_t + F_l * v_l), turn * dot(k.n, k.omega))
+    power = F_t * v_t + F_l * v_l
+    lost = at_least(-power, 0.0)
+    return SlipForces(F_t * k.t + F_l * k.l, turn * k.n, lost, lost + power + turn * dot(k.n, k.omega))
 
 
 def sample(rng):
-    """Return laws for adhesion with one stiffness and for sliding with two."""
+    """Return laws for adhesion with one stiffness and camber, and for sliding with two."""
     falling = (("exponential", {"start": 0.9, "limit": 0.5, "rate": 0.2, "origin": 0.0}),)
     rising = (("linear", {"slope": 0.5, "offset": 3e3}),)
     base = {"contact_length": 3.0, "least_speed": 0.5, "carcass_stiffness": [2e3, 3e3], "creep_length": 0.5}
     return [
-        {"cornering_stiffness": rising, "longitudinal_stiffness": None, "friction": falling, **base},
+        {"cornering_stiffness": rising, "camber_stiffness": rising, "friction": falling, **base},
         {"cornering_stiffness": 3e5, "longitudinal_stiffness": 5e5, "friction": 0.4, **base},
     ]
 
 
-FIALA = SlipLaw("fiala", __doc__, mapping(*FIELDS), forces, RECORD, prepare, check, carcass=carcass, sample=sample)
+FIALA = SlipLaw(
+    "fiala", __doc__, mapping(*FIELDS), forces, RECORD, prepare, check, carcass=carcass, sample=sample, passive=False
+)
