@@ -35,7 +35,7 @@ PLOTS = {
     "digital_control": "rail.displacement,shuttle_rail.displacement",
     "earthquake": "storey_1.displacement,storey_2.displacement",
     "elastic_drive": "drive.angle,copy.angle",
-    "fiala_sweep": "tire.lateral_force:tire.slip_angle",
+    "fiala_sweep": "*.lateral_force",
     "filters": "lag.value,integral.value,washout.value",
     "gear_stages": "loose.transmission_error,elastic.transmission_error",
     "landing_roll": "wheel.normal_force",
