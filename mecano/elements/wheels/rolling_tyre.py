@@ -62,7 +62,7 @@ def rolling_law(law):
     @kernel
     def rolled_forces(p, laws, k):
         ground = forces(p, laws, k)
-        a, extra = k.lean * k.n + sqrt(1.0 - k.lean * k.lean) * k.l, p.undeflected * k.w
+        a, extra = _axis(k), p.undeflected * at_least(k.w, 0.0)
         spin, r_e = dot(a, k.omega), p.radius - k.w + extra
         load, rim = at_least(k.N, 0.0), r_e * spin
         f, g = curve(laws, p.resistance, load), curve(laws, p.resistance_by_speed, norm(k.u))
@@ -80,10 +80,15 @@ def rolling_law(law):
 
 
 @kernel
+def _axis(k):
+    """Return the axis of the wheel of a Slip."""
+    return k.lean * k.n + sqrt(1.0 - k.lean * k.lean) * k.l
+
+
+@kernel
 def at_effective_radius(p, k):
     """Return the Slip of a rim of the effective rolling radius."""
-    a = k.lean * k.n + sqrt(1.0 - k.lean * k.lean) * k.l
-    back = p.undeflected * k.w * dot(a, k.omega) * k.t
+    back = p.undeflected * at_least(k.w, 0.0) * dot(_axis(k), k.omega) * k.t
     return Slip(k.N, k.w, k.grip, k.v - back, k.v_0 - back, k.u, k.omega, k.spin, k.lean, k.t, k.l, k.n)
 
 
