@@ -57,10 +57,7 @@ def change_step(work: Records(STEP)):
         refer(w)
         w.h = w.next_h
         differentiate_constraints(w)
-        velocity_gap(w)
-        assemble_scaled(w, METRIC * w.h, False)
-        put_gap(w)
-        if w.n_l and not factor(w):
+        if w.n_l and not factor_metric(w):
             w.code = OTHERWISE
             return
     longer = w.known == 0 or w.h > w.last_h
@@ -68,12 +65,14 @@ def change_step(work: Records(STEP)):
         shift_velocities(w)
         shift_accelerations(w, longer)
         scale_differences(w, w.h / w.last_h)
-        prepare_filter(w)
-        if longer and not factor(w):
+        if longer and not factor_filter(w):
             w.factored, w.code = 1, OTHERWISE
             return
     if longer:
         add_resolved_part(w)
+    else:
+        assemble_unscaled(w, w.h)
+        scale_constraints(w, True)
     w.has = w.has if longer else 0
     w.factored, w.age, w.code = 0, 1, CONVERGED
 
@@ -141,10 +140,17 @@ def jerk_rate(w, i):
 
 
 @kernel
+def factor_metric(w):
+    """Solve with the tangent of very short steps for the gap of the velocities; return as ``factor``."""
+    velocity_gap(w)
+    assemble_scaled(w, METRIC * w.h, False)
+    put_gap(w)
+    return factor(w)
+
+
+@kernel
 def velocity_gap(w):
     """Write r (n_l,) for the velocities, which steps keep off the constraints by O(h^2), those on rates excepted."""
-    if w.n_l == 0:
-        return
     gap, here, turned = floats(w.gap, w.n_l), derivatives(w, HERE), derivatives(w, TURNING)
     exact_rates = integers(w.exact_rates, w.n_l)
     for i in range(w.n_l):
@@ -158,13 +164,18 @@ def assemble_scaled(w, h, as_given):
 
     ``as_given``: by k and penalty of the deck, if it has them; they suit no matrix that masses dominate.
     """
+    assemble_unscaled(w, h)
+    scale_constraints(w, as_given)
+    assemble_at_tangent(w, 1.0, w.cC, w.cM)
+    soften_tangent(w, system_of(w)[0])
+
+
+@kernel
+def assemble_unscaled(w, h):
+    """Assemble the tangent for steps of size h, whose diagonal has no share of the constraints."""
     w.cC, w.cM = w.gamma / (w.beta * h), (1 - w.am) / (1 - w.af) / (w.beta * h * h)
     w.k, w.penalty = 1.0, 0.0
-    for scaled in range(2):
-        assemble_at_tangent(w, 1.0, w.cC, w.cM)
-        if not scaled:
-            scale_constraints(w, as_given)
-    soften_tangent(w, system_of(w)[0])
+    assemble_at_tangent(w, 1.0, w.cC, w.cM)
 
 
 @kernel
@@ -294,13 +305,14 @@ def project(w, a):
 
 
 @kernel
-def prepare_filter(w):
-    """Assemble the effective tangent, with the right-hand side cM M ``added`` (modal_filter.py)."""
+def factor_filter(w):
+    """Solve with the effective tangent for the right-hand side cM M ``added`` (modal_filter.py); return as ``factor``."""
     more, b, kept = floats(w.added, w.n_all), floats(w.residual, w.n_all), floats(w.added + 16 * w.n_all, w.n)
     times_masses(w, more, kept)
     assemble_scaled(w, w.h, True)
     for i in range(w.n):
         b[i] = w.cM * kept[i]
+    return factor(w)
 
 
 @kernel
