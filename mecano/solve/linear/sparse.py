@@ -5,10 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 from mecano.solve.linear import multifrontal
-from mecano.solve.linear.multifrontal import CORRECTION, MAGNITUDE, NULL_PIVOT, PIVOT, RESIDUAL, VECTORS
+from mecano.solve.linear.multifrontal import CORRECTION, MAGNITUDE, NULL_PIVOT, PIVOT, REFINE_ABOVE, RESIDUAL, VECTORS
 from mecano.solve.linear.ordering import analyse, padded
 
 ACCEPT_BELOW = 1e-9  # backward error of a solution that is used
+MOST_SWEEPS = 8  # of refinement with the factor of a similar matrix, which cost as much as a factorization
 SINGULAR_BELOW = 1e-15  # reciprocal condition number of the equilibrated matrix
 
 
@@ -52,7 +53,7 @@ class LinearSolver:
             That of another solver for the same pattern.
         """
         rows, cols = np.asarray(rows, dtype=np.int64), np.asarray(cols, dtype=np.int64)
-        self.n, self.tolerance = n, float(tolerance)
+        self.n, self.tolerance, self.halves = n, float(tolerance), halves
         self._pattern = rows, cols
         analysis = analysis or analyse(n, rows, cols, np.asarray(groups, dtype=np.int64), n_q, halves)
         self.analysis = analysis
@@ -116,6 +117,27 @@ class LinearSolver:
     def solved(self, label):
         """Note that compiled code has factored the matrix of this ``label``."""
         self._other, self.label = None, label
+
+    def twin(self):
+        """Return another solver for the same pattern, which keeps factors of its own."""
+        return LinearSolver(self.n, *self._pattern, (), 0, self.tolerance, self.halves, self.analysis)
+
+    def solve_similar(self, data, b, x_out):
+        """Refine ``x_out`` to solve A x = b with the factor of a similar matrix; return whether that converged quickly.
+
+        x_out (n,) holds a guess on entry. The arguments are those of ``solve``.
+        """
+        r, correction = self._vectors[RESIDUAL, : self.n], np.zeros(self.n)
+        error = multifrontal.residual(data, self._equations, b, x_out, r)
+        for left in range(MOST_SWEEPS - 1, -1, -1):
+            self.solve_again(r, correction)
+            x_out += correction
+            last, error = error, multifrontal.residual(data, self._equations, b, x_out, r)
+            if error <= REFINE_ABOVE:
+                return True
+            if not error * min(error / last, 1.0) ** left <= REFINE_ABOVE:
+                return False
+        return False
 
     @property
     def nbytes(self):

@@ -38,11 +38,12 @@ from mecano.solve.linear.newton import (
     SINGULAR,
     STALE,
 )
-from mecano.solve.linear.refactorization import most_kept
+from mecano.solve.linear.refactorization import LARGER, most_kept
 from mecano.solve.time.consistent import consistent_state
 from mecano.solve.time.contradictions import Contradictions
 from mecano.solve.time.increments import largest_change, tangents
 from mecano.solve.time.modal_filter import modal_filter
+from mecano.solve.time.repeated_steps import RepeatedSteps
 from mecano.solve.time.step import attempt
 from mecano.solve.time.step_change import change_step
 from mecano.solve.time.step_info import MOST_TURN, PATIENCE, TURNS_TOO_FAR, StepInfo
@@ -106,7 +107,7 @@ class GeneralizedAlpha:
         self._kind = system.numbering.kind.copy()
         self._kind[self._massless] = MASSLESS
         self.assembly = Assembly(system)
-        self._equations, self._increment = self.assembly.residual[: system.n], np.zeros(system.n)
+        self.equations, self.increment = self.assembly.residual[: system.n], np.zeros(system.n)
         self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
         self._no_slope = np.zeros(system.n)
         self._no_shift = np.zeros(system.numbering.n_all)
@@ -136,7 +137,7 @@ class GeneralizedAlpha:
         of, c, to = self.system.numbering, self.coefficients, self.tolerances
         loops, batches = self.system.loops(residual)
         tangent_loops, tangent_batches = self.system.loops(tangent)
-        new, kept = self.linear.calls(self.assembly.data, self._equations, self._increment)
+        new, kept = self.linear.calls(self.assembly.data, self.equations, self.increment)
         starts, columns, values = self._rows
         entries = NO_ROWS[1] if self.compliance is None else self.compliance.places
         self._entry_values = np.zeros(len(entries))
@@ -150,7 +151,7 @@ class GeneralizedAlpha:
             n_massless=len(self._massless), massless=self._massless,
             n_loops=len(loops), loops=loops, batches=batches, n_tangents=len(tangent_loops), tangents=tangent_loops,
             tangent_batches=tangent_batches, residual=self.assembly.residual, size=self.assembly.size,
-            increment=self._increment, T=self._T, kind=self._kind, rotation_dof=of.rotation_dof,
+            increment=self.increment, T=self._T, kind=self._kind, rotation_dof=of.rotation_dof,
             fixed_k=self.k or 0.0, fixed_penalty=-1.0 if self.penalty is None else self.penalty,
             exact_rates=exact_rates,
             n_entries=len(entries), soft_starts=starts, soft_columns=columns, soft_values=values, entry_places=entries,
@@ -200,21 +201,40 @@ class GeneralizedAlpha:
             return replace(history, h=h, tangent=None)
         return w.new_history(BEGIN, w.v_shift.copy(), None)  # as after compiled code has failed, which keeps no tangent
 
-    def _change_with_superlu(self, tangent):
-        """Change the step size with the factors of SuperLU; return whether the tangent is regular."""
+    def repeated(self, s0, history, last):
+        """Return a function of h that makes steps from ``s0`` like ``step``; ``last``: the end of one already made."""
+        if self.system.n < LARGER:
+            return lambda h: self.step(s0, history if h == history.h else self.restart(s0, history, h), h)
+        return self._repeated_steps.begin(s0, history, last)
+
+    @cached_property
+    def _repeated_steps(self):
+        return RepeatedSteps(self)
+
+    def change_step_with(self, solve, substitute):
+        """Finish a change of step size with matrices that Python solves; return whether all are regular.
+
+        ``solve(stage)`` solves the assembled ``equations`` for the ``increment``, of the velocities (stage 0) or of the
+        filter (1), and returns whether the matrix is regular; ``substitute()`` solves with that of the first again.
+        """
         w = self.workspace
-        own, of_superlu = w.record["substitute"][0], Substitution(lambda words, results: self._substitute())
-        w.point_to(substitute=ctypes.cast(of_superlu, ctypes.c_void_p).value)
+        own, of_python = w.record["substitute"][0], Substitution(lambda words, results: substitute())
+        w.point_to(substitute=ctypes.cast(of_python, ctypes.c_void_p).value)
         regular = True
         while regular and w.record["code"][0] != CONVERGED:
-            regular = self.linear.solve(self.assembly.data, self._equations, self._increment, tangent).ok
+            regular = solve(int(w.record["factored"][0]))
             w.record["factored"] += 1
             change_step(w.record)
         w.point_to(substitute=own)
         return regular
 
-    def _substitute(self):
-        self.linear.solve_again(self._equations, self._increment)
+    def _change_with_superlu(self, tangent):
+        """Change the step size with the factors of SuperLU; return whether the tangent is regular."""
+
+        def solve(stage):
+            return self.linear.solve(self.assembly.data, self.equations, self.increment, tangent).ok
+
+        return self.change_step_with(solve, lambda: self.linear.solve_again(self.equations, self.increment))
 
     def _modal_filter(self, s, scales):
         """Return the modal filter at ``s``, or None if the tangent is singular."""
@@ -354,7 +374,7 @@ class GeneralizedAlpha:
     def _solve_with_superlu(self):
         """Solve the assembled equations by SuperLU, with row exchanges everywhere; return STALE or SINGULAR."""
         r = self.workspace.record
-        solved = self.linear.solve(self.assembly.data, self._equations, self._increment, self.linear.label)
+        solved = self.linear.solve(self.assembly.data, self.equations, self.increment, self.linear.label)
         r["code"] = STALE if solved.ok else SINGULAR
         r["usable"], r["pending"], r["stale"] = self.linear.kept, True, False
         return int(r["code"][0])
@@ -366,10 +386,10 @@ class GeneralizedAlpha:
         self.system.assemble(s, k, penalty, 1.0, cC, cM, self._T, self.assembly)
         if self.compliance is not None:
             n_q, n = self.system.n_q, self.system.n
-            soften(k, *self._rows, s.z[n_q:n], self._equations[n_q:])
+            soften(k, *self._rows, s.z[n_q:n], self.equations[n_q:])
             self.compliance.soften_tangent(k, self.assembly.data, self.compliance.values)
 
     def _factor(self, tangent, scales):
         """Factor the tangent at an earlier state; return the LinearStatus."""
         self._assemble(tangent, scales)
-        return self.linear.solve(self.assembly.data, np.zeros(self.system.n), self._increment, tangent)
+        return self.linear.solve(self.assembly.data, np.zeros(self.system.n), self.increment, tangent)

@@ -69,6 +69,10 @@ class Radau:
         """Return the history for a new step size: the same, because steps do not depend on earlier ones."""
         return history
 
+    def repeated(self, s0, history, last):
+        """Return a function of h that makes steps from ``s0`` like ``step``; ``last``: the end of one already made."""
+        return lambda h: self.step(s0, history, h)
+
     def longest(self, s):
         """Return the longest step [s] for the velocities of the state ``s``."""
         of = self.system.numbering

@@ -48,8 +48,9 @@ HERE, NEXT, AFTER, TURNING, ALGORITHMIC = range(5)  # rows of ``derivatives``
 def change_step(work: Records(STEP)):
     """Give BEGIN the history for steps of size ``next_h``; overwrites TANGENT and TRIAL.
 
-    ``code`` is CONVERGED, or OTHERWISE if the fixed order of elimination does not factor a matrix: the caller solves it
-    with the right-hand side in ``residual``, adds one to ``factored``, and calls again.
+    ``code`` is CONVERGED, or OTHERWISE if the fixed order of elimination does not factor a matrix, or if that is
+    ``delegated``: the caller solves it with the right-hand side in ``residual``, adds one to ``factored``, and calls
+    again. A change from the same state to a ``similar`` size has the same first matrix and the same mean stiffness.
     """
     w = work[0]
     if w.factored == 0:
@@ -73,7 +74,7 @@ def change_step(work: Records(STEP)):
     else:
         assemble_unscaled(w, w.h)
         scale_constraints(w, True)
-    w.has = w.has if longer else 0
+    w.has = w.has if longer or w.delegated else 0
     w.factored, w.age, w.code = 0, 1, CONVERGED
 
 
@@ -141,9 +142,13 @@ def jerk_rate(w, i):
 
 @kernel
 def factor_metric(w):
-    """Solve with the tangent of very short steps for the gap of the velocities; return as ``factor``."""
+    """Solve the tangent of very short steps for the gap of the velocities; return the same as ``factor``."""
     velocity_gap(w)
-    assemble_scaled(w, METRIC * w.h, False)
+    if w.similar:
+        w.k = w.metric_k
+    else:
+        assemble_scaled(w, METRIC * w.h, False)
+        w.metric_k = w.k
     put_gap(w)
     return factor(w)
 
@@ -175,12 +180,18 @@ def assemble_unscaled(w, h):
     """Assemble the tangent for steps of size h, whose diagonal has no share of the constraints."""
     w.cC, w.cM = w.gamma / (w.beta * h), (1 - w.am) / (1 - w.af) / (w.beta * h * h)
     w.k, w.penalty = 1.0, 0.0
-    assemble_at_tangent(w, 1.0, w.cC, w.cM)
+    if not w.similar:
+        assemble_at_tangent(w, 1.0, w.cC, w.cM)
 
 
 @kernel
 def factor(w):
-    """Factor the assembled matrix and solve it for the right-hand side; return whether the solution is accurate."""
+    """Factor the assembled matrix and solve it for the right-hand side; return whether the solution is accurate.
+
+    False if ``delegated`` to the caller of ``change_step``.
+    """
+    if w.delegated:
+        return False
     w.factorizations += 1
     results = floats(w.solve_results, 3)
     call(w.solve, w.solve_words, w.solve_results)
@@ -191,7 +202,7 @@ def factor(w):
 @kernel
 def scale_constraints(w, as_given):
     """Set the scales and compliances of the constraints for the mean stiffness of the tangent."""
-    w.stiffness = mean_stiffness(w)
+    w.stiffness = w.similar_stiffness if w.similar else mean_stiffness(w)
     w.k = w.fixed_k if as_given and w.fixed_k > 0.0 else w.stiffness
     w.penalty = w.fixed_penalty if as_given and w.fixed_penalty >= 0.0 else w.stiffness
     w.penalty = min(w.penalty, w.largest_penalty, w.stiffness * w.largest_penalty_share)
@@ -306,7 +317,7 @@ def project(w, a):
 
 @kernel
 def factor_filter(w):
-    """Solve with the effective tangent for the right-hand side cM M ``added`` (modal_filter.py); return as ``factor``."""
+    """Solve the effective tangent for cM M ``added`` (modal_filter.py); return the same as ``factor``."""
     more, b, kept = floats(w.added, w.n_all), floats(w.residual, w.n_all), floats(w.added + 16 * w.n_all, w.n)
     times_masses(w, more, kept)
     assemble_scaled(w, w.h, True)
@@ -332,14 +343,28 @@ def add_resolved_part(w):
 @kernel
 def times_masses(w, x, out):
     """Write M x (n,), zero for the multipliers."""
-    assemble_at_tangent(w, 0.0, 0.0, 1.0)
-    s = system_of(w)[0]
-    data, rows, columns = floats(s.data, s.n_data), integers(w.rows, w.nnz), integers(w.columns, w.nnz)
+    data, rows, columns = masses(w), integers(w.rows, w.nnz), integers(w.columns, w.nnz)
     for i in range(w.n):
         out[i] = 0.0
     for i in range(w.nnz):
         if rows[i] < w.n_q and columns[i] < w.n_q:
             out[rows[i]] += data[i] * x[columns[i]]
+
+
+@kernel
+def masses(w):
+    """Return the values of M (nnz,); those of trials from one state are assembled once."""
+    found = floats(system_of(w)[0].data, w.nnz)
+    if not w.delegated:
+        assemble_at_tangent(w, 0.0, 0.0, 1.0)
+        return found
+    kept = floats(w.masses, w.nnz)
+    if not w.masses_kept:
+        assemble_at_tangent(w, 0.0, 0.0, 1.0)
+        for i in range(w.nnz):
+            kept[i] = found[i]
+        w.masses_kept = 1
+    return kept
 
 
 @kernel

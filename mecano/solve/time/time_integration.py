@@ -152,9 +152,7 @@ class TimeIntegrator:
             if smaller is None and (within := self._event_within(g0, trial)) is not None:
                 smaller = max(within.t - run.motion.t, self.control.minimum) if h > self.control.minimum else None
             if smaller is None:
-                found = (
-                    locate(self.monitor, lambda d: self._step(run, d), run.motion, g0, trial, h) if len(g0) else None
-                )
+                found = self._locate(run, g0, trial, h)
                 if found is None or found.ok:
                     break
                 smaller = self._smaller(found.trial[2], run.motion.t, h, cuts)
@@ -166,6 +164,13 @@ class TimeIntegrator:
         if found.trial is None:
             return self._change_phases(counted, trial[2], found, rejected)
         return self._accept_event(replace(counted, h=h) if rejected else counted, found, rejected)
+
+    def _locate(self, run, g0, trial, h):
+        """Return the first event in a ``trial`` step as Located, or None."""
+        if not len(g0):
+            return None
+        step = self.method.repeated(run.motion, run.history, trial[0])
+        return locate(self.monitor, lambda d: self._with_error(step(d), d), run.motion, g0, trial, h)
 
     def _event_within(self, g0, trial):
         """Return the first stage of a trial at which an event has happened that its end does not show, or None."""
@@ -197,9 +202,13 @@ class TimeIntegrator:
         return max(self.method.bounded_error(*trial), self.control.forgotten(info.lag, h), info.turning)
 
     def _step(self, run, h):
-        s, history, info = self.method.step(run.motion, self._history_for(run, h), h)
+        return self._with_error(self.method.step(run.motion, self._history_for(run, h), h), h)
+
+    def _with_error(self, trial, h):
+        """Return a ``trial`` step of size h with all its errors."""
+        info = trial[2]
         info.error = info.plain = max(info.error, self.control.forgotten(info.lag, h), info.turning)
-        return s, history, info
+        return trial
 
     def _history_for(self, run, h):
         """Return the history of the run for the step size h."""

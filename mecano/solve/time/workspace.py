@@ -22,12 +22,13 @@ UNCHANGED = 2  # row of ``history``: that at BEGIN before the step size was chan
 STEP = fields(
     floats="due am af beta gamma error length duration force_tolerance constraint_tolerance increment_tolerance "
     "h k penalty cC cM stiffness reach change lag turn turning drift next_drift "
-    "next_h last_h last_stiffness fixed_k fixed_penalty largest_penalty largest_penalty_share",
-    words="code begun paused factored changed has kept usable stale pending renewed age last_age last_has known "
-    "next_has next_age next_known most most_kept factorizations "
+    "next_h last_h last_stiffness metric_k similar_stiffness fixed_k fixed_penalty "
+    "largest_penalty largest_penalty_share",
+    words="code begun paused factored delegated similar masses_kept changed has kept usable stale pending renewed "
+    "age last_age last_has known next_has next_age next_known most most_kept factorizations "
     "n_q n_l n n_all n_rotations n_memory n_phases n_massless n_entries state_size "
     "n_loops loops batches n_tangents tangents tangent_batches system residual size increment T kind rotation_dof "
-    "n_constraints constraints constraint_batches derivatives gap exact_rates added nnz rows columns diagonal "
+    "n_constraints constraints constraint_batches derivatives gap exact_rates added masses nnz rows columns diagonal "
     "massless soft_starts soft_columns soft_values soft_base soft_kinds soft_in_tangent entry_places entry_values "
     "solve solve_words solve_results substitute substitute_words clock clock_id now "
     "states phases history guess v_shift report",

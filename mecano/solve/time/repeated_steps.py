@@ -1,0 +1,97 @@
+"""Steps of several sizes from one state, as the trials that locate an event; those of similar size share factors.
+
+A step of another size needs three matrices: two of the change of its size (step_change.py), the metric and the filter,
+and the tangent of Newton's iteration. Where a step of similar size has been made, the gaps of the constraints are
+closed in its metric, the solution of the filter is refined with its factor, and Newton's iteration begins where it
+ended and with its tangent.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from mecano.solve.linear.newton import CONVERGED
+from mecano.solve.time.step_change import change_step
+from mecano.solve.time.workspace import BEGIN
+
+SIMILAR = 0.05  # of a step size: matrices of steps that differ by less are similar
+
+
+class RepeatedSteps:
+    """Steps of a GeneralizedAlpha from one state; the same steps in the same order give the same bits.
+
+    They agree with ``GeneralizedAlpha.step`` to the tolerance of Newton's iteration.
+    """
+
+    def __init__(self, method):
+        system = method.system
+        self.method, self.solvers = method, (method.linear.twin(), method.linear.twin())
+        self.metric, self.filter = self.solvers
+        self._resolved = np.zeros(system.n)  # the last solution of the filter
+        method.workspace.point_to(masses=np.zeros(system.nnz))
+
+    def begin(self, s0, history, last):
+        """Return a function of h that makes steps from ``s0`` with its ``history``.
+
+        ``last`` is the State at the end of a step that has been made from ``s0``.
+        """
+        self.s0, self.history, self.last = s0, history, last
+        self.h = self.stiffness = 0.0  # size and mean stiffness of the step whose factors are kept [s, N/m]
+        self.method.workspace.point_to(masses_kept=False)
+        return self._step
+
+    def _step(self, h):
+        """Make a step of size h; return (state, history, StepInfo)."""
+        if h == self.history.h:
+            return self.method.step(self.s0, self.history, h)
+        similar = self.last is not None and abs(h - self.h) <= SIMILAR * self.h
+        history = self._changed(h, similar)
+        if self.last is not None:
+            history = self._from_the_last(history, h, similar)
+        trial = self.method.step(self.s0, history, h)
+        self.last = trial[0] if trial[2].ok else None
+        return trial
+
+    def _changed(self, h, similar):
+        """Return the history for steps of size h."""
+        w, m = self.method.workspace, self.method
+        w.held = None
+        w.put_state(BEGIN, self.s0)
+        w.put_history(self.history)
+        w.point_to(next_h=h, factored=0, delegated=True, similar=similar, similar_stiffness=self.stiffness)
+        change_step(w.record)
+        m.change_step_with(
+            lambda stage: (self._resolve if stage else self._close_gaps)(similar),
+            lambda: self.metric.solve_again(m.equations, m.increment),
+        )
+        w.point_to(delegated=False, similar=False)
+        if not similar:
+            self.h, self.stiffness = h, float(w.record["stiffness"][0])
+        if w.record["code"][0] == CONVERGED:
+            return w.new_history(BEGIN, w.v_shift.copy(), None)
+        self.h = 0.0
+        return replace(self.history, h=h, tangent=None)
+
+    def _close_gaps(self, similar):
+        """Solve for the gap of the velocities in the metric; return whether it is regular."""
+        m = self.method
+        if similar:
+            self.metric.solve_again(m.equations, m.increment)
+        return similar or self.metric.solve(m.assembly.data, m.equations, m.increment).ok
+
+    def _resolve(self, similar):
+        """Solve for the part of the accelerations that steps resolve; return whether the tangent is regular."""
+        m, regular = self.method, False
+        if similar:
+            m.increment[:] = self._resolved
+            regular = self.filter.solve_similar(m.assembly.data, m.equations, m.increment)
+        regular = regular or self.filter.solve(m.assembly.data, m.equations, m.increment).ok
+        self._resolved[:] = m.increment
+        return regular
+
+    def _from_the_last(self, history, h, similar):
+        """Return the ``history`` whose prediction ends on the line from the beginning to the last state."""
+        s0, s1, n_q, n = self.s0, self.last, self.method.system.n_q, self.method.system.n
+        slope = np.concatenate([(s1.a - s0.a)[:n_q], (s1.z - s0.z)[n_q:n]]) * (h / (s1.t - s0.t))
+        tangent = self.method.linear.label if similar else None
+        return replace(history, slope=slope, bend=np.zeros(n), tangent=tangent, age=1, drift=0.0)
