@@ -67,7 +67,7 @@ class LinearSolver:
         else:
             self._bind_divided(analysis)
         self._other = None  # the factorization by SuperLU, if the last matrix needed it
-        self.label = None  # what the caller of the last ``solve`` called its matrix
+        self.label = None  # by which the caller knows the factored matrix again
 
     def _bind(self, analysis):
         """Enter the entries that factor and substitute, and their constant arguments."""

@@ -58,7 +58,7 @@ class Consistent:
         if compliance is not None:
             compliance.soften_tangent(self.k, data)
         self.data, self.bare, self.compliance = data, bare, compliance
-        self._solve(data, np.zeros(system.n))
+        self._factor()
 
     def repeats(self):
         """Return whether a constraint without compliance depends on others; call it before any solution."""
@@ -67,6 +67,14 @@ class Consistent:
         if self.compliance is not None:
             dependent &= np.diff(self.compliance.matrix.indptr) == 0
         return bool(dependent.any())
+
+    def _factor(self):
+        """Factor the matrix, unless it is the factored one, as after an event that changes forces only."""
+        factored = self.linear.label
+        if isinstance(factored, np.ndarray) and np.array_equal(factored[:-1], self.data[:-1]):
+            return
+        self._solve(self.data, np.zeros(self.system.n))
+        self.linear.label = self.data
 
     def _solve(self, data, b):
         x = np.zeros(self.system.n)
@@ -236,7 +244,7 @@ class Consistent:
             s.z[n_q:n] += self.k * change[n_q:]
             if np.abs(self.k * change[n_q:]).max() <= ROUNDING * np.abs(s.z[n_q:n]).max():
                 break
-        self._solve(self.data, np.zeros(n))
+        self._factor()
 
     def _couple_signals(self, s, signals, data):
         """Put the equations of ``signals`` (n_q,) bool and their columns at ``s`` in data; return the residual there.
