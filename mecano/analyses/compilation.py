@@ -4,6 +4,7 @@ from mecano.jit.ahead import compile_ahead
 from mecano.model import assembly_driver, extremes, sampler
 from mecano.solve.events.events import some_happened
 from mecano.solve.linear import multifrontal
+from mecano.solve.linear.refactorization import LARGER
 from mecano.solve.time.interpolate import between_states
 from mecano.solve.time.output import record_step
 from mecano.solve.time.step import attempt
@@ -47,5 +48,6 @@ def compile_time_integration(system, method="generalized_alpha"):
     """
     own = radau() if method == "radau" else ()
     own += (between_states,) if system.n_events else ()
+    own += (multifrontal.residual,) if system.n_events and system.n >= LARGER else ()  # repeated_steps.py
     further = [] if system.halves is None else divided()
     compile_ahead([*(entry.code for entry in (*TIME_INTEGRATION, *own)), *system.codes(), *further])

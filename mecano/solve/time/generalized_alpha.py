@@ -109,7 +109,6 @@ class GeneralizedAlpha:
         self.assembly = Assembly(system)
         self.equations, self.increment = self.assembly.residual[: system.n], np.zeros(system.n)
         self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
-        self._no_slope = np.zeros(system.n)
         self._no_shift = np.zeros(system.numbering.n_all)
         self._tangents = tangents.bind(system.numbering.rotation_dof, system.numbering.n_q)
         self.workspace = Workspace(system, self.assembly)
@@ -298,8 +297,8 @@ class GeneralizedAlpha:
         """Make a step of size h from ``s0`` with its ``history``; return (state, history, StepInfo). Pure."""
         self.prepare(s0, history, h)
         iterations = 0
-        for guess in self._guesses(s0, history):
-            code = self._attempt(guess)
+        for by_velocity in (False, True):
+            code = self._attempt(by_velocity)
             iterations += int(self.workspace.report[ITERATIONS])
             if code in (CONVERGED, NOT_FINITE):
                 break
@@ -340,24 +339,10 @@ class GeneralizedAlpha:
         info.forces = self.assembly.forces.copy()
         return s, new, info
 
-    def _guesses(self, s0, history):
-        """Yield slope and bend (n,) of accelerations and multipliers from which Newton's iteration starts, in turn.
-
-        The second displaces everything by its velocity alone: after a sudden load on stiff and light members the
-        accelerations say little of the displacements in a long step.
-        """
-        yield history.slope, history.bend
-        c, n_q = self.coefficients, self.system.n_q
-        a0, slope = history.a[:n_q], self._no_slope.copy()
-        a1 = (1.0 - 0.5 / c.beta) * a0
-        slope[:n_q] = ((1.0 - c.am) * a1 + c.am * a0 - c.af * s0.a[:n_q]) / (1.0 - c.af) - s0.a[:n_q]
-        yield slope, self._no_slope
-
-    def _attempt(self, guess):
+    def _attempt(self, by_velocity):
         """Run Newton's iteration from one guess, with the decisions left to Python; return a code of newton.py."""
         w, r = self.workspace, self.workspace.record
-        w.guess[:] = guess
-        r["begun"] = False
+        r["begun"], r["by_velocity"] = False, by_velocity
         while True:
             self.pause()
             r["due"] = clock.monotonic() + self.patience

@@ -58,7 +58,7 @@ def change_step(work: Records(STEP)):
         refer(w)
         w.h = w.next_h
         differentiate_constraints(w)
-        if w.n_l and not factor_metric(w):
+        if w.n_l and not close_velocity_gap(w):
             w.code = OTHERWISE
             return
     longer = w.known == 0 or w.h > w.last_h
@@ -72,8 +72,7 @@ def change_step(work: Records(STEP)):
     if longer:
         add_resolved_part(w)
     else:
-        assemble_unscaled(w, w.h)
-        scale_constraints(w, True)
+        scale_constraints(w, w.h, True)
     w.has = w.has if longer or w.delegated else 0
     w.factored, w.age, w.code = 0, 1, CONVERGED
 
@@ -141,9 +140,16 @@ def jerk_rate(w, i):
 
 
 @kernel
-def factor_metric(w):
-    """Solve the tangent of very short steps for the gap of the velocities; return the same as ``factor``."""
-    velocity_gap(w)
+def close_velocity_gap(w):
+    """Solve for r (n_l,) of the velocities, which steps keep off the constraints by O(h^2); return as ``factor``.
+
+    Constraints on rates are exempt.
+    """
+    gap, here, turned = floats(w.gap, w.n_l), derivatives(w, HERE), derivatives(w, TURNING)
+    exact_rates = integers(w.exact_rates, w.n_l)
+    for i in range(w.n_l):
+        kept = w.h * w.h * (w.error * jerk_rate(w, i) + (turned[i, 1] - here[i, 1]) / 12.0)
+        gap[i] = (0.0 if exact_rates[i] else kept) - here[i, 1]
     if w.similar:
         w.k = w.metric_k
     else:
@@ -154,34 +160,14 @@ def factor_metric(w):
 
 
 @kernel
-def velocity_gap(w):
-    """Write r (n_l,) for the velocities, which steps keep off the constraints by O(h^2), those on rates excepted."""
-    gap, here, turned = floats(w.gap, w.n_l), derivatives(w, HERE), derivatives(w, TURNING)
-    exact_rates = integers(w.exact_rates, w.n_l)
-    for i in range(w.n_l):
-        kept = w.h * w.h * (w.error * jerk_rate(w, i) + (turned[i, 1] - here[i, 1]) / 12.0)
-        gap[i] = (0.0 if exact_rates[i] else kept) - here[i, 1]
-
-
-@kernel
 def assemble_scaled(w, h, as_given):
     """Assemble the matrix for steps of size h, whose rows of constraints are scaled by what it is without them.
 
     ``as_given``: by k and penalty of the deck, if it has them; they suit no matrix that masses dominate.
     """
-    assemble_unscaled(w, h)
-    scale_constraints(w, as_given)
+    scale_constraints(w, h, as_given)
     assemble_at_tangent(w, 1.0, w.cC, w.cM)
     soften_tangent(w, system_of(w)[0])
-
-
-@kernel
-def assemble_unscaled(w, h):
-    """Assemble the tangent for steps of size h, whose diagonal has no share of the constraints."""
-    w.cC, w.cM = w.gamma / (w.beta * h), (1 - w.am) / (1 - w.af) / (w.beta * h * h)
-    w.k, w.penalty = 1.0, 0.0
-    if not w.similar:
-        assemble_at_tangent(w, 1.0, w.cC, w.cM)
 
 
 @kernel
@@ -200,9 +186,14 @@ def factor(w):
 
 
 @kernel
-def scale_constraints(w, as_given):
-    """Set the scales and compliances of the constraints for the mean stiffness of the tangent."""
-    w.stiffness = w.similar_stiffness if w.similar else mean_stiffness(w)
+def scale_constraints(w, h, as_given):
+    """Set the scales and compliances of the constraints for the mean stiffness of the tangent of steps of size h."""
+    w.cC, w.cM = w.gamma / (w.beta * h), (1 - w.am) / (1 - w.af) / (w.beta * h * h)
+    w.stiffness = w.similar_stiffness
+    if not w.similar:
+        w.k, w.penalty = 1.0, 0.0
+        assemble_at_tangent(w, 1.0, w.cC, w.cM)
+        w.stiffness = mean_stiffness(w)
     w.k = w.fixed_k if as_given and w.fixed_k > 0.0 else w.stiffness
     w.penalty = w.fixed_penalty if as_given and w.fixed_penalty >= 0.0 else w.stiffness
     w.penalty = min(w.penalty, w.largest_penalty, w.stiffness * w.largest_penalty_share)
@@ -342,29 +333,19 @@ def add_resolved_part(w):
 
 @kernel
 def times_masses(w, x, out):
-    """Write M x (n,), zero for the multipliers."""
-    data, rows, columns = masses(w), integers(w.rows, w.nnz), integers(w.columns, w.nnz)
+    """Write M x (n,), zero for the multipliers; M of trials from one state is assembled once."""
+    data, rows, columns = floats(system_of(w)[0].data, w.nnz), integers(w.rows, w.nnz), integers(w.columns, w.nnz)
+    kept = floats(w.masses, w.nnz) if w.delegated else data
+    if not (w.delegated and w.masses_kept):
+        assemble_at_tangent(w, 0.0, 0.0, 1.0)
+        for i in range(w.nnz if w.delegated else 0):
+            kept[i] = data[i]
+        w.masses_kept = 1
     for i in range(w.n):
         out[i] = 0.0
     for i in range(w.nnz):
         if rows[i] < w.n_q and columns[i] < w.n_q:
-            out[rows[i]] += data[i] * x[columns[i]]
-
-
-@kernel
-def masses(w):
-    """Return the values of M (nnz,); those of trials from one state are assembled once."""
-    found = floats(system_of(w)[0].data, w.nnz)
-    if not w.delegated:
-        assemble_at_tangent(w, 0.0, 0.0, 1.0)
-        return found
-    kept = floats(w.masses, w.nnz)
-    if not w.masses_kept:
-        assemble_at_tangent(w, 0.0, 0.0, 1.0)
-        for i in range(w.nnz):
-            kept[i] = found[i]
-        w.masses_kept = 1
-    return kept
+            out[rows[i]] += kept[i] * x[columns[i]]
 
 
 @kernel

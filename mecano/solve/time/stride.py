@@ -15,7 +15,7 @@ from mecano.model import assembly_driver, loops
 from mecano.model.loops import BATCH, SYSTEM, fields, record
 from mecano.model.numbering import ROTATION
 from mecano.solve.events.events import some_happened
-from mecano.solve.linear.newton import CONVERGED, PAUSE
+from mecano.solve.linear.newton import CONVERGED, DIVERGES, PAUSE, TOO_MANY
 from mecano.solve.time.generalized_alpha import TURN
 from mecano.solve.time.output import DONE, FULL, OUTPUT, record_step
 from mecano.solve.time.run_state import RunState
@@ -30,7 +30,6 @@ from mecano.solve.time.workspace import (
     TRIAL,
     copy_history,
     copy_state,
-    history_of,
     is_due,
     memory_of,
     motion_of,
@@ -46,7 +45,7 @@ READY, STEPPING, RECORDING = range(3)
 
 STRIDE = fields(
     floats="until tolerance duration minimum maximum planned dissipated given power_dissipated power_given",
-    words="phase steps done most iterations renewed_tangents attempt attempt_words records record record_words "
+    words="phase steps done most iterations in_vain renewed_tangents attempt attempt_words records record record_words "
     "n_events n_event_batches events event_batches before_values n_departing departing "
     "n_observed observed observed_batches n_committed committed committed_batches "
     "checks_gaps share_of_gap change_step change_step_words observation",
@@ -75,6 +74,11 @@ def stride(integrator: Records(STRIDE), work: Records(STEP), output: Records(OUT
             call(m.attempt, m.attempt_words, 0)
             if w.code == PAUSE:
                 return WAIT
+            if w.code == TOO_MANY or w.code == DIVERGES:
+                if w.by_velocity:
+                    return DECIDE
+                m.in_vain, w.begun, w.by_velocity = int(floats(w.report, 8)[0]), 0, 1  # as GeneralizedAlpha.step
+                continue
             if w.code != CONVERGED or w.turn > MOST_TURN or parts(m, w):
                 return REPEAT
             error = max(w.error * w.h * w.h * w.change, forgotten(w.lag, m.duration, w.h), w.turning)
@@ -110,13 +114,8 @@ def changes(m, w):
 @kernel
 def begin(m, w):
     """Prepare the next step: Newton's method begins with the history's own guess."""
-    _, slope, bend = history_of(w, BEGIN)
-    guess = floats(w.guess, 2 * w.n)
-    for i in range(w.n):
-        guess[i] = slope[i]
-        guess[w.n + i] = bend[i]
-    w.begun, w.renewed = 0, 0
-    m.phase = STEPPING
+    w.begun, w.by_velocity, w.renewed = 0, 0, 0
+    m.phase, m.in_vain = STEPPING, 0
 
 
 @kernel
@@ -184,8 +183,9 @@ def accept(m, w, o, error, share):
     m.given += 0.5 * w.h * (m.power_given + energy[3])
     m.power_dissipated, m.power_given = energy[2], energy[3]
     report = floats(w.report, 8)
-    m.steps, m.done, m.iterations = m.steps + 1, m.done + 1, m.iterations + int(report[0])
-    o.h, o.iterations, o.error, o.share, o.rejected = w.h, report[0], error, error / share, 0.0
+    iterations = m.in_vain + int(report[0])
+    m.steps, m.done, m.iterations = m.steps + 1, m.done + 1, m.iterations + iterations
+    o.h, o.iterations, o.error, o.share, o.rejected = w.h, float(iterations), error, error / share, 0.0
     o.forces, o.constraints, o.increment = report[1], report[2], report[3]
     o.dissipated, o.given = m.dissipated, m.given
     plan(m, w, error, share)
@@ -217,7 +217,8 @@ def observe(m, w):
 @kernel
 def plan(m, w, error, share):
     """Plan the size of the next step; one that grows turns no body too far."""
-    wanted = planned(error, share, w.h, m.minimum, m.maximum, int(floats(w.report, 8)[0]))
+    iterations = m.in_vain + int(floats(w.report, 8)[0])
+    wanted = planned(error, share, w.h, m.minimum, m.maximum, iterations)
     if wanted > w.h:
         longest = longest_step(w)
         wanted = min(wanted, longest) if longest >= HOLD * w.h else w.h
@@ -378,7 +379,8 @@ class Strides:
     def _trial(self, run):
         """The step at TRIAL as ``method.step`` gives it, with its error."""
         history = self.workspace.new_history(BEGIN, self.workspace.v_shift.copy(), self._tangent)
-        s, new, info = self.method.trial(run.motion, history, int(self.workspace.report[0]))
+        iterations = int(self.record["in_vain"][0] + self.workspace.report[0])
+        s, new, info = self.method.trial(run.motion, history, iterations)
         h = float(self.workspace.record["h"][0])
         info.error = info.plain = max(info.error, self.control.forgotten(info.lag, h), info.turning)
         return s, new, info
