@@ -4,11 +4,13 @@ Steps, Newton iterations, factorizations; functions that a first run compiles, m
 """
 
 import pytest
+from test_reflector import writer
 from time_runs import input_deck
 
 from mecano.analyses import dynamic
 from mecano.analyses.compilation import TIME_INTEGRATION
 from mecano.analyses.prepare import prepare
+from mecano.deck.read import deck_of_bytes
 from mecano.jit import closure
 from mecano.model import loops
 from mecano.solve.linear.sparse import LinearSolver
@@ -19,16 +21,23 @@ REFERENCE = {  # deck and overrides: steps accepted, Newton iterations of all tr
     ("double_pendulum",): (5000, 8482, 1787),
     ("four_bar",): (3000, 5342, 874),
     ("rolling_disc",): (4000, 6374, 630),
-    ("nose_gear_rigid", "time.end=0.8"): (689, 1267, 1007),
-    ("strut", "time.end=1"): (1001, 1279, 49),
-    ("bouncing_ball",): (535, 535, 385),
+    ("nose_gear_rigid", "time.end=0.8"): (689, 1267, 971),
+    ("strut", "time.end=1"): (1001, 1279, 47),
+    ("bouncing_ball",): (535, 535, 336),
     ("flexible_pendulum", "time.end=0.2"): (200, 400, 202),
+    ("reflector",): (411, 1134, 623),
 }
 
 COMPILED = {"pendulum": (25, 186), "nose_gear_rigid": (40, 304)}  # machine code objects, functions in them
 
 
-def counts(deck, path, monkeypatch):
+SEVEN_MODULES = {  # end [s]: the same counts of a reflector, instants with events, instants with shocks
+    0.1: (19, 82, 136, 16, 0),
+    7.25: (494, 2050, 2870, 147, 57),
+}
+
+
+def counts(deck, path, monkeypatch, observers=()):
     """(steps, iterations, factorizations) of a run."""
     solve, solved, integrators = LinearSolver.solve, [], []
     original = dynamic.integrator_of
@@ -45,7 +54,7 @@ def counts(deck, path, monkeypatch):
     monkeypatch.setattr(
         dynamic, "integrator_of", lambda *given: integrators.append(integrator_of(*given)) or integrators[0]
     )
-    final = dynamic.run(deck, path)
+    final = dynamic.run(deck, path, observers=observers)
     renewed = int(integrators[0].method.workspace.record["factorizations"][0])
     return final.steps, final.iterations, renewed + len(solved)
 
@@ -56,6 +65,22 @@ def test_reference_runs_cost_no_more(deck, tmp_path, monkeypatch):
     for what, now, before in zip(("steps", "Newton iterations", "factorizations"), found, REFERENCE[deck], strict=True):
         assert now <= GROWTH * before, f"{what}: {now}, were {before}; all counts: {found}"
         assert now >= before / GROWTH, f"{what}: {now}, were {before}: enter the better counts {found}"
+
+
+@pytest.mark.parametrize("end", [0.1, pytest.param(7.25, marks=pytest.mark.slow)])
+def test_events_of_seven_modules_cost_no_more(end, tmp_path, monkeypatch):
+    module, instants, shocks = writer(), set(), set()
+    options = f"--modules 7 --curvature 20 --step 0.02 --end {end}".split()
+    deck = deck_of_bytes(module.deck(module.options(options)).encode(), "seven_modules")
+
+    def observe(accepted):
+        instants.update(event.t for event in accepted.event_records)
+        shocks.update(event.t for event in accepted.event_records if event.unit)
+
+    found = *counts(deck, tmp_path / "r.h5", monkeypatch, (observe,)), len(instants), len(shocks)
+    names = "steps", "Newton iterations", "factorizations", "instants", "shocks"
+    for what, now, before in zip(names, found, SEVEN_MODULES[end], strict=True):
+        assert before / GROWTH <= now <= GROWTH * before, f"{what}: {now}, were {before}; all counts: {found}"
 
 
 @pytest.mark.parametrize("name", COMPILED)
