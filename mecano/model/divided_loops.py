@@ -33,7 +33,10 @@ def divided(batch, system):
         parts[i].given = system
     run_parts(d.pool, d.call_part, d.parts, STRIDE)
     call(d.call_part, d.parts + PARTS * STRIDE, 0)
-    total = floats(items(system, 1, SYSTEM)[0].energy, 4)
+    s = items(system, 1, SYSTEM)[0]
+    if s.energy == 0:  # not of an Observation
+        return
+    total = floats(s.energy, 4)
     for i in range(PARTS + 1):
         energy = floats(parts[i].energy, 4)
         for j in range(4):
