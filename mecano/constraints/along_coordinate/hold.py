@@ -77,89 +77,74 @@ def _turn_between(c, wanted):
     return wrap(c - wanted)
 
 
-def holding(coordinate):
-    """Return compiled functions that hold a coordinate: (hold, derivatives_of).
+def holding(coordinate, target, side):
+    """Return ``force`` and ``constraint_derivatives`` that hold a coordinate: side (c - target) = 0.
 
-    ``hold(p, at, sign, wanted, f, K)`` adds the constraint sign (c - wanted) = 0; ``derivatives_of(p, at, sign, wanted,
-    g)`` writes its derivatives, with ``wanted`` a value and its two rates.
+    ``target(p, at)`` returns a value and its two rates, ``side(at)`` 1 or -1, or 0 where the constraint is inactive.
     """
     value, gradient, add_curvature = coordinate.value, coordinate.gradient, coordinate.add_curvature
     rates, row = coordinate.rates, coordinate.row
     difference = _turn_between if coordinate.periodic else _minus
 
     @kernel
-    def hold(p, at, sign, wanted, f, K):
-        Phi, multiplier = difference(value(p, at), wanted), sign * at.q[row]
-        g = add_constraint(f, K, row, sign * at.k, at.penalty, Phi, multiplier, gradient(p, at))
-        add_curvature(p, at, g, K)
+    def force(p, at, f, K, C, M):
+        sign = side(at)
+        if sign != 0.0:
+            Phi, multiplier = difference(value(p, at), target(p, at)[0]), sign * at.q[row]
+            g = add_constraint(f, K, row, sign * at.k, at.penalty, Phi, multiplier, gradient(p, at))
+            add_curvature(p, at, g, K)
+        else:
+            deactivate(f, K, row, at.k, at.q[row])
 
     @kernel
-    def derivatives_of(p, at, sign, wanted, g):
-        rate, second = rates(p, at)
-        Phi = sign * difference(value(p, at), wanted[0])
-        put_derivatives(g, 0, Phi, sign * (rate - wanted[1]), sign * (second - wanted[2]))
+    def constraint_derivatives(p, at, g):
+        sign = side(at)
+        g[:] = 0.0
+        if sign != 0.0:
+            (rate, second), wanted = rates(p, at), target(p, at)
+            Phi = sign * difference(value(p, at), wanted[0])
+            put_derivatives(g, 0, Phi, sign * (rate - wanted[1]), sign * (second - wanted[2]))
 
-    return hold, derivatives_of
+    return {"force": force, "constraint_derivatives": constraint_derivatives}
+
+
+@kernel
+def always(at):
+    """Return 1: the side of a constraint that is never inactive."""
+    return 1.0
+
+
+@kernel
+def _until_released(at):
+    return 1.0 if at.phase == HELD else 0.0
+
+
+@kernel
+def _at_offset(p, at):
+    return p.offset, 0.0, 0.0
 
 
 def hold_kind(name, doc, coordinate, row):
     """Return the Kind that holds a coordinate at the ``offset`` of its record; ``row`` names the multiplier."""
-    hold, derivatives_of = holding(coordinate)
-
-    @kernel
-    def force(p, at, f, K, C, M):
-        hold(p, at, 1.0, p.offset, f, K)
-
-    @kernel
-    def constraint_derivatives(p, at, g):
-        derivatives_of(p, at, 1.0, (p.offset, 0.0, 0.0), g)
-
-    return _kind(name, doc, coordinate, row, {**coordinate.axes, "offset": ()}, force, constraint_derivatives)
+    return _kind(name, doc, coordinate, row, {"offset": ()}, holding(coordinate, _at_offset, always))
 
 
 def release_kind(name, doc, coordinate, row):
     """Return the Kind that holds a coordinate at its ``offset`` in the phase "held", and not in the phase "free"."""
-    hold, derivatives_of = holding(coordinate)
-    multiplier = coordinate.row
-
-    @kernel
-    def force(p, at, f, K, C, M):
-        if at.phase == HELD:
-            hold(p, at, 1.0, p.offset, f, K)
-        else:
-            deactivate(f, K, multiplier, at.k, at.q[multiplier])
-
-    @kernel
-    def constraint_derivatives(p, at, g):
-        g[:] = 0.0
-        if at.phase == HELD:
-            derivatives_of(p, at, 1.0, (p.offset, 0.0, 0.0), g)
-
-    kind = _kind(name, doc, coordinate, row, {**coordinate.axes, "offset": ()}, force, constraint_derivatives)
+    kind = _kind(name, doc, coordinate, row, {"offset": ()}, holding(coordinate, _at_offset, _until_released))
     ((values, nodes, _),) = kind.sample(np.random.default_rng(0))
     return replace(kind, phases=RELEASE_PHASES, sample=lambda rng: [(values, nodes, phase) for phase in RELEASE_PHASES])
 
 
 def drive_kind(name, doc, coordinate, row, motion=BY_LAW):
     """Return the Kind that holds a coordinate at a ``motion``; ``row`` names the multiplier."""
-    (hold, derivatives_of), target = holding(coordinate), motion.at
-
-    @kernel
-    def force(p, at, f, K, C, M):
-        hold(p, at, 1.0, target(p, at)[0], f, K)
-
-    @kernel
-    def constraint_derivatives(p, at, g):
-        derivatives_of(p, at, 1.0, target(p, at), g)
-
-    return _kind(name, doc, coordinate, row, {**coordinate.axes, **motion.fields}, force, constraint_derivatives)
+    return _kind(name, doc, coordinate, row, motion.fields, holding(coordinate, motion.at, always))
 
 
-def _kind(name, doc, coordinate, row, fields, force, constraint_derivatives):
+def _kind(name, doc, coordinate, row, fields, functions):
     nodes = len({slot[1] for slot in coordinate.layout})
     return Kind(
-        name=name, doc=doc, dtype=record(**fields), layout=coordinate.layout,
-        multipliers=(Row(row, coordinate.load[1], coordinate.unit),), force=force,
-        constraint_derivatives=constraint_derivatives,
+        name=name, doc=doc, dtype=record(**coordinate.axes, **fields), layout=coordinate.layout,
+        multipliers=(Row(row, coordinate.load[1], coordinate.unit),), **functions,
         sample=lambda rng: [({**coordinate.sample(rng), "offset": rng.uniform(0.5, 2.0)}, nodes, "")],
     )  # fmt: skip

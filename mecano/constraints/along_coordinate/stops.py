@@ -14,7 +14,6 @@ from math import inf
 from mecano.constraints.along_coordinate.hold import holding
 from mecano.constraints.along_coordinate.law import counted
 from mecano.constraints.along_coordinate.trigger import TRIGGER, check_trigger, trigger_of
-from mecano.constraints.augmented_lagrangian import deactivate
 from mecano.constraints.stop_phases import FAR
 from mecano.element_interface import CONTACT, LOCK, Event, Kind, Output, Part, Row, record
 from mecano.jit.kernel import kernel
@@ -38,22 +37,25 @@ STOP_EVENTS = (
 )  # fmt: skip
 
 
+@kernel
+def _reached(p, at):
+    """Return the value at which the coordinate is held, and its rates."""
+    return at.m[0], 0.0, 0.0
+
+
+@kernel
+def _locked(at):
+    return 1.0 if at.phase == LOCKED else 0.0
+
+
+@kernel
+def _stopped(at):
+    return 0.0 if at.phase == BETWEEN else 1.0 if at.phase == LOWER else -1.0
+
+
 def latch_kind(name, doc, coordinate):
     """Return the Kind of a latch of a coordinate."""
-    (hold, derivatives_of), value, row = holding(coordinate), counted(coordinate), coordinate.row
-
-    @kernel
-    def force(p, at, f, K, C, M):
-        if at.phase == LOCKED:
-            hold(p, at, 1.0, at.m[0], f, K)
-        else:
-            deactivate(f, K, row, at.k, at.q[row])
-
-    @kernel
-    def constraint_derivatives(p, at, g):
-        g[:] = 0.0
-        if at.phase == LOCKED:
-            derivatives_of(p, at, 1.0, (at.m[0], 0.0, 0.0), g)
+    value, row = counted(coordinate), coordinate.row
 
     @kernel
     def observe(p, at, F, y, e):
@@ -76,8 +78,7 @@ def latch_kind(name, doc, coordinate):
         ),
         multipliers=(Row(f"{what} of the latch", unit, coordinate.unit),),
         phases=LATCH_PHASES, events=LATCH_EVENTS, memory=("held",), sample=_samples(coordinate, LATCH_PHASES),
-        force=force,
-        constraint_derivatives=constraint_derivatives, observe=observe, event_values=event_values, commit=commit,
+        **holding(coordinate, _reached, _locked), observe=observe, event_values=event_values, commit=commit,
     )  # fmt: skip
 
 
@@ -100,25 +101,12 @@ def releasable_latch_kind(name, doc, coordinate):
 
 def stop_kind(name, doc, coordinate):
     """Return the Kind of a pair of stops of a coordinate."""
-    (hold, derivatives_of), value, row = holding(coordinate), counted(coordinate), coordinate.row
-
-    @kernel
-    def force(p, at, f, K, C, M):
-        if at.phase == BETWEEN:
-            deactivate(f, K, row, at.k, at.q[row])
-        else:
-            hold(p, at, 1.0 if at.phase == LOWER else -1.0, at.m[0], f, K)
-
-    @kernel
-    def constraint_derivatives(p, at, g):
-        g[:] = 0.0
-        if at.phase != BETWEEN:
-            derivatives_of(p, at, 1.0 if at.phase == LOWER else -1.0, (at.m[0], 0.0, 0.0), g)
+    value, row = counted(coordinate), coordinate.row
 
     @kernel
     def observe(p, at, F, y, e):
-        side = 0.0 if at.phase == BETWEEN else 1.0 if at.phase == UPPER else -1.0
-        y[0], y[1] = -side * at.q[row], side
+        side = _stopped(at)
+        y[0], y[1] = side * at.q[row], 0.0 - side  # not -0
 
     @kernel
     def event_values(p, at, g):
@@ -139,8 +127,7 @@ def stop_kind(name, doc, coordinate):
         ),
         multipliers=(Row(f"{what} of the stop", unit, coordinate.unit, unilateral=True),),
         phases=STOP_PHASES, events=STOP_EVENTS, memory=("held",), sample=_samples(coordinate, STOP_PHASES),
-        force=force,
-        constraint_derivatives=constraint_derivatives, observe=observe, event_values=event_values, commit=commit,
+        **holding(coordinate, _reached, _stopped), observe=observe, event_values=event_values, commit=commit,
     )  # fmt: skip
 
 
