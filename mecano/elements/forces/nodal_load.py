@@ -26,69 +26,45 @@ EQUATIONS = __doc__.partition("\n\n")[2]
 
 
 @kernel
-def _report(size, inertial, direction, v, y, e):
-    """Write load, inertial, and its power; ``direction`` is in the axes of the velocity v."""
-    put(y, 0, size * inertial)
-    y[3] = size * dot(direction, vec(v, 0))
-    e[3] = y[3]
+def _dead_force(p, at):
+    d = vec(p.direction, 0)
+    return d, d
 
 
-def _force(demand):
-    """Return ``residual`` and ``observe`` of the dead force."""
-
-    @kernel
-    def residual(p, at, f):
-        add_vec(f, 0, -demand(p, at), vec(p.direction, 0))
-
-    @kernel
-    def observe(p, at, F, y, e):
-        d = vec(p.direction, 0)
-        _report(demand(p, at), d, d, at.v, y, e)
-
-    return residual, observe
+@kernel
+def _follower_force(p, at):
+    d = mat(at.R[0]) @ vec(p.direction, 0)
+    return d, d
 
 
-def _follower_force(demand):
-    """Return ``residual`` and ``observe`` of the follower force."""
-
-    @kernel
-    def residual(p, at, f):
-        add_vec(f, 0, -demand(p, at), mat(at.R[0]) @ vec(p.direction, 0))
-
-    @kernel
-    def observe(p, at, F, y, e):
-        inertial = mat(at.R[0]) @ vec(p.direction, 0)
-        _report(demand(p, at), inertial, inertial, at.v, y, e)
-
-    return residual, observe
+@kernel
+def _dead_moment(p, at):
+    d = vec(p.direction, 0)
+    return mat(at.R[0]).T @ d, d
 
 
-def _moment(demand):
-    """Return ``residual`` and ``observe`` of the dead moment."""
+@kernel
+def _follower_moment(p, at):
+    d = vec(p.direction, 0)
+    return d, mat(at.R[0]) @ d
+
+
+def _functions(directions, demand):
+    """Return ``residual`` and ``observe`` of a load of the size ``demand``.
+
+    ``directions(p, at)`` returns its direction in the axes of the velocity on which it acts, and in inertial ones.
+    """
 
     @kernel
     def residual(p, at, f):
-        add_vec(f, 0, -demand(p, at), mat(at.R[0]).T @ vec(p.direction, 0))
+        add_vec(f, 0, -demand(p, at), directions(p, at)[0])
 
     @kernel
     def observe(p, at, F, y, e):
-        d = vec(p.direction, 0)
-        _report(demand(p, at), d, mat(at.R[0]).T @ d, at.v, y, e)
-
-    return residual, observe
-
-
-def _follower_moment(demand):
-    """Return ``residual`` and ``observe`` of the follower moment."""
-
-    @kernel
-    def residual(p, at, f):
-        add_vec(f, 0, -demand(p, at), vec(p.direction, 0))
-
-    @kernel
-    def observe(p, at, F, y, e):
-        d = vec(p.direction, 0)
-        _report(demand(p, at), mat(at.R[0]) @ d, d, at.v, y, e)
+        size, (own, inertial) = demand(p, at), directions(p, at)
+        put(y, 0, size * inertial)
+        y[3] = size * dot(own, vec(at.v, 0))
+        e[3] = y[3]
 
     return residual, observe
 
@@ -125,9 +101,10 @@ class _Quantity:
     name: str
     unit: str
 
-    def kind(self, name, layout, follows, functions):
-        """Return a kind of load of this quantity; functions(demand) -> (residual, observe)."""
-        return on_demand(lambda demand: self._by(name, layout, follows, *functions(demand)), "value", 3 * len(layout))
+    def kind(self, name, layout, follows, directions):
+        """Return a kind of load of this quantity with these ``directions`` (``_functions``)."""
+        n = 3 * len(layout)
+        return on_demand(lambda demand: self._by(name, layout, follows, *_functions(directions, demand)), "value", n)
 
     def _by(self, name, layout, follows, residual, observe):
         carries = " and that carries its direction" if follows else ""
@@ -157,7 +134,7 @@ class _Quantity:
 
 
 _FORCE, _MOMENT = _Quantity("force", "N"), _Quantity("moment", "N m")
-FORCE = _FORCE.kind("force", ("x0",), False, _force)
+FORCE = _FORCE.kind("force", ("x0",), False, _dead_force)
 FOLLOWER_FORCE = _FORCE.kind("follower_force", ("x0", "R0"), True, _follower_force)
-MOMENT = _MOMENT.kind("moment", ("R0",), False, _moment)
+MOMENT = _MOMENT.kind("moment", ("R0",), False, _dead_moment)
 FOLLOWER_MOMENT = _MOMENT.kind("follower_moment", ("R0",), True, _follower_moment)
