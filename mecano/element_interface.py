@@ -21,9 +21,10 @@ their columns in K are derivatives with respect to lambda, like those of all mul
 respect to the reaction k*lambda in q. Only a kind with coupled multipliers may let its forces depend on reactions, and
 such a kind has no multipliers and no inertia of its own.
 
-``residual(p, at, f)``, for a kind without inertia, adds f alone, for numbers and for Duals (maths/dual.py), from which
+``residual(p, at, f)``, in the place of ``force``, adds f alone, for numbers and for Duals (maths/dual.py), from which
 the tangents are derived. Branches on varying quantities are written with ``select``, roots of equations with
-``implicit``.
+``implicit``. If it has inertia, ``inertia(p, at, m)`` writes the diagonal of the mass matrix M to ``m`` (n_local,),
+zero on entry: times the accelerations, it is part of the scale against which residuals are judged.
 
 ``constraint_derivatives(p, at, g)`` writes the constraint derivatives to ``g`` (n_multipliers, 3): Phi, dPhi/dt,
 d2Phi/dt2 along v and a. A constraint on velocities, Phi(q, v), writes 0, Phi, dPhi/dt. All constraints of one kind are
@@ -301,6 +302,7 @@ class Mechanics:
     start: Callable | None = None
     """record -> initial values (n_scalars,) of its scalars; zeros by default"""
     residual: Callable | None = None
+    inertia: Callable | None = None
     force: Callable | None = None
     constraints: Callable | None = None
     constraint_derivatives: Callable | None = None

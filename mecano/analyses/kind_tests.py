@@ -72,6 +72,9 @@ def check_tangents(kind):
                 expected[:, column] = slope(instance, t, state, array, column)
             expected[:, end:] *= K_SCALE  # the multiplier in q is k lambda, that of the tangent lambda
             close(tangent, expected, 1e-7, phase=sample.phase, of=instance.kind.name, tangent="KCM"[array])
+        if instance.kind.residual is not None:
+            masses, own = instance.inertia(t, state), np.diag(tangents[2])
+            np.testing.assert_allclose(masses, own, 1e-12, err_msg="'inertia' must write the diagonal of the masses")
 
 
 def check_force(kind):

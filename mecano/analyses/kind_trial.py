@@ -115,26 +115,20 @@ class Instance:
         return f
 
     def _dual_force(self, t, state, k, penalty):
-        """Return f, K, C and M = 0 of a kind with a ``residual``, by dual numbers."""
+        """Return f, K, C and M of a kind with a ``residual``, by dual numbers."""
         q, v, a, R = state
         n, f = self.kind.n_local, np.zeros(self.kind.n_local)
         end = n - len(self.kind.multipliers) - len(self.kind.coupled_multipliers)
         self.run("residual", t, state, f, k=k, penalty=penalty)
         tangents = np.zeros((3, n, n))
-        for array in range(2):
+        for array in range(3):
             for j in range(n if array == 0 else end):
-                seeds = np.eye(n)[j] * (array == 0), np.eye(n)[j] * (array == 1)
+                seeds = [np.eye(n)[j] * (array == i) for i in range(3)]
                 turns = [EYES @ seeds[0][c : c + 3] for c in self._columns()]
                 slopes = np.array([R_r @ turn for R_r, turn in zip(R, turns, strict=True)]).reshape(R.shape)
                 out = duals(np.zeros(n), np.zeros(n))
-                self.run(
-                    "residual",
-                    t,
-                    (duals(q, seeds[0]), duals(v, seeds[1]), a, duals(R, slopes)),
-                    out,
-                    k=k,
-                    penalty=penalty,
-                )
+                moving = [duals(x, seed) for x, seed in zip((q, v, a), seeds, strict=True)]
+                self.run("residual", t, (*moving, duals(R, slopes)), out, k=k, penalty=penalty)
                 found = np.array([(x.value, x.slope) for x in out])
                 np.testing.assert_array_equal(found[:, 0], f)
                 tangents[array, :, j] = found[:, 1] * (k if j >= end else 1.0)
@@ -150,6 +144,13 @@ class Instance:
         out = duals(np.zeros(n), np.zeros(n))
         self.run("residual", t, (of_q, of_v, np.append(a, 0.0), duals(R, turns.reshape(R.shape))), out)
         return out
+
+    def inertia(self, t, state):
+        """Return the diagonal of M as a kind with a ``residual`` writes it, (n_local,)."""
+        m = np.zeros(self.kind.n_local)
+        if self.kind.inertia is not None:
+            self.run("inertia", t, state, m)
+        return m
 
     def _columns(self):
         return [3 * i for i, slot in enumerate(self.kind.layout) if slot[0] == "R"]

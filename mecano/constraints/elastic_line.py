@@ -7,7 +7,7 @@ from mecano.constraints.line import SHORTEST
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.maths.dual import at_least, number
-from mecano.maths.vector import EYE, add_mat, add_vec, dot, vec
+from mecano.maths.vector import add_vec, dot, vec
 
 STRAIN_OF_STEEL = 2e-3  # at its yield strength
 LINE_RECORD = {
@@ -24,13 +24,18 @@ def strained(length, rate, L, L_rate):
 
 
 @kernel
-def add_line_inertia(p, a, f, M):
+def add_line_inertia(p, a, f):
     """Add inertia forces and weight."""
     half_weight = 0.5 * p.mass * vec(p.gravity, 0)
     for i, j in ((0, 3), (3, 0)):
         add_vec(f, i, 1.0, p.own * vec(a, i) + p.cross * vec(a, j) - half_weight)
-        add_mat(M, i, i, p.own, EYE)
-        add_mat(M, i, j, p.cross, EYE)
+
+
+@kernel
+def line_inertia(p, at, m):
+    """Write the diagonal of the mass matrix."""
+    for i in range(6):
+        m[i] = p.own
 
 
 @kernel

@@ -19,6 +19,7 @@ from mecano.constraints.augmented_lagrangian import add_reaction
 from mecano.constraints.elastic_line import (
     LINE_RECORD,
     add_line_inertia,
+    line_inertia,
     put_line,
     put_line_energy,
     put_no_push,
@@ -74,25 +75,21 @@ def _paid_out(p, m, laws, t):
 
 @kernel
 def _tension(p, laws, rate):
-    """Return the tension of the winder, its derivative, and the strain of the line that leaves it."""
-    T, T_rate, _ = evaluate_curve(laws, p.payout, rate)
-    return T, T_rate, evaluate_curve(laws, p.payout, 0.0)[0] / p.EA
+    """Return the tension of the winder, and the strain of the line that leaves it."""
+    return curve(laws, p.payout, rate), curve(laws, p.payout, 0.0) / p.EA
 
 
 @kernel
-def elastic_force(p, at, f, K, C, M):
+def elastic_residual(p, at, f):
     """Add the tension, except of a held line, inertia and weight."""
-    add_line_inertia(p, at.a, f, M)
-    length, rate, geometry = line(at.q, at.v)
+    add_line_inertia(p, at.a, f)
+    length, rate, (_, u, _) = line(at.q, at.v)
     if at.phase == PAYING:
-        N, N_rate, _ = _tension(p, at.laws, rate)
-        add_line_force(f, K, C, rate, geometry, N, 0.0, N_rate)
+        add_line_force(f, _tension(p, at.laws, rate)[0], u)
     elif at.phase == TAUT:
         L, L_rate, _ = _paid_out(p, at.m, at.laws, at.t)
         strain, strain_rate = strained(length, rate, L, L_rate)
-        N = p.EA * (strain + p.damping * strain_rate)
-        N_length = p.EA / L * (1.0 - p.damping * L_rate / L)
-        add_line_force(f, K, C, rate, geometry, N, N_length, p.EA * p.damping / L)
+        add_line_force(f, p.EA * (strain + p.damping * strain_rate), u)
 
 
 @kernel
@@ -161,10 +158,10 @@ def event_values(p, at, g):
     elif at.phase == TAUT:
         g[1] = -tautness
         if not full:
-            g[2] = strain + p.damping * strain_rate - MORE * _tension(p, at.laws, 0.0)[2]
+            g[2] = strain + p.damping * strain_rate - MORE * _tension(p, at.laws, 0.0)[1]
     elif at.phase == PAYING:
         g[3] = -rate
-        g[4 + p.catch] = length / (1.0 + _tension(p, at.laws, 0.0)[2]) - _full(p, at.laws, at.t)[0]
+        g[4 + p.catch] = length / (1.0 + _tension(p, at.laws, 0.0)[1]) - _full(p, at.laws, at.t)[0]
     else:
         g[9] = -at.q[MULTIPLIER]
 
@@ -175,7 +172,7 @@ def commit(p, at, m_out):
     length = line(at.q, at.v)[0]
     full = _full(p, at.laws, at.t)[0]
     paid = max(at.m[0], p.start)
-    m_out[0] = min(length / (1.0 + _tension(p, at.laws, 0.0)[2]), full) if at.phase == PAYING else paid
+    m_out[0] = min(length / (1.0 + _tension(p, at.laws, 0.0)[1]), full) if at.phase == PAYING else paid
     m_out[1] = at.m[1] if at.phase == HELD else length - full
     m_out[2] = at.m[1] if at.phase == HELD else at.m[2]
 
@@ -206,5 +203,5 @@ CATCH = Kind(
 )
 ELASTIC = Kind(
     name="wound_line", doc=__doc__, dtype=RECORD, layout=("x0", "x1"), phases=PHASES, memory=MEMORY,
-    force=elastic_force, commit=commit,
+    residual=elastic_residual, inertia=line_inertia, commit=commit,
 )  # fmt: skip

@@ -46,7 +46,7 @@ class Batch:
         self.q, self.v, self.a = (np.zeros(n_work) for _ in range(3))
         self.R = np.zeros((n_rotations, 3, 3))
         self.f, self.K, self.C, self.M = np.zeros(n), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
-        self.seeded = np.zeros(3 * n + 9 * n_rotations, DUAL)
+        self.seeded = np.zeros(4 * n + 9 * n_rotations, DUAL)
         self.F, self.g = np.zeros(self.output_slots.shape[1]), np.zeros((len(kind.multipliers), 3))
         self.n_outputs = sum(int(np.prod(o.shape, dtype=int)) for o in kind.outputs)
         self.n_events = len(kind.events)

@@ -96,10 +96,10 @@ def gather(dofs, rots, s, q_out, v_out, a_out, R_out):
 
 @kernel
 def seeded(b):
-    """Return arrays of Duals for local unknowns, velocities, forces (n_local,), and rotations (n_rotations, 3, 3)."""
-    n, place = b.n_local, b.seeded
-    q, v, f = items(place, n, DUAL), items(place + SIZE * n, n, DUAL), items(place + 2 * SIZE * n, n, DUAL)
-    return q, v, f, items(place + 3 * SIZE * n, (b.n_rotations, 3, 3), DUAL)
+    """Return arrays of Duals for q, v, a, forces (n_local,), and rotations (n_rotations, 3, 3)."""
+    n, place, size = b.n_local, b.seeded, SIZE * b.n_local
+    q, v, a = items(place, n, DUAL), items(place + size, n, DUAL), items(place + 2 * size, n, DUAL)
+    return q, v, a, items(place + 3 * size, n, DUAL), items(place + 4 * size, (b.n_rotations, 3, 3), DUAL)
 
 
 @kernel
@@ -126,6 +126,11 @@ def put_turned(R_out, R, turn):
     for i in range(3):
         for j in range(3):
             R_out[i, j].slope = change[i][j]
+
+
+@kernel
+def no_inertia(p, at, m):
+    """Write no masses."""
 
 
 def tangent(batch, system):
@@ -177,9 +182,9 @@ def tangent(batch, system):
 
 
 def dual_tangent(batch, system):
-    """Compute forces, their magnitudes, and the tangent cK K + cC C of a kind with a residual only, without inertia.
+    """Compute forces, their magnitudes, masses, and the tangent cK K + cC C + cM M of a kind with a residual only.
 
-    One pass per local unknown j gives column j: q_j varies by cK, v_j by cC, a rotation by R hat(cK T_j).
+    One pass per local unknown j gives column j: q_j varies by cK, v_j by cC, a_j by cM, a rotation by R hat(cK T_j).
     """
     b, s = batch_at(batch), system_at(system)
     n, p = b.n_local, items(b.p, b.n, parameters)  # noqa: F821
@@ -191,15 +196,17 @@ def dual_tangent(batch, system):
     )
     slots, entries = integers(b.slots, (b.n, n)), integers(b.entries, (b.n, n, n))
     q, v, a, R = work(b)
-    q_1, v_1, f_1, R_1 = seeded(b)
+    q_1, v_1, a_1, f_1, R_1 = seeded(b)
     T, data_out = floats(s.T, (s.n_rotations, 3, 3)), floats(s.data, s.n_data)
     first_row, penalty = n - b.n_multipliers, s.penalty * s.lag if of_rates else s.penalty  # noqa: F821
-    force_out, size_out = floats(s.force, s.n_slots), floats(s.size, s.n_slots)
+    force_out, size_out, mass_out = floats(s.force, s.n_slots), floats(s.size, s.n_slots), floats(s.mass, s.n_slots)
+    m = floats(b.f, n)
     for e in range(b.n):
         gather(dofs[e], rots[e], s, q, v, a, R)
         for i in range(n):
             q_1[i] = q[i]
             v_1[i] = v[i]
+            a_1[i] = a[i]
         for r in range(b.n_rotations):
             put_constant(R_1[r], mat(R[r]))
         for j in range(n):
@@ -214,19 +221,26 @@ def dual_tangent(batch, system):
                 c = j - columns[turned]
                 put_turned(R_1[turned], mat(R[turned]), s.cK * Vec3(turn[0, c], turn[1, c], turn[2, c]))
             v_1[j].slope = s.cC
-            at = Place(s.t, phase[e], s.k, penalty, laws, memory[e], q_1, v_1, a, R_1)
+            a_1[j].slope = s.cM
+            at = Place(s.t, phase[e], s.k, penalty, laws, memory[e], q_1, v_1, a_1, R_1)
             function(p[e], at, f_1)  # noqa: F821
             for i in range(n):
                 lag = s.lag if of_rates and i >= first_row else 1.0  # noqa: F821
                 data_out[entries[e, i, j]] += lag * f_1[i].slope
             q_1[j].slope = 0.0
             v_1[j].slope = 0.0
+            a_1[j].slope = 0.0
             if turned >= 0:
                 put_constant(R_1[turned], mat(R[turned]))
         for i in range(n):
             f = f_1[i].value * (s.lag if of_rates and i >= first_row else 1.0)  # noqa: F821
             force_out[slots[e, i]] += f
             size_out[slots[e, i]] += abs(f)
+        if has_inertia:  # noqa: F821
+            m[:] = 0.0
+            inertia(p[e], Place(s.t, phase[e], s.k, penalty, laws, memory[e], q, v, a, R), m)  # noqa: F821
+            for i in range(n):
+                mass_out[slots[e, i]] += abs(m[i])
 
 
 def residual(batch, system):
@@ -299,8 +313,8 @@ def dual_constraint_derivatives(batch, system):
     dofs, rots = integers(b.dofs, (b.n, n)), integers(b.rots, (b.n, b.n_rotations))
     columns, multipliers = integers(b.columns, b.n_rotations), integers(b.multipliers, (b.n, b.n_multipliers))
     q, v, a, R = work(b)
-    q_1, v_1, _, R_1 = seeded(b)
-    g_1 = items(b.seeded + 2 * SIZE * b.n_local, (b.n_multipliers, 2), DUAL)  # in the place of forces
+    q_1, v_1, _, _, R_1 = seeded(b)
+    g_1 = items(b.seeded + 2 * SIZE * b.n_local, (b.n_multipliers, 2), DUAL)  # in the place of accelerations, forces
     g_out = floats(s.constraint_derivatives, (s.n_constraints, 3))
     for e in range(b.n):
         gather(dofs[e], rots[e], s, q, v, a, R)
@@ -395,13 +409,17 @@ def code_of(kind, template):
     if kind.constraints is not None and template is constraint_derivatives:
         template = dual_constraint_derivatives
     function = getattr(kind, PURPOSES[template])
-    return None if function is None else _code(template, function, kind.dtype, kind.of_rates, kind.name)
+    inertia = kind.inertia if template is dual_tangent else None
+    return None if function is None else _code(template, function, inertia, kind.dtype, kind.of_rates, kind.name)
 
 
 @cache
-def _code(template, function, parameters, of_rates, kind_name):
+def _code(template, function, inertia, parameters, of_rates, kind_name):
     """Return the Code of the loop; kinds that differ only in the number of unknowns (Kind.variant) share one."""
-    values = {**template.__globals__, "function": function, "parameters": parameters, "of_rates": of_rates}
+    values = {
+        **template.__globals__, "function": function, "inertia": inertia or no_inertia,
+        "has_inertia": inertia is not None, "parameters": parameters, "of_rates": of_rates,
+    }  # fmt: skip
     name = f"{template.__name__}_{kind_name}"
     bound = types.FunctionType(template.__code__, values, name)
     return Code(name, digest(bound), lambda compiler: compiler.loop_code(bound))

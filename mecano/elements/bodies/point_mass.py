@@ -2,17 +2,22 @@ r"""Point mass: a mass at a node, without rotation: :math:`f_x = m (a - g)`."""
 
 from mecano.element_interface import Display, Kind, Output, record
 from mecano.jit.kernel import kernel
-from mecano.maths.vector import EYE, add_mat, add_vec, dot, vec
+from mecano.maths.vector import add_vec, dot, vec
 from mecano.schema import NODE, NUMBER, Field, positive
 
 RECORD = record(mass=(), gravity=3)
 
 
 @kernel
-def force(p, at, f, K, C, M):
+def residual(p, at, f):
     """Add inertia and weight."""
     add_vec(f, 0, p.mass, vec(at.a, 0) - vec(p.gravity, 0))
-    add_mat(M, 0, 0, p.mass, EYE)
+
+
+@kernel
+def inertia(p, at, m):
+    """Write the mass of each component."""
+    m[0], m[1], m[2] = p.mass, p.mass, p.mass
 
 
 @kernel
@@ -36,6 +41,7 @@ POINT_MASS = Kind(
         Field("mass", NUMBER, "kg", "mass", check=positive),
     ),
     outputs=(Output("kinetic_energy", "J", "kinetic energy"),),
-    force=force,
+    residual=residual,
+    inertia=inertia,
     observe=observe,
 )

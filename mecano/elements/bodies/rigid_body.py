@@ -8,6 +8,9 @@ about the node and :math:`w = \alpha \times c + \Omega \times (\Omega \times c)`
 
 ``attached`` nodes move with the body as if welded to it: the position of each is held by three constraints. They share
 the rotation of the body, except a node with an ``orientation`` of its own (a marker), which is held by three more.
+
+The tangents are written by hand: with dual numbers a chain of a hundred bodies takes as long, but the deck
+nose_gear_rigid 2 to 4 % longer, and a pendulum compiles 8 % longer.
 """
 
 import numpy as np

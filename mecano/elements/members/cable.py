@@ -39,6 +39,7 @@ from mecano.constraints.elastic_line import (
     STRAIN_OF_STEEL,
     add_line_inertia,
     distance,
+    line_inertia,
     line_record,
     put_line,
     put_line_energy,
@@ -53,8 +54,7 @@ from mecano.element_interface import Display, Event, Kind, Measured, Output, rec
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.laws.table import evaluate_curve, terms_of
-from mecano.maths.dual import select
-from mecano.maths.vector import add_col
+from mecano.maths.dual import number, select
 from mecano.schema import CONTINUOUS_DRIVE, CURVE, NODE_PAIR, NUMBER, Field, choice, not_negative, positive
 
 RECORD = record(**LINE_RECORD)
@@ -74,7 +74,7 @@ def _of_time(p, at):
 @kernel
 def _of_signal(p, at):
     """Return the natural length that is a signal, and its rate."""
-    return at.q[INPUT], at.v[INPUT]
+    return number(at.q[INPUT]), number(at.v[INPUT])
 
 
 @kernel
@@ -82,41 +82,20 @@ def _tension(p, strain, strain_rate):
     return p.EA * (strain + p.damping * strain_rate)
 
 
-@kernel
-def _without_input(p, at, length, rate, u, K, C):
-    pass
-
-
-@kernel
-def _add_by_input(p, at, length, rate, u, K, C):
-    """Add the derivatives of the tension by the natural length, a signal, and by its rate."""
-    L, L_rate = _of_signal(p, at)
-    by_length = -p.EA / (L * L) * (length + p.damping * (rate - 2.0 * length / L * L_rate))
-    by_rate = -p.EA * p.damping * length / (L * L)
-    for i, sign in ((0, -1.0), (3, 1.0)):
-        add_col(K, i, INPUT, sign * by_length, u)
-        add_col(C, i, INPUT, sign * by_rate, u)
-
-
-def _functions(natural, add_by_natural):
-    """Return ``force``, ``observe`` and ``event_values`` for a natural length (p, at) -> (value, rate)."""
+def _functions(natural):
+    """Return ``residual``, ``observe`` and ``event_values`` for a natural length (p, at) -> (value, rate)."""
 
     @kernel
-    def force(p, at, f, K, C, M):
-        """Add f = (-N u, N u) [N], (6,), and the inertia of the line, with their tangents K, C, M (6, 6).
+    def residual(p, at, f):
+        """Add f = (-N u, N u) [N], (6,), and the inertia of the line.
 
         N = EA (eps + c d eps/dt) with eps = l/L - 1, the unit vector u from the first to the second node, l their
-        distance and L the natural length; N = 0 unless taut. A natural length that is a signal adds a column.
+        distance and L the natural length; N = 0 unless taut.
         """
-        add_line_inertia(p, at.a, f, M)
-        if at.phase != TAUT:
-            return
-        length, rate, geometry = line(at.q, at.v)
-        L, L_rate = natural(p, at)
-        N = _tension(p, *strained(length, rate, L, L_rate))
-        N_length = p.EA / L * (1.0 - p.damping * L_rate / L)
-        add_line_force(f, K, C, rate, geometry, N, N_length, p.EA * p.damping / L)
-        add_by_natural(p, at, length, rate, geometry[1], K, C)
+        add_line_inertia(p, at.a, f)
+        if at.phase == TAUT:
+            length, rate, (_, u, _) = line(at.q, at.v)
+            add_line_force(f, _tension(p, *strained(length, rate, *natural(p, at))), u)
 
     @kernel
     def observe(p, at, F, y, e):
@@ -146,12 +125,12 @@ def _functions(natural, add_by_natural):
         g[0] = tautness
         g[1] = -tautness
 
-    return force, observe, event_values
+    return residual, observe, event_values
 
 
-def _cable_functions(natural, add_by_natural):
+def _cable_functions(natural):
     """Return the functions of a cable: those of a bar, and outputs that say whether it is taut."""
-    force, put, event_values = _functions(natural, add_by_natural)
+    residual, put, event_values = _functions(natural)
 
     @kernel
     def observe(p, at, F, y, e):
@@ -160,7 +139,7 @@ def _cable_functions(natural, add_by_natural):
         put_no_push(y)
         y[6] = 1.0 if at.phase == TAUT else 0.0
 
-    return {"force": force, "observe": observe, "event_values": event_values}
+    return {"residual": residual, "observe": observe, "event_values": event_values}
 
 
 def prepare(d, nodes, context):
@@ -290,7 +269,7 @@ OUTPUTS = (
 )
 
 DRAWN = Display("cable", axial="tension")
-BAR_FORCE, OBSERVE_BAR, _ = _functions(_of_time, _without_input)
+BAR_RESIDUAL, OBSERVE_BAR, _ = _functions(_of_time)
 BAR = Kind(
     name="bar",
     section="elements",
@@ -303,7 +282,8 @@ BAR = Kind(
     prepare=prepare,
     check=check,
     strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
-    force=BAR_FORCE,
+    residual=BAR_RESIDUAL,
+    inertia=line_inertia,
     observe=OBSERVE_BAR,
     variant=lambda d: BAR_BY_SIGNAL if is_formula(d["natural_length"]) else BAR,
     measures=MEASURES,
@@ -311,7 +291,7 @@ BAR = Kind(
 )
 BAR_BY_SIGNAL = replace(
     BAR, inputs=("natural_length",), variant=None,
-    **dict(zip(("force", "observe"), _functions(_of_signal, _add_by_input)[:2], strict=True)),
+    **dict(zip(("residual", "observe"), _functions(_of_signal)[:2], strict=True)),
 )  # fmt: skip
 
 CABLE = Kind(
@@ -334,11 +314,10 @@ CABLE = Kind(
     strains=(-np.inf, STRAIN_OF_STEEL),  # it may be slack
     sample=sample_cable,
     measures=MEASURES,
-    **_cable_functions(_of_time, _without_input),
+    inertia=line_inertia,
+    **_cable_functions(_of_time),
 )
-CABLE_BY_SIGNAL = replace(
-    CABLE, inputs=("natural_length",), variant=None, **_cable_functions(_of_signal, _add_by_input)
-)
+CABLE_BY_SIGNAL = replace(CABLE, inputs=("natural_length",), variant=None, **_cable_functions(_of_signal))
 
 RELEASED_CABLE, RELEASED_BY_SIGNAL = cut(CABLE, "cable"), cut(CABLE_BY_SIGNAL, "cable")
 
@@ -351,7 +330,8 @@ WOUND_CABLE = replace(
     memory=wound_line.MEMORY,
     prepare=prepare_wound,
     parts=lambda d, nodes, context: wound_line.wound_parts(prepare_wound(d, nodes, context)),
-    force=None,
+    residual=None,
+    inertia=None,
     observe=wound_line.observe,
     event_values=wound_line.event_values,
     commit=wound_line.commit,

@@ -27,7 +27,7 @@ import numpy as np
 from mecano.constraints.along_coordinate.law import LAW_RECORD, STILL, extension, law_values, report
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.joint_frame import at_one_place
-from mecano.constraints.line import line
+from mecano.constraints.line import add_line_force, line
 from mecano.constraints.stop_phases import EVENTS, FAR, PHASES, put_stop_events
 from mecano.element_interface import Display, Kind, Measured, Output, record
 from mecano.jit.kernel import kernel
@@ -35,7 +35,6 @@ from mecano.laws.gas_spring import gas_force, gas_work
 from mecano.laws.probe import curve_at
 from mecano.laws.table import curve, law_force, terms_of
 from mecano.maths.dual import chain, number, select, sqrt, value
-from mecano.maths.vector import add_vec
 from mecano.schema import CURVE, LAW, NODE_PAIR, NUMBER, Field, mapping, positive
 
 OIL = 6  # local unknown: compression c of the oil [m], measured along the stroke
@@ -81,8 +80,7 @@ def residual(p, at, f):
     e, oil, oil_rate = extension(p, STILL, length), number(at.q[OIL]), number(at.v[OIL])
     F_h = through_orifice(p, at, e, -rate - oil_rate)
     N = gas_pull(p, e) + p.ambient * p.gas_area - F_h + law_force(at.laws, p.law, e, rate)
-    add_vec(f, 0, -N, along)
-    add_vec(f, 3, N, along)
+    add_line_force(f, N, along)
     f[OIL] += p.oil_stiffness * oil - F_h
 
 

@@ -20,14 +20,13 @@ from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.constraints.along_coordinate.law import LAW_RECORD, extension, law_values, report, with_set_point
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.joint_frame import at_one_place
-from mecano.constraints.line import line
+from mecano.constraints.line import add_line_force, line
 from mecano.constraints.release import with_release
 from mecano.constraints.stop_phases import EVENTS, PHASES, put_stop_events
 from mecano.element_interface import Display, Kind, Measured, Output, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.laws.table import law_force
-from mecano.maths.vector import add_vec
 from mecano.schema import CONTINUOUS_DRIVE, LAW, NODE_PAIR, Field, not_negative
 
 RECORD = record(**LAW_RECORD)
@@ -45,9 +44,7 @@ def _functions(set_point):
     @kernel
     def residual(p, at, f):
         length, rate, (_, u, _) = line(at.q, at.v)
-        N = _force(p, at, length, rate, set_point(p, at))
-        add_vec(f, 0, -N, u)
-        add_vec(f, 3, N, u)
+        add_line_force(f, _force(p, at, length, rate, set_point(p, at)), u)
 
     @kernel
     def observe(p, at, F, y, e):
