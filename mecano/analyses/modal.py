@@ -9,9 +9,9 @@ from mecano.analyses.equilibria import follow
 from mecano.analyses.initial_state import describe, set_initial_state
 from mecano.analyses.load_state import rest_at, state_at
 from mecano.analyses.prepare import integrator_of, prepare, startup_warnings
+from mecano.element_interface import RELEASES
 from mecano.errors import UsageError
 from mecano.post.recovered import nodes_inside, recovered
-from mecano.post.shapes import RELEASES
 from mecano.process.interrupt import abandonable
 from mecano.results.lock import locked
 from mecano.results.modes_file import write_modes

@@ -9,13 +9,13 @@ from dataclasses import replace
 from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.trigger import TRIGGER, check_trigger, trigger_of
 from mecano.constraints.of_coordinates import RELEASED
-from mecano.element_interface import Event
+from mecano.element_interface import RELEASES, Event
 from mecano.jit.kernel import kernel
 from mecano.schema import Field
 
 INPUT = 12  # local index of the trigger, after the positions and rotations of two nodes
 FIRST_ROW = INPUT + 1
-EVENT = Event("releases", "held", "free", "the joint is released")
+EVENT = Event(RELEASES, "held", "free", "the joint is released")
 RELEASE = Field("release", TRIGGER, "-", "release of the joint: {time: ...} or {when: ...}", None)
 
 
@@ -67,7 +67,7 @@ def cut(kind, what):
 
     phases = kind.phases if kind.events else (ATTACHED_PHASE,)
     releases = tuple(
-        Event("releases", phase, RELEASED_PHASE, f"the {what} is released", changes_energy=True) for phase in phases
+        Event(RELEASES, phase, RELEASED_PHASE, f"the {what} is released", changes_energy=True) for phase in phases
     )
     return replace(
         kind, name=f"{kind.name}_release", phases=(*phases, RELEASED_PHASE), events=(*kind.events, *releases),

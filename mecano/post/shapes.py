@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from mecano.element_interface import RELEASES
 from mecano.elements.joints.guiding_curve import drawn
 from mecano.model.mesh import divided_nodes, inner_names
 from mecano.post.belt_lines import belt_lines
@@ -17,7 +18,6 @@ BODY, MASS, ROD, SPRING, WHEEL, JOINT, SUPPORT = "body", "mass", "rod", "spring"
 CABLE = "cable"  # a thin rod
 GUIDE = "guide"  # a curve, of whose points none is a place of its own
 RIM_POINTS = 49
-RELEASES = "releases"  # name of the event after which a joint or element is not shown
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from dataclasses import replace
 from mecano.constraints.along_coordinate.trigger import TRIGGER, check_trigger, trigger_of
 from mecano.constraints.augmented_lagrangian import add_reaction
 from mecano.constraints.joint_samples import two_parallel
-from mecano.element_interface import LOCK, Display, Event, Kind, Output, Row, record
+from mecano.element_interface import LOCK, RELEASES, Display, Event, Kind, Output, Row, record
 from mecano.jit.kernel import kernel
 from mecano.laws.formula import difference_of
 from mecano.maths.so3 import exp, log
@@ -243,7 +243,7 @@ GRIP = Kind(
     phases=PHASES,
     events=(
         Event("closes", "open", "closed", "the command to close; a shock", LOCK),
-        Event("releases", "closed", "released", "the command to release"),
+        Event(RELEASES, "closed", "released", "the command to release"),
         Event("opens", "closed", "open", "the condition becomes false"),
     ),
     memory=tuple(f"held_{i}" for i in range(1, 7)),
