@@ -71,12 +71,8 @@ def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False,
     if any(not len(run.results.time) for run in runs):
         raise ResultsError(f"{', '.join(map(str, paths))}: no saved times yet")
     title = title or " | ".join(dict.fromkeys(run.title for run in runs))
-    times = times_of(at) if at else []
-    asked = asked_sheets(plots, spectra, runs)
-    if asked or times:
-        pictures = [(sheet, sheet_figure) for sheet in asked]
-    else:
-        pictures = _default_pictures(runs)
+    times, asked = times_of(at) if at else [], asked_sheets(plots, spectra, runs)
+    pictures = [(sheet, sheet_figure) for sheet in asked] if asked or times else _default_pictures(runs)
     names = [sheet.name for sheet, _ in pictures] + ["configurations"] * (len(runs) if times else 0)
     targets = _targets(names, output, kind, runs)
     for target in targets:
