@@ -32,7 +32,7 @@ class Verify:
         record = {
             "subject": subject, "what": what, "source": source, "count": found.size, "remark": remark,
             "found": text(found.flat[worst]), "reference": text(reference.flat[worst]),
-            "error": float(errors.flat[worst]), "tolerance": absolute if relative is None else relative,
+            "error": float(errors.flat[worst]), "tolerance": float(absolute if relative is None else relative),
             "measure": "absolute" if relative is None else "relative",
         }  # fmt: skip
         self.reported.append((PROPERTY, record))
