@@ -91,3 +91,21 @@ def test_a_cable_breaks_at_a_tension(verify):
     fall = speed[i] - 9.81 * (m.time - m.time[i]) - 10.0 * (m.time**2 - m.time[i] ** 2) / 2.0
     np.testing.assert_allclose(speed[after], fall[after], atol=1e-6)
     assert z[-1] < z[i]
+
+
+def test_the_motion_of_a_node_and_that_of_its_body_of_the_same_name():
+    """The centre of mass is (0, 0, -1) m from the node; about a fixed node it moves and the node does not."""
+    text = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {bar: {position: [0, 0, 0]}}
+    elements: {bar: {type: rigid_body, node: bar, mass: 2, center_of_mass: [0, 0, -1], inertia: [0.1, 0.1, 0.1]}}
+    joints: {pin: {type: hinge, nodes: [ground, bar], axis: [0, 1, 0]}}
+    initial: {velocities: [{nodes: [bar], angular_velocity: [0, 0.5, 0]}]}
+    signals: {of_node: bar.velocity.x, of_body: elements.bar.velocity.x}
+    time: {end: 0.1, step: 0.01}
+    """
+    m = RecordedRun(deck(text))
+    np.testing.assert_allclose(m["signals/of_node/value"], 0.0, atol=1e-12)
+    np.testing.assert_allclose(m["signals/of_body/value"], m["elements/bar/velocity"][:, 0], atol=1e-12)
+    assert np.abs(m["signals/of_body/value"]).min() > 0.3

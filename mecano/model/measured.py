@@ -1,8 +1,9 @@
 """Resolve the names of quantities in formulas.
 
 ``error`` is a signal, ``elbow.angle`` an output of an element, joint or load that can be measured (``Kind.measures``),
-``tip.position.z`` a component of the position, velocity or angular_velocity of a node, inertial. A name that occurs in
-several sections of the deck is prefixed by the section: ``joints.elbow.angle``.
+``tip.position.z`` a component of the position, velocity or angular_velocity of a node, inertial, also where an element
+of the same name has such an output. A name that otherwise occurs in several sections of the deck is prefixed by the
+section: ``joints.elbow.angle``.
 """
 
 import numpy as np
@@ -68,8 +69,8 @@ def meaning(name, entries, nodes):
         raise UnknownQuantity(f"there is no '{owner}' with a measurable '{rest}'", owner, known)
     offered = {section: _offered(section, owner, entries) for section in owners}
     found = [section for section in owners if rest in offered[section]]
-    if len(found) == 1:
-        return found[0], owner, rest
+    if len(found) == 1 or found[-1:] == ["nodes"]:
+        return found[-1], owner, rest
     if found:
         which = " or ".join(f"{section}.{name}" for section in found)
         raise UnknownQuantity(f"'{name}' is ambiguous: write {which}")
