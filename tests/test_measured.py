@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 from time_runs import RecordedRun, deck
 
+from mecano.analyses.prepare import prepare
+from mecano.model.signal_units import signal_units
+
 SWINGING = """
     mecano: 1
     gravity: [0, 0, -9.81]
@@ -109,3 +112,24 @@ def test_the_motion_of_a_node_and_that_of_its_body_of_the_same_name():
     np.testing.assert_allclose(m["signals/of_node/value"], 0.0, atol=1e-12)
     np.testing.assert_allclose(m["signals/of_body/value"], m["elements/bar/velocity"][:, 0], atol=1e-12)
     assert np.abs(m["signals/of_body/value"]).min() > 0.3
+
+
+@pytest.mark.parametrize(
+    ("formula", "unit"),
+    [
+        ("sin(pin.angle)", "-"), ("1 + tanh(pin.angle)", "-"), ("sqrt(abs(pin.angle))", "SI"), ("exp(pin.angle)", "SI"),
+        ("atan(pin.rate) - pin.angle", "rad"), ("-abs(pin.angle)", "rad"), ("max(pin.force.x, 2)", "N"),
+    ],
+)  # fmt: skip
+def test_functions_have_units_of_their_own(formula, unit):
+    of_pendulum = """
+        mecano: 1
+        gravity: none
+        nodes: {bob: {position: [0, 0, 0]}}
+        elements: {bob: {type: rigid_body, node: bob, mass: 1, inertia: [1, 1, 1]}}
+        joints: {pin: {type: hinge, nodes: [ground, bob], axis: [0, 0, 1]}}
+        signals: {read: "FORMULA"}
+        time: {end: 1, step: 0.1}
+        """
+    model = prepare(deck(of_pendulum.replace("FORMULA", formula))).system.model
+    assert signal_units(model) == {"signals/read/value": unit}

@@ -62,7 +62,8 @@ class _Units:
             if code in (NUMBER, INPUT, TIME):
                 stack.append({NUMBER: ANY, TIME: "s"}.get(code) or self._of_input(code, formula, x))
             elif code < ADD:
-                stack.append(OWN.get(code, stack.pop() if code in (NEGATIVE, ABS) else UNKNOWN))
+                operand = stack.pop()
+                stack.append(operand if code in (NEGATIVE, ABS) else OWN.get(code, UNKNOWN))
             else:
                 second, first = stack.pop(), stack.pop()
                 stack.append(_of_two(code, first, second))
