@@ -80,10 +80,11 @@ def test_a_contact_is_activated(friction):
 
 def test_a_spring_that_is_activated_and_released():
     """It acts between both instants: from 0.4 s it stops the cart in a quarter of a period and is released there."""
-    release = "elements.catch.release={when: time > 0.4 + pi/20}"
-    run = RecordedRun(input_deck("release", release, "time.step=5e-4"))
+    release, read = "elements.catch.release={when: time > 0.4 + pi/20}", "signals={force: catch.force}"
+    run = RecordedRun(input_deck("release", release, read, "time.step=5e-4"))
     assert [event.name for event in run.event_records if "catch" in event.element] == ["activates", "releases"]
     assert run["nodes/cart_1/position"][-1, 0] == pytest.approx(0.5, abs=1e-5)
+    np.testing.assert_allclose(run["signals/force/value"], run["elements/catch/force"], atol=1e-9)
     assert np.ptp(run["energy/balance"]) < 1e-4 * np.ptp(run["energy/kinetic"])
 
 

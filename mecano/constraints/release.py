@@ -100,7 +100,8 @@ def silent(kind, forces):
     def observe(p, at, F, y, e):
         put(p, at, F, y, e)
         if at.phase == phase:
-            e[:] = 0.0
+            for i in range(4):
+                e[i] = 0.0
             for i in forces:
                 y[i] = 0.0
 
