@@ -41,7 +41,8 @@ def build_up(times):
 
 def test_the_force_builds_up_over_the_relaxation_length(verify):
     """inputs/step_slip.yaml against an independent integration; the end is the closed form of Fiala."""
-    recorded = RecordedRun(input_deck("step_slip"))
+    recorded = RecordedRun(input_deck("step_slip", "signals={force: tire.lateral_force}"))
+    np.testing.assert_allclose(recorded["signals/force/value"], recorded["elements/tire/lateral_force"], atol=1e-6)
     force, way = recorded["elements/tire/lateral_force"].ravel(), V * recorded.time
     own = build_up(recorded.time)
     np.testing.assert_allclose(force[1:], own[1:], atol=5e-4 * own[-1])

@@ -55,7 +55,7 @@ from mecano.elements.wheels.tire_wheel import (
     range_of_law,
 )  # fmt: skip
 from mecano.jit.kernel import kernel
-from mecano.maths.dual import number, sqrt
+from mecano.maths.dual import number, select, sqrt
 from mecano.maths.vector import dot
 
 X, Y = 6, 7  # local unknowns
@@ -128,9 +128,9 @@ def compiled(law):
         put_rolling(p, at, k, forces(p, at.laws, carried(at, k.slip)), y, e)
         x1, y1 = at.v[X], at.v[Y]
         y[BEHIND], y[BEHIND + 1], y[BEHIND + 2], y[BEHIND + 3] = at.q[X], at.q[Y], x1, y1
-        d_t, d_l = damping(p, k.slip)
-        if at.phase == AIR:
-            d_t, d_l = DECAY * p.stiffness[0], DECAY * p.stiffness[1]
+        c_t, c_l = damping(p, k.slip)
+        d_t = select(at.phase == AIR, DECAY * p.stiffness[0], c_t)
+        d_l = select(at.phase == AIR, DECAY * p.stiffness[1], c_l)
         e[1] += 0.5 * (p.stiffness[0] * at.q[X] * at.q[X] + p.stiffness[1] * at.q[Y] * at.q[Y])
         e[2] += d_t * x1 * x1 + d_l * y1 * y1
 
