@@ -16,6 +16,7 @@ import numpy as np
 
 from mecano.errors import ConvergenceError, Failure
 from mecano.solve.linear.iteration import SINGULAR, Iterated, iterate
+from mecano.solve.statics.closing import apply_events
 from mecano.solve.statics.continuation import SHRINK
 from mecano.solve.statics.stability import freedom
 from mecano.solve.statics.static import CLOSED, PHASE_CHANGES
@@ -230,7 +231,7 @@ class Arc:
             hit = statics.monitor.values(s) > CLOSED * statics.length
             if not result.ok or not hit.any():
                 break
-            s, event_records = statics.monitor.apply(s, hit)
+            s, event_records = apply_events(statics, s, point.state, hit)
             reported += event_records
         trial = Trial(s, mu, ds, statics.judged(result, s, point.state))
         trial.found.event_records = tuple(reported)

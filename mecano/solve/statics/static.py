@@ -17,6 +17,7 @@ from mecano.solve.diagnostics.scales import Tolerances, balance, norms
 from mecano.solve.events.compliance import soften
 from mecano.solve.events.events import EventMonitor
 from mecano.solve.linear.iteration import iterate
+from mecano.solve.statics.closing import apply_events
 from mecano.solve.statics.velocity_constraints import NONE, VelocityConstraints
 from mecano.solve.time.increments import correct, largest, tangents
 
@@ -137,7 +138,7 @@ class Statics:
             hit = self.monitor.values(s) > CLOSED * self.length
             if not hit.any():
                 break
-            s, event_records = self.monitor.apply(s, hit)
+            s, event_records = apply_events(self, s, s0, hit)
             reported += event_records
         else:
             names = ", ".join(dict.fromkeys(f"{h.element} ({h.name})" for h in event_records))

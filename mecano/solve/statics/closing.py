@@ -1,0 +1,55 @@
+"""Events at an equilibrium: elements that change their phase hold where their event occurs on the way to it.
+
+A rigid stop, latch, contact or flank holds its place at the end of the step before, its memory (docs/shocks.md). Steps
+of time end at events; a step of statics passes them. The memory is therefore that on the straight way from the
+beginning of the step to the equilibrium, where the event value vanishes.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import brentq
+
+ROUNDING = 1e-15  # of the way
+
+
+def apply_events(statics, s, s0, hit):
+    """Return (state, [EventRecord]) of the equilibrium ``s`` with the events ``hit`` (n_events,) bool.
+
+    The displacement from ``s0`` to ``s``, in its phases before the events, passes the places of the events.
+    """
+    after, records = s, []
+    for i in np.flatnonzero(hit):
+        one = np.zeros_like(hit)
+        one[i] = True
+        phases = after.phases
+        after, found = statics.monitor.apply(after, one)
+        records += found
+        held = _memory_of(statics.system, after.phases != phases)
+        if held.any() and (place := _place(statics, s, s0, i)) is not None:
+            after = replace(after, memory=np.where(held, statics.system.commit(place), after.memory))
+    return after, records
+
+
+def _memory_of(system, elements):
+    """Return which items of the memory (n_memory,) belong to the ``elements`` (n_phases,) bool."""
+    parts = [np.repeat(elements[batch.phases], len(batch.kind.memory)) for batch in system.batches]
+    return np.concatenate([np.zeros(0, bool), *parts])
+
+
+def _place(statics, s, s0, i):
+    """Return the state between ``s0`` and ``s`` in which the event value i vanishes, or None."""
+    start, way = replace(s0, phases=s.phases), np.zeros(statics.system.n)
+    way[: statics.system.n_q] = statics.displacement(s, s0)
+
+    def at(share):
+        state = statics.begin(start)
+        statics.move(state, start, share * way, 1.0)
+        return state
+
+    def value(share):
+        return statics.monitor.values(at(share))[i]
+
+    if not value(0.0) < 0.0 < value(1.0):
+        return None
+    return at(brentq(value, 0.0, 1.0, xtol=ROUNDING, rtol=4.0 * np.finfo(float).eps))
