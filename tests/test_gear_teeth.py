@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from convergence import at_times
 from scipy.integrate import solve_ivp
-from time_runs import RecordedRun, deck, input_deck
+from time_runs import INPUTS, RecordedRun, deck, input_deck
 
 from mecano.analyses.modal import modes
 from mecano.errors import DeckError
@@ -206,10 +206,10 @@ def test_efficiency_of_a_planetary_gear(verify):
 PAIR = "joints.elastic"
 REFUSED = [
     ((f"{PAIR}.restitution=0.5",), "'restitution' applies to rigid teeth with 'backlash'"),
-    ((f"{PAIR}.teeth.impact_damping=0.5",), "'impact_damping' needs 'backlash'"),
-    ((f"{PAIR}.teeth.number=null",), "'variation' needs the 'number' of teeth"),
+    ((f"{PAIR}.teeth.impact_damping=0.5",), "'teeth.impact_damping' needs 'backlash'"),
+    ((f"{PAIR}.teeth.number=null",), "'teeth.variation' needs the 'number' of teeth"),
     ((f"{PAIR}.teeth.variation=[0.7, 0.4]",), "whose sum is less than 1"),
-    ((f"{PAIR}.teeth.phases=[0, 1]",), "'phases' must be as many as the amplitudes"),
+    ((f"{PAIR}.teeth.phases=[0, 1]",), "'teeth.phases' must be as many as the amplitudes"),
     (("joints.lossy.friction.efficiency=0",), "must be greater than 0 and at most 1"),
 ]
 
@@ -218,6 +218,14 @@ REFUSED = [
 def test_teeth_that_do_not_fit_are_refused(changes, text):
     with pytest.raises(DeckError, match=text):
         input_deck("gear_stages", *changes)
+
+
+def test_errors_of_teeth_point_at_their_values():
+    text = (INPUTS / "gear_stages.yaml").read_text().replace("variation: [0.2]", "variation: [1.2]")
+    with pytest.raises(DeckError) as info:
+        deck(text)
+    (problem,) = info.value.problems
+    assert text.splitlines()[problem.mark.line - 1][problem.mark.column - 1 :].startswith("[1.2]")
 
 
 RACK = (

@@ -112,11 +112,11 @@ def check_teeth(d):
     if teeth is None:
         return texts
     if teeth["impact_damping"] and not d["backlash"]:
-        texts.append("'impact_damping' needs 'backlash'; without play give 'damping'")
+        texts.append("'teeth.impact_damping' needs 'backlash'; without play give 'damping'")
     if teeth["variation"] and teeth["number"] is None:
-        texts.append("'variation' needs the 'number' of teeth")
+        texts.append("'teeth.variation' needs the 'number' of teeth")
     if sum(map(abs, teeth["variation"])) >= 1.0:
-        texts.append("'variation' must have amplitudes whose sum is less than 1, for a stiffness above zero")
+        texts.append("'teeth.variation' must have amplitudes whose sum is less than 1, for a stiffness above zero")
     if teeth["phases"] and len(teeth["phases"]) != len(teeth["variation"]):
-        texts.append("'phases' must be as many as the amplitudes of 'variation'")
+        texts.append("'teeth.phases' must be as many as the amplitudes of 'variation'")
     return texts

@@ -1,4 +1,4 @@
-"""Position of an error in an element: one of its fields, or a value in the law or ground that the field names."""
+"""Position of an error in an element: one of its fields, or a value in it, also of the law or ground that it names."""
 
 import re
 
@@ -17,11 +17,13 @@ def pointed_at(text, kind, entry, root):
     key, node = entry
     match = PATH.match(text)
     field = match and next((field for field in kind.fields if field.name == match[1]), None)
-    if not field or field.type.name not in SECTION_OF:
+    if not field:
         return place_of(text, node, key)
-    section, (_, named) = SECTION_OF[field.type.name], node.value[field.name]
-    place, at = root.value[section][1].value[named.value]
-    for word in match[2][1:].split("."):
+    place, at, words = key, node, [match[1], *match[2][1:].split(".")]
+    if field.type.name in SECTION_OF:
+        section, (_, named) = SECTION_OF[field.type.name], node.value[field.name]
+        (place, at), words = root.value[section][1].value[named.value], words[1:]
+    for word in words:
         if type(at.value) is not dict or word not in at.value:
             break
         _, at = at.value[word]
