@@ -2,7 +2,9 @@
 
 import numpy as np
 from small_motions import eigenvalues
-from time_runs import RecordedRun, input_deck
+from time_runs import INPUTS, RecordedRun, input_deck
+
+from mecano.deck.read import read_deck
 
 SERVO = "Signals and control"
 GAIN, K, DAMPING, I = 10.0, 3.0e4, 300.0, 0.5 + 0.2 + 10.0 * 0.05**2  # 1/s, N m/rad, N m s/rad, kg m2
@@ -30,16 +32,21 @@ def test_the_collar_follows_the_command(verify):
     assert units["signals/opening/value"] == "-"
 
 
-def test_poles_of_the_servo(verify):
+def test_poles_of_the_servo(verify, tmp_path):
     """I theta'' = K (s - theta) + DAMPING (s' - theta') - TRAIL F, s' = -GAIN theta.
 
     (RELAXATION/V) F' + F = C (theta + TRAIL theta'/V).
+    A signal that reads a reaction of the tyre has no pole: all poles found are these, and zeros.
     """
-    found = eigenvalues(input_deck("nose_wheel_steering"))
+    text = (INPUTS / "nose_wheel_steering.yaml").read_text()
+    deck = tmp_path / "gauge.yaml"
+    deck.write_text(text.replace("signals:\n", "signals:\n  side_load: tyre.lateral_force\n", 1))
+    found = eigenvalues(read_deck(deck))
     collar = np.polymul([I, DAMPING, K], [1.0, 0.0])
     servo = np.polymul([DAMPING, K], [GAIN])
     tyre = TRAIL * C * np.array([TRAIL / SPEED, 1.0, 0.0])
     polynomial = np.polyadd(np.polymul(np.polyadd(collar, servo), [RELAXATION / SPEED, 1.0]), tyre)
     expected = np.array(sorted(np.roots(polynomial), key=lambda x: (abs(x), x.imag)))
     nearest = np.array([found[np.argmin(np.abs(found - pole))] for pole in expected])
+    assert np.count_nonzero(found) == len(expected)
     verify(SERVO, "poles of the steering [1/s]", nearest, expected, "roots of their polynomial", relative=1e-6)

@@ -6,6 +6,7 @@ import scipy.sparse.linalg as spla
 
 SYMMETRIC = 1e-9  # of the largest entry: largest asymmetry of a symmetric stiffness
 ROUNDED = 1e-8  # of the largest stiffness: lower bound of the magnitude to which residuals are relative
+ROUNDED_REACTION = 1e-12  # of the largest factor of a multiplier in a signal: rounding
 BALANCED = 20  # rounds of the balance of signals
 DENSE_ROWS = 1200  # motions up to which multipliers are found by dense least squares
 
@@ -46,7 +47,12 @@ class SmallMotions:
         parts = _least(D[motions].T.tocsr(), D[read].T.toarray())
         at = np.repeat(read, len(motions)), np.tile(motions, len(read))
         rows = sp.csr_matrix((parts.T.ravel(), at), matrices[2].shape)
-        return tuple((A - rows @ A).tocsr() for A in matrices)
+        M, C, K = ((A - rows @ A).tocsr() for A in matrices)
+        rest = K.tocoo()  # rounding of multipliers would keep a signal that acts on nothing among the unknowns
+        rounded = np.isin(rest.row, read) & (rest.col >= self.n_q)
+        rounded &= np.abs(rest.data) <= ROUNDED_REACTION * abs(D[read]).max()
+        at = rest.row[~rounded], rest.col[~rounded]
+        return M, C, sp.csr_matrix((rest.data[~rounded], at), K.shape)
 
     def _read(self, K):
         """Return (n_q,) bool: equations in which multipliers occur."""
