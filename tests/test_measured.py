@@ -5,6 +5,7 @@ import pytest
 from time_runs import RecordedRun, deck
 
 from mecano.analyses.prepare import prepare
+from mecano.errors import DeckError
 from mecano.model.signal_units import signal_units
 
 SWINGING = """
@@ -133,3 +134,12 @@ def test_functions_have_units_of_their_own(formula, unit):
         """
     model = prepare(deck(of_pendulum.replace("FORMULA", formula))).system.model
     assert signal_units(model) == {"signals/read/value": unit}
+
+
+def test_an_unknown_name_in_what_is_measured_is_the_only_error():
+    """The outputs of a wheel depend on its tyre law; if this is unknown, only its name is reported."""
+    text = SWINGING.replace("TYPE", "wheel").replace("PROPERTIES", CASES["wheel that slips"][1])
+    text = text.replace("SIGNALS", "slip: measured.slip_ratio").replace("tire_law: rubber", "tire_law: ruber")
+    with pytest.raises(DeckError) as error:
+        deck(text)
+    assert [problem.message for problem in error.value.problems] == ["wheel 'measured': unknown tire law 'ruber'"]

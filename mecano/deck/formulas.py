@@ -121,9 +121,12 @@ def _noted(found, node, scope):
 def check_formulas(values, scope):
     """Note errors for names in formulas that are unknown or ambiguous in the checked ``values`` of a deck."""
     entries = {(s, name): (scope.kinds[d["type"]], d) for s in SECTIONS for name, d in values[s].items()}
+    wrong = {name for (_, name), (_, d) in entries.items() if any(type(value) is Reference for value in d.values())}
     for found, node, subject in scope.formulas:
         scope.subject = subject
         for name, column in zip(found.references, found.columns, strict=True):
+            if wrong.intersection(name.split(".")):
+                continue  # its outputs depend on what an unknown name should refer to
             try:
                 meaning(name, entries, values["nodes"])
             except UnknownQuantity as error:
