@@ -3,7 +3,9 @@ r"""PID controller with limits and anti-windup.
 With the input e, the control error,
 
 .. math::
-   u = K_P\, e + x_I + \frac{K_D}{T_D} (e - x_D), \qquad y = \min(\max(u, y_{min}), y_{max}), \\
+   u = K_P\, e + x_I + \frac{K_D}{T_D} (e - x_D), \qquad y = \min(\max(u, y_{min}), y_{max}),
+
+.. math::
    \dot x_I = K_I\, e + (y - u)/T_t, \qquad T_D\, \dot x_D = e - x_D
 
 The derivative is filtered with the time constant :math:`T_D`. At a limit the integral is reset with the tracking time

@@ -9,7 +9,7 @@ the material of the surface at the contact C, which moves with v_g = v_a + omega
     slip velocity        v_C = (I - n n^T)(v + omega x r c - v_g)
     force and moment     F, M of the slip law; its velocity of the axle is (I - n n^T)(v - v_g), omega is relative
 
-The contact on a drum follows the lean and the heading of the wheel (constraints/carried_surface.py). The force F + N n
+The contact on a drum follows the lean and the heading of the wheel. The force F + N n
 acts at C on the wheel and with the opposite sign on the body, and so does M: momentum is exchanged between both, and
 the work of a driven drum is supplied by its motor, not by this element. Motions of the first node may be prescribed.
 
