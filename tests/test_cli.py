@@ -461,11 +461,23 @@ class TestCatalogue:
     @pytest.mark.parametrize("name", [*KINDS, *TERMS, *(section.name for section in SECTIONS)])
     def test_explain_says_all_of_it(self, call, name):
         code, out, _ = call("explain", name)
-        assert code == 0 and name in out and ":math:" not in out and ".. math::" not in out
+        assert code == 0 and name in out and ":math:" not in out and ".. math::" not in out and "\\" not in out
         if name in KINDS:
             for item in (*KINDS[name].fields, *KINDS[name].outputs):
                 unit = "" if item.unit == "-" else f" [{item.unit}]"
                 assert f"\n  {item.name}{unit}" in out
+
+    @pytest.mark.parametrize(
+        ("name", "event"),
+        [
+            ("wheel", "touch_down"),
+            ("hinge", "meets upper stop"),
+            ("hinge", "locks"),
+            ("gear_pair", "leaves upper flank"),
+        ],
+    )
+    def test_explain_lists_the_events_of_options_and_variants(self, name, event):
+        assert f"\n  {event}: " in explain(name)
 
     @pytest.mark.parametrize("name", [*KINDS, *SHAPES, *TERMS])
     def test_explain_names_no_source_files(self, name):

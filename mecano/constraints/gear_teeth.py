@@ -8,10 +8,9 @@ from mecano.constraints.along_coordinate.stops import STOP_PHASES
 from mecano.constraints.backlash import EVENTS, backlash_events, backlash_kind, side_of
 from mecano.constraints.coordinates.coordinate import rate_of
 from mecano.constraints.elastic_teeth import TEETH, check_teeth, elastic_teeth, teeth_values
-from mecano.constraints.stop_phases import EVENTS as ELASTIC_EVENTS
 from mecano.constraints.stop_phases import PHASES as ELASTIC_PHASES
 from mecano.constraints.tooth_friction import FRICTION, friction_values, tooth_friction, tooth_friction_kind
-from mecano.element_interface import Kind, Output, Part, record
+from mecano.element_interface import Event, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.schema import NUMBER, Field, not_negative, share
 
@@ -27,6 +26,15 @@ FIELDS = (
     TEETH,
     FRICTION,
 )  # fmt: skip
+ELASTIC_EVENTS = tuple(
+    event
+    for side, beyond in (("lower", "below"), ("upper", "above"))
+    for event in (
+        Event(f"meets {side} flank", "between", beyond, "elastic teeth touch, without a shock"),
+        Event(f"leaves {side} flank", beyond, "between", "elastic teeth part"),
+    )
+)
+"""In the order of ``stop_phases.put_stop_events``."""
 OUTPUTS = (
     Output("transmission_error", "m", "travel of the pitch circles relative to one another; 0 if rigid without play"),
     Output("dissipated_power", "W", "power dissipated by friction and damping of the teeth"),

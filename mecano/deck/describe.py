@@ -4,6 +4,8 @@ import math
 from dataclasses import replace
 from textwrap import wrap
 
+import numpy as np
+
 from mecano.deck.examples import example_lines
 from mecano.model.measured import measurable
 from mecano.schema import Field
@@ -24,10 +26,21 @@ def describe(kind):
     if kind.multipliers:
         parts += ["", "Multipliers"]
         parts += [f"  {row.name} [{row.unit}]" for row in kind.multipliers]
-    if kind.events:
-        parts += ["", "Events"]
-        parts += [f"  {event.name}: {event.doc}" for event in kind.events]
+    parts += _event_lines("Events", [kind, *_variants(kind)])
     return "\n".join([*parts, *example_lines(kind.name, kind.section, WIDTH)]) + "\n"
+
+
+def _variants(kind):
+    """Return the variants of a kind for the deck values of its samples."""
+    samples = kind.samples(np.random.default_rng(0)) if kind.variant else []
+    defaults = {field.name: field.default for field in kind.fields}
+    return [kind.chosen({**defaults, **values}) for values, *_ in samples]
+
+
+def _event_lines(heading, kinds):
+    """Return the lines on the events of ``kinds``, each event once."""
+    lines = dict.fromkeys(f"  {event.name}: {event.doc}" for kind in kinds for event in kind.events)
+    return ["", heading, *lines] if lines else []
 
 
 def _option(field, found):
@@ -37,7 +50,8 @@ def _option(field, found):
         lines += ["", doc.strip()]
     lines += ["", f"Outputs with '{field}'"]
     named = [replace(output, name=output.name + label) for part, label in found for output in part.outputs]
-    return lines + output_lines(dict.fromkeys(named))
+    lines += output_lines(dict.fromkeys(named))
+    return lines + _event_lines(f"Events with '{field}'", [part for part, _ in found])
 
 
 def describe_shape(shape):
