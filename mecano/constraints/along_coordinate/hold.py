@@ -77,10 +77,11 @@ def _turn_between(c, wanted):
     return wrap(c - wanted)
 
 
-def holding(coordinate, target, side):
-    """Return ``force`` and ``constraint_derivatives`` that hold a coordinate: side (c - target) = 0.
+def holding(coordinate, target):
+    """Return ``force`` and ``constraint_derivatives`` that hold a coordinate c: side (c - wanted) = 0.
 
-    ``target(p, at)`` returns a value and its two rates, ``side(at)`` 1 or -1, or 0 where the constraint is inactive.
+    ``target(p, at)`` returns the side, 1 or -1, or 0 where the constraint is inactive; the wanted value, and its two
+    rates.
     """
     value, gradient, add_curvature = coordinate.value, coordinate.gradient, coordinate.add_curvature
     rates, row = coordinate.rates, coordinate.row
@@ -88,57 +89,58 @@ def holding(coordinate, target, side):
 
     @kernel
     def force(p, at, f, K, C, M):
-        sign = side(at)
-        if sign != 0.0:
-            Phi, multiplier = difference(value(p, at), target(p, at)[0]), sign * at.q[row]
-            g = add_constraint(f, K, row, sign * at.k, at.penalty, Phi, multiplier, gradient(p, at))
+        side, wanted, _, _ = target(p, at)
+        if side != 0.0:
+            Phi, multiplier = difference(value(p, at), wanted), side * at.q[row]
+            g = add_constraint(f, K, row, side * at.k, at.penalty, Phi, multiplier, gradient(p, at))
             add_curvature(p, at, g, K)
         else:
             deactivate(f, K, row, at.k, at.q[row])
 
     @kernel
     def constraint_derivatives(p, at, g):
-        sign = side(at)
+        side, wanted, wanted_rate, wanted_second = target(p, at)
         g[:] = 0.0
-        if sign != 0.0:
-            (rate, second), wanted = rates(p, at), target(p, at)
-            Phi = sign * difference(value(p, at), wanted[0])
-            put_derivatives(g, 0, Phi, sign * (rate - wanted[1]), sign * (second - wanted[2]))
+        if side != 0.0:
+            rate, second = rates(p, at)
+            Phi = side * difference(value(p, at), wanted)
+            put_derivatives(g, 0, Phi, side * (rate - wanted_rate), side * (second - wanted_second))
 
     return {"force": force, "constraint_derivatives": constraint_derivatives}
 
 
 @kernel
-def always(at):
-    """Return 1: the side of a constraint that is never inactive."""
-    return 1.0
-
-
-@kernel
-def _until_released(at):
-    return 1.0 if at.phase == HELD else 0.0
-
-
-@kernel
 def _at_offset(p, at):
-    return p.offset, 0.0, 0.0
+    return 1.0, p.offset, 0.0, 0.0
+
+
+@kernel
+def _until_released(p, at):
+    return 1.0 if at.phase == HELD else 0.0, p.offset, 0.0, 0.0
 
 
 def hold_kind(name, doc, coordinate, row):
     """Return the Kind that holds a coordinate at the ``offset`` of its record; ``row`` names the multiplier."""
-    return _kind(name, doc, coordinate, row, {"offset": ()}, holding(coordinate, _at_offset, always))
+    return _kind(name, doc, coordinate, row, {"offset": ()}, holding(coordinate, _at_offset))
 
 
 def release_kind(name, doc, coordinate, row):
     """Return the Kind that holds a coordinate at its ``offset`` in the phase "held", and not in the phase "free"."""
-    kind = _kind(name, doc, coordinate, row, {"offset": ()}, holding(coordinate, _at_offset, _until_released))
+    kind = _kind(name, doc, coordinate, row, {"offset": ()}, holding(coordinate, _until_released))
     ((values, nodes, _),) = kind.sample(np.random.default_rng(0))
     return replace(kind, phases=RELEASE_PHASES, sample=lambda rng: [(values, nodes, phase) for phase in RELEASE_PHASES])
 
 
 def drive_kind(name, doc, coordinate, row, motion=BY_LAW):
     """Return the Kind that holds a coordinate at a ``motion``; ``row`` names the multiplier."""
-    return _kind(name, doc, coordinate, row, motion.fields, holding(coordinate, motion.at, always))
+    moving = motion.at
+
+    @kernel
+    def target(p, at):
+        wanted, rate, second = moving(p, at)
+        return 1.0, wanted, rate, second
+
+    return _kind(name, doc, coordinate, row, motion.fields, holding(coordinate, target))
 
 
 def _kind(name, doc, coordinate, row, fields, functions):

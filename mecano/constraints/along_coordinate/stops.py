@@ -38,19 +38,13 @@ STOP_EVENTS = (
 
 
 @kernel
-def _reached(p, at):
-    """Return the value at which the coordinate is held, and its rates."""
-    return at.m[0], 0.0, 0.0
+def _locked(p, at):
+    return 1.0 if at.phase == LOCKED else 0.0, at.m[0], 0.0, 0.0
 
 
 @kernel
-def _locked(at):
-    return 1.0 if at.phase == LOCKED else 0.0
-
-
-@kernel
-def _stopped(at):
-    return 0.0 if at.phase == BETWEEN else 1.0 if at.phase == LOWER else -1.0
+def _stopped(p, at):
+    return 0.0 if at.phase == BETWEEN else 1.0 if at.phase == LOWER else -1.0, at.m[0], 0.0, 0.0
 
 
 def latch_kind(name, doc, coordinate):
@@ -78,7 +72,7 @@ def latch_kind(name, doc, coordinate):
         ),
         multipliers=(Row(f"{what} of the latch", unit, coordinate.unit),),
         phases=LATCH_PHASES, events=LATCH_EVENTS, memory=("held",), sample=_samples(coordinate, LATCH_PHASES),
-        **holding(coordinate, _reached, _locked), observe=observe, event_values=event_values, commit=commit,
+        **holding(coordinate, _locked), observe=observe, event_values=event_values, commit=commit,
     )  # fmt: skip
 
 
@@ -105,7 +99,7 @@ def stop_kind(name, doc, coordinate):
 
     @kernel
     def observe(p, at, F, y, e):
-        side = _stopped(at)
+        side, _, _, _ = _stopped(p, at)
         y[0], y[1] = side * at.q[row], 0.0 - side  # not -0
 
     @kernel
@@ -127,7 +121,7 @@ def stop_kind(name, doc, coordinate):
         ),
         multipliers=(Row(f"{what} of the stop", unit, coordinate.unit, unilateral=True),),
         phases=STOP_PHASES, events=STOP_EVENTS, memory=("held",), sample=_samples(coordinate, STOP_PHASES),
-        **holding(coordinate, _reached, _stopped), observe=observe, event_values=event_values, commit=commit,
+        **holding(coordinate, _stopped), observe=observe, event_values=event_values, commit=commit,
     )  # fmt: skip
 
 
