@@ -76,6 +76,12 @@ def test_signals_may_need_one_another():
     np.testing.assert_allclose(m["joints/rail/velocity"], 3.0 * m.time, atol=1e-12)
 
 
+def test_signals_of_very_different_size_may_need_one_another():
+    """first = 1 + 1e30 second, second = 0.5e-30 first: first = 2."""
+    text = LOOP.replace('"2 + 0.5*first"', '"0.5e-30*first"').replace("SIGNAL", '"1 + 1e30*second"')
+    np.testing.assert_allclose(RecordedRun(deck(text))["signals/first/value"], 2.0, rtol=1e-9)
+
+
 def test_signals_that_do_not_determine_one_another_are_refused():
     """A circle is named, without the signals that it reads and that read it, before a run and at its start."""
     circle = "signals form a loop without a unique solution: formula 'first' -> formula 'second' -> "

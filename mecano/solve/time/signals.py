@@ -91,7 +91,8 @@ def _decomposed(J):
     import scipy.linalg as la  # not imported for decks without signals
 
     reserve_blas_buffer(la.lapack.dgesv)
-    balanced, (scales, _) = la.matrix_balance(J, permute=False, separate=True)
+    with np.errstate(invalid="ignore"):  # large scales are not numbers of a permutation, which is not asked for
+        balanced, (scales, _) = la.matrix_balance(J, permute=False, separate=True)
     return scales, np.linalg.svd(balanced)
 
 

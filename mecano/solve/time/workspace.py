@@ -140,7 +140,7 @@ class Workspace:
     def point_to(self, **values):
         """Set fields of the record: numbers, and addresses of arrays, which are kept."""
         for name, value in values.items():
-            if isinstance(value, np.ndarray):
+            if type(value) is np.ndarray:
                 self._kept[name] = value
                 value = value.ctypes.data
             self.record[name] = value
