@@ -91,6 +91,7 @@ def _event_values(kind, leaving):
 
     @kernel
     def event_values(p, at, g):
+        """Write the own values, and the trigger to the activation whose phase is not left at once."""
         put(p, at, g)
         due, i = at.q[trigger], n
         g[n] = due

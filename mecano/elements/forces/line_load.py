@@ -50,6 +50,8 @@ def _share(name, layout, components):
     """
 
     def kind(demand):
+        """Return the Kind for a compiled ``demand`` (p, at) -> value of the load."""
+
         @kernel
         def residual(p, at, f):
             add_vec(f, 0, -demand(p, at), components(p, at))

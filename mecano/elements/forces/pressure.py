@@ -80,10 +80,8 @@ def _across(d, nodes):
 def parts(d, nodes, context):
     """Return the Parts: the pressed segments."""
     by_signal = is_formula(d["value"])
-    reads, shared = (
-        (d["value"],) if by_signal else (),
-        {"half_width": 0.5 * d["width"], "law": law_of(d["value"], context)},
-    )
+    reads = (d["value"],) if by_signal else ()
+    shared = {"half_width": 0.5 * d["width"], "law": law_of(d["value"], context)}
     found = []
     for i, b in enumerate(_across(d, nodes)):
         in_nodes = [nodes[j][1].T @ b / np.linalg.norm(b) for j in (i, i + 1)]

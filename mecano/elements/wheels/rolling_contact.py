@@ -9,8 +9,8 @@ from mecano.constraints.ground import touch
 from mecano.element_interface import Output
 from mecano.elements.wheels.ground_surface import Surface, surface_at
 from mecano.elements.wheels.slip_law import Slip, default_values
-from mecano.elements.wheels.tire_law import radial_force
-from mecano.elements.wheels.tire_wheel import CONTACT, Grip, large_wheel, put_tire
+from mecano.elements.wheels.tire_law import radial_force, slip_law_of
+from mecano.elements.wheels.tire_wheel import CONTACT, Grip, large_wheel, put_tire, range_of_law
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import atan2, select, sqrt
 from mecano.maths.surface import Contact, directions
@@ -100,6 +100,11 @@ def event_values(p, at, g):
     contact = touch(p, at.laws, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0))
     g[0] = p.radius - contact.r
     g[1] = contact.r - p.radius
+
+
+def limits(d):
+    """Return the limits of the radial law and of the slip law."""
+    return range_of_law(d) + slip_law_of(d["tire_law"]).limits(d["tire_law"])
 
 
 def law_samples(rng, law):

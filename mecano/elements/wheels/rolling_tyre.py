@@ -61,6 +61,7 @@ def rolling_law(law):
 
     @kernel
     def rolled_forces(p, laws, k):
+        """Return the SlipForces at the contact ``k`` (a Slip) with the moment about the axle."""
         ground = forces(p, laws, k)
         a, extra = _axis(k), p.undeflected * at_least(k.w, 0.0)
         spin, r_e = dot(a, k.omega), p.radius - k.w + extra

@@ -33,6 +33,7 @@ from mecano.elements.wheels.rolling_contact import (
     add_ground,
     event_values,
     law_samples,
+    limits,
     put_rolling,
     rolling,
     with_slip,
@@ -52,7 +53,6 @@ from mecano.elements.wheels.tire_wheel import (
     TYRE_DISPLAY,
     check_wheel,
     prepare_wheel,
-    range_of_law,
 )  # fmt: skip
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select, sqrt
@@ -174,11 +174,6 @@ def check(d, nodes):
             "'carcass_stiffness' of fiala; PTX1 and PTY1, or LONGITUDINAL_STIFFNESS and LATERAL_STIFFNESS, of a file"
         ]
     return []
-
-
-def limits(d):
-    """Return the limits of the radial law and of the slip law."""
-    return range_of_law(d) + slip_law_of(d["tire_law"]).limits(d["tire_law"])
 
 
 def prepare(d, nodes, context):

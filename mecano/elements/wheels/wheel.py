@@ -38,6 +38,7 @@ from mecano.elements.wheels.rolling_contact import (
     add_ground,
     event_values,
     law_samples,
+    limits,
     put_rolling,
     rolling,
     with_slip,
@@ -56,7 +57,6 @@ from mecano.elements.wheels.tire_wheel import (
     check_wheel,
     large_wheel,
     prepare_wheel,
-    range_of_law,
 )  # fmt: skip
 from mecano.jit.kernel import kernel
 
@@ -105,11 +105,6 @@ def variant(d):
     """Return the kind with the slip law of the tyre."""
     law = slip_law_of(d["tire_law"])
     return WHEEL if law is FRICTION else with_law(law)
-
-
-def limits(d):
-    """Return the limits of the radial law and of the slip law."""
-    return range_of_law(d) + slip_law_of(d["tire_law"]).limits(d["tire_law"])
 
 
 def prepare(d, nodes, context):

@@ -38,7 +38,7 @@ from mecano.constraints.ground import LEAST_Q, ends, too_low
 from mecano.element_interface import Display, Kind, record
 from mecano.elements.wheels.ground_surface import Surface
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
-from mecano.elements.wheels.rolling_contact import add_ground, law_samples, put_rolling, rolling_on, with_slip
+from mecano.elements.wheels.rolling_contact import add_ground, law_samples, limits, put_rolling, rolling_on, with_slip
 from mecano.elements.wheels.rolling_tyre import with_rolling
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, check_tire_law, prepare_radial, slip_law_of
@@ -50,7 +50,6 @@ from mecano.elements.wheels.tire_wheel import (
     PHASES,
     deepest,
     large_wheel,
-    range_of_law,
 )
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import constant
@@ -176,11 +175,6 @@ def _check_place(d, nodes):
         return [f"the wheel's centre is {-g.r * g.q:.4g} m beyond the surface, on the side away from it"]
     depth, (most, limit) = law["radius"] - g.r, deepest(law)
     return [too_low(depth, depth * g.q, limit)] if depth > most else []
-
-
-def limits(d):
-    """Return the limits of the radial law and of the slip law."""
-    return range_of_law(d) + slip_law_of(d["tire_law"]).limits(d["tire_law"])
 
 
 def sample(rng):
