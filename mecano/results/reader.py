@@ -1,32 +1,26 @@
 """Reading of results files: complete, still being written, killed, or truncated."""
 
-import json
 import os
 import platform
-import time as clocks
-from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 from mecano.element_interface import SECTIONS
 from mecano.errors import ResultsError
 from mecano.model.mesh import piece_names
 from mecano.model.model import title_of
-from mecano.results.checked import UNREADABLE, checked, unreadable
 from mecano.results.checkpoints import latest
 from mecano.results.layout import EVENT_NUMBERS, EVENT_TEXTS, EXTREMES, FORMAT, FORMAT_VERSION, Layout
 from mecano.results.lookup import Lookup
+from mecano.results.opened_file import OpenedFile
 from mecano.results.provenance import began, lives, read_displays
-from mecano.results.readable_rows import rows_within
 from mecano.results.reason import parted
 from mecano.results.run_attributes import ENDS, read_attributes
 
-_ATTEMPTS = 5
 _CLOCKS = 60.0  # s by which clocks may have been set
 MOST_NUMBERS = 2**24  # of a table that is kept in memory: 128 MB
 _KEPT = tuple(
@@ -107,34 +101,26 @@ class Results:
         self._open()
 
     def _open(self):
-        self._file = self._source = None
+        self._file = None
         for name in _KEPT:
             self.__dict__.pop(name, None)
         try:
-            self._source, self._file = _open_patiently(self.path)
-            with self._reading("format"):
+            self._file = OpenedFile(self.path)
+            with self._file.reading("format"):
                 self._check_format()
-            self._status = self._text("run/status")  # before the counters: those of a complete run are the last
-            with self._reading("run/acknowledged"):
-                counters = self._file["run/acknowledged"][:4]
+            self._status = self._file.text("run/status")  # before the counters: those of a complete run are the last
+            with self._file.reading("run/acknowledged"):
+                counters = self._file.h5["run/acknowledged"][:4]
                 self._rows, self._step_rows, self._event_rows, self._slot = map(int, counters)
-            with self._reading("storage/layout"):
-                self._layout = Layout.from_json(self._file["storage/layout"][()])
+            with self._file.reading("storage/layout"):
+                self._layout = Layout.from_json(self._file.h5["storage/layout"][()])
             self._clip()
         except BaseException:
             self.close()
             raise
 
-    @contextmanager
-    def _reading(self, what):
-        """Raise ResultsError for anything that cannot be read within the block."""
-        try:
-            yield
-        except UNREADABLE as error:
-            raise ResultsError(unreadable(self._source, error, what)) from error
-
     def _check_format(self):
-        if _as_text(self._file.attrs.get("format")) != FORMAT:
+        if _as_text(self._file.h5.attrs.get("format")) != FORMAT:
             raise ResultsError(f"{self.path} is an HDF5 file, but not a results file of mecano")
         if self.format_version > FORMAT_VERSION:
             raise ResultsError(
@@ -144,38 +130,20 @@ class Results:
     @property
     def format_version(self):
         """Version of the format of the file."""
-        with self._reading("format_version"):
-            return int(self._file.attrs["format_version"])
+        with self._file.reading("format_version"):
+            return int(self._file.h5.attrs["format_version"])
 
     @property
     def has_sums(self):
         """Whether the file has checksums, so that changed bytes are never read."""
-        return self._source.sums is not None
+        return self._file.source.sums is not None
 
     def _clip(self):
         """Limit the numbers of rows to those present."""
-        self._rows = self._present("storage/output", self._rows)
-        self._step_rows = self._present("storage/solver", self._step_rows)
-        self._event_columns = [name for name in _EVENT_COLUMNS if name in self._file]  # older files have fewer
-        self._event_rows = min(self._present(name, self._event_rows) for name in self._event_columns)
-
-    def _present(self, name, rows):
-        with self._reading(name):
-            dataset = self._file[name]
-            rows = max(min(rows, len(dataset)), 0)
-            return rows_within(dataset, rows, self._source.size) if self._source.missing else rows
-
-    def _read(self, name, selection):
-        """Return part of a dataset; open the file again if the writer has changed it meanwhile. Raises ResultsError."""
-        for attempt in range(_ATTEMPTS):
-            try:
-                return self._file[name][selection]
-            except UNREADABLE as error:
-                if attempt == _ATTEMPTS - 1 or self._source.missing or self._source.damaged:
-                    raise ResultsError(unreadable(self._source, error, name)) from error
-                clocks.sleep(0.01 * attempt)
-                self.close()
-                self._source, self._file = _open_patiently(self.path)
+        self._rows = self._file.rows_present("storage/output", self._rows)
+        self._step_rows = self._file.rows_present("storage/solver", self._step_rows)
+        self._event_columns = [name for name in _EVENT_COLUMNS if name in self._file.h5]  # older files have fewer
+        self._event_rows = min(self._file.rows_present(name, self._event_rows) for name in self._event_columns)
 
     def refresh(self):
         """Open the file again, to read data added by a running writer."""
@@ -186,7 +154,6 @@ class Results:
         """Close the file."""
         if self._file is not None:
             self._file.close()
-            self._source.close()
             self._file = None
 
     def __enter__(self):
@@ -198,7 +165,7 @@ class Results:
     @cached_property
     def time(self):
         """Saved times (n,) [s]."""
-        return self._read("storage/output", (slice(self._rows), 0))
+        return self._file.read("storage/output", (slice(self._rows), 0))
 
     @property
     def axis(self):
@@ -246,7 +213,7 @@ class Results:
     def _columns(self, rows, columns):
         """Return some columns of the saved rows, a new array."""
         table = self._table
-        return self._read("storage/output", (rows, columns)) if table is None else table[rows, columns].copy()
+        return self._file.read("storage/output", (rows, columns)) if table is None else table[rows, columns].copy()
 
     @cached_property
     def _table(self):
@@ -254,7 +221,7 @@ class Results:
         if self._rows * (1 + self._layout.size) > MOST_NUMBERS:
             return None
         try:
-            return self._read("storage/output", (slice(self._rows), slice(None)))
+            return self._file.read("storage/output", (slice(self._rows), slice(None)))
         except ResultsError:
             return None
 
@@ -265,7 +232,7 @@ class Results:
     @cached_property
     def events(self):
         """List of all Events in order of time."""
-        columns = [self._read(name, slice(self._event_rows)) for name in self._event_columns]
+        columns = [self._file.read(name, slice(self._event_rows)) for name in self._event_columns]
         return [Event(*map(_plain, values)) for values in zip(*columns, strict=True)]
 
     def subject(self, event):
@@ -281,7 +248,7 @@ class Results:
     @cached_property
     def steps(self):
         """Solver history: structured array of ``time`` [s] and the ``step_columns``, a row per accepted step."""
-        rows = self._read("storage/solver", (slice(self._step_rows), slice(None)))
+        rows = self._file.read("storage/solver", (slice(self._step_rows), slice(None)))
         kind = np.dtype([(name, "f8") for name in ("time", *(one.path for one in self._layout.steps))])
         return np.ascontiguousarray(rows).view(kind).reshape(-1)
 
@@ -295,7 +262,7 @@ class Results:
         """Extremes of every number over all accepted steps: path with component -> Extreme."""
         if not self._layout.size:
             return {}
-        rows = [self._read(f"extremes/{name}", self._slot) for name in EXTREMES]
+        rows = [self._file.read(f"extremes/{name}", self._slot) for name in EXTREMES]
         units = [one.unit for one in self._layout.series for _ in one.scalars]
         columns = (row.tolist() for row in rows)
         return {name: Extreme(*values) for name, *values in zip(self._layout.scalars, *columns, units, strict=True)}
@@ -304,71 +271,56 @@ class Results:
     def metadata(self):
         """Provenance: versions, machine, command line, overrides, hashes of included files, ..."""
         metadata = dict(self._run_attributes)
-        metadata["overrides"] = self._json("deck/overrides", list)
-        metadata["includes"] = self._json("deck/includes", dict)
+        metadata["overrides"] = self._file.json("deck/overrides", list)
+        metadata["includes"] = self._file.json("deck/includes", dict)
         metadata["format_version"] = self.format_version
-        with self._reading("run/clock"):
-            metadata["wall_time"], metadata["processor_time"] = map(float, self._read("run/clock", slice(None)))
-        with self._reading("run/compile_time"):
-            reported = "compile_time" in self._file["run"]  # older files count it as wall time
-            metadata["compile_time"] = float(self._read("run/compile_time", ())) if reported else 0.0
+        with self._file.reading("run/clock"):
+            metadata["wall_time"], metadata["processor_time"] = map(float, self._file.read("run/clock", slice(None)))
+        with self._file.reading("run/compile_time"):
+            reported = "compile_time" in self._file.h5["run"]  # older files count it as wall time
+            metadata["compile_time"] = float(self._file.read("run/compile_time", ())) if reported else 0.0
         return metadata
 
     @cached_property
     def _run_attributes(self):
-        return read_attributes(self._file["run"], self._reading)
-
-    def _text(self, name):
-        with self._reading(name):
-            text = self._read(name, ())
-            if not isinstance(text, bytes):
-                raise TypeError("it is not a text")
-            return text.decode()
-
-    def _json(self, name, type_):
-        text = self._text(name)
-        with self._reading(name):
-            data = json.loads(text)
-            if not isinstance(data, type_):
-                raise TypeError(f"it is not a {'mapping' if type_ is dict else 'list'}")
-            return data
+        return read_attributes(self._file.h5["run"], self._file.reading)
 
     @property
     def deck_text(self):
         """The deck as written by its author."""
-        return self._text("deck/text")
+        return self._file.text("deck/text")
 
     @cached_property
     def resolved(self):
         """The resolved deck: plain data after overrides, includes and defaults."""
-        return self._json("deck/resolved", dict)
+        return self._file.json("deck/resolved", dict)
 
     @cached_property
     def displays(self):
         """Displays of the kinds of the deck: {kind: Display}; for older files, those of the current kinds."""
-        with self._reading("deck/displays"):
-            return read_displays(self._file, self.resolved)
+        with self._file.reading("deck/displays"):
+            return read_displays(self._file.h5, self.resolved)
 
     @cached_property
     def automatic(self):
         """Values chosen where the deck says "automatic": name -> number."""
-        return self._json("deck/automatic", dict)
+        return self._file.json("deck/automatic", dict)
 
     @cached_property
     def model(self):
         """Properties of the model: name -> number; empty for older files."""
-        return self._json("deck/model", dict) if "deck/model" in self._file else {}
+        return self._file.json("deck/model", dict) if "deck/model" in self._file.h5 else {}
 
     @cached_property
     def warnings(self):
         """Warnings about the model issued before the run and, if it is complete, about its results: list of str."""
-        return [*self._json("deck/remarks", list), *self._ended[1]]
+        return [*self._file.json("deck/remarks", list), *self._ended[1]]
 
     @cached_property
     def checkpoint(self):
         """State of the last valid checkpoint whose rows are present, or None."""
-        with self._reading("checkpoints"):
-            state = latest(self._file["checkpoints"])
+        with self._file.reading("checkpoints"):
+            state = latest(self._file.h5["checkpoints"])
             there = self._rows, self._step_rows, self._event_rows
             return state if state is not None and np.all(state["file"]["rows"] <= there) else None
 
@@ -379,7 +331,7 @@ class Results:
 
     def rows(self, table, first, last):
         """Return rows ``first`` to ``last`` of the table "output" or "solver" as stored, with the time first."""
-        return self._read(f"storage/{table}", (slice(first, last), slice(None)))
+        return self._file.read(f"storage/{table}", (slice(first, last), slice(None)))
 
     @property
     def layout(self):
@@ -392,13 +344,13 @@ class Results:
 
         A killed run is recognized on the machine where it ran; elsewhere it seems to be running.
         """
-        if self._source.missing:
+        if self._file.source.missing:
             return "truncated"
-        with self._reading("run/status"):
+        with self._file.reading("run/status"):
             if self._status not in ENDS:
                 raise ValueError(f"'{self._status}' is not one of {', '.join(ENDS)}")
         if self._status == "running" and self.written_here and not self._writer_lives:
-            return "killed" if self._text("run/status") == "running" else "running"  # it may have ended since
+            return "killed" if self._file.text("run/status") == "running" else "running"  # it may have ended since
         return self._status
 
     @property
@@ -419,13 +371,13 @@ class Results:
 
     @property
     def _ended(self):
-        stored = self._text("run/reason")
+        stored = self._file.text("run/reason")
         return parted(stored) if self._status == "complete" else (stored, [])
 
     @property
     def _writer_lives(self):
         process = self._run_attributes["process"]
-        with self._reading("run/started"):
+        with self._file.reading("run/started"):
             started = datetime.fromisoformat(self._run_attributes["started"]).timestamp()
         return lives(process) and began(process) < started + _CLOCKS  # otherwise the number was reused
 
@@ -437,16 +389,3 @@ def _plain(value):
 
 def _as_text(value):
     return value.decode(errors="replace") if isinstance(value, bytes) else value
-
-
-def _open_patiently(path):
-    """Return (Checked, h5py.File) of a path, with retries, as a writer may be active. Raises ResultsError."""
-    for attempt in range(_ATTEMPTS):
-        source = checked(path)
-        try:
-            return source, h5py.File(source, "r")
-        except UNREADABLE as error:
-            source.close()
-            if attempt == _ATTEMPTS - 1 or source.missing or source.damaged:
-                raise ResultsError(unreadable(source, error)) from error
-            clocks.sleep(0.01 * (1 + attempt))

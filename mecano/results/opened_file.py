@@ -1,0 +1,94 @@
+"""A results file opened for reading: datasets by name, read again while a running writer changes them."""
+
+import json
+import time as clocks
+from contextlib import contextmanager
+from pathlib import Path
+
+import h5py
+
+from mecano.errors import ResultsError
+from mecano.results.checked import UNREADABLE, checked, unreadable
+from mecano.results.readable_rows import rows_within
+
+_ATTEMPTS = 5
+
+
+class OpenedFile:
+    """Datasets, texts and JSON data of a results file; everything that cannot be read raises ResultsError.
+
+    Attributes
+    ----------
+    path : Path
+    h5 : h5py.File
+    source : Checked
+        Its bytes.
+    """
+
+    def __init__(self, path):
+        self.path = Path(path)
+        self.source, self.h5 = _open_patiently(self.path)
+
+    def close(self):
+        """Close the file."""
+        if self.h5 is not None:
+            self.h5.close()
+            self.source.close()
+            self.h5 = None
+
+    @contextmanager
+    def reading(self, what):
+        """Raise ResultsError for anything that cannot be read within the block."""
+        try:
+            yield
+        except UNREADABLE as error:
+            raise ResultsError(unreadable(self.source, error, what)) from error
+
+    def read(self, name, selection):
+        """Return part of a dataset; open the file again if the writer has changed it meanwhile."""
+        for attempt in range(_ATTEMPTS):
+            try:
+                return self.h5[name][selection]
+            except UNREADABLE as error:
+                if attempt == _ATTEMPTS - 1 or self.source.missing or self.source.damaged:
+                    raise ResultsError(unreadable(self.source, error, name)) from error
+                clocks.sleep(0.01 * attempt)
+                self.close()
+                self.source, self.h5 = _open_patiently(self.path)
+
+    def rows_present(self, name, rows):
+        """Return how many of the first ``rows`` of a dataset can be read."""
+        with self.reading(name):
+            dataset = self.h5[name]
+            rows = max(min(rows, len(dataset)), 0)
+            return rows_within(dataset, rows, self.source.size) if self.source.missing else rows
+
+    def text(self, name):
+        """Return a text."""
+        with self.reading(name):
+            text = self.read(name, ())
+            if not isinstance(text, bytes):
+                raise TypeError("it is not a text")
+            return text.decode()
+
+    def json(self, name, type_):
+        """Return the data of a JSON text, a dict or a list."""
+        text = self.text(name)
+        with self.reading(name):
+            data = json.loads(text)
+            if not isinstance(data, type_):
+                raise TypeError(f"it is not a {'mapping' if type_ is dict else 'list'}")
+            return data
+
+
+def _open_patiently(path):
+    """Return (Checked, h5py.File) of a path, with retries, as a writer may be active. Raises ResultsError."""
+    for attempt in range(_ATTEMPTS):
+        source = checked(path)
+        try:
+            return source, h5py.File(source, "r")
+        except UNREADABLE as error:
+            source.close()
+            if attempt == _ATTEMPTS - 1 or source.missing or source.damaged:
+                raise ResultsError(unreadable(source, error)) from error
+            clocks.sleep(0.01 * (1 + attempt))
