@@ -5,7 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from mecano.solve.linear import multifrontal
-from mecano.solve.linear.multifrontal import CORRECTION, MAGNITUDE, NULL_PIVOT, PIVOT, REFINE_ABOVE, RESIDUAL, VECTORS
+from mecano.solve.linear.dense_front import NULL_PIVOT
+from mecano.solve.linear.multifrontal import CORRECTION, MAGNITUDE, PIVOT, REFINE_ABOVE, RESIDUAL, VECTORS
 from mecano.solve.linear.ordering import analyse, padded
 
 ACCEPT_BELOW = 1e-9  # backward error of a solution that is used

@@ -1,0 +1,157 @@
+"""Elimination of the pivots of one dense front, in blocks of columns: L and U, and the update of the rest.
+
+Rows of a front and columns of L are stored with a stride rounded up to STRIP, and so is the number of columns of L:
+columns beyond the pivots stay zero, values beyond the last row of a column are never used.
+
+Loops are written so that they are vectorized: elementwise, without sums.
+"""
+
+from mecano.jit.kernel import kernel
+from mecano.solve.linear.ordering import STRIP
+
+TILE_ROWS, TILE_COLUMNS = 64, 256  # part of a front updated at once, to stay in cache
+NULL_PIVOT = 1e-14  # of the largest value the diagonal has had
+
+
+@kernel
+def stride_of(size):
+    """Return the stride of rows or columns of this size."""
+    return (size + STRIP - 1) // STRIP * STRIP
+
+
+@kernel
+def _choose_row(column, k, pivots, tolerance):
+    """Return the pivot row of column k: k itself unless its value is small relative to the largest pivot row."""
+    best, largest = k, abs(column[k])
+    limit = largest
+    for i in range(k + 1, pivots):
+        if abs(column[i]) > largest:
+            best, largest = i, abs(column[i])
+    return k if limit >= tolerance * largest else best
+
+
+@kernel
+def _exchange(i, j, end, stride, front_out, columns_out):
+    """Exchange rows i and j: of the ``end`` columns already taken out of the front, and of the rest of the front."""
+    for c in range(0, end * stride, stride):
+        value = columns_out[c + i]
+        columns_out[c + i] = columns_out[c + j]
+        columns_out[c + j] = value
+    for c in range(end, stride):
+        value = front_out[i * stride + c]
+        front_out[i * stride + c] = front_out[j * stride + c]
+        front_out[j * stride + c] = value
+
+
+@kernel
+def _eliminate_strip(
+    begin, end, block_end, pivots, stride, tolerance,  # in
+    front_out, columns_out, pivot_out, inverse_out, magnitude_out, exchanges_out,  # out, from the first pivot on
+):  # fmt: skip
+    """Factor the columns begin ... end - 1 of a front, right-looking; returns the number of null pivots."""
+    null = 0
+    for c in range(begin, block_end):
+        magnitude_out[c] = max(magnitude_out[c], abs(columns_out[c * stride + c]))
+    for k in range(begin, end):
+        column = columns_out[k * stride : (k + 1) * stride]
+        row = _choose_row(column, k, pivots, tolerance) if tolerance > 0.0 else k
+        exchanges_out[k] = row
+        if row != k:
+            _exchange(k, row, block_end, stride, front_out, columns_out)
+        pivot_out[k] = column[k]
+        factor = 1.0 / column[k]
+        if abs(column[k]) <= NULL_PIVOT * magnitude_out[k]:
+            factor = 0.0
+            null += 1
+        inverse_out[k] = factor
+        lower = column[k + 1 :]
+        for i in range(lower.size):
+            lower[i] *= factor
+        for c in range(k + 1, end):
+            magnitude_out[c] = max(magnitude_out[c], abs(columns_out[c * stride + c]))
+            other = columns_out[c * stride + k + 1 : (c + 1) * stride]
+            u = columns_out[c * stride + k]
+            for i in range(other.size):
+                other[i] -= lower[i] * u
+    return null
+
+
+@kernel
+def apply_strip(begin, stride, columns, targets_out):
+    """Eliminate the STRIP pivots from ``begin`` in further columns or right-hand sides, one after the other."""
+    at = begin * stride + begin
+    l0, l1 = columns[at : at + stride - begin], columns[at + stride : at + 2 * stride - begin]
+    l2, l3 = columns[at + 2 * stride : at + 3 * stride - begin], columns[at + 3 * stride : at + 4 * stride - begin]
+    for c in range(targets_out.size // stride):
+        target = targets_out[c * stride + begin : (c + 1) * stride]
+        u0 = target[0]
+        u1 = target[1] - l0[1] * u0
+        u2 = target[2] - l0[2] * u0 - l1[2] * u1
+        u3 = target[3] - l0[3] * u0 - l1[3] * u1 - l2[3] * u2
+        target[1], target[2], target[3] = u1, u2, u3
+        for i in range(STRIP, target.size):
+            target[i] -= l0[i] * u0 + l1[i] * u1 + l2[i] * u2 + l3[i] * u3
+
+
+@kernel
+def _update(begin, last, rows_begin, rows_end, left, right, stride, columns, front_out):
+    """Subtract from rows and columns [left, right) of a front the products of the STRIP pivots from ``begin``.
+
+    Pivots beyond ``last`` do not exist; their columns are zero, so that any row can be used for them.
+    """
+    r1, r2, r3 = min(begin + 1, last) * stride, min(begin + 2, last) * stride, min(begin + 3, last) * stride
+    u0 = front_out[begin * stride + left : begin * stride + right]
+    u1, u2, u3 = front_out[r1 + left : r1 + right], front_out[r2 + left : r2 + right], front_out[r3 + left : r3 + right]
+    for i in range(rows_begin, rows_end):
+        at = begin * stride + i
+        x0, x1, x2, x3 = columns[at], columns[at + stride], columns[at + 2 * stride], columns[at + 3 * stride]
+        row = front_out[i * stride + left : i * stride + right]
+        for j in range(row.size):
+            row[j] -= x0 * u0[j] + x1 * u1[j] + x2 * u2[j] + x3 * u3[j]
+
+
+@kernel
+def _update_pivot_rows(begin, end, left, right, stride, columns, front_out):
+    """Compute the rows begin ... end - 1 of U, columns [left, right)."""
+    for strip in range(begin, end, STRIP):
+        strip_end = min(strip + STRIP, end)
+        for k in range(strip + 1, strip_end):
+            row = front_out[k * stride + left : k * stride + right]
+            for c in range(strip, k):
+                above, x = front_out[c * stride + left : c * stride + right], columns[c * stride + k]
+                for j in range(row.size):
+                    row[j] -= x * above[j]
+        _update(strip, strip_end - 1, strip_end, end, left, right, stride, columns, front_out)
+
+
+@kernel
+def eliminate_block(
+    begin, end, pivots, size, tolerance,  # in
+    front_out, columns_out, pivot_out, inverse_out, magnitude_out, exchanges_out,  # out, from the first pivot on
+):  # fmt: skip
+    """Eliminate the pivots begin ... end - 1 of a front; returns the number of null pivots.
+
+    The columns of the block are finished first, with all their row exchanges; only then are the columns to the right
+    updated, with rows in their final order.
+    """
+    stride = stride_of(size)
+    null = 0
+    for k in range(begin, end):
+        column = columns_out[k * stride : (k + 1) * stride]
+        for i in range(size):
+            column[i] = front_out[i * stride + k]
+    for strip in range(begin, end, STRIP):
+        strip_end = min(strip + STRIP, end)
+        null += _eliminate_strip(
+            strip, strip_end, end, pivots, stride, tolerance,
+            front_out, columns_out, pivot_out, inverse_out, magnitude_out, exchanges_out,
+        )  # fmt: skip
+        apply_strip(strip, stride, columns_out, columns_out[strip_end * stride : end * stride])
+    for left in range(end, stride, TILE_COLUMNS):
+        right = min(left + TILE_COLUMNS, stride)
+        _update_pivot_rows(begin, end, left, right, stride, columns_out, front_out)
+        for top in range(end, size, TILE_ROWS):
+            bottom = min(top + TILE_ROWS, size)
+            for strip in range(begin, end, STRIP):
+                _update(strip, end - 1, top, bottom, left, right, stride, columns_out, front_out)
+    return null
