@@ -19,14 +19,12 @@ the load. The force acts at the undeflected contact. Stiffnesses are those at th
 In the phase "air" both deflections decay in 1 ms.
 """
 
-from dataclasses import replace
-from functools import cache
-
 import numpy as np
 
 from mecano.constraints.ground import GROUND_RECORD, ends
 from mecano.element_interface import Kind, Output, record
 from mecano.elements.wheels.at_start import odd_start
+from mecano.elements.wheels.by_slip_law import by_slip_law
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import (
     FIRST,
@@ -137,28 +135,6 @@ def compiled(law):
     return residual, observe
 
 
-@cache
-def with_law(law):
-    """Return the Kind of a wheel with a SlipLaw."""
-    residual, observe = compiled(law)
-
-    def prepare(d, nodes, context):
-        carcass = law.carcass(d["tire_law"])
-        own = {"stiffness": np.array(carcass.stiffness), "creep": np.array(carcass.creep)}
-        return {**prepare_wheel(d, nodes, context), **law.prepare(d["tire_law"], context), **own}
-
-    dtype = record(axis=3, **CARCASS_RECORD, **GROUND_RECORD, **SURFACE_RECORD, **RADIAL_RECORD, **law.record)
-    return replace(
-        TRANSIENT_WHEEL, name=f"transient_wheel_{law.name}", dtype=dtype, prepare=prepare, residual=residual,
-        observe=observe, variant=None,
-    )  # fmt: skip
-
-
-def variant(d):
-    """Return the kind with the slip law of the tyre."""
-    return with_law(slip_law_of(d["tire_law"]))
-
-
 def check(d, nodes):
     """Return errors of any wheel with a tyre law, and for a law without a carcass."""
     texts, law = check_wheel(d, nodes), slip_law_of(d["tire_law"])
@@ -176,11 +152,6 @@ def check(d, nodes):
     return []
 
 
-def prepare(d, nodes, context):
-    """Return the record of the kind with the slip law of the tyre."""
-    return variant(d).prepare(d, nodes, context)
-
-
 def sample(rng):
     """Return large wheels with each slip law that has a carcass, in contact and in the air."""
     laws = [law for law in SLIP_LAWS.values() if law.carcass]
@@ -188,30 +159,38 @@ def sample(rng):
     return [*found, with_rolling(found[0])]
 
 
-RESIDUAL, OBSERVE = compiled(SLIP_LAWS["fiala"])
-TRANSIENT_WHEEL = Kind(
-    name="transient_wheel",
-    section="elements",
-    doc=__doc__,
-    display=TYRE_DISPLAY,
-    dtype=record(
-        axis=3, **CARCASS_RECORD, **GROUND_RECORD, **SURFACE_RECORD, **RADIAL_RECORD, **SLIP_LAWS["fiala"].record
-    ),
-    layout=("x0", "R0"),
-    scalars=SCALARS,
-    massless=SCALARS,
-    fields=FIELDS,
-    outputs=(*OUTPUTS, *ROLLING_OUTPUTS, *CARCASS_OUTPUTS),
-    phases=PHASES,
-    events=EVENTS,
-    variant=variant,
-    prepare=prepare,
-    check=check,
-    limits=limits,
-    suspicious=odd_start,
-    ends=ends,
-    residual=RESIDUAL,
-    observe=OBSERVE,
-    event_values=event_values,
-    sample=sample,
-)
+def with_law(law):
+    """Return the Kind of a wheel with a SlipLaw that has a carcass."""
+    residual, observe = compiled(law)
+
+    def prepare(d, nodes, context):
+        carcass = law.carcass(d["tire_law"])
+        own = {"stiffness": np.array(carcass.stiffness), "creep": np.array(carcass.creep)}
+        return {**prepare_wheel(d, nodes, context), **law.prepare(d["tire_law"], context), **own}
+
+    return Kind(
+        name="transient_wheel",
+        section="elements",
+        doc=__doc__,
+        display=TYRE_DISPLAY,
+        dtype=record(axis=3, **CARCASS_RECORD, **GROUND_RECORD, **SURFACE_RECORD, **RADIAL_RECORD, **law.record),
+        layout=("x0", "R0"),
+        scalars=SCALARS,
+        massless=SCALARS,
+        fields=FIELDS,
+        outputs=(*OUTPUTS, *ROLLING_OUTPUTS, *CARCASS_OUTPUTS),
+        phases=PHASES,
+        events=EVENTS,
+        prepare=prepare,
+        check=check,
+        limits=limits,
+        suspicious=odd_start,
+        ends=ends,
+        residual=residual,
+        observe=observe,
+        event_values=event_values,
+        sample=sample,
+    )
+
+
+TRANSIENT_WHEEL = by_slip_law(with_law, SLIP_LAWS["fiala"])

@@ -26,12 +26,10 @@ flat (q > 0: checked initially, finite at all times). The node is that of the wh
 of the wheel.
 """
 
-from dataclasses import replace
-from functools import cache
-
 from mecano.constraints.ground import GROUND_RECORD, ends
 from mecano.element_interface import Kind, record
 from mecano.elements.wheels.at_start import odd_start
+from mecano.elements.wheels.by_slip_law import by_slip_law
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
 from mecano.elements.wheels.rolling_contact import (
@@ -45,7 +43,7 @@ from mecano.elements.wheels.rolling_contact import (
 )
 from mecano.elements.wheels.rolling_tyre import with_rolling
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
-from mecano.elements.wheels.tire_law import RADIAL_RECORD, slip_law_of
+from mecano.elements.wheels.tire_law import RADIAL_RECORD
 from mecano.elements.wheels.tire_wheel import (
     AIR,
     CONTACT,
@@ -59,8 +57,6 @@ from mecano.elements.wheels.tire_wheel import (
     prepare_wheel,
 )  # fmt: skip
 from mecano.jit.kernel import kernel
-
-FRICTION = SLIP_LAWS["friction"]
 
 
 def compiled(law):
@@ -86,32 +82,6 @@ def compiled(law):
     return residual, observe
 
 
-@cache
-def with_law(law):
-    """Return the Kind of a wheel with a SlipLaw."""
-    residual, observe = compiled(law)
-
-    def prepare(d, nodes, context):
-        return {**prepare_wheel(d, nodes, context), **law.prepare(d["tire_law"], context)}
-
-    return replace(
-        WHEEL, name=f"wheel_{law.name}",
-        dtype=record(axis=3, **GROUND_RECORD, **SURFACE_RECORD, **RADIAL_RECORD, **law.record),
-        prepare=prepare, residual=residual, observe=observe, variant=None,
-    )  # fmt: skip
-
-
-def variant(d):
-    """Return the kind with the slip law of the tyre."""
-    law = slip_law_of(d["tire_law"])
-    return WHEEL if law is FRICTION else with_law(law)
-
-
-def prepare(d, nodes, context):
-    """Return the record: that of any wheel with a tyre law, and friction."""
-    return {**prepare_wheel(d, nodes, context), **FRICTION.prepare(d["tire_law"], context)}
-
-
 def sample(rng):
     """Return large wheels on a plane and a profile, slipping, sticking, in the air, and with each other slip law."""
     friction = (("exponential", {"start": 0.8, "limit": 0.3, "rate": 0.1, "origin": 0.0}),)
@@ -125,26 +95,34 @@ def sample(rng):
     return [*found, *(with_rolling(found[i]) for i in (0, 3))]
 
 
-RESIDUAL, OBSERVE = compiled(FRICTION)
-WHEEL = Kind(
-    name="wheel",
-    section="elements",
-    doc=__doc__,
-    display=TYRE_DISPLAY,
-    dtype=record(axis=3, **GROUND_RECORD, **SURFACE_RECORD, **RADIAL_RECORD, **FRICTION.record),
-    layout=("x0", "R0"),
-    fields=FIELDS,
-    outputs=(*OUTPUTS, *ROLLING_OUTPUTS),
-    phases=PHASES,
-    events=EVENTS,
-    variant=variant,
-    prepare=prepare,
-    check=check_wheel,
-    limits=limits,
-    suspicious=odd_start,
-    ends=ends,
-    residual=RESIDUAL,
-    observe=OBSERVE,
-    event_values=event_values,
-    sample=sample,
-)
+def with_law(law):
+    """Return the Kind of a wheel with a SlipLaw."""
+    residual, observe = compiled(law)
+
+    def prepare(d, nodes, context):
+        return {**prepare_wheel(d, nodes, context), **law.prepare(d["tire_law"], context)}
+
+    return Kind(
+        name="wheel",
+        section="elements",
+        doc=__doc__,
+        display=TYRE_DISPLAY,
+        dtype=record(axis=3, **GROUND_RECORD, **SURFACE_RECORD, **RADIAL_RECORD, **law.record),
+        layout=("x0", "R0"),
+        fields=FIELDS,
+        outputs=(*OUTPUTS, *ROLLING_OUTPUTS),
+        phases=PHASES,
+        events=EVENTS,
+        prepare=prepare,
+        check=check_wheel,
+        limits=limits,
+        suspicious=odd_start,
+        ends=ends,
+        residual=residual,
+        observe=observe,
+        event_values=event_values,
+        sample=sample,
+    )
+
+
+WHEEL = by_slip_law(with_law, SLIP_LAWS["friction"])

@@ -17,8 +17,6 @@ Validity: as the kind ``wheel``; inside a drum, its radius must exceed that of t
 tyre law is not corrected for its curvature.
 """
 
-from dataclasses import replace
-from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -36,12 +34,13 @@ from mecano.constraints.carried_surface import (
 from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import LEAST_Q, ends, too_low
 from mecano.element_interface import Display, Kind, record
+from mecano.elements.wheels.by_slip_law import by_slip_law
 from mecano.elements.wheels.ground_surface import Surface
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
 from mecano.elements.wheels.rolling_contact import add_ground, law_samples, limits, put_rolling, rolling_on, with_slip
 from mecano.elements.wheels.rolling_tyre import with_rolling
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
-from mecano.elements.wheels.tire_law import RADIAL_RECORD, check_tire_law, prepare_radial, slip_law_of
+from mecano.elements.wheels.tire_law import RADIAL_RECORD, check_tire_law, prepare_radial
 from mecano.elements.wheels.tire_wheel import (
     AIR,
     CONTACT,
@@ -56,7 +55,6 @@ from mecano.maths.dual import constant
 from mecano.maths.vector import add_vec, cross, dot, mat, vec
 from mecano.schema import DIRECTION, NODE_PAIR, TIRE_LAW, Field
 
-FRICTION = SLIP_LAWS["friction"]
 BODY, TURN = 6, 9  # local unknowns of the first node; those of the hub come first, as in all wheels
 
 
@@ -116,45 +114,6 @@ def event_values(p, at, g):
     g[1] = contact.r - p.radius
 
 
-def dtype_of(law):
-    """Return the record of a wheel with a SlipLaw."""
-    return record(axis=3, **CARRIED_RECORD, **RADIAL_RECORD, **law.record)
-
-
-@cache
-def with_law(law):
-    """Return the Kind of a wheel with a SlipLaw."""
-    residual, observe = compiled(law)
-
-    def prepare(d, nodes, context):
-        return {**_prepare(d, nodes, context), **law.prepare(d["tire_law"], context)}
-
-    return replace(
-        WHEEL_ON_BODY, name=f"wheel_on_body_{law.name}", dtype=dtype_of(law), prepare=prepare, residual=residual,
-        observe=observe, variant=None,
-    )  # fmt: skip
-
-
-def variant(d):
-    """Return the kind with the slip law of the tyre."""
-    law = slip_law_of(d["tire_law"])
-    return WHEEL_ON_BODY if law is FRICTION else with_law(law)
-
-
-def _prepare(d, nodes, context):
-    """Return the record without the values of the slip law."""
-    return {
-        "axis": carried_axis(d, nodes[1:]),
-        **carried_record(d, nodes),
-        **prepare_radial(d["tire_law"], context),
-    }
-
-
-def prepare(d, nodes, context):
-    """Return the record of a wheel with friction."""
-    return {**_prepare(d, nodes, context), **FRICTION.prepare(d["tire_law"], context)}
-
-
 def check(d, nodes):
     """Return errors in the surface and the tyre law, for a wheel that lies flat or starts too far in the surface."""
     texts = check_carried(d, nodes)
@@ -205,30 +164,41 @@ def _on_body(rng, wheel, number):
     return {**own, **surface, "nodes": ["drum", "hub"]}, nodes
 
 
-RESIDUAL, OBSERVE = compiled(FRICTION)
-WHEEL_ON_BODY = Kind(
-    name="wheel_on_body",
-    section="elements",
-    doc=__doc__,
-    display=Display("wheel_on_body", pictures=("wheels",), force="contact_force", force_at="contact_point"),
-    dtype=dtype_of(FRICTION),
-    layout=("x1", "R1", "x0", "R0"),
-    fields=(
-        Field("nodes", NODE_PAIR, "-", "the body that carries the surface, and the hub, which spins with the wheel"),
-        Field("axis", DIRECTION, "-", "spin axis at the start, inertial; rolling forward turns right-handed"),
-        *FIELDS,
-        Field("tire_law", TIRE_LAW, "-", "law of the tyre: radius, forces, friction"),
-    ),
-    outputs=(*OUTPUTS, *ROLLING_OUTPUTS),
-    phases=PHASES,
-    events=EVENTS,
-    variant=variant,
-    prepare=prepare,
-    check=check,
-    limits=limits,
-    ends=ends,
-    residual=RESIDUAL,
-    observe=OBSERVE,
-    event_values=event_values,
-    sample=sample,
-)
+def with_law(law):
+    """Return the Kind of a wheel with a SlipLaw."""
+    residual, observe = compiled(law)
+
+    def prepare(d, nodes, context):
+        own = {"axis": carried_axis(d, nodes[1:]), **carried_record(d, nodes)}
+        return {**own, **prepare_radial(d["tire_law"], context), **law.prepare(d["tire_law"], context)}
+
+    return Kind(
+        name="wheel_on_body",
+        section="elements",
+        doc=__doc__,
+        display=Display("wheel_on_body", pictures=("wheels",), force="contact_force", force_at="contact_point"),
+        dtype=record(axis=3, **CARRIED_RECORD, **RADIAL_RECORD, **law.record),
+        layout=("x1", "R1", "x0", "R0"),
+        fields=(
+            Field(
+                "nodes", NODE_PAIR, "-", "the body that carries the surface, and the hub, which turns with the wheel"
+            ),
+            Field("axis", DIRECTION, "-", "spin axis at the start, inertial; rolling forward turns right-handed"),
+            *FIELDS,
+            Field("tire_law", TIRE_LAW, "-", "law of the tyre: radius, forces, friction"),
+        ),
+        outputs=(*OUTPUTS, *ROLLING_OUTPUTS),
+        phases=PHASES,
+        events=EVENTS,
+        prepare=prepare,
+        check=check,
+        limits=limits,
+        ends=ends,
+        residual=residual,
+        observe=observe,
+        event_values=event_values,
+        sample=sample,
+    )
+
+
+WHEEL_ON_BODY = by_slip_law(with_law, SLIP_LAWS["friction"])
