@@ -4,8 +4,14 @@ import numpy as np
 import pytest
 from time_runs import RecordedRun, deck
 
+from mecano.analyses.kind_trial import samples, sensor_of
 from mecano.analyses.prepare import prepare
+from mecano.elements import KINDS
 from mecano.errors import DeckError
+from mecano.jit import store
+from mecano.jit.ahead import compile_ahead
+from mecano.model import loops
+from mecano.model.measured import measurable
 from mecano.model.signal_units import signal_units
 
 SWINGING = """
@@ -143,3 +149,16 @@ def test_an_unknown_name_in_what_is_measured_is_the_only_error():
     with pytest.raises(DeckError) as error:
         deck(text)
     assert [problem.message for problem in error.value.problems] == ["wheel 'measured': unknown tire law 'ruber'"]
+
+
+@pytest.mark.slow
+def test_sensors_of_all_kinds_compile():
+    """The generic tests call them as plain Python, which accepts more."""
+    codes = {}
+    for kind in KINDS.values():
+        for instance in (one for sample in samples(kind) for one in sample.instances):
+            if instance.kind.observe is not None and measurable(instance.kind):
+                sensor = sensor_of(instance, 0).kind
+                codes |= {(sensor.name, loop): loops.code_of(sensor, loop) for loop in (loops.tangent, loops.residual)}
+    compile_ahead(list(codes.values()))
+    assert [name for (name, _), code in codes.items() if not store.holds(code.file)] == []
