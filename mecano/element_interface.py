@@ -164,7 +164,7 @@ class Display:
     ----------
     shape : str
         One of post/shapes.py: body, mass, line, cable, beam, superelement, spring, wheel, wheel_on_body, curve,
-        contact, belt, joint, nothing.
+        contact, gears, belt, joint, nothing.
         By default an element is a line between its nodes, a joint a dot at its last node.
     support : bool
         True if a joint with the ground holds a point and is drawn as a support.

@@ -228,3 +228,18 @@ def test_the_command(own, tmp_path):
     assert mecano_process("export", own, "--vtk", "-o", tmp_path / "a.vtkhdf")[:2] == (0, f"{tmp_path / 'a.vtkhdf'}\n")
     code, _, reported = mecano_process("export", own, "--vtk", "-o", tmp_path / "a.vtkhdf")
     assert code == 5 and "--force" in reported
+
+
+def test_released_joints_are_hidden(tmp_path):
+    """The clamp of the deck is released at 0.3 s."""
+    path = tmp_path / "r.h5"
+    assert mecano_process("run", INPUTS / "release.yaml", "-q", "-o", path, *settings("time.end=0.36"))[0] == 0
+    export(path, vtk=True)
+    with h5py.File(path) as file:
+        group, times = file["VTKHDF"], file["time"][:]
+        owners = [name.decode() for name in group["FieldData/owner"][:]]
+        hidden = group["CellData/vtkGhostType"][:].reshape(len(times), -1)
+        cells = dict(zip((owners[i] for i in group["CellData/owner"][:]), hidden.T, strict=True))
+    assert hidden.dtype == np.uint8
+    np.testing.assert_array_equal(cells["joints/clamp"], np.where(times > 0.3, 32, 0))
+    assert not cells["joints/hinge"].any()

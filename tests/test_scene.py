@@ -11,7 +11,7 @@ from mecano.post.eye import direction, eye, projection
 from mecano.post.forces import arrows
 from mecano.post.runs import open_runs
 from mecano.post.scene import scene_of
-from mecano.post.shapes import ROD, Motion, Shape, vertical
+from mecano.post.shapes import ROD, Motion, Shape, shapes, vertical
 
 
 def run(folder, name, *overrides):
@@ -144,3 +144,19 @@ def test_a_page_has_everything_in_it():
     assert "MIT" in text and "three.js authors" in text and "Leon Sorokin" in text
     assert not [address for address in ('src="http', 'href="http', "import(") if address in text]
     assert {"three/three.min.js", "uplot/uPlot.iife.min.js"} == set(FILES["libraries"])
+
+
+def test_pitch_circles_touch_and_roll_on_one_another(tmp_path):
+    """Both circles of each pair pass through one point of the carrier, and travel alike there (inputs/gears.yaml)."""
+    motion = Motion(run(tmp_path, "gears", "time.end=0.5"), slice(None))
+    for name, pitch, radii in (("spur", (0.1, 0.0, 0.0), (0.1, 0.2)), ("bevel", (0.4, 0.0, 0.3), (0.1, 0.05))):
+        travels = []
+        for shape, radius in zip([shape for shape in shapes(motion) if shape.name == name], radii, strict=True):
+            spokes = shape.points[:, :-1] - shape.points[:, -1:]
+            np.testing.assert_allclose(np.linalg.norm(spokes, axis=2), radius, rtol=1e-12)
+            arm = np.array(pitch) - shape.points[0, -1]
+            normal = np.cross(spokes[0, 0], spokes[0, 1])
+            assert np.linalg.norm(arm) == pytest.approx(radius) and abs(arm @ normal) < 1e-12
+            across = np.linalg.norm(np.cross(spokes[0, 0], spokes[:20, 0]), axis=1)
+            travels.append(radius * np.arctan2(across, spokes[:20, 0] @ spokes[0, 0]))
+        np.testing.assert_allclose(*travels, atol=1e-12)

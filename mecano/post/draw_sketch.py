@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
-from mecano.post.shapes import BODY, CABLE, GUIDE, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
+from mecano.post.shapes import BODY, CABLE, GEAR, GUIDE, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
 from mecano.post.style import COLOURS, GREY, INK, PALE, legend_above, note_below
 
 LETTERS = "xyz"
@@ -152,7 +152,7 @@ def _draw_support(ax, points, colour, opacity):
         ax.plot(*points[0], marker=TRIANGLE, color=GREY, markersize=SUPPORT_SIZE, markeredgewidth=0, zorder=2.8)
 
 
-RODS = (ROD, CABLE, GUIDE)
+RODS = (ROD, CABLE, GUIDE, GEAR)
 DRAW = {
     BODY: _draw_body,
     MASS: _draw_mass,

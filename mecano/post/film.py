@@ -14,7 +14,7 @@ from mecano.errors import ResultsError, UsageError
 from mecano.post.eye import projection
 from mecano.post.runs import open_runs
 from mecano.post.scene import scene_of
-from mecano.post.shapes import BODY, CABLE, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
+from mecano.post.shapes import BODY, CABLE, GEAR, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
 from mecano.post.style import GREY, INK, PALE, SETTINGS, shown_unit, with_unit
 from mecano.results.whole_file import appearing, make_folder
 
@@ -28,6 +28,7 @@ LINES = {
     SPRING: ("#d55e00", 1.6),
     BODY: ("#444444", 3.0),
     WHEEL: ("#333333", 1.5),
+    GEAR: ("#009e73", 1.2),
 }
 MARKS = {MASS: ("o", 7.0, "#444444"), JOINT: ("o", 3.5, INK), SUPPORT: ("^", 8.0, GREY)}
 COLOURS = "viridis"
@@ -128,11 +129,13 @@ class _Picture:
         self._ax.set_ylim(centre[1] - self._half[1], centre[1] + self._half[1])
         self._time.set_text(f"{scene.axis[0]} {scene.times[frame]:.4g} {scene.axis[1]}")
         for i, line in self._lines.items():
+            line.set_visible(scene.shapes[i].is_shown(frame))
             points = self._flat(scene.shapes[i].points[frame])  # for a wheel the rim and a spoke
             line.set_segments(np.stack([points[:-1], points[1:]], axis=1))
             if self._colours:
                 line.set_color(self._colour(scene.colours[i], frame, len(points) - 1))
         for i, mark in self._marks.items():
+            mark.set_visible(scene.shapes[i].is_shown(frame))
             mark.set_data(*self._flat(scene.shapes[i].points[frame]).T)
 
     def _colour(self, values, frame, count):

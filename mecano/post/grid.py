@@ -1,18 +1,20 @@
 """The mechanism as points and cells over time, for ParaView.
 
-Points are the nodes, the rims of wheels, centres of mass and the nodes inside superelements. An element between two
-nodes, or each element of a divided member, is a line; a wheel is its rim and a spoke; a body is a line through its
-points; a joint or a point mass is a vertex.
+Points are the nodes, the rims of wheels and gears, centres of mass and the nodes inside superelements. An element
+between two nodes, or each element of a divided member, is a line; a wheel or gear is its rim and a spoke; a body is a
+line through its points; a joint or a point mass is a vertex. Cells are hidden from the release of their owner on.
 """
 
 import numpy as np
 
 from mecano.errors import ResultsError
 from mecano.model.mesh import piece_names
-from mecano.post.shapes import BODY, JOINT, SUPPORT, WHEEL, Motion, apart, shapes
+from mecano.post.shapes import BODY, GEAR, JOINT, SUPPORT, WHEEL, Motion, apart, shapes
 from mecano.results.vtk_group import LINE, POLY_LINE, VERTEX, Field, Grid
 
 UNITS = ("N", "N m", "Pa")  # of the outputs that cells carry
+HIDDEN = "vtkGhostType"  # name of the array of VTK that hides cells, and its value (vtkDataSetAttributes::HIDDENCELL)
+HIDDEN_CELL = 32
 PLAIN = {"force": "force_along_axis", "moment": "moment_about_axis"}  # names of these where they are single numbers
 
 
@@ -52,16 +54,16 @@ class _Blocks(Motion):
 
 
 def _points(motion):
-    """Return the _Points of a motion and, for each cell, (owner in the file, (type, numbers of points))."""
+    """Return the _Points of a motion and, for each cell, (owner in the file, (type, numbers of points), Shape)."""
     points = _Points(motion)
     drawn = [shape for shape in shapes(motion) if shape.style != SUPPORT]
-    return points, [found for shape in drawn for found in _cells(motion.run, shape, points.numbers(shape))]
+    return points, [(*found, shape) for shape in drawn for found in _cells(motion.run, shape, points.numbers(shape))]
 
 
 def _grid(motion, start):
     """Return the Grid of a motion, with displacements relative to ``start`` (1, points, 3) [m]."""
     points, found = _points(motion)
-    owners = [owner for owner, _ in found]
+    owners, cells, drawn = zip(*found, strict=True)
     positions = points.positions()
     point_data = {
         "displacement": Field("m", "displacement since the start, inertial", positions - start),
@@ -70,7 +72,7 @@ def _grid(motion, start):
     names = list(dict.fromkeys(owners))
     return Grid(
         motion.run.results.time[motion.rows], Field("m", "position, inertial", positions),
-        tuple(cell for _, cell in found), point_data, _data(motion, owners),
+        cells, point_data, _data(motion, owners) | _hidden(drawn),
         np.array([names.index(owner) for owner in owners]), {"node": motion.nodes, "owner": names},
     )  # fmt: skip
 
@@ -86,7 +88,7 @@ class _Points:
 
     def numbers(self, shape):
         """Return the numbers of the points of a shape, and add those that are not nodes."""
-        rigid = next(filter(None, shape.nodes), None) if shape.style in (WHEEL, BODY) else None
+        rigid = next(filter(None, shape.nodes), None) if shape.style in (WHEEL, GEAR, BODY) else None
         return [
             self._number[node] if node else self._added(shape.points[:, i], rigid)
             for i, node in enumerate(shape.nodes or ("",) * shape.points.shape[1])
@@ -141,6 +143,15 @@ def _data(motion, owners):
         if output == run.display(run.pieces[owner]).axial:
             _fill(found, "axial_force", series, cells, values if values.ndim == 2 else values[..., 0], shape)
     return found
+
+
+def _hidden(drawn):
+    """Return the Field that hides the cells of released Shapes, one for each cell; none if nothing is released."""
+    if all(shape.shown is None for shape in drawn):
+        return {}
+    shown = [np.ones(len(shape.points), bool) if shape.shown is None else shape.shown for shape in drawn]
+    values = np.where(np.stack(shown, axis=1), 0, HIDDEN_CELL).astype("u1")
+    return {HIDDEN: Field("-", "32 from the release of the joint or element on", values)}
 
 
 def _fill(found, name, series, cells, values, shape):

@@ -14,6 +14,7 @@ from mecano.post.shapes import (
     BEAM,
     BENDING,
     BODY,
+    GEAR,
     GUIDE,
     JOINT,
     SUPPORT,
@@ -128,7 +129,7 @@ def scene_of(run, most):
 
 def _deck_of(run, shape):
     """Return (path, deck values) of the element or joint of a shape; ("", {}) for a node."""
-    sections = ("joints", "elements") if shape.style in (JOINT, SUPPORT, GUIDE) else ("elements", "joints")
+    sections = ("joints", "elements") if shape.style in (JOINT, SUPPORT, GUIDE, GEAR) else ("elements", "joints")
     paths = [f"{section}/{shape.name}" for section in sections]
     path = next((path for path in paths if path in run.things), "")
     return path, run.things.get(path, {})

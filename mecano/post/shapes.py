@@ -17,12 +17,13 @@ from mecano.post.recovered import lines, nodes_inside, recovered
 BODY, MASS, ROD, SPRING, WHEEL, JOINT, SUPPORT = "body", "mass", "rod", "spring", "wheel", "joint", "support"
 CABLE = "cable"  # a thin rod
 GUIDE = "guide"  # a curve, of whose points none is a place of its own
+GEAR = "gear"  # a pitch circle
 RIM_POINTS = 49
 
 
 @dataclass(frozen=True)
 class Shape:
-    """A shape at some instants: ``points`` (instants, n, 3) [m]; the last point of a wheel is its centre.
+    """A shape at some instants: ``points`` (instants, n, 3) [m]; the last point of a wheel or gear is its centre.
 
     ``nodes`` are the names of the nodes at the points, "" for other points; empty if no point is a node.
     ``shown`` (instants,) bool is False from the release of the joint or element on; None if it has no release.
@@ -139,7 +140,7 @@ def shapes(motion):
     for name in motion.nodes:
         if motion.run.deck["nodes"].get(name, {}).get("fixed"):
             found.append(Shape(SUPPORT, name, motion.position(name)[:, None], (name,)))
-    order = (WHEEL, GUIDE, BODY, CABLE, ROD, SPRING, MASS, SUPPORT, JOINT)
+    order = (WHEEL, GUIDE, GEAR, BODY, CABLE, ROD, SPRING, MASS, SUPPORT, JOINT)
     return sorted(found, key=lambda shape: order.index(shape.style))
 
 
@@ -242,32 +243,51 @@ def _contact(motion, name, d):
 def _wheel(motion, name, d):
     if d["node"] not in motion.nodes:
         return []
-    rim = _flattened(_rim(motion, d, d["node"]), motion.run.deck["grounds"][d["ground"]])
-    return [_rolling(motion, name, rim, d["node"])]
+    rim = _flattened(_tread(motion, d, d["node"]), motion.run.deck["grounds"][d["ground"]])
+    return [_round(motion, WHEEL, name, rim, d["node"])]
 
 
 def _wheel_on_body(motion, name, d):
     hub = d["nodes"][1]
     radius = motion.run.deck["tire_laws"][d["tire_law"]]["radius"]
     surface = [Shape(GUIDE, name, line) for line in surface_outlines(motion, d, radius)]
-    return [*surface, _rolling(motion, name, _rim(motion, d, hub), hub)] if hub in motion.nodes else []
+    return [*surface, _round(motion, WHEEL, name, _tread(motion, d, hub), hub)] if hub in motion.nodes else []
 
 
-def _rim(motion, d, node):
-    """Return points (instants, RIM_POINTS, 3) of the undeformed rim."""
-    axis = np.array(d["axis"], float)
+def _gears(motion, name, d):
+    """Return the pitch circles, given by their radii, of a gear pair or of the pinion of a rack."""
+    axis, nodes = d.get("axis", d.get("axis_a")), d["nodes"]
+    circles = (
+        (nodes[1], axis, d.get("radius", d.get("radius_a"))),
+        (nodes[-1], d.get("axis_b") or axis, d.get("radius_b")),
+    )
+    return [
+        _round(motion, GEAR, name, _rim(motion, node, own, radius), node)
+        for node, own, radius in circles
+        if radius is not None and node in motion.nodes
+    ]
+
+
+def _tread(motion, d, node):
+    """Return points (instants, RIM_POINTS, 3) of the undeformed tread of a wheel."""
+    radius = d["radius"] if "radius" in d else motion.run.deck["tire_laws"][d["tire_law"]]["radius"]
+    return _rim(motion, node, d["axis"], radius)
+
+
+def _rim(motion, node, axis, radius):
+    """Return points (instants, RIM_POINTS, 3) of a circle about an axis fixed in a node, inertial at the start."""
+    axis = np.array(axis, float)
     spoke = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     other = np.cross(axis, spoke)
     e1, e2 = (motion.turned(node, v / np.linalg.norm(v)) for v in (spoke, other))
     angle = np.linspace(0.0, 2.0 * np.pi, RIM_POINTS)[:, None]
-    radius = d["radius"] if "radius" in d else motion.run.deck["tire_laws"][d["tire_law"]]["radius"]
     return motion.position(node)[:, None] + radius * (np.cos(angle) * e1[:, None] + np.sin(angle) * e2[:, None])
 
 
-def _rolling(motion, name, rim, node):
+def _round(motion, style, name, rim, node):
     """Return the Shape of a rim and its centre."""
     points = np.concatenate([rim, motion.position(node)[:, None]], axis=1)
-    return Shape(WHEEL, name, points, ("",) * RIM_POINTS + (node,))
+    return Shape(style, name, points, ("",) * RIM_POINTS + (node,))
 
 
 def _flattened(points, ground):
@@ -285,7 +305,7 @@ BENDING = (BEAM, SUPERELEMENT)
 SHAPES = {
     "line": _rod, "cable": _cable, "belt": _belt, BEAM: _beam, SUPERELEMENT: _superelement, "spring": _spring,
     "body": _body, "mass": _mass, "wheel": _wheel, "wheel_on_body": _wheel_on_body, "curve": _curve,
-    "contact": _contact, "joint": _joint,
+    "contact": _contact, "gears": _gears, "joint": _joint,
     "nothing": lambda motion, name, d: [],
 }  # fmt: skip
 """Functions that draw each ``Display.shape``."""

@@ -8,7 +8,7 @@ from matplotlib.collections import LineCollection
 
 from mecano.errors import UsageError
 from mecano.post.figure import plain_figure
-from mecano.post.shapes import BODY, CABLE, GUIDE, ROD, SPRING, WHEEL, Motion, shapes
+from mecano.post.shapes import CABLE, JOINT, MASS, SUPPORT, Motion, shapes
 from mecano.post.style import GREY, INK, PALE, SETTINGS
 
 AZIMUTH, ELEVATION = math.radians(-72.0), math.radians(24.0)  # of the eye
@@ -40,7 +40,7 @@ def wire_figure(run, times, title):
     """Return the figure of the saved configurations nearest to ``times`` [s], on one scale. Raises UsageError."""
     saved = run.results.time
     rows = np.array([int(np.abs(saved - t).argmin()) for t in times])
-    shown = [shape for shape in shapes(Motion(run, rows)) if shape.style in (ROD, CABLE, SPRING, BODY, WHEEL, GUIDE)]
+    shown = [shape for shape in shapes(Motion(run, rows)) if shape.style not in (MASS, JOINT, SUPPORT)]
     if not shown:
         raise UsageError("--at: nothing in these results is drawn as a line")
     projection = view()

@@ -162,7 +162,8 @@ def _make_room(group, name, field, count):
     shape = (count * number, *inner)
     rows = max(1, min(shape[0], CHUNK_NUMBERS // int(np.prod(inner, dtype=int))))
     options = {"chunks": (rows, *inner), **COMPRESSION} if shape[0] else {}
-    describe(_put(group, name, None, shape=shape, dtype="f8", **options), units=field.unit, long_name=field.doc)
+    dataset = _put(group, name, None, shape=shape, dtype=field.values.dtype, **options)
+    describe(dataset, units=field.unit, long_name=field.doc)
 
 
 def _put(group, name, values, top=None, **options):

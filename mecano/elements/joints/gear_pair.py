@@ -137,7 +137,7 @@ _PAIR = Kind(
     name="gear_pair",
     section="joints",
     doc=__doc__,
-    display=Display(support=False, pictures=("gears",)),
+    display=Display(shape="gears", support=False, pictures=("gears",)),
     fields=(
         Field("nodes", TRIPLE, "-", "the carrier of both gears, the centres of the gears a and b; one may be ground"),
         Field("axis_a", DIRECTION, "-", "axis of a at the start, inertial; fixed in the carrier and in a"),

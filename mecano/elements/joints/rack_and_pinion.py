@@ -66,7 +66,7 @@ _RIGID = Kind(
     name="rack_and_pinion",
     section="joints",
     doc=__doc__,
-    display=Display(support=False, pictures=("gears",)),
+    display=Display(shape="gears", support=False, pictures=("gears",)),
     fields=(
         Field("nodes", NODE_PAIR, "-", "nodes a (rack) and b (centre of the pinion); either may be ground"),
         Field("axis", DIRECTION, "-", "axis of the pinion at the start, inertial; fixed in both nodes"),

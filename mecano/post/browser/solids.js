@@ -1,9 +1,9 @@
 // The mechanism as solids of three.js: what is built once, and what is moved from frame to frame.
 const PLAIN = {
-  rod: 0x3b7fb5, cable: 0x3b7fb5, spring: 0xd55e00, body: 0x8a94a0, wheel: 0x30343a, hub: 0xb9c0c8, guide: 0x009e73, mass: 0x8a94a0,
+  rod: 0x3b7fb5, cable: 0x3b7fb5, spring: 0xd55e00, body: 0x8a94a0, wheel: 0x30343a, hub: 0xb9c0c8, guide: 0x009e73, gear: 0x009e73, mass: 0x8a94a0,
   joint: 0xe0a030, support: 0x7a7f85, ground: 0xc9bda6, arrow: 0xcc3355, axis: 0xcc79a7,
 };
-const RADIUS = { rod: 0.018, cable: 0.006, guide: 0.006 }; // over the size of the mechanism
+const RADIUS = { rod: 0.018, cable: 0.006, guide: 0.006, gear: 0.006 }; // over the size of the mechanism
 const BODY_RADIUS = 0.03, MASS_RADIUS = 0.035, JOINT_RADIUS = 0.018, ARROW = 0.5, AXIS = 0.2;
 const MANY = 80; // lines and joints: of more, all are thinner
 const TYRE = { width: 0.17, depth: 0.32, around: 12 }; // over the radius of the wheel
@@ -36,7 +36,7 @@ class Solids {
     this.moving = []; // functions of the frame
     const of = (...styles) => motion.shapes.filter(shape => styles.includes(shape.style));
     this.thin = Math.min(1, Math.sqrt(MANY / Math.max(1, of("rod", "cable", "joint").length)));
-    this.addLines(of("rod", "cable", "guide"));
+    this.addLines(of("rod", "cable", "guide", "gear"));
     of("spring").forEach(shape => this.addSpring(shape));
     of("body").forEach(shape => this.addBody(shape));
     of("wheel").forEach(shape => this.addWheel(shape));
