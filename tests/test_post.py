@@ -680,6 +680,23 @@ def test_labels_are_the_values_that_differ(tmp_path):
     assert labels(opened[1:]) == ["tip.fixed = true", "tip.fixed = false"]
 
 
+def test_values_of_one_legend_have_one_unit(tmp_path):
+    """Of the deck 0.4 m, of overrides 50 cm and 2 m, which is written without its unit."""
+    opened = with_overrides(tmp_path, [(), ("parameters.wave=50 cm",), ("parameters.wave=2",)])
+    assert labels(opened) == ["wave = 40 cm", "wave = 50 cm", "wave = 200 cm"]
+
+
+def test_a_signal_is_labelled_by_its_name(path):
+    """Alone and with its unit beside an output of an element; no axis or legend says "value"."""
+    [run] = open_runs([path])
+    for names, expected in (
+        ("one_delay.value", ["one_delay"]), ("one_delay.value,one_curve.value", ["one_delay, one_curve"]),
+    ):  # fmt: skip
+        sheet = requested_sheet(Request.parse(names), [run])
+        assert [panel.label for panel in sheet.panels] == expected
+        assert {what for panel in sheet.panels for what in panel.whats} == {"signal"}
+
+
 def test_no_label_is_empty(tmp_path):
     """A run without a value that the other one sets, such as an optional field."""
     given = [(), ("time.adaptive={tolerance: 1e-3}",)]

@@ -148,7 +148,7 @@ def _panels(run, plots):
 
 def _plot(panel, rows):
     drawn = sorted(panel.curves, key=lambda curve: not curve.reference)  # references lie behind
-    curves = [[f"{c.subject} {c.y.what}".strip(), _floats(c.y.values[rows]), c.reference] for c in drawn]
+    curves = [[c.y.owned, _floats(c.y.values[rows]), c.reference] for c in drawn]
     return {"label": panel.label, "unit": panel.curves[0].y.unit, "curves": curves}
 
 

@@ -144,7 +144,7 @@ LOADS = Plan(
 )  # fmt: skip
 SIGNALS = Plan(
     "signals", "Signals",
-    (View("value", ("value",)), View("integral", ("integral",)), View("filtered error", ("filtered",))),
+    (View("signal", ("value",)), View("integral", ("integral",)), View("filtered error", ("filtered",))),
 )  # fmt: skip
 
 _PLANS = (WHEELS, STRUTS, TORSION_SPRINGS, ANGLES, BEAMS, SLIDES, GEARS, PLANES, CURVES, BODIES, REACTIONS, LOADS,

@@ -60,12 +60,22 @@ class Quantity:
             return self.axis[0]
         if self.path.endswith(MAGNITUDE):
             return f"|{self.whole}|"
-        return self.path.split("/")[-1].replace("_", " ").replace(".", " ")
+        return self.path.split("/")[-1].replace("_", " ").replace(".", " ") if not self.of_signal else "signal"
+
+    @property
+    def of_signal(self):
+        """True for the value of a signal, whose name is that of its owner."""
+        return self.path.startswith("signals/") and self.path.endswith("/value")
 
     @property
     def whole(self):
         """The quantity as text, without a component."""
-        return self.path.split("/")[-1].partition(".")[0].replace("_", " ")
+        return self.subject if self.of_signal else self.path.split("/")[-1].partition(".")[0].replace("_", " ")
+
+    @property
+    def owned(self):
+        """The quantity as text with its owner: wheel radial force."""
+        return self.subject if self.of_signal else f"{self.subject} {self.what}".strip()
 
 
 @dataclass(frozen=True)

@@ -91,4 +91,4 @@ def curve_label(curves, subjects=None):
     text = ", ".join(whats)
     if len(text) > LONGEST_LABEL:
         text = next(iter(whats)) + ", ..."
-    return f"{subjects[0]} {text}" if len(subjects) == 1 else text
+    return f"{subjects[0]} {text}" if len(subjects) == 1 and text != subjects[0] else text

@@ -5,6 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
+from mecano.deck.scalar import number
+from mecano.deck.units import ANY, QUANTITY, converted, factor_of, is_quantity
 from mecano.element_interface import SECTIONS, Display
 from mecano.model.mesh import piece_names
 from mecano.results.reader import Results, open_results
@@ -104,13 +106,23 @@ def _overrides(opened):
     """Return texts with the values of overrides that differ, or of the deck where a run does not override them."""
     given = [_given(results) for results in opened]
     paths = list(dict.fromkeys(path for some in given for path in some if path not in HEADED))
-    values = [
-        {path: _in_words(some[path] if path in some else _at(results.resolved, path)) for path in paths}
-        for some, results in zip(given, opened, strict=True)
-    ]
+    pairs = list(zip(given, [results.resolved for results in opened], strict=True))
+    values = {
+        path: _in_one_unit([_in_words(some[path] if path in some else _at(deck, path)) for some, deck in pairs])
+        for path in paths
+    }
     short = [path.removeprefix("parameters.") if path.startswith("parameters.") else _ending(path) for path in paths]
     names = dict(zip(paths, short if len(set(short)) == len(paths) else paths, strict=True))
-    return _differences([{names[path]: text for path, text in some.items()} for some in values])
+    return _differences([{names[path]: texts[i] for path, texts in values.items()} for i in range(len(opened))])
+
+
+def _in_one_unit(texts):
+    """Return texts of one value with the first of their units; numbers without a unit are in SI units."""
+    units = [QUANTITY.fullmatch(text)[2] for text in texts if is_quantity(text)]
+    if not units or not all(is_quantity(text) or number(text) is not None for text in texts):
+        return texts
+    values = [converted(text, ANY) if is_quantity(text) else number(text) for text in texts]
+    return [f"{value / factor_of(units[0], ANY):.6g} {units[0]}" for value in values]
 
 
 def _given(results):
