@@ -10,10 +10,12 @@ import csv
 import json
 import re
 import textwrap
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from time_runs import INPUTS, deck, input_deck
 
 from mecano.analyses import sweep as sweeps
@@ -21,7 +23,7 @@ from mecano.analyses.modal import about
 from mecano.analyses.sweep import Axis, sweep, sweep_into
 from mecano.analyses.sweep_text import known
 from mecano.errors import ConvergenceError, UsageError
-from mecano.post.loci import real_range, shown_modes, sweep_figure
+from mecano.post.loci import _mark, real_range, shown_modes, sweep_figure
 from mecano.post.pictures import post
 from mecano.results.sweep_file import read_sweep
 from mecano.solve.modal.tracking import Spectrum, growing, loci, track, unstable
@@ -323,6 +325,20 @@ def test_pictures_show_what_is_near_the_limit_of_stability():
     size = np.hypot(real, imaginary)
     low, high, beyond = real_range({"real_part": real, "imaginary_part": imaginary, "damping_ratio": -real / size})
     assert -10.0 < low < -3.0 and 0.5 < high < 0.8 and beyond == [1]
+
+
+def test_numbers_of_close_critical_values_do_not_overlap():
+    """Measured in the drawn picture, of axes as wide as those of the sheet."""
+    speeds = np.array([4.01, 4.2, 4.22, 9.0, 4.6, 4.25, 5.1])
+    file = SimpleNamespace(parameter=np.array([0.0, 10.0]), critical={"parameter": speeds})
+    figure = Figure(figsize=(9.6, 7.6))
+    ax = figure.subplots(2, 2)[0, 1]
+    ax.set_xlim(0.0, 10.0)
+    _mark(ax, file)
+    figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in ax.texts]
+    assert len(boxes) == len(speeds)
+    assert not [(a, b) for i, a in enumerate(boxes) for b in boxes[:i] if a.overlaps(b)]
 
 
 def test_pictures_leave_out_modes_that_are_much_faster_than_the_growing_ones():

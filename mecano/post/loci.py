@@ -18,6 +18,8 @@ from mecano.results.checked import open_checked
 from mecano.results.sweep_file import read_sweep
 
 SIZE, MAP_SIZE = (9.6, 7.6), (6.8, 5.0)  # inches
+WIDTH, NUMBERS = 3.7, 7.5  # inches of axes; points, size of the numbers of critical values
+LETTER, ROW = 0.7 * NUMBERS / 72, NUMBERS + 1.5  # inches, width of a letter with its space; points
 UNSTABLE = "#d55e00"
 FAR = 2.5  # times the range near the limit of stability: eigenvalues that decay faster are cut off
 DEEPEST = 10.0
@@ -176,13 +178,25 @@ def _plane(ax, file, unit, shown, near, limit):
 
 
 def _mark(ax, file):
-    """Draw critical values as vertical lines with their numbers."""
+    """Draw critical values as vertical lines with their numbers, which are above one another where they are close."""
     places = file.critical["parameter"]
-    for value, vague in zip(places, file.critical.get("of_instant", np.zeros(len(places))), strict=True):
+    vague = file.critical.get("of_instant", np.zeros(len(places)))
+    texts = [f"about {value:.3g}" if unsure else f"{value:.5g}" for value, unsure in zip(places, vague, strict=True)]
+    letter = LETTER / WIDTH * np.ptp(file.parameter)
+    for value, text, row in zip(places, texts, _rows(places, [letter * len(text) for text in texts]), strict=True):
         ax.axvline(value, color=GREY, linewidth=0.8, linestyle=(0, (2, 2)))
-        text = f"about {value:.3g}" if vague else f"{value:.5g}"
-        ax.annotate(text, (value, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 1), textcoords="offset points",
-                    ha="center", va="bottom", fontsize=7.5, color=GREY)  # fmt: skip
+        ax.annotate(text, (value, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 1 + ROW * row),
+                    textcoords="offset points", ha="center", va="bottom", fontsize=NUMBERS, color=GREY)  # fmt: skip
+
+
+def _rows(places, widths):
+    """Return for each label, centred at its place, the lowest row in which it does not overlap another one."""
+    rows, ends = [0] * len(places), []
+    for i in np.argsort(places):
+        free = [row for row, end in enumerate(ends) if places[i] - 0.5 * widths[i] >= end]
+        rows[i] = free[0] if free else len(ends)
+        ends[rows[i] : rows[i] + 1] = [places[i] + 0.5 * widths[i]]
+    return rows
 
 
 def real_range(modes):
