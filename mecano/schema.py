@@ -115,6 +115,9 @@ def one_of_kinds(section):
 class Field:
     """A key of a deck: SI ``unit`` ("-" if dimensionless), one-line ``doc``, ``check`` -> error text or None.
 
+    The doc of a curve or a law gives the unit of its argument: "a curve of the stroke [m]", "force [N] from extension
+    [m]"; the units in its terms are checked against it.
+
     The text of a check completes "'mass' ..."; for a check of a whole mapping it is a complete sentence, and the error
     is located at the key that it quotes first.
     """

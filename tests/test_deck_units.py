@@ -4,12 +4,15 @@ import math
 
 import pytest
 from deck_samples import VALID, problems_of, read_fake
+from time_runs import INPUTS
 
 from mecano.deck.catalogue import _declared as declared_fields
 from mecano.deck.catalogue import _walk
+from mecano.deck.laws import _unit_in_use, units_in
 from mecano.deck.read import deck_of_bytes
 from mecano.deck.units import ANY, UnitError, converted, is_quantity, parsed, written_in_si
 from mecano.errors import DeckError
+from mecano.laws.term import SLOPE, VALUE
 
 EXACT = [  # SI Brochure, 9th edition (2019), and NIST SP 811 (2008), appendix B
     ("25 mm", "m", 0.025), ("25mm", "m", 0.025), ("-3.5e2 cm", "m", -3.5), ("1 in", "m", 0.0254),
@@ -114,6 +117,52 @@ def test_units_of_coefficients_that_do_not_go_together():
     text = VALID.replace("{table: {points: [[0, 0], [1, 1e3]]}}", f"{{polynomial: {coefficients}}}")
     (problem,) = problems_of(text)
     assert "units are inconsistent: 2 N (power 0), 2 N/mm (power 1), 3 N/mm (power 2)" in problem
+
+
+@pytest.mark.parametrize(
+    ("radial", "reported"),
+    [
+        ("linear: {slope: 400 kN/m, offset: 0 N}", ""),
+        ("linear: {slope: 400 bar}", "'radial.linear.slope': a stiffness [N/m] is expected, and 'bar' is a pressure"),
+        ("polynomial: [0, 400 kN/m, 3 kN/m^2]", ""),
+        ("polynomial: [0, 400 kN/m, 3 N/m]", "coefficients[2]': a pressure [N/m^2] is expected, and 'N/m' is a stiff"),
+        ("power: {coefficient: 9 MN/m^1.5, exponent: 1.5}", ""),
+        ("power: {coefficient: 9 MN/m, exponent: 1.5}", "'radial.power.coefficient': "),
+        ("table: {points: [[0, 0], [1 cm, 4 kN]]}", ""),
+        ("table: {points: [[0, 0], [1 deg, 4 kN]]}", "points[1][0]': a length [m] is expected, and 'deg' is an angle"),
+    ],
+)
+def test_units_in_a_law_whose_use_is_known(radial, reported):
+    """The radial force [N] of a tyre is a curve of its deformation [m]."""
+    text = (INPUTS / "nose_wheel_steering.yaml").read_text()
+    text = text.replace("radial: {linear: {slope: 5.0e5}}", f"radial: {{{radial}}}")
+    if not reported:
+        assert deck_of_bytes(text.encode(), "steering.yaml").values["tire_laws"]["rubber"]["radial"]
+        return
+    with pytest.raises(DeckError) as error:
+        deck_of_bytes(text.encode(), "steering.yaml")
+    assert reported in str(error.value)
+
+
+def test_laws_are_declared_with_the_unit_of_their_argument():
+    """Except that of the signal 'curve', whose input may be anything."""
+    fields = [field for place, fields in declared_fields() for _, field in _walk(fields, place)]
+    laws = {field.doc: units_in(field) for field in fields if field.type.name in ("law", "curve", "drive")}
+    assert [doc for doc, units in laws.items() if not all(units)] == [
+        "c, the value as a function of the input, both in SI units"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("value", "argument", "expected"),
+    [
+        ("N", "m", ["N/m", "N", "N/m"]), ("N m", "rad", ["N m/rad", "N m", "N m/rad"]),
+        ("-", "m/s", ["s/m", "-", "N/m or N m/rad"]), ("N/rad", "N", ["N/rad/N", "N/rad", "N/m or N m/rad"]),
+        ("", "s", [SLOPE, VALUE, "N/m or N m/rad"]),
+    ],
+)  # fmt: skip
+def test_units_of_a_term_in_its_use(value, argument, expected):
+    assert [_unit_in_use(unit, value, argument) for unit in (SLOPE, VALUE, "N/m or N m/rad")] == expected
 
 
 def test_units_of_a_column_go_together():

@@ -11,10 +11,13 @@ from mecano.deck.units import unit_of
 from mecano.deck.values import number, plain_number
 from mecano.deck.wording import quoted
 from mecano.laws.term import ARGUMENT, VALUE
-from mecano.schema import NUMBER, TIME_CURVE, Field, Type
+from mecano.schema import NUMBER, Field, Type
 
 TERM = Type("mapping", "a mapping")
 HOW = "{term: {field: value, ...}, another: {...}}, such as {linear: {slope: 2.0}}"
+CURVE_OF = re.compile(r"(?:curve|function|formula) of [^[;:]*\[([^]]+)\]")  # in the doc of a field
+FORCE_FROM = re.compile(r"\[(N|N m)\] from [^[]*\[(m|rad)\]")
+FORCES = ("N", "N m")  # values of laws of extension and of angle, in the order of "N/m or N m/rad"
 POINT_NUMBER = re.compile(r"\bpoint (\d+)\b")  # number of the faulty point in the text of a check
 
 
@@ -69,7 +72,8 @@ def _term(name, key, node, field, scope):
     scope.owner = key
     if len(term.fields) == 1 and type(node.value) is not dict:  # as its only field
         node = Node({term.fields[0].name: (key, node)}, node.source, node.line, node.column)
-    fields = _in_use(term.fields, field)
+    _, exponent = node.value.get("exponent", (None, None)) if type(node.value) is dict else (None, None)
+    fields = _in_use(term.fields, field, exponent.value if exponent else None)
     values = filled(node, Field(name, TERM, "-", term.doc), fields, scope)
     if values is INVALID or ("file" in values and not _with_points(values, term.fields, fields, node, scope)):
         return INVALID
@@ -79,12 +83,47 @@ def _term(name, key, node, field, scope):
     return INVALID if texts else values
 
 
-def _in_use(fields, use):
-    """Return the fields of a term with the units of value and argument, where the field of its ``use`` gives them."""
+def _in_use(fields, use, exponent):
+    """Return the fields of a term with the units of value and argument, where the field of its ``use`` gives them.
+
+    ``exponent``: that of a power in the deck.
+    """
+    value, argument = units_in(use)
+    units = [_unit_in_use(field.unit, value, argument) for field in fields]
+    if type(exponent) in (int, float) and value and argument:
+        units = [unit.replace("^p", f"^{exponent:g}") for unit in units]
+    return [replace(field, unit=unit) for field, unit in zip(fields, units, strict=True)]
+
+
+def units_in(use):
+    """Return the units of the value and of the argument of a law in this use, "" where they depend on the deck."""
+    if use.type.name == "law":
+        found = FORCE_FROM.search(use.doc)
+        return found.groups() if found else ("", "")
     if use.type.name not in ("curve", "drive"):
-        return fields  # a force of extension and rate, or of the section 'laws'
-    units = {VALUE: use.unit} | ({ARGUMENT: "s"} if use.type == TIME_CURVE or use.type.name == "drive" else {})
-    return [replace(f, unit=", ".join(units.get(unit, unit) for unit in f.unit.split(", "))) for f in fields]
+        return "", ""  # of the section 'laws'
+    found = CURVE_OF.search(use.doc)
+    return "" if "unit" in use.unit else use.unit, found[1] if found else ""
+
+
+def _unit_in_use(unit, value, argument):
+    """Return the unit of a field of a term for the units of value and argument in a use, "" where unknown."""
+    if value in FORCES and " or " in unit:
+        return unit.split(" or ")[FORCES.index(value)]
+    return ", ".join(_with(part, value, argument) for part in unit.split(", "))
+
+
+def _with(unit, value, argument):
+    """Return VALUE, ARGUMENT or "VALUE / ARGUMENT^p" with the units in their places, as far as they are known."""
+    over, _, below = unit.partition(" / ")
+    if not below:
+        return {VALUE: value, ARGUMENT: argument}.get(unit) or unit
+    if not (value and argument):
+        return unit
+    power = below.removeprefix(ARGUMENT)
+    (top, *under), (divisor, *times) = value.split("/"), argument.split("/")
+    product = " ".join([top] * (top != "-") + [factor + power for factor in times]) or "1"
+    return "/".join([product, *under, divisor + power])
 
 
 def fits(term, wanted):

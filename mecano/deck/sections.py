@@ -115,8 +115,8 @@ GRIP_FIELDS = (
 )
 MOTION_FIELDS = (
     Field("direction", DIRECTION, "-", "direction in which it moves (a belt)", None),
-    Field("speed", TIME_CURVE, "m/s", "speed along the direction, a curve of the time", None),
-    Field("rate", TIME_CURVE, "rad/s", "angular velocity about the normal (a turntable), a curve of the time", None),
+    Field("speed", TIME_CURVE, "m/s", "speed along the direction, a function of time [s]", None),
+    Field("rate", TIME_CURVE, "rad/s", "angular velocity about the normal (a turntable), a function of time [s]", None),
     Field("centre", POSITION, "m", "point about which it turns; that of the plane when absent", None),
 )
 GROUND_FIELDS = (

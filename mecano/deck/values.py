@@ -5,6 +5,7 @@ be an expression, such as ``$speed / 0.35`` (expressions.py).
 """
 
 import math
+import re
 from dataclasses import replace
 
 from mecano.deck.scalar import number as number_in
@@ -136,7 +137,9 @@ def numbers(node, field, scope):
 
 def coefficients(node, field, scope):
     """Return the coefficients of ascending powers of a polynomial, with consistent units."""
-    values = items(node, field, scope, NUMBER)
+    count = len(node.value) if type(node.value) is list else 0
+    known = [_of_power(field.unit, n) for n in range(count)]
+    values = items(node, replace(field, unit=", ".join(known)), scope, NUMBER)
     if values is INVALID:
         return INVALID
     units = {n: item for n, item in enumerate(node.value) if type(item.value) is str and is_quantity(item.value)}
@@ -145,6 +148,13 @@ def coefficients(node, field, scope):
     last, given = node.value[max(units)], ", ".join(f"{item.value} (power {n})" for n, item in units.items())
     text = f"units are inconsistent: {given}; each is the unit of the value over that of the argument to the power"
     return scope.refuse(last, f"{quoted(scope.name_of(field.name))}: {text}", "such as [0, 2 kN/mm, 3 N/mm^2]")
+
+
+def _of_power(unit, n):
+    """Return the unit "N/m^p" for the power n; unchanged where the use of a law is unknown."""
+    if n > 1 or "unit" in unit:
+        return unit.replace("^p", f"^{n}")
+    return unit.replace("^p", "") if n else re.sub(r"[/ ]?[^/ ]+\^p", "", unit) or "-"
 
 
 def vector(node, field, scope):

@@ -25,8 +25,8 @@ THERMAL = Field(
     "thermal",
     mapping(
         Field("strain", CURVE, "-", "elongation alpha dT of the free beam, a function of time [s]", 0.0),
-        Field("curvature_2", CURVE, "1/m", "alpha dT/dz: curvature of the free beam about axis 2", 0.0),
-        Field("curvature_3", CURVE, "1/m", "-alpha dT/dy: curvature of the free beam about axis 3", 0.0),
+        Field("curvature_2", CURVE, "1/m", "alpha dT/dz: curvature about axis 2, a function of time [s]", 0.0),
+        Field("curvature_3", CURVE, "1/m", "-alpha dT/dy: curvature about axis 3, a function of time [s]", 0.0),
     ),
     "-",
     "change of the strain-free shape with the temperature; none when absent",

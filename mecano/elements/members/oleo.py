@@ -226,7 +226,13 @@ SECOND_FIELDS = (
 OIL_FIELDS = (
     Field("area", NUMBER, "m2", "area A_h of the piston that displaces the oil", check=positive),
     Field("orifice", CURVE, "m2", "area A_o of the orifice, less that of the metering pin; a curve of the stroke [m]"),
-    Field("rebound_orifice", CURVE, "m2", "area during the rebound; that of 'orifice' when absent", None),
+    Field(
+        "rebound_orifice",
+        CURVE,
+        "m2",
+        "the same in rebound, a curve of the stroke [m]; that of 'orifice' when absent",
+        None,
+    ),
     Field(
         "recoil_area",
         NUMBER,

@@ -38,7 +38,10 @@ def two_positive(numbers):
 
 FIELDS = (
     Field("cornering_stiffness", CURVE, "N/rad", "C_l, lateral force per slip angle; a curve of the normal force [N]"),
-    Field("longitudinal_stiffness", CURVE, "N", "C_t, driving force per slip ratio; C_l when absent", None),
+    Field(
+        "longitudinal_stiffness", CURVE, "N",
+        "C_t, driving force per slip ratio; a curve of the normal force [N]; C_l when absent", None,
+    ),
     Field("friction", CURVE, "-", "coefficient of friction mu, a curve of the slip speed [m/s]"),
     Field("camber_stiffness", CURVE, "N/rad", "C_g, lateral force per camber; a curve of the normal force [N]", 0.0),
     Field("contact_length", NUMBER, "m", "2a, for the aligning moment", 0.0, not_negative),
