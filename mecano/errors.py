@@ -80,6 +80,10 @@ class AssemblyError(MecanoError):
         super().__init__(message)
 
 
+class CompilationError(MecanoError):
+    """A kernel contains something that cannot be compiled; the message says what."""
+
+
 class ResultsError(MecanoError):
     """A results file cannot be read or written."""
 

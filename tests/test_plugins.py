@@ -13,7 +13,9 @@ import numpy as np
 import pytest
 
 import mecano
+from mecano.errors import CompilationError
 from mecano.interface import plugins
+from mecano.jit.compilation_error import compilation_errors
 
 PAGE = (Path(__file__).parent.parent / "docs" / "plugins.md").read_text(encoding="utf-8")
 SOURCES = dict(re.findall(r"`(my_\w+\.py)`[^`]*?:\n\n```python\n(.*?)```", PAGE, re.DOTALL))
@@ -208,3 +210,18 @@ def test_the_example_of_load_plugin(folder, monkeypatch):
     assert doctest.DocTestFinder().find(plugins)
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert "failed=0, attempted=1" in ended.stdout, ended.stdout
+
+
+def test_an_error_of_the_compiler_is_one_line(tmp_path):
+    """The innermost place and the reason, without the stages of the compiler."""
+    from numba import njit, types
+
+    (tmp_path / "bad.py").write_text("def inner(x):\n    return x + 'a'\n")
+    names = {}
+    exec(compile((tmp_path / "bad.py").read_text(), tmp_path / "bad.py", "exec"), names)
+    inner = njit(names["inner"])
+    with pytest.raises(CompilationError) as error, compilation_errors():
+        njit((types.float64,))(lambda x: inner(x))
+    text = str(error.value)
+    assert text.startswith(f"{tmp_path}/bad.py:2: a kernel cannot be compiled: No implementation of function")
+    assert "\n" not in text and "During" not in text and "Failed in" not in text

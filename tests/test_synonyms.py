@@ -14,7 +14,7 @@ from mecano.errors import UsageError
 ASKED = """motor, actuator, pulley, revolute, ball joint, slider, translational joint, bushing, damper, spring, contact,
     modes, eigenvalues, tyre, tire, oleo, shock absorber, latch, stop, cable, rope, winch, truss, rod, link, weld,
     gimbal, cardan, rail, friction, brake, runway, initial conditions, output, units, parameters, sweep, gear, belt,
-    strut, backlash, superelement, roller, point on plane, tires, Revolute_Joint, ball-joint"""
+    strut, backlash, superelement, roller, point on plane, outputs, tires, Revolute_Joint, ball-joint"""
 
 
 def explained(name):

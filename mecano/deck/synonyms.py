@@ -194,6 +194,11 @@ NOTES = {  # words with the same meaning: (targets, note)
     "equilibrium, static equilibrium": ("static initial", ""),
     "statics, statics solver, arc length, riks, buckling, snap through": ("static", ""),
     "results, result, sampling, save": ("output", "`mecano info`, `mecano post` and `mecano export` read the results"),
+    "outputs, reaction, reactions": (
+        "output study",
+        "`mecano explain KIND` lists the outputs of a kind, `mecano info RESULTS --names` those of a run, all of "
+        "which are saved; the outputs of a study are numbers of each of its cases",
+    ),
     "unit, si, dimensions": ("units", ""),
     "parameter, variable, constant value": ("parameters", ""),
     "sweep, doe, optimization, monte carlo, parameter study": (

@@ -163,9 +163,11 @@ def compile_code(code):
         found = read(code.file)
         if found is None:
             from mecano.jit import compiler
+            from mecano.jit.compilation_error import compilation_errors
 
             require_memory(TO_COMPILE)
-            symbol, machine_code = code.generate(compiler)
+            with compilation_errors():
+                symbol, machine_code = code.generate(compiler)
             found = symbol.encode() + b"\n" + machine_code
             write(code.file, found)
     return found
