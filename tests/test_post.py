@@ -744,12 +744,24 @@ def test_pictures_of_mecano_are_replaced_and_others_only_with_force(tmp_path):
         assert list(post([path], plot, output=one)) == [one]
     for other in (one, tmp_path / "spin.svg"):
         other.write_bytes(b"a photograph")
-        with pytest.raises(ResultsError, match=f"{other.name} exists already, and mecano has not written it; --force"):
+        with pytest.raises(ResultsError, match=f"{other.name} exists already, and is not known .* mecano; --force"):
             list(post([path], plot, output=other))
         assert other.read_bytes() == b"a photograph"
         assert list(post([path], plot, output=other, force=True)) == [other]
+    table = tmp_path / "spin.csv"
+    for text in ("time [s],elements.one_wheel.spin_rate [rad/s]\n1,2\n", "time [s],price [EUR]\n1,2\n"):
+        table.write_text(text)
+        if "price" in text:
+            with pytest.raises(ResultsError, match="spin.csv exists already; --force"):
+                list(post([path], plot, output=one, columns=True))
+        drawn = list(post([path], plot, output=one, columns=True, force="price" in text))
+        assert drawn == [one, table] and table.read_text().count("\n") > 2
+    film = tmp_path / "wheel.webp"
+    film.write_bytes(b"")
+    with pytest.raises(ResultsError, match="wheel.webp exists already; --force"):
+        commands(["post", str(path), "--animate", str(film)], standalone_mode=False)
     page.write_text("<html>minutes of a meeting</html>")
     arguments = ["post", str(path), "--report", str(page)]
-    with pytest.raises(ResultsError, match="mecano has not written it"):
+    with pytest.raises(ResultsError, match="not known to be written by mecano"):
         commands(arguments, standalone_mode=False)
     commands([*arguments, "--force"], standalone_mode=False)

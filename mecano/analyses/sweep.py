@@ -294,6 +294,6 @@ def sweep_into(file, path, overrides, texts, *, columns=False, force=False, **op
                         warnings=warnings)  # fmt: skip
         write_sweep(file, plain, source, force=force)
         if columns:
-            write_tables(Path(file).with_suffix(".csv"), plain)
+            write_tables(Path(file).with_suffix(".csv"), plain, force)
     text = "\n".join([*lines(found), *(f"mecano: {text}" for text in found.warnings)])
     return text, sum(len(locus.count) for locus in found.loci)

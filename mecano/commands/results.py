@@ -31,7 +31,7 @@ from mecano.commands import BELOW, plugins, show
     help="Write a page that plays the motion; or a film, .gif, .webp or .mp4.",
 )  # fmt: skip
 @click.option("--report", metavar="PAGE.html", type=click.Path(), help="Write a report page on one run or study.")
-@click.option("--force", is_flag=True, help="Also replace pictures and pages that mecano has not written.")
+@click.option("--force", is_flag=True, help="Also replace films, and files that mecano has not written.")
 @plugins
 def post(results, plots, spectra, at, output, kind, columns, title, below, page, report, force):
     """Draw pictures of results; several files are drawn into the same pictures.
@@ -44,7 +44,7 @@ def post(results, plots, spectra, at, output, kind, columns, title, below, page,
     by stress or force, and beside it the requested plots, or the first of the overview. --report writes one page on
     the run: model, solution, energies, events, pictures (requested ones first), extremes, the deck.
 
-    Pictures and pages of mecano are replaced; a file of this name from elsewhere is refused without --force.
+    Pictures, pages and tables of mecano are replaced; films and files from elsewhere only with --force.
     """
     from mecano.results.checked import blaming, cut_short
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from mecano.errors import ResultsError, UsageError
-from mecano.post.columns import write_columns
+from mecano.post.columns import columns_of
 from mecano.post.grid import grids_of
 from mecano.post.quantity import time_of
 from mecano.post.request import found
@@ -12,7 +12,7 @@ from mecano.post.sheet import Curve
 from mecano.results.disk import hdf5_appearing
 from mecano.results.lock import locked
 from mecano.results.vtk_group import add_grids, write_grids
-from mecano.results.whole_file import appearing, exists, refuse_other_than_file
+from mecano.results.whole_file import exists, refuse_other_than_file, write_csv
 from mecano.results.writer import refuse_existing
 
 OF_COLUMNS, OF_CELLS = ".csv", ".vtkhdf"
@@ -56,8 +56,7 @@ def export(path, output=None, *, series=(), vtk=False, force=False):
             with hdf5_appearing(target) as file:
                 write_grids(file, grids_of(run), run.results.time)
         else:
-            with appearing(target) as hidden:
-                _write_all_columns(hidden, run, series)
+            write_csv(target, _all_columns(run, series), force)
     return target
 
 
@@ -100,6 +99,6 @@ def _into_results(run, force):
     return run.results.path
 
 
-def _write_all_columns(path, run, series):
+def _all_columns(run, series):
     quantities = [quantity for name in series or run.results.names() for quantity in found(run, name)]
-    write_columns(path, [Curve(time_of(y), y, 0, y.subject) for y in quantities])
+    return columns_of([Curve(time_of(y), y, 0, y.subject) for y in quantities])

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 from mecano.errors import ResultsError, UsageError
-from mecano.post.columns import write_columns, write_table
+from mecano.post.columns import columns_of
 from mecano.post.figure import overview_figure, save, sheet_figure
 from mecano.post.info import one_line
 from mecano.post.loci import draw_sweep
@@ -17,7 +17,7 @@ from mecano.post.study_plots import draw_study
 from mecano.post.wire import times_of, wire_figure
 from mecano.results import modes_file, study_file, sweep_file
 from mecano.results.checked import format_of
-from mecano.results.whole_file import make_folder, refuse_foreign
+from mecano.results.whole_file import make_folder, refuse_foreign, write_csv
 
 FORMATS = ("png", "svg")
 OTHER_FORMATS = ("jpg", "jpeg", "pdf", "eps", "ps", "tif", "tiff", "gif", "bmp", "webp")  # other dots are in names
@@ -52,7 +52,7 @@ def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False,
     below : float
         Frequency [Hz] above which modes are left out of the picture of a sweep; by default ``loci.shown_modes``.
     force : bool
-        Also replace pictures that mecano has not written.
+        Also replace pictures and tables that mecano has not written.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False,
     for (sheet, draw), target in zip(pictures, targets, strict=False):
         yield _save(draw(sheet, title), target)
         if sheet.table or (columns and sheet.curves and draw is sheet_figure):
-            yield _save_columns(sheet, target.with_suffix(".csv"))
+            yield _save_columns(sheet, target.with_suffix(".csv"), force)
 
 
 def asked_sheets(plots, spectra, runs):
@@ -176,12 +176,6 @@ def _save(figure, path):
     return path
 
 
-def _save_columns(sheet, path):
-    try:
-        if sheet.table:
-            write_table(path, sheet.table)
-        else:
-            write_columns(path, sheet.curves, sheet.run_labels)
-    except OSError as error:
-        raise ResultsError(f"cannot write {path}: {error.strerror}") from error
+def _save_columns(sheet, path, force):
+    write_csv(path, sheet.table or columns_of(sheet.curves, sheet.run_labels), force)
     return path

@@ -1,6 +1,5 @@
 """The file of a sweep by `mecano modes --sweep`, as HDF5 (layout in docs/results-file.md) and as CSV."""
 
-import csv
 import json
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +11,7 @@ from mecano.errors import ResultsError
 from mecano.results.checked import open_checked
 from mecano.results.disk import hdf5_appearing
 from mecano.results.table import describe
-from mecano.results.whole_file import appearing, put_source
+from mecano.results.whole_file import put_source, write_csv
 from mecano.results.writer import refuse_existing
 
 FORMAT, FORMAT_VERSION = "mecano sweep", 1
@@ -130,12 +129,14 @@ def _columns(group, columns):
     return {name: group[name][:] for name, _, _ in columns if name in group}
 
 
-def write_tables(path, plain):
-    """Write the states as CSV, a row each, and the critical values as ``..._critical.csv``. Raises ResultsError."""
+def write_tables(path, plain, force):
+    """Write the states as CSV, a row each, and the critical values as ``..._critical.csv``.
+
+    Raises ResultsError as ``write_csv``.
+    """
     path = Path(path)
     for target, rows in ((path, _rows(plain)), (path.with_name(f"{path.stem}_critical.csv"), _critical_rows(plain))):
-        with appearing(target) as hidden, open(hidden, "w", newline="", encoding="utf-8") as file:
-            csv.writer(file, lineterminator="\n").writerows(rows)
+        write_csv(target, rows, force)
 
 
 def _critical_rows(plain):

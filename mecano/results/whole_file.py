@@ -1,6 +1,8 @@
 """Atomic creation of files, which appear only when complete; their hidden names; folders."""
 
+import csv
 import hashlib
+import io
 import os
 from contextlib import contextmanager, suppress
 
@@ -60,18 +62,43 @@ def refuse_other_than_file(path):
         raise ResultsError(f"cannot write {path}: it is {other}; give the name of a file")
 
 
-def refuse_foreign(path, force):
-    """Raise ResultsError if a picture or page ``path`` exists that mecano has not written, unless ``force`` is True."""
+def refuse_foreign(path, force, heading=None):
+    """Raise ResultsError if a file ``path`` exists that is not known as one of mecano's, unless ``force`` is True.
+
+    Known are pictures and pages, by the name of mecano at their beginning, and tables (CSV) with the same ``heading``,
+    a list of texts. Films are not.
+    """
     refuse_other_than_file(path)
-    if force or path.suffix not in MARKED or not exists(path):
+    if force or not exists(path):
         return
+    expected = MARK if heading is None else csv_line(heading).encode()
     try:
         with open(path, "rb") as file:
-            begins = file.read(BEGINNING)
+            begins = file.read(BEGINNING if heading is None else len(expected))
     except OSError as error:
         raise ResultsError(f"cannot read {path}, which would be replaced: {error.strerror}") from error
-    if MARK not in begins:
-        raise ResultsError(f"{path} exists already, and mecano has not written it; --force replaces it")
+    if expected not in begins:
+        other = ", and is not known to be written by mecano" if path.suffix in MARKED else ""
+        raise ResultsError(f"{path} exists already{other}; --force replaces it")
+
+
+def write_csv(path, rows, force):
+    """Write rows, the first of them the heading, as comma-separated values.
+
+    Raises ResultsError as ``refuse_foreign``, and if the file cannot be written.
+    """
+    heading, *rows = rows
+    refuse_foreign(path, force, heading)
+    with appearing(path) as hidden, open(hidden, "w", newline="", encoding="utf-8") as file:
+        file.write(csv_line(heading))
+        csv.writer(file, lineterminator="\n").writerows(rows)
+
+
+def csv_line(cells):
+    """Return a row of comma-separated values with the end of its line."""
+    line = io.StringIO()
+    csv.writer(line, lineterminator="\n").writerow(cells)
+    return line.getvalue()
 
 
 def other_than_file(path):
