@@ -385,6 +385,7 @@ def test_check_says_what_the_model_is(call, folder):
     code, out, err = call("check", "deck.yaml")
     assert (code, err) == (0, "") and "Bar on a hinge" in out and "mobility         1" in out
     assert list(folder.iterdir()) == [folder / "deck.yaml"]
+    assert call("check", "deck.yaml", "-q") == (0, "", "")
 
 
 @pytest.mark.parametrize("members", [1, 600])

@@ -60,6 +60,19 @@ def test_a_wheel_that_starts_backward_or_deep_is_warned_of():
         assert any("it starts backward" in said for said in warnings)
 
 
+def test_a_wheel_on_a_body_that_starts_backward_or_deep_is_warned_of():
+    """On the deck of a ship, relative to it; 3.36 m is the height at which the tyre just touches the deck."""
+    place = "nodes.hub.position=[0, 0, %g]"
+    velocity = "initial.velocities.1={nodes: [hub], velocity: [4, 0, 0]}"
+    (said,) = warnings_of(prepare(input_deck("ship_deck", "elements.wheel.axis=[0, -1, 0]", velocity)))
+    assert "it starts backward, at 4 m/s against its forward direction [-1, 0, 0]" in said
+    (said,) = warnings_of(prepare(input_deck("ship_deck", place % 3.26)))
+    assert "its tyre starts 100 mm deep in the ground, 0.28 of its radius, which pushes with 4e+04 N; it" in said
+    assert warnings_of(prepare(input_deck("ship_deck", velocity))) == []
+    on_ground = "elements.wheel.nodes=[ground, hub]"
+    assert len(warnings_of(prepare(input_deck("ship_deck", on_ground, place % 3.26)))) == 1
+
+
 @pytest.mark.parametrize("name", ["nose_landing_gear", "step_steer", "caster_shimmy"])
 def test_no_warning_of_good_tyres(name):
     assert warnings_of(prepare(input_deck(name))) == []

@@ -15,6 +15,7 @@ from mecano.solve.time.massless import massless_unknowns
 
 MOST_NAMED = 10  # warnings of one sort
 FAR = 1e5  # length scales from the origin, where a double pendulum has errors of 1e-6 in angles, 1 % in its forces
+GROUND = NodeAtStart(np.eye(3), np.zeros(3), np.eye(3), np.zeros(3), lambda: np.diag([np.inf] * 3))
 
 
 def suspicious_model(deck, system, s, length):
@@ -86,7 +87,7 @@ def _suspicious(deck, system, s):
     for name, d in deck.values["elements"].items():
         kind = KINDS[d["type"]]
         if kind.suspicious is not nothing:
-            nodes = [_at_start(system, s, at[node]) for node in element_nodes(kind, d)]
+            nodes = [_at_start(system, s, at[node]) if node in at else GROUND for node in element_nodes(kind, d)]
             for text in kind.suspicious(d, nodes):
                 yield Problem(f"{d['type']} '{name}': {text}", deck.mark("elements", name))
 

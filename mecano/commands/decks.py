@@ -9,15 +9,18 @@ from mecano.commands import overrides, plugins, show
 @click.argument("deck", type=click.Path())
 @overrides
 @click.option("--all", "every", is_flag=True, help="List all free motions and redundant constraints, however many.")
+@click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 @plugins
-def check(deck, overrides, every):
+def check(deck, overrides, every, quiet):
     """Check a deck without running it; print bodies, mass, unknowns, mobility, redundant constraints."""
     from mecano.deck.read import read_deck
 
     checked = read_deck(deck, overrides)
     from mecano.analyses.summary import summary
 
-    show(summary(checked, every))
+    text = summary(checked, every)
+    if not quiet:
+        show(text)
 
 
 @click.command(name="list")

@@ -74,7 +74,7 @@ def run(deck, output, force, resume, limit, interval, threads, live, quiet, over
     "-o",
     "--output",
     type=click.Path(),
-    help="File; default: the deck's name with _modes.h5, or _sweep.h5, in this folder.",
+    help="File; default: the deck's name with _modes.h5, _modes_at_TIME.h5 or _sweep.h5, in this folder.",
 )
 @click.option("--plot", is_flag=True, help="Draw the shapes, or the root loci, into a picture beside the file.")
 @click.option("--below", type=click.FloatRange(min=0.0, min_open=True), metavar="HZ", help=BELOW)
@@ -107,7 +107,7 @@ def modes(deck, at, at_rest, number, sweeps, frame, solver, output, plot, below,
     from mecano.deck.read import read_deck
 
     checked = read_deck(deck, overrides)
-    path = output or os.path.splitext(os.path.basename(deck))[0] + "_modes.h5"
+    path = output or f"{os.path.splitext(os.path.basename(deck))[0]}_modes{_of_state(at, at_rest)}.h5"
     from mecano.analyses.modal import modes as find
     from mecano.analyses.progress import SweepProgress
 
@@ -121,6 +121,11 @@ def modes(deck, at, at_rest, number, sweeps, frame, solver, output, plot, below,
         from mecano.post.mode_shapes import NO_SHAPES, draw_modes
 
         show(str(draw_modes(path)) if len(found.values) else NO_SHAPES)
+
+
+def _of_state(at, at_rest):
+    """Return the end of the name of a file of modes: those about the start, and about other states, have own files."""
+    return "" if at is None else f"{'_at_rest' if at_rest else '_at'}_{os.path.basename(at.rpartition(':')[2])}"
 
 
 def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, below, columns, quiet, force):

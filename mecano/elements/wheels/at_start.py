@@ -1,7 +1,10 @@
 """Warnings about wheels with a tyre law at the start: backward rolling, and tyres that start deep in the ground."""
 
+from types import SimpleNamespace
+
 import numpy as np
 
+from mecano.constraints.carried_surface import carried_record, contact_at_start, place_at_start
 from mecano.constraints.ground import rim_above, unit
 from mecano.laws.probe import curve_at
 
@@ -12,16 +15,29 @@ DEEP = 0.2  # of the radius; tyres stand at 0.05 to 0.12
 def odd_start(d, nodes):
     """Return warnings about the motion and the deformation of a wheel at the start, from its deck values and node."""
     (node,) = nodes
-    axis = node.R @ node.orientation.T @ unit(d["axis"])
-    return [*_backward(d, node, axis), *_deep(d, node, axis)]
+    axis, ground = node.R @ node.orientation.T @ unit(d["axis"]), d["ground"]
+    backward = () if ground.get("motion") else _backward(d, unit(ground["plane"]["normal"]), axis, node.v)
+    return [*backward, *_deep(d, *rim_above(ground, d["tire_law"]["radius"], node.x, axis))]
 
 
-def _backward(d, node, axis):
+def odd_start_on_body(d, nodes):
+    """Return the same warnings about a wheel on the surface of a body, from its deck values and both nodes.
+
+    The body counts as moving without turning: a wheel at rest on a drum that turns is not warned of.
+    """
+    body, hub = nodes
+    axis, places = hub.R @ hub.orientation.T @ unit(d["axis"]), [(node.x, node.R) for node in nodes]
+    record = SimpleNamespace(**carried_record(d, places))
+    g = contact_at_start(record, places, axis, *place_at_start(d, places))
+    above = g.r - d["tire_law"]["radius"]
+    return [*_backward(d, np.array(g.n), axis, hub.v - body.v), *_deep(d, above, above * g.q)]
+
+
+def _backward(d, normal, axis, velocity):
     """Yield a warning about a wheel that moves mainly against its driving direction t = a x n/|a x n|."""
-    normal, motion = unit(d["ground"]["plane"]["normal"]), d["ground"].get("motion")
     ahead = unit(np.cross(axis, normal))
-    along, across = node.v @ ahead, node.v @ np.cross(normal, ahead)
-    if motion or along > -max(BACKWARD, abs(across)):
+    along, across = velocity @ ahead, velocity @ np.cross(normal, ahead)
+    if along > -max(BACKWARD, abs(across)):
         return
     turned = "[" + ", ".join(f"{-component + 0.0:g}" for component in d["axis"]) + "]"
     yield (
@@ -31,10 +47,9 @@ def _backward(d, node, axis):
     )
 
 
-def _deep(d, node, axis):
+def _deep(d, gap, along_normal):
     """Yield a warning about a tyre that is deformed much more than a standing one."""
     law = d["tire_law"]
-    gap, along_normal = rim_above(d["ground"], law["radius"], node.x, axis)
     if -gap <= DEEP * law["radius"]:
         return
     yield (

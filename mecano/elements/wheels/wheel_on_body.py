@@ -34,6 +34,7 @@ from mecano.constraints.carried_surface import (
 from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import LEAST_Q, ends, too_low
 from mecano.element_interface import Display, Kind, record
+from mecano.elements.wheels.at_start import odd_start_on_body
 from mecano.elements.wheels.by_slip_law import by_slip_law
 from mecano.elements.wheels.ground_surface import Surface
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
@@ -193,6 +194,7 @@ def with_law(law):
         prepare=prepare,
         check=check,
         limits=limits,
+        suspicious=odd_start_on_body,
         ends=ends,
         residual=residual,
         observe=observe,

@@ -5,10 +5,11 @@ import numpy as np
 from mecano.errors import AssemblyError, Failure
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, TRANSLATION
 from mecano.solve.diagnostics.analysis import analyse
+from mecano.solve.diagnostics.constraint_names import by_joint
 from mecano.solve.diagnostics.joint_redundancy import redundant_groups
 from mecano.solve.events.compliance import NO_ROWS
 
-MOST_OTHERS = 12  # constraints named that contradict one
+MOST_OTHERS, MOST_ALIKE = 12, 6  # lines on constraints that contradict one, and joints named in each
 TEXT = "constraints contradict one another: the {} of {} to {}{}"
 GAP = 1e-6  # of the length scale, or rad: of constraints that repeat one another, which give way by 1e-11 of it
 AT_START = 1e-6  # of the speeds: the rate of a deactivated constraint while the others hold exactly
@@ -89,6 +90,10 @@ class Contradictions:
         """Return a text that names the constraints which are redundant together with the one of this ``name``."""
         if self._redundant is None:
             self._redundant = redundant_groups(self.system, s, self.length, analyse(self.system, s, self.length))
-        others = [other for group in self._redundant if name in group.names for other in group.names if other != name]
-        more = f"; and {len(others) - MOST_OTHERS} more" if len(others) > MOST_OTHERS else ""
-        return f"; the others are: {'; '.join(others[:MOST_OTHERS])}{more}" if others else ""
+        lines = []
+        for group in self._redundant:
+            if name in group.names:
+                others = [other for other in group.names if other != name]
+                lines += by_joint(others, group.totals, MOST_ALIKE)
+        more = [f"and {len(lines) - MOST_OTHERS} more kinds of joints and directions"] * (len(lines) > MOST_OTHERS)
+        return "".join(["; the others are:", *(f"\n  {line}" for line in lines[:MOST_OTHERS] + more)]) if lines else ""
