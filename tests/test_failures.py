@@ -13,6 +13,7 @@ from time_runs import RecordedRun, deck, in_python, input_deck
 import mecano
 import mecano.analyses.prepare
 from mecano.analyses.dynamic import begun
+from mecano.deck.read import read_deck
 from mecano.errors import ConvergenceError, NonFiniteError
 from mecano.model.numbering import LENGTH_CONSTRAINT, TRANSLATION, EquationName
 from mecano.solve.diagnostics.failure import worst_equations
@@ -139,6 +140,22 @@ def test_the_element_that_is_not_finite_is_named(tmp_path, kind, field, name):
             run.advance(0.1)
     first, second, *_ = str(error.value).splitlines()
     assert re.findall(r"\w+ '[^']+'", f"{first} {second}") == [name] and "t = 0.0" in first
+
+
+def test_the_place_of_a_formula_that_is_not_finite_is_named(tmp_path):
+    """A signal at the start, and a formula in place where it ends to be defined."""
+    text = (
+        "mecano: 1\ngravity: none\nnodes: {a: {position: [0, 0, 0]}}\n"
+        "elements: {m: {type: point_mass, node: a, mass: 1}}\nsignals: {pole: log(0.05 - time)}\n"
+        "loads:\n  f: {type: force, node: a, direction: [1, 0, 0], value: 2*sqrt(0.04 - time)}\n"
+        "time: {start: %g, end: 0.1, step: 0.01}\n"
+    )
+    file = tmp_path / "poles.yaml"
+    for start, place in ((0.07, "formula 'pole' is at {}:5:11"), (0.0, "formula '2*sqrt(0.04 - time)' is at {}:7:58")):
+        file.write_text(text % start)
+        with pytest.raises(NonFiniteError) as error, begun(read_deck(file), tmp_path / "r.h5", True) as run:
+            run.advance(0.1)
+        assert place.format(file) in str(error.value).splitlines()
 
 
 def test_joints_are_among_what_acts(tmp_path):

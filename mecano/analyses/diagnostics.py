@@ -8,6 +8,7 @@ from mecano.analyses.prepare import some
 from mecano.analyses.recorder import FORCES
 from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
+from mecano.elements.signals.formula import FORMULA
 from mecano.model.model import title_of
 from mecano.model.output_limits import watched_outputs
 
@@ -106,7 +107,7 @@ def exceeded(deck, sampler, extremes):
 
 
 def explained(error, deck, warnings):
-    """Return the text of an ``error`` with remedies for the elements that failed.
+    """Return the text of an ``error`` with remedies for the elements that failed, and the places of their formulas.
 
     The ``warnings`` about these elements and about the places of the equations that failed follow.
     """
@@ -118,7 +119,16 @@ def explained(error, deck, warnings):
                 remedies.setdefault("; ".join(found), []).append(title)
     tries = [f"in {some(titles, MOST_NAMED)}: {found}" for found, titles in remedies.items()]
     known = [f"warning: {one}" for one in dict.fromkeys(warnings) if any(text in one for text in about)]
-    return "\n".join([str(error), *tries, *known])
+    return "\n".join([str(error), *_formulas(error, deck), *tries, *known])
+
+
+def _formulas(error, deck):
+    """Yield where the formulas among the elements that failed are in the deck."""
+    marks = {title_of(FORMULA.name, text): mark for text, mark in deck.formulas.items()}
+    named = {title_of(FORMULA.name, name): deck.mark("signals", name) for name in deck.values["signals"]}
+    for title in error.elements:
+        if mark := named.get(title) or marks.get(title):
+            yield f"{title} is at {mark}"
 
 
 def open_latches(deck, row, sampler):

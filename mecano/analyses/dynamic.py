@@ -53,7 +53,10 @@ def _from_the_start(deck, path, force, observers, reporters, announce, interrupt
     prepared = prepare(deck, partial(compile_time_integration, method=deck.values["time"]["method"]))
     found = abandonable(set_initial_state, prepared)
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
-    start = abandonable(integrator.begin, prepared.state, deck.values["time"]["step"])
+    try:
+        start = abandonable(integrator.begin, prepared.state, deck.values["time"]["step"])
+    except NonFiniteError as error:
+        raise NonFiniteError(explained(error, deck, ())) from error
     notes = [*startup_warnings(prepared, start), *found]
     source = _source(deck, chosen(prepared, integrator, start), model_facts(prepared), notes)
     interruption = interruption or Interruption()

@@ -27,6 +27,7 @@ class Deck:
     files: dict = field(default_factory=dict)  # name of each table read -> SHA-256
     warnings: tuple = ()  # Problem: legal but suspicious input
     keys: dict = field(default_factory=dict, repr=False)  # section -> {name: node of the tree that holds the name}
+    formulas: dict = field(default_factory=dict, repr=False)  # text of a formula -> Mark of its first place
 
     @property
     def kinds(self):

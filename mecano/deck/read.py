@@ -57,7 +57,8 @@ def deck_of(source, digest="", overrides=(), kinds=KINDS, sections=SECTIONS, ter
     values = checked_values(root, sections, scope)
     warnings = tuple(suspicious(values, root, scope.used_names(), kinds))
     keys = {section: _keys(root, section) for section in ("nodes", "initial", *ELEMENT_SECTIONS)}
-    return Deck(source.file, source.text, digest, values, tuple(overrides), scope.files, warnings, keys)
+    formulas = {found.text: node.mark for found, node, _ in reversed(scope.formulas)}
+    return Deck(source.file, source.text, digest, values, tuple(overrides), scope.files, warnings, keys, formulas)
 
 
 def _keys(root, section):

@@ -102,7 +102,9 @@ def _refuse_undetermined(system, s):
     J, r, reads_rates = _equations(system, s, own)
     if not np.all(known := _finite(J, r)):
         name = system.numbering.name[own[np.argmin(known)]]
-        raise NonFiniteError(f"at t = {s.t:.9g} s {name} is not finite")
+        error = NonFiniteError(f"at t = {s.t:.9g} s {name} is not finite")
+        error.elements = (name.place,)
+        raise error
     if circle := _undetermined(J):
         raise _error([system.numbering.name[own[i]].place for i in circle], f"at t = {s.t:.9g} s ")
     return reads_rates
