@@ -47,7 +47,7 @@ CASES = {
     ),
     "wheel that slips": (
         "wheel", "node: load, axis: [0, 1, 0], ground: road, tire_law: rubber",
-        ("normal_force", "contact_force.x", "longitudinal_slip", "spin_rate", "slip_ratio", "lateral_slip"),
+        ("normal_force", "contact_force.x", "contact_force.magnitude", "longitudinal_slip", "spin_rate", "slip_ratio", "lateral_slip"),
     ),
     "oleo": (
         "oleo", "nodes: [top, load], extended_length: 1.2, gas: {pressure: 1.1e5, volume: 1.0e-3, area: 1.0e-3}, "
@@ -67,7 +67,8 @@ def test_a_signal_equals_the_output_that_it_measures(case):
     for output in outputs:
         name, _, axis = output.partition(".")
         values = m[f"elements/measured/{name}"][smooth]
-        values = values[:, "xyz".index(axis)] if axis else values
+        if axis:
+            values = np.linalg.norm(values, axis=1) if axis == "magnitude" else values[:, "xyz".index(axis)]
         scale = np.abs(values).max()
         assert scale > 0.0
         signal = m[f"signals/of_{output.replace('.', '_')}/value"][smooth]

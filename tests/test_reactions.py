@@ -114,7 +114,7 @@ def test_a_pin_breaks_at_a_force(verify):
 @pytest.mark.parametrize(
     ("formula", "text"),
     [
-        ("cell.force", "'force' of 'cell' cannot be measured: write force.x, force.y, force.z"),
+        ("cell.force", "'force' of 'cell' cannot be measured: write force.x, force.y, force.z, force.magnitude"),
         ("joints.rail.angle", "'angle' of 'rail' cannot be measured"),
         ("rail.friction_force", "'friction_force' of 'rail' cannot be measured"),
     ],

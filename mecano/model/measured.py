@@ -2,7 +2,7 @@
 
 ``error`` is a signal, ``elbow.angle`` an output of an element, joint or load that can be measured (``Kind.measures``),
 ``tip.position.z`` a component of the position, velocity or angular_velocity of a node, inertial, also where an element
-of the same name has such an output. A name that otherwise occurs in several sections of the deck is prefixed by the
+of the same name has such an output. ``elbow.force.magnitude`` is the length of a vector. A name that otherwise occurs in several sections of the deck is prefixed by the
 section: ``joints.elbow.angle``.
 """
 
@@ -12,6 +12,7 @@ from mecano.constraints.sensors import NODE_SENSORS, SENSORS
 from mecano.element_interface import Part
 
 AXES = "xyz"
+MAGNITUDE = ".magnitude"
 
 
 class UnknownQuantity(Exception):
@@ -33,6 +34,16 @@ def components(output, label=""):
     """Return the names of the numbers of an output in a formula: force.x, force.y, force.z of a vector."""
     name = output.name + label
     return [f"{name}.{axis}" for axis in AXES[: output.shape[0]]] if output.shape else [name]
+
+
+def quantities(output, label=""):
+    """Return the names of what a formula can read of an output: its components, and the magnitude of a vector."""
+    return components(output, label) + [f"{output.name}{label}{MAGNITUDE}"] * (output.shape == (3,))
+
+
+def magnitude_of(vector):
+    """Return the formula of the length of a vector with this name."""
+    return f"hypot(hypot({vector}.x, {vector}.y), {vector}.z)"
 
 
 def index_of(what, kind, label=""):
@@ -82,10 +93,10 @@ def meaning(name, entries, nodes):
 
 def _offered(section, owner, entries):
     if section == "nodes":
-        return [f"{quantity}.{axis}" for quantity in NODE_SENSORS for axis in AXES]
+        return [f"{quantity}.{what}" for quantity in NODE_SENSORS for what in (*AXES, MAGNITUDE[1:])]
     if section == "signals":
         return []
-    return [name for output, label in measured_outputs(*entries[section, owner]) for name in components(output, label)]
+    return [name for output, label in measured_outputs(*entries[section, owner]) for name in quantities(output, label)]
 
 
 def measured_outputs(kind, d):
@@ -106,7 +117,7 @@ def _instead(what, kind=None, d=None):
     name, chosen = what.partition(".")[0], kind.chosen(d)
     if chosen.hidden.get(name):
         return chosen.hidden[name]
-    return next((f"write {', '.join(components(o))}" for o in chosen.outputs if o.shape and o.name == name), "")
+    return next((f"write {', '.join(quantities(o))}" for o in chosen.outputs if o.shape and o.name == name), "")
 
 
 def sensor_of_node(what):

@@ -22,7 +22,7 @@ from mecano.laws.formula import (
     TIME,
     read_formula,
 )
-from mecano.model.measured import components, meaning, measured_outputs
+from mecano.model.measured import meaning, measured_outputs, quantities
 from mecano.model.sampler import NODE_OUTPUTS
 
 UNKNOWN = "SI"  # as declared for the value of a signal
@@ -79,7 +79,7 @@ class _Units:
         if section == "signals":
             return self.of_signal(owner)
         outputs = measured_outputs(*self.entries[section, owner])
-        return next(output.unit for output, label in outputs if what in components(output, label))
+        return next(output.unit for output, label in outputs if what in quantities(output, label))
 
 
 def _of_two(code, first, second):

@@ -6,7 +6,7 @@ from mecano.constraints.output_sensor import output_sensor
 from mecano.elements.signals.formula import FORMULA
 from mecano.laws.formula import read_formula
 from mecano.model.instance import Instance
-from mecano.model.measured import index_of, meaning, sensor_of_node, sensor_of_output
+from mecano.model.measured import MAGNITUDE, index_of, magnitude_of, meaning, sensor_of_node, sensor_of_output
 from mecano.model.model import title_of
 
 DIVISION = "\N{DIVISION SLASH}"  # in the name of a formula, since / separates groups of the results file
@@ -56,6 +56,8 @@ class _Wiring:
     def _of_reference(self, name):
         if name in self.sources:
             return self.sources[name]
+        if name.endswith(MAGNITUDE):
+            return self.source(magnitude_of(name.removesuffix(MAGNITUDE)))
         section, owner, what = meaning(name, self.entries, self.nodes)
         if section == "nodes":
             title, part, nodes = f"node '{owner}'", sensor_of_node(what), (self.nodes[owner],)
