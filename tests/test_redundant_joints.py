@@ -187,3 +187,35 @@ def test_what_cannot_be_met_together_is_named():
         prepare(deck(HEAD + text))
     last = str(error.value).splitlines()[-1]
     assert last == "  taking part: rigid_rod 'short', spherical 't'"
+
+
+def test_a_shaft_between_two_cardan_joints_turns_through_positions_without_forces():
+    """Pins at right angles: tan(theta_2) = cos(b)^2 tan(theta_1); all forces vanish at quarter turns of the input."""
+    c, s = np.cos(0.5), np.sin(0.5)
+    body = "type: rigid_body, mass: 1, inertia: [0.01, 0.01, 0.01]"
+    run = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: none
+        nodes:
+          input: {{position: [0, 0, 0]}}
+          middle: {{position: [0, 0, 0]}}
+          end: {{position: [{c}, 0, {s}]}}
+          output: {{position: [{c}, 0, {s}]}}
+        elements:
+          one: {{{body}, node: input}}
+          two: {{{body}, node: middle, attached: [end]}}
+          three: {{{body}, node: output}}
+        joints:
+          bearing: {{type: hinge, nodes: [ground, input], axis: [1, 0, 0]}}
+          out: {{type: hinge, nodes: [ground, output], axis: [1, 0, 0]}}
+          motor: {{type: prescribed_angle, nodes: [ground, input], axis: [1, 0, 0], value: {{linear: {{slope: 10}}}}}}
+          cross_1: {{type: universal, nodes: [input, middle], axis_a: [0, 1, 0], axis_b: [{-s}, 0, {c}]}}
+          cross_2: {{type: universal, nodes: [end, output], axis_a: [0, 1, 0], axis_b: [0, 0, 1]}}
+        initial: {{velocities: [{{nodes: [input, output], angular_velocity: [10, 0, 0], about: own}}]}}
+        time: {{end: 0.4, step: 1.0e-4}}
+        """)
+    )
+    angle = 10 * run.time
+    answer = np.unwrap(np.arctan2(c * c * np.sin(angle), np.cos(angle)))
+    np.testing.assert_allclose(run["joints/out/angle"], answer, rtol=0, atol=1e-9)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from time_runs import RecordedRun, input_deck
 
-from mecano.model.numbering import MASSLESS, SCALAR, TRANSLATION
+from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, SCALAR, TRANSLATION
 from mecano.solve.diagnostics.scales import TINY, norms
 
 TIGHT = ("time.newton.constraint_tolerance=1e-12",)  # forces are met to 1e-7
@@ -56,3 +56,11 @@ def test_rounding_hides_little_of_the_force_on_a_massless_scalar(kind, allowed):
     kinds = np.array([TRANSLATION, kind], np.int64)
     over, _ = norms(residual, size, kinds, 2, 1.0, 1e-7, 1e-10, 1.0, 1.0, 1e15, 100.0)
     assert over == pytest.approx(1.0, rel=1e-12)
+
+
+def test_the_size_of_the_mechanism_is_rounded_where_no_position_is_free():
+    """Arms of 2 m are rounded to 16 x 2.2e-16 x 2 m = 7.04e-15 m, also those of bodies that turn about fixed points."""
+    residual, size = np.array([0.0, 7.04e-15 * 1e9]), np.zeros(2)
+    kinds = np.array([TRANSLATION, LENGTH_CONSTRAINT], np.int64)
+    forces, _ = norms(residual, size, kinds, 2, 2.0, 1e-7, 1e-10, 1.0, 1e9, 1e9, 0.0)
+    assert forces == pytest.approx(1.0, rel=1e-12)

@@ -55,7 +55,8 @@ def norms(
     of elements (treated as forces). A constraint is measured as a length or an angle, and also as the force that it
     causes with the mean ``stiffness`` [N/m] of the step: in short steps a small displacement is a large force. The row
     of a released constraint, which states that reactions are shared (compliance.py), is measured as the force by which
-    they deviate. The tolerance of a force is at least the rounding error due to positions as large as ``reach`` [m];
+    they deviate. The tolerance of a force is at least the rounding error due to positions as large as ``reach`` [m],
+    or as the mechanism if that is larger, since arms are rounded even if no position is free;
     for massless scalars this bound is at most MASSLESS_SHARE, since in short steps the stiffness is that of the masses.
     ``share`` multiplies all tolerances except this bound. Signals are checked by their increments (increments.py),
     since no scale of their residuals is known.
@@ -85,6 +86,7 @@ def norms(
     f = max(force_size, ANGULAR_SHARE * moment_size / length)
     m = max(moment_size, ANGULAR_SHARE * force_size * length)
     g = max(scalar_size, ANGULAR_SHARE * f)
+    reach = max(reach, length)
     hidden = ROUNDING * stiffness * reach
     force_tolerance *= share
     f = max(f * force_tolerance, hidden)
@@ -92,5 +94,5 @@ def norms(
     light, g = max(g * force_tolerance, min(hidden, MASSLESS_SHARE * g)), max(g * force_tolerance, hidden)
     force = max(force, stiffness * distance, stiffness / RELEASED_COMPLIANCE * shared) / f
     moment = max(moment, stiffness * length * length * angle) / m
-    constraint = max(distance / length, angle) / max(constraint_tolerance * share, ROUNDING * max(reach / length, 1.0))
+    constraint = max(distance / length, angle) / max(constraint_tolerance * share, ROUNDING * reach / length)
     return max(force, moment, scalar / g, massless / light), constraint
