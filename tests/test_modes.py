@@ -272,6 +272,38 @@ def test_top_in_steady_precession():
     assert np.abs(found.values[:-1]).max() < 1e-4 and found.kinds[-1] == "oscillation"
 
 
+@pytest.mark.parametrize("w", [250.0, 300.0, 350.0])
+def test_rotor_with_internal_damping(w):
+    """m z'' + (c_i + c_e) z' + (k - i w c_i) z = 0, stable below sqrt(k/m)(1 + c_e/c_i) = 300 rad/s.
+
+    The axes of the constraints turn with the shaft, the equations do not change.
+    """
+    text = f"""
+        mecano: 1
+        gravity: none
+        nodes: {{shaft: {{position: [0, 0, 0]}}, disc: {{position: [0, 0, 0]}}}}
+        elements:
+          hub: {{type: rigid_body, node: shaft, mass: 1, inertia: [0.1, 0.1, 0.1]}}
+          disc: {{type: rigid_body, node: disc, mass: 10, inertia: [0.1, 0.1, 0.2]}}
+        laws: {{inner: {{spring: 4.0e5, damper: 200}}, outer: {{damper: 100}}}}
+        joints:
+          bearing: {{type: hinge, nodes: [ground, shaft], axis: [0, 0, 1]}}
+          shaft:
+            {{type: generic, nodes: [shaft, disc], axis: [0, 0, 1], compliance: {{along_1: inner, along_2: inner}}}}
+          air:
+            {{type: generic, nodes: [ground, disc], axis: [0, 0, 1], compliance: {{along_1: outer, along_2: outer}},
+             free: [along_axis, about_1, about_2, about_axis]}}
+        initial: {{velocities: [{{nodes: all, angular_velocity: [0, 0, {w}], about: [0, 0, 0]}}]}}
+        {TIME}
+        """
+    lin = linearized(text)
+    assert lin.variation < 1e-8
+    roots = np.roots([10.0, 300.0, 4e5 - 200.0j * w])
+    found = [value for value in solve(lin, 20).values if value.imag > 100.0]
+    answer = np.sort_complex(roots.real + 1j * np.abs(roots.imag))
+    np.testing.assert_allclose(np.sort_complex(found), answer, rtol=0, atol=1e-8)
+
+
 def test_free_body_about_its_middle_axis():
     """Euler: s = n sqrt((I2 - I1)(I3 - I2)/(I1 I3)) for the spin n about the axis of I2, seen from the body."""
     text = f"""

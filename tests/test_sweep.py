@@ -26,6 +26,7 @@ from mecano.errors import ConvergenceError, UsageError
 from mecano.post.loci import _mark, real_range, shown_modes, sweep_figure
 from mecano.post.pictures import post
 from mecano.results.sweep_file import read_sweep
+from mecano.solve.modal.critical import critical
 from mecano.solve.modal.tracking import Spectrum, growing, loci, track, unstable
 
 G = 9.81
@@ -316,6 +317,17 @@ def test_growth_counts_where_it_means_more_than_zero_before_it_ends():
     reported = [growing(np.full(5, b), spectra) for b in range(3)]
     np.testing.assert_array_equal(reported, [5 * [False], [0, 1, 1, 1, 0], [1, 0, 0, 1, 1]])
     np.testing.assert_array_equal(growing(np.array([-1, 1, 1, -1, 1]), spectra), [0, 1, 1, 0, 0])
+
+
+def test_growth_from_a_limit_that_is_a_value_of_the_sweep_is_located_within_its_error():
+    """A rotor grows by 0.05 (w - 300): neutral at 300, where a sweep in steps of 50 looks, and seen somewhat above."""
+
+    def spectrum_at(w):
+        return Spectrum(np.array([0.05 * (w - 300.0) + 200.0j]), np.eye(1), 0.0)
+
+    ends = [(w, spectrum_at(w).values[0], np.ones(1)) for w in (300.0, 350.0)]
+    found = critical(spectrum_at, *ends, 0)
+    assert abs(found.place - 300.0) <= found.error < 2e-3
 
 
 def test_pictures_show_what_is_near_the_limit_of_stability():

@@ -75,14 +75,18 @@ def _refined(trace, place, low, high, xtol):
 
 
 def _doubt(trace, place, low, high):
-    """Return the error bound of an onset of growth found at ``place``."""
+    """Return the error bound of an onset of growth found at ``place``, where growth exceeds rounding.
+
+    Growth that increases from zero in proportion to the parameter begins at the place to which it extrapolates.
+    """
     side = 1.0 if unstable(trace(high)) else -1.0
     reach = NEAR * (high - low)
     near, far = (trace(min(max(place + side * k * reach, low), high)) for k in (1.0, 2.0))
     if not (unstable(near) and far.real > near.real):
         return 2.0 * reach
     order = math.log2(far.real / near.real)
-    return 2.0 * reach * (GROWS * abs(near) / near.real) ** (1.0 / order)
+    straight = reach * near.real / (far.real - near.real)
+    return max(2.0 * reach * (GROWS * abs(near) / near.real) ** (1.0 / order), straight)
 
 
 def _border(trace, low, high, xtol):

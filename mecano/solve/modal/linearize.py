@@ -127,9 +127,29 @@ def _variation(system, s, w, rate, assemble, now):
     if rate == 0.0:
         return 0.0
     near, far = (_matrices_after(system, s, w, i * PROBE / rate, assemble) for i in (1, 2))
-    sizes = [sp.linalg.norm(A) for A in now]
-    changes = [sp.linalg.norm(B - A) / size for A, B, size in zip(near, far, sizes, strict=True) if size > 0.0]
-    return float(max(changes, default=0.0)) / PROBE
+    changes, sizes = _changes(near, far, system.n_q), [sp.linalg.norm(A) for A in now]
+    return float(max((x / size for x, size in zip(changes, sizes, strict=True) if size > 0.0), default=0.0)) / PROBE
+
+
+def _changes(near, far, n_q):
+    """Return the norms of the changes of M, C and K from ``near`` to ``far``, the border of constraints included.
+
+    Two transverse axes that turn with a shaft hold the same motions at any angle: of the rows of constraints, and of
+    the columns of multipliers, only what is outside the span of those before counts.
+    """
+    M, C, K = (B - A for A, B in zip(near, far, strict=True))
+    held = _outside(sp.hstack([near[1][n_q:, :n_q], near[2][n_q:, :n_q]]), sp.hstack([C[n_q:, :n_q], K[n_q:, :n_q]]))
+    reactions = _outside(near[2][:n_q, n_q:].T, K[:n_q, n_q:].T)
+    parts = (M,), (C[:n_q, :n_q], held[:n_q]), (K[:n_q, :n_q], held[n_q:], reactions)
+    return [np.sqrt(sum((A.multiply(A) if sp.issparse(A) else A * A).sum() for A in part)) for part in parts]
+
+
+def _outside(rows, change):
+    """Return the part of ``change`` (columns) outside the span of ``rows``; all of it above DENSE_ROWS columns."""
+    if not rows.shape[0] or rows.shape[1] > DENSE_ROWS:
+        return change.T.tocsr()
+    A, change = rows.T.toarray(), change.T.toarray()
+    return change - A @ np.linalg.lstsq(A, change, rcond=1e-9)[0]
 
 
 def _matrices_after(system, s, w, dt, assemble):
