@@ -617,3 +617,28 @@ def test_a_flapping_blade_in_the_axes_of_its_hub(verify):
     verify("Modes", "flapping blade [rad/s]", found.values.imag, [known], "uniform blade on a hinge", relative=1e-9)
     assert "not constant" not in text
     assert "not constant" in modes(deck(ROTOR), None)[0]
+
+
+HANGING = """
+mecano: 1
+gravity: [0, 0, -9.81]
+nodes: {mass: {position: [0, 0, 0]}}
+elements: {mass: {type: point_mass, node: mass, mass: 1}}
+joints: {rail: {type: prismatic, nodes: [ground, mass], axis: [0, 0, 1], sliding_law: {spring: 4}}}
+time: {end: 1, step: 1.0e-3}
+"""
+LATE = "signals: {late: {type: delay, input: rail.displacement, time: 0.5}}"
+BACK = "loads: {back: {type: joint_force, joint: rail, value: -1.5*late}}"
+
+
+def test_a_start_out_of_balance_is_reported_and_an_equilibrium_is_not():
+    out_of_balance = "not an equilibrium"
+    assert out_of_balance in modes(deck(HANGING), None)[0]
+    assert out_of_balance not in modes(deck(f"{HANGING}initial: static"), None)[0]
+
+
+def test_feedback_through_a_delay_is_reported_as_missing():
+    """With it the motion x'' + 4 x + 1.5 x(t - 0.5) = 0 grows; the modes are those of x'' + 4 x = 0."""
+    text, found, _ = modes(deck(f"{HANGING}{LATE}\n{BACK}"), None)
+    assert "delay 'late': modes take the values of earlier times as constant" in text
+    assert found.values[-1] == pytest.approx(2.0j, rel=1e-9)

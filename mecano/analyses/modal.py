@@ -4,6 +4,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 
 from mecano.analyses.equilibria import follow
 from mecano.analyses.initial_state import describe, set_initial_state
@@ -25,6 +26,8 @@ from mecano.solve.time.increments import displaced
 LARGEST = 1e100  # rad/s
 CONSTANT = 1e-3  # change by a turn of one radian below which matrices count as constant
 NUDGE = 1e-5  # of a shape, whose largest displacement is 1: error of the differences about 1e-10
+BALANCED = 1e-6  # of the largest force: inertia forces below which a state at rest counts as an equilibrium
+HELD = "delay", "sample_and_hold"  # signals whose value depends on earlier times alone
 NOT_CONVERGED = "not converged"
 HEAD = ("mode", "damped [Hz]", "natural [Hz]", "damping", "growth [1/s]", "residual", "kind", "largest motions")
 
@@ -46,22 +49,44 @@ def about(deck, at=None, at_rest=False):
     It is that of the saved time ``at`` = "results.h5:time", otherwise the static equilibrium or the start of the run.
     ``at_rest``: the equilibrium at which the mechanism would come to rest near the saved time.
     """
-    prepared = prepare(deck)
+    prepared, held = prepare(deck), tuple(_held(deck))
     if at is not None and at_rest:
         prepared, state, text, reported = rest_at(prepared, at)
-        return About(prepared, state, None, text, (*startup_warnings(prepared), *reported))
+        return About(prepared, state, None, text, (*startup_warnings(prepared), *reported, *held))
     if at is not None:
         prepared, state, assemble, text = state_at(prepared, at)
-        return About(prepared, state, assemble, text, tuple(startup_warnings(prepared)))
+        return About(prepared, state, assemble, text, (*startup_warnings(prepared), *held))
     if deck.values["static"]:
         result = follow(prepared)
-        text = f"static equilibrium at {result.where}"
-        return About(
-            prepared, result.point.state, result.assemble, text, (*startup_warnings(prepared), *result.warnings)
-        )
-    reported = set_initial_state(prepared, disturbed=False)
+        reported = (*startup_warnings(prepared), *result.warnings, *held)
+        return About(prepared, result.point.state, result.assemble, f"static equilibrium at {result.where}", reported)
+    reported = (*set_initial_state(prepared, disturbed=False), *held)
     run = integrator_of(prepared).begin(prepared.state, deck.values["time"]["step"])
-    return About(prepared, run.motion, None, describe(deck), (*startup_warnings(prepared, run), *reported))
+    reported = (*startup_warnings(prepared, run), *reported, *_unbalanced(prepared.system, run.motion))
+    return About(prepared, run.motion, None, describe(deck), reported)
+
+
+def _held(deck):
+    """Yield a warning about signals whose values small motions do not change."""
+    held = [f"{d['type']} '{name}'" for name, d in deck.values["signals"].items() if d["type"] in HELD]
+    if held:
+        yield (
+            f"{', '.join(held)}: modes take the values of earlier times as constant, so that any feedback through "
+            "them is missing; whether it is stable is seen in a run"
+        )
+
+
+def _unbalanced(system, s):
+    """Yield a warning about a start at rest that is not an equilibrium: a body that accelerates."""
+    if np.any(s.v):
+        return
+    assembly, n_q = system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0), system.n_q
+    M = sp.csr_matrix((assembly.data[: system.nnz], (system.rows, system.cols)), shape=(system.n, system.n))
+    if np.abs(M[:n_q, :n_q] @ s.a[:n_q]).max(initial=0.0) > BALANCED * assembly.size.max(initial=0.0):
+        yield (
+            "the start is not an equilibrium: the modes are those of this shape, without the forces in the members "
+            "that its loads cause; for the modes about the equilibrium write 'initial: static'"
+        )
 
 
 def modes(deck, path, *, at=None, at_rest=False, number=10, frame="inertial", method="automatic", force=False):
