@@ -198,6 +198,25 @@ def test_buckling_is_reported():
     assert float(reported[1]) == pytest.approx(critical, rel=1e-5)  # the least stiffness is linear in the load factor
 
 
+def test_a_slender_column_under_a_follower_force_has_no_static_instability():
+    """Beck 1952: it flutters from 20.05 EI/L^2 on, but no other equilibrium is near at any force.
+
+    The stiffness of the force is small beside the axial one, not beside that of bending.
+    """
+    path = Path("""
+        mecano: 1
+        gravity: none
+        sections:
+          s: {type: stiffness, EA: 1.0e8, GA2: 1.0e6, GA3: 1.0e6, GJ: 10, EI2: 1, EI3: 50, mass_per_length: 1,
+              rotary_inertia: [1.0e-6, 1.0e-6, 1.0e-6]}
+        nodes: {root: {position: [0, 0, 0], fixed: true}, tip: {position: [0, 0, 1]}}
+        elements: {column: {type: beam, nodes: [root, tip], section: s, up: [1, 0, 0], mesh: 8}}
+        loads: {push: {type: follower_force, node: tip, direction: [0, 0, -1], value: 40}}
+        static: {steps: 4}
+        """)
+    assert not any("unstable" in text for text in path.result.warnings)
+
+
 def test_mechanism_with_nothing_to_drive_it_is_neutral():
     path = Path(arm("static: {}", gravity=0.0, stiffness=0.0))
     assert path.points[-1].stability.neutral == 1 and not path.points[-1].stability.unstable

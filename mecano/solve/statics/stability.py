@@ -24,6 +24,7 @@ NEUTRAL = 1e-13  # of the largest stiffness: softer directions are neutral (dens
 NEUTRAL_WHERE_SOFT = 1e-10  # the same if redundant constraints are compliant
 NEUTRAL_PIVOT = 1e-13  # relative pivot below which it counts as zero (sparse)
 SYMMETRIC = 1e-7  # of the largest entry: largest asymmetry of a symmetric tangent
+ROUNDED = 1e-11  # of the largest entry: asymmetry that is rounding, also beside a softer direction
 RANK = 1e-9  # singular value of normalized rows below which it counts as zero
 UNKNOWN = -1
 FARTHER = 4.0  # factor by which the shift to the most negative stiffness grows
@@ -88,9 +89,8 @@ class Judge:
         K = K / np.outer(root, root)
         largest = np.abs(K).max()
         K = Z.T @ K @ Z
-        if np.abs(K - K.T).max() <= SYMMETRIC * largest:
-            values, vectors = la.eigh(0.5 * (K + K.T))
-        else:
+        values, vectors = la.eigh(0.5 * (K + K.T))
+        if _unsymmetric(K, largest, values):
             values, vectors = _real(*la.eig(K))
         if not len(values):
             return Stability(0, 0)
@@ -181,9 +181,20 @@ def null_space(B):
     return Vt[int(np.sum(sigma > RANK)) :].T
 
 
+def _unsymmetric(K, largest, values):
+    """Return whether the asymmetry of K matters beside its ``largest`` entry, or beside its softest direction.
+
+    ``values``: the eigenvalues of the symmetric part. By the theorem of Bauer and Fike those of K are no farther from
+    them than the norm of the other part, which follower loads of slender beams make small beside the axial stiffness.
+    """
+    other = 0.5 * np.linalg.norm(K - K.T)
+    return np.abs(K - K.T).max() > SYMMETRIC * largest or other > max(ROUNDED * largest, np.abs(values).min())
+
+
 def _real(values, vectors):
     """Return the real ones of the eigenvalues in ascending order, with their vectors."""
-    real = np.flatnonzero(np.abs(values.imag) <= 1e-9 * np.abs(values).max(initial=0.0))
+    rounding = np.maximum(1e-13 * np.abs(values).max(initial=0.0), 1e-6 * np.abs(values))
+    real = np.flatnonzero(np.abs(values.imag) <= rounding)
     order = real[np.argsort(values[real].real)]
     return values[order].real, vectors[:, order].real
 
