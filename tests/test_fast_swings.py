@@ -55,7 +55,7 @@ def test_a_mode_is_off_by_its_amplitude_at_most(phase):
     h = phase / frequency
     recorded = RecordedRun(oscillator(frequency**2, amplitude, f"{{end: {20 * h}, step: {h}, rho_inf: 0.8}}"))
     method, s = recorded.integrator.method, recorded.run.motion
-    method.duration = duration
+    method.workspace.point_to(duration=duration)
     history, sums = recorded.run.history, []
     for _ in range(12):
         s, history, info = method.step(s, history, h)
@@ -99,6 +99,6 @@ def test_what_grows_is_not_called_small(angle, counts_whole):
     """The error of a pendulum near its top, where the stiffness is negative, is not reduced by the filter."""
     recorded, _ = pendulum(angle, 0.1)
     method, run = recorded.integrator.method, recorded.run
-    method.duration = 1e5
+    method.workspace.point_to(duration=1e5)
     s, history, info = method.step(run.motion, method.restart(run.motion, run.history, 0.02), 0.02)
     assert (method.bounded_error(s, history, info) == info.error) == counts_whole

@@ -158,6 +158,11 @@ class LinearSolver:
         else:
             x_out[:] = self._other.solve(b)
 
+    @property
+    def pivots_by_position(self):
+        """The diagonal (n,) of U of the last ``solve``, in the order of elimination."""
+        return self._vectors[PIVOT, : self.n]
+
     def pivots(self):
         """Return the diagonal (n,) of U of the last ``solve``, in the numbering of the unknowns."""
         return self._original(self._vectors[PIVOT])

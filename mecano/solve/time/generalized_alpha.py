@@ -41,8 +41,8 @@ from mecano.solve.linear.newton import (
 from mecano.solve.linear.refactorization import LARGER, most_kept
 from mecano.solve.time.consistent import consistent_state
 from mecano.solve.time.contradictions import Contradictions
-from mecano.solve.time.increments import largest_change, tangents
-from mecano.solve.time.modal_filter import modal_filter
+from mecano.solve.time.error_bound import ErrorBound, bound_error
+from mecano.solve.time.increments import tangents
 from mecano.solve.time.repeated_steps import RepeatedSteps
 from mecano.solve.time.step import attempt
 from mecano.solve.time.step_change import change_step
@@ -51,7 +51,6 @@ from mecano.solve.time.workspace import BEGIN, RENEWED, TANGENT, TRIAL, Workspac
 
 TURN = 0.8  # of it: a step that is planned to turn a body by more would often fail
 Substitution = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
-FREE = 1e6  # times the weight of the masses: no stiffness has a say
 
 
 @dataclass(frozen=True)
@@ -235,43 +234,20 @@ class GeneralizedAlpha:
 
         return self.change_step_with(solve, lambda: self.linear.solve_again(self.equations, self.increment))
 
-    def _modal_filter(self, s, scales):
-        """Return the modal filter at ``s``, or None if the tangent is singular."""
-        here = s.copy()
-        if not self._factor(here, scales).ok:
-            return None
-        return modal_filter(self.system, self.linear, here, scales[-1])
-
-    def _size(self, a):
-        """Return the largest of ``a`` (n_q,): of a node over the length scale, or of a scalar with inertia."""
-        return largest_change(np.zeros(len(a)), a, self._kind, len(a), self.length)
-
     def bounded_error(self, s, history, info):
-        r"""Return the local error of the step to ``s`` and ``history``, with oscillations bounded by their amplitude.
+        """Return the local error of the step to ``s`` and ``history``, with oscillations bounded (error_bound.py)."""
+        w = self.workspace
+        self._enter(info.began, history.h)
+        w.put_state(TRIAL, s)
+        w.history[TRIAL, : len(history.a)] = history.a
+        self.error_bound.record["plain"] = info.plain
+        bound_error(self.error_bound.record, w.record)
+        return float(self.error_bound.record["bounded"][0])
 
-        The errors of a run of the duration T in such steps add up to :math:`\tau^2 \Delta a`, :math:`\tau^2` = Ce h
-        T. Of a mode of circular frequency omega this may be too much: it can be off by no more than its amplitude,
-        :math:`a/\omega^2`. Both are alike at :math:`\omega_c^3 = 1/(Ce h^2 T)`, and what is counted is
-
-        .. math:: \tau^2 |P^2 \Delta a| + |P (1 - P) a| / \omega_c^2, \qquad P = \omega_c^2 (K + \omega_c^2 M)^{-1} M
-
-        along the constraints; but all of :math:`\Delta a` where the motion is unstable (docs/theory.md, 2.2).
-        """
-        n_q, a0 = self.system.n_q, info.began.a
-        change, summed = (history.a - a0)[:n_q], self.duration * self.coefficients.error * history.h
-        limit = (summed * history.h) ** (-2.0 / 3.0)
-        of_masses, stable = self._below(s, history, FREE * limit)
-        whole = self._size(of_masses(change)) if of_masses else 0.0
-        slow, negative = self._below(s, history, limit)
-        if not 0.0 < whole < np.inf or slow is None or negative != stable:
-            return info.plain
-        swings = max(self._size(part - slow(part)) for part in (slow(a0[:n_q]), slow(history.a[:n_q])))
-        return info.plain * min((self._size(slow(slow(change))) + swings / (limit * summed)) / whole, 1.0)
-
-    def _below(self, s, history, limit):
-        """Return the filter of accelerations with omega^2 < ``limit``, and the negative pivots of K + limit M."""
-        modal_filter = self._modal_filter(s, (*self._scales(history, history.h)[:2], 0.0, limit))
-        return modal_filter, int(np.sum(self.linear.pivots() < 0.0)) if modal_filter else -1
+    @cached_property
+    def error_bound(self):
+        """The ErrorBound of the steps in the workspace."""
+        return ErrorBound(self)
 
     def longest(self, s):
         """Return the longest step [s] in which no body turns too far at the velocities of the state ``s``."""
@@ -306,12 +282,15 @@ class GeneralizedAlpha:
 
     def prepare(self, s0, history, h):
         """Enter a state and its history into the workspace, for steps of size h."""
-        k, penalty, cC, cM = scales = self._scales(history, h)
         if history.tangent is not None and self.linear.label is not history.tangent:
-            self._factor(history.tangent, scales)
-        w = self.workspace
+            self._factor(history.tangent, self._scales(history, h))
+        self.workspace.put_state(BEGIN, s0)
+        self._enter(history, h)
+
+    def _enter(self, history, h):
+        """Enter a history into the workspace, for steps of size h."""
+        (k, penalty, cC, cM), w = self._scales(history, h), self.workspace
         w.held = None
-        w.put_state(BEGIN, s0)
         w.put_history(history)
         w.point_to(h=h, k=k, penalty=penalty, cC=cC, cM=cM, usable=self.linear.kept, renewed=False)
         if self.compliance is not None:

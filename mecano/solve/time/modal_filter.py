@@ -7,26 +7,99 @@ with the effective tangent S of a step of size h: a mode of circular frequency o
 1/(1 + beta' omega^2 h^2) of its acceleration. A slow one keeps all but O(h^2); of one far too fast for the step, whose
 displacement d has the acceleration omega^2 d, remains d/(beta' h^2): what displaces it by d in one step. With other
 weights of K and M the limit lies at another frequency.
+
+step_change.py filters at the beginning of a step; here is the filter at its end, with a factor of its own.
 """
 
 import numpy as np
 
+from mecano.jit.kernel import kernel
+from mecano.jit.memory import call, floats, integers, items
+from mecano.model.assembly import Assembly
+from mecano.model.assembly_driver import assemble
+from mecano.model.loops import BATCH, SYSTEM
+from mecano.solve.linear import multifrontal
+from mecano.solve.linear.newton import soften_tangent
+from mecano.solve.linear.sparse import ACCEPT_BELOW
+from mecano.solve.time.increments import tangents
+from mecano.solve.time.workspace import TRIAL, memory_of, motion_of, time_of
 
-def modal_filter(system, linear, s, cM):
-    """Return the function that filters accelerations (n_q,), along the constraints, for a step.
+# Numbers and addresses of a filter, fields of a record
+FLOATS = "cM"  # weight of the masses [1/s^2]
+WORDS = "system masses solve solve_words solve_results substitute substitute_words right solution pivots"
 
-    ``linear`` holds the factored effective tangent and is to keep it; ``s`` is the state of the masses; cM [1/s^2] is
-    their weight in it.
+
+@kernel
+def assemble_at_end(w, f, k, penalty, cK, cM):
+    """Assemble a tangent of these weights at TRIAL, with its rotation increments."""
+    z, v, a, R = motion_of(w, TRIAL)
+    T, system = floats(w.T, (w.n_rotations, 3, 3)), items(f.system, 1, SYSTEM)
+    tangents(integers(w.rotation_dof, w.n_rotations), w.n_q, z, T)
+    loops, batches = integers(w.tangents, w.n_tangents), items(w.tangent_batches, w.n_tangents, BATCH)
+    t, phases, memory = time_of(w, TRIAL)[0], integers(w.phases, w.n_phases), memory_of(w, TRIAL)
+    assemble(loops, batches, system, t, z, v, a, R, phases, memory, T, k, penalty, cK, 0.0, cM)
+
+
+@kernel
+def keep_masses(w, f):
+    """Keep the values (nnz,) of the mass matrix at TRIAL."""
+    assemble_at_end(w, f, 1.0, 0.0, 0.0, 1.0)
+    data, masses = floats(items(f.system, 1, SYSTEM)[0].data, w.nnz), floats(f.masses, w.nnz)
+    for i in range(w.nnz):
+        masses[i] = data[i]
+
+
+@kernel
+def factor_filter(w, f, cM):
+    """Factor the tangent K + cM M at TRIAL; return whether it is finite."""
+    f.cM = cM
+    assemble_at_end(w, f, w.k, w.penalty, 1.0, cM)
+    soften_tangent(w, items(f.system, 1, SYSTEM)[0])
+    floats(f.right, w.n)[:] = 0.0
+    call(f.solve, f.solve_words, f.solve_results)
+    return floats(f.solve_results, 3)[2] <= ACCEPT_BELOW
+
+
+@kernel
+def resolve(w, f, a, part_out):
+    """Write the part (n_q,) of the accelerations ``a`` (>= n_q,) that the factored filter passes."""
+    b, masses = floats(f.right, w.n), floats(f.masses, w.nnz)
+    rows, columns = integers(w.rows, w.nnz), integers(w.columns, w.nnz)
+    b[:] = 0.0
+    for i in range(w.nnz):
+        if rows[i] < w.n_q and columns[i] < w.n_q:
+            b[rows[i]] += masses[i] * a[columns[i]]
+    for i in range(w.n):
+        b[i] *= f.cM
+    call(f.substitute, f.substitute_words, 0)
+    x = floats(f.solution, w.n)
+    for i in range(w.n_q):
+        part_out[i] = x[i]
+
+
+@kernel
+def negative_pivots(w, f):
+    """Return the number of negative pivots of the factored tangent."""
+    pivots, number = floats(f.pivots, w.n), 0
+    for i in range(w.n):
+        if pivots[i] < 0.0:
+            number += 1
+    return number
+
+
+def filter_fields(system, linear):
+    """Return the values of the fields FLOATS and WORDS for a system, and the objects that hold them.
+
+    The factor is that of a twin of the LinearSolver ``linear``, which keeps its own.
     """
-    n_q = system.n_q
-    assembly = system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
-    among = (system.rows < n_q) & (system.cols < n_q)
-    rows, columns, masses = system.rows[among], system.cols[among], assembly.data[:-1][among]
-
-    def resolved_part(a):
-        forces, x = np.zeros(system.n), np.zeros(system.n)
-        forces[:n_q] = np.bincount(rows, masses * a[columns], n_q)
-        linear.solve_again(cM * forces, x)
-        return x[:n_q]
-
-    return resolved_part
+    assembly, twin = Assembly(system), linear.twin()
+    right, solution = np.zeros(system.n), np.zeros(system.n)
+    new, kept = twin.calls(assembly.data, right, solution)
+    arrays = {
+        "system": assembly.record, "masses": np.zeros(system.nnz), "right": right, "solution": solution,
+        "pivots": twin.pivots_by_position, "solve_results": np.zeros(len(multifrontal.solve.returns)),
+        "solve_words": new.words, "substitute_words": kept.words,
+    }  # fmt: skip
+    values = {name: array.ctypes.data for name, array in arrays.items()}
+    values |= {"solve": new.function, "substitute": kept.function}
+    return values, (assembly, twin, new, kept, arrays)
