@@ -25,6 +25,7 @@ from mecano.solve.linear.sparse import ACCEPT_BELOW
 from mecano.solve.time.increments import largest_change, move
 from mecano.solve.time.workspace import (
     BEGIN,
+    FORMER,
     STEP,
     TANGENT,
     TRIAL,
@@ -81,7 +82,16 @@ def change_step(work: Records(STEP)):
 def remember(w):
     """Keep the history before the change, with which an interrupted run is resumed."""
     copy_history(w, BEGIN, UNCHANGED)
+    copy_state(w, TANGENT, FORMER)
     w.changed, w.last_h, w.last_stiffness, w.last_age, w.last_has = 1, w.h, w.stiffness, w.age, w.has
+
+
+@kernel
+def go_back(w):
+    """Restore the history before the change, for another change."""
+    copy_history(w, UNCHANGED, BEGIN)
+    copy_state(w, FORMER, TANGENT)
+    w.h, w.stiffness, w.age, w.has = w.last_h, w.last_stiffness, w.last_age, w.last_has
 
 
 @kernel

@@ -56,6 +56,12 @@ def resized(change, h, minimum, maximum):
     return min(max(h * change, minimum), maximum)
 
 
+@kernel
+def retried(change, h, minimum):
+    """Return the step size to try after a rejected step of size h whose error asks for a ``change`` by this factor."""
+    return max(h * max(change, SHRINK), minimum)
+
+
 @dataclass(frozen=True)
 class StepControl:
     """Error per unit step: the local errors of a run of ``duration`` [s] add up to ``tolerance`` at most.
@@ -87,6 +93,11 @@ class StepControl:
         """Return the share of the tolerance of a step of size h."""
         return allowed(self.tolerance, self.duration, h)
 
+    @property
+    def adaptive(self):
+        """Whether step sizes follow from the errors of the steps."""
+        return self.tolerance < math.inf
+
     def forgotten(self, lag, h):
         """Return the error that counts for an error of massless unknowns in a step of size h."""
         return forgotten(lag, self.duration, h)
@@ -106,4 +117,4 @@ class StepControl:
 
     def retry(self, error, h):
         """Return the step size to try after a rejected step of size h."""
-        return max(h * max(self._change(error, h), SHRINK), self.minimum)
+        return retried(self._change(error, h), h, self.minimum)

@@ -16,11 +16,13 @@ from mecano.model.loops import BATCH, SYSTEM, fields, record
 from mecano.model.numbering import ROTATION
 from mecano.solve.events.events import some_happened
 from mecano.solve.linear.newton import CONVERGED, DIVERGES, PAUSE, TOO_MANY
+from mecano.solve.time.error_bound import BOUND
 from mecano.solve.time.generalized_alpha import TURN
 from mecano.solve.time.output import DONE, FULL, OUTPUT, record_step
 from mecano.solve.time.run_state import RunState
 from mecano.solve.time.step import attempt
-from mecano.solve.time.step_control import HOLD, allowed, factor, forgotten, planned
+from mecano.solve.time.step_change import go_back
+from mecano.solve.time.step_control import HOLD, allowed, factor, forgotten, planned, retried
 from mecano.solve.time.step_info import MOST_TURN, StepInfo
 from mecano.solve.time.workspace import (
     BEGIN,
@@ -45,7 +47,8 @@ READY, STEPPING, RECORDING = range(3)
 
 STRIDE = fields(
     floats="until tolerance duration minimum maximum planned dissipated given power_dissipated power_given",
-    words="phase steps done most iterations in_vain renewed_tangents attempt attempt_words records record record_words "
+    words="phase steps done most rejected iterations in_vain rejections of_rejected renewed_tangents "
+    "attempt attempt_words records record record_words bound bound_error bound_error_words "
     "n_events n_event_batches events event_batches before_values n_departing departing "
     "n_observed observed observed_batches n_committed committed committed_batches "
     "checks_gaps share_of_gap change_step change_step_words observation",
@@ -56,19 +59,20 @@ STRIDE = fields(
 def stride(integrator: Records(STRIDE), work: Records(STEP), output: Records(OUTPUT)) -> int:
     """Step on from BEGIN.
 
-    ENOUGH: the steps wanted are made, or the next one needs another size. DECIDE: TRIAL is a step to be judged. REPEAT:
-    the step from BEGIN is to be made by Python. WAIT: signals are to be looked at, and the call repeated. RECORDED: as
-    the code in ``output`` says, its buffers are full, or the run cannot go on.
+    ENOUGH: the steps wanted are made, or the next one needs another size. DECIDE: TRIAL, the first trial from BEGIN, is
+    a step to be judged. REPEAT: the step from BEGIN is to be made by Python. WAIT: signals are to be looked at, and the
+    call repeated. RECORDED: as the code in ``output`` says, its buffers are full, or the run cannot go on.
     """
     m, w, o = integrator[0], work[0], output[0]
     while True:
         if m.phase == READY:
             if m.done == m.most or m.until - time_of(w, BEGIN)[0] < STRETCH * m.planned:
                 return ENOUGH
-            if m.planned != w.h and not changes(m, w):
+            if m.planned != w.h and not changes(m, w, m.planned):
                 return ENOUGH
             if departs(m, w):
                 return REPEAT
+            m.rejections, m.of_rejected = 0, 0
             begin(m, w)
         if m.phase == STEPPING:
             call(m.attempt, m.attempt_words, 0)
@@ -76,15 +80,22 @@ def stride(integrator: Records(STRIDE), work: Records(STEP), output: Records(OUT
                 return WAIT
             if w.code == TOO_MANY or w.code == DIVERGES:
                 if w.by_velocity:
-                    return DECIDE
+                    return python(m)
                 m.in_vain, w.begun, w.by_velocity = int(floats(w.report, 8)[0]), 0, 1  # as GeneralizedAlpha.step
                 continue
             if w.code != CONVERGED or w.turn > MOST_TURN or parts(m, w):
                 return REPEAT
-            error = max(w.error * w.h * w.h * w.change, forgotten(w.lag, m.duration, w.h), w.turning)
+            plain = max(w.error * w.h * w.h * w.change, forgotten(w.lag, m.duration, w.h), w.turning)
             share = allowed(m.tolerance, m.duration, w.h)
-            if not (error <= share or w.h < m.minimum) or is_probe(m, w, error, share) or happens(m, w):
-                return DECIDE
+            error = plain if plain <= share or w.h < m.minimum else bounded(m, w, plain)
+            if not (error <= share or w.h < m.minimum):
+                if w.h <= m.minimum or not reject(m, w, plain, share):
+                    return python(m)
+                continue
+            if error == plain and is_probe(m, w, plain, share):
+                error = bounded(m, w, plain)
+            if happens(m, w):
+                return python(m)
             accept(m, w, o, error, share)
         if m.phase == RECORDING:
             call(m.record, m.record_words, 0)
@@ -99,11 +110,44 @@ def stride(integrator: Records(STRIDE), work: Records(STEP), output: Records(OUT
 
 
 @kernel
-def changes(m, w):
-    """Change the step size to the planned one; return whether it was possible in compiled code."""
+def python(m):
+    """Return the code with which Python continues: it repeats a step of which trials were rejected."""
+    return REPEAT if m.rejections else DECIDE
+
+
+@kernel
+def bounded(m, w, plain):
+    """Return the error of a step of adaptive size with oscillations bounded; ``plain`` is the whole of it."""
+    if not m.bound:
+        return plain
+    found = items(m.bound, 1, BOUND)
+    found[0].plain = plain
+    call(m.bound_error, m.bound_error_words, 0)
+    return max(found[0].bounded, forgotten(w.lag, m.duration, w.h), w.turning)
+
+
+@kernel
+def reject(m, w, plain, share):
+    """Begin the step once more with a smaller size; return whether it was possible in compiled code.
+
+    The size follows from the ``plain`` error: the bounded one falls only once steps resolve oscillations.
+    """
+    m.rejections, m.of_rejected = m.rejections + 1, m.of_rejected + m.in_vain + int(floats(w.report, 8)[0])
+    size = retried(factor(plain, share), w.h, m.minimum)
+    if w.changed:
+        go_back(w)
+    if not changes(m, w, size):
+        return False
+    begin(m, w)
+    return True
+
+
+@kernel
+def changes(m, w, size):
+    """Change the step size; return whether it was possible in compiled code."""
     if not m.change_step:
         return False
-    w.next_h = m.planned
+    w.next_h = size
     call(m.change_step, m.change_step_words, 0)
     m.renewed_tangents += 1
     if w.code != CONVERGED:
@@ -184,8 +228,9 @@ def accept(m, w, o, error, share):
     m.power_dissipated, m.power_given = energy[2], energy[3]
     report = floats(w.report, 8)
     iterations = m.in_vain + int(report[0])
-    m.steps, m.done, m.iterations = m.steps + 1, m.done + 1, m.iterations + iterations
-    o.h, o.iterations, o.error, o.share, o.rejected = w.h, float(iterations), error, error / share, 0.0
+    m.steps, m.done, m.iterations = m.steps + 1, m.done + 1, m.iterations + iterations + m.of_rejected
+    m.rejected += m.rejections
+    o.h, o.iterations, o.error, o.share, o.rejected = w.h, float(iterations), error, error / share, float(m.rejections)
     o.forces, o.constraints, o.increment = report[1], report[2], report[3]
     o.dissipated, o.given = m.dissipated, m.given
     plan(m, w, error, share)
@@ -292,6 +337,9 @@ class Strides:
         )  # fmt: skip
         self._go_on = stride.bind(self.record, self.workspace.record, self._output)
         self._tangent = None  # State of the tangent in the workspace
+        if control.adaptive:
+            self._change_steps()
+            self._bound_errors()
 
     def advance(self, run, stop, most):
         """Make at most ``most`` steps towards ``stop`` [s]; return (run, trial, whether Python makes the next step).
@@ -307,7 +355,8 @@ class Strides:
         code = self._make_steps()
         if r["done"]:
             run = self._run(run)
-        self.workspace.held = run if run.h == self.workspace.record["h"][0] else None  # else its history is not there
+        # after ENOUGH a step of another size needs a history that is not there
+        self.workspace.held = run if code == WAIT or run.h == self.workspace.record["h"][0] else None
         if code == DECIDE:
             return run, self._trial(run), True
         if code == REPEAT:
@@ -336,9 +385,14 @@ class Strides:
             history = self.method.restart(run.motion, history, run.h)
             self._change_steps()
         self.method.prepare(run.motion, history, run.h)
+        if history.tangent is not None:
+            self.workspace.put_state(TANGENT, history.tangent)
+        if history is not run.history:
+            self.workspace.put_unchanged(run.history)
         self._phases, self._tangent = run.motion.phases, history.tangent
         r = self.record[0]
         r["phase"], r["planned"], r["steps"], r["iterations"] = READY, run.h, run.steps, run.iterations
+        r["rejected"] = run.rejected
         r["dissipated"], r["given"] = run.dissipated, run.given
         r["power_dissipated"], r["power_given"] = run.powers
         r["checks_gaps"] = self.method.contradictions.possible
@@ -350,6 +404,12 @@ class Strides:
             packed = self.method.change_step
             self._kept += (packed,)
             self.record["change_step"], self.record["change_step_words"] = packed.function, packed.words.ctypes.data
+
+    def _bound_errors(self):
+        """Let compiled code bound the errors of oscillations."""
+        bound = self.method.error_bound
+        self.record["bound"], self.record["bound_error"] = bound.record.ctypes.data, bound.call.function
+        self.record["bound_error_words"] = bound.call.words.ctypes.data
 
     def _note_tangents(self, before):
         """Keep the States of tangents that were evaluated, for the factor that the solver holds."""
@@ -365,16 +425,16 @@ class Strides:
         s = w.state(BEGIN, self._phases, None if len(run.motion.memory) else run.motion.memory)
         return RunState(
             motion=s, history=w.last_history(self._tangent), h=float(r["planned"]),
-            steps=int(r["steps"]), rejected=run.rejected, iterations=int(r["iterations"]),
+            steps=int(r["steps"]), rejected=int(r["rejected"]), iterations=int(r["iterations"]),
             dissipated=float(r["dissipated"]), given=float(r["given"]),
             powers=(float(r["power_dissipated"]), float(r["power_given"])), compliance=run.compliance,
         )  # fmt: skip
 
-    def info(self, run):
-        """The StepInfo of the last step, made from ``run``."""
+    def last(self, run):
+        """Return StepInfo and size of the last step, made from ``run``."""
         o = self._output[0]
         norms, error = (float(o["forces"]), float(o["constraints"]), float(o["increment"])), float(o["error"])
-        return StepInfo(True, int(o["iterations"]), norms, error, run.history, plain=error)
+        return StepInfo(True, int(o["iterations"]), norms, error, run.history, plain=error), float(o["h"])
 
     def _trial(self, run):
         """The step at TRIAL as ``method.step`` gives it, with its error."""

@@ -138,7 +138,8 @@ class TimeIntegrator:
             return self._strides.advance(run, stop, MOST_STEPS)
         new, trial, decide = self._strides.advance(run, stop, 1)
         if new is not run:
-            self._observed(Accepted(run.motion, new, self._strides.info(run), run.h, 0))
+            info, h = self._strides.last(run)
+            self._observed(Accepted(run.motion, new, info, h, new.rejected - run.rejected))
         return new, trial, decide
 
     def _advance(self, run, stop, trial=None):

@@ -1,7 +1,8 @@
 """The arrays of one step of generalized-alpha, in the memory that compiled code works on.
 
 A step goes from the state BEGIN to the state TRIAL. TANGENT is the state at which the factored tangent of an earlier
-step was evaluated, RENEWED that of a tangent evaluated in this step; BETWEEN is interpolated.
+step was evaluated, RENEWED that of a tangent evaluated in this step; BETWEEN is interpolated. FORMER is the state of the
+tangent before the step size was changed.
 """
 
 import ctypes
@@ -15,7 +16,7 @@ from mecano.jit.memory import call, floats, integers, items
 from mecano.model.loops import SYSTEM, fields, record
 from mecano.model.state import History, State
 
-BEGIN, TRIAL, TANGENT, RENEWED, BETWEEN = range(5)
+BEGIN, TRIAL, TANGENT, RENEWED, BETWEEN, FORMER = range(6)
 UNCHANGED = 2  # row of ``history``: that at BEGIN before the step size was changed
 
 # Numbers and addresses of a step; the lengths of the arrays stand in the model's numbering (n_...).
@@ -122,7 +123,7 @@ class Workspace:
         self.system, self._shapes = system, (of.n_all, len(of.rotation_dof))
         state = system.initial_state()
         n_all, n_rotations, n_memory = of.n_all, len(of.rotation_dof), len(state.memory)
-        self.states = np.zeros((5, 3 * n_all + 9 * n_rotations + n_memory + 1))
+        self.states = np.zeros((6, 3 * n_all + 9 * n_rotations + n_memory + 1))
         self.phases = np.zeros(len(state.phases), np.int64)
         self.history = np.zeros((3, n_all + 2 * of.n))
         self.guess, self.v_shift, self.report = np.zeros((2, of.n)), np.zeros(n_all), np.zeros(8)
@@ -178,16 +179,23 @@ class Workspace:
         r["known"], r["stiffness"], r["h"], r["changed"] = history.known, history.k, history.h, False
         r["has"], r["age"], r["drift"] = history.tangent is not None, history.age, history.drift
 
+    def put_unchanged(self, history):
+        """Enter the History at BEGIN before its step size was changed, to which another change goes back."""
+        n, row, r = self.system.n, self.history[UNCHANGED], self.record
+        row[: len(history.a)], row[-2 * n : -n], row[-n:] = history.a, history.slope, history.bend
+        r["changed"], r["last_h"], r["last_stiffness"] = True, history.h, history.k
+        r["last_has"], r["last_age"] = history.tangent is not None, history.age
+
     def last_history(self, tangent):
         """Return the History at BEGIN with which the last step ended; ``tangent`` is a State."""
         r = self.record[0]
         if not r["changed"]:
             return self.new_history(BEGIN, self.v_shift.copy(), tangent)
-        changed = self.new_history(UNCHANGED, np.zeros(len(self.v_shift)), tangent)
+        former = self.state(FORMER, self.phases.copy()) if r["last_has"] else None
+        changed = self.new_history(UNCHANGED, np.zeros(len(self.v_shift)), former)
         return replace(
-            changed, h=float(r["last_h"]), k=float(r["last_stiffness"]), age=int(r["last_age"]),
-            tangent=tangent if r["last_has"] else None,
-        )  # fmt: skip
+            changed, h=float(r["last_h"]), k=float(r["last_stiffness"]), age=int(r["last_age"]), tangent=former
+        )
 
     def new_history(self, which, v_shift, tangent):
         """Return the History at BEGIN or TRIAL; ``v_shift`` is not copied, ``tangent`` a State."""
