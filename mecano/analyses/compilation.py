@@ -5,6 +5,7 @@ from mecano.model import assembly_driver, extremes, sampler
 from mecano.solve.events.events import some_happened
 from mecano.solve.linear import multifrontal
 from mecano.solve.linear.refactorization import LARGER
+from mecano.solve.time.error_bound import bound_error
 from mecano.solve.time.interpolate import between_states
 from mecano.solve.time.output import record_step
 from mecano.solve.time.step import attempt
@@ -41,12 +42,12 @@ def divided():
     return [*(entry.code for entry in entries), *map(divided_loops.code_of, divided_loops.FUNCTIONS)]
 
 
-def compile_time_integration(system, method="generalized_alpha"):
+def compile_time_integration(system, time):
     """Compile the time integration and the loops of all kinds of ``system`` on all cores, as far as no store has them.
 
-    Everything else is compiled when it is needed.
+    ``time`` are the checked values of that section of the deck. Everything else is compiled when it is needed.
     """
-    own = radau() if method == "radau" else ()
+    own = radau() if time["method"] == "radau" else (bound_error,) if time["adaptive"] else ()
     own += (between_states,) if system.n_events else ()
     own += (multifrontal.residual,) if system.n_events and system.n >= LARGER else ()  # repeated_steps.py
     further = [] if system.halves is None else divided()

@@ -50,7 +50,7 @@ def begun(
 @contextmanager
 def _from_the_start(deck, path, force, observers, reporters, announce, interruption, interval):
     """Run ``begun`` while no other process writes the file."""
-    prepared = prepare(deck, partial(compile_time_integration, method=deck.values["time"]["method"]))
+    prepared = prepare(deck, partial(compile_time_integration, time=deck.values["time"]))
     found = abandonable(set_initial_state, prepared)
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
     try:
@@ -126,7 +126,7 @@ def _resume(deck, path, *around):
 
 def _go_on(deck, left, observers, reporters, announce, interruption, interval):
     """Continue from the checkpoint of the InterruptedRun ``left``, in a new file that replaces its file."""
-    prepared = prepare(deck, partial(compile_time_integration, method=deck.values["time"]["method"]))
+    prepared = prepare(deck, partial(compile_time_integration, time=deck.values["time"]))
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
     start, recorded = restore(left.checkpoint["run"], integrator)
     layout = layout_of(sampler)

@@ -18,6 +18,7 @@ from mecano.errors import ResultsError
 from mecano.jit import store
 from mecano.jit.ahead import compile_ahead
 from mecano.model.loops import PURPOSES, code_of
+from mecano.solve.time.error_bound import bound_error
 
 STEPS = 3
 BETWEEN = 0.7  # steps between two saved times, which are then interpolated
@@ -84,7 +85,7 @@ def _longer(time):
 
 def _compile(kinds, further=()):
     codes = [code for kind in kinds for purpose in PURPOSES if (code := code_of(kind, purpose))]
-    compile_ahead([*(entry.code for entry in (*TIME_INTEGRATION, *radau())), *codes, *further])
+    compile_ahead([*(entry.code for entry in (*TIME_INTEGRATION, bound_error, *radau())), *codes, *further])
     for code in codes:
         store.address(code)
 

@@ -49,13 +49,18 @@ HERE, NEXT, AFTER, TURNING, ALGORITHMIC = range(5)  # rows of ``derivatives``
 def change_step(work: Records(STEP)):
     """Give BEGIN the history for steps of size ``next_h``; overwrites TANGENT and TRIAL.
 
+    Another change before a step is made begins with the history before the first one.
+
     ``code`` is CONVERGED, or OTHERWISE if the fixed order of elimination does not factor a matrix, or if that is
     ``delegated``: the caller solves it with the right-hand side in ``residual``, adds one to ``factored``, and calls
     again. A change from the same state to a ``similar`` size has the same first matrix and the same mean stiffness.
     """
     w = work[0]
     if w.factored == 0:
-        remember(w)
+        if w.changed:
+            go_back(w)
+        else:
+            remember(w)
         refer(w)
         w.h = w.next_h
         differentiate_constraints(w)
@@ -88,7 +93,7 @@ def remember(w):
 
 @kernel
 def go_back(w):
-    """Restore the history before the change, for another change."""
+    """Restore the history before the last change."""
     copy_history(w, UNCHANGED, BEGIN)
     copy_state(w, FORMER, TANGENT)
     w.h, w.stiffness, w.age, w.has = w.last_h, w.last_stiffness, w.last_age, w.last_has

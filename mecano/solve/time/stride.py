@@ -1,7 +1,7 @@
-"""Ordinary steps, many in one compiled call: those that are accepted at the first trial and in which nothing happens.
+"""Ordinary steps, many in one compiled call: those whose iterations converge and in which nothing happens.
 
-The call returns where a decision is due that is rarely taken: an event, a rejected step, another step size, a time to
-be met, full buffers, a look at signals. Python takes it, and gives the same step the same bits.
+The call returns where a decision is due that is rarely taken: an event, a failed iteration, a time to be met, full
+buffers, a look at signals. Python takes it, and gives the same step the same bits.
 """
 
 import time as clock
@@ -21,7 +21,6 @@ from mecano.solve.time.generalized_alpha import TURN
 from mecano.solve.time.output import DONE, FULL, OUTPUT, record_step
 from mecano.solve.time.run_state import RunState
 from mecano.solve.time.step import attempt
-from mecano.solve.time.step_change import go_back
 from mecano.solve.time.step_control import HOLD, allowed, factor, forgotten, planned, retried
 from mecano.solve.time.step_info import MOST_TURN, StepInfo
 from mecano.solve.time.workspace import (
@@ -80,22 +79,21 @@ def stride(integrator: Records(STRIDE), work: Records(STEP), output: Records(OUT
                 return WAIT
             if w.code == TOO_MANY or w.code == DIVERGES:
                 if w.by_velocity:
-                    return python(m)
+                    return REPEAT if m.rejections else DECIDE
                 m.in_vain, w.begun, w.by_velocity = int(floats(w.report, 8)[0]), 0, 1  # as GeneralizedAlpha.step
                 continue
             if w.code != CONVERGED or w.turn > MOST_TURN or parts(m, w):
                 return REPEAT
             plain = max(w.error * w.h * w.h * w.change, forgotten(w.lag, m.duration, w.h), w.turning)
             share = allowed(m.tolerance, m.duration, w.h)
-            error = plain if plain <= share or w.h < m.minimum else bounded(m, w, plain)
-            if not (error <= share or w.h < m.minimum):
+            within = plain <= share or w.h < m.minimum
+            error = plain if within and not is_probe(m, w, plain, share) else bounded(m, w, plain)
+            if not (within or error <= share):
                 if w.h <= m.minimum or not reject(m, w, plain, share):
-                    return python(m)
+                    return REPEAT if m.rejections else DECIDE
                 continue
-            if error == plain and is_probe(m, w, plain, share):
-                error = bounded(m, w, plain)
             if happens(m, w):
-                return python(m)
+                return REPEAT if m.rejections else DECIDE
             accept(m, w, o, error, share)
         if m.phase == RECORDING:
             call(m.record, m.record_words, 0)
@@ -107,12 +105,6 @@ def stride(integrator: Records(STRIDE), work: Records(STEP), output: Records(OUT
             move_on(m, w)
         if is_due(w):
             return WAIT
-
-
-@kernel
-def python(m):
-    """Return the code with which Python continues: it repeats a step of which trials were rejected."""
-    return REPEAT if m.rejections else DECIDE
 
 
 @kernel
@@ -134,8 +126,6 @@ def reject(m, w, plain, share):
     """
     m.rejections, m.of_rejected = m.rejections + 1, m.of_rejected + m.in_vain + int(floats(w.report, 8)[0])
     size = retried(factor(plain, share), w.h, m.minimum)
-    if w.changed:
-        go_back(w)
     if not changes(m, w, size):
         return False
     begin(m, w)

@@ -1,8 +1,8 @@
 """The arrays of one step of generalized-alpha, in the memory that compiled code works on.
 
 A step goes from the state BEGIN to the state TRIAL. TANGENT is the state at which the factored tangent of an earlier
-step was evaluated, RENEWED that of a tangent evaluated in this step; BETWEEN is interpolated. FORMER is the state of the
-tangent before the step size was changed.
+step was evaluated, FORMER is TANGENT before the step size was changed, RENEWED the state of a tangent evaluated in this
+step; BETWEEN is interpolated.
 """
 
 import ctypes
