@@ -107,7 +107,7 @@ class System:
 
     def record_with(self, **arrays):
         """Return a record SYSTEM (1,) of the loops that write these ``arrays``, by the names of its fields."""
-        out = self._record_of_tables.copy()
+        out = self._record_of_tables.view(np.int64).copy().view(SYSTEM)  # a record is copied field by field
         for name, array in arrays.items():
             out[name] = array.ctypes.data
         return out
