@@ -7,10 +7,17 @@ Loops are written so that they are vectorized: elementwise, without sums.
 """
 
 from mecano.jit.kernel import kernel
+from mecano.jit.memory import floats
 from mecano.solve.linear.ordering import STRIP
 
 TILE_ROWS, TILE_COLUMNS = 64, 256  # part of a front updated at once, to stay in cache
 NULL_PIVOT = 1e-14  # of the largest value the diagonal has had
+
+
+@kernel
+def part(vector, begin, n):
+    """Return ``vector[begin : begin + n]``; a slice of numba takes a dozen instructions more."""
+    return floats(vector.ctypes.data + 8 * begin, n)
 
 
 @kernel
@@ -79,18 +86,20 @@ def _eliminate_strip(
 @kernel
 def apply_strip(begin, stride, columns, targets_out):
     """Eliminate the STRIP pivots from ``begin`` in further columns or right-hand sides, one after the other."""
-    at = begin * stride + begin
-    l0, l1 = columns[at : at + stride - begin], columns[at + stride : at + 2 * stride - begin]
-    l2, l3 = columns[at + 2 * stride : at + 3 * stride - begin], columns[at + 3 * stride : at + 4 * stride - begin]
+    n, at = stride - begin - STRIP, begin * stride + begin
+    below = at + STRIP
+    l0, l1 = part(columns, below, n), part(columns, below + stride, n)
+    l2, l3 = part(columns, below + 2 * stride, n), part(columns, below + 3 * stride, n)
     for c in range(targets_out.size // stride):
-        target = targets_out[c * stride + begin : (c + 1) * stride]
-        u0 = target[0]
-        u1 = target[1] - l0[1] * u0
-        u2 = target[2] - l0[2] * u0 - l1[2] * u1
-        u3 = target[3] - l0[3] * u0 - l1[3] * u1 - l2[3] * u2
-        target[1], target[2], target[3] = u1, u2, u3
-        for i in range(STRIP, target.size):
-            target[i] -= l0[i] * u0 + l1[i] * u1 + l2[i] * u2 + l3[i] * u3
+        top = part(targets_out, c * stride + begin, STRIP)
+        u0 = top[0]
+        u1 = top[1] - columns[at + 1] * u0
+        u2 = top[2] - columns[at + 2] * u0 - columns[at + stride + 2] * u1
+        u3 = top[3] - columns[at + 3] * u0 - columns[at + stride + 3] * u1 - columns[at + 2 * stride + 3] * u2
+        top[1], top[2], top[3] = u1, u2, u3
+        rest = part(targets_out, c * stride + begin + STRIP, n)
+        for i in range(n):
+            rest[i] -= l0[i] * u0 + l1[i] * u1 + l2[i] * u2 + l3[i] * u3
 
 
 @kernel
@@ -146,7 +155,8 @@ def eliminate_block(
             strip, strip_end, end, pivots, stride, tolerance,
             front_out, columns_out, pivot_out, inverse_out, magnitude_out, exchanges_out,
         )  # fmt: skip
-        apply_strip(strip, stride, columns_out, columns_out[strip_end * stride : end * stride])
+        right = part(columns_out, strip_end * stride, (end - strip_end) * stride)
+        apply_strip(strip, stride, columns_out, right)
     for left in range(end, stride, TILE_COLUMNS):
         right = min(left + TILE_COLUMNS, stride)
         _update_pivot_rows(begin, end, left, right, stride, columns_out, front_out)

@@ -26,7 +26,7 @@ import numpy as np
 from mecano.jit.entry import Indices, Matrix, Short, Table, Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call
-from mecano.solve.linear.dense_front import apply_strip, eliminate_block, stride_of
+from mecano.solve.linear.dense_front import apply_strip, eliminate_block, part, stride_of
 from mecano.solve.linear.ordering import (
     BORDER,
     CONTRIBUTION,
@@ -150,7 +150,7 @@ def forward(f, fronts, links, factors, exchanges, work, y_out):
     for i in range(border.size):
         work[pivots + i] = y_out[border[i]]
     for strip in range(0, pivots, STRIP):
-        apply_strip(strip, stride, columns, work[:stride])
+        apply_strip(strip, stride, columns, part(work, 0, stride))
     for k in range(pivots):
         y_out[first + k] = work[k]
     for i in range(border.size):
@@ -163,19 +163,44 @@ def backward(f, fronts, links, factors, inverse, y_out):
     first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, SIZE]
     stride = stride_of(size)
     border = links[fronts[f, BORDER] : fronts[f, BORDER] + size - pivots]
-    own = y_out[first : first + pivots]
-    begin = fronts[f, FACTOR] + stride_of(pivots) * stride
-    for j in range(border.size):
-        column, x = factors[begin + j * pivots : begin + (j + 1) * pivots], y_out[border[j]]
-        for i in range(own.size):
-            own[i] -= column[i] * x
-    for k in range(pivots - 1, -1, -1):
-        x = own[k] * inverse[first + k]
-        own[k] = x
-        begin = fronts[f, FACTOR] + k * stride
-        above = factors[begin : begin + k]
-        for i in range(above.size):
-            own[i] -= above[i] * x
+    own, scale = part(y_out, first, pivots), part(inverse, first, pivots)
+    begin, last = fronts[f, FACTOR] + stride_of(pivots) * stride, border.size // STRIP * STRIP
+    for j in range(0, last, STRIP):
+        _subtract_strip(
+            begin + j * pivots, pivots, factors, y_out[border[j]], y_out[border[j + 1]], y_out[border[j + 2]],
+            y_out[border[j + 3]], own,
+        )  # fmt: skip
+    for j in range(last, border.size):
+        _subtract_column(part(factors, begin + j * pivots, pivots), y_out[border[j]], own)
+    columns, last = part(factors, fronts[f, FACTOR], pivots * stride), pivots // STRIP * STRIP
+    for k in range(pivots - 1, last - 1, -1):
+        own[k] *= scale[k]
+        _subtract_column(part(columns, k * stride, k), own[k], part(own, 0, k))
+    for k in range(last - STRIP, -1, -STRIP):
+        at = k * stride + k
+        x3 = own[k + 3] * scale[k + 3]
+        x2 = (own[k + 2] - columns[at + 3 * stride + 2] * x3) * scale[k + 2]
+        x1 = (own[k + 1] - columns[at + 3 * stride + 1] * x3 - columns[at + 2 * stride + 1] * x2) * scale[k + 1]
+        x0 = own[k] - columns[at + 3 * stride] * x3 - columns[at + 2 * stride] * x2 - columns[at + stride] * x1
+        own[k], own[k + 1], own[k + 2], own[k + 3] = x0 * scale[k], x1, x2, x3
+        _subtract_strip((k + 3) * stride, -stride, columns, x3, x2, x1, own[k], part(own, 0, k))
+
+
+@kernel
+def _subtract_column(column, x, out):
+    """Subtract the column times x from ``out``."""
+    for i in range(out.size):
+        out[i] -= column[i] * x
+
+
+@kernel
+def _subtract_strip(begin, step, columns, x0, x1, x2, x3, out):
+    """Subtract STRIP columns, of which the next begins a ``step`` later, one after the other from ``out``."""
+    n = out.size
+    c0, c1 = part(columns, begin, n), part(columns, begin + step, n)
+    c2, c3 = part(columns, begin + 2 * step, n), part(columns, begin + 3 * step, n)
+    for i in range(n):
+        out[i] = out[i] - c0[i] * x0 - c1[i] * x1 - c2[i] * x2 - c3[i] * x3
 
 
 @entry
