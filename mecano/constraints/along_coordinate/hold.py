@@ -13,8 +13,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
-import numpy as np
-
 from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.constraints.augmented_lagrangian import add_constraint, deactivate, put_derivatives
 from mecano.constraints.body_fixed import wrap
@@ -127,8 +125,11 @@ def hold_kind(name, doc, coordinate, row):
 def release_kind(name, doc, coordinate, row):
     """Return the Kind that holds a coordinate at its ``offset`` in the phase "held", and not in the phase "free"."""
     kind = _kind(name, doc, coordinate, row, {"offset": ()}, holding(coordinate, _until_released))
-    ((values, nodes, _),) = kind.sample(np.random.default_rng(0))
-    return replace(kind, phases=RELEASE_PHASES, sample=lambda rng: [(values, nodes, phase) for phase in RELEASE_PHASES])
+
+    def sample(rng):
+        return [(values, nodes, phase) for values, nodes, _ in kind.sample(rng) for phase in RELEASE_PHASES]
+
+    return replace(kind, phases=RELEASE_PHASES, sample=sample)
 
 
 def drive_kind(name, doc, coordinate, row, motion=BY_LAW):
