@@ -28,8 +28,9 @@ def compile_ahead(codes):
 def _compile(codes, processes):
     """Compile ``codes`` in ``processes``, which end with this one."""
     with store.compiling(len(codes)) as report:
-        from mecano.jit import compiler  # noqa: F401  imported once, for all processes
+        from mecano.jit import compiler
 
+        compiler.get_ready()  # once, for all processes
         tasks, given = os.pipe()
         results, done = os.pipe()
         alive, held = os.pipe()

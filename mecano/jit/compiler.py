@@ -16,6 +16,7 @@ from numba import cfunc, njit, types
 from numba.core import cgutils
 from numba.core.datamodel.models import OpaqueModel
 from numba.core.imputils import lower_builtin, lower_getattr
+from numba.core.registry import cpu_target
 from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global, signature
 from numba.extending import overload, register_model
 
@@ -61,6 +62,13 @@ NUMBERS = {float: types.float64, int: types.int64, bool: types.int64}
 @register_model(PlainDispatcher)
 class _PlainModel(OpaqueModel):
     """Nothing, as of other functions."""
+
+
+def get_ready():
+    """Fill the tables of numba and of LLVM, which takes most of a second, before processes are forked that compile."""
+    _learn_methods()
+    cpu_target.typing_context.refresh()
+    cpu_target.target_context.refresh()
 
 
 def compiled(function):
