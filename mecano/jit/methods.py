@@ -5,6 +5,7 @@ a number of any type. The code of a method runs once at each place where it is c
 """
 
 import operator
+from functools import cache
 from itertools import product
 
 OPERATORS = {
@@ -40,8 +41,9 @@ class Generic:
         _methods[self] = {}
 
     def __call__(self, *arguments):  # noqa: D102
-        code = code_for(self, tuple(map(_kind, arguments)))
-        if code is self.__wrapped__ and any(hasattr(argument, "builder") for argument in arguments):
+        types = tuple(map(type, arguments))
+        code = _code_for_types(self, types)
+        if code is self.__wrapped__ and _any_symbolic(types):
             return Generic.primitive(self, arguments)
         return code(*arguments)
 
@@ -52,6 +54,7 @@ def method(function, *kinds):
     def add(code):
         for key in product(*(kind if isinstance(kind, tuple) else (kind,) for kind in kinds)):
             _methods.setdefault(function, {})[key] = code
+        _code_for_types.cache_clear()
         return code
 
     return add
@@ -120,11 +123,22 @@ def algebraic(kind):
 def _operator(function, reflected):
     def apply(self, *other):
         arguments = (*other, self) if reflected else (self, *other)
-        code = code_for(function, tuple(map(_kind, arguments)))
+        code = _code_for_types(function, tuple(map(type, arguments)))
         return code(*arguments) if code else NotImplemented
 
     return apply
 
 
-def _kind(value):
-    return type(value) if hasattr(value, "_fields") else tuple if isinstance(value, tuple) else float
+@cache
+def _code_for_types(function, types):
+    """Return the code for arguments of these types of Python, or None; kernels in plain Python ask most of the time."""
+    return code_for(function, tuple(map(_kind, types)))
+
+
+@cache
+def _any_symbolic(types):
+    return any(hasattr(of, "builder") for of in types)
+
+
+def _kind(of):
+    return of if hasattr(of, "_fields") else tuple if issubclass(of, tuple) else float

@@ -14,6 +14,8 @@ INTRINSIC = ("sin", "cos", "exp")  # those of them for which numba calls an LLVM
 class Symbol:
     """A number; without a builder it is only a placeholder."""
 
+    builder = None
+
     def __init__(self, builder, value=None):
         self.builder, self.value = builder, value
 
@@ -72,6 +74,8 @@ class Symbol:
 
 class Condition:
     """A truth value, for ``select`` only: methods must not branch."""
+
+    builder = None
 
     def __init__(self, builder, value=None):
         self.builder, self.value = builder, value
