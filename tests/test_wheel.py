@@ -61,10 +61,17 @@ class Wheel:
             record[name][0] = value
         self.record, self.p, self.laws = record, record[0], table.array()
 
+    def at(self, phase):
+        """The Instance in a phase."""
+        return Instance(WHEEL, self.record, (0,), phase, NONE, self.laws, np.zeros((3, 0)), NONE)
+
     def force(self, x, R, v, phase=CONTACT):
         """f (6,), K, C, M (6, 6)."""
-        state = (np.r_[x, 0.0, 0.0, 0.0], v, np.zeros(6), R[None])
-        return Instance(WHEEL, self.record, (0,), phase, NONE, self.laws, np.zeros((3, 0)), NONE).force(0.0, state)
+        return self.at(phase).force(0.0, (np.r_[x, 0.0, 0.0, 0.0], v, np.zeros(6), R[None]))
+
+    def residual(self, x, R, v, phase=CONTACT):
+        """f (6,) alone, which takes a tenth of the time."""
+        return self.at(phase).residual(0.0, (np.r_[x, 0.0, 0.0, 0.0], v, np.zeros(6), R[None]))
 
     def observe(self, x, R, v, phase=CONTACT):
         """Outputs by name, energies (4,)."""
@@ -103,10 +110,10 @@ def difference_tangents(wheel, x, R, v, phase, h=1e-6):
     """K and C (6, 6) by central differences, rotations varied in the material frame."""
     K, C = np.zeros((6, 6)), np.zeros((6, 6))
     for j, step in enumerate(h * np.eye(6)):
-        ahead = wheel.force(x + step[:3], R @ turn(step[3:]), v, phase)[0]
-        back = wheel.force(x - step[:3], R @ turn(-step[3:]), v, phase)[0]
+        ahead = wheel.residual(x + step[:3], R @ turn(step[3:]), v, phase)
+        back = wheel.residual(x - step[:3], R @ turn(-step[3:]), v, phase)
         K[:, j] = (ahead - back) / (2 * h)
-        C[:, j] = (wheel.force(x, R, v + step, phase)[0] - wheel.force(x, R, v - step, phase)[0]) / (2 * h)
+        C[:, j] = (wheel.residual(x, R, v + step, phase) - wheel.residual(x, R, v - step, phase)) / (2 * h)
     return K, C
 
 
@@ -149,7 +156,7 @@ def test_power_identity(name):
     rng = np.random.default_rng(4)
     for _ in range(6):
         wheel, x, R, v = random_state(rng, name, damping=0.1)
-        f = wheel.force(x, R, v)[0]
+        f = wheel.residual(x, R, v)
         h = 1e-5
         ahead = wheel.deformation(x + h * v[:3], R @ turn(h * v[3:]))
         back = wheel.deformation(x - h * v[:3], R @ turn(-h * v[3:]))
@@ -166,7 +173,7 @@ def test_power_identity(name):
 def test_elastic_force_is_the_gradient_of_the_energy(name):
     rng = np.random.default_rng(5)
     wheel, x, R, _ = random_state(rng, name, friction=0.0)
-    f, h = wheel.force(x, R, np.zeros(6))[0], 1e-6
+    f, h = wheel.residual(x, R, np.zeros(6)), 1e-6
     for j, step in enumerate(h * np.eye(6)):
         ahead = wheel.observe(x + step[:3], R @ turn(step[3:]), np.zeros(6))[1][1]
         back = wheel.observe(x - step[:3], R @ turn(-step[3:]), np.zeros(6))[1][1]
@@ -198,7 +205,7 @@ def test_upright_wheel_has_the_vector_of_the_paper():
     radial = 1e5 * 0.03 + 1e6 * 0.03**2 - 1e6 * 0.03**3 + 1e6 * 0.03**4
     friction = (0.3 + 0.5 * np.exp(-0.2 * speed)) * radial * slip / speed
     expected = np.r_[friction - radial * UP, R.T @ np.cross(-0.37 * UP, friction)]
-    assert np.allclose(wheel.force(x, R, v)[0], expected, rtol=1e-12, atol=1e-9)
+    assert np.allclose(wheel.residual(x, R, v), expected, rtol=1e-12, atol=1e-9)
     y, _ = wheel.observe(x, R, v)
     assert y["height"] == pytest.approx(0.37) and y["deformation"] == pytest.approx(0.03)
     assert np.allclose(y["contact_force"], radial * UP - friction)
@@ -219,7 +226,7 @@ def test_leaning_wheel_is_tipped_by_the_normal_force():
     s = 1e-3
     wheel = Wheel(values_of([0.0, 1.0, 0.0], ground_of(UP, point=(0, 0, 0)), friction=0.0))
     R, x = turn([s, 0.0, 0.0]), np.array([0.0, 0.0, 0.37])
-    f = wheel.force(x, R, np.zeros(6))[0]
+    f = wheel.residual(x, R, np.zeros(6))
     y, _ = wheel.observe(x, R, np.zeros(6))
     assert -(R @ f[3:])[0] == pytest.approx(y["normal_force"] * 0.37 * s, rel=1e-5)
     assert y["normal_force"] == pytest.approx(y["radial_force"] / np.cos(s), rel=1e-12)
@@ -302,7 +309,7 @@ def test_frame_invariance():
 def test_never_adhesive():
     wheel = Wheel(values_of([0.0, 1.0, 0.0], ground_of(UP, point=(0, 0, 0)), damping=0.5))
     x, rebound = np.array([0.0, 0.0, 0.37]), np.array([1.0, 0.0, 5.0, 0.0, 0.0, 0.0])
-    assert not wheel.force(x, np.eye(3), rebound)[0].any()  # the ground lets go faster than 1/c
+    assert not wheel.residual(x, np.eye(3), rebound).any()  # the ground lets go faster than 1/c
     y, e = wheel.observe(x, np.eye(3), rebound)
     assert y["normal_force"] == 0.0
     assert e[2] == pytest.approx(5.0 * curve_at(RADIAL, 0.03)[0])  # what was stored is lost
