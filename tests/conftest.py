@@ -11,7 +11,10 @@ for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")
 
 import mecano  # noqa: E402
+from mecano.jit import ahead  # noqa: E402
 from mecano.jit.store import folder  # noqa: E402
+
+ahead.cores = lambda: 1  # the tests run in parallel, and a process that compiles all compiles shared functions once
 
 SOURCES = sorted(Path(mecano.__file__).parent.rglob("*.py"))
 KEY = hashlib.sha256(b"".join(path.read_bytes() for path in SOURCES)).hexdigest()[:16]

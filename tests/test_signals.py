@@ -62,7 +62,8 @@ def started():
 
     def start(*words, first=lambda: None, **options):
         def begin():
-            signal.signal(signal.SIGINT, signal.SIG_DFL)  # which shells ignore in what they start in the background
+            for ignored in (signal.SIGINT, signal.SIGHUP):  # by shells in the background, by nohup
+                signal.signal(ignored, signal.SIG_DFL)
             first()
 
         process = subprocess.Popen(
