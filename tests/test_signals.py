@@ -189,6 +189,7 @@ def test_a_terminal_that_is_closed(folder):
     """The run receives SIGHUP, and its terminal is gone."""
     child, terminal = pty.fork()
     if child == 0:
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)
         os.execv(COMMAND[0], [*COMMAND, "run", "deck.yaml"])
     text = b""
     while b"of 100000 s" not in text:  # the bar
