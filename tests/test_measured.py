@@ -47,7 +47,10 @@ CASES = {
     ),
     "wheel that slips": (
         "wheel", "node: load, axis: [0, 1, 0], ground: road, tire_law: rubber",
-        ("normal_force", "contact_force.x", "contact_force.magnitude", "longitudinal_slip", "spin_rate", "slip_ratio", "lateral_slip"),
+        (
+            "normal_force", "contact_force.x", "contact_force.magnitude", "longitudinal_slip", "spin_rate",
+            "slip_ratio", "lateral_slip",
+        ),
     ),
     "oleo": (
         "oleo", "nodes: [top, load], extended_length: 1.2, gas: {pressure: 1.1e5, volume: 1.0e-3, area: 1.0e-3}, "

@@ -2,8 +2,8 @@
 
 ``error`` is a signal, ``elbow.angle`` an output of an element, joint or load that can be measured (``Kind.measures``),
 ``tip.position.z`` a component of the position, velocity or angular_velocity of a node, inertial, also where an element
-of the same name has such an output. ``elbow.force.magnitude`` is the length of a vector. A name that otherwise occurs in several sections of the deck is prefixed by the
-section: ``joints.elbow.angle``.
+of the same name has such an output. ``elbow.force.magnitude`` is the length of a vector. A name that otherwise occurs
+in several sections of the deck is prefixed by the section: ``joints.elbow.angle``.
 """
 
 import numpy as np
