@@ -108,7 +108,7 @@ def test_parallel_rods_touch_in_the_middle_of_their_common_part():
     ("surface", "message"),
     [
         ("plane: {normal: [0, 0, 1], point: [0, 0, -1]}", "a 'rod' touches a 'capsule'"),
-        ("cylinder: {axis: [1, 0, 0], radius: 0.5, inside: true}", "a 'rod' touches a 'capsule'"),
+        ("cylinder: {axis: [1, 0, 0], radius: 0.5, inside: true}", "a ball of this 'radius' at each of its ends"),
         ("cylinder: {axis: [0, 1, 0], radius: 0.05, center: [0.3, 0, 0.31]}", "0.01 m apart: move them apart"),
         ("cylinder: {axis: [0, 1, 0], radius: 0.05, center: [0.3, 0, 0.21]}", "the rod starts 0.01 m within"),
     ],

@@ -104,7 +104,10 @@ def check_rod(d, nodes):
     """Return errors for a rod at a surface that is no line, without a place, and for axes that meet."""
     name, values = given(d)
     if name not in ("capsule", "cylinder") or values.get("inside"):
-        return ["a 'rod' touches a 'capsule', or a 'cylinder' from outside; on a plane use a ball at each of its ends"]
+        return [
+            "a 'rod' touches a 'capsule', or a 'cylinder' from outside; on a plane or inside a cylinder use instead of "
+            "'rod' a ball of this 'radius' at each of its ends, on nodes 'attached' to its body"
+        ]
     if d["radius"] <= 0.0:
         return ["the 'radius' of a 'rod' must be greater than zero"]
     if d["nodes"][1] == "ground" and d["rod"]["center"] is None:
