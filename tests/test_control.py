@@ -300,6 +300,57 @@ def test_two_bodies_attract_one_another(verify):
     assert m.time[half][np.argmax(distance[half])] == pytest.approx(np.pi / 4, abs=2e-3)
 
 
+WAVES = """
+    mecano: 1
+    gravity: none
+    nodes: {a: {position: [0, 0, 0]}}
+    elements: {mass: {type: point_mass, node: a, mass: 1}}
+    signals:
+      wave: 1.0e7*cos(20*time)
+      sum: {type: integrator, input: wave}
+      slow: {type: lag, input: wave, time_constant: 0.5}
+    time: {end: 1, step: 1.0e-4, method: METHOD, adaptive: {tolerance: TOLERANCE}}
+"""
+
+
+@pytest.mark.parametrize("method", ["generalized_alpha", "radau"])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
+def test_errors_of_filters_follow_the_tolerance(method, tolerance):
+    """T y' + y = u and y' = u for a wave u, beside a mass at rest; errors of the largest value."""
+    run = RecordedRun(deck(WAVES.replace("METHOD", method).replace("TOLERANCE", str(tolerance))))
+    w, T, t = 20.0, 0.5, run.time
+    lag = (np.cos(w * t) + w * T * np.sin(w * t) - np.exp(-t / T)) / (1.0 + (w * T) ** 2)
+    for name, exact in (("sum", 1e7 * np.sin(w * t) / w), ("slow", 1e7 * lag)):
+        close = 3.0 * tolerance * np.abs(exact).max()  # as of all errors in adaptive runs (docs/step-control.md)
+        np.testing.assert_allclose(run[f"signals/{name}/value"], exact, rtol=0, atol=close)
+
+
+POWER = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {a: {position: [0, 0, 0]}}
+    elements: {bar: {type: rigid_body, node: a, mass: 1000, center_of_mass: [0.75, 0, 0], inertia: [1, 187, 187]}}
+    joints:
+      hinge: {type: hinge, nodes: [ground, a], axis: [0, 1, 0]}
+      drive: {type: prescribed_angle, nodes: [ground, a], axis: [0, 1, 0], value: 0.3*sin(6*time)**2}
+    signals: {power: drive.moment*drive.rate, work: {type: integrator, input: power}}
+    time: TIME
+"""
+
+
+def test_the_work_of_a_motor():
+    """It is the energy of the bar, and passes through zero together with the power."""
+    run = RecordedRun(deck(POWER.replace("TIME", "{end: 0.6, step: 1.0e-4, adaptive: {tolerance: 1.0e-5}}")))
+    energy, work = run["energy/kinetic"] + run["energy/potential"], run["signals/work/value"]
+    np.testing.assert_allclose(work, energy - energy[0], rtol=0, atol=3e-5 * np.abs(work).max())
+
+
+def test_signals_follow_the_rounding_of_reactions():
+    """In steps of 0.1 us it is above 1 N m: the power, near zero, changes by more than itself in each correction."""
+    run = RecordedRun(deck(POWER.replace("TIME", "{end: 2.0e-5, step: 1.0e-7}")))
+    assert sum(info.iterations for info in run.infos) < 1.2 * len(run.infos)
+
+
 def test_what_lasts_no_time_is_no_extreme(tmp_path):
     """A switch moves the set point beyond the limits of a controller: two events at one instant."""
     (tmp_path / "deck.yaml").write_text(

@@ -5,7 +5,7 @@ import pytest
 from time_runs import RecordedRun, input_deck
 
 from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, SCALAR, TRANSLATION
-from mecano.solve.diagnostics.scales import TINY, norms
+from mecano.solve.diagnostics.scales import HUGE, TINY, norms
 
 TIGHT = ("time.newton.constraint_tolerance=1e-12",)  # forces are met to 1e-7
 DECKS = {"double_pendulum": 0.5, "slider_crank": 0.05, "four_bar": 0.5, "wheel_drop": 0.3}
@@ -49,18 +49,35 @@ def test_motion_and_reactions_do_not_depend_on_them(plain, scale):
         np.testing.assert_allclose(recorded[path], wanted[path], rtol=0, atol=close * sizes[c.unit], err_msg=path)
 
 
-@pytest.mark.parametrize(("kind", "allowed"), [(TRANSLATION, 352.0), (SCALAR, 352.0), (MASSLESS, 1.0)])
-def test_rounding_hides_little_of_the_force_on_a_massless_scalar(kind, allowed):
-    """Rounding of 100 m is 3.52e-13 m: 352 N with the 1e15 N/m of masses in short steps; 1e-4 of 1e4 N is 1 N."""
-    residual, size = np.array([0.0, allowed]), np.array([1e4, 1e4])
+@pytest.mark.parametrize("kind", [TRANSLATION, SCALAR, MASSLESS])
+@pytest.mark.parametrize(
+    ("share", "stiffness", "allowed"), [(1.0, 1e15, 1e-3), (1e-3, 1e15, 1e-3), (1e-3, 1e9, 3.52e-4), (1e-3, 1.0, 1e-6)]
+)
+def test_no_share_of_a_tolerance_is_less_than_rounding(kind, share, stiffness, allowed):
+    """1e-7 of 1e4 N is 1e-3 N; rounding of 100 m, 3.52e-13 m, is 3.52e-4 N with 1e9 N/m."""
+    residual, size, none = np.array([0.0, allowed]), np.array([1e4, 1e4]), np.zeros(2)
     kinds = np.array([TRANSLATION, kind], np.int64)
-    over, _ = norms(residual, size, kinds, 2, 1.0, 1e-7, 1e-10, 1.0, 1.0, 1e15, 100.0)
-    assert over == pytest.approx(1.0, rel=1e-12)
+    over = norms(
+        residual, size, kinds, 2, 1.0, 1e-7, 1e-10, share, 1.0, 1.0, stiffness, 100.0, none, none, 1.0, 0.0
+    )  # fmt: skip
+    assert over[0] == pytest.approx(1.0, rel=1e-12)
 
 
 def test_the_size_of_the_mechanism_is_rounded_where_no_position_is_free():
     """Arms of 2 m are rounded to 16 x 2.2e-16 x 2 m = 7.04e-15 m, also those of bodies that turn about fixed points."""
-    residual, size = np.array([0.0, 7.04e-15 * 1e9]), np.zeros(2)
+    residual, size, none = np.array([0.0, 7.04e-15 * 1e9]), np.zeros(2), np.zeros(2)
     kinds = np.array([TRANSLATION, LENGTH_CONSTRAINT], np.int64)
-    forces, _ = norms(residual, size, kinds, 2, 2.0, 1e-7, 1e-10, 1.0, 1e9, 1e9, 0.0)
-    assert forces == pytest.approx(1.0, rel=1e-12)
+    over = norms(residual, size, kinds, 2, 2.0, 1e-7, 1e-10, 1.0, HUGE, 1e9, 1e9, 1.0, none, none, 1.0, 0.0)
+    assert over[0] == pytest.approx(1.0, rel=1e-12)
+
+
+def test_a_gear_lands_far_from_the_origin_as_at_it():
+    """Positions at 1e5 m are known to 1.5e-11 m: in a step the speed of the wheel to that over step and radius."""
+    nodes, runs, step = input_deck("nose_gear_rigid").values["nodes"], [], 1e-5
+    at = {name: node["position"] for name, node in nodes.items()}
+    for distance in (0.0, 1e5):
+        places = [f"nodes.{name}.position={[distance + x, y, z]}" for name, (x, y, z) in at.items()]
+        times = f"time.step={step}", f"time.end={1000 * step}", "time.adaptive=null"
+        runs.append(RecordedRun(input_deck("nose_gear_rigid", *places, *times)))
+    at_origin, away = (run["elements/wheel/spin_rate"] for run in runs)
+    np.testing.assert_allclose(away, at_origin, rtol=0, atol=4.0 * 1.5e-11 / (0.3225 * step))

@@ -164,8 +164,12 @@ def commit(
 ):  # fmt: skip
     """Write the memories after an accepted step."""
     bind_state(system, t, z, v, a, R, phases, memory)
-    system[0].memory_out = memory_out.ctypes.data
+    s = system[0]
+    s.memory_out = memory_out.ctypes.data
     run(loops, batches, system)
+    states, first = integers(s.states, s.n_states), memory.shape[0] - s.n_states
+    for i in range(s.n_states):
+        memory_out[first + i] = max(memory[first + i], abs(z[states[i]]))
 
 
 @kernel

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-TRANSLATION, ROTATION, SCALAR, LENGTH_CONSTRAINT, ANGLE_CONSTRAINT, SIGNAL = range(6)
+TRANSLATION, ROTATION, SCALAR, LENGTH_CONSTRAINT, ANGLE_CONSTRAINT = range(5)
+SIGNAL, STATE = 5, 6  # a signal that follows at once, and one whose equation gives its rate
 MASSLESS = -1  # replaces SCALAR, for solvers, for a scalar without inertia
 RELEASED = -2  # replaces the kind of a constraint, for solvers, if its row states that reactions are shared
 AXES = "xyz"
@@ -73,7 +74,7 @@ class Numbering:
     rotation: np.ndarray  # (n_nodes,) index of its rotation matrix
     rotation_dof: np.ndarray  # (n_rotations,) index of the first entry of each rotation
     n_scalars: int  # scalar unknowns of elements, including signals: the last of the n_q
-    kind: np.ndarray  # (n_all,) TRANSLATION ... SIGNAL
+    kind: np.ndarray  # (n_all,) TRANSLATION ... STATE
     group: np.ndarray  # (n_q,) group number: unknowns of one node share it
     name: Sequence  # (n_all,) EquationName
     of_rates: np.ndarray  # (n_l,) bool: constraint on velocities

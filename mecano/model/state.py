@@ -20,7 +20,8 @@ class State:
     a: np.ndarray  # (n_all,)
     R: np.ndarray  # (n_rotations, 3, 3) material to inertial
     phases: np.ndarray  # (n_elements,) int64, batch by batch; replaced, never changed in place
-    memory: np.ndarray  # (n_memory,) of all elements, batch by batch; replaced, never changed in place
+    memory: np.ndarray  # (n_memory,) of all elements, batch by batch, then the largest |z| so far of each signal with a
+    # rate; replaced, never changed in place
 
     def copy(self):
         """Return a copy whose motion may be changed."""

@@ -14,7 +14,7 @@ from mecano.model.instances import expand
 from mecano.model.loops import PURPOSES, SYSTEM, code_of, loop_of, record
 from mecano.model.mesh import divided
 from mecano.model.model import with_ground
-from mecano.model.numbering import SCALAR, SIGNAL, EquationName, number
+from mecano.model.numbering import SCALAR, SIGNAL, STATE, EquationName, number
 from mecano.model.reaction_partition import ReactionPartition
 from mecano.model.signal_units import signal_units
 from mecano.model.state import State
@@ -34,7 +34,7 @@ class System:
         self.shared = [(what, i, j, instances[owner].owner) for what, i, j, owner in shared]
         multipliers = [(EquationName(item.owner, row.name), row) for item in instances for row in item.kind.multipliers]
         scalars = [
-            (EquationName(item.owner, name), SIGNAL if item.kind.of_signals else SCALAR)
+            (EquationName(item.owner, name), _kind_of_scalar(item.kind, name))
             for item in instances
             for name in item.kind.scalars
         ]
@@ -46,8 +46,9 @@ class System:
         partition = ReactionPartition(shared, fixed, self.n_slots)
         self.batches = batches(instances, self.numbering, self.n_slots, partition)
         self.massless = self._scalars(lambda kind: kind.massless)
-        self.signals = self.numbering.kind[: self.n_q] == SIGNAL
-        self.states = self._scalars(lambda kind: kind.states)  # signals with determined rates
+        self.signals = self.numbering.kind[: self.n_q] >= SIGNAL
+        self.states = self.numbering.kind[: self.n_q] == STATE
+        self._state_dofs = np.flatnonzero(self.states)
         self.followers = _followers(instances, self.batches)
         self._pattern()
         self.laws = model.laws.array()
@@ -96,11 +97,12 @@ class System:
         self.n_elements, _, self.n_outputs, self.n_events = self.batches[-1].ends if self.batches else (0, 0, 0, 0)
         self._batch_records = np.concatenate([b.record() for b in self.batches])
         arrays = {
-            "laws": self.laws, "slot_dof": self.slot_dof, "partition_starts": self.partition_starts,
-            "partition_members": self.partition_members,
+            "states": self._state_dofs, "laws": self.laws, "slot_dof": self.slot_dof,
+            "partition_starts": self.partition_starts, "partition_members": self.partition_members,
         }  # fmt: skip
         self._record_of_tables = record(
             SYSTEM, n_all=self.numbering.n_all, n_rotations=len(self.numbering.rotation_dof), n_laws=len(self.laws),
+            n_states=len(self._state_dofs),
             n_slots=self.n_slots, n_data=self.nnz + 1, n_transmitted=self.n_transmitted, n_constraints=self.n_l,
             k=1.0, **{name: array.ctypes.data for name, array in arrays.items()},
         )  # fmt: skip
@@ -220,7 +222,7 @@ class System:
             if b.kind.at_start is not None:
                 phases[b.phases] = [b.kind.at_start(p) for p in b.p]
         self.follow(phases)
-        memory = np.zeros(sum(len(b.p) * len(b.kind.memory) for b in self.batches))
+        memory = np.zeros(sum(len(b.p) * len(b.kind.memory) for b in self.batches) + len(self._state_dofs))
         return State(t, z, np.zeros(n), np.zeros(n), R, phases, memory)
 
     def assemble(self, s, k, penalty, cK, cC, cM, T=None, into=None):
@@ -359,6 +361,11 @@ def is_scaled(batch):
 def acts_by_multipliers(batch):
     """Return whether multipliers of other parts determine forces of a batch, such as friction."""
     return batch.kind.coupled_multipliers and not batch.kind.senses
+
+
+def _kind_of_scalar(kind, name):
+    """Return SCALAR, SIGNAL or STATE (numbering.py)."""
+    return STATE if name in kind.states else SIGNAL if kind.of_signals else SCALAR
 
 
 def _followers(instances, batches):

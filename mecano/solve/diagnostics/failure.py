@@ -124,11 +124,11 @@ def worst_equations(system, assembly):
 
 
 def _scales(system, size):
-    """Return the scales (6,) of residuals of each kind of equation, as in ``norms``; constraints count as forces."""
+    """Return the scales (7,) of residuals of each kind of equation, as in ``norms``; constraints count as forces."""
     kind, length = system.numbering.kind, length_scale(system.nodes)
     force, moment, own = (max(size[kind == one].max(initial=0.0), TINY) for one in (TRANSLATION, ROTATION, SCALAR))
     f, m = max(force, ANGULAR_SHARE * moment / length), max(moment, ANGULAR_SHARE * force * length)
-    scales = np.full(6, m / length**2)
+    scales = np.full(7, m / length**2)
     scales[[TRANSLATION, ROTATION, SCALAR, LENGTH_CONSTRAINT]] = f, m, max(own, ANGULAR_SHARE * f), f
     return scales
 

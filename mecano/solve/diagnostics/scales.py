@@ -5,13 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from mecano.jit.entry import Indices, Vector, entry
-from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, RELEASED, ROTATION, SCALAR, SIGNAL, TRANSLATION
+from mecano.jit.kernel import kernel
+from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, RELEASED, ROTATION, SCALAR, SIGNAL, STATE, TRANSLATION
 from mecano.solve.events.compliance import RELEASED_COMPLIANCE
+from mecano.solve.linear.rounding import ROUNDING
 
 HUGE = 1e300  # larger numbers count as infinite
 TINY = 1e-300
-ROUNDING = 16 * 2.2e-16  # relative rounding error of a sum of a few numbers
-MASSLESS_SHARE = 1e-4  # of the largest force on a scalar: bound of the rounding allowed for a massless one
+SIGNALS = 1e-6  # of a signal, or of its rate: tolerance of its equation
+SMALL = 1e-3  # signals that are smaller are judged as if they were of this size
 ANGULAR_SHARE = 1e-3  # the scale of moments is at least this share of (largest force) x (length), and vice versa
 
 
@@ -46,37 +48,39 @@ def balance(system, s, cK, cC, cM, into=None):
 @entry
 def norms(
     r: Vector, size: Vector, kind: Indices, n: int, length: float, force_tolerance: float, constraint_tolerance: float,
-    share: float, k: float, stiffness: float, reach: float,
-) -> (float, float):  # fmt: skip
-    """Return (largest force or moment residual, largest constraint), each over its scale and tolerance: 1 just passes.
+    share: float, most: float, k: float, stiffness: float, reach: float, z: Vector, v: Vector, duration: float,
+    loudest: float,
+) -> (float, float, float):  # fmt: skip
+    """Return (largest force or moment residual, largest constraint, largest signal residual), 1 of each just passes.
 
-    r, size: (n_all,) residual and its scale; kind: (n_all,) see numbering.py; k: scale of the constraint rows. The
-    scale of forces is the largest force anywhere, including fixed nodes; likewise for moments and for forces on scalars
-    of elements (treated as forces). A constraint is measured as a length or an angle, and also as the force that it
-    causes with the mean ``stiffness`` [N/m] of the step: in short steps a small displacement is a large force. The row
-    of a released constraint, which states that reactions are shared (compliance.py), is measured as the force by which
-    they deviate. The tolerance of a force is at least the rounding error due to positions as large as ``reach`` [m],
-    or as the mechanism if that is larger, since arms are rounded even if no position is free;
-    for massless scalars this bound is at most MASSLESS_SHARE, since in short steps the stiffness is that of the masses.
-    ``share`` multiplies all tolerances except this bound. Signals are checked by their increments (increments.py),
-    since no scale of their residuals is known.
+    Each is over its scale and tolerance. r, size: (n_all,) residual and its scale; kind: (n_all,) see numbering.py; k:
+    scale of the constraint rows. The scale of forces is the largest force anywhere, including fixed nodes; likewise for
+    moments and for forces on scalars of elements (treated as forces). A constraint is measured as a length or an angle,
+    and also as the force that it causes with the mean ``stiffness`` [N/m] of the step: in short steps a small
+    displacement is a large force. The row of a released constraint, which states that reactions are shared
+    (compliance.py), is measured as the force by which they deviate. Only a ``share`` of the tolerances is allowed,
+    or the rounding of coordinates as large as ``reach``, over the length scale, if that is more, up to ``most``
+    tolerances.
+
+    The equation y - c = 0 of a signal is measured by its value in z (n_all,), up to the rounding of the ``loudest``
+    signal; that of one with a rate, in v (n_all,), by what its residual makes of it in a run of the ``duration`` [s].
     """
-    force = moment = scalar = massless = distance = angle = shared = 0.0
+    force = moment = scalar = distance = angle = shared = signal = 0.0
     force_size = moment_size = scalar_size = TINY
     for i in range(r.shape[0]):
         x = abs(r[i]) if i < n else 0.0
         if not x <= HUGE:
-            return np.inf, np.inf
+            return np.inf, np.inf, np.inf
         if kind[i] == TRANSLATION:
             force, force_size = max(force, x), max(force_size, size[i])
         elif kind[i] == ROTATION:
             moment, moment_size = max(moment, x), max(moment_size, size[i])
-        elif kind[i] == SCALAR:
+        elif kind[i] == SCALAR or kind[i] == MASSLESS:
             scalar, scalar_size = max(scalar, x), max(scalar_size, size[i])
-        elif kind[i] == MASSLESS:
-            massless, scalar_size = max(massless, x), max(scalar_size, size[i])
         elif kind[i] == SIGNAL:
-            continue
+            signal = max(signal, x / max(max(abs(z[i]), SMALL), ROUNDING / SIGNALS * loudest))
+        elif kind[i] == STATE:
+            signal = max(signal, x * duration / state_size(duration, z[i], v[i]))
         elif kind[i] == LENGTH_CONSTRAINT:
             distance = max(distance, x / k)
         elif kind[i] == RELEASED:
@@ -85,14 +89,19 @@ def norms(
             angle = max(angle, x / k)
     f = max(force_size, ANGULAR_SHARE * moment_size / length)
     m = max(moment_size, ANGULAR_SHARE * force_size * length)
-    g = max(scalar_size, ANGULAR_SHARE * f)
-    reach = max(reach, length)
-    hidden = ROUNDING * stiffness * reach
-    force_tolerance *= share
-    f = max(f * force_tolerance, hidden)
-    m = max(m * force_tolerance, ROUNDING * stiffness * max(reach * length, 1.0))
-    light, g = max(g * force_tolerance, min(hidden, MASSLESS_SHARE * g)), max(g * force_tolerance, hidden)
-    force = max(force, stiffness * distance, stiffness / RELEASED_COMPLIANCE * shared) / f
-    moment = max(moment, stiffness * length * length * angle) / m
-    constraint = max(distance / length, angle) / max(constraint_tolerance * share, ROUNDING * reach / length)
-    return max(force, moment, scalar / g, massless / light), constraint
+    g = max(scalar_size, ANGULAR_SHARE * f) * force_tolerance
+    f, m, hidden = f * force_tolerance, m * force_tolerance, ROUNDING * reach * stiffness * length
+    force = max(force, stiffness * distance, stiffness / RELEASED_COMPLIANCE * shared) / max(
+        f * share, min(f * most, hidden)
+    )
+    moment = max(moment, stiffness * length * length * angle) / max(m * share, min(m * most, hidden * length))
+    scalar /= max(g * share, min(g * most, hidden))
+    constraint = max(distance / length, angle)
+    constraint /= max(constraint_tolerance * share, min(constraint_tolerance * most, ROUNDING * reach))
+    return max(force, moment, scalar), constraint, signal / SIGNALS
+
+
+@kernel
+def state_size(duration, y, rate):
+    """Return the size of a signal with a rate: y, or what its rate makes of it in a run of the ``duration`` [s]."""
+    return max(abs(y), duration * abs(rate), SMALL)

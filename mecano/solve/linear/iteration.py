@@ -22,20 +22,21 @@ class Iterated:
     failure: Failure = Failure.NOT_CONVERGED  # if not ok
 
 
-def iterate(evaluate, solve, move, *, most):
+def iterate(evaluate, solve, move, *, most, exhausted):
     """Solve r(z) = 0 by at least one iteration until residual and increment meet their tolerances; never raise.
 
     evaluate(tangent) returns a tuple of residual norms over their tolerances at the current z and, if ``tangent``,
     evaluates the tangent; solve(fresh) returns the increment, from the last tangent or, if not fresh, from the factor
-    kept, None if singular; move(dz) moves z and returns the norm of dz over its tolerance. At most ``most`` iterations.
+    kept, None if singular; move(dz) moves z and returns the norm of dz over its tolerance; exhausted(this norm, the
+    share of the residual that dz left, fresh) returns whether only rounding is left. At most ``most`` iterations.
     """
-    increment, last = np.inf, np.inf
+    increment, last, fresh = np.inf, np.inf, False
     for iteration in range(most + 1):
         norms = evaluate(iteration == 0)
         worst = max(norms)
         if not np.isfinite(worst):
             return Iterated(False, iteration, (*norms, increment), MESSAGES[NOT_FINITE], FAILURES[NOT_FINITE])
-        if iteration and worst <= 1.0 and increment <= 1.0:
+        if iteration and increment <= 1.0 and (worst <= 1.0 or exhausted(increment, worst / last, fresh)):
             return Iterated(True, iteration, (*norms, increment))
         if iteration == most:
             break

@@ -14,6 +14,7 @@ from mecano.model.assembly_driver import assemble, residual
 from mecano.model.loops import BATCH
 from mecano.solve.diagnostics.scales import norms
 from mecano.solve.events.compliance import soften
+from mecano.solve.linear.rounding import ROUNDING, at_rounding
 from mecano.solve.linear.sparse import ACCEPT_BELOW
 from mecano.solve.time.increments import correct, tangents
 from mecano.solve.time.workspace import (
@@ -79,7 +80,7 @@ def iterate(w):
     """Iterate with the factor at hand: STALE where a new one is wanted, or another of the codes."""
     z, v, a, R = motion_of(w, TRIAL)
     R0 = motion_of(w, BEGIN)[3]
-    r, size, x = floats(w.residual, w.n_all), floats(w.size, w.n_all), floats(w.increment, w.n)
+    r, x = floats(w.residual, w.n_all), floats(w.increment, w.n)
     kind, rotation_dof = integers(w.kind, w.n_all), integers(w.rotation_dof, w.n_rotations)
     report, system = floats(w.report, 8), system_of(w)
     loops, batches = integers(w.loops, w.n_loops), items(w.batches, w.n_loops, BATCH)
@@ -94,10 +95,7 @@ def iterate(w):
             report[ITERATIONS] += 1
         residual(loops, batches, system, w.k, w.penalty)
         soften_rows(w, z, r)
-        forces, constraints = norms(
-            r, size, kind, w.n, w.length, w.force_tolerance, w.constraint_tolerance, share, w.k, w.stiffness, w.reach
-        )
-        code = judge(report, forces, constraints, w.most, w.kept, w.usable, w.most_kept)
+        code = judge(w, report, measure(w, report, share))
         if code >= 0:
             return code
         call(w.substitute, w.substitute_words, 0)
@@ -105,40 +103,50 @@ def iterate(w):
 
 
 @kernel
-def judge(report, forces, constraints, most, kept, usable, most_kept):
-    """Enter the present norms; one of the codes, or -1 to go on with the factor at hand."""
-    worst = max(forces, constraints)
-    report[WORST], report[FORCES], report[CONSTRAINTS] = worst, forces, constraints
-    iteration = report[ITERATIONS]
+def measure(w, report, share):
+    """Enter the norms of the present residual, for a ``share`` of the tolerances; return that of signals."""
+    z, v, _, _ = motion_of(w, TRIAL)
+    r, size, kind = floats(w.residual, w.n_all), floats(w.size, w.n_all), integers(w.kind, w.n_all)
+    forces, constraints, signals = norms(
+        r, size, kind, w.n, w.length, w.force_tolerance, w.constraint_tolerance, share, 1.0, w.k, w.stiffness, w.reach,
+        z, v, w.duration, w.loudest,
+    )  # fmt: skip
+    report[FORCES], report[CONSTRAINTS] = max(forces, signals), constraints
+    report[WORST] = max(report[FORCES], report[CONSTRAINTS])
+    return signals
+
+
+@kernel
+def judge(w, report, signals):
+    """Return one of the codes for the present norms, or -1 to go on with the factor at hand."""
+    worst, iteration = report[WORST], report[ITERATIONS]
     if iteration == 0:
         report[FIRST] = worst
     elif iteration == 1:
         report[SECOND] = worst
     if not np.isfinite(worst):
         return NOT_FINITE
-    if iteration and worst <= 1.0 and report[INCREMENT] <= 1.0:
-        return CONVERGED
-    if iteration == most:
+    rate = worst / max(report[LAST], TINY)
+    if iteration and report[INCREMENT] <= 1.0:
+        rounded = at_rounding(report[INCREMENT] * w.increment_tolerance, rate, w.renewed, w.reach, ROUNDING)
+        if worst <= 1.0 or (signals <= 1.0 and rounded):
+            return CONVERGED
+    if iteration == w.most:
         return TOO_MANY
-    if not usable:
+    if not w.usable:
         return STALE
     if iteration == 0:
         return -1
-    rate = worst / max(report[LAST], TINY)
-    slow = worst * rate ** (most_kept - iteration) > 1.0 if kept and iteration < most_kept else rate > SLOW
-    return STALE if slow else -1
+    with_old = w.kept and iteration < w.most_kept
+    return STALE if (worst * rate ** (w.most_kept - iteration) > 1.0 if with_old else rate > SLOW) else -1
 
 
 @kernel
 def renew(w):
     """Factor the tangent at TRIAL and solve for the residual there: STALE if iterations may go on, or a code."""
     evaluate(w, TRIAL)
-    r, size, kind = floats(w.residual, w.n_all), floats(w.size, w.n_all), integers(w.kind, w.n_all)
     report = floats(w.report, 8)
-    forces, constraints = norms(
-        r, size, kind, w.n, w.length, w.force_tolerance, w.constraint_tolerance, 1.0, w.k, w.stiffness, w.reach
-    )
-    report[WORST] = max(forces, constraints)
+    measure(w, report, 1.0)
     if report[ITERATIONS] == 0.0:
         report[FIRST] = report[WORST]
     if not np.isfinite(report[WORST]):
@@ -146,14 +154,8 @@ def renew(w):
     if report[INCREMENT] * w.increment_tolerance > MOST_MOVED:
         return DIVERGES
     copy_state(w, TRIAL, RENEWED)
-    w.renewed = 1
-    return factor(w)
-
-
-@kernel
-def factor(w):
-    """Factor the tangent and solve for the residual: STALE, or OTHERWISE where the fixed order does not do."""
     results = floats(w.solve_results, 3)
+    w.renewed = 1
     w.factorizations += 1
     call(w.solve, w.solve_words, w.solve_results)
     if not results[2] <= ACCEPT_BELOW:

@@ -63,5 +63,5 @@ def _parts(kind, axes, shape):
         moves = (along[:, k, None] * axes[k]).ravel()
         parts[k, :n] = np.where(kind[:n] == TRANSLATION, moves, 0.0)
         parts[3 + k, :n] = np.where(kind[:n] == ROTATION, moves, 0.0)
-    parts[-1, n:] = np.where(kind[n:] == SIGNAL, 0.0, shape[n:])
+    parts[-1, n:] = np.where(kind[n:] >= SIGNAL, 0.0, shape[n:])
     return parts

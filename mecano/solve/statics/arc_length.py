@@ -279,5 +279,6 @@ class Arc:
             mu += change
             return max(statics.move(s, point.state, dz, k), abs(change) / statics.tolerances.increment)
 
-        result = iterate(evaluate, solve, move, most=statics.tolerances.max_iterations)
+        most = statics.tolerances.max_iterations
+        result = iterate(evaluate, solve, move, most=most, exhausted=statics.exhausted(s))
         return mu, result

@@ -34,7 +34,7 @@ def apply_events(statics, s, s0, hit):
 def _memory_of(system, elements):
     """Return which items of the memory (n_memory,) belong to the ``elements`` (n_phases,) bool."""
     parts = [np.repeat(elements[batch.phases], len(batch.kind.memory)) for batch in system.batches]
-    return np.concatenate([np.zeros(0, bool), *parts])
+    return np.concatenate([*parts, np.zeros(int(system.states.sum()), bool)])
 
 
 def _place(statics, s, s0, i):

@@ -13,13 +13,14 @@ import numpy as np
 from mecano.errors import Failure
 from mecano.model.assembly import Assembly
 from mecano.model.numbering import ROTATION
-from mecano.solve.diagnostics.scales import Tolerances, balance, norms
+from mecano.solve.diagnostics.scales import HUGE, SMALL, Tolerances, balance, norms
 from mecano.solve.events.compliance import soften
 from mecano.solve.events.events import EventMonitor
 from mecano.solve.linear.iteration import iterate
+from mecano.solve.linear.rounding import ROUNDING, at_rounding
 from mecano.solve.statics.closing import apply_events
 from mecano.solve.statics.velocity_constraints import NONE, VelocityConstraints
-from mecano.solve.time.increments import correct, largest, tangents
+from mecano.solve.time.increments import correct, largest, reach_of, tangents
 
 MOST_TURN = 2.4  # rad in one step, so that angles of joints are followed
 PHASE_CHANGES = 10  # rounds of phase changes at one point
@@ -104,19 +105,30 @@ class Statics:
     def norms(self, s, k):
         """Return the norms (forces, constraints) of the assembled residual over their tolerances."""
         system, of, limits = self.system, self.system.numbering, self.tolerances
-        reach = np.abs(s.z[: system.n_q]).max(initial=0.0)
+        # without a step, of which rounding could be a large force, what only rounding moves is at rest
         return norms(
             self.assembly.residual, self.assembly.size, of.kind, system.n, self.length, limits.force,
-            limits.constraint, 1.0, k, k, reach,
-        )  # fmt: skip
+            limits.constraint, 1.0, HUGE, k, k, reach_of(s.z, of, self.length), s.z, s.v, 1.0, 0.0,
+        )[:2]  # fmt: skip
+
+    def exhausted(self, s):
+        """Return the function with which Newton's method decides if its corrections of ``s`` are at rounding."""
+        of, limit = self.system.numbering, self.tolerances.increment
+
+        def is_exhausted(increment, left, fresh):
+            return at_rounding(increment * limit, left, fresh, reach_of(s.z, of, self.length), ROUNDING)
+
+        return is_exhausted
 
     def move(self, s, s0, dz, k):
         """Add the correction dz (n,) to ``s``, rotations relative to ``s0``; return its size over the tolerance."""
-        of = self.system.numbering
+        system, of = self.system, self.system.numbering
         largest = correct(
             self.length, of.kind, of.rotation_dof, of.n_q, of.n, -dz, k, 0.0, 0.0, s0.R, s.z, s.v, s.a, s.R
         )  # fmt: skip
-        return largest / self.tolerances.increment
+        own = system.signals
+        signals = np.abs(dz[: system.n_q][own]) / np.maximum(np.abs(s.z[: system.n_q][own]), SMALL)
+        return max(largest, signals.max(initial=0.0)) / self.tolerances.increment
 
     def factor(self, b):
         """Return the solution (n,) with the assembled tangent and right-hand side b, or None if singular."""
@@ -192,7 +204,7 @@ class Statics:
             steps.append(self.move(s, s0, dz, k))
             return steps[-1]
 
-        result = iterate(evaluate, solve, move, most=self.tolerances.max_iterations)
+        result = iterate(evaluate, solve, move, most=self.tolerances.max_iterations, exhausted=self.exhausted(s))
         first = steps[0] * self.tolerances.increment if steps else np.inf
         return s, self.judged(result, s, s0, first)
 

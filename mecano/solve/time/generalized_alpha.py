@@ -144,6 +144,7 @@ class GeneralizedAlpha:
         self.workspace.point_to(**compliances_of_a_step(self.compliance))
         self.workspace.point_to(
             am=c.am, af=c.af, beta=c.beta, gamma=c.gamma, error=c.error, length=self.length, duration=self.duration,
+            fixed_reach=max(self.workspace.farthest_fixed / self.length, 1.0),
             force_tolerance=to.force, constraint_tolerance=to.constraint, increment_tolerance=to.increment,
             most=to.max_iterations, most_kept=most_kept(self.system.n),
             n_massless=len(self._massless), massless=self._massless,
@@ -304,7 +305,7 @@ class GeneralizedAlpha:
         if code != CONVERGED:
             message = MESSAGES[code].format(int(report[ITERATIONS]))
             return s, history, StepInfo(False, iterations, reached, np.nan, history, message, FAILURES[code])
-        change, turn, turning, lag = [float(w.record[name][0]) for name in ("change", "turn", "turning", "lag")]
+        change, turn, lasting, lag = [float(w.record[name][0]) for name in ("change", "turn", "lasting", "lag")]
         if turn > MOST_TURN:
             return s, history, StepInfo(False, iterations, reached, np.nan, history, TURNS_TOO_FAR)
         slips = np.zeros(self.system.n_l)  # rates of the deactivated rows, without the equations in their place
@@ -314,7 +315,7 @@ class GeneralizedAlpha:
             return s, history, StepInfo(False, iterations, reached, np.nan, history, text, Failure.CONTRADICTION)
         new = w.new_history(TRIAL, self._no_shift, self.linear.label)
         error = self.coefficients.error * h * h * change
-        info = StepInfo(True, iterations, reached, error, history, lag=lag, turning=turning, plain=error)
+        info = StepInfo(True, iterations, reached, error, history, lag=lag, lasting=lasting, plain=error)
         info.forces = self.assembly.forces.copy()
         return s, new, info
 

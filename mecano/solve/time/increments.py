@@ -8,10 +8,8 @@ from mecano.jit.entry import Indices, Matrices, Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.maths.so3 import exp, tangent
 from mecano.maths.vector import mat, vec
-from mecano.model.numbering import MASSLESS, ROTATION, SCALAR, SIGNAL
+from mecano.model.numbering import MASSLESS, ROTATION, SCALAR, SIGNAL, TRANSLATION
 from mecano.solve.time.turning_error import turning_error
-
-SMALL = 1e-3  # signals that are smaller are judged as if they were of this size
 
 
 @kernel
@@ -52,23 +50,30 @@ def predict(
 
     z_out, v_out, acceleration_out (n_all,) and R_out hold the state at the beginning of the step and are moved. a0
     (n_all,) algorithmic, acceleration0 (n_all,) true acceleration there; slope, bend (n,) differences of the true ones
-    and of the multipliers. Returns the largest coordinate [m].
+    and of the multipliers. Returns the largest coordinate [m] and the largest signal.
     """
-    reach = 0.0
+    farthest = loudest = 0.0
     for i in range(n_q):
         guess = acceleration0[i] + slope[i] + bend[i]
         a1 = ((1.0 - af) * guess + af * acceleration0[i] - am * a0[i]) / (1.0 - am)
         v0 = v_out[i] + v_shift[i]
         increment = h * v0 + h * h * ((0.5 - beta) * a0[i] + beta * a1)
         z_out[i] = increment if kind[i] == ROTATION else z_out[i] + increment
-        if kind[i] != SIGNAL:
-            reach = max(reach, abs(z_out[i]))
         v_out[i] = v0 + h * ((1.0 - gamma) * a0[i] + gamma * a1)
         acceleration_out[i] = guess
+        if kind[i] >= SIGNAL:
+            loudest = max(loudest, abs(z_out[i]))
+        elif kind[i] != ROTATION:
+            farthest = max(farthest, abs(z_out[i]))
     for i in range(n_q, n):
         z_out[i] += slope[i] + bend[i]
     place_rotations(rotation_dof, n_q, z_out, R0, R_out)
-    return reach
+    return farthest, loudest
+
+
+def reach_of(z, of, length):
+    """Return the largest coordinate of a node in z (n_all,), free or fixed, over the length scale; at least 1."""
+    return max(np.abs(z[of.kind == TRANSLATION]).max(initial=0.0) / length, 1.0)
 
 
 @entry
@@ -78,31 +83,30 @@ def correct(
 ) -> float:  # fmt: skip
     """Subtract the correction dz (n,); velocities and accelerations by cC and cM, multipliers by k.
 
-    Returns the largest displacement over ``length``, rotation [rad], or change of a signal relative to it; inf when it
-    is not finite.
+    Returns its ``largest`` component.
     """
-    signal = 0.0
     for i in range(n_q):
         z_out[i] -= dz[i]
         v_out[i] -= cC * dz[i]
         a_out[i] -= cM * dz[i]
-        if kind[i] == SIGNAL:
-            signal = max(signal, abs(dz[i]) / max(abs(z_out[i]), SMALL))
     for i in range(n_q, n):
         z_out[i] -= k * dz[i]
     place_rotations(rotation_dof, n_q, z_out, R0, R_out)
-    return max(signal, largest(dz, kind, n_q, length))
+    return largest(dz, kind, n_q, length)
 
 
 @entry
 def largest(dz: Vector, kind: Indices, n_q: int, length: float) -> float:
-    """Return the largest displacement over the length scale, or rotation [rad], of dz (n,); inf if not finite."""
+    """Return the largest displacement over the length scale, or rotation [rad], of dz (n,); inf if not finite.
+
+    Signals, which have other units, do not count.
+    """
     worst = 0.0
     for i in range(n_q):
         x = abs(dz[i]) / (1.0 if kind[i] == ROTATION else length)
         if not x <= 1e300:
             return np.inf
-        if kind[i] != SIGNAL:
+        if kind[i] < SIGNAL:
             worst = max(worst, x)
     return worst
 
@@ -140,7 +144,7 @@ def largest_change(x0: Vector, x: Vector, kind: Indices, n_q: int, length: float
     """
     worst = square = 0.0
     for i in range(n_q):
-        if kind[i] == MASSLESS or kind[i] == SIGNAL:
+        if kind[i] == MASSLESS or kind[i] >= SIGNAL:
             continue
         change = (x[i] - x0[i]) / (1.0 if kind[i] == ROTATION else length)
         begins = i % 3 == 0 or kind[i] == SCALAR  # the unknowns of nodes come first, in threes

@@ -12,20 +12,21 @@ import numpy as np
 from mecano.model.assembly import Assembly
 from mecano.model.numbering import ROTATION
 from mecano.model.state import RadauHistory
-from mecano.solve.diagnostics.scales import Tolerances, balance
+from mecano.solve.diagnostics.scales import SIGNALS, SMALL, Tolerances, balance
 from mecano.solve.linear.newton import DIVERGES, FAILURES, MESSAGES, NOT_FINITE, SINGULAR, TOO_MANY
+from mecano.solve.linear.rounding import at_rounding
 from mecano.solve.time.consistent import Consistent, consistent_state
 from mecano.solve.time.contradictions import Contradictions
-from mecano.solve.time.increments import displaced, largest
+from mecano.solve.time.increments import displaced, largest, reach_of
 from mecano.solve.time.radau_stages import Stages
 from mecano.solve.time.radau_tableau import ERROR, REAL, TO_CUBIC, A
 from mecano.solve.time.radau_tangent import StageTangent
+from mecano.solve.time.step_control import SUDDEN, counted
 from mecano.solve.time.step_info import MOST_TURN, PATIENCE, TURNS_TOO_FAR, StepInfo
 from mecano.solve.time.workspace import Workspace
 
 SHARE = 0.01  # of the allowed error of a step: a correction that leaves less ends Newton's iteration
 LEAST = 1e-17  # of the length scale, or rad: increments are known to more digits than positions
-ROUNDING, STALLS = 1e-12, 0.3  # a smaller correction, over the length scale or in rad, that falls less is rounding
 CAUTION = 8.0  # times the estimate: errors of velocities add up to more than themselves
 TURN = 1.0  # rad in a step: with more, the frozen tangent converges slowly
 SLOW = 0.9  # ratio of two corrections above which the iteration diverges
@@ -90,8 +91,8 @@ class Radau:
         """Make a step of size h from ``s0`` with its ``history``; return (state, history, StepInfo). Pure."""
         stages = self.stages
         code, iterations, size = SINGULAR, 0, np.inf
-        goal = self._goal(h)
-        stages.begin(s0, h, history)
+        goal, reach = self._goal(h), reach_of(s0.z, self.system.numbering, self.length)
+        stages.begin(s0, h, history, self.control.duration, min(goal / self._accuracy(), 1.0))
         if self.tangent.prepare(s0, history.k, h):
             code = TOO_MANY
         while code == TOO_MANY and iterations < self.tolerances.max_iterations:
@@ -102,7 +103,9 @@ class Radau:
             ratio = size / last if iterations > 1 else 1.0
             if not size < np.inf:
                 code = NOT_FINITE
-            elif size < goal or size * ratio < goal * (1.0 - ratio) or (size < ROUNDING and STALLS < ratio != 1.0):
+            elif (
+                size < goal or size * ratio < goal * (1.0 - ratio) or at_rounding(size, ratio, ratio != 1.0, reach, 0.0)
+            ):
                 return self._finished(s0, history, h, iterations, size / goal)
             elif iterations > 2 and ratio > SLOW:
                 code = DIVERGES
@@ -119,6 +122,10 @@ class Radau:
         if allowed == np.inf:
             return self.tolerances.constraint
         return max(SHARE * allowed * h / self.control.duration, LEAST)
+
+    def _accuracy(self):
+        """Return the relative error of signals without a rate, to which Newton's iteration solves their equations."""
+        return min(SHARE * self.control.tolerance, SIGNALS)
 
     def _finished(self, s0, history, h, iterations, increment):
         """Return the step whose stages have converged."""
@@ -165,6 +172,18 @@ class Radau:
         V = stages.velocities - stages.velocities[0]
         x = s0.v[: of.n_q] + ERROR @ stages.increments / h
         e = self.tangent.solve_real(stages.residual_at(s0, x, -ERROR @ V[1:] / h - REAL / h * x, k))
-        first, second, third = (largest(c, of.kind, of.n_q, self.length) for c in (TO_CUBIC @ V)[1:])
-        fast = 6.0 * third / (first + 2.0 * second) if third else 0.0
-        return CAUTION * largest(e, of.kind, of.n_q, self.length) * min(fast, 1.0)
+        cubic, states = (TO_CUBIC @ V)[1:], self.system.states
+        error = _error_of_order_six(*(largest(c, of.kind, of.n_q, self.length) for c in (e, *cubic)))
+        if states.any():
+            sizes, duration = stages.sizes[states], self.control.duration
+            begun = np.maximum(duration * np.abs(V[:, states]).max(axis=0), SMALL)  # at rest before
+            e, *cubic = np.abs([e[: of.n_q], *cubic])[:, states] / np.where(sizes > SMALL, sizes, begun)
+            worst = max(map(_error_of_order_six, e, *cubic))
+            error = max(error, worst * counted(1.0, SUDDEN, duration, h) ** 2)
+        return error
+
+
+def _error_of_order_six(e, first, second, third):
+    """Return the error estimate from that of order 3 and the coefficients of the velocities in the step."""
+    fast = 6.0 * third / (first + 2.0 * second) if third else 0.0
+    return CAUTION * e * min(fast, 1.0)

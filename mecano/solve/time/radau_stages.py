@@ -8,9 +8,10 @@ from mecano.maths.so3 import exp, tangent, tangent_inverse
 from mecano.maths.vector import mat, put, vec
 from mecano.model import assembly_driver, loops
 from mecano.model.assembly_driver import Batches, System
-from mecano.model.numbering import ROTATION, SIGNAL
+from mecano.model.numbering import ROTATION
+from mecano.solve.diagnostics.scales import SMALL
 from mecano.solve.events.compliance import soften
-from mecano.solve.time.increments import SMALL, put_matrix
+from mecano.solve.time.increments import put_matrix
 from mecano.solve.time.radau_tableau import NODES, REAL, TO_CUBIC, TO_PARABOLA, A, D
 
 PREDICTIONS = 2  # iterations on the rates of the increments
@@ -46,13 +47,12 @@ def untangle(rotation_dof, n_q, theta, v, rate_out):
 
 @entry
 def correct(
-    kind: Indices, rotation_dof: Indices, n_q: int, length: float, z0: Vector, turn: Vector, correction: Matrix,
+    rotation_dof: Indices, n_q: int, size: Vector, turn: Vector, correction: Matrix,
     scratch: Vector, theta_out: Matrix, reactions_out: Matrix,
 ) -> float:  # fmt: skip
-    """Subtract a correction (3, n) of material variations at ``turn`` and of reactions; return its largest size.
+    """Subtract a correction (3, n) of material variations at ``turn`` and of reactions.
 
-    The size counts over the length scale for displacements, over their values ``z0`` for signals; it is inf if not
-    finite.
+    Return its largest component over the ``size`` (n_q,) of the unknown; inf if not finite.
     """
     worst = 0.0
     for i in range(3):
@@ -61,8 +61,7 @@ def correct(
         untangle(rotation_dof, n_q, turn, correction[i], scratch)
         for d in range(n_q):
             theta_out[i, d] -= scratch[d]
-            scale = 1.0 if kind[d] == ROTATION else max(abs(z0[d]), SMALL) if kind[d] == SIGNAL else length
-            x = abs(scratch[d]) / scale
+            x = abs(scratch[d]) / size[d]
             if not x <= 1e300:
                 return np.inf
             worst = max(worst, x)
@@ -136,9 +135,10 @@ class Stages:
         self._z, self._v, self._a = np.zeros((3, 3, n_all))
         self._R = np.zeros((3 * n_rotations, 3, 3))
         self._is_rotation = of.kind[:n_q] == ROTATION
+        self.sizes = np.where(self._is_rotation, 1.0, float(length))
         about = of.kind, of.rotation_dof, n_q
         self._predict = predict.bind(A, *about)
-        self._correct = correct.bind(*about, float(length))
+        self._correct = correct.bind(of.rotation_dof, n_q, self.sizes)
         self._place = place.bind(D, *about, system.n)
         self._residual = residual.bind(
             *system.loops(loops.residual), *system.loops(loops.constraint_derivatives), assembly.record
@@ -146,8 +146,13 @@ class Stages:
         self._ratio = None
         self._scratch, self._rate, self._g = np.zeros(n_q), np.zeros((3, n_q)), np.zeros((system.n_l, 3))
 
-    def begin(self, s0, h, history):
-        """Begin a step of size h from ``s0``: extrapolate velocities and reactions of the last one."""
+    def begin(self, s0, h, history, duration, share):
+        """Begin a step of size h from ``s0``: extrapolate velocities and reactions of the last one.
+
+        ``duration`` [s] of the run; ``share`` of the accuracy of the motion that suffices for signals without a rate.
+        """
+        if self.system.signals.any():
+            self._measure_signals(s0, h, duration, share)
         n_q, n, n_rotations = self.system.n_q, self.system.n, len(self.system.numbering.rotation_dof)
         self.s0, self.h = s0, h
         self._times[:] = s0.t + NODES * h
@@ -162,6 +167,14 @@ class Stages:
             self.reactions[:] = s0.z[n_q:n]
         self._predict(h, v, self._rate, self.increments)
 
+    def _measure_signals(self, s0, h, duration, share):
+        """Set the sizes of signals."""
+        at_once, states = self.system.signals & ~self.system.states, self.system.states
+        y, rate = np.abs(s0.z[: self.system.n_q]), np.abs(s0.v[: self.system.n_q])
+        self.sizes[at_once] = np.maximum(y + h * rate, SMALL)[at_once] / share
+        largest = np.maximum(y, duration * rate)[states]
+        self.sizes[states] = np.maximum(np.maximum(largest, s0.memory[len(s0.memory) - len(largest) :]), SMALL)
+
     def _extrapolation(self, ratio):
         """Return the matrices (3, 4), (3, 3) from a step to the stages of the next, longer by ``ratio``."""
         if ratio != self._ratio:
@@ -173,7 +186,7 @@ class Stages:
 
     def correct(self, correction, turn):
         """Subtract a correction (3, n): material variations at ``turn`` (n_all,), and reactions. Return its size."""
-        return self._correct(self.s0.z, turn, correction, self._scratch, self.increments, self.reactions)
+        return self._correct(turn, correction, self._scratch, self.increments, self.reactions)
 
     def residuals(self, k):
         """Return the residuals (3, n) of the stages: equations of motion, and second rates of constraints times -k."""

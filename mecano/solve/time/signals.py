@@ -4,7 +4,8 @@ import numpy as np
 
 from mecano.errors import AssemblyError, Failure, NonFiniteError
 from mecano.process.memory import reserve_blas_buffer
-from mecano.solve.time.increments import SMALL, displaced, moved
+from mecano.solve.diagnostics.scales import SMALL
+from mecano.solve.time.increments import displaced, moved
 
 ITERATIONS = 30
 TOLERANCE = 1e-13  # of the signals

@@ -3,10 +3,22 @@
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats, integers
+from mecano.solve.diagnostics.scales import state_size
 from mecano.solve.linear.newton import CONVERGED, newton
 from mecano.solve.linear.refactorization import choose_tangent
 from mecano.solve.time.increments import finish, predict
-from mecano.solve.time.workspace import BEGIN, STEP, TRIAL, copy_state, history_of, motion_of, time_of
+from mecano.solve.time.step_control import SUDDEN, counted
+from mecano.solve.time.workspace import (
+    BEGIN,
+    STEP,
+    TRIAL,
+    copy_state,
+    history_of,
+    memory_of,
+    motion_of,
+    system_of,
+    time_of,
+)
 
 
 @entry
@@ -28,7 +40,7 @@ def begin(w):
     time_of(w, TRIAL)[0] = time_of(w, BEGIN)[0] + w.h
     z0, v0, a0, R0 = motion_of(w, BEGIN)
     z, v, a, R = motion_of(w, TRIAL)
-    kind, rotation_dof = tables(w)
+    kind, rotation_dof = integers(w.kind, w.n_all), integers(w.rotation_dof, w.n_rotations)
     before, slope, bend = history_of(w, BEGIN)
     if w.by_velocity:
         # after a sudden load on stiff and light members the accelerations say little of displacements in a long step
@@ -36,10 +48,11 @@ def begin(w):
         for i in range(w.n_q):
             a1 = (1.0 - 0.5 / w.beta) * before[i]
             slope[i] = ((1.0 - w.am) * a1 + w.am * before[i] - w.af * a0[i]) / (1.0 - w.af) - a0[i]
-    w.reach = predict(
+    farthest, w.loudest = predict(
         w.am, w.af, w.beta, w.gamma, kind, rotation_dof, w.n_q, w.n, w.h,
         before, a0, slope, bend, floats(w.v_shift, w.n_all), R0, z, v, a, R,
     )  # fmt: skip
+    w.reach = max(farthest / w.length, w.fixed_reach)
     floats(w.report, 8)[:] = 0.0
     w.pending = 0
     w.kept = 1 if w.has and not w.renewed else 0
@@ -47,23 +60,27 @@ def begin(w):
 
 
 @kernel
-def tables(w):
-    """Return the kinds (n_all,) of the unknowns, and the first unknowns (n_rotations,) of the rotations."""
-    return integers(w.kind, w.n_all), integers(w.rotation_dof, w.n_rotations)
-
-
-@kernel
 def complete(w):
     """Compute the history at TRIAL, the error measures, and whether the next step may keep the tangent."""
     z0, v0, a0, R0 = motion_of(w, BEGIN)
     z, v, a, R = motion_of(w, TRIAL)
-    kind, rotation_dof = tables(w)
+    kind, rotation_dof = integers(w.kind, w.n_all), integers(w.rotation_dof, w.n_rotations)
     before, slope, _ = history_of(w, BEGIN)
     algorithmic, new_slope, new_bend = history_of(w, TRIAL)
-    w.change, w.turn, w.turning = finish(
+    w.change, w.turn, w.lasting = finish(
         w.am, w.af, w.length, w.duration, kind, rotation_dof, w.n_q, w.n, w.h, before, slope, w.known,
         a0, z0, a, z, v, algorithmic, new_slope, new_bend,
     )  # fmt: skip
+    s, sizes, signal = system_of(w)[0], memory_of(w, BEGIN), 0.0
+    states, first = integers(s.states, s.n_states), w.n_memory - s.n_states
+    for i in range(s.n_states):
+        d = states[i]
+        size = max(sizes[first + i], state_size(w.duration, z[d], v[d]))
+        # the mean of two changes: a jump of the rate makes them alternate for some steps
+        change = 0.5 * (slope[d] + new_slope[d]) if w.known else algorithmic[d] - before[d]
+        signal = max(signal, abs(change) / size)
+    share = counted(1.0, SUDDEN, w.duration, w.h)  # squared, as the rounding of reactions grows as 1/h^2
+    w.lasting = max(w.lasting, w.error * w.h * w.h * signal * share * share)
     largest, massless = 0.0, integers(w.massless, w.n_massless)
     for i in range(w.n_massless):
         largest = max(largest, abs(algorithmic[massless[i]] - before[massless[i]]))

@@ -273,7 +273,7 @@ def put_gap(w):
 def moves(w, i):
     """Return whether an unknown has inertia or constraints that move it; others move as their own equations say."""
     kind = integers(w.kind, w.n_all)[i]
-    return kind != MASSLESS and kind != SIGNAL
+    return kind != MASSLESS and kind < SIGNAL
 
 
 @kernel

@@ -14,6 +14,7 @@ AFTER_FAILURE = 0.25
 LABORIOUS = 12  # Newton iterations of a step after which the next one shrinks: rejected ones would cost more
 EASE = 0.7  # by at least this factor
 FORGOTTEN = 1e-3  # of the tolerance: the error of a step in massless unknowns, which relax and so forget it
+SUDDEN = 1e-4  # of the tolerance: the error of a step in a signal whose rate may jump, which no step size mends
 AT_ONCE = 1e-300  # s: the duration for which any step is long
 
 
@@ -24,9 +25,9 @@ def allowed(tolerance, duration, h):
 
 
 @kernel
-def forgotten(lag, duration, h):
-    """Return the error that counts for a ``lag``, an error of massless unknowns: each step may make FORGOTTEN of it."""
-    return lag * min(h / duration / FORGOTTEN, 1.0)
+def counted(error, least, duration, h):
+    """Return what counts of an ``error`` of which each step may make ``least`` of the tolerance, or its share of it."""
+    return error * min(h / duration / least, 1.0)
 
 
 @kernel
@@ -100,7 +101,7 @@ class StepControl:
 
     def forgotten(self, lag, h):
         """Return the error that counts for an error of massless unknowns in a step of size h."""
-        return forgotten(lag, self.duration, h)
+        return counted(lag, FORGOTTEN, self.duration, h)
 
     def accept(self, error, h):
         """Return whether the error is within its share, or the step was cut below the minimum to meet a time."""

@@ -24,7 +24,7 @@ class StepInfo:
     message: str = ""
     failure: Failure = Failure.NOT_CONVERGED  # where not ok
     lag: float = 0.0  # local error of massless unknowns, which relax
-    turning: float = 0.0  # error [rad] of bodies that spin about an axis which turns
+    lasting: float = 0.0  # error that later steps do not undo: of bodies that spin [rad], of signals with a rate
     plain: float = np.nan  # the error before what swings was bounded
     stages: tuple = ()  # States within the step that satisfy the equations, in the order of time
     forces: np.ndarray | None = None  # (n_slots,) of the Assembly at the end of the step; None if it has none there

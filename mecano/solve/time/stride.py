@@ -21,7 +21,7 @@ from mecano.solve.time.generalized_alpha import TURN
 from mecano.solve.time.output import DONE, FULL, OUTPUT, record_step
 from mecano.solve.time.run_state import RunState
 from mecano.solve.time.step import attempt
-from mecano.solve.time.step_control import HOLD, allowed, factor, forgotten, planned, retried
+from mecano.solve.time.step_control import FORGOTTEN, HOLD, allowed, counted, factor, planned, retried
 from mecano.solve.time.step_info import MOST_TURN, StepInfo
 from mecano.solve.time.workspace import (
     BEGIN,
@@ -84,7 +84,7 @@ def stride(integrator: Records(STRIDE), work: Records(STEP), output: Records(OUT
                 continue
             if w.code != CONVERGED or w.turn > MOST_TURN or parts(m, w):
                 return REPEAT
-            plain = max(w.error * w.h * w.h * w.change, forgotten(w.lag, m.duration, w.h), w.turning)
+            plain = max(w.error * w.h * w.h * w.change, counted(w.lag, FORGOTTEN, m.duration, w.h), w.lasting)
             share = allowed(m.tolerance, m.duration, w.h)
             within = plain <= share or w.h < m.minimum
             error = plain if within and not is_probe(m, w, plain, share) else bounded(m, w, plain)
@@ -115,7 +115,7 @@ def bounded(m, w, plain):
     found = items(m.bound, 1, BOUND)
     found[0].plain = plain
     call(m.bound_error, m.bound_error_words, 0)
-    return max(found[0].bounded, forgotten(w.lag, m.duration, w.h), w.turning)
+    return max(found[0].bounded, counted(w.lag, FORGOTTEN, m.duration, w.h), w.lasting)
 
 
 @kernel
@@ -432,5 +432,5 @@ class Strides:
         iterations = int(self.record["in_vain"][0] + self.workspace.report[0])
         s, new, info = self.method.trial(run.motion, history, iterations)
         h = float(self.workspace.record["h"][0])
-        info.error = info.plain = max(info.error, self.control.forgotten(info.lag, h), info.turning)
+        info.error = info.plain = max(info.error, self.control.forgotten(info.lag, h), info.lasting)
         return s, new, info

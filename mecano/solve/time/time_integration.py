@@ -200,7 +200,7 @@ class TimeIntegrator:
 
     def _bounded(self, trial, h):
         info = trial[2]
-        return max(self.method.bounded_error(*trial), self.control.forgotten(info.lag, h), info.turning)
+        return max(self.method.bounded_error(*trial), self.control.forgotten(info.lag, h), info.lasting)
 
     def _step(self, run, h):
         return self._with_error(self.method.step(run.motion, self._history_for(run, h), h), h)
@@ -208,7 +208,7 @@ class TimeIntegrator:
     def _with_error(self, trial, h):
         """Return a ``trial`` step of size h with all its errors."""
         info = trial[2]
-        info.error = info.plain = max(info.error, self.control.forgotten(info.lag, h), info.turning)
+        info.error = info.plain = max(info.error, self.control.forgotten(info.lag, h), info.lasting)
         return trial
 
     def _history_for(self, run, h):

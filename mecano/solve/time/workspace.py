@@ -14,6 +14,7 @@ import numpy as np
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
 from mecano.model.loops import SYSTEM, fields, record
+from mecano.model.numbering import TRANSLATION
 from mecano.model.state import History, State
 
 BEGIN, TRIAL, TANGENT, RENEWED, BETWEEN, FORMER = range(6)
@@ -22,7 +23,7 @@ UNCHANGED = 2  # row of ``history``: that at BEGIN before the step size was chan
 # Numbers and addresses of a step; the lengths of the arrays stand in the model's numbering (n_...).
 STEP = fields(
     floats="due am af beta gamma error length duration force_tolerance constraint_tolerance increment_tolerance "
-    "h k penalty cC cM stiffness reach change lag turn turning drift next_drift "
+    "h k penalty cC cM stiffness reach fixed_reach loudest change lag turn lasting drift next_drift "
     "next_h last_h last_stiffness metric_k similar_stiffness fixed_k fixed_penalty "
     "largest_penalty largest_penalty_share",
     words="code begun by_velocity paused factored delegated similar masses_kept changed has kept usable stale pending "
@@ -125,6 +126,7 @@ class Workspace:
         n_all, n_rotations, n_memory = of.n_all, len(of.rotation_dof), len(state.memory)
         self.states = np.zeros((6, 3 * n_all + 9 * n_rotations + n_memory + 1))
         self.phases = np.zeros(len(state.phases), np.int64)
+        self.farthest_fixed = float(np.abs(state.z[of.n :][of.kind[of.n :] == TRANSLATION]).max(initial=0.0))  # m
         self.history = np.zeros((3, n_all + 2 * of.n))
         self.guess, self.v_shift, self.report = np.zeros((2, of.n)), np.zeros(n_all), np.zeros(8)
         own = ("states", "phases", "history", "guess", "v_shift", "report")
