@@ -13,7 +13,7 @@ import numpy as np
 from mecano.errors import Failure
 from mecano.model.assembly import Assembly
 from mecano.model.numbering import ROTATION
-from mecano.solve.diagnostics.scales import HUGE, SMALL, Tolerances, balance, norms
+from mecano.solve.diagnostics.scales import SMALL, Tolerances, balance, norms
 from mecano.solve.events.compliance import soften
 from mecano.solve.events.events import EventMonitor
 from mecano.solve.linear.iteration import iterate
@@ -108,7 +108,7 @@ class Statics:
         # without a step, of which rounding could be a large force, what only rounding moves is at rest
         return norms(
             self.assembly.residual, self.assembly.size, of.kind, system.n, self.length, limits.force,
-            limits.constraint, 1.0, HUGE, k, k, reach_of(s.z, of, self.length), s.z, s.v, 1.0, 0.0,
+            limits.constraint, 1.0, np.inf, k, k, reach_of(s.z, of, self.length), s.z, s.v, 1.0, 0.0,
         )[:2]  # fmt: skip
 
     def exhausted(self, s):
