@@ -115,8 +115,8 @@ def one_of_kinds(section):
 class Field:
     """A key of a deck: SI ``unit`` ("-" if dimensionless), one-line ``doc``, ``check`` -> error text or None.
 
-    The doc of a curve or a law gives the unit of its argument: "a curve of the stroke [m]", "force [N] from extension
-    [m]"; the units in its terms are checked against it.
+    ``argument`` is the SI unit of the argument of a curve or of a law: the units in its terms are checked against both.
+    A law of a length is a force, one of an angle a moment; a curve of time or a drive has seconds.
 
     The text of a check completes "'mass' ..."; for a check of a whole mapping it is a complete sentence, and the error
     is located at the key that it quotes first.
@@ -128,6 +128,7 @@ class Field:
     doc: str
     default: object = field(default=REQUIRED)
     check: Callable[[object], str | None] | None = None
+    argument: str = ""
 
     @property
     def required(self):

@@ -47,8 +47,11 @@ AXIS_1 = Field(
 
 def law_fields(axes):
     """Return an optional law field for each of ``axes``."""
-    units = {"along": "force [N] from displacement [m]", "about": "moment [N m] from angle [rad]"}
-    return [Field(axis, LAW, "-", f"{units[axis[:5]]} and rate; none when absent", None) for axis in _ordered(axes)]
+    of = {"along": ("force [N] from displacement [m]", "m"), "about": ("moment [N m] from angle [rad]", "rad")}
+    return [
+        Field(axis, LAW, "-", f"{doc} and rate; none when absent", None, argument=unit)
+        for axis, (doc, unit) in ((axis, of[axis[:5]]) for axis in _ordered(axes))
+    ]
 
 
 def compliance_field(axes):

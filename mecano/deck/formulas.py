@@ -41,7 +41,7 @@ def drive(node, field, scope):
             checked = _noted(found, node, scope)
             of_time = field.type == MOTION and checked is not INVALID
             return Reference(checked, "laws", "motion", node, scope.subject) if of_time else checked
-    return law_or_name(node, replace(field, type=replace(field.type, name="curve")), scope)
+    return law_or_name(node, replace(field, type=replace(field.type, name="curve"), argument="s"), scope)
 
 
 def note_continuous(found, node, options, scope):

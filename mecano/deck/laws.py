@@ -11,13 +11,11 @@ from mecano.deck.units import unit_of
 from mecano.deck.values import number, plain_number
 from mecano.deck.wording import quoted
 from mecano.laws.term import ARGUMENT, VALUE
-from mecano.schema import NUMBER, Field, Type
+from mecano.schema import NUMBER, TIME_CURVE, Field, Type
 
 TERM = Type("mapping", "a mapping")
 HOW = "{term: {field: value, ...}, another: {...}}, such as {linear: {slope: 2.0}}"
-CURVE_OF = re.compile(r"(?:curve|function|formula) of [^[;:]*\[([^]]+)\]")  # in the doc of a field
-FORCE_FROM = re.compile(r"\[(N|N m)\] from [^[]*\[(m|rad)\]")
-FORCES = ("N", "N m")  # values of laws of extension and of angle, in the order of "N/m or N m/rad"
+FORCES = {"m": "N", "rad": "N m"}  # values of laws of extension and of angle, in the order of "N/m or N m/rad"
 POINT_NUMBER = re.compile(r"\bpoint (\d+)\b")  # number of the faulty point in the text of a check
 
 
@@ -98,26 +96,26 @@ def _in_use(fields, use, exponent):
 def units_in(use):
     """Return the units of the value and of the argument of a law in this use, "" where they depend on the deck."""
     if use.type.name == "law":
-        found = FORCE_FROM.search(use.doc)
-        return found.groups() if found else ("", "")
+        return FORCES.get(use.argument, ""), use.argument
     if use.type.name not in ("curve", "drive"):
         return "", ""  # of the section 'laws'
-    found = CURVE_OF.search(use.doc)
-    return "" if "unit" in use.unit else use.unit, found[1] if found else ""
+    of_time = use.type == TIME_CURVE or use.type.name == "drive"
+    return "" if "unit" in use.unit else use.unit, "s" if of_time else use.argument
 
 
 def _unit_in_use(unit, value, argument):
     """Return the unit of a field of a term for the units of value and argument in a use, "" where unknown."""
-    if value in FORCES and " or " in unit:
-        return unit.split(" or ")[FORCES.index(value)]
+    if value in FORCES.values() and " or " in unit:
+        return unit.split(" or ")[list(FORCES.values()).index(value)]
     return ", ".join(_with(part, value, argument) for part in unit.split(", "))
 
 
 def _with(unit, value, argument):
-    """Return VALUE, ARGUMENT or "VALUE / ARGUMENT^p" with the units in their places, as far as they are known."""
+    """Return VALUE, ARGUMENT, "VALUE / ARGUMENT^p" or "1 / ARGUMENT" with the units in their places, if known."""
     over, _, below = unit.partition(" / ")
     if not below:
         return {VALUE: value, ARGUMENT: argument}.get(unit) or unit
+    value = "-" if over == "1" else value
     if not (value and argument):
         return unit
     power = below.removeprefix(ARGUMENT)

@@ -107,11 +107,17 @@ PLANE_FIELDS = (
 )
 PROFILE_FIELDS = (
     Field("direction", DIRECTION, "-", "direction of the distance, taken in the plane"),
-    Field("height", CURVE, "m", "height over the plane, a curve of the distance [m] from its point"),
+    Field("height", CURVE, "m", "height over the plane, a curve of the distance [m] from its point", argument="m"),
 )
 GRIP_FIELDS = (
     Field("direction", DIRECTION, "-", "direction of the distance, taken in the plane"),
-    Field("factor", CURVE, "-", "factor on the friction of tyres, a curve of the distance [m] from the plane's point"),
+    Field(
+        "factor",
+        CURVE,
+        "-",
+        "factor on the friction of tyres, a curve of the distance [m] from the plane's point",
+        argument="m",
+    ),
 )
 MOTION_FIELDS = (
     Field("direction", DIRECTION, "-", "direction in which it moves (a belt)", None),

@@ -80,7 +80,8 @@ def friction_kind(name, doc, coordinate, values, coupled_multipliers, output, lo
 def friction_fields(*geometry):
     """Return the field ``friction`` of a joint; ``geometry`` are the fields that the joint adds."""
     given = (
-        Field("coefficient", CURVE, "-", "coefficient of friction, a number or a curve of the sliding speed [m/s]"),
+        Field("coefficient", CURVE, "-", "coefficient of friction, a number or a curve of the sliding speed [m/s]",
+              argument="m/s"),
         Field(
             "regularization", NUMBER, "m/s",
             "sliding speed at which friction reaches its full value; a sticking joint creeps below it", check=positive,

@@ -21,7 +21,14 @@ SET_POINT = "at which the extension of the {} law is zero: a function of time [s
 STILL = (0.0, 0.0)  # a set point that does not move, and its rate
 
 TURNING_FIELDS = (
-    Field("turning_law", LAW, "-", "moment [N m] from angle [rad] and rate [rad/s]; > 0 opposes the angle", None),
+    Field(
+        "turning_law",
+        LAW,
+        "-",
+        "moment [N m] from angle [rad] and rate [rad/s]; > 0 opposes the angle",
+        None,
+        argument="rad",
+    ),
     Field("natural_angle", CONTINUOUS_DRIVE, "rad", f"angle {SET_POINT.format('turning')}", 0.0),
 )
 SLIDING_FIELDS = (
@@ -31,6 +38,7 @@ SLIDING_FIELDS = (
         "-",
         "force [N] from displacement [m] and velocity [m/s]; > 0 opposes the displacement",
         None,
+        argument="m",
     ),
     Field("natural_displacement", CONTINUOUS_DRIVE, "m", f"displacement {SET_POINT.format('sliding')}", 0.0),
 )

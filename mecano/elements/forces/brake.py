@@ -181,7 +181,14 @@ def _kind(demand):
             Field("nodes", NODE_PAIR, "-", "reference node (leg, arm) and node of the wheel"),
             Field("axis", DIRECTION, "-", "axle at the start, inertial"),
             Field("torque", DRIVE, "N m", "a function of time [s], or a formula of signals; zero where negative"),
-            Field("bound", CURVE, "N m", "upper bound of the torque, a curve of the speed [m/s] of the wheel", None),
+            Field(
+                "bound",
+                CURVE,
+                "N m",
+                "upper bound of the torque, a curve of the speed [m/s] of the wheel",
+                None,
+                argument="m/s",
+            ),
             Field("wheel", WHEEL, "-", "the wheel that is braked, for 'adhesion' and 'anti_skid'", None),
             Field(
                 "adhesion",
@@ -189,6 +196,7 @@ def _kind(demand):
                 "-",
                 "upper bound of the torque: this curve of the speed [m/s] times radial force and loaded radius",
                 None,
+                argument="m/s",
             ),
             Field("anti_skid", ANTI_SKID, "-", "releases the brake while the slip ratio of the wheel is large", None),
             Field(

@@ -184,7 +184,14 @@ _ALWAYS_ACTIVE = Kind(
         Field("nodes", NODE_PAIR, "-", "node a, which carries the surface, and node b, the centre of the ball"),
         *FIELDS,
         ROD,
-        Field("law", CURVE, "N", "normal force, a curve of the depth [m], zero at zero; rigid when absent", None),
+        Field(
+            "law",
+            CURVE,
+            "N",
+            "normal force, a curve of the depth [m], zero at zero; rigid when absent",
+            None,
+            argument="m",
+        ),
         Field("damping", NUMBER, "s/m", "c in the factor max(0, 1 + c dw/dt) on the law", 0.0, not_negative),
         friction_fields(),
         Field(

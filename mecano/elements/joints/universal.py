@@ -209,7 +209,7 @@ UNIVERSAL_RUBBING = Kind(
             for field in (
                 Field(
                     f"turning_law_{end}", LAW, "-",
-                    f"moment [N m] from angle_{end} [rad] and its rate [rad/s]; > 0 turns b back", None,
+                    f"moment [N m] from angle_{end} [rad] and its rate [rad/s]; > 0 turns b back", None, argument="rad"
                 ),
                 Field(
                     f"natural_angle_{end}", CONTINUOUS_DRIVE, "rad", f"angle_{end} {SET_POINT.format('turning')}", 0.0

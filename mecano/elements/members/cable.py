@@ -257,7 +257,8 @@ WINDER_FIELDS = (
           "then elastic; hold: the same, then inextensible (docs/shocks.md)", "stretch"),
     Field("payout_tension", CURVE, "N",
           "a winder pays the cable out, from the initial distance to the natural length, at this tension: a function "
-          "of the rate of the distance [m/s], which limits the rate where it rises; no winder when absent", None),
+          "of the rate of the distance [m/s], which limits the rate where it rises; no winder when absent", None,
+          argument="m/s"),
 )  # fmt: skip
 OUTPUTS = (
     Output("length", "m", "distance of the nodes"),

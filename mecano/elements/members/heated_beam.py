@@ -24,9 +24,23 @@ from mecano.schema import CURVE, Field, mapping
 THERMAL = Field(
     "thermal",
     mapping(
-        Field("strain", CURVE, "-", "elongation alpha dT of the free beam, a function of time [s]", 0.0),
-        Field("curvature_2", CURVE, "1/m", "alpha dT/dz: curvature about axis 2, a function of time [s]", 0.0),
-        Field("curvature_3", CURVE, "1/m", "-alpha dT/dy: curvature about axis 3, a function of time [s]", 0.0),
+        Field("strain", CURVE, "-", "elongation alpha dT of the free beam, a function of time [s]", 0.0, argument="s"),
+        Field(
+            "curvature_2",
+            CURVE,
+            "1/m",
+            "alpha dT/dz: curvature about axis 2, a function of time [s]",
+            0.0,
+            argument="s",
+        ),
+        Field(
+            "curvature_3",
+            CURVE,
+            "1/m",
+            "-alpha dT/dy: curvature about axis 3, a function of time [s]",
+            0.0,
+            argument="s",
+        ),
     ),
     "-",
     "change of the strain-free shape with the temperature; none when absent",

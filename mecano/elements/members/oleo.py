@@ -225,13 +225,20 @@ SECOND_FIELDS = (
 )
 OIL_FIELDS = (
     Field("area", NUMBER, "m2", "area A_h of the piston that displaces the oil", check=positive),
-    Field("orifice", CURVE, "m2", "area A_o of the orifice, less that of the metering pin; a curve of the stroke [m]"),
+    Field(
+        "orifice",
+        CURVE,
+        "m2",
+        "area A_o of the orifice, less that of the metering pin; a curve of the stroke [m]",
+        argument="m",
+    ),
     Field(
         "rebound_orifice",
         CURVE,
         "m2",
         "the same in rebound, a curve of the stroke [m]; that of 'orifice' when absent",
         None,
+        argument="m",
     ),
     Field(
         "recoil_area",
@@ -262,7 +269,8 @@ OLEO = Kind(
         Field("second_gas", mapping(*SECOND_FIELDS), "-", "a second gas chamber, of a higher pressure", None),
         Field("extended_length", NUMBER, "m", "length at the stroke zero; the initial distance when absent", None,
               positive),
-        Field("law", LAW, "-", "further axial force [N] from extension [m] and rate [m/s]: stops, dry friction", None),
+        Field("law", LAW, "-", "further axial force [N] from extension [m] and rate [m/s]: stops, dry friction", None,
+              argument="m"),
     ),
     outputs=(
         Output("length", "m", "distance of the nodes", rate="rate"),

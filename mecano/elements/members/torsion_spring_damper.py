@@ -93,7 +93,13 @@ _BY_LAW = Kind(
     fields=(
         NODES,
         Field("axis", DIRECTION, "-", "axis at the start, inertial"),
-        Field("law", LAW, "-", "moment [N m] from angle [rad] and rate [rad/s]; > 0 turns against a positive angle"),
+        Field(
+            "law",
+            LAW,
+            "-",
+            "moment [N m] from angle [rad] and rate [rad/s]; > 0 turns against a positive angle",
+            argument="rad",
+        ),
         Field("natural_angle", CONTINUOUS_DRIVE, "rad", f"angle {SET_POINT.format('spring')}", 0.0),
     ),
     outputs=(

@@ -37,13 +37,15 @@ def two_positive(numbers):
 
 
 FIELDS = (
-    Field("cornering_stiffness", CURVE, "N/rad", "C_l, lateral force per slip angle; a curve of the normal force [N]"),
+    Field("cornering_stiffness", CURVE, "N/rad", "C_l, lateral force per slip angle; a curve of the normal force [N]",
+          argument="N"),
     Field(
         "longitudinal_stiffness", CURVE, "N",
-        "C_t, driving force per slip ratio; a curve of the normal force [N]; C_l when absent", None,
+        "C_t, driving force per slip ratio; a curve of the normal force [N]; C_l when absent", None, argument="N"
     ),
-    Field("friction", CURVE, "-", "coefficient of friction mu, a curve of the slip speed [m/s]"),
-    Field("camber_stiffness", CURVE, "N/rad", "C_g, lateral force per camber; a curve of the normal force [N]", 0.0),
+    Field("friction", CURVE, "-", "coefficient of friction mu, a curve of the slip speed [m/s]", argument="m/s"),
+    Field("camber_stiffness", CURVE, "N/rad", "C_g, lateral force per camber; a curve of the normal force [N]", 0.0,
+          argument="N"),
     Field("contact_length", NUMBER, "m", "2a, for the aligning moment", 0.0, not_negative),
     Field("least_speed", NUMBER, "m/s", "v_0, speed below which the slip no longer grows as 1/speed", 0.1, positive),
     Field(

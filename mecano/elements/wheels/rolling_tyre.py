@@ -34,8 +34,8 @@ from mecano.maths.vector import dot, norm
 from mecano.schema import CURVE, NUMBER, Field, mapping, positive, share
 
 RESISTANCE = mapping(
-    Field("coefficient", CURVE, "-", "coefficient f, a curve of the normal force [N]"),
-    Field("by_speed", CURVE, "-", "factor g, a curve of the speed of the axle [m/s]", 1.0),
+    Field("coefficient", CURVE, "-", "coefficient f, a curve of the normal force [N]", argument="N"),
+    Field("by_speed", CURVE, "-", "factor g, a curve of the speed of the axle [m/s]", 1.0, argument="m/s"),
     Field("least_speed", NUMBER, "m/s", "v_0, speed of the rim below which the moment falls to zero", 0.1, positive),
 )
 FIELDS = (

@@ -20,8 +20,9 @@ from mecano.maths.vector import ZERO, dot, norm
 from mecano.schema import CURVE, NUMBER, Field, positive
 
 FIELDS = (
-    Field("friction", CURVE, "-", "coefficient of friction, a curve of the slip speed [m/s]", None),
-    Field("friction_by_speed", CURVE, "-", "factor on the friction, a curve of the speed of the axle [m/s]", 1.0),
+    Field("friction", CURVE, "-", "coefficient of friction, a curve of the slip speed [m/s]", None, argument="m/s"),
+    Field("friction_by_speed", CURVE, "-", "factor on the friction, a curve of the speed of the axle [m/s]", 1.0,
+          argument="m/s"),
     Field(
         "slip_regularization", NUMBER, "m/s", "slip speed eps below which friction falls to zero; with 'friction'",
         None, positive,

@@ -31,6 +31,7 @@ LAW_FIELDS = (
     Field(
         "radial", CURVE, "N",
         "radial force, a curve of the deformation w [m], zero at w = 0; required unless a .tir file gives it", None,
+        argument="m"
     ),
     Field(
         "radial_damping", NUMBER, "s/m", "c in the factor max(0, 1 + c dw/dt) on the radial force", 0.0,
