@@ -348,7 +348,7 @@ def test_the_work_of_a_motor():
 def test_signals_follow_the_rounding_of_reactions():
     """In steps of 0.1 us it is above 1 N m: the power, near zero, changes by more than itself in each correction."""
     run = RecordedRun(deck(POWER.replace("TIME", "{end: 2.0e-5, step: 1.0e-7}")))
-    assert sum(info.iterations for info in run.infos) < 1.2 * len(run.infos)
+    assert sum(info.iterations for info in run.infos) < 2.0 * len(run.infos)
 
 
 def test_what_lasts_no_time_is_no_extreme(tmp_path):

@@ -12,7 +12,7 @@ from mecano.solve.linear.rounding import ROUNDING
 
 HUGE = 1e300  # larger numbers count as infinite
 TINY = 1e-300
-SIGNALS = 1e-6  # of a signal, or of its rate: tolerance of its equation
+SIGNALS = 1e-8  # of a signal, or of its rate: tolerance of its equation
 SMALL = 1e-3  # signals that are smaller are judged as if they were of this size
 ANGULAR_SHARE = 1e-3  # the scale of moments is at least this share of (largest force) x (length), and vice versa
 

@@ -33,6 +33,7 @@ from mecano.solve.time.workspace import (
 TINY = 1e-300
 SLOW = 0.1  # a kept factor is used again as long as the residual falls by more than this
 SHARE = 0.001  # of the tolerances is met with an old tangent: what it leaves is not squared by the last iteration
+MOST_ROUNDING = 10.0  # times the estimated rounding, which a residual may be if the corrections are rounding
 MOST_MOVED = 3.0  # length scales, or rad, in one correction: iterations that go so far do not come back
 
 CONVERGED, STALE, NOT_FINITE, TOO_MANY, SINGULAR, DIVERGES, PAUSE, OTHERWISE = range(8)
@@ -129,7 +130,7 @@ def judge(w, report, signals):
     rate = worst / max(report[LAST], TINY)
     if iteration and report[INCREMENT] <= 1.0:
         rounded = at_rounding(report[INCREMENT] * w.increment_tolerance, rate, w.renewed, w.reach, ROUNDING)
-        if worst <= 1.0 or (signals <= 1.0 and rounded):
+        if worst <= 1.0 or (signals <= 1.0 and rounded and is_rounding(w)):
             return CONVERGED
     if iteration == w.most:
         return TOO_MANY
@@ -139,6 +140,18 @@ def judge(w, report, signals):
         return -1
     with_old = w.kept and iteration < w.most_kept
     return STALE if (worst * rate ** (w.most_kept - iteration) > 1.0 if with_old else rate > SLOW) else -1
+
+
+@kernel
+def is_rounding(w):
+    """Return whether the residual may be the rounding of positions, however many tolerances that is."""
+    z, v, _, _ = motion_of(w, TRIAL)
+    r, size, kind = floats(w.residual, w.n_all), floats(w.size, w.n_all), integers(w.kind, w.n_all)
+    forces, constraints, _ = norms(
+        r, size, kind, w.n, w.length, w.force_tolerance, w.constraint_tolerance, 1.0, np.inf, w.k, w.stiffness,
+        w.farthest, z, v, w.duration, w.loudest,
+    )  # fmt: skip
+    return max(forces, constraints) <= MOST_ROUNDING
 
 
 @kernel

@@ -144,7 +144,7 @@ class GeneralizedAlpha:
         self.workspace.point_to(**compliances_of_a_step(self.compliance))
         self.workspace.point_to(
             am=c.am, af=c.af, beta=c.beta, gamma=c.gamma, error=c.error, length=self.length, duration=self.duration,
-            fixed_reach=max(self.workspace.farthest_fixed / self.length, 1.0),
+            farthest_fixed=self.workspace.farthest_fixed / self.length,
             force_tolerance=to.force, constraint_tolerance=to.constraint, increment_tolerance=to.increment,
             most=to.max_iterations, most_kept=most_kept(self.system.n),
             n_massless=len(self._massless), massless=self._massless,

@@ -52,7 +52,8 @@ def begin(w):
         w.am, w.af, w.beta, w.gamma, kind, rotation_dof, w.n_q, w.n, w.h,
         before, a0, slope, bend, floats(w.v_shift, w.n_all), R0, z, v, a, R,
     )  # fmt: skip
-    w.reach = max(farthest / w.length, w.fixed_reach)
+    w.farthest = max(farthest / w.length, w.farthest_fixed)
+    w.reach = max(w.farthest, 1.0)
     floats(w.report, 8)[:] = 0.0
     w.pending = 0
     w.kept = 1 if w.has and not w.renewed else 0
