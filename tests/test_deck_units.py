@@ -12,6 +12,7 @@ from mecano.deck.laws import _unit_in_use, units_in
 from mecano.deck.read import deck_of_bytes
 from mecano.deck.units import ANY, UnitError, converted, is_quantity, parsed, written_in_si
 from mecano.errors import DeckError
+from mecano.laws.roads import PER_ARGUMENT
 from mecano.laws.term import SLOPE, VALUE
 
 EXACT = [  # SI Brochure, 9th edition (2019), and NIST SP 811 (2008), appendix B
@@ -156,13 +157,14 @@ def test_laws_are_declared_with_the_unit_of_their_argument():
 @pytest.mark.parametrize(
     ("value", "argument", "expected"),
     [
-        ("N", "m", ["N/m", "N", "N/m"]), ("N m", "rad", ["N m/rad", "N m", "N m/rad"]),
-        ("-", "m/s", ["s/m", "-", "N/m or N m/rad"]), ("N/rad", "N", ["N/rad/N", "N/rad", "N/m or N m/rad"]),
-        ("", "s", [SLOPE, VALUE, "N/m or N m/rad"]),
+        ("N", "m", ["N/m", "N", "N/m", "1/m"]), ("N m", "rad", ["N m/rad", "N m", "N m/rad", "1/rad"]),
+        ("-", "m/s", ["s/m", "-", "N/m or N m/rad", "s/m"]),
+        ("N/rad", "N", ["N/rad/N", "N/rad", "N/m or N m/rad", "1/N"]),
+        ("", "s", [SLOPE, VALUE, "N/m or N m/rad", "1/s"]), ("N", "", [SLOPE, "N", "N/m", PER_ARGUMENT]),
     ],
 )  # fmt: skip
 def test_units_of_a_term_in_its_use(value, argument, expected):
-    assert [_unit_in_use(unit, value, argument) for unit in (SLOPE, VALUE, "N/m or N m/rad")] == expected
+    assert [_unit_in_use(unit, value, argument) for unit in (SLOPE, VALUE, "N/m or N m/rad", PER_ARGUMENT)] == expected
 
 
 def test_units_of_a_column_go_together():
