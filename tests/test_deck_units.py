@@ -145,6 +145,28 @@ def test_units_in_a_law_whose_use_is_known(radial, reported):
     assert reported in str(error.value)
 
 
+@pytest.mark.parametrize(
+    ("law", "reported"),
+    [
+        ("damper_table: {points: [[0 deg/s, 0 N m], [1 rad/s, 2 kN m]]}", ""),
+        ("damper_table: {points: [[0, 0], [1 deg, 2]]}", "[1][0]': an angular velocity [rad/s] is expected, and 'deg'"),
+        ("damper_polynomial: [0, 3 N m s/rad, 3 N m s2/rad2]", ""),
+        ("damper_power: {coefficient: 2 N m s^1.5/rad^1.5, exponent: 1.5}", ""),
+        ("damper_power: {coefficient: 2 N m/rad^2, exponent: 2}", "[N m s^2/rad^2] is expected, and 'N m/rad^2' is"),
+    ],
+)
+def test_units_of_forces_of_the_rate(law, reported):
+    """The moment [N m] of a hinge from its angle [rad] and rate."""
+    text = (INPUTS / "pendulum.yaml").read_text()
+    text = text.replace("axis: [0, 1, 0]}", f"axis: [0, 1, 0], turning_law: {{{law}}}}}")
+    if not reported:
+        assert deck_of_bytes(text.encode(), "damped.yaml").values["joints"]["hinge"]["turning_law"]
+        return
+    with pytest.raises(DeckError) as error:
+        deck_of_bytes(text.encode(), "damped.yaml")
+    assert reported in str(error.value)
+
+
 def test_laws_are_declared_with_the_unit_of_their_argument():
     """Except that of the signal 'curve', whose input may be anything."""
     fields = [field for place, fields in declared_fields() for _, field in _walk(fields, place)]

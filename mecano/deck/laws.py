@@ -71,7 +71,7 @@ def _term(name, key, node, field, scope):
     if len(term.fields) == 1 and type(node.value) is not dict:  # as its only field
         node = Node({term.fields[0].name: (key, node)}, node.source, node.line, node.column)
     _, exponent = node.value.get("exponent", (None, None)) if type(node.value) is dict else (None, None)
-    fields = _in_use(term.fields, field, exponent.value if exponent else None)
+    fields = _in_use(term, field, exponent.value if exponent else None)
     values = filled(node, Field(name, TERM, "-", term.doc), fields, scope)
     if values is INVALID or ("file" in values and not _with_points(values, term.fields, fields, node, scope)):
         return INVALID
@@ -81,16 +81,18 @@ def _term(name, key, node, field, scope):
     return INVALID if texts else values
 
 
-def _in_use(fields, use, exponent):
-    """Return the fields of a term with the units of value and argument, where the field of its ``use`` gives them.
+def _in_use(term, use, exponent):
+    """Return the fields of a Term with the units of value and argument, where the field of its ``use`` gives them.
 
     ``exponent``: that of a power in the deck.
     """
     value, argument = units_in(use)
-    units = [_unit_in_use(field.unit, value, argument) for field in fields]
+    if term.role == "force" and argument:
+        argument += "/s"  # a curve of the rate
+    units = [_unit_in_use(field.unit, value, argument) for field in term.fields]
     if type(exponent) in (int, float) and value and argument:
         units = [unit.replace("^p", f"^{exponent:g}") for unit in units]
-    return [replace(field, unit=unit) for field, unit in zip(fields, units, strict=True)]
+    return [replace(field, unit=unit) for field, unit in zip(term.fields, units, strict=True)]
 
 
 def units_in(use):

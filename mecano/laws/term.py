@@ -31,7 +31,7 @@ class Term:
 
     role "curve": ``evaluate(a, i, s)`` -> (y, dy/ds, d2y/ds2)
     role "force": ``evaluate(a, i, s, v)`` -> (F, dF/ds, dF/dv) for the extension s and its rate v; F > 0 pulls
-    the two ends together.
+    the two ends together. ARGUMENT in the units of its fields is the rate.
 
     ``integral(a, i, s)`` is a continuous antiderivative of y(s) or of F(s, 0).
     """
