@@ -351,6 +351,13 @@ def test_signals_follow_the_rounding_of_reactions():
     assert sum(info.iterations for info in run.infos) < 2.0 * len(run.infos)
 
 
+def test_jumps_of_a_signal_do_not_end_the_iterations_of_the_motion():
+    """The first correction removes the residual of the signal, 1e14 tolerances, not yet that of the motion."""
+    jumps = "signals={jumps: '1.0e5*sign(sin(3000*time + 0.1))'}"
+    run = RecordedRun(input_deck("double_pendulum", jumps, "time.step=1e-4", "time.end=0.1"))
+    assert max(max(info.norms[:2]) for info in run.infos) <= 1.0  # in such steps above rounding
+
+
 def test_what_lasts_no_time_is_no_extreme(tmp_path):
     """A switch moves the set point beyond the limits of a controller: two events at one instant."""
     (tmp_path / "deck.yaml").write_text(

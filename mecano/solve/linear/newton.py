@@ -90,7 +90,7 @@ def iterate(w):
     system[0].lag = 1.0 / w.cC
     while True:
         if w.pending:
-            report[LAST] = report[WORST]
+            report[LAST], w.last_motion = report[WORST], w.motion
             moved = correct(w.length, kind, rotation_dof, w.n_q, w.n, x, w.k, w.cC, w.cM, R0, z, v, a, R)
             report[INCREMENT] = moved / w.increment_tolerance
             report[ITERATIONS] += 1
@@ -112,6 +112,7 @@ def measure(w, report, share):
         r, size, kind, w.n, w.length, w.force_tolerance, w.constraint_tolerance, share, 1.0, w.k, w.stiffness, w.reach,
         z, v, w.duration, w.loudest,
     )  # fmt: skip
+    w.motion = max(forces, constraints)
     report[FORCES], report[CONSTRAINTS] = max(forces, signals), constraints
     report[WORST] = max(report[FORCES], report[CONSTRAINTS])
     return signals
@@ -129,7 +130,8 @@ def judge(w, report, signals):
         return NOT_FINITE
     rate = worst / max(report[LAST], TINY)
     if iteration and report[INCREMENT] <= 1.0:
-        rounded = at_rounding(report[INCREMENT] * w.increment_tolerance, rate, w.renewed, w.reach, ROUNDING)
+        left = w.motion / max(w.last_motion, TINY)  # the correction is of the motion alone
+        rounded = at_rounding(report[INCREMENT] * w.increment_tolerance, left, w.renewed, w.reach, ROUNDING)
         if worst <= 1.0 or (signals <= 1.0 and rounded and is_rounding(w)):
             return CONVERGED
     if iteration == w.most:
