@@ -635,6 +635,23 @@ def test_a_start_out_of_balance_is_reported_and_an_equilibrium_is_not():
     out_of_balance = "not an equilibrium"
     assert out_of_balance in modes(deck(HANGING), None)[0]
     assert out_of_balance not in modes(deck(f"{HANGING}initial: static"), None)[0]
+    filtered = "signals: {slow: {type: lag, input: 1, time_constant: 1}}"  # which moves, but no body does
+    assert out_of_balance in modes(deck(f"{HANGING}{filtered}"), None)[0]
+
+
+def test_the_rounding_of_members_without_loads_is_in_balance():
+    """An oblique beam, whose axial strain is known to 1e-16."""
+    text = f"""
+        mecano: 1
+        gravity: none
+        sections:
+          s: {{type: stiffness, EA: 1.0e9, GA2: 4.0e8, GA3: 4.0e8, GJ: 1.0e6, EI2: 1.0e6, EI3: 1.3e6,
+            mass_per_length: 10, rotary_inertia: [0.01, 0.005, 0.005]}}
+        nodes: {{root: {{position: [1.37, 2.13, 0.71], fixed: true}}, tip: {{position: [4.771, 3.317, 2.177]}}}}
+        elements: {{beam: {{type: beam, nodes: [root, tip], section: s, up: [0.3, -1, 0.2], mesh: 8}}}}
+        {TIME}
+        """
+    assert "not an equilibrium" not in modes(deck(text), None)[0]
 
 
 def test_feedback_through_a_delay_is_reported_as_missing():

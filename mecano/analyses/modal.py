@@ -12,12 +12,14 @@ from mecano.analyses.load_state import rest_at, state_at
 from mecano.analyses.prepare import integrator_of, prepare, startup_warnings
 from mecano.element_interface import RELEASES
 from mecano.errors import UsageError
+from mecano.model.numbering import TRANSLATION
 from mecano.post.recovered import nodes_inside, recovered
 from mecano.process.interrupt import abandonable
 from mecano.results.lock import locked
 from mecano.results.modes_file import write_modes
 from mecano.results.provenance import Source
 from mecano.results.writer import refuse_existing
+from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.modal.linearize import linearize
 from mecano.solve.modal.modes import CONVERGED, solve
 from mecano.solve.statics.stability import words
@@ -77,16 +79,24 @@ def _held(deck):
 
 
 def _unbalanced(system, s):
-    """Yield a warning about a start at rest that is not an equilibrium: a body that accelerates."""
-    if np.any(s.v):
+    """Yield a warning about a start at rest that is not an equilibrium: a body accelerates, by more than rounding."""
+    if np.any(s.v[: system.n_q][~system.signals]):
         return
-    assembly, n_q = system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0), system.n_q
-    M = sp.csr_matrix((assembly.data[: system.nnz], (system.rows, system.cols)), shape=(system.n, system.n))
-    if np.abs(M[:n_q, :n_q] @ s.a[:n_q]).max(initial=0.0) > BALANCED * assembly.size.max(initial=0.0):
+    M, size = _matrix(system, s, 0.0, 1.0)
+    stiffness = np.abs(_matrix(system, s, 1.0, 0.0)[0].data).max(initial=0.0)
+    rounding = ROUNDING * stiffness * np.abs(s.z[system.numbering.kind == TRANSLATION]).max(initial=0.0)
+    if np.abs(M @ s.a[: system.n_q]).max(initial=0.0) > max(BALANCED * size, rounding):
         yield (
             "the start is not an equilibrium: the modes are those of this shape, without the forces in the members "
             "that its loads cause; for the modes about the equilibrium write 'initial: static'"
         )
+
+
+def _matrix(system, s, cK, cM):
+    """Return cK K + cM M (n_q, n_q) and the largest force or moment on a node."""
+    assembly, n_q = system.assemble(s, 1.0, 0.0, cK, 0.0, cM), system.n_q
+    whole = sp.csr_matrix((assembly.data[: system.nnz], (system.rows, system.cols)), shape=(system.n, system.n))
+    return whole[:n_q, :n_q], assembly.size.max(initial=0.0)
 
 
 def modes(deck, path, *, at=None, at_rest=False, number=10, frame="inertial", method="automatic", force=False):
