@@ -132,7 +132,7 @@ def judge(w, report, signals):
     if iteration and report[INCREMENT] <= 1.0:
         left = w.motion / max(w.last_motion, TINY)  # the correction is of the motion alone
         rounded = at_rounding(report[INCREMENT] * w.increment_tolerance, left, w.renewed, w.reach, ROUNDING)
-        if worst <= 1.0 or (signals <= 1.0 and rounded and is_rounding(w)):
+        if worst <= 1.0 or (signals <= 1.0 and rounded and (not w.strict or is_rounding(w))):
             return CONVERGED
     if iteration == w.most:
         return TOO_MANY

@@ -250,6 +250,10 @@ class GeneralizedAlpha:
         """The ErrorBound of the steps in the workspace."""
         return ErrorBound(self)
 
+    def insist(self, strictly):
+        """Accept, or not, iterations that end at rounding only if the residual is rounding as well."""
+        self.workspace.record["strict"] = strictly
+
     def longest(self, s):
         """Return the longest step [s] in which no body turns too far at the velocities of the state ``s``."""
         of = self.system.numbering

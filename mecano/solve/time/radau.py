@@ -74,6 +74,9 @@ class Radau:
         """Return a function of h that makes steps from ``s0`` like ``step``; ``last``: the end of one already made."""
         return lambda h: self.step(s0, history, h)
 
+    def insist(self, strictly):
+        """Do nothing: iterations are judged by their corrections in any case."""
+
     def longest(self, s):
         """Return the longest step [s] for the velocities of the state ``s``."""
         of = self.system.numbering

@@ -147,6 +147,8 @@ class TimeIntegrator:
         g0 = self.shocks.departing(run.motion, self.monitor.values(run.motion))
         h, rejected, iterations, found, cuts = self._clip(run, stop), 0, 0, None, []
         while True:
+            if cuts:
+                self.method.insist(True)  # in a shorter step any correction is rounding
             trial = trial if trial and not rejected else self._step(run, h)
             iterations += trial[2].iterations
             smaller = self._instead(run, trial, h, cuts)
@@ -158,6 +160,8 @@ class TimeIntegrator:
                     break
                 smaller = self._smaller(found.trial[2], run.motion.t, h, cuts)
             h, rejected = smaller, rejected + 1
+        if cuts:
+            self.method.insist(False)
         self.cuts += cuts  # only now: ``pause`` may raise during the trials, and the resumed run repeats them
         counted = run.tried(rejected, iterations)
         if found is None:

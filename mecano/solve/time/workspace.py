@@ -27,7 +27,8 @@ STEP = fields(
     "change lag turn lasting drift next_drift "
     "next_h last_h last_stiffness metric_k similar_stiffness fixed_k fixed_penalty "
     "largest_penalty largest_penalty_share",
-    words="code begun by_velocity paused factored delegated similar masses_kept changed has kept usable stale pending "
+    words="code begun strict by_velocity paused factored delegated similar masses_kept changed has kept "
+    "usable stale pending "
     "renewed age last_age last_has known next_has next_age next_known most most_kept factorizations "
     "n_q n_l n n_all n_rotations n_memory n_phases n_massless n_entries state_size "
     "n_loops loops batches n_tangents tangents tangent_batches system residual size increment T kind rotation_dof "
