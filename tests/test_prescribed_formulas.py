@@ -74,6 +74,8 @@ MOTION = """
     time: {end: 1, step: 0.01}
     """
 ANGLE = "drive: {type: prescribed_angle, nodes: [ground, a], axis: [0, 0, 1], value: VALUE}"
+GENERIC = """drive: {type: generic, nodes: [ground, a], axis: [0, 0, 1], driven: {about_axis: VALUE},
+                     free: [along_1, along_2, along_axis, about_1, about_2]}"""
 LENGTH = "drive: {type: prescribed_length, nodes: [ground, b], length: VALUE}".replace("ground", "a")
 
 
@@ -91,13 +93,15 @@ def _deck(prescribed, value, signals="x: 1"):
         (ANGLE, "turn", "turn: {type: curve, input: time, law: parabola}", "joints/drive/angle",
          "joints/drive/moment", 0.2),
         (LENGTH, "2 + 1.5*time**2", "x: 1", "joints/drive/length", "joints/drive/force", 1.0),
+        (GENERIC, "1.5*time**2", "x: 1", "joints/drive/angle", "joints/drive/moment", 0.2),
     ],
 )  # fmt: skip
 def test_signals_of_time_prescribe_motions(prescribed, value, signals, output, load, inertia):
     """y = 1.5 t^2 by formulas, inserted into one another: the acceleration 3, from the first step on."""
     m = RecordedRun(_deck(prescribed, value, signals))
     np.testing.assert_allclose(m[output] - m[output][0], 1.5 * m.time**2, atol=1e-12)
-    np.testing.assert_allclose(m[load], 3.0 * inertia, rtol=1e-9)
+    along = m[load].reshape(len(m.time), -1)[:, -1]
+    np.testing.assert_allclose(along, 3.0 * inertia, rtol=1e-9)
     assert m["energy/given"][-1] == pytest.approx(0.5 * inertia * 9.0, rel=1e-9)
 
 

@@ -40,8 +40,10 @@ HELD_COORDINATE = drive_kind(
 DRIVEN_SLIDE = drive_kind("driven_slide", "Driven slide: the sliding is f(t).", SLIDE, "force that drives the sliding")
 DRIVEN_BY_FORMULA = {
     kind: drive_kind(kind.name, kind.doc, coordinate, kind.multipliers[0].name, BY_FORMULA)
-    for kind, coordinate in ((RELATIVE_ANGLE, TWIST), (DISTANCE, LENGTH), (HELD_COORDINATE, DISPLACEMENT))
-}
+    for kind, coordinate in (
+        (RELATIVE_ANGLE, TWIST), (DISTANCE, LENGTH), (HELD_COORDINATE, DISPLACEMENT), (DRIVEN_SLIDE, SLIDE)
+    )
+}  # fmt: skip
 """The constraints that drive a coordinate by a formula of the time, by those that drive it by a law."""
 LEVEL_AXIS = hold_kind(
     "level_axis", r"Level axis: :math:`a \cdot n = 0` for an axis a fixed in the node and an inertial direction n.",

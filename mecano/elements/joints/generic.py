@@ -6,19 +6,23 @@ tilt ``about_1`` is :math:`-\mu_2 \cdot \xi_3`, ``about_2`` is :math:`\mu_1 \cdo
 ``about_axis`` is the twist, in :math:`(-\pi, \pi]`. :math:`\mu_1` is chosen as for the hinge.
 
 An axis that is not mentioned is held rigidly by a multiplier. ``free`` lists the free axes, ``compliance`` has the law
-of an elastic axis, ``driven`` the motion of a driven axis as a function of time, relative to the start. Prefer the
+of an elastic axis, ``driven`` the motion of a driven axis since the start, a law or a formula of time. Prefer the
 specific joints (hinge, prismatic, cylindrical, planar, spherical, universal, fixed) where they suffice: they count
 turns, offer friction and stops, and need fewer equations. The assembly rejects :math:`\xi_3 = -\mu_3` if both tilts are
 held.
 """
 
+from dataclasses import replace
+
+from mecano.constraints.along_coordinate.demand import is_formula
+from mecano.constraints.along_coordinate.hold import motion_values
 from mecano.constraints.along_coordinate.measure import REACTIONS, put_translation, translation
 from mecano.constraints.body_fixed import relative_rotation
 from mecano.constraints.coordinates.tilt import tilted
 from mecano.constraints.coordinates.twist import turned
 from mecano.constraints.joint_frame import NODES, not_across, not_flipped
 from mecano.constraints.joint_samples import SPRUNG, two_places
-from mecano.constraints.of_coordinates import DRIVEN_SLIDE, RELATIVE_ANGLE
+from mecano.constraints.of_coordinates import BOTH, DRIVEN_SLIDE, RELATIVE_ANGLE, drive_part
 from mecano.constraints.pair import (
     AXES,
     AXES_FIELDS,
@@ -31,41 +35,63 @@ from mecano.constraints.pair import (
     pair_record,
     put_reactions,
 )  # fmt: skip
-from mecano.element_interface import Display, Kind, Output, Part, record
+from mecano.element_interface import Display, Kind, Output, record
 from mecano.jit.kernel import kernel
+from mecano.laws.formula import evaluate_formula
 from mecano.laws.table import evaluate_curve
-from mecano.maths.dual import number
+from mecano.maths.dual import number, value
 from mecano.maths.vector import mat, vec
-from mecano.schema import DIRECTION, TIME_CURVE, Field, choice, list_of, mapping
+from mecano.schema import DIRECTION, MOTION, Field, choice, list_of, mapping
 
 RECORD = record(drive=6, row=6, law=6, **AXES_FIELDS)
+RECORD_BY_FORMULA = record(rate=6, drive=6, row=6, law=6, **AXES_FIELDS)
 DRIVABLE = ("along_1", "along_2", "along_axis", "about_axis")
 DRIVEN = mapping(
     *(
-        Field(axis, TIME_CURVE, unit, f"{what} since the start as a function of time [s]", None)
+        Field(axis, MOTION, unit, f"{what} since the start, a law or a formula of time [s]", None)
         for axis, unit, what in zip(DRIVABLE, ("m", "m", "m", "rad"), ("displacement",) * 3 + ("twist",), strict=True)
     )
 )
 
 
 @kernel
-def observe(p, at, F, y, e):
-    """Write motion along and about the axes, reactions, power of the drives."""
-    A, mu, xi = mat(at.R[0]), mat(p.mu), mat(p.xi)
-    put_translation(p, at, F, y, 0)
-    relative = relative_rotation(A, mat(at.R[1]))
-    y[6] = -tilted(mu[1], xi[2], relative, vec(at.v, 3), vec(at.v, 9))[0]
-    y[7] = tilted(mu[0], xi[2], relative, vec(at.v, 3), vec(at.v, 9))[0]
-    y[8], y[9] = turned(A, vec(at.v, 3), mu, mat(at.R[1]), vec(at.v, 9), xi)
-    put_reactions(p, at.laws, at.q, at.v, at.R, y, 10)
-    for i in range(6):
-        rate = evaluate_curve(at.laws, int(p.drive[i]), at.t)[1]
-        if rate != 0.0:
-            e[3] += number(at.q[int(p.row[i])]) * rate
+def _rate_of_law(p, at, i):
+    return evaluate_curve(at.laws, int(p.drive[i]), at.t)[1]
+
+
+@kernel
+def _rate_of_any(p, at, i):
+    """Return the rate of the drive of axis i, by a law or by a formula; the other one starts at 0, where it is zero."""
+    return _rate_of_law(p, at, i) + value(evaluate_formula(at.laws, int(p.rate[i]), at.t, at.q, 0))
+
+
+def _observed(rate_of):
+    """Return ``observe`` for drives with the rates rate_of(p, at, index of the axis)."""
+
+    @kernel
+    def observe(p, at, F, y, e):
+        """Write motion along and about the axes, reactions, power of the drives."""
+        A, mu, xi = mat(at.R[0]), mat(p.mu), mat(p.xi)
+        put_translation(p, at, F, y, 0)
+        relative = relative_rotation(A, mat(at.R[1]))
+        y[6] = -tilted(mu[1], xi[2], relative, vec(at.v, 3), vec(at.v, 9))[0]
+        y[7] = tilted(mu[0], xi[2], relative, vec(at.v, 3), vec(at.v, 9))[0]
+        y[8], y[9] = turned(A, vec(at.v, 3), mu, mat(at.R[1]), vec(at.v, 9), xi)
+        put_reactions(p, at.laws, at.q, at.v, at.R, y, 10)
+        for i in range(6):
+            rate = rate_of(p, at, i)
+            if rate != 0.0:
+                e[3] += number(at.q[int(p.row[i])]) * rate
+
+    return observe
 
 
 def _driven(d, axis):
     return (d["driven"] or {}).get(axis)
+
+
+def _by_formula(d):
+    return any(is_formula(_driven(d, axis)) for axis in AXES)
 
 
 def _bound(d):
@@ -75,8 +101,11 @@ def _bound(d):
 
 def prepare(d, nodes, context):
     """Return axes of both nodes, the constraint or law of each axis, the motions of the driven ones."""
-    drive = [context.laws.add(_driven(d, axis)) for axis in AXES]
-    return {"drive": drive, **pair_record(axis_place(d, nodes, context), _bound(d), d["compliance"], context)}
+    motions = [motion_values(_driven(d, axis), 0.0, context) for axis in AXES]
+    drives = {"drive": [motion.get("law", 0) for motion in motions]}
+    if _by_formula(d):
+        drives["rate"] = [motion.get("rate", 0) for motion in motions]
+    return {**drives, **pair_record(axis_place(d, nodes, context), _bound(d), d["compliance"], context)}
 
 
 def parts(d, nodes, context):
@@ -88,7 +117,7 @@ def parts(d, nodes, context):
         else:
             axes, start = coordinate_of(axis, p)
             kind = RELATIVE_ANGLE if axis == "about_axis" else DRIVEN_SLIDE
-            found.append(Part(kind, (0, 1), {**axes, "offset": start, "law": context.laws.add(law)}))
+            found.append(drive_part(kind, BOTH, axes, law, start, context))
     return found
 
 
@@ -121,6 +150,7 @@ def sample(rng):
     return [
         (d, nodes, ""),
         ({**d, **first, "free": ("about_1",), "driven": {"about_axis": sine, "along_2": sine}}, nodes, ""),
+        ({**d, **first, "driven": {"along_1": "sin(time)", "about_axis": "time**2/2", "along_2": sine}}, nodes, ""),
         (
             {**d, **first, "free": ("along_1", "about_axis"),
              "compliance": {"about_2": SPRUNG, "about_1": SPRUNG, "along_axis": SPRUNG}},
@@ -155,7 +185,9 @@ GENERIC_JOINT = Kind(
     prepare=prepare,
     parts=parts,
     check=check,
-    observe=observe,
+    observe=_observed(_rate_of_law),
+    variant=lambda d: BY_FORMULA if _by_formula(d) else GENERIC_JOINT,
     admissible=admissible,
     sample=sample,
 )  # fmt: skip
+BY_FORMULA = replace(GENERIC_JOINT, dtype=RECORD_BY_FORMULA, observe=_observed(_rate_of_any))
