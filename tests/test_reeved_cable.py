@@ -128,7 +128,7 @@ HOIST = """
     elements:
       load: {type: rigid_body, node: hook, mass: 50, inertia: [1, 1, 1]}
       rope: {type: reeved_cable, nodes: [winch, head, hook, anchor], radii: [0, -0.1, 0.1, 0], axis: [0, -1, 0],
-             axial_stiffness: 1.0e6, damping: 0.02, pretension: MEAN, payout: {linear: {slope: -1}},
+             axial_stiffness: 1.0e6, damping: 0.02, pretension: MEAN, payout: -time,
              friction: {coefficients: [0.1, 0.2], regularization: 0.01}}
     joints:
       guide: {type: prismatic, nodes: [ground, hook], axis: [0, 0, 1]}
@@ -138,7 +138,10 @@ HOIST = """
 
 
 def test_a_winch_hauls_over_pulleys_with_friction(verify):
-    """Two falls with the tensions q_1 N and q_1 q_2 N carry the load: the winch pulls with N = m g/(q_1 + q_1 q_2)."""
+    """Two falls with the tensions q_1 N and q_1 q_2 N carry the load: the winch pulls with N = m g/(q_1 + q_1 q_2).
+
+    Its payout is a formula.
+    """
     q_1, q_2 = math.exp(-0.1 * math.pi), math.exp(-0.2 * math.pi)
     N = 50 * g / (q_1 + q_1 * q_2)
     spans = N * np.array([1.0, q_1, q_1 * q_2])

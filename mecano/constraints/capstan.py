@@ -31,27 +31,23 @@ from mecano.constraints.body_fixed import follow
 from mecano.constraints.reeved_path import (
     PHASES,
     TAUT,
-    cable_strain,
+    of_law,
+    of_signal,
     path_record,
     path_unknowns,
     pull,
     relative,
     side,
     span,
+    strain_by,
 )
+from mecano.constraints.release import RELEASED_PHASE
 from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import sticking
 from mecano.maths.dual import at_least, constant, exp
 from mecano.maths.vector import add_vec, dot, vec
 from mecano.schema import NUMBER, NUMBERS, Field, mapping, positive
-
-
-@kernel
-def _cable(p, at):
-    """Return the length of the path, its rate, the speed of the payout, and the mean tension."""
-    length, rate, strain, strain_rate, _, L_rate = cable_strain(p, at)
-    return length, rate, (1.0 + strain) * L_rate, p.EA * (strain + p.damping * strain_rate)
 
 
 @kernel
@@ -122,39 +118,49 @@ def _pull_pulley(f, i, k, taken_up, T):
     add_vec(f, 6 * i, T, turning)
 
 
-@kernel
-def residual(p, at, f):
-    """Add the differences of the tensions to their mean."""
-    if at.phase != TAUT:
-        return
-    cable = _cable(p, at)
-    mean, first = cable[3], _first_tension(p, at, cable)
-    sums = _begin(p, at, cable, first)
-    _pull_span(p, at, f, 0, first - mean)
-    for i in range(1, len(p.radii) - 1):
-        pulley, tension = _pulley(p, at, i), sums[2]
-        _, sums = _over(p, at, i, pulley, cable, sums)
-        _pull_pulley(f, i, i - 1, pulley[1], tension - mean)
-        _pull_pulley(f, i, i, pulley[2], sums[2] - mean)
-        _pull_span(p, at, f, i, sums[2] - mean)
+def _functions(strain_of):
+    """Return ``residual`` and ``observe`` for the strain of reeved_path.strain_by."""
 
+    @kernel
+    def cable_of(p, at):
+        """Return the length of the path, its rate, the speed of the payout, and the mean tension."""
+        length, rate, strain, strain_rate, _, L_rate = strain_of(p, at)
+        return length, rate, (1.0 + strain) * L_rate, p.EA * (strain + p.damping * strain_rate)
 
-@kernel
-def observe(p, at, F, y, e):
-    """Write the dissipated power, the tensions of the spans and the sliding speeds; the powers."""
-    if at.phase != TAUT:
-        return
-    n, cable = len(p.coefficients), _cable(p, at)
-    first = _first_tension(p, at, cable)
-    sums = _begin(p, at, cable, first)
-    y[1], lost = at_least(first, 0.0), constant(0.0, first)
-    for i in range(1, n + 1):
-        tension = sums[2]
-        u, sums = _over(p, at, i, _pulley(p, at, i), cable, sums)
-        lost = lost + (tension - sums[2]) * u
-        y[1 + i], y[1 + n + i] = at_least(sums[2], 0.0), u
-    y[0] = e[2] = lost
-    e[3] = -cable[2] * (first - cable[3])
+    @kernel
+    def residual(p, at, f):
+        """Add the differences of the tensions to their mean."""
+        if at.phase != TAUT:
+            return
+        cable = cable_of(p, at)
+        mean, first = cable[3], _first_tension(p, at, cable)
+        sums = _begin(p, at, cable, first)
+        _pull_span(p, at, f, 0, first - mean)
+        for i in range(1, len(p.radii) - 1):
+            pulley, tension = _pulley(p, at, i), sums[2]
+            _, sums = _over(p, at, i, pulley, cable, sums)
+            _pull_pulley(f, i, i - 1, pulley[1], tension - mean)
+            _pull_pulley(f, i, i, pulley[2], sums[2] - mean)
+            _pull_span(p, at, f, i, sums[2] - mean)
+
+    @kernel
+    def observe(p, at, F, y, e):
+        """Write the dissipated power, the tensions of the spans and the sliding speeds; the powers."""
+        if at.phase != TAUT:
+            return
+        n, cable = len(p.coefficients), cable_of(p, at)
+        first = _first_tension(p, at, cable)
+        sums = _begin(p, at, cable, first)
+        y[1], lost = at_least(first, 0.0), constant(0.0, first)
+        for i in range(1, n + 1):
+            tension = sums[2]
+            u, sums = _over(p, at, i, _pulley(p, at, i), cable, sums)
+            lost = lost + (tension - sums[2]) * u
+            y[1 + i], y[1 + n + i] = at_least(sums[2], 0.0), u
+        y[0] = e[2] = lost
+        e[3] = -cable[2] * (first - cable[3])
+
+    return {"residual": residual, "observe": observe}
 
 
 def friction_field():
@@ -171,8 +177,8 @@ def friction_field():
 
 
 @cache
-def capstan(n):
-    """Return the Kind of the friction on n pulleys."""
+def capstan(n, by_signal=False, released=False):
+    """Return the Kind of the friction on n pulleys of a cable, with a payout by a law or a signal, and a release."""
     return Kind(
         name="capstan_friction",
         doc=__doc__,
@@ -183,9 +189,9 @@ def capstan(n):
             *(Output(f"tension_{i}", "N", f"tension of span {i}") for i in range(1, n + 2)),
             *(Output(f"slip_{i}", "m/s", f"sliding speed over pulley {i}, > 0 to span {i}") for i in range(1, n + 1)),
         ),
-        phases=PHASES,
-        residual=residual,
-        observe=observe,
+        phases=(*PHASES, RELEASED_PHASE) if released else PHASES,
+        inputs=("payout",) if by_signal else (),
+        **_functions(strain_by(of_signal if by_signal else of_law)),
     )
 
 

@@ -1,7 +1,7 @@
 r"""Path of a cable over pulleys: its spans, arcs and strain (equations in elements/members/reeved_cable.py).
 
 The record p of its users has the fields of ``path_record``; the local unknowns are the position of the first node,
-position and rotation of each pulley, and the position of the last node.
+position and rotation of each pulley, the position of the last node, and the payout if that is a signal.
 """
 
 from mecano.constraints.belt_span import tangent_direction
@@ -9,7 +9,7 @@ from mecano.constraints.body_fixed import follow
 from mecano.constraints.elastic_line import strained
 from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve
-from mecano.maths.dual import sqrt
+from mecano.maths.dual import number, sqrt
 from mecano.maths.vector import add_vec, cross, dot, mat, vec
 
 TAUT, RELEASED = 0, 2
@@ -86,12 +86,30 @@ def path(p, at):
 
 
 @kernel
-def cable_strain(p, at):
-    """Return length and its rate, strain and its rate, natural length and its rate."""
-    length, rate = path(p, at)
-    paid_out, L_rate, _ = evaluate_curve(at.laws, p.payout, at.t)
-    L = p.natural + paid_out
-    return length, rate, *strained(length, rate, L, L_rate), L, L_rate
+def of_law(p, at):
+    """Return the payout of a law of time, and its rate."""
+    paid_out, rate, _ = evaluate_curve(at.laws, p.payout, at.t)
+    return paid_out, rate
+
+
+@kernel
+def of_signal(p, at):
+    """Return the payout that is a signal, and its rate."""
+    i = 6 * len(p.radii) - 6  # after the unknowns of the nodes
+    return number(at.q[i]), number(at.v[i])
+
+
+def strain_by(payout):
+    """Return the compiled function (p, at) -> length and its rate, strain and its rate, natural length and its rate."""
+
+    @kernel
+    def cable_strain(p, at):
+        length, rate = path(p, at)
+        paid_out, L_rate = payout(p, at)
+        L = p.natural + paid_out
+        return length, rate, *strained(length, rate, L, L_rate), L, L_rate
+
+    return cable_strain
 
 
 @kernel

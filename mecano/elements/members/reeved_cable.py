@@ -11,8 +11,8 @@ at a point) the cable lies on an arc from the direction :math:`\psi_i^-` of the 
 
 .. math::  \ell = \sum \sqrt{|d|^2 - (\rho_j - \rho_i)^2} + \sum \rho_i\,(\psi_i^+ - \psi_i^-)
 
-With the natural length :math:`L(t)`, that at the start plus the ``payout``, the axial stiffness EA and the damping time
-:math:`\tau`, the forces on all nodes follow from the gradient of the length:
+With the natural length :math:`L(t)`, that at the start plus the ``payout`` (a law of time or a signal), the axial
+stiffness EA and the damping time :math:`\tau`, the forces on all nodes follow from the gradient of the length:
 
 .. math::  \varepsilon = \frac{\ell - L}{L}, \qquad N = EA\,(\varepsilon + \tau \dot\varepsilon), \qquad
    f = N\, \partial \ell/\partial q, \qquad V = \tfrac12 EA\, L\, \varepsilon^2
@@ -32,6 +32,7 @@ from functools import cache
 
 import numpy as np
 
+from mecano.constraints.along_coordinate.demand import is_formula, law_of
 from mecano.constraints.belt_span import INCLINATION, check_tangent, span_record
 from mecano.constraints.capstan import CAPSTAN, capstan, friction_field
 from mecano.constraints.joint_frame import triad
@@ -40,77 +41,81 @@ from mecano.constraints.reeved_path import (
     RELEASED,
     TAUT,
     arc,
-    cable_strain,
+    of_law,
+    of_signal,
     path_record,
     path_unknowns,
     pull,
     span,
+    strain_by,
 )
-from mecano.constraints.release import RELEASED_PHASE, SAMPLE, check_release, cut, elastic_release
+from mecano.constraints.release import SAMPLE, check_release, cut, elastic_release
 from mecano.element_interface import Display, Event, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.maths.dual import at_least, number, select
 from mecano.maths.vector import add_vec, dot, mat, norm
-from mecano.schema import DIRECTION, NODES, NUMBER, NUMBERS, TIME_CURVE, Field, not_negative, positive
+from mecano.schema import CONTINUOUS_DRIVE, DIRECTION, NODES, NUMBER, NUMBERS, Field, not_negative, positive
 
 LIFTED = 0.01  # [rad]: the length of a path off a pulley by this angle is in error by less than its square
 CLOSEST = 0.999  # difference of the radii of neighbours over their distance
 TURN = 2.0 * np.pi
 
 
-@kernel
-def residual(p, at, f):
-    """Add the tension along the gradient of the length."""
-    if at.phase != TAUT:
-        return
-    _, _, strain, strain_rate, _, _ = cable_strain(p, at)
-    N = p.EA * (strain + p.damping * strain_rate)
-    for i in range(len(p.radii) - 1):
-        d, _, free = span(p, at.q, i)
-        pull(f, i, (N / free) * d)
-    for i in range(1, len(p.radii) - 1):
-        _, before, behind, turning = arc(p, at, i)
-        couple = N * p.radii[i]
-        pull(f, i - 1, couple * before)
-        pull(f, i, couple * behind)
-        add_vec(f, 6 * i, couple, turning)
+def _functions(strain_of):
+    """Return ``residual``, ``observe`` and ``event_values`` for the strain of reeved_path.strain_by."""
 
+    @kernel
+    def residual(p, at, f):
+        if at.phase != TAUT:
+            return
+        _, _, strain, strain_rate, _, _ = strain_of(p, at)
+        N = p.EA * (strain + p.damping * strain_rate)
+        for i in range(len(p.radii) - 1):
+            d, _, free = span(p, at.q, i)
+            pull(f, i, (N / free) * d)
+        for i in range(1, len(p.radii) - 1):
+            _, before, behind, turning = arc(p, at, i)
+            couple = N * p.radii[i]
+            pull(f, i - 1, couple * before)
+            pull(f, i, couple * behind)
+            add_vec(f, 6 * i, couple, turning)
 
-@kernel
-def observe(p, at, F, y, e):
-    """Write lengths, strains, tension, state, how the path lies on the pulleys; energies."""
-    if at.phase == RELEASED:
-        return
-    length, _, strain, strain_rate, L, L_rate = cable_strain(p, at)
-    elastic = select(at.phase == TAUT or strain > 0.0, p.EA * strain, 0.0)
-    N = select(at.phase == TAUT, p.EA * (strain + p.damping * strain_rate), 0.0)
-    viscous = N - elastic
-    y[0], y[1], y[2], y[3], y[4] = length, L, strain, strain_rate, at_least(N, 0.0)
-    y[5] = 1.0 if at.phase == TAUT else 0.0
-    for i in range(1, len(p.radii) - 1):
-        angle, _, _, _ = arc(p, at, i)
-        wrap = select(p.radii[i] > 0.0, angle, -angle)
-        axis = mat(at.R[i - 1]) @ mat(p.axes[i - 1]).z
-        for k in (i - 1, i):
-            d, _, _ = span(p, at.q, k)
-            y[6] = at_least(number(y[6]), abs(dot(axis, d)) / norm(d))
-        y[7] = at_least(number(y[7]), -wrap)
-        y[8 + i] = wrap
-    for i in range(len(p.radii) - 1):
-        d, delta, _ = span(p, at.q, i)
-        y[8] = at_least(number(y[8]), abs(delta) / norm(d))
-    e[1] = 0.5 * elastic * strain * L
-    e[2] = viscous * L * strain_rate
-    e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
+    @kernel
+    def observe(p, at, F, y, e):
+        """Write lengths, strains, tension, state, how the path lies on the pulleys; energies."""
+        if at.phase == RELEASED:
+            return
+        length, _, strain, strain_rate, L, L_rate = strain_of(p, at)
+        elastic = select(at.phase == TAUT or strain > 0.0, p.EA * strain, 0.0)
+        N = select(at.phase == TAUT, p.EA * (strain + p.damping * strain_rate), 0.0)
+        viscous = N - elastic
+        y[0], y[1], y[2], y[3], y[4] = length, L, strain, strain_rate, at_least(N, 0.0)
+        y[5] = 1.0 if at.phase == TAUT else 0.0
+        for i in range(1, len(p.radii) - 1):
+            angle, _, _, _ = arc(p, at, i)
+            wrap = select(p.radii[i] > 0.0, angle, -angle)
+            axis = mat(at.R[i - 1]) @ mat(p.axes[i - 1]).z
+            for k in (i - 1, i):
+                d, _, _ = span(p, at.q, k)
+                y[6] = at_least(number(y[6]), abs(dot(axis, d)) / norm(d))
+            y[7] = at_least(number(y[7]), -wrap)
+            y[8 + i] = wrap
+        for i in range(len(p.radii) - 1):
+            d, delta, _ = span(p, at.q, i)
+            y[8] = at_least(number(y[8]), abs(delta) / norm(d))
+        e[1] = 0.5 * elastic * strain * L
+        e[2] = viscous * L * strain_rate
+        e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
 
+    @kernel
+    def event_values(p, at, g):
+        """Write the tautness: the smaller of the elastic and the total strain, which the tension follows."""
+        _, _, strain, strain_rate, _, _ = strain_of(p, at)
+        tautness = min(strain, strain + p.damping * strain_rate)
+        g[0], g[1] = tautness, -tautness
 
-@kernel
-def event_values(p, at, g):
-    """Write the tautness of the cable: the smaller of the elastic and the total strain, which the tension follows."""
-    _, _, strain, strain_rate, _, _ = cable_strain(p, at)
-    tautness = min(strain, strain + p.damping * strain_rate)
-    g[0], g[1] = tautness, -tautness
+    return {"residual": residual, "observe": observe, "event_values": event_values}
 
 
 def _start(d, nodes):
@@ -131,7 +136,7 @@ def prepare(d, nodes, context):
     return {
         "EA": d["axial_stiffness"], "damping": d["damping"], "radii": d["radii"], "axes": axes, "start": arcs,
         "natural": length / (1.0 + d["pretension"] / d["axial_stiffness"]),
-        "payout": context.laws.add(0.0 if d["payout"] is None else d["payout"]),
+        "payout": law_of(d["payout"], context),
     }  # fmt: skip
 
 
@@ -140,8 +145,10 @@ def parts(d, nodes, context):
     if d["friction"] is None:
         return []
     n = len(nodes) - 2
-    kind = capstan(n) if d["release"] is None else _released_capstan(n)
-    return [Part(kind, tuple(range(len(nodes))), {**prepare(d, nodes, context), **d["friction"]})]
+    by_signal = is_formula(d["payout"])
+    kind = capstan(n, by_signal, d["release"] is not None)
+    values, reads = {**prepare(d, nodes, context), **d["friction"]}, (d["payout"],) if by_signal else ()
+    return [Part(kind, tuple(range(len(nodes))), values, reads=reads)]
 
 
 def check(d, nodes):
@@ -170,7 +177,7 @@ def check(d, nodes):
     if d["friction"] is not None and min(d["friction"]["coefficients"], default=0.0) < 0.0:
         texts.append("'friction' needs coefficients that are not negative")
     texts += check_release(d, [])
-    if not texts and d["payout"] is not None:
+    if not texts and d["payout"] is not None and not is_formula(d["payout"]):
         length, paid_out = _start(d, nodes)[2], curve_at(d["payout"], 0.0)[0]
         if not length + paid_out > 0.0:
             texts.append(f"'payout' is {paid_out:.4g} m at t = 0, and the cable is {length:.4g} m long")
@@ -195,27 +202,19 @@ def ends(d):
 
 
 def variant(d):
-    """Return the kind with this number of pulleys, and with a release if there is one."""
-    n = len(d["nodes"]) - 2
-    return _of_size(n) if d["release"] is None else _released(n)
+    """Return the kind with this number of pulleys, with a payout by a law or a signal, and with a release if given."""
+    return _of(len(d["nodes"]) - 2, is_formula(d["payout"]), d["release"] is not None)
 
 
 @cache
-def _released_capstan(n):
-    return replace(capstan(n), phases=(*PHASES, RELEASED_PHASE))
-
-
-@cache
-def _released(n):
-    return cut(_of_size(n), "cable")
-
-
-@cache
-def _of_size(n):
+def _of(n, by_signal, released):
     wraps = (Output(f"wrap_{i}", "rad", f"angle of the arc on pulley {i}") for i in range(1, n + 1))
-    return replace(
+    found = replace(
         REEVED_CABLE, variant=None, outputs=(*OUTPUTS, *wraps), dtype=record(**path_record(n)), **path_unknowns(n)
     )
+    if by_signal:
+        found = replace(found, inputs=("payout",), **_functions(strain_by(of_signal)))
+    return cut(found, "cable") if released else found
 
 
 def sample(rng):
@@ -234,6 +233,7 @@ def sample(rng):
     return [
         *released, (d, nodes, "taut"), ({**d, "payout": 3.0}, nodes, "slack"), (single, [*nodes[:2], nodes[3]], "taut"),
         *((one, nodes, "taut") for one in rough), ({**rough[0], "payout": 3.0}, nodes, "slack"),
+        *(({**one, "payout": "0.1*command"}, nodes, "taut") for one in (d, rough[0])),
     ]  # fmt: skip
 
 
@@ -243,8 +243,8 @@ FIELDS = (
     Field("axis", DIRECTION, "-", "axis of all pulleys at the start, inertial; fixed in their nodes"),
     Field("axial_stiffness", NUMBER, "N", "EA: force per strain", check=positive),
     Field("pretension", NUMBER, "N", "tension at the start, without payout and friction", 0.0, not_negative),
-    Field("payout", TIME_CURVE, "m", "natural length paid out at the first node since the start, as a function of time "
-          "[s]; a winch that hauls in has negative values", None),
+    Field("payout", CONTINUOUS_DRIVE, "m", "natural length paid out at the first node since the start: a function of "
+          "time [s], or a formula of signals; a winch that hauls in has negative values", None),
     Field("damping", NUMBER, "s", "tau: viscous over elastic stiffness", 0.0, not_negative),
     friction_field(),
     elastic_release("cable"),
@@ -281,8 +281,6 @@ REEVED_CABLE = Kind(
     variant=variant,
     limits=limits,
     ends=ends,
-    residual=residual,
-    observe=observe,
-    event_values=event_values,
     sample=sample,
+    **_functions(strain_by(of_law)),
 )
