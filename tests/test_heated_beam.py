@@ -8,6 +8,8 @@ from scipy.optimize import brentq
 from static_solution import Equilibrium
 from time_runs import RecordedRun, input_deck
 
+from mecano.errors import DeckError
+
 EA, LENGTH = 2e6, 2.0
 PEAK = 0.04747  # m, of the tip in linear theory
 MEMBER = """
@@ -31,11 +33,16 @@ def test_a_free_beam_becomes_longer():
 
 
 def test_a_free_beam_bends_to_an_arc():
-    """Exact for any number of elements: the free shape is a helix."""
-    path = heated("{curvature_2: {linear: {slope: 0.8}}}")
+    """Exact for any number of elements: the free shape is a helix. Its curvature is a formula."""
+    path = heated("{curvature_2: 0.8*time}")
     angle = 0.8 * LENGTH
     x, z = np.sin(angle) / 0.8, -(1 - np.cos(angle)) / 0.8  # about axis 2 = y: x turns to -z
     np.testing.assert_allclose(path.positions("right")[-1], [x, 0, z], atol=1e-9)
+
+
+def test_heating_is_by_formulas_or_by_laws():
+    with pytest.raises(DeckError, match="'thermal' has formulas and laws of time: a law can be a signal, a 'curve' of"):
+        heated("{curvature_2: 0.8*time, strain: {linear: {slope: 1}}}")
 
 
 def test_a_held_beam_is_pressed():

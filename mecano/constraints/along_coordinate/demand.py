@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from mecano.jit.kernel import kernel
-from mecano.laws.table import evaluate_curve
+from mecano.laws.table import evaluate_curve, terms_of
 from mecano.maths.dual import number
 
 
@@ -31,6 +31,21 @@ def is_formula(value):
 def law_of(value, context):
     """Return the start, in the table of laws, of a checked value of the type DRIVE; 0 for a formula."""
     return 0 if is_formula(value) else int(context.laws.add(value))
+
+
+def as_formula(value):
+    """Return a checked value of the type DRIVE, or None, as a formula; None for a law of time that varies."""
+    if value is None or is_formula(value):
+        return value or "0"
+    terms = terms_of(value)
+    return repr(terms[0][1]["value"]) if [name for name, _ in terms] == ["constant"] else None
+
+
+def check_alike(name, values):
+    """Return an error if some of the ``values`` of the mapping ``name`` are formulas, and others laws of time."""
+    if any(map(is_formula, values)) and None in map(as_formula, values):
+        return [f"{name!r} has formulas and laws of time: a law can be a signal, a 'curve' of the time"]
+    return []
 
 
 def on_demand(make, field, i):

@@ -23,6 +23,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from mecano.constraints.along_coordinate.demand import as_formula, check_alike, is_formula
 from mecano.constraints.elastic_line import STRAIN_OF_STEEL
 from mecano.constraints.joint_frame import norm
 from mecano.element_interface import Display, Kind, Output, record
@@ -39,8 +40,18 @@ from mecano.elements.members.beam_flexibility import elastic_constants, hat
 from mecano.elements.members.beam_inertia import add_inertia, energies, inertia_record
 from mecano.elements.members.beam_line import check_line, screw, stations
 from mecano.elements.members.cross_section import MOST_POINTS, constants
-from mecano.elements.members.heated_beam import THERMAL, observed, thermal_record, thermal_values
-from mecano.elements.members.heated_beam import force as heated_force
+from mecano.elements.members.heated_beam import (
+    CURVES,
+    THERMAL,
+    force_by_laws,
+    force_by_signals,
+    heating,
+    observed,
+    of_laws,
+    of_signals,
+    thermal_record,
+    thermal_values,
+)
 from mecano.jit.kernel import kernel
 from mecano.maths.so3 import exp, tangent
 from mecano.maths.vector import cross, dot, mat, put, vec
@@ -186,14 +197,17 @@ def _record(section, damping, gravity, S_1, S_2, h0):
 
 
 def variant(d):
-    """Return the beam whose shape is constant, or the heated one."""
-    return BEAM if d["thermal"] is None else HEATED_BEAM
+    """Return the beam whose shape is constant, or the one that is heated by laws or by signals."""
+    if d["thermal"] is None:
+        return BEAM
+    return HEATED_BY_SIGNALS if any(map(is_formula, heating(d))) else HEATED_BEAM
 
 
 def check(d, nodes):
     """Return errors for an impossible line (beam_line.py) and for elements whose stiffness is lost in rounding."""
     section = constants(d["section"])
-    return check_line(d, nodes, section.is_round) or _too_slender(d, nodes, section)
+    texts = check_line(d, nodes, section.is_round) or _too_slender(d, nodes, section)
+    return texts if d["thermal"] is None else texts + check_alike("thermal", heating(d))
 
 
 def _slenderness(section, x_1, x_2):
@@ -258,6 +272,7 @@ def sample(rng):
         ({"section": plank, "up": across, "twist": -1.1}, nodes, ""),
         ({"section": general, **bow}, nodes, ""),
         ({"section": general, **bow, "thermal": heat}, nodes, ""),
+        ({"section": general, **bow, "thermal": {**dict.fromkeys(heat, 0.1), "strain": "1 + 2*command"}}, nodes, ""),
     ]
 
 
@@ -308,6 +323,14 @@ HEATED_BEAM = replace(
     name="heated_beam",
     dtype=thermal_record(RECORD),
     prepare=lambda d, nodes, context: thermal_values(d, prepare(d, nodes, context), context),
-    force=heated_force,
-    observe=observed(observe_from),
+    force=force_by_laws,
+    observe=observed(observe_from, of_laws),
+)
+HEATED_BY_SIGNALS = replace(
+    HEATED_BEAM,
+    name="beam_heated_by_signals",
+    inputs=CURVES,
+    reads=lambda d: list(map(as_formula, heating(d))),
+    force=force_by_signals,
+    observe=observed(observe_from, of_signals),
 )

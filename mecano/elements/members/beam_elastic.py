@@ -137,6 +137,23 @@ def add_elastic(p, at, u0, phi0, f, K, C):
     _add_stiffness(p, s, _current_stiffness(p, b, dot(vec(p.along, 0), p_bar)), (p_u, P, Q), R2, K)
 
 
+@kernel
+def add_free_derivative(p, at, u0, phi0, change, column, K):
+    """Add the derivative of the residual of ``add_elastic`` by a number with which u0 and phi0 ``change``.
+
+    The change of u0 is along the beam, where B vanishes: it stretches nothing, and b is constant.
+    """
+    s, e_u, _ = strains(p, at, u0, phi0)
+    p_bar, p_phi = stresses(p, *change)
+    P, _, m_1, m_2 = end_loads(p, s, unstretched(p, p_bar, mat(p.B) @ e_u), p_phi)
+    n = mat(at.R[1]) @ P
+    for i in range(3):
+        K[i, column] += n[i]
+        K[3 + i, column] -= m_1[i]
+        K[6 + i, column] -= n[i]
+        K[9 + i, column] -= m_2[i]
+
+
 @inlined
 def _current_stiffness(p, b, tension):
     """Return the derivatives of p_u by u and phi: G^T K_uu G + 2 N B and G^T K_up with G = I + 2 a b^T."""

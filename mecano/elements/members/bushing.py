@@ -26,7 +26,7 @@ from dataclasses import replace
 import numpy as np
 
 from mecano.constraints.activation import SHIFT, with_activation
-from mecano.constraints.along_coordinate.demand import is_formula
+from mecano.constraints.along_coordinate.demand import as_formula, check_alike, is_formula
 from mecano.constraints.joint_frame import not_across, triad
 from mecano.constraints.joint_samples import two_places
 from mecano.constraints.pair import AXES, AXIS_1, law_fields, law_outputs, law_parts, triads_together
@@ -157,8 +157,7 @@ def _place(d, nodes):
 
 def prepare(d, nodes, context):
     """Return the record of one bushing."""
-    given = d["natural"] or {}
-    laws = [law for axis in ORDER if not is_formula(law := given.get(axis))]
+    laws = [law for law in _set_points(d) if not is_formula(law)]
     natural = [context.laws.add(law) for law in laws] if len(laws) == len(ORDER) else np.zeros(len(ORDER))
     return {
         "natural": natural,
@@ -173,21 +172,14 @@ def parts(d, nodes, context):
     return law_parts(_place(d, nodes), AXES, d["laws"], d["natural"], context)
 
 
-def _formulas(d):
-    """Return the formulas of all set points in their order; None for laws of time."""
-    return [_formula((d["natural"] or {}).get(axis)) for axis in ORDER]
-
-
-def _formula(value):
-    """Return a set point as a formula (text): a formula, a number or none; or None for a law of time."""
-    if value is None or is_formula(value):
-        return value or "0"
-    return repr(value[0][1]["value"]) if [name for name, _ in value] == ["constant"] else None
+def _set_points(d):
+    """Return the set points of all axes in their order."""
+    return [(d["natural"] or {}).get(axis) for axis in ORDER]
 
 
 def variant(d):
     """Return the kind with set points that are zero, laws of time or signals."""
-    given = [value for value in (d["natural"] or {}).values() if value is not None]
+    given = [value for value in _set_points(d) if value is not None]
     return BY_SIGNALS if any(map(is_formula, given)) else BY_LAWS if given else STILL
 
 
@@ -198,8 +190,7 @@ def check(d, nodes):
         texts.append("'axis_1' is given without 'axis'")
     if all(d[name] is None for name in ("stiffness", "damping", "laws")):
         texts.append("give 'stiffness', 'damping' or 'laws'")
-    if variant(d) is BY_SIGNALS and None in _formulas(d):
-        texts.append("'natural' has formulas and laws of time: a law can be a signal, a 'curve' of the time")
+    texts += check_alike("natural", _set_points(d))
     texts += [
         f"{name!r} and 'laws' exclude one another"
         for name in ("activate", "release")
@@ -268,7 +259,9 @@ STILL = Kind(
     **_functions(_fixed),
 )
 BY_LAWS = replace(STILL, **_functions(_moving(_of_law)))
-BY_SIGNALS = replace(STILL, inputs=ORDER, reads=_formulas, **_functions(_moving(_of_signal)))
+BY_SIGNALS = replace(
+    STILL, inputs=ORDER, reads=lambda d: list(map(as_formula, _set_points(d))), **_functions(_moving(_of_signal))
+)
 
 
 def _stress_free(kind, set_points):

@@ -8,45 +8,44 @@ temperature across the section bends it, with the curvatures :math:`\kappa_2 = \
 
 in section axes, exact for straight beams; the stiffness is that of the unheated beam. Where the ends are held the beam
 is stressed, and V = 1/2 e.K e receives from the surroundings the power :math:`-p \cdot (\dot u_0, \dot\varphi_0)`.
-Damping acts on the rate of the deformation.
+Damping acts on the rate of the deformation. The heating is a law of time or a signal: a ``lag`` whose input is the
+illumination of the beam makes it depend on its own motion.
 """
 
 import numpy as np
 
+from mecano.constraints.along_coordinate.demand import law_of
 from mecano.element_interface import record
-from mecano.elements.members.beam_elastic import add_elastic
+from mecano.elements.members.beam_elastic import add_elastic, add_free_derivative
 from mecano.elements.members.beam_inertia import add_inertia
 from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve
 from mecano.maths.vector import Vec3, dot, mat, vec
-from mecano.schema import CURVE, Field, mapping
+from mecano.schema import CONTINUOUS_DRIVE, Field, mapping
 
+CURVES = ("strain", "curvature_2", "curvature_3")
+INPUT = 12  # local index of the first signal
 THERMAL = Field(
     "thermal",
     mapping(
-        Field("strain", CURVE, "-", "elongation alpha dT of the free beam, a function of time [s]", 0.0, argument="s"),
-        Field(
-            "curvature_2",
-            CURVE,
-            "1/m",
-            "alpha dT/dz: curvature about axis 2, a function of time [s]",
-            0.0,
-            argument="s",
-        ),
-        Field(
-            "curvature_3",
-            CURVE,
-            "1/m",
-            "-alpha dT/dy: curvature about axis 3, a function of time [s]",
-            0.0,
-            argument="s",
-        ),
+        *(
+            Field(name, CONTINUOUS_DRIVE, unit, f"{what}: a function of time [s], or a formula of signals", 0.0)
+            for name, unit, what in (
+                ("strain", "-", "elongation alpha dT of the free beam"),
+                ("curvature_2", "1/m", "alpha dT/dz, curvature about axis 2"),
+                ("curvature_3", "1/m", "-alpha dT/dy, curvature about axis 3"),
+            )
+        )
     ),
     "-",
     "change of the strain-free shape with the temperature; none when absent",
     None,
 )
-CURVES = ("strain", "curvature_2", "curvature_3")
+
+
+def heating(d):
+    """Return the three values of ``thermal`` in the order of CURVES."""
+    return [d["thermal"][name] for name in CURVES]
 
 
 def thermal_record(dtype):
@@ -60,36 +59,67 @@ def thermal_record(dtype):
 def thermal_values(d, values, context):
     """Return the values of this record from those of the beam."""
     length = np.linalg.norm(values["u0"])
-    return {**values, "length": length, **{name: context.laws.add(d["thermal"][name]) for name in CURVES}}
+    return {**values, "length": length, **{name: law_of(d["thermal"][name], context) for name in CURVES}}
 
 
 @kernel
-def free_screw(p, at):
-    """Return u0, phi0 of the heated beam, and their rates."""
+def of_laws(p, at):
+    """Return the heating by laws of time, and its rates."""
     strain, strain_rate, _ = evaluate_curve(at.laws, p.strain, at.t)
     k_2, rate_2, _ = evaluate_curve(at.laws, p.curvature_2, at.t)
     k_3, rate_3, _ = evaluate_curve(at.laws, p.curvature_3, at.t)
-    L, axes = p.length, mat(p.axes)
-    along = vec(p.along, 0)
-    u0, phi0 = vec(p.u0, 0) + (L * strain) * along, vec(p.phi0, 0) + L * (axes @ Vec3(0.0, k_2, k_3))
-    return u0, phi0, (L * strain_rate) * along, L * (axes @ Vec3(0.0, rate_2, rate_3))
+    return strain, k_2, k_3, strain_rate, rate_2, rate_3
 
 
 @kernel
-def force(p, at, f, K, C, M):
+def of_signals(p, at):
+    """Return the heating by signals, and its rates."""
+    q, v = at.q, at.v
+    return q[INPUT], q[INPUT + 1], q[INPUT + 2], v[INPUT], v[INPUT + 1], v[INPUT + 2]
+
+
+@kernel
+def _bent(p, k_2, k_3):
+    """Return the rotation of the free shape by its curvatures."""
+    return p.length * (mat(p.axes) @ Vec3(0.0, k_2, k_3))
+
+
+@kernel
+def _free_shape(p, strain, k_2, k_3):
+    """Return u0, phi0 of the heated beam."""
+    return vec(p.u0, 0) + (p.length * strain) * vec(p.along, 0), vec(p.phi0, 0) + _bent(p, k_2, k_3)
+
+
+@kernel
+def force_by_laws(p, at, f, K, C, M):
     """Add elastic forces from the free shape, damping, inertia and weight."""
-    u0, phi0, _, _ = free_screw(p, at)
+    strain, k_2, k_3, _, _, _ = of_laws(p, at)
+    u0, phi0 = _free_shape(p, strain, k_2, k_3)
     add_elastic(p, at, u0, phi0, f, K, C)
     add_inertia(p, at, f, K, C, M)
 
 
-def observed(observe_from):
-    """Return ``observe`` of a heated beam; ``observe_from`` is that of a beam with a given strain-free screw."""
+@kernel
+def force_by_signals(p, at, f, K, C, M):
+    """Add the same forces, and their derivatives by the heating."""
+    strain, k_2, k_3, _, _, _ = of_signals(p, at)
+    u0, phi0 = _free_shape(p, strain, k_2, k_3)
+    add_elastic(p, at, u0, phi0, f, K, C)
+    add_inertia(p, at, f, K, C, M)
+    zero = 0.0 * vec(p.along, 0)
+    add_free_derivative(p, at, u0, phi0, (p.length * vec(p.along, 0), zero), INPUT, K)
+    add_free_derivative(p, at, u0, phi0, (zero, _bent(p, 1.0, 0.0)), INPUT + 1, K)
+    add_free_derivative(p, at, u0, phi0, (zero, _bent(p, 0.0, 1.0)), INPUT + 2, K)
+
+
+def observed(observe_from, heating_of):
+    """Return ``observe`` of a beam with this heating; ``observe_from`` is that of a beam with a given free shape."""
 
     @kernel
     def observe(p, at, F, y, e):
-        u0, phi0, u_rate, phi_rate = free_screw(p, at)
+        strain, k_2, k_3, strain_rate, rate_2, rate_3 = heating_of(p, at)
+        u0, phi0 = _free_shape(p, strain, k_2, k_3)
         p_u, p_phi = observe_from(p, at, u0, phi0, y, e)
-        e[3] = -dot(p_u, u_rate) - dot(p_phi, phi_rate)
+        e[3] = -(p.length * strain_rate) * dot(p_u, vec(p.along, 0)) - dot(p_phi, _bent(p, rate_2, rate_3))
 
     return observe
