@@ -13,6 +13,7 @@ from mecano.solve.linear.rounding import ROUNDING
 HUGE = 1e300  # larger numbers count as infinite
 TINY = 1e-300
 SIGNALS = 1e-8  # of a signal, or of its rate: tolerance of its equation
+NO_STIFFNESS = 1e-15  # N/m: a smaller mean stiffness is the rounding of reactions
 SMALL = 1e-3  # signals that are smaller are judged as if they were of this size
 ANGULAR_SHARE = 1e-3  # the scale of moments is at least this share of (largest force) x (length), and vice versa
 
@@ -37,12 +38,14 @@ def length_scale(nodes):
 def balance(system, s, cK, cC, cM, into=None):
     """Return k = penalty, the mean stiffness of the tangent cK K + cC C + cM M at ``s`` (theory.md, section 1).
 
-    ``into`` is an Assembly for this tangent, by default a new one.
+    It is 1 N/m without stiffness: as the scale of reactions that are rounding, the stiffness that these cause would
+    decrease by the factor of rounding in every step. ``into`` is an Assembly for this tangent, by default a new one.
     """
     assembly = system.assemble(s, 1.0, 0.0, cK, cC, cM, into=into)
     diagonal = np.abs(assembly.data[system.diagonal[: system.n_q]])
     diagonal = diagonal[diagonal > 0]
-    return float(diagonal.mean()) if len(diagonal) else 1.0
+    mean = float(diagonal.mean()) if len(diagonal) else 0.0
+    return mean if mean > NO_STIFFNESS else 1.0
 
 
 @entry
