@@ -39,6 +39,41 @@ def test_load_factor_is_the_share_of_dead_and_follower_loads():
     np.testing.assert_allclose(path.turns_about_y("pin"), expected, atol=1e-12)
 
 
+def test_arc_length_turns_back_at_a_stop():
+    """A stop catches the truss over centre, where the load pulls up: the load increases again, as the stop pushes."""
+    height = -0.05
+    text = truss("{method: arc_length, end: 4, lowest: -4, steps: 40}").replace(
+        "plane: {type: prescribed_position, node: top, direction: [0, 1, 0], value: 0}",
+        f"guide: {{type: prismatic, nodes: [ground, top], axis: [0, 0, 1], stops: {{lower: {height - 0.3}}}}}",
+    )
+    path = Path(text)
+    z = path.positions("top")[:, 2]
+    on_stop = np.abs(z - height) < 1e-8
+    assert path.result.reason == "the end was reached" and path.factors[-1] == 4.0
+    assert np.count_nonzero(on_stop) > 3 and np.all(z > height - 1e-8)
+    np.testing.assert_allclose(30.0 * path.factors[~on_stop], truss_force(z[~on_stop]), atol=1e-6)
+    np.testing.assert_allclose(30.0 * path.factors[on_stop].min(), truss_force(height), atol=1e-6)
+
+
+def test_kinematics_without_forces():
+    """A driven crank without springs and loads: over any number of steps, the slider is at 2 r cos(theta)."""
+    path = Path("""
+        mecano: 1
+        gravity: none
+        nodes: {pin: {position: [0, 0, 0]}, end: {position: [0.5, 0, 0]}, slider: {position: [1, 0, 0]}}
+        elements:
+          crank: {type: rigid_body, node: pin, mass: 1, inertia: [1, 1, 1], attached: [end]}
+          slide: {type: point_mass, node: slider, mass: 1}
+        joints:
+          hinge: {type: hinge, nodes: [ground, pin], axis: [0, 1, 0]}
+          motor: {type: prescribed_angle, nodes: [ground, pin], axis: [0, 1, 0], value: {linear: {slope: 1}}}
+          rod: {type: rigid_rod, nodes: [end, slider]}
+          guide: {type: prismatic, nodes: [ground, slider], axis: [1, 0, 0]}
+        static: {over: time, end: 1, steps: 40}
+    """)
+    np.testing.assert_allclose(path.positions("slider")[:, 0], np.cos(path.factors), atol=1e-11)
+
+
 def controlled(static, torque, gravity=G, signals=""):
     """The arm without its spring, held by a motor with this torque."""
     more = f"signals: {{torque: {torque}{signals}}}"

@@ -8,11 +8,15 @@ perpendicular to its tangent t (Riks, Int. J. Solids Structures 15 (1979) 529-55
 solved with two right-hand sides of one factor, :math:`K x = -r` and :math:`K y = -\partial r/\partial\mu`. The sense
 of the tangent is that of the previous one, :math:`t_n^T S t_{n-1} > 0`. S scales displacements so that at the start
 they have the same weight as the load factor that causes them.
+
+Where a stop or contact closes or opens, the path has a corner, at which the load factor may turn back. The step then
+ends there, and the path continues to the side on which closed contacts push and open ones stay open.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 
 from mecano.errors import ConvergenceError, Failure
 from mecano.solve.linear.iteration import SINGULAR, Iterated, iterate
@@ -27,6 +31,7 @@ LONGEST = 5.0  # largest step, relative to the first one
 HALVINGS = 8  # number of bisections of a step in which stability is lost
 MOST_TRIES = 30  # largest number of trial steps to meet an end of the path
 MET = 1e-9  # relative tolerance of an end of the path
+AHEAD = 1e-3  # of a step: where the two sides of a corner are compared
 
 
 @dataclass
@@ -58,6 +63,7 @@ class Trial:
     found: object  # Found
     tangent: np.ndarray | None = None  # (n_q + 1,), the load factor last
     rate: np.ndarray | None = None  # (n,) derivatives of displacements and multipliers by the load factor
+    crossed: int | None = None  # first event that occurred within it
 
 
 @dataclass
@@ -127,6 +133,9 @@ class ArcLength:
         """Return the next Point and the length of the step to it."""
         rejected, before = 0, self._gaps(point.state, point.parameter)
         while not (trial := arc.step(point, ds)).found.ok:
+            if trial.crossed is not None and (corner := arc.corner(point, trial)).found.ok:
+                trial = corner
+                break
             if ds * SHRINK < minimum:
                 raise self._failure(follower, point, trial.mu, trial.found)
             ds, rejected = ds * SHRINK, rejected + 1
@@ -219,38 +228,81 @@ class Arc:
 
     def step(self, point, ds):
         """Return the Trial of a step of length ds from ``point``, to which tangent and rate belong."""
-        statics = self.statics
-        s, mu = statics.begin(point.state), point.parameter + ds * self.tangent[-1]
-        k, penalty = statics.scales(s)
-        guess = ds * self.tangent[-1] * self.rate
-        guess[statics.system.n_q :] /= k
-        statics.move(s, point.state, guess, k)
-        reported = []
+        statics, crossed, reported = self.statics, None, []
+        s, mu, result = self._correct(point, self._ahead(point.state, ds), ds)
         for _ in range(PHASE_CHANGES):
-            mu, result = self._correct(point, s, mu, ds, k, penalty)
             hit = statics.monitor.values(s) > CLOSED * statics.length
             if not result.ok or not hit.any():
                 break
+            crossed = int(np.argmax(hit)) if crossed is None else crossed
             s, event_records = apply_events(statics, s, point.state, hit)
             reported += event_records
-        trial = Trial(s, mu, ds, statics.judged(result, s, point.state))
+            s, mu, result = self._correct(point, s, ds, mu)
+        else:
+            result.ok, result.message = False, "contacts do not settle"
+        trial = Trial(s, mu, ds, statics.judged(result, s, point.state), crossed=crossed)
         trial.found.event_records = tuple(reported)
         return self._finished(trial) if trial.found.ok else trial
 
+    def corner(self, point, trial):
+        """Return the Trial that ends at the first event within ``trial``, with the tangent of the path behind it."""
+        statics, crossed = self.statics, trial.crossed
+
+        def solved(ds):
+            return self._correct(point, self._ahead(point.state, ds), ds)
+
+        def value(ds):
+            return statics.monitor.values(solved(ds)[0])[crossed]
+
+        if not value(0.0) < 0.0 < value(trial.ds):
+            return trial
+        ds = brentq(value, 0.0, trial.ds, xtol=MET * trial.ds)
+        s, mu, result = solved(ds)
+        found = statics.judged(result, s, point.state)
+        hit = np.arange(statics.monitor.values(s).size) == crossed
+        s, reported = statics.monitor.apply(statics.settled(s), hit)
+        found.event_records = tuple(reported)
+        corner = self._directed(Trial(s, mu, ds, found))
+        if corner.found.ok and self._crosses(corner):
+            corner.tangent = -corner.tangent
+        return corner
+
+    def _crosses(self, corner):
+        """Return whether an event occurs when the path goes on along the tangent of a ``corner``."""
+        now = self.statics.monitor.values(corner.state)
+        ahead = self._ahead(self.statics.begin(corner.state), AHEAD * corner.ds, corner)
+        return bool(np.any(self.statics.monitor.values(ahead) > np.maximum(now, 0.0)))
+
+    def _ahead(self, s0, ds, at=None):
+        """Return the state at the length ds along the tangent of ``at``, by default that of the last point."""
+        at, s = at or self, self.statics.begin(s0)
+        k, _ = self.statics.scales(s)
+        guess = ds * at.tangent[-1] * at.rate
+        guess[self.statics.system.n_q :] /= k
+        self.statics.move(s, s0, guess, k)
+        return s
+
     def _finished(self, trial):
         """Return the trial with tangent and rate at its end; it fails if the path turns too sharply."""
+        trial = self._directed(trial)
+        if trial.found.ok and self._product(trial.tangent, self.tangent) < SHARPEST:
+            trial.found.ok, trial.found.message = False, "the path turns too sharply"
+        return trial
+
+    def _directed(self, trial):
+        """Return the trial with tangent and rate at its end; it fails if these are singular."""
         trial.rate = self._rate(self.statics.begin(trial.state), trial.mu)
         if trial.rate is None:
             trial.found.ok, trial.found.message, trial.found.failure = False, SINGULAR, Failure.SINGULAR
             return trial
         trial.tangent = self._direction(trial.rate)
-        if self._product(trial.tangent, self.tangent) < SHARPEST:
-            trial.found.ok, trial.found.message = False, "the path turns too sharply"
         return trial
 
-    def _correct(self, point, s, mu, ds, k, penalty):
-        """Iterate by Newton's method in the plane of the step, changing ``s`` in place: (load factor, Iterated)."""
+    def _correct(self, point, s, ds, mu=None):
+        """Iterate by Newton's method in the plane of the step, changing ``s`` in place: (s, load factor, Iterated)."""
         statics, n, n_q = self.statics, self.statics.system.n, self.statics.system.n_q
+        mu = point.parameter + ds * self.tangent[-1] if mu is None else mu
+        k, penalty = statics.scales(statics.begin(point.state))
         by_q, by_mu = self.metric * self.tangent[:-1], self.tangent[-1]
         slope, rate, change = np.zeros(n), np.zeros(n), 0.0
         step = statics.step(point.state, s.phases)
@@ -281,4 +333,4 @@ class Arc:
 
         most = statics.tolerances.max_iterations
         result = iterate(evaluate, solve, move, most=most, exhausted=statics.exhausted(s))
-        return mu, result
+        return s, mu, result
