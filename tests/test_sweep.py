@@ -90,6 +90,42 @@ def test_a_tyre_in_the_air_comes_down_and_rolls():
     assert np.abs(base.state.a).max() < 1e-7
 
 
+def test_a_vehicle_stands_on_all_wheels_that_just_touch():
+    """The axle loads m g b/l: not balanced on one wheel, with the other in the air; and it starts where it is."""
+    base = about(
+        deck("""
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes:
+      body: {position: [0, 0, 1.5]}
+      front: {position: [3, 0, 0.35]}
+      rear: {position: [-1, 0, 0.35]}
+      front_hub: {position: [3, 0, 0.35]}
+      rear_hub: {position: [-1, 0, 0.35]}
+    elements:
+      body: {type: rigid_body, node: body, mass: 3000, inertia: [8000, 8000, 8000], attached: [front, rear]}
+      front_rim: {type: rigid_body, node: front_hub, mass: 10, inertia: [0.3, 0.6, 0.3]}
+      rear_rim: {type: rigid_body, node: rear_hub, mass: 10, inertia: [0.3, 0.6, 0.3]}
+      front_wheel: {type: wheel, node: front_hub, axis: [0, 1, 0], tire_law: rubber, ground: road}
+      rear_wheel: {type: wheel, node: rear_hub, axis: [0, 1, 0], tire_law: rubber, ground: road}
+    joints:
+      plane: {type: planar, nodes: [ground, body], axis: [0, 1, 0]}
+      front: {type: hinge, nodes: [front, front_hub], axis: [0, 1, 0]}
+      rear: {type: hinge, nodes: [rear, rear_hub], axis: [0, 1, 0]}
+    tire_laws: {rubber: {radius: 0.35, radial: {linear: {slope: 400 kN/m}}, friction: 0.8, slip_regularization: 0.1}}
+    grounds: {road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}}
+    initial: {steady: {velocity: [20, 0, 0]}}
+    time: {end: 1, step: 1 ms}
+    """)
+    )
+    sunk = [0.35 - running(base, hub)[0][2] for hub in ("front_hub", "rear_hub")]
+    x = [running(base, name)[0][0] for name in ("front_hub", "body", "rear_hub")]
+    arm = (x[1] - x[2]) / (x[0] - x[2])
+    np.testing.assert_allclose(4e5 * np.array(sunk), G * np.array([3000.0 * arm + 10.0, 3000.0 * (1 - arm) + 10.0]),
+                               rtol=1e-6)  # fmt: skip
+    np.testing.assert_allclose(x, [3.0, 0.0, -1.0], atol=0.05)
+
+
 def test_drag_of_a_towed_wheel_is_made_up_by_slip():
     """A bearing that takes c spin: friction 2 mu N slip/eps (nearly) at the rim, c spin = friction r."""
     base = trolley(TOW, drag=0.5)

@@ -2,8 +2,6 @@
 
 import numpy as np
 
-NOTICEABLE = 0.1  # of the length scale
-
 
 def set_initial_state(prepared, disturbed=True):
     """Set ``prepared.state`` to the equilibrium or steady motion of ``initial`` in the deck, and return warnings.
@@ -40,10 +38,10 @@ def describe(deck):
 
 def _reshaped(prepared, before):
     """Yield a warning about the node that moved most from its position in the deck, the mean translation removed."""
-    system, of = prepared.system, prepared.system.numbering
-    shift = (prepared.state.z - before.z)[of.x[:, None] + np.arange(3)]
-    size = np.linalg.norm(shift - shift.mean(axis=0), axis=1)
+    from mecano.solve.modal.steady import NOTICEABLE, reshaping
+
+    size = reshaping(prepared.system, before, prepared.state)
     i = int(np.argmax(size))
     if size[i] > NOTICEABLE * prepared.length:
-        name = system.nodes[i].name
+        name = prepared.system.nodes[i].name
         yield f"steady running requires another shape of the mechanism: node '{name}' moves by {size[i]:.3g} m"

@@ -15,7 +15,8 @@ Newton's method on :math:`(q, \sigma, \Lambda)` takes the minimum-norm step: pos
 and reactions that are undetermined stay unchanged; steps are halved until the residual decreases. The force on a
 sliding wheel hardly depends on its spin: therefore the spin of a wheel that no constraint makes roll is found, in every
 iteration, from the moment about its axle, which increases with the spin. If Newton's method does not converge, the
-state is relaxed first, against a drag that decreases with the forces, and Newton's method continues from there.
+state is relaxed first, against a drag that decreases with the forces, and Newton's method continues from there; so it
+is if the mechanism has another shape, as a vehicle whose wheels just touch may be balanced on one of them.
 """
 
 from dataclasses import dataclass
@@ -44,6 +45,7 @@ FIRST_CREEP, FADES = 0.01, (0.1, 2.0)  # first displacement in length scales; li
 MOST_GROWTH, HARDER = 1.5, 4.0  # largest growth of the force in a relaxation step; factor on the drag beyond it
 STEADY = 1e-6  # largest relative change of forces per radian or length scale; of constraints relative to the speed
 ROUNDED = 1e-12  # of the speed, or of speed over length scale: smaller velocities are set to zero
+NOTICEABLE = 0.1  # of the length scale: displacement by which a state has another shape
 WIDER, WIDENINGS = 2.0, 40  # factor on the bracket of a spin; number of times it is widened
 
 
@@ -74,20 +76,34 @@ class Steady:
         self.root = np.where(self.turning, length, 1.0)
         self.speed = float(np.linalg.norm(self.V)) or length  # [m/s]; at rest, one length scale per second
         self.along = np.zeros(of.n_all)
-        for first in np.unique(of.x[of.x < self.n_q]):
-            self.along[first : first + 3] = self.V
+        self.free = np.unique(of.x[of.x < self.n_q])[:, None] + np.arange(3)  # positions that are unknown
+        self.along[self.free] = self.V
         self.monitor = EventMonitor(system)
-        self.k = None  # [N/m] mean stiffness at the start
+        self.k = (
+            None  # [N/m] mean stiffness at the start, or at least that with which its forces cause one length scale
+        )
 
     def find(self, start):
         """Return the steady State near ``start``; raises ConvergenceError with the reason if none is found."""
         if self.system.n > LARGEST:
             raise ConvergenceError(f"steady running can be computed for models of at most {LARGEST} equations")
         s, arrived = self._newton(self._begun(start))
-        if not arrived:
-            s, arrived = self._newton(self._creep(self._begun(start)))
+        if not arrived or self._reshaped(start, s) > NOTICEABLE * self.length:
+            crept, settled = self._newton(self._put_back(start, self._creep(self._begun(start))))
+            if not arrived or (settled and self._reshaped(start, crept) < self._reshaped(start, s)):
+                s, arrived = crept, settled
         self._judge(s, arrived)
         s.v[np.abs(s.v) < ROUNDED * max(1.0, 1.0 / self.length) * self.speed] = 0.0
+        return s
+
+    def _reshaped(self, start, s):
+        """Return the largest displacement [m] of a node from ``start`` to ``s``, the mean translation removed."""
+        return float(reshaping(self.system, start, s).max(initial=0.0))
+
+    def _put_back(self, start, s):
+        """Return the state with the mean displacement along the road removed, which relaxation leaves arbitrary."""
+        direction = self.V / self.speed
+        s.z[self.free] -= float(direction @ (s.z - start.z)[self.free].mean(axis=0)) * direction
         return s
 
     def _begun(self, start):
@@ -148,9 +164,9 @@ class Steady:
         f, size = assembly.residual[: self.n_q], assembly.size[: self.n_q]
         derivatives = system.constraint_derivatives(s)
         gap = np.where(self.of_rates, derivatives[:, 1] * self.length / self.speed, derivatives[:, 0])
-        k = self.k = self.k or self._stiffness(K)
-        merit = float(np.hypot(np.linalg.norm(f / (k * self.root)), np.linalg.norm(gap)))
         force = float(np.abs(f / self.root).max(initial=0.0))
+        k = self.k = self.k or max(self._stiffness(K), force / self.length)
+        merit = float(np.hypot(np.linalg.norm(f / (k * self.root)), np.linalg.norm(gap)))
         return Tangent(
             K, C[:, : self.n_q], k, f, size, gap, derivatives[:, 1], force, merit, self._excess(f, size, gap)
         )
@@ -274,6 +290,12 @@ class Steady:
         if change.max(initial=0.0) > STEADY * force * rate:
             name = self.system.numbering.name[int(np.argmax(change))]
             raise ConvergenceError(f"{text}: the forces change over time, in {name}\n{tries}")
+
+
+def reshaping(system, before, after):
+    """Return the displacements (n_nodes,) [m] of all nodes between two states, the mean translation removed."""
+    shift = (after.z - before.z)[system.numbering.x[:, None] + np.arange(3)]
+    return np.linalg.norm(shift - shift.mean(axis=0), axis=1)
 
 
 def _plain(N):
