@@ -88,10 +88,42 @@ def test_a_spring_that_is_activated_and_released():
     assert np.ptp(run["energy/balance"]) < 1e-4 * np.ptp(run["energy/kinetic"])
 
 
+RIGID = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {a: {position: [0, 0, 0.6]}, b: {position: [1, 0, 0.05]}}
+    elements:
+      a: {type: rigid_body, node: a, mass: 2, inertia: [0.1, 0.1, 0.1]}
+      b: {type: rigid_body, node: b, mass: 2, inertia: [0.1, 0.1, 0.1]}
+      floor: {type: contact, nodes: [ground, a], SURFACE, activate: {time: 0.1}, release: {time: 0.7}}
+      lid: {type: contact, nodes: [ground, b], SURFACE, activate: {when: time > 0.01}}
+    initial: {velocities: [{nodes: [b], velocity: [0, 0, 2]}]}
+    time: {end: 1.0, step: 2.0e-3}
+    """
+PLANE = "plane: {normal: [0, 0, 1], point: [0, 0, 0]}, radius: 0.1, restitution: 0.5"
+
+
+def test_a_rigid_contact_is_activated_and_released():
+    """One ball bounces, and falls through the plane from 0.7 s on; the other one rises through it beforehand."""
+    run, g = RecordedRun(deck(RIGID.replace("SURFACE", PLANE))), 9.81
+    floor, lid = ([e for e in run.event_records if e.element == f"contact '{name}'"] for name in ("floor", "lid"))
+    fall, up = math.sqrt(1.0 / g), math.sqrt(4.0 - 2.0 * g * 0.05)
+    assert [(e.name, e.t) for e in floor] == [
+        ("activates", pytest.approx(0.1)), ("closes", pytest.approx(fall, abs=1e-6)),
+        ("closes", pytest.approx(2.0 * fall, abs=1e-6)), ("releases", pytest.approx(0.7)),
+    ]  # fmt: skip
+    assert (floor[1].impulse, floor[1].lost) == pytest.approx((2.0 * 1.5 * g * fall, 0.75 * (g * fall) ** 2), rel=1e-6)
+    assert [(e.name, e.t) for e in lid[:2]] == [
+        ("activates", pytest.approx((2.0 - up) / g, abs=1e-6)), ("closes", pytest.approx((2.0 + up) / g, abs=1e-6))
+    ]  # fmt: skip
+    v, after = 0.25 * g * fall, 1.0 - 2.0 * fall
+    assert run["nodes/a/position"][-1, 2] == pytest.approx(0.1 + v * after - 0.5 * g * after**2, abs=1e-5)
+    assert np.ptp(run["energy/balance"]) < 1e-6 * np.ptp(run["energy/kinetic"])
+
+
 @pytest.mark.parametrize(
     ("material", "message"),
     [
-        ("activate: {time: 0.1}, restitution: 0.5", "'activate' needs 'law'"),
         ("activate: {}, law: {polynomial: [0, 800]}", "'activate' needs either 'time' or 'when'"),
     ],
 )

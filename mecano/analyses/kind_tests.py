@@ -122,6 +122,7 @@ FREE = {
     "air",
     "open",
     "released",
+    "inactive",
     "free",
     "between",
     "slack",

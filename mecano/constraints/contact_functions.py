@@ -1,7 +1,8 @@
 """Compiled functions of a contact of two bodies, for any pair of shapes; equations in elements/joints/contact.py.
 
 A pair of shapes is a ``Shapes``: where they touch, and how fast they approach. Local unknowns: x0, R0, x1, and R1 where
-the shape on b turns with its node or friction turns it; then the multiplier of a rigid contact, held at the gap m[0].
+the shape on b turns with its node or friction turns it; then the inputs and the multiplier of a rigid contact, held at
+the gap m[0].
 """
 
 from collections.abc import Callable
@@ -72,7 +73,7 @@ def _put(at, touched, N, F_t, u, y):
     y[0], y[1], y[2], y[3] = touched.gap, N, norm(F_t), norm(u)
     put(y, 4, N * touched.n + F_t)
     put(y, 7, vec(at.q, 6) + touched.b)
-    y[10] = float(at.phase)
+    y[10] = 1.0 if at.phase == CLOSED else 0.0
 
 
 @kernel
@@ -82,8 +83,12 @@ def _friction(p, at, touched, N):
     return -(N * friction(at.laws, p.coefficient, p.regularization, norm(u))) * u, u
 
 
-def _event_values(shapes, row):
-    """Return ``event_values``: the depth [m]; then -N [N] of the multiplier at ``row``, or the gap without one."""
+def _event_values(shapes, row, inputs=0):
+    """Return ``event_values``: the depth [m]; then -N [N] of the multiplier at ``row``, or the gap without one.
+
+    Of a rigid contact with two ``inputs``, before its multiplier, the triggers of activation, while nothing overlaps,
+    and of release follow.
+    """
     touch = shapes.touch
 
     @kernel
@@ -95,7 +100,14 @@ def _event_values(shapes, row):
     def of_rigid(p, at, g):
         g[0], g[1] = -touch(p, at).gap, -at.q[row]
 
-    return of_elastic if row is None else of_rigid
+    @kernel
+    def of_switched(p, at, g):
+        of_rigid(p, at, g)
+        g[2] = min(at.q[row - 2], -g[0])
+        for i in range(3, 6):
+            g[i] = at.q[row - 1]
+
+    return of_elastic if row is None else of_switched if inputs else of_rigid
 
 
 def elastic(shapes, rubs):
@@ -148,14 +160,14 @@ def elastic(shapes, rubs):
     return {**dict(zip(("residual", "observe"), found, strict=True)), "event_values": _event_values(shapes, None)}
 
 
-def rigid(shapes):
-    """Return the functions of the constraint of a rigid contact, as fields of a Kind."""
-    touch, approach, row = shapes.touch, shapes.approach, 3 * len(shapes.layout)
+def rigid(shapes, inputs=0):
+    """Return the functions of the constraint of a rigid contact with so many inputs, as fields of a Kind."""
+    touch, approach, row = shapes.touch, shapes.approach, 3 * len(shapes.layout) + inputs
     gradient = _gradient if shapes.turning else _central_gradient
 
     @kernel
     def residual(p, at, f):
-        if at.phase == OPEN:
+        if at.phase != CLOSED:
             f[row] -= at.q[row]
         else:
             touched = touch(p, at)
@@ -176,22 +188,19 @@ def rigid(shapes):
     return {"residual": residual, "constraints": constraints, "commit": commit}
 
 
-def observed_rigid(shapes):
+def observed_rigid(shapes, inputs=0):
     """Return ``observe`` and ``event_values`` of a rigid contact without friction, as fields of a Kind."""
-    touch, row = shapes.touch, 3 * len(shapes.layout)
+    touch, row = shapes.touch, 3 * len(shapes.layout) + inputs
 
     @kernel
     def observe(p, at, F, y, e):
         _put(at, touch(p, at), number(at.q[row]), ZERO, ZERO, y)
 
-    return {"observe": observe, "event_values": _event_values(shapes, row)}
+    return {"observe": observe, "event_values": _event_values(shapes, row, inputs)}
 
 
 def rubbing(shapes):
-    """Return the residual of the friction of a rigid contact, whose multiplier is coupled, and what it observes.
-
-    The second value has ``observe`` and ``event_values`` of a rigid contact with friction, as fields of a Kind.
-    """
+    """Return the residual of the friction of a rigid contact, whose multiplier is coupled."""
     touch = shapes.touch
 
     @kernel
@@ -199,11 +208,18 @@ def rubbing(shapes):
         touched = touch(p, at)
         _add_forces(f, at, touched, _friction(p, at, touched, at_least(at.q[TURNING], 0.0))[0])
 
+    return residual
+
+
+def observed_rubbing(shapes, inputs=0):
+    """Return ``observe`` and ``event_values`` of a rigid contact with friction, as fields of a Kind."""
+    touch, row = shapes.touch, TURNING + inputs
+
     @kernel
     def observe(p, at, F, y, e):
-        touched, N = touch(p, at), at_least(number(at.q[TURNING]), 0.0)
+        touched, N = touch(p, at), at_least(number(at.q[row]), 0.0)
         F_t, u = _friction(p, at, touched, N)
         e[2] = -dot(F_t, u)
         _put(at, touched, N, F_t, u, y)
 
-    return residual, {"observe": observe, "event_values": _event_values(shapes, TURNING)}
+    return {"observe": observe, "event_values": _event_values(shapes, row, inputs)}

@@ -17,7 +17,8 @@ pin in a hole is a ball of the radius of the pin ``inside`` of a cylinder. The r
 or groove) is its ``profile``; it is touched in the nearest point of its meridian. A ``rod`` in place of the ball, a
 capsule, touches another capsule or cylinder in one point. Where both are parallel, the force acts in the middle of the
 part along which they touch, and does not resist their turning: two long parallel bodies need a contact near each end.
-With ``activate`` an elastic contact has no force before.
+With ``activate`` a contact has no force before, with ``release`` none after it. A rigid contact that overlaps when it
+is activated begins to act where it no longer does.
 """
 
 from collections.abc import Callable
@@ -28,7 +29,9 @@ import numpy as np
 
 from mecano.constraints.activation import with_activation
 from mecano.constraints.along_coordinate.friction import check_friction, friction_fields
-from mecano.constraints.contact_functions import Shapes, elastic, observed_rigid, rigid, rubbing
+from mecano.constraints.along_coordinate.trigger import trigger_of
+from mecano.constraints.contact_functions import Shapes, elastic, observed_rigid, observed_rubbing, rigid, rubbing
+from mecano.constraints.release import SAMPLE, with_release
 from mecano.constraints.touching import (
     FIELDS,
     SURFACE_RECORD,
@@ -55,7 +58,7 @@ from mecano.constraints.touching_rods import (
     rod_record,
 )
 from mecano.element_interface import CONTACT as SHOCK
-from mecano.element_interface import Display, Event, Kind, Output, Part, Row, record
+from mecano.element_interface import RELEASES, Display, Event, Kind, Output, Part, Row, record
 from mecano.laws.probe import curve_at
 from mecano.schema import CURVE, NODE_PAIR, NUMBER, Field, not_negative, share
 
@@ -65,6 +68,7 @@ RECORD = record(**MATERIAL, **SURFACE_RECORD)
 PHASES = ("open", "closed")
 ROUNDING = 1e-9  # [m]
 NORMAL = Row("normal force of the contact", "N", "m", unilateral=True)
+CLOSES = Event("closes", "open", "closed", "the ball reaches the surface; a shock", SHOCK, "restitution")
 OPENS = Event("opens", "closed", "open", "the normal force falls to zero")
 
 
@@ -111,7 +115,14 @@ def prepare(d, nodes, context):
 
 def variant(d):
     """Return the kind of a rigid or elastic contact of a ball or a rod, with or without friction."""
-    return KINDS[_pair(d), d["law"] is None, d["friction"] is not None]
+    return KINDS[_pair(d)]["rigid" if d["law"] is None else "elastic"][d["friction"] is not None]
+
+
+def variant_in_time(d):
+    """Return the same kind, of a contact that is activated or released if the deck says so."""
+    if d["law"] is None and (d["activate"] is not None or d["release"] is not None):
+        return KINDS[_pair(d)]["switched"][d["friction"] is not None]
+    return ELASTIC_CONTACT.chosen(d)
 
 
 def check(d, nodes):
@@ -119,10 +130,9 @@ def check(d, nodes):
     pair = PAIRS[_pair(d)]
     texts = check_given(d) or pair.check(d, nodes)
     if d["law"] is None:
-        texts += ["'activate' needs 'law': a rigid contact is always active"] if d["activate"] else []
         texts += ["'damping' needs 'law': a rigid contact has none"] if d["damping"] else []
         texts += check_friction(d)
-        if not texts and (gap := pair.gap_at_start(d, nodes)[0]) < -ROUNDING:
+        if not texts and not d["activate"] and (gap := pair.gap_at_start(d, nodes)[0]) < -ROUNDING:
             what = "rod" if d["rod"] else "ball"
             texts.append(f"the {what} starts {-gap:.6g} m within the surface, which is rigid without 'law'")
         return texts
@@ -168,6 +178,18 @@ def sample(rng):
     return found + [({**drum, **touching, "friction": dry}, nodes, "closed") for drum in turned]
 
 
+def sample_in_time(rng):
+    """Return those samples, and rigid contacts that are activated or released, in all phases."""
+    timed = {**SAMPLE, "activate": {"time": 0.1, "when": None}}
+    found = ELASTIC_CONTACT.sample(rng)
+    smooth, _, _, _, rough = [(values, nodes) for values, nodes, phase in found if _held(values, phase)][:5]
+    return found + [({**d, **timed}, nodes, phase) for d, nodes in (smooth, rough) for phase in SWITCHES["phases"]]
+
+
+def _held(values, phase):
+    return phase == "closed" and "law" not in values and "rod" not in values
+
+
 def _barrel(radius):
     """Return the profile of a barrel with this radius [m] at its origin, for samples."""
     return (("polynomial", {"coefficients": [radius, 0.1, -0.05]}),)
@@ -209,7 +231,7 @@ _ALWAYS_ACTIVE = Kind(
     ),
     multipliers=(NORMAL,),
     phases=PHASES,
-    events=(Event("closes", "open", "closed", "the ball reaches the surface; a shock", SHOCK, "restitution"), OPENS),
+    events=(CLOSES, OPENS),
     memory=("held",),
     prepare=prepare,
     variant=variant,
@@ -225,6 +247,22 @@ ELASTIC = {
 ROUGH_LAYOUT = RODS.layout
 
 
+INACTIVE, RELEASED = "inactive", "released"
+SWITCHES = {
+    "phases": (*PHASES, INACTIVE, RELEASED),
+    "events": (
+        CLOSES, OPENS, Event("activates", INACTIVE, "open", "the contact begins to act"),
+        *(Event(RELEASES, phase, RELEASED, "the contact is released") for phase in (*PHASES, INACTIVE)),
+    ),
+    "inputs": ("activate", "release"),
+    "reads": lambda d: [
+        trigger_of(d[name]) if d[name] else otherwise for name, otherwise in (("activate", "1"), ("release", "-1"))
+    ],
+    "at_start": lambda p: 2,
+}  # fmt: skip
+"""of a rigid contact that is activated or released; without a time or condition it is active at the start, for good."""
+
+
 def _parts(held, rubs):
     """Return ``parts`` of a rigid contact with friction: its constraint, and the friction that it causes."""
 
@@ -235,33 +273,51 @@ def _parts(held, rubs):
     return parts
 
 
-def _kinds(name, shapes, dtype):
-    """Return {(rigid, rough): Kind} of the contacts of two shapes."""
+def _elastic_kinds(name, shapes, dtype):
+    """Return {rough: Kind} of the elastic contacts of two shapes."""
+    smooth = replace(
+        _ALWAYS_ACTIVE, name=f"smooth_{name}contact", dtype=dtype, layout=shapes.layout, variant=None,
+        **ELASTIC | elastic(shapes, False),
+    )  # fmt: skip
+    rough = replace(smooth, name=f"rough_{name}contact", layout=ROUGH_LAYOUT, **elastic(shapes, True))
+    return {False: smooth, True: rough}
+
+
+def _friction_kind(name, shapes, dtype):
+    """Return the Kind of the friction of the rigid contacts of two shapes, a part of them."""
+    return Kind(
+        name=f"{name}contact_friction", doc="Friction of a rigid contact.", dtype=dtype,
+        layout=ROUGH_LAYOUT, coupled_multipliers=(NORMAL,), residual=rubbing(shapes),
+    )  # fmt: skip
+
+
+def _rigid_kinds(name, shapes, dtype, rubs, switches):
+    """Return {rough: Kind} of the rigid contacts of two shapes; ``switches`` are those of SWITCHES or none."""
+    inputs, phases = len(switches.get("inputs", ())), switches.get("phases", PHASES)
     held = replace(
         _ALWAYS_ACTIVE, name=f"{name}contact", dtype=dtype, layout=shapes.layout, variant=None,
-        **rigid(shapes), **observed_rigid(shapes),
+        **rigid(shapes, inputs), **observed_rigid(shapes, inputs), **switches,
     )  # fmt: skip
-    smooth = replace(held, name=f"smooth_{name}contact", **ELASTIC | elastic(shapes, False))
-    rough = replace(smooth, name=f"rough_{name}contact", layout=ROUGH_LAYOUT, **elastic(shapes, True))
     constraint = Kind(
         name=f"rigid_{name}contact_part", doc="Constraint of a rigid contact with friction.", dtype=dtype,
-        layout=shapes.layout, multipliers=(NORMAL,), phases=PHASES, memory=_ALWAYS_ACTIVE.memory, **rigid(shapes),
-    )  # fmt: skip
-    residual, observed = rubbing(shapes)
-    rubs = Kind(
-        name=f"{name}contact_friction", doc="Friction of a rigid contact.", dtype=dtype,
-        layout=ROUGH_LAYOUT, coupled_multipliers=(NORMAL,), residual=residual,
+        layout=shapes.layout, multipliers=(NORMAL,), phases=phases, memory=_ALWAYS_ACTIVE.memory, **rigid(shapes),
     )  # fmt: skip
     rubbed = replace(
         held, name=f"rigid_rough_{name}contact", layout=ROUGH_LAYOUT, multipliers=(), memory=(), commit=None,
-        constraints=None, residual=None, parts=_parts(constraint, rubs), **observed,
+        constraints=None, residual=None, parts=_parts(constraint, rubs), **observed_rubbing(shapes, inputs),
     )  # fmt: skip
-    return {(True, False): held, (False, False): smooth, (False, True): rough, (True, True): rubbed}
+    return {False: held, True: rubbed}
 
 
-KINDS = {
-    (name, *which): kind
-    for name, pair in PAIRS.items()
-    for which, kind in _kinds(pair.name, pair.shapes, pair.dtype).items()
-}
-CONTACT = with_activation(_ALWAYS_ACTIVE, "contact", (1, 3, 10))
+def _kinds(pair):
+    """Return {"elastic", "rigid" or "switched": {rough: Kind}} of the contacts of a Pair."""
+    of = pair.name, pair.shapes, pair.dtype
+    rubs = _friction_kind(*of)
+    rigid_ones = {name: _rigid_kinds(*of, rubs, given) for name, given in (("rigid", {}), ("switched", SWITCHES))}
+    return {"elastic": _elastic_kinds(*of), **rigid_ones}
+
+
+KINDS = {name: _kinds(pair) for name, pair in PAIRS.items()}
+FORCES = (1, 3, 10)  # outputs of an elastic contact that are zero while it does not act
+ELASTIC_CONTACT = with_activation(with_release(_ALWAYS_ACTIVE, "contact", FORCES), "contact", FORCES)
+CONTACT = replace(ELASTIC_CONTACT, variant=variant_in_time, sample=sample_in_time)
