@@ -1,6 +1,7 @@
 """Quantities with units, against their definitions."""
 
 import math
+import textwrap
 
 import pytest
 from deck_samples import VALID, problems_of, read_fake
@@ -165,6 +166,43 @@ def test_units_of_forces_of_the_rate(law, reported):
     with pytest.raises(DeckError) as error:
         deck_of_bytes(text.encode(), "damped.yaml")
     assert reported in str(error.value)
+
+
+NAMED = """
+    mecano: 1
+    gravity: none
+    nodes: {a: {position: [0, 0, 0]}, b: {position: [1, 0, 0]}}
+    elements:
+      a: {type: rigid_body, node: a, mass: 1, inertia: [1, 1, 1]}
+      b: {type: point_mass, node: b, mass: 1}
+      s: {type: spring_damper, nodes: [a, b], law: LAW}
+    joints: {h: {type: hinge, nodes: [ground, a], axis: [0, 0, 1], turning_law: coil}}
+    loads: {f: {type: force, node: b, direction: [1, 0, 0], value: push}}
+    laws: {coil: {spring: {stiffness: 3 N m/deg}}, line: {spring: {stiffness: 3 N/mm}}, push: PUSH}
+    time: {end: 1, step: 0.1}
+    """
+
+
+@pytest.mark.parametrize(
+    ("law", "push", "message", "hint"),
+    [
+        ("line", "5 kN", "", ""),
+        ("coil", "5 kN", "law 'coil': 'spring.stiffness': a stiffness [N/m] is expected, and 'N m/deg' is a torsional",
+         "spring_damper 's' uses it in line 8"),
+        ("line", "5 bar", "law 'push': a force [N] is expected, and 'bar' is a pressure", "force 'f' uses it in line"),
+        ("line", "{sine: {amplitude: 3 N, frequency: 2 m}}", "'sine.frequency': a frequency [1/s] is expected", "'f'"),
+        ("line", "{table: {points: [[0 s, 0], [1, 2 N m]]}}", "[1][1]': a force [N] is expected, and 'N m' is", "'f'"),
+    ],
+)  # fmt: skip
+def test_units_of_named_laws_are_those_of_each_use(law, push, message, hint):
+    text = textwrap.dedent(NAMED.replace("LAW", law).replace("PUSH", push))
+    if not message:
+        assert deck_of_bytes(text.encode(), "named.yaml").values["laws"]["push"] == (("constant", {"value": 5e3}),)
+        return
+    with pytest.raises(DeckError) as error:
+        deck_of_bytes(text.encode(), "named.yaml")
+    (problem,) = error.value.problems
+    assert message in problem.message and hint in problem.hint
 
 
 def test_laws_are_declared_with_the_unit_of_their_argument():

@@ -8,6 +8,7 @@ from mecano.deck.containers import either, filled, kind, list_, mapping, named, 
 from mecano.deck.copies import Copies
 from mecano.deck.formulas import check_continuous, check_formulas, condition, drive, formula, signal_entry
 from mecano.deck.language import LANGUAGE
+from mecano.deck.law_units import check_named_laws
 from mecano.deck.laws import law_in_place, law_or_name
 from mecano.deck.parameters import Parameters
 from mecano.deck.physics import check_model
@@ -130,6 +131,7 @@ def checked_values(root, sections, scope):
     resolve(result, scope)
     check_formulas(result, scope)
     _stop_at(problems, UNCHECKED)
+    check_named_laws(root, scope)
     check_continuous(result, scope)
     check_model(result, root, scope)
     _stop_at(problems)

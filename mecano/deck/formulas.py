@@ -33,7 +33,7 @@ def drive(node, field, scope):
     """Return a checked curve, a formula as text, or a Reference for the name of a law or a signal."""
     text = node.value
     if type(text) is str and IDENTIFIER.fullmatch(text):
-        return Reference(text, "laws", "drive", node, scope.subject, field.type.options)
+        return Reference(text, "laws", "drive", node, scope.subject, field.type.options, use=field)
     if type(text) is str and not is_quantity(text) and not is_arithmetic(text):
         found = _read(text, node, scope)
         if found is INVALID or found.references or found.depends_on_time:

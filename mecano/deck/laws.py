@@ -30,7 +30,7 @@ def law_or_name(node, field, scope):
         value = number(node, replace(field, type=NUMBER), scope)
         return INVALID if value is INVALID else (("constant", {"value": value}),)
     if type(node.value) is str and IDENTIFIER.fullmatch(node.value):
-        return Reference(node.value, "laws", field.type.name, node, scope.subject)
+        return Reference(node.value, "laws", field.type.name, node, scope.subject, use=field)
     if type(node.value) is list and any(type(item.value) is dict for item in node.value):
         return scope.refuse(node, "a law is a mapping of terms, not a list", f"write {HOW}; terms add up")
     return scope.refuse_value(node, field)
@@ -38,7 +38,7 @@ def law_or_name(node, field, scope):
 
 def law_in_place(node, field, scope):
     """Return a law of the section ``laws``: a number or a mapping of terms, not a name."""
-    value = law_or_name(node, field, scope)
+    value = law_or_name(node, replace(field, unit=VALUE), scope)
     return scope.refuse_value(node, field) if type(value) is Reference else value
 
 

@@ -11,7 +11,7 @@ from mecano.deck.source import Source
 from mecano.deck.units import is_quantity
 from mecano.deck.wording import found, how_to_write, quoted, suggestion, unit_text
 from mecano.errors import DeckError, Problem
-from mecano.schema import SECTION_OF
+from mecano.schema import SECTION_OF, Field
 
 MAX_PROBLEMS = 10_000
 MAX_COMPARED = 1_000_000  # words: looking for similar ones is slow in a large deck
@@ -42,6 +42,7 @@ class Reference:
     subject: str
     options: tuple = ()  # of the type
     home: tuple | None = None  # (container, key) of the checked value
+    use: Field | None = None  # of a law
 
 
 @dataclass
