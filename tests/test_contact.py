@@ -196,3 +196,28 @@ def test_errors(contact, message):
         deck_of_bytes(text.replace("\n    ", "\n").strip().encode(), "deck.yaml")
     found = deck_error_text(info.value)
     assert found.startswith("deck.yaml:7:") and message in found
+
+
+IMPACTS = """
+    mecano: 1
+    gravity: none
+    nodes: {slides: {position: [0, 0, 0.1005]}, rolls: {position: [0, 1, 0.1005]}}
+    elements:
+      slides: {type: rigid_body, node: slides, mass: 2, inertia: [8.0e-3, 8.0e-3, 8.0e-3]}
+      rolls: {type: rigid_body, node: rolls, mass: 2, inertia: [8.0e-3, 8.0e-3, 8.0e-3]}
+      smooth: {type: contact, nodes: [ground, slides], SURFACE, friction: {coefficient: 0.1, regularization: 1.0e-4}}
+      rough: {type: contact, nodes: [ground, rolls], SURFACE, friction: {coefficient: 0.6, regularization: 1.0e-4}}
+    initial: {velocities: [{nodes: [slides, rolls], velocity: [2, 0, -1]}]}
+    time: {end: 5.0e-3, step: 1.0e-5}
+    """
+
+
+def test_friction_in_an_elastic_impact(verify):
+    """Of the speed along the plane, friction takes 2 mu v_n from a ball that slides throughout, else 2/7: it rolls."""
+    surface = "plane: {normal: [0, 0, 1], point: [0, 0, 0]}, radius: 0.1, law: {polynomial: [0, 2.0e6]}"
+    run = RecordedRun(deck(IMPACTS.replace("SURFACE", surface)))
+    for ball, speed in (("slides", 2.0 - 2.0 * 0.1), ("rolls", 2.0 * 5.0 / 7.0)):
+        v, spin = run[f"nodes/{ball}/velocity"][-1], run[f"nodes/{ball}/angular_velocity"][-1, 1]
+        what = f"elastic impact with friction, a ball that {ball}: velocity [m/s]"
+        verify(S, what, v, [speed, 0.0, 1.0], "Coulomb's law in the impact", absolute=1e-4)
+        assert spin == pytest.approx(2.0 * (2.0 - speed) / 8e-3 * 0.1, abs=1e-3)

@@ -10,7 +10,8 @@ With a law ``law`` of the depth w, by which both bodies overlap, it is elastic, 
 
 ``friction`` opposes the velocity u of the ball along the surface, :math:`F_t = -\mu(|u|)\,\phi(|u|)\,N u/|u|`, with
 :math:`\phi(u) = (u/\epsilon)(2 - u/\epsilon)` below the speed :math:`\epsilon` of the ``regularization``, 1 beyond: a
-resting ball creeps. A rigid contact exerts it while it is closed, with its multiplier N; a shock is without friction.
+resting ball creeps. A rigid contact exerts it while it is closed, with its multiplier N; a shock is without friction,
+an impact by a ``law`` is not.
 Node a needs an orientation (a body, a beam or the ground), with friction or a rod node b, too. A capsule or a box that
 touches a plane is a ball at each end or corner, on nodes attached to the body. The surface of a cylinder has no ends; a
 pin in a hole is a ball of the radius of the pin ``inside`` of a cylinder. The radius of a ``revolution`` (a drum, cone
