@@ -410,17 +410,17 @@ def code_of(kind, template):
         template = dual_constraint_derivatives
     function = getattr(kind, PURPOSES[template])
     inertia = kind.inertia if template is dual_tangent else None
-    return None if function is None else _code(template, function, inertia, kind.dtype, kind.of_rates, kind.name)
+    return None if function is None else _code(template, function, inertia, kind.dtype, kind.of_rates)
 
 
 @cache
-def _code(template, function, inertia, parameters, of_rates, kind_name):
-    """Return the Code of the loop; kinds that differ only in the number of unknowns (Kind.variant) share one."""
+def _code(template, function, inertia, parameters, of_rates):
+    """Return the Code of the loop; kinds with the same function and record of parameters share one."""
     values = {
         **template.__globals__, "function": function, "inertia": inertia or no_inertia,
         "has_inertia": inertia is not None, "parameters": parameters, "of_rates": of_rates,
     }  # fmt: skip
-    name = f"{template.__name__}_{kind_name}"
+    name = f"{template.__name__}_{function.__module__.rpartition('.')[2]}"
     bound = types.FunctionType(template.__code__, values, name)
     return Code(name, digest(bound), lambda compiler: compiler.loop_code(bound))
 
