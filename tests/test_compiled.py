@@ -9,8 +9,10 @@ import sys
 import tempfile
 import textwrap
 import time
+import types
 from collections import namedtuple
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -42,6 +44,23 @@ def mixed(
     p[1].x = twice(a)
     total = n + i[-1] + T[1, 0] + s[2] + p[0].n
     return a + x[1], total, not yes
+
+
+class Inner(NamedTuple):
+    x: Vector
+    n: int
+
+
+class Outer(NamedTuple):
+    scale: float
+    inner: Inner
+
+
+@entry
+def grouped(a: float, given: Outer, found_out: Inner) -> float:
+    """Named tuples, one within another."""
+    found_out.x[0] = given.scale * given.inner.x[0]
+    return a + given.inner.n + found_out.n
 
 
 @entry
@@ -168,6 +187,24 @@ class TestEntry:
         name = mixed.names[place]
         with pytest.raises(TypeError, match=rf"^mixed: {name} must be a contiguous array of [^;]*$"):
             mixed(*given)
+
+    @pytest.mark.parametrize("n", range(4))
+    def test_named_tuples_are_taken_from_any_object_with_their_fields(self, n):
+        """0.5 + 3 + 40, and 2 times 7 in the array that is written."""
+        inner, found = types.SimpleNamespace(x=np.array([7.0]), n=3), Inner(np.zeros(1), 40)
+        given = 0.5, types.SimpleNamespace(scale=2.0, inner=inner, more="not read"), found
+        assert grouped.bind(*given[:n])(*given[n:]) == 43.5 and found.x[0] == 14.0
+
+    def test_an_array_of_a_named_tuple_is_refused_by_its_path(self):
+        good, fixed = Inner(np.zeros(1), 1), Inner(np.frombuffer(bytes(8)), 1)
+        for given, name in (
+            ((Outer(1.0, Inner(np.zeros((1, 1)), 1)), good), "given.inner.x"),
+            ((Outer(1.0, good), fixed), "found_out.x"),
+            ((Outer(1.0, good._replace(n=1.5)), good), "given.inner.n"),
+        ):
+            with pytest.raises(TypeError, match=rf"^grouped: {name} must be [^;]*$"):
+                grouped(1.0, *given)
+        assert grouped(1.0, Outer(1.0, fixed), good) == 3.0  # what is not written need not be writable
 
     def test_arrays_may_be_empty(self):
         some = np.zeros(3, POINT)
@@ -405,6 +442,17 @@ class TestDigest:
     )
     def test_docstrings_comments_and_places_do_not(self, old, new):
         assert old in self.HEAD and self.digest(self.HEAD) == self.digest(self.HEAD.replace(old, new))
+
+    def test_the_fields_of_named_tuples_count(self):
+        def take(given):
+            return given
+
+        digests = []
+        for kind in (float, int):
+            take = types.FunctionType(take.__code__, take.__globals__)
+            take.__annotations__ = {"given": NamedTuple("Given", [("x", kind)])}
+            digests.append(digest(take))
+        assert len(set(digests)) == 2
 
     def test_values_of_unknown_influence_are_refused(self):
         with pytest.raises(TypeError, match="uses a global set"):

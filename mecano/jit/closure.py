@@ -14,6 +14,7 @@ import numpy as np
 
 from mecano.jit.kernel import Kernel
 from mecano.jit.methods import Generic, methods_in
+from mecano.jit.named_tuple import leaves
 
 OURS = "mecano"  # modules of this package are followed, all others are identified by name
 LOAD_GLOBAL, EXTENDED_ARG = dis.opmap["LOAD_GLOBAL"], dis.EXTENDED_ARG
@@ -48,7 +49,7 @@ def _describe_function(function):
     used = {name: function.__globals__[name] for name in sorted(_names(code)) if name in function.__globals__}
     used |= dict(zip(code.co_freevars, (cell.cell_contents for cell in cells), strict=True))
     parts = [_describe_code(code, function.__doc__), _describe(function.__defaults__, ())]
-    parts += [f"{name}: {kind!r}" for name, kind in function.__annotations__.items()]
+    parts += [f"{name}: {kind!r}" for name, kind in leaves(function.__annotations__).items()]
     parts += [f"{name}={_describe(value, code.co_names)}" for name, value in used.items()]
     return "\n".join(parts)
 

@@ -25,6 +25,7 @@ from mecano.jit.array_object import ALIGNED, C_CONTIGUOUS, WRITEABLE, fits
 from mecano.jit.arrays import array_object, refuse
 from mecano.jit.entry import Array
 from mecano.jit.library import not_loaded
+from mecano.jit.named_tuple import classes, gathered
 from mecano.jit.null_matrix import NullMatrix, wanted
 from mecano.jit.passes import KernelCompiler
 from mecano.jit.store import processor
@@ -115,7 +116,9 @@ def _unpacking(entry):
             ]
         else:
             given.append({float: f"number({at})", bool: f"word({at}) != 0"}.get(kind, f"word({at})"))
-    call = f"function({', '.join(given)})"
+    kinds = entry.parameters.values()
+    names |= classes(kinds)
+    call = f"function({gathered(kinds, iter(given))})"
     if entry.several:
         out = ", ".join(f"results[{i}]" for i in range(len(entry.returns)))
         names["floats"] = memory.floats
@@ -304,8 +307,10 @@ def _result(function, arguments):
 
 
 def _stand_in(of):
-    """Return a placeholder value of a numba type, without instructions."""
+    """Return a placeholder value of a numba type, without instructions; raise TypeError if it has no methods."""
     kind = _kind(of)
+    if kind is None:
+        raise TypeError(f"{of} is no operand")
     if kind is float:
         return Condition(None) if isinstance(of, types.Boolean) else Symbol(None)
     parts = [of.typeof(name) for name in of.fields] if isinstance(of, types.Record) else of.types

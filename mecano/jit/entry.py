@@ -1,9 +1,9 @@
 """Compiled functions that are called from Python.
 
-The annotations of an entry are its signature: ``float``, ``int``, ``bool``, or a contiguous array of one of the types
-below; it returns nothing, a number, or several numbers. Each call packs array addresses and numbers into words of 8
-bytes, which the compiled side unpacks (compiler.py); this takes a microsecond for a dozen arguments. Arguments that
-stay the same are packed once (``Entry.bind``).
+The annotations of an entry are its signature: ``float``, ``int``, ``bool``, a contiguous array of one of the types
+below, or a named tuple of these (named_tuple.py); it returns nothing, a number, or several numbers. Each call packs
+array addresses and numbers into words of 8 bytes, which the compiled side unpacks (compiler.py); this takes a
+microsecond for a dozen words. Arguments that stay the same are packed once (``Entry.bind``).
 """
 
 import ctypes
@@ -15,6 +15,7 @@ import numpy as np
 
 from mecano.jit.closure import digest
 from mecano.jit.kernel import Kernel
+from mecano.jit.named_tuple import leaves, spread
 from mecano.jit.store import Code, address
 
 
@@ -44,7 +45,7 @@ class PackedCall(NamedTuple):
 
     function: int  # address of the C function
     words: np.ndarray  # (n,) the packed arguments
-    arguments: tuple
+    values: list  # the arguments, those of named tuples one after the other
 
 
 class Entry(Kernel):
@@ -52,24 +53,28 @@ class Entry(Kernel):
 
     def __init__(self, function):
         super().__init__(function)
-        signature = dict(function.__annotations__)
-        returns = signature.pop("return", None)
-        self.names, self.signature = tuple(signature), tuple(signature.values())
+        self.parameters = dict(function.__annotations__)
+        returns = self.parameters.pop("return", None)
+        words = leaves(self.parameters)
+        self.names, self.signature = tuple(words), tuple(words.values())
         self.returns = returns if isinstance(returns, tuple) else (returns,) if returns else ()
         self.pack = struct.Struct(_layout(self.signature, "q")).pack
 
     def bind(self, *first):
         """Return a function of the remaining arguments, like functools.partial, that packs the ``first`` ones once."""
-        n = len(first)
-        words = [id(x) if isinstance(kind, Array) else x for kind, x in zip(self.signature, first, strict=False)]
+        values = spread([*self.parameters.values()][: len(first)], first)
+        n = len(values)
+        words = [id(x) if isinstance(kind, Array) else x for kind, x in zip(self.signature, values, strict=False)]
         head = struct.Struct(_layout(self.signature[:n], "q")).pack(id(np.ndarray), *words)
-        return _binding(self, n)(self, self.function, head, struct.Struct(_layout(self.signature[n:])).pack, first)
+        pack = struct.Struct(_layout(self.signature[n:])).pack
+        return _binding(self, len(first))(self, self.function, head, pack, values)
 
     def call_from_compiled_code(self, *arguments):
         """Return what ``memory.call`` needs for a call with these arguments, as a PackedCall."""
-        words = [id(x) if isinstance(kind, Array) else x for kind, x in zip(self.signature, arguments, strict=True)]
+        values = spread(self.parameters.values(), arguments)
+        words = [id(x) if isinstance(kind, Array) else x for kind, x in zip(self.signature, values, strict=True)]
         packed = np.frombuffer(self.pack(id(np.ndarray), *words), np.int64).copy()
-        return PackedCall(self.address, packed, arguments)
+        return PackedCall(self.address, packed, values)
 
     @property
     def several(self):
@@ -94,14 +99,14 @@ class Entry(Kernel):
         return Code(name, depends, lambda compiler: compiler.entry_code(self))
 
     def is_written(self, place):
-        """Return True if the function writes this argument, which is an array whose name ends in "_out"."""
-        return self.names[place].endswith("_out")
+        """Return True if the function writes this array: its name, or that of its named tuple, ends in "_out"."""
+        return any(name.endswith("_out") for name in self.names[place].split("."))
 
-    def refusal(self, error, *arguments):
-        """Return a TypeError that names the invalid arguments, or the ``error`` itself if all are valid."""
+    def refusal(self, error, *values):
+        """Return a TypeError that names the invalid numbers and arrays, or the ``error`` itself if all are valid."""
         wrong = [
             f"{name} must be {_wanted(kind, self.is_written(i))}"
-            for i, (name, kind, value) in enumerate(zip(self.names, self.signature, arguments, strict=True))
+            for i, (name, kind, value) in enumerate(zip(self.names, self.signature, values, strict=True))
             if not _fits(kind, value, self.is_written(i))
         ]
         return TypeError(f"{self.__name__}: {'; '.join(wrong)}") if wrong else error
@@ -133,7 +138,7 @@ def call(self, {given}):
     try:
         {body}
     except (TypeError, StructError) as error:
-        raise self.refusal(error, {given}) from None
+        raise self.refusal(error, {values}) from None
 """
 BIND = """\
 def bind(_entry, function, _head, _pack, _first):
@@ -141,7 +146,7 @@ def bind(_entry, function, _head, _pack, _first):
         try:
             {body}
         except (TypeError, StructError) as error:
-            raise _entry.refusal(error, *_first, {given}) from None
+            raise _entry.refusal(error, *_first, {values}) from None
     return call
 """
 
@@ -155,15 +160,17 @@ def entry(function):
 @cache
 def _binding(entry, n):
     """Return the function that generates the calls of an Entry whose first ``n`` arguments are packed."""
-    names = dict([*zip(entry.names, entry.signature, strict=True)][n:])
-    annotations = names | {"return": entry.returns if entry.several else (*entry.returns, None)[0]}
+    annotations = dict([*entry.parameters.items()][n:]) | {
+        "return": entry.returns if entry.several else (*entry.returns, None)[0]
+    }
     return _written_out(BIND, entry.__qualname__, annotations, "_head + _pack({words})")
 
 
 def _written_out(template, name, annotations, packed):
     """Return the function generated from a template above for arguments and results with these ``annotations``."""
-    names = [name for name in annotations if name != "return"]
-    words = [f"id({name})" if isinstance(annotations[name], Array) else name for name in names]
+    parameters = {name: kind for name, kind in annotations.items() if name != "return"}
+    values = leaves(parameters)
+    words = [f"id({value})" if isinstance(kind, Array) else value for value, kind in values.items()]
     returns, packed = annotations.get("return"), packed.format(words=", ".join(words))
     scope = {"addressof": ctypes.addressof, "StructError": struct.error, "NDARRAY": id(np.ndarray)}
     body = f"return {'bool' if returns is bool else ''}(function({packed}, None))"
@@ -171,6 +178,6 @@ def _written_out(template, name, annotations, packed):
         scope["Results"] = ctypes.c_double * len(returns)
         numbers = ", ".join(f"{kind.__name__}(results[{i}])" for i, kind in enumerate(returns))
         body = f"results = Results(); function({packed}, addressof(results)); return {numbers}"
-    text = template.format(given=", ".join(names), body=body)
+    text = template.format(given=", ".join(parameters), values=", ".join(values), body=body)
     exec(compile(text, f"<call of {name}>", "exec"), scope)
     return scope["bind" if template is BIND else "call"]
