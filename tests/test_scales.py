@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from time_runs import RecordedRun, input_deck
 
-from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, SCALAR, TRANSLATION
-from mecano.solve.diagnostics.scales import TINY, norms
+from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, SCALAR, TRANSLATION, Unknowns
+from mecano.model.state import Motion
+from mecano.solve.diagnostics.scales import TINY, Limits, Scales, norms
 
 TIGHT = ("time.newton.constraint_tolerance=1e-12",)  # forces are met to 1e-7
 DECKS = {"double_pendulum": 0.5, "slider_crank": 0.05, "four_bar": 0.5, "wheel_drop": 0.3}
@@ -57,9 +58,9 @@ def test_no_share_of_a_tolerance_is_less_than_rounding(kind, share, stiffness, a
     """1e-7 of 1e4 N is 1e-3 N; rounding of 100 m, 3.52e-13 m, is 3.52e-4 N with 1e9 N/m."""
     residual, size, none = np.array([0.0, allowed]), np.array([1e4, 1e4]), np.zeros(2)
     kinds = np.array([TRANSLATION, kind], np.int64)
-    over = norms(
-        residual, size, kinds, 2, 1.0, 1e-7, 1e-10, share, 1.0, 1.0, stiffness, 100.0, none, none, 1.0, 0.0
-    )  # fmt: skip
+    of, still = Unknowns(kinds, np.zeros(0, np.int64), 2, 2), Motion(none, none, none, np.zeros((0, 3, 3)))
+    scales, limits = Scales(1.0, 1.0, stiffness, 1.0, 0.0), Limits(1e-7, 1e-10, share, 1.0, 100.0)
+    over = norms(residual, size, of, still, scales, limits)
     assert over[0] == pytest.approx(1.0, rel=1e-12)
 
 
@@ -67,7 +68,9 @@ def test_the_size_of_the_mechanism_is_rounded_where_no_position_is_free():
     """Arms of 2 m are rounded to 16 x 2.2e-16 x 2 m = 7.04e-15 m, also those of bodies that turn about fixed points."""
     residual, size, none = np.array([0.0, 7.04e-15 * 1e9]), np.zeros(2), np.zeros(2)
     kinds = np.array([TRANSLATION, LENGTH_CONSTRAINT], np.int64)
-    over = norms(residual, size, kinds, 2, 2.0, 1e-7, 1e-10, 1.0, np.inf, 1e9, 1e9, 1.0, none, none, 1.0, 0.0)
+    of, still = Unknowns(kinds, np.zeros(0, np.int64), 1, 2), Motion(none, none, none, np.zeros((0, 3, 3)))
+    scales, limits = Scales(2.0, 1e9, 1e9, 1.0, 0.0), Limits(1e-7, 1e-10, 1.0, np.inf, 1.0)
+    over = norms(residual, size, of, still, scales, limits)
     assert over[0] == pytest.approx(1.0, rel=1e-12)
 
 

@@ -1,31 +1,47 @@
 """Drivers of the assembly: call the loops of all batches, with the work before and after them.
 
-``loops`` (n,) are the addresses of the loops of n batches, ``batches`` (n,) their records BATCH; ``system`` (1,) is the
-record SYSTEM of the value that is written (assembly.py).
+``loops`` are those of n batches; ``system`` (1,) is the record SYSTEM of the value that is written (assembly.py), ``s``
+the state.
 """
+
+from typing import NamedTuple
 
 from mecano.jit.entry import Indices, Matrices, Matrix, Records, Vector, entry
 from mecano.jit.kernel import kernel
-from mecano.jit.memory import call, floats, integers
+from mecano.jit.memory import call, floats, integers, items
 from mecano.model.loops import BATCH, SYSTEM
+from mecano.model.state import Instant
 
-Batches, System = Records(BATCH), Records(SYSTEM)
+System = Records(SYSTEM)
+
+
+class Loops(NamedTuple):
+    """Loops of one purpose."""
+
+    addresses: Indices  # (n,) of the C functions
+    batches: Records(BATCH)  # (n,)
 
 
 @kernel
-def bind_state(system, t, z, v, a, R, phases, memory):
+def loops_at(n, addresses, batches):
+    """Return the n Loops at these addresses."""
+    return Loops(integers(addresses, n), items(batches, n, BATCH))
+
+
+@kernel
+def bind_state(system, s):
     """Bind the loops to this state."""
-    s = system[0]
-    s.t = t
-    s.z, s.v, s.a, s.R = z.ctypes.data, v.ctypes.data, a.ctypes.data, R.ctypes.data
-    s.phases, s.memory = phases.ctypes.data, memory.ctypes.data
+    to = system[0]
+    to.t = s.t
+    to.z, to.v, to.a, to.R = s.z.ctypes.data, s.v.ctypes.data, s.a.ctypes.data, s.R.ctypes.data
+    to.phases, to.memory = s.phases.ctypes.data, s.memory.ctypes.data
 
 
 @kernel
-def run(loops, batches, system):
+def run(loops, system):
     """Call all loops."""
-    for i in range(loops.shape[0]):
-        call(loops[i], batches[i : i + 1].ctypes.data, system.ctypes.data)
+    for i in range(loops.addresses.shape[0]):
+        call(loops.addresses[i], loops.batches[i : i + 1].ctypes.data, system.ctypes.data)
 
 
 @kernel
@@ -44,132 +60,103 @@ def collect(system):
 
 
 @kernel
-def residual(loops, batches, system, k, penalty):
+def residual(loops, system, k, penalty):
     """Compute the residual and its scale, with the masses of the last tangent, at the bound state."""
     s = system[0]
     s.k, s.penalty = k, penalty
     floats(s.force, s.n_slots)[:] = 0.0
     floats(s.size, s.n_slots)[:] = 0.0
-    run(loops, batches, system)
+    run(loops, system)
     collect(system)
 
 
 @entry
-def assemble_residual(
-    loops: Indices, batches: Batches, system: System,
-    t: float, z: Vector, v: Vector, a: Vector, R: Matrices, phases: Indices, memory: Vector,
-    k: float, penalty: float,
-):  # fmt: skip
+def assemble_residual(loops: Loops, system: System, s: Instant, k: float, penalty: float):
     """Compute the residual and its scale."""
-    bind_state(system, t, z, v, a, R, phases, memory)
+    bind_state(system, s)
     system[0].lag = 1.0
-    residual(loops, batches, system, k, penalty)
+    residual(loops, system, k, penalty)
 
 
 @entry
 def assemble(
-    loops: Indices, batches: Batches, system: System,
-    t: float, z: Vector, v: Vector, a: Vector, R: Matrices, phases: Indices, memory: Vector,
-    T: Matrices, k: float, penalty: float, cK: float, cC: float, cM: float,
+    loops: Loops, system: System, s: Instant, T: Matrices, k: float, penalty: float, cK: float, cC: float, cM: float
 ):  # fmt: skip
     """Compute the residual, its scale and the tangent."""
-    bind_state(system, t, z, v, a, R, phases, memory)
-    s = system[0]
-    s.T, s.cK, s.cC, s.cM = T.ctypes.data, cK, cC, cM
-    s.lag = cK / cC if cK * cC != 0.0 else 1.0
-    floats(s.mass, s.n_slots)[:] = 0.0
-    floats(s.data, s.n_data)[:] = 0.0
-    residual(loops, batches, system, k, penalty)
+    bind_state(system, s)
+    to = system[0]
+    to.T, to.cK, to.cC, to.cM = T.ctypes.data, cK, cC, cM
+    to.lag = cK / cC if cK * cC != 0.0 else 1.0
+    floats(to.mass, to.n_slots)[:] = 0.0
+    floats(to.data, to.n_data)[:] = 0.0
+    residual(loops, system, k, penalty)
 
 
 @entry
-def add(
-    loops: Indices, batches: Batches, system: System,
-    t: float, z: Vector, v: Vector, a: Vector, R: Matrices, phases: Indices, memory: Vector,
-    T: Matrices, k: float, penalty: float, cK: float, cC: float,
-):  # fmt: skip
+def add(loops: Loops, system: System, s: Instant, T: Matrices, k: float, penalty: float, cK: float, cC: float):
     """Add the tangent cK K + cC C of some batches to the one present; also adds their forces to the slots."""
-    bind_state(system, t, z, v, a, R, phases, memory)
-    s = system[0]
-    s.T, s.cK, s.cC, s.cM, s.k, s.penalty, s.lag = T.ctypes.data, cK, cC, 0.0, k, penalty, 1.0
-    run(loops, batches, system)
+    bind_state(system, s)
+    to = system[0]
+    to.T, to.cK, to.cC, to.cM, to.k, to.penalty, to.lag = T.ctypes.data, cK, cC, 0.0, k, penalty, 1.0
+    run(loops, system)
 
 
 @entry
 def add_scaled(
-    loops: Indices, batches: Batches, system: System,
-    t: float, z: Vector, v: Vector, a: Vector, R: Matrices, phases: Indices, memory: Vector,
-    T: Matrices, cK: float, cC: float, cM: float, times: float, force: Vector, size: Vector,
+    loops: Loops, system: System, s: Instant, T: Matrices, cK: float, cC: float, cM: float, times: float, work: Matrix
 ):  # fmt: skip
-    """Add ``times`` the forces and tangent of some batches to those present; force, size (n_slots,) are work arrays."""
-    bind_state(system, t, z, v, a, R, phases, memory)
-    s = system[0]
-    s.T, s.cK, s.cC, s.cM, s.k, s.penalty = T.ctypes.data, times * cK, times * cC, times * cM, 1.0, 0.0
-    own_force, own_size, own_mass = s.force, s.size, s.mass
-    force[:] = 0.0
-    size[:] = 0.0
-    s.force, s.size, s.mass = force.ctypes.data, size.ctypes.data, size.ctypes.data
-    run(loops, batches, system)
-    s.force, s.size, s.mass = own_force, own_size, own_mass
-    force_out, size_out = floats(own_force, s.n_slots), floats(own_size, s.n_slots)
-    for i in range(s.n_slots):
+    """Add ``times`` the forces and tangent of some batches to those present; ``work`` (2, n_slots) is overwritten."""
+    bind_state(system, s)
+    to, force, size = system[0], work[0], work[1]
+    to.T, to.cK, to.cC, to.cM, to.k, to.penalty = T.ctypes.data, times * cK, times * cC, times * cM, 1.0, 0.0
+    own_force, own_size, own_mass = to.force, to.size, to.mass
+    work[:, :] = 0.0
+    to.force, to.size, to.mass = force.ctypes.data, size.ctypes.data, size.ctypes.data
+    run(loops, system)
+    to.force, to.size, to.mass = own_force, own_size, own_mass
+    force_out, size_out = floats(own_force, to.n_slots), floats(own_size, to.n_slots)
+    for i in range(to.n_slots):
         force_out[i] += times * force[i]
         size_out[i] += abs(times) * size[i]
     collect(system)
 
 
 @entry
-def constraint_derivatives(
-    loops: Indices, batches: Batches, system: System,
-    t: float, z: Vector, v: Vector, a: Vector, R: Matrices, phases: Indices, memory: Vector,
-    g_out: Matrix,
-):  # fmt: skip
+def constraint_derivatives(loops: Loops, system: System, s: Instant, g_out: Matrix):
     """Write value, rate and second rate of all constraints, (n_l, 3)."""
-    bind_state(system, t, z, v, a, R, phases, memory)
+    bind_state(system, s)
     system[0].constraint_derivatives = g_out.ctypes.data
-    run(loops, batches, system)
+    run(loops, system)
 
 
 @entry
-def observe(
-    loops: Indices, batches: Batches, system: System,
-    t: float, z: Vector, v: Vector, a: Vector, R: Matrices, phases: Indices, memory: Vector,
-    forces: Vector,
-):  # fmt: skip
+def observe(loops: Loops, system: System, s: Instant, forces: Vector):
     """Compute outputs and energies at a state, with the forces (n_slots,) of an assembly there."""
-    bind_state(system, t, z, v, a, R, phases, memory)
+    bind_state(system, s)
     system[0].force = forces.ctypes.data
     transmitted(system)
     floats(system[0].energy, 4)[:] = 0.0
-    run(loops, batches, system)
+    run(loops, system)
 
 
 @entry
-def event_values(
-    loops: Indices, batches: Batches, system: System,
-    t: float, z: Vector, v: Vector, a: Vector, R: Matrices, phases: Indices, memory: Vector,
-    values_out: Vector,
-):  # fmt: skip
+def event_values(loops: Loops, system: System, s: Instant, values_out: Vector):
     """Write the values (n_events,) of all events."""
-    bind_state(system, t, z, v, a, R, phases, memory)
+    bind_state(system, s)
     system[0].event_values = values_out.ctypes.data
-    run(loops, batches, system)
+    run(loops, system)
 
 
 @entry
-def commit(
-    loops: Indices, batches: Batches, system: System,
-    t: float, z: Vector, v: Vector, a: Vector, R: Matrices, phases: Indices, memory: Vector,
-    memory_out: Vector,
-):  # fmt: skip
+def commit(loops: Loops, system: System, s: Instant, memory_out: Vector):
     """Write the memories after an accepted step."""
-    bind_state(system, t, z, v, a, R, phases, memory)
-    s = system[0]
-    s.memory_out = memory_out.ctypes.data
-    run(loops, batches, system)
-    states, first = integers(s.states, s.n_states), memory.shape[0] - s.n_states
-    for i in range(s.n_states):
-        memory_out[first + i] = max(memory[first + i], abs(z[states[i]]))
+    bind_state(system, s)
+    to = system[0]
+    to.memory_out = memory_out.ctypes.data
+    run(loops, system)
+    states, first = integers(to.states, to.n_states), memory_out.shape[0] - to.n_states
+    for i in range(to.n_states):
+        memory_out[first + i] = max(s.memory[first + i], abs(s.z[states[i]]))
 
 
 @kernel

@@ -6,8 +6,11 @@ identification, Cardona, Geradin & Doan 1991, section 3.1).
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+
+from mecano.jit.entry import Indices
 
 TRANSLATION, ROTATION, SCALAR, LENGTH_CONSTRAINT, ANGLE_CONSTRAINT = range(5)
 SIGNAL, STATE = 5, 6  # a signal that follows at once, and one whose equation gives its rate
@@ -60,6 +63,15 @@ class Classes:
         """Merge the sets of i and j; the lower index represents both."""
         i, j = sorted((self.find(i), self.find(j)))
         self.parent[j] = i
+
+
+class Unknowns(NamedTuple):
+    """Unknowns in z, as compiled code takes a Numbering."""
+
+    kind: Indices
+    rotation_dof: Indices
+    n_q: int
+    n: int
 
 
 @dataclass

@@ -2,14 +2,16 @@
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from mecano.jit.entry import Indices, Matrices, Table, Vector, entry
+from mecano.jit.entry import Indices, Table, Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.maths.hermite import between, hermite, is_smooth
 from mecano.maths.so3 import quaternion
 from mecano.maths.vector import mat, put, vec
+from mecano.model.state import Motion
 
 QUATERNION = (4,)
 
@@ -73,7 +75,7 @@ class Sampler:
         self.system, self.columns, units = system, [], system.signal_units
         of = system.numbering
         shown = [i for i, node in enumerate(system.nodes) if not node.internal]
-        self.nodes = tuple(np.array([table[i] for i in shown], np.int64) for table in (of.x, of.r, of.rotation))
+        self.nodes = Nodes(*(np.array([table[i] for i in shown], np.int64) for table in (of.x, of.r, of.rotation)))
         for i in shown:
             self._declare(f"nodes/{system.nodes[i].name}", [(*item, "") for item in NODE_OUTPUTS])
         self.node_size = self._size()
@@ -86,7 +88,7 @@ class Sampler:
                 self._declare(path, outputs)
         self._declare("energy", [(*item, (), "") for item in ENERGIES])
         self.row = np.zeros(self._size())
-        self._fill = fill.bind(self.row, *self.nodes)
+        self._fill = fill.bind(self.row, self.nodes)
         starts = {column.path: column.start for column in self.columns}
         rated = [(column.start, starts[column.rate], column.size) for column in self.columns if column.rate]
         pairs = [(first + i, rate + i) for first, rate, size in rated for i in range(size)]
@@ -105,8 +107,7 @@ class Sampler:
 
     def take(self, run, observation):
         """Return the row at ``run.motion``, of which ``observation`` is the Observation. The array is reused."""
-        s = run.motion
-        self._fill(observation.outputs, observation.energy, s.z, s.v, s.R, run.dissipated, run.given)
+        self._fill(observation, run.motion, run.dissipated, run.given)
         return self.row
 
     def between(self, state, u, h, row0, row1):
@@ -119,7 +120,7 @@ class Sampler:
         """
         row = np.empty_like(row0)
         blend(u, h, self.node_size, self.pairs, self.rotations, row0, row1, row)
-        node_rows(*self.nodes, state.z, state.v, state.R, row)
+        node_rows(self.nodes, state, row)
         return row
 
 
@@ -152,14 +153,26 @@ def _turn(u, i, row0, row1, row_out):
         row_out[k] /= math.sqrt(square)
 
 
+class Nodes(NamedTuple):
+    """Where the motion of each node stands (n_nodes,)."""
+
+    x: Indices  # in z
+    r: Indices  # in v
+    rotation: Indices  # in R
+
+
+class Observed(NamedTuple):
+    """The arrays of an Observation."""
+
+    outputs: Vector
+    energy: Vector
+
+
 @entry
-def fill(
-    row_out: Vector, x: Indices, r: Indices, rotation: Indices, outputs: Vector, energy: Vector,
-    z: Vector, v: Vector, R: Matrices, dissipated: float, given: float,
-):  # fmt: skip
+def fill(row_out: Vector, nodes: Nodes, observed: Observed, s: Motion, dissipated: float, given: float):
     """Write the motion of the nodes, the outputs of the elements, and the ENERGIES into the row."""
-    node_rows(x, r, rotation, z, v, R, row_out)
-    kinetic, potential = energy[0], energy[1]
+    node_rows(nodes, s, row_out)
+    outputs, kinetic, potential = observed.outputs, observed.energy[0], observed.energy[1]
     energies = kinetic, potential, dissipated, given, kinetic + potential, kinetic + potential + dissipated - given
     first = row_out.shape[0] - len(energies)
     for i in range(outputs.shape[0]):
@@ -169,14 +182,14 @@ def fill(
 
 
 @entry
-def node_rows(x: Indices, r: Indices, rotation: Indices, z: Vector, v: Vector, R: Matrices, row_out: Vector):
+def node_rows(nodes: Nodes, s: Motion, row_out: Vector):
     """Write position, quaternion, velocity, inertial angular velocity of each node, 13 numbers each."""
-    for i in range(x.shape[0]):
-        A = mat(R[rotation[i]])
+    for i in range(nodes.x.shape[0]):
+        A = mat(s.R[nodes.rotation[i]])
         j = 13 * i
-        put(row_out, j, vec(z, x[i]))
+        put(row_out, j, vec(s.z, nodes.x[i]))
         w = quaternion(A)
         for k in range(4):
             row_out[j + 3 + k] = w[k]
-        put(row_out, j + 7, vec(v, x[i]))
-        put(row_out, j + 10, A @ vec(v, r[i]))
+        put(row_out, j + 7, vec(s.v, nodes.x[i]))
+        put(row_out, j + 10, A @ vec(s.v, nodes.r[i]))

@@ -6,8 +6,11 @@ same numbering: velocities and accelerations are inertial for positions, materia
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+
+from mecano.jit.entry import Indices, Matrices, Vector
 
 
 @dataclass
@@ -26,6 +29,27 @@ class State:
     def copy(self):
         """Return a copy whose motion may be changed."""
         return State(self.t, self.z.copy(), self.v.copy(), self.a.copy(), self.R.copy(), self.phases, self.memory)
+
+
+class Motion(NamedTuple):
+    """The motion in a State, as entries take and write it; compiled code may give an Instant."""
+
+    z: Vector
+    v: Vector
+    a: Vector
+    R: Matrices
+
+
+class Instant(NamedTuple):
+    """A whole State, as compiled code takes it."""
+
+    t: float
+    z: Vector
+    v: Vector
+    a: Vector
+    R: Matrices
+    phases: Indices
+    memory: Vector
 
 
 @dataclass

@@ -8,6 +8,7 @@ from mecano.element_interface import Context
 from mecano.maths.distinct import distinct
 from mecano.model import assembly_driver, loops
 from mecano.model.assembly import Assembly, Observation
+from mecano.model.assembly_driver import Loops
 from mecano.model.batch import batches
 from mecano.model.halves import halves
 from mecano.model.instances import expand
@@ -125,7 +126,7 @@ class System:
         return halves(self.n, self.rows, self.cols, self.numbering.group)
 
     def loops(self, template, chosen=None):
-        """Return the addresses (n,) of the loops of all kinds that have them, and the records (n,) of their batches.
+        """Return the Loops of all kinds that have them.
 
         Of the batches ``chosen``, if given; otherwise the only loop may be that of a divided model.
         """
@@ -135,7 +136,7 @@ class System:
             return self._divided(
                 template, [(b, at) for b, at in zip(self.batches, found, strict=True) if at is not None]
             )
-        return np.array([loop for loop in found if loop is not None], np.int64), self._batch_records[own]
+        return Loops(np.array([loop for loop in found if loop is not None], np.int64), self._batch_records[own])
 
     def _divided(self, template, loops):
         if template not in self._divided_loops:
@@ -143,11 +144,11 @@ class System:
 
             self._divided_loops[template] = DividedLoops(self, loops)
         found = self._divided_loops[template]
-        return found.loops, found.batches
+        return Loops(found.loops, found.batches)
 
     def _driver(self, assembly_driver, template, chosen=None):
         """Bind the driver ``assembly_driver`` to the loops of one purpose for the batches ``chosen``."""
-        return assembly_driver.bind(*self.loops(template, chosen))
+        return assembly_driver.bind(self.loops(template, chosen))
 
     @cached_property
     def signal_units(self):
@@ -179,13 +180,13 @@ class System:
 
     @cached_property
     def _add_coupled_multipliers(self):
-        found, records = self.loops(loops.tangent, acts_by_multipliers)
+        found = self.loops(loops.tangent, acts_by_multipliers)
         batches = [b for b in self.batches if acts_by_multipliers(b)]
         self._coupled_entries = [b.entries.copy() for b in batches]
-        for entries, b, record_of in zip(self._coupled_entries, batches, records, strict=True):
+        for entries, b, record_of in zip(self._coupled_entries, batches, found.batches, strict=True):
             entries[:, :, : b.kind.n_local - len(b.kind.coupled_multipliers)] = self.nnz
             record_of["entries"] = entries.ctypes.data
-        return assembly_driver.add.bind(found, records)
+        return assembly_driver.add.bind(found)
 
     @cached_property
     def _constraint_derivatives(self):
@@ -236,9 +237,9 @@ class System:
         """
         found = Assembly(self) if into is None else into
         if cK == cC == cM == 0.0:
-            self._assemble_residual(found.record, *_motion(s), k, penalty)
+            self._assemble_residual(found.record, s, k, penalty)
         else:
-            self._assemble(found.record, *_motion(s), self._no_turn if T is None else T, k, penalty, cK, cC, cM)
+            self._assemble(found.record, s, self._no_turn if T is None else T, k, penalty, cK, cC, cM)
         return found
 
     def forces(self, s):
@@ -251,8 +252,8 @@ class System:
         for b in self.batches:
             loop = loop_of(b.kind, loops.tangent)
             for e in range(len(b.p) if loop is not None else 0):
-                assemble = assembly_driver.assemble.bind(np.array([loop], np.int64), b.record_of(e), alone.record)
-                assemble(*_motion(s), self._no_turn, 1.0, 0.0, 1.0, 1.0, 1.0)
+                assemble = assembly_driver.assemble.bind(Loops(np.array([loop], np.int64), b.record_of(e)))
+                assemble(alone.record, s, self._no_turn, 1.0, 0.0, 1.0, 1.0, 1.0)
                 if not (np.isfinite(alone.forces).all() and np.isfinite(alone.data).all()):
                     found.append(b.names[e])
         return list(dict.fromkeys(found))
@@ -274,7 +275,7 @@ class System:
     def scale_loads(self, assembly, s, factor, cK, cC, cM, T=None):
         """Scale the contribution of the loads (``is_scaled``) by ``factor`` in the sums of an ``assembly`` at ``s``."""
         T, scratch = self._no_turn if T is None else T, np.zeros((2, self.n_slots))
-        self._add_scaled_loads(assembly.record, *_motion(s), T, cK, cC, cM, factor - 1.0, *scratch)
+        self._add_scaled_loads(assembly.record, s, T, cK, cC, cM, factor - 1.0, scratch)
 
     @cached_property
     def coupled_multipliers(self):
@@ -303,12 +304,12 @@ class System:
     def _add(self, driver, s, k, penalty, cK, cC, data):
         """Add the tangent cK K + cC C at ``s`` of the elements to which the ``driver`` is bound to ``data``."""
         assembly = Assembly(self, data)
-        driver(assembly.record, *_motion(s), self._no_turn, k, penalty, cK, cC)
+        driver(assembly.record, s, self._no_turn, k, penalty, cK, cC)
 
     def constraint_derivatives(self, s):
         """Return Phi, dPhi/dt, d2Phi/dt2 of all constraints, (n_l, 3), along the velocities and accelerations of s."""
         g = np.zeros((self.n_l, 3))
-        self._constraint_derivatives(self.record_with(), *_motion(s), g)
+        self._constraint_derivatives(self.record_with(), s, g)
         return g
 
     def observe(self, s, forces=None, into=None):
@@ -317,14 +318,14 @@ class System:
         ``forces`` (n_slots,) are those of an Assembly at ``s``; by default they are computed.
         """
         found = Observation(self) if into is None else into
-        self._observe(found.record, *_motion(s), self.forces(s) if forces is None else forces)
+        self._observe(found.record, s, self.forces(s) if forces is None else forces)
         return found
 
     def event_values(self, s):
         """Return one number for each event of each element, (n_events,), by batch; -inf for an event not monitored."""
         values = np.zeros(self.n_events)
         if self.n_events:
-            self._write_event_values(self.record_with(), *_motion(s), values)
+            self._write_event_values(self.record_with(), s, values)
         return values
 
     def commit(self, s):
@@ -332,7 +333,7 @@ class System:
         if not len(s.memory):
             return s.memory
         memory = s.memory.copy()
-        self._commit(self.record_with(), *_motion(s), memory)
+        self._commit(self.record_with(), s, memory)
         return memory
 
     def inadmissible(self, s):
@@ -384,8 +385,3 @@ def _followers(instances, batches):
     sensed = [(place[i], place[item.senses]) for i, item in enumerate(instances) if item.senses is not None]
     found += [(sensor, owner.get(part, part)) for sensor, part in sensed]
     return np.array(found, np.int64).reshape(-1, 2)
-
-
-def _motion(s):
-    """Return the arguments that every loop reads from a state."""
-    return s.t, s.z, s.v, s.a, s.R, s.phases, s.memory

@@ -1,12 +1,24 @@
 """Physical scales of residuals and errors, and the factors that balance the linear system."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from mecano.jit.entry import Indices, Vector, entry
+from mecano.jit.entry import Vector, entry
 from mecano.jit.kernel import kernel
-from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, RELEASED, ROTATION, SCALAR, SIGNAL, STATE, TRANSLATION
+from mecano.model.numbering import (
+    LENGTH_CONSTRAINT,
+    MASSLESS,
+    RELEASED,
+    ROTATION,
+    SCALAR,
+    SIGNAL,
+    STATE,
+    TRANSLATION,
+    Unknowns,
+)
+from mecano.model.state import Motion
 from mecano.solve.events.compliance import RELEASED_COMPLIANCE
 from mecano.solve.linear.rounding import ROUNDING
 
@@ -48,30 +60,47 @@ def balance(system, s, cK, cC, cM, into=None):
     return mean if mean > NO_STIFFNESS else 1.0
 
 
+class Scales(NamedTuple):
+    """Scales of the residuals of a mechanism."""
+
+    length: float  # m
+    k: float  # of the rows of constraints
+    stiffness: float  # mean of the step [N/m]
+    duration: float  # of the run [s]
+    loudest: float  # signal
+
+
+class Limits(NamedTuple):
+    """Sizes up to which residuals are allowed: a share of the tolerances, or rounding if that is more."""
+
+    force: float  # tolerance
+    constraint: float  # tolerance
+    share: float  # of the tolerances
+    most: float  # tolerances up to which rounding is allowed
+    reach: float  # largest coordinate over the length scale, which is rounded
+
+
 @entry
 def norms(
-    r: Vector, size: Vector, kind: Indices, n: int, length: float, force_tolerance: float, constraint_tolerance: float,
-    share: float, most: float, k: float, stiffness: float, reach: float, z: Vector, v: Vector, duration: float,
-    loudest: float,
+    r: Vector, size: Vector, of: Unknowns, s: Motion, scales: Scales, limits: Limits
 ) -> (float, float, float):  # fmt: skip
     """Return (largest force or moment residual, largest constraint, largest signal residual), 1 of each just passes.
 
-    Each is over its scale and tolerance. r, size: (n_all,) residual and its scale; kind: (n_all,) see numbering.py; k:
-    scale of the constraint rows. The scale of forces is the largest force anywhere, including fixed nodes; likewise for
-    moments and for forces on scalars of elements (treated as forces). A constraint is measured as a length or an angle,
-    and also as the force that it causes with the mean ``stiffness`` [N/m] of the step: in short steps a small
-    displacement is a large force. The row of a released constraint, which states that reactions are shared
-    (compliance.py), is measured as the force by which they deviate. Only a ``share`` of the tolerances is allowed,
-    or the rounding of coordinates as large as ``reach``, over the length scale, if that is more, up to ``most``
-    tolerances.
+    Each is over its scale and tolerance. r, size: (n_all,) residual and its scale. The scale of forces is the largest
+    force anywhere, including fixed nodes; likewise for moments and for forces on scalars of elements (treated as
+    forces). A constraint is measured as a length or an angle, and also as the force that it causes with the mean
+    stiffness of the step: in short steps a small displacement is a large force. The row of a released constraint, which
+    states that reactions are shared (compliance.py), is measured as the force by which they deviate.
 
-    The equation y - c = 0 of a signal is measured by its value in z (n_all,), up to the rounding of the ``loudest``
-    signal; that of one with a rate, in v (n_all,), by what its residual makes of it in a run of the ``duration`` [s].
+    The equation y - c = 0 of a signal is measured by its value in z, up to the rounding of the loudest signal; that of
+    one with a rate, in v, by what its residual makes of it in a run.
     """
+    length, k, stiffness, share, most = scales.length, scales.k, scales.stiffness, limits.share, limits.most
+    kind, duration = of.kind, scales.duration
     force = moment = scalar = distance = angle = shared = signal = 0.0
     force_size = moment_size = scalar_size = TINY
     for i in range(r.shape[0]):
-        x = abs(r[i]) if i < n else 0.0
+        x = abs(r[i]) if i < of.n else 0.0
         if not x <= HUGE:
             return np.inf, np.inf, np.inf
         if kind[i] == TRANSLATION:
@@ -81,9 +110,9 @@ def norms(
         elif kind[i] == SCALAR or kind[i] == MASSLESS:
             scalar, scalar_size = max(scalar, x), max(scalar_size, size[i])
         elif kind[i] == SIGNAL:
-            signal = max(signal, x / max(max(abs(z[i]), SMALL), ROUNDING / SIGNALS * loudest))
+            signal = max(signal, x / max(max(abs(s.z[i]), SMALL), ROUNDING / SIGNALS * scales.loudest))
         elif kind[i] == STATE:
-            signal = max(signal, x * duration / state_size(duration, z[i], v[i]))
+            signal = max(signal, x * duration / state_size(duration, s.z[i], s.v[i]))
         elif kind[i] == LENGTH_CONSTRAINT:
             distance = max(distance, x / k)
         elif kind[i] == RELEASED:
@@ -92,15 +121,15 @@ def norms(
             angle = max(angle, x / k)
     f = max(force_size, ANGULAR_SHARE * moment_size / length)
     m = max(moment_size, ANGULAR_SHARE * force_size * length)
-    g = max(scalar_size, ANGULAR_SHARE * f) * force_tolerance
-    f, m, hidden = f * force_tolerance, m * force_tolerance, ROUNDING * reach * stiffness * length
+    g = max(scalar_size, ANGULAR_SHARE * f) * limits.force
+    f, m, hidden = f * limits.force, m * limits.force, ROUNDING * limits.reach * stiffness * length
     force = max(force, stiffness * distance, stiffness / RELEASED_COMPLIANCE * shared) / max(
         f * share, min(f * most, hidden)
     )
     moment = max(moment, stiffness * length * length * angle) / max(m * share, min(m * most, hidden * length))
     scalar /= max(g * share, min(g * most, hidden))
     constraint = max(distance / length, angle)
-    constraint /= max(constraint_tolerance * share, min(constraint_tolerance * most, ROUNDING * reach))
+    constraint /= max(limits.constraint * share, min(limits.constraint * most, ROUNDING * limits.reach))
     return max(force, moment, scalar), constraint, signal / SIGNALS
 
 

@@ -9,10 +9,9 @@ import numpy as np
 
 from mecano.errors import Failure
 from mecano.jit.kernel import kernel
-from mecano.jit.memory import call, floats, integers, items
-from mecano.model.assembly_driver import assemble, residual
-from mecano.model.loops import BATCH
-from mecano.solve.diagnostics.scales import norms
+from mecano.jit.memory import call, floats, integers
+from mecano.model.assembly_driver import assemble, bind_state, loops_at, residual
+from mecano.solve.diagnostics.scales import Limits, Scales, norms
 from mecano.solve.events.compliance import soften
 from mecano.solve.linear.rounding import ROUNDING, at_rounding
 from mecano.solve.linear.sparse import ACCEPT_BELOW
@@ -21,13 +20,11 @@ from mecano.solve.time.workspace import (
     BEGIN,
     RENEWED,
     TRIAL,
-    aim_at,
     copy_state,
     is_due,
-    memory_of,
-    motion_of,
+    state_of,
     system_of,
-    time_of,
+    unknowns_of,
 )
 
 TINY = 1e-300
@@ -79,23 +76,20 @@ def newton(w):
 @kernel
 def iterate(w):
     """Iterate with the factor at hand: STALE where a new one is wanted, or another of the codes."""
-    z, v, a, R = motion_of(w, TRIAL)
-    R0 = motion_of(w, BEGIN)[3]
+    s, R0, of = state_of(w, TRIAL), state_of(w, BEGIN).R, unknowns_of(w)
     r, x = floats(w.residual, w.n_all), floats(w.increment, w.n)
-    kind, rotation_dof = integers(w.kind, w.n_all), integers(w.rotation_dof, w.n_rotations)
     report, system = floats(w.report, 8), system_of(w)
-    loops, batches = integers(w.loops, w.n_loops), items(w.batches, w.n_loops, BATCH)
+    loops = loops_at(w.n_loops, w.loops, w.batches)
     share = SHARE if w.kept and not w.renewed else 1.0
-    aim_at(w, TRIAL)
+    bind_state(system, state_of(w, TRIAL))
     system[0].lag = 1.0 / w.cC
     while True:
         if w.pending:
             report[LAST], w.last_motion = report[WORST], w.motion
-            moved = correct(w.length, kind, rotation_dof, w.n_q, w.n, x, w.k, w.cC, w.cM, R0, z, v, a, R)
-            report[INCREMENT] = moved / w.increment_tolerance
+            report[INCREMENT] = correct(of, w.length, x, w.k, w.cC, w.cM, R0, s) / w.increment_tolerance
             report[ITERATIONS] += 1
-        residual(loops, batches, system, w.k, w.penalty)
-        soften_rows(w, z, r)
+        residual(loops, system, w.k, w.penalty)
+        soften_rows(w, s.z, r)
         code = judge(w, report, measure(w, report, share))
         if code >= 0:
             return code
@@ -106,16 +100,20 @@ def iterate(w):
 @kernel
 def measure(w, report, share):
     """Enter the norms of the present residual, for a ``share`` of the tolerances; return that of signals."""
-    z, v, _, _ = motion_of(w, TRIAL)
-    r, size, kind = floats(w.residual, w.n_all), floats(w.size, w.n_all), integers(w.kind, w.n_all)
-    forces, constraints, signals = norms(
-        r, size, kind, w.n, w.length, w.force_tolerance, w.constraint_tolerance, share, 1.0, w.k, w.stiffness, w.reach,
-        z, v, w.duration, w.loudest,
-    )  # fmt: skip
+    forces, constraints, signals = present_norms(w, share, 1.0, w.reach)
     w.motion = max(forces, constraints)
     report[FORCES], report[CONSTRAINTS] = max(forces, signals), constraints
     report[WORST] = max(report[FORCES], report[CONSTRAINTS])
     return signals
+
+
+@kernel
+def present_norms(w, share, most, reach):
+    """Return the norms of the present residual, for a ``share``, ``most`` and ``reach`` of the Limits."""
+    r, size = floats(w.residual, w.n_all), floats(w.size, w.n_all)
+    scales = Scales(w.length, w.k, w.stiffness, w.duration, w.loudest)
+    limits = Limits(w.force_tolerance, w.constraint_tolerance, share, most, reach)
+    return norms(r, size, unknowns_of(w), state_of(w, TRIAL), scales, limits)
 
 
 @kernel
@@ -132,8 +130,12 @@ def judge(w, report, signals):
     if iteration and report[INCREMENT] <= 1.0:
         left = w.motion / max(w.last_motion, TINY)  # the correction is of the motion alone
         rounded = at_rounding(report[INCREMENT] * w.increment_tolerance, left, w.renewed, w.reach, ROUNDING)
-        if worst <= 1.0 or (signals <= 1.0 and rounded and (not w.strict or is_rounding(w))):
+        if worst <= 1.0 or (signals <= 1.0 and rounded and not w.strict):
             return CONVERGED
+        if signals <= 1.0 and rounded:  # the residual may be that of positions, however many tolerances that is
+            forces, constraints, _ = present_norms(w, 1.0, np.inf, w.farthest)
+            if max(forces, constraints) <= MOST_ROUNDING:
+                return CONVERGED
     if iteration == w.most:
         return TOO_MANY
     if not w.usable:
@@ -142,18 +144,6 @@ def judge(w, report, signals):
         return -1
     with_old = w.kept and iteration < w.most_kept
     return STALE if (worst * rate ** (w.most_kept - iteration) > 1.0 if with_old else rate > SLOW) else -1
-
-
-@kernel
-def is_rounding(w):
-    """Return whether the residual may be the rounding of positions, however many tolerances that is."""
-    z, v, _, _ = motion_of(w, TRIAL)
-    r, size, kind = floats(w.residual, w.n_all), floats(w.size, w.n_all), integers(w.kind, w.n_all)
-    forces, constraints, _ = norms(
-        r, size, kind, w.n, w.length, w.force_tolerance, w.constraint_tolerance, 1.0, np.inf, w.k, w.stiffness,
-        w.farthest, z, v, w.duration, w.loudest,
-    )  # fmt: skip
-    return max(forces, constraints) <= MOST_ROUNDING
 
 
 @kernel
@@ -182,13 +172,11 @@ def renew(w):
 @kernel
 def evaluate(w, which):
     """Evaluate residual and tangent at one of the four states, with the compliance."""
-    z, v, a, R = motion_of(w, which)
-    T, system = floats(w.T, (w.n_rotations, 3, 3)), system_of(w)
-    tangents(integers(w.rotation_dof, w.n_rotations), w.n_q, z, T)
-    loops, batches = integers(w.tangents, w.n_tangents), items(w.tangent_batches, w.n_tangents, BATCH)
-    t, phases, memory = time_of(w, which)[0], integers(w.phases, w.n_phases), memory_of(w, which)
-    assemble(loops, batches, system, t, z, v, a, R, phases, memory, T, w.k, w.penalty, 1.0, w.cC, w.cM)
-    soften_rows(w, z, floats(w.residual, w.n_all))
+    s, T, system = state_of(w, which), floats(w.T, (w.n_rotations, 3, 3)), system_of(w)
+    tangents(integers(w.rotation_dof, w.n_rotations), w.n_q, s.z, T)
+    loops = loops_at(w.n_tangents, w.tangents, w.tangent_batches)
+    assemble(loops, system, s, T, w.k, w.penalty, 1.0, w.cC, w.cM)
+    soften_rows(w, s.z, floats(w.residual, w.n_all))
     soften_tangent(w, system[0])
 
 

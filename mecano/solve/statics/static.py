@@ -13,7 +13,7 @@ import numpy as np
 from mecano.errors import Failure
 from mecano.model.assembly import Assembly
 from mecano.model.numbering import ROTATION
-from mecano.solve.diagnostics.scales import SMALL, Tolerances, balance, norms
+from mecano.solve.diagnostics.scales import SMALL, Limits, Scales, Tolerances, balance, norms
 from mecano.solve.events.compliance import soften
 from mecano.solve.events.events import EventMonitor
 from mecano.solve.linear.iteration import iterate
@@ -104,12 +104,11 @@ class Statics:
 
     def norms(self, s, k):
         """Return the norms (forces, constraints) of the assembled residual over their tolerances."""
-        system, of, limits = self.system, self.system.numbering, self.tolerances
+        of, to = self.system.numbering, self.tolerances
         # without a step, of which rounding could be a large force, what only rounding moves is at rest
-        return norms(
-            self.assembly.residual, self.assembly.size, of.kind, system.n, self.length, limits.force,
-            limits.constraint, 1.0, np.inf, k, k, reach_of(s.z, of, self.length), s.z, s.v, 1.0, 0.0,
-        )[:2]  # fmt: skip
+        limits = Limits(to.force, to.constraint, 1.0, np.inf, reach_of(s.z, of, self.length))
+        scales = Scales(self.length, k, k, 1.0, 0.0)
+        return norms(self.assembly.residual, self.assembly.size, of, s, scales, limits)[:2]
 
     def exhausted(self, s):
         """Return the function with which Newton's method decides if its corrections of ``s`` are at rounding."""
@@ -123,9 +122,7 @@ class Statics:
     def move(self, s, s0, dz, k):
         """Add the correction dz (n,) to ``s``, rotations relative to ``s0``; return its size over the tolerance."""
         system, of = self.system, self.system.numbering
-        largest = correct(
-            self.length, of.kind, of.rotation_dof, of.n_q, of.n, -dz, k, 0.0, 0.0, s0.R, s.z, s.v, s.a, s.R
-        )  # fmt: skip
+        largest = correct(of, self.length, -dz, k, 0.0, 0.0, s0.R, s)
         own = system.signals
         signals = np.abs(dz[: system.n_q][own]) / np.maximum(np.abs(s.z[: system.n_q][own]), SMALL)
         return max(largest, signals.max(initial=0.0)) / self.tolerances.increment

@@ -8,7 +8,8 @@ from mecano.jit.entry import Indices, Matrices, Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.maths.so3 import exp, tangent
 from mecano.maths.vector import mat, vec
-from mecano.model.numbering import MASSLESS, ROTATION, SCALAR, SIGNAL, TRANSLATION
+from mecano.model.numbering import MASSLESS, ROTATION, SCALAR, SIGNAL, TRANSLATION, Unknowns
+from mecano.model.state import Motion
 from mecano.solve.time.turning_error import turning_error
 
 
@@ -42,32 +43,31 @@ def tangents(rotation_dof: Indices, n_q: int, z: Vector, T_out: Matrices):
 
 
 @kernel
-def predict(
-    am, af, beta, gamma, kind, rotation_dof, n_q, n, h, a0, acceleration0, slope, bend, v_shift, R0,
-    z_out, v_out, acceleration_out, R_out,
-):  # fmt: skip
-    """Move a state to the end of a step of size h: accelerations and multipliers extrapolated by a parabola.
+def predict(w, of, start, history, s_out):
+    """Move a state to the end of a step: accelerations and multipliers extrapolated by a parabola.
 
-    z_out, v_out, acceleration_out (n_all,) and R_out hold the state at the beginning of the step and are moved. a0
-    (n_all,) algorithmic, acceleration0 (n_all,) true acceleration there; slope, bend (n,) differences of the true ones
-    and of the multipliers. Returns the largest coordinate [m] and the largest signal.
+    ``w`` is the record STEP (workspace.py) with coefficients and step size. ``start`` and ``s_out`` are the Motion at
+    the beginning; ``s_out`` is moved. ``history``: algorithmic acceleration (n_all,) there, slope and bend (n,), the
+    differences of the true ones and of the multipliers, and v_shift (n_all,). Returns the largest coordinate [m] and
+    the largest signal.
     """
-    farthest = loudest = 0.0
-    for i in range(n_q):
-        guess = acceleration0[i] + slope[i] + bend[i]
-        a1 = ((1.0 - af) * guess + af * acceleration0[i] - am * a0[i]) / (1.0 - am)
-        v0 = v_out[i] + v_shift[i]
-        increment = h * v0 + h * h * ((0.5 - beta) * a0[i] + beta * a1)
-        z_out[i] = increment if kind[i] == ROTATION else z_out[i] + increment
-        v_out[i] = v0 + h * ((1.0 - gamma) * a0[i] + gamma * a1)
-        acceleration_out[i] = guess
+    a0, slope, bend, v_shift = history
+    h, kind, farthest, loudest = w.h, of.kind, 0.0, 0.0
+    for i in range(of.n_q):
+        guess = start.a[i] + slope[i] + bend[i]
+        a1 = ((1.0 - w.af) * guess + w.af * start.a[i] - w.am * a0[i]) / (1.0 - w.am)
+        v0 = s_out.v[i] + v_shift[i]
+        increment = h * v0 + h * h * ((0.5 - w.beta) * a0[i] + w.beta * a1)
+        s_out.z[i] = increment if kind[i] == ROTATION else s_out.z[i] + increment
+        s_out.v[i] = v0 + h * ((1.0 - w.gamma) * a0[i] + w.gamma * a1)
+        s_out.a[i] = guess
         if kind[i] >= SIGNAL:
-            loudest = max(loudest, abs(z_out[i]))
+            loudest = max(loudest, abs(s_out.z[i]))
         elif kind[i] != ROTATION:
-            farthest = max(farthest, abs(z_out[i]))
-    for i in range(n_q, n):
-        z_out[i] += slope[i] + bend[i]
-    place_rotations(rotation_dof, n_q, z_out, R0, R_out)
+            farthest = max(farthest, abs(s_out.z[i]))
+    for i in range(of.n_q, of.n):
+        s_out.z[i] += slope[i] + bend[i]
+    place_rotations(of.rotation_dof, of.n_q, s_out.z, start.R, s_out.R)
     return farthest, loudest
 
 
@@ -78,21 +78,21 @@ def reach_of(z, of, length):
 
 @entry
 def correct(
-    length: float, kind: Indices, rotation_dof: Indices, n_q: int, n: int, dz: Vector, k: float, cC: float, cM: float,
-    R0: Matrices, z_out: Vector, v_out: Vector, a_out: Vector, R_out: Matrices,
+    of: Unknowns, length: float, dz: Vector, k: float, cC: float, cM: float, R0: Matrices, s_out: Motion
 ) -> float:  # fmt: skip
     """Subtract the correction dz (n,); velocities and accelerations by cC and cM, multipliers by k.
 
-    Returns its ``largest`` component.
+    R0 (n_rotations, 3, 3) are the rotations from which those of the state are counted. Returns the ``largest``
+    component of dz.
     """
-    for i in range(n_q):
-        z_out[i] -= dz[i]
-        v_out[i] -= cC * dz[i]
-        a_out[i] -= cM * dz[i]
-    for i in range(n_q, n):
-        z_out[i] -= k * dz[i]
-    place_rotations(rotation_dof, n_q, z_out, R0, R_out)
-    return largest(dz, kind, n_q, length)
+    for i in range(of.n_q):
+        s_out.z[i] -= dz[i]
+        s_out.v[i] -= cC * dz[i]
+        s_out.a[i] -= cM * dz[i]
+    for i in range(of.n_q, of.n):
+        s_out.z[i] -= k * dz[i]
+    place_rotations(of.rotation_dof, of.n_q, s_out.z, R0, s_out.R)
+    return largest(dz, of.kind, of.n_q, length)
 
 
 @entry
@@ -112,28 +112,30 @@ def largest(dz: Vector, kind: Indices, n_q: int, length: float) -> float:
 
 
 @kernel
-def finish(
-    am, af, length, duration, kind, rotation_dof, n_q, n, h, a0, slope, known, acceleration0, z0, acceleration, z, v,
-    a_out, slope_out, bend_out,
-):  # fmt: skip
+def finish(w, of, start, s, before, after_out):
     """Compute the algorithmic acceleration (n_all,), differences of accelerations and multipliers (n,) of a step.
 
-    Returns the largest change of the algorithmic acceleration of a node (the length of the vector), over ``length`` for
-    displacements, or of a scalar with inertia; the largest component of a rotation increment [rad]; and the error of
-    bodies that spin [rad] (turning_error.py) in a run of the ``duration`` [s].
+    ``w`` is the record STEP (workspace.py); ``start`` and ``s`` are the Motion, ``before`` and ``after_out`` the
+    history (``history_of``) at both ends.
+
+    Returns the largest change of the algorithmic acceleration of a node (the length of the vector), over the length
+    scale for displacements, or of a scalar with inertia; the largest component of a rotation increment [rad]; and the
+    error of bodies that spin [rad] (turning_error.py) in a run.
     """
+    a0, slope, _ = before
+    a, slope_out, bend_out = after_out
     turn = 0.0
-    for i in range(n_q):
-        a_out[i] = ((1.0 - af) * acceleration[i] + af * acceleration0[i] - am * a0[i]) / (1.0 - am)
-        if kind[i] == ROTATION:
-            turn = max(turn, abs(z[i]))
-        slope_out[i] = acceleration[i] - acceleration0[i]
-    for i in range(n_q, n):
-        slope_out[i] = z[i] - z0[i]
-    for i in range(n):
-        bend_out[i] = slope_out[i] - slope[i] if known else 0.0
-    turning = turning_error(h, duration, rotation_dof, n_q, v, a0, a_out)
-    return largest_change(a0, a_out, kind, n_q, length), turn, turning
+    for i in range(of.n_q):
+        a[i] = ((1.0 - w.af) * s.a[i] + w.af * start.a[i] - w.am * a0[i]) / (1.0 - w.am)
+        if of.kind[i] == ROTATION:
+            turn = max(turn, abs(s.z[i]))
+        slope_out[i] = s.a[i] - start.a[i]
+    for i in range(of.n_q, of.n):
+        slope_out[i] = s.z[i] - start.z[i]
+    for i in range(of.n):
+        bend_out[i] = slope_out[i] - slope[i] if w.known else 0.0
+    turning = turning_error(w.h, w.duration, of.rotation_dof, of.n_q, s.v, a0, a)
+    return largest_change(a0, a, of.kind, of.n_q, w.length), turn, turning
 
 
 @entry
@@ -154,28 +156,25 @@ def largest_change(x0: Vector, x: Vector, kind: Indices, n_q: int, length: float
 
 
 @entry
-def move(
-    kind: Indices, rotation_dof: Indices, n_q: int, dt: float, z: Vector, v: Vector, a: Vector, R: Matrices,
-    z_out: Vector, R_out: Matrices,
-):  # fmt: skip
-    """Move positions and rotations by dt v + dt^2/2 a; v, a (>= n_q,), rotations by material increments."""
+def move(of: Unknowns, dt: float, s: Motion, s_out: Motion):
+    """Write positions and rotations of ``s`` moved by dt v + dt^2/2 a; v, a (>= n_q,), rotations materially."""
     half = 0.5 * dt * dt
-    for i in range(n_q):
-        z_out[i] = (0.0 if kind[i] == ROTATION else z[i]) + (dt * v[i] + half * a[i])
-    place_rotations(rotation_dof, n_q, z_out, R, R_out)
+    for i in range(of.n_q):
+        s_out.z[i] = (0.0 if of.kind[i] == ROTATION else s.z[i]) + (dt * s.v[i] + half * s.a[i])
+    place_rotations(of.rotation_dof, of.n_q, s_out.z, s.R, s_out.R)
 
 
 def displaced(s, dq, of):
     """Return a copy of ``s`` with positions (and rotations, by material increments) moved by dq (n_q,)."""
     out = s.copy()
-    move(of.kind, of.rotation_dof, of.n_q, 1.0, s.z, dq, np.zeros(of.n_q), s.R, out.z, out.R)
+    move(of, 1.0, Motion(s.z, dq, np.zeros(of.n_q), s.R), out)
     return out
 
 
 def moved(s, dt, of):
     """Return the state extrapolated by dt [s] along its velocities and accelerations (second order)."""
     out = s.copy()
-    move(of.kind, of.rotation_dof, of.n_q, dt, s.z, s.v, s.a, s.R, out.z, out.R)
+    move(of, dt, s, out)
     out.v += dt * s.a
     out.t = s.t + dt
     return out

@@ -16,13 +16,13 @@ import numpy as np
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
 from mecano.model.assembly import Assembly
-from mecano.model.assembly_driver import assemble
-from mecano.model.loops import BATCH, SYSTEM
+from mecano.model.assembly_driver import assemble, loops_at
+from mecano.model.loops import SYSTEM
 from mecano.solve.linear import multifrontal
 from mecano.solve.linear.newton import soften_tangent
 from mecano.solve.linear.sparse import ACCEPT_BELOW
 from mecano.solve.time.increments import tangents
-from mecano.solve.time.workspace import TRIAL, memory_of, motion_of, time_of
+from mecano.solve.time.workspace import TRIAL, state_of
 
 # Numbers and addresses of a filter, fields of a record
 FLOATS = "cM"  # weight of the masses [1/s^2]
@@ -32,12 +32,10 @@ WORDS = "system masses solve solve_words solve_results substitute substitute_wor
 @kernel
 def assemble_at_end(w, f, k, penalty, cK, cM):
     """Assemble a tangent of these weights at TRIAL, with its rotation increments."""
-    z, v, a, R = motion_of(w, TRIAL)
-    T, system = floats(w.T, (w.n_rotations, 3, 3)), items(f.system, 1, SYSTEM)
-    tangents(integers(w.rotation_dof, w.n_rotations), w.n_q, z, T)
-    loops, batches = integers(w.tangents, w.n_tangents), items(w.tangent_batches, w.n_tangents, BATCH)
-    t, phases, memory = time_of(w, TRIAL)[0], integers(w.phases, w.n_phases), memory_of(w, TRIAL)
-    assemble(loops, batches, system, t, z, v, a, R, phases, memory, T, k, penalty, cK, 0.0, cM)
+    s, T = state_of(w, TRIAL), floats(w.T, (w.n_rotations, 3, 3))
+    tangents(integers(w.rotation_dof, w.n_rotations), w.n_q, s.z, T)
+    loops = loops_at(w.n_tangents, w.tangents, w.tangent_batches)
+    assemble(loops, items(f.system, 1, SYSTEM), s, T, k, penalty, cK, 0.0, cM)
 
 
 @kernel

@@ -10,10 +10,10 @@ from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats, integers
 from mecano.model.extremes import update
 from mecano.model.loops import fields, record
-from mecano.model.sampler import blend, fill, node_rows
+from mecano.model.sampler import Nodes, Observed, blend, fill, node_rows
 from mecano.solve.time.interpolate import between_states
 from mecano.solve.time.unresolved_oscillation import count_changes
-from mecano.solve.time.workspace import BEGIN, BETWEEN, STEP, TRIAL, copy_state, motion_of, time_of
+from mecano.solve.time.workspace import BEGIN, BETWEEN, STEP, TRIAL, copy_state, state_of, time_of, unknowns_of
 
 DONE, FULL, NOT_FINITE, ENDED = range(4)
 SAMPLE, ENTER, SAVE = range(3)
@@ -65,15 +65,14 @@ def record_step(output: Records(OUTPUT), work: Records(STEP)):
 @kernel
 def sample(o, w, row):
     """Write the numbers of the state TRIAL into the row."""
-    z, v, a, R = motion_of(w, TRIAL)
-    x, r, rotation = nodes_of(o)
-    fill(row, x, r, rotation, floats(o.outputs, o.n_outputs), floats(o.energy, 4), z, v, R, o.dissipated, o.given)
+    observed = Observed(floats(o.outputs, o.n_outputs), floats(o.energy, 4))
+    fill(row, nodes_of(o), observed, state_of(w, TRIAL), o.dissipated, o.given)
 
 
 @kernel
 def nodes_of(o):
-    """Return where position, rotation and matrix of each node stand (n_nodes,)."""
-    return integers(o.x, o.n_nodes), integers(o.r, o.n_nodes), integers(o.rotation, o.n_nodes)
+    """Return where the motion of each node stands."""
+    return Nodes(integers(o.x, o.n_nodes), integers(o.r, o.n_nodes), integers(o.rotation, o.n_nodes))
 
 
 @kernel
@@ -137,17 +136,13 @@ def append(o, t, row):
 @kernel
 def interpolate_row(o, w, t, row0, row, out):
     """Write the row at a time within the step: motions may peak there."""
-    z0, v0, a0, R0 = motion_of(w, BEGIN)
-    z1, v1, a1, R1 = motion_of(w, TRIAL)
-    z, v, a, R = motion_of(w, BETWEEN)
-    t0, t1 = time_of(w, BEGIN)[0], time_of(w, TRIAL)[0]
-    kind, rotation_dof = integers(w.kind, w.n_all), integers(w.rotation_dof, w.n_rotations)
     copy_state(w, TRIAL, BETWEEN)
-    between_states((t - t0) / (t1 - t0), t1 - t0, z0, v0, a0, R0, z1, v1, a1, R1, kind, rotation_dof, w.n_q, z, v, a, R)
+    s0, s1, s = state_of(w, BEGIN), state_of(w, TRIAL), state_of(w, BETWEEN)
+    h = s1.t - s0.t
+    between_states((t - s0.t) / h, h, unknowns_of(w), s0, s1, s)
     pairs, turned = integers(o.pairs, (o.n_pairs, 2)), integers(o.turned, o.n_turned)
-    blend((t - t0) / o.h, o.h, o.first, pairs, turned, row0, row, out)
-    x, r, rotation = nodes_of(o)
-    node_rows(x, r, rotation, z, v, R, out)
+    blend((t - s0.t) / o.h, o.h, o.first, pairs, turned, row0, row, out)
+    node_rows(nodes_of(o), s, out)
 
 
 @kernel

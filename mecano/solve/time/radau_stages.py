@@ -1,14 +1,18 @@
 """The stages of a step of Radau IIA: increments, states, residuals, and their prediction."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from mecano.jit.entry import Indices, Matrices, Matrix, Vector, entry
 from mecano.jit.kernel import kernel
+from mecano.jit.memory import floats
 from mecano.maths.so3 import exp, tangent, tangent_inverse
 from mecano.maths.vector import mat, put, vec
-from mecano.model import assembly_driver, loops
-from mecano.model.assembly_driver import Batches, System
-from mecano.model.numbering import ROTATION
+from mecano.model import loops
+from mecano.model.assembly_driver import Loops, System, assemble_residual, constraint_derivatives
+from mecano.model.numbering import ROTATION, Unknowns
+from mecano.model.state import Instant, Motion
 from mecano.solve.diagnostics.scales import SMALL
 from mecano.solve.events.compliance import soften
 from mecano.solve.time.increments import put_matrix
@@ -18,12 +22,20 @@ PREDICTIONS = 2  # iterations on the rates of the increments
 SECOND = 2  # column of the second rates of the constraints
 
 
+class Motions(NamedTuple):
+    """Motions of several states, such as the stages: those of a State, one after the other."""
+
+    t: Vector  # (m,)
+    z: Matrix  # (m, n_all)
+    v: Matrix
+    a: Matrix
+    R: Matrices  # (m n_rotations, 3, 3)
+
+
 @entry
-def predict(
-    A: Matrix, kind: Indices, rotation_dof: Indices, n_q: int, h: float, v: Matrix,
-    rate_out: Matrix, theta_out: Matrix,
-):  # fmt: skip
+def predict(A: Matrix, of: Unknowns, h: float, v: Matrix, rate_out: Matrix, theta_out: Matrix):
     """Compute increments (3, n_q) that have the velocities ``v`` (3, n_q) at the stages, and their rates."""
+    n_q = of.n_q
     for i in range(3):
         for d in range(n_q):
             rate_out[i, d] = v[i, d]
@@ -33,7 +45,7 @@ def predict(
                 theta_out[i, d] = h * (A[i, 0] * rate_out[0, d] + A[i, 1] * rate_out[1, d] + A[i, 2] * rate_out[2, d])
         if iteration < PREDICTIONS:
             for i in range(3):
-                untangle(rotation_dof, n_q, theta_out[i], v[i], rate_out[i])
+                untangle(of.rotation_dof, n_q, theta_out[i], v[i], rate_out[i])
 
 
 @kernel
@@ -71,55 +83,48 @@ def correct(
 
 
 @entry
-def place(
-    D: Matrix, kind: Indices, rotation_dof: Indices, n_q: int, n: int, h: float,
-    theta: Matrix, reactions: Matrix, z0: Vector, v0: Vector, R0: Matrices,
-    z_out: Matrix, v_out: Matrix, a_out: Matrix, R_out: Matrices,
-):  # fmt: skip
-    """Compute the states of the stages: rows of z, v, a (3, n_all), and R (3 n_rotations, 3, 3) one after the other."""
-    n_rotations = rotation_dof.shape[0]
+def place(D: Matrix, of: Unknowns, h: float, theta: Matrix, reactions: Matrix, s0: Motion, stages_out: Motions):
+    """Compute the motions of the stages."""
+    z, v, n_q, n_rotations = stages_out.z, stages_out.v, of.n_q, of.rotation_dof.shape[0]
     for i in range(3):
         for d in range(n_q):
-            z_out[i, d] = theta[i, d] if kind[d] == ROTATION else z0[d] + theta[i, d]
-            v_out[i, d] = (D[i, 0] * theta[0, d] + D[i, 1] * theta[1, d] + D[i, 2] * theta[2, d]) / h
-        for j in range(n - n_q):
-            z_out[i, n_q + j] = reactions[i, j]
+            z[i, d] = theta[i, d] if of.kind[d] == ROTATION else s0.z[d] + theta[i, d]
+            v[i, d] = (D[i, 0] * theta[0, d] + D[i, 1] * theta[1, d] + D[i, 2] * theta[2, d]) / h
+        for j in range(of.n - n_q):
+            z[i, n_q + j] = reactions[i, j]
         for r in range(n_rotations):
-            d = rotation_dof[r]
+            d = of.rotation_dof[r]
             if d < n_q:
                 psi = vec(theta[i], d)
-                put_matrix(mat(R0[r]) @ exp(psi), R_out[i * n_rotations + r])
-                put(v_out[i], d, tangent(psi) @ vec(v_out[i], d))
+                put_matrix(mat(s0.R[r]) @ exp(psi), stages_out.R[i * n_rotations + r])
+                put(v[i], d, tangent(psi) @ vec(v[i], d))
     for i in range(3):
         for d in range(n_q):
-            x0, x1, x2 = v_out[0, d] - v0[d], v_out[1, d] - v0[d], v_out[2, d] - v0[d]
-            a_out[i, d] = (D[i, 0] * x0 + D[i, 1] * x1 + D[i, 2] * x2) / h
+            x0, x1, x2 = v[0, d] - s0.v[d], v[1, d] - s0.v[d], v[2, d] - s0.v[d]
+            stages_out.a[i, d] = (D[i, 0] * x0 + D[i, 1] * x1 + D[i, 2] * x2) / h
 
 
 @entry
 def residual(
-    residuals: Indices, residual_batches: Batches, constraints: Indices, constraint_batches: Batches, system: System,
-    phases: Indices, memory: Vector, n_q: int, n: int, n_rotations: int, k: float,
-    times: Vector, z: Matrix, v: Matrix, a: Matrix, R: Matrices, equations: Vector, g: Matrix, F_out: Matrix,
+    residuals: Loops, constraints: Loops, system: System, s0: Instant, k: float, at: Motions, g: Matrix, F_out: Matrix
 ):  # fmt: skip
     """Compute the residuals (m, n) of m states: equations of motion, and second rates of the constraints times -k.
 
-    ``equations`` (n_all,) are those of ``system``, g (n_l, 3) is scratch.
+    Phases and memory are those of ``s0``; g (n_l, 3) is scratch.
     """
-    for i in range(z.shape[0]):
-        own = R[i * n_rotations : (i + 1) * n_rotations]
-        assembly_driver.assemble_residual(
-            residuals, residual_batches, system, times[i], z[i], v[i], a[i], own, phases, memory, k, 0.0
-        )
-        for d in range(n_q):
+    m, n, equations = at.z.shape[0], F_out.shape[1], floats(system[0].residual, system[0].n_all)
+    n_l, n_rotations = g.shape[0], at.R.shape[0] // m
+    for i in range(m):
+        R = at.R[i * n_rotations : (i + 1) * n_rotations]
+        s = Instant(at.t[i], at.z[i], at.v[i], at.a[i], R, s0.phases, s0.memory)
+        assemble_residual(residuals, system, s, k, 0.0)
+        for d in range(n - n_l):
             F_out[i, d] = equations[d]
-        if n > n_q:
+        if n_l:
             g[:, :] = 0.0
-            assembly_driver.constraint_derivatives(
-                constraints, constraint_batches, system, times[i], z[i], v[i], a[i], own, phases, memory, g
-            )
-            for j in range(n - n_q):
-                F_out[i, n_q + j] = -k * g[j, SECOND]
+            constraint_derivatives(constraints, system, s, g)
+            for j in range(n_l):
+                F_out[i, n - n_l + j] = -k * g[j, SECOND]
 
 
 class Stages:
@@ -131,17 +136,15 @@ class Stages:
         n_rotations, n_all = len(of.rotation_dof), of.n_all
         self.increments, self.reactions = np.zeros((3, n_q)), np.zeros((3, system.n_l))
         self.velocities = np.zeros((4, n_q))  # at the beginning and at the stages
-        self._times, self._F = np.zeros(3), np.zeros((3, system.n))
-        self._z, self._v, self._a = np.zeros((3, 3, n_all))
-        self._R = np.zeros((3 * n_rotations, 3, 3))
+        self._F = np.zeros((3, system.n))
+        self._at = Motions(np.zeros(3), *np.zeros((3, 3, n_all)), np.zeros((3 * n_rotations, 3, 3)))
         self._is_rotation = of.kind[:n_q] == ROTATION
         self.sizes = np.where(self._is_rotation, 1.0, float(length))
-        about = of.kind, of.rotation_dof, n_q
-        self._predict = predict.bind(A, *about)
+        self._predict = predict.bind(A, of)
         self._correct = correct.bind(of.rotation_dof, n_q, self.sizes)
-        self._place = place.bind(D, *about, system.n)
+        self._place = place.bind(D, of)
         self._residual = residual.bind(
-            *system.loops(loops.residual), *system.loops(loops.constraint_derivatives), assembly.record
+            system.loops(loops.residual), system.loops(loops.constraint_derivatives), assembly.record
         )
         self._ratio = None
         self._scratch, self._rate, self._g = np.zeros(n_q), np.zeros((3, n_q)), np.zeros((system.n_l, 3))
@@ -155,9 +158,10 @@ class Stages:
             self._measure_signals(s0, h, duration, share)
         n_q, n, n_rotations = self.system.n_q, self.system.n, len(self.system.numbering.rotation_dof)
         self.s0, self.h = s0, h
-        self._times[:] = s0.t + NODES * h
-        self._z[:], self._v[:], self._a[:] = s0.z, s0.v, s0.a
-        self._R.reshape(3, n_rotations, 3, 3)[:] = s0.R
+        at = self._at
+        at.t[:] = s0.t + NODES * h
+        at.z[:], at.v[:], at.a[:] = s0.z, s0.v, s0.a
+        at.R.reshape(3, n_rotations, 3, 3)[:] = s0.R
         if history.known:
             cubic, parabola = self._extrapolation(h / history.h)
             v = cubic @ history.v
@@ -190,32 +194,28 @@ class Stages:
 
     def residuals(self, k):
         """Return the residuals (3, n) of the stages: equations of motion, and second rates of constraints times -k."""
-        s0, at = self.s0, (self._z, self._v, self._a, self._R)
-        self._place(self.h, self.increments, self.reactions, s0.z, s0.v, s0.R, *at)
-        return self._residuals(self._times, *at, k, self._F)
+        self._place(self.h, self.increments, self.reactions, self.s0, self._at)
+        return self._residuals(self._at, k, self._F)
 
-    def _residuals(self, times, z, v, a, R, k, F):
-        system, s0, n_q = self.system, self.s0, self.system.n_q
-        n_rotations = len(system.numbering.rotation_dof)
-        self._residual(
-            s0.phases, s0.memory, n_q, system.n, n_rotations, k, times, z, v, a, R, self.assembly.residual, self._g, F
-        )
+    def _residuals(self, at, k, F):
+        system, n_q = self.system, self.system.n_q
+        self._residual(self.s0, k, at, self._g, F)
         if self.compliance is not None:
             starts, columns, values = self.compliance.rows
-            for own, rows in zip(z, F, strict=True):
+            for own, rows in zip(at.z, F, strict=True):
                 soften(k * (REAL / self.h) ** 2, starts, columns, values, own[n_q : system.n], rows[n_q:])
         return F
 
     def states(self):
         """Return the states at the stages, whose velocities are kept in ``velocities``."""
-        s0, n_q = self.s0, self.system.n_q
-        self._place(self.h, self.increments, self.reactions, s0.z, s0.v, s0.R, self._z, self._v, self._a, self._R)
-        self.velocities[0], self.velocities[1:] = s0.v[:n_q], self._v[:, :n_q]
-        R, found = self._R.reshape(3, -1, 3, 3), []
+        s0, n_q, at = self.s0, self.system.n_q, self._at
+        self._place(self.h, self.increments, self.reactions, s0, at)
+        self.velocities[0], self.velocities[1:] = s0.v[:n_q], at.v[:, :n_q]
+        R, found = at.R.reshape(3, -1, 3, 3), []
         for i in range(3):
             s = s0.copy()
-            s.t = float(self._times[i])
-            s.z[:], s.v[:], s.a[:], s.R[:] = self._z[i], self._v[i], self._a[i], R[i]
+            s.t = float(at.t[i])
+            s.z[:], s.v[:], s.a[:], s.R[:] = at.z[i], at.v[i], at.a[i], R[i]
             found.append(s)
         return found
 
@@ -225,8 +225,8 @@ class Stages:
         s.z[:n_q][self._is_rotation] = 0.0
         s.v[:n_q] -= back
         s.a[:n_q] = a
-        rows = (part[None] for part in (s.z, s.v, s.a))
-        return self._residuals(np.array([s.t]), *rows, s.R, k, np.zeros((1, self.system.n)))[0]
+        at = Motions(np.array([s.t]), s.z[None], s.v[None], s.a[None], s.R)
+        return self._residuals(at, k, np.zeros((1, self.system.n)))[0]
 
     def gap(self, s):
         """Return the violation (n_l,) of the constraints on positions."""

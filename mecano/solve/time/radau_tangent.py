@@ -12,6 +12,8 @@ s is an eigenvalue of the method over the step size: the stages decouple into on
 & Wanner 1996, IV.8).
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from mecano.jit.entry import Indices, Matrix, Table, Vector, entry
@@ -35,15 +37,24 @@ def spun(data, turned, i, omega):
     return 0.5 * (data[turned[i, 0]] * omega[turned[i, 2]] - data[turned[i, 1]] * omega[turned[i, 3]])
 
 
+class Entries(NamedTuple):
+    """What is to be known of each entry of the tangent."""
+
+    kind: Indices  # (nnz,) MOTION, POSITION or RATE: of its row
+    turned: Table  # (nnz, 4) for rotations (``_turned``)
+    place: Indices  # (nnz,) in the matrices
+
+
 @entry
 def weigh(
-    kind: Indices, turned: Table, place: Indices, parts: Matrix, omega: Vector, dt: float, s: float, s_real: float,
-    s_imaginary: float, real_out: Vector, complex_out: Matrix,
+    entries: Entries, parts: Matrix, omega: Vector, dt: float, s: float, s_real: float, s_imaginary: float,
+    real_out: Vector, complex_out: Matrix,
 ):  # fmt: skip
     """Write the values of the real and of the complex matrix at their places.
 
-    ``parts`` (7, nnz + 1) are K, C, M, and K and C later and before by dt; kind (nnz,) of the row of each entry.
+    ``parts`` (7, nnz + 1) are K, C, M, and K and C later and before by dt.
     """
+    kind, turned, place = entries
     s2 = s_real + 1j * s_imaginary
     for i in range(kind.shape[0]):
         if kind[i] == MOTION:
@@ -109,7 +120,7 @@ class StageTangent:
         self._parts = np.zeros((len(PARTS), system.nnz + 1))
         kind = np.full(n, MOTION)
         kind[n_q:] = np.where(of.of_rates, RATE, POSITION)
-        self._weigh = weigh.bind(kind[system.rows], self._turned(), self._real.place, self._parts)
+        self._weigh = weigh.bind(Entries(kind[system.rows], self._turned(), self._real.place), self._parts)
         self._out = self._real.values, self._complex.values.view(float).reshape(-1, 2)
         self._real_scale, self._complex_scale = np.ones(n), np.ones((n, 2)) * [1.0, 0.0]
         self._b, self._c, self._correction = np.zeros(n), np.zeros(n, complex), np.zeros((3, n))

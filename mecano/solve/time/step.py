@@ -14,10 +14,10 @@ from mecano.solve.time.workspace import (
     TRIAL,
     copy_state,
     history_of,
-    memory_of,
-    motion_of,
+    state_of,
     system_of,
     time_of,
+    unknowns_of,
 )
 
 
@@ -38,20 +38,16 @@ def begin(w):
     """Predict the state TRIAL, from the history or ``by_velocity`` alone, and begin the report on the iterations."""
     copy_state(w, BEGIN, TRIAL)
     time_of(w, TRIAL)[0] = time_of(w, BEGIN)[0] + w.h
-    z0, v0, a0, R0 = motion_of(w, BEGIN)
-    z, v, a, R = motion_of(w, TRIAL)
-    kind, rotation_dof = integers(w.kind, w.n_all), integers(w.rotation_dof, w.n_rotations)
+    start = state_of(w, BEGIN)
     before, slope, bend = history_of(w, BEGIN)
     if w.by_velocity:
         # after a sudden load on stiff and light members the accelerations say little of displacements in a long step
         slope, bend = floats(w.guess, w.n), floats(w.guess + 8 * w.n, w.n)
         for i in range(w.n_q):
             a1 = (1.0 - 0.5 / w.beta) * before[i]
-            slope[i] = ((1.0 - w.am) * a1 + w.am * before[i] - w.af * a0[i]) / (1.0 - w.af) - a0[i]
-    farthest, w.loudest = predict(
-        w.am, w.af, w.beta, w.gamma, kind, rotation_dof, w.n_q, w.n, w.h,
-        before, a0, slope, bend, floats(w.v_shift, w.n_all), R0, z, v, a, R,
-    )  # fmt: skip
+            slope[i] = ((1.0 - w.am) * a1 + w.am * before[i] - w.af * start.a[i]) / (1.0 - w.af) - start.a[i]
+    history = before, slope, bend, floats(w.v_shift, w.n_all)
+    farthest, w.loudest = predict(w, unknowns_of(w), start, history, state_of(w, TRIAL))
     w.farthest = max(farthest / w.length, w.farthest_fixed)
     w.reach = max(w.farthest, 1.0)
     floats(w.report, 8)[:] = 0.0
@@ -63,28 +59,23 @@ def begin(w):
 @kernel
 def complete(w):
     """Compute the history at TRIAL, the error measures, and whether the next step may keep the tangent."""
-    z0, v0, a0, R0 = motion_of(w, BEGIN)
-    z, v, a, R = motion_of(w, TRIAL)
-    kind, rotation_dof = integers(w.kind, w.n_all), integers(w.rotation_dof, w.n_rotations)
-    before, slope, _ = history_of(w, BEGIN)
-    algorithmic, new_slope, new_bend = history_of(w, TRIAL)
-    w.change, w.turn, w.lasting = finish(
-        w.am, w.af, w.length, w.duration, kind, rotation_dof, w.n_q, w.n, w.h, before, slope, w.known,
-        a0, z0, a, z, v, algorithmic, new_slope, new_bend,
-    )  # fmt: skip
-    s, sizes, signal = system_of(w)[0], memory_of(w, BEGIN), 0.0
-    states, first = integers(s.states, s.n_states), w.n_memory - s.n_states
-    for i in range(s.n_states):
+    start, s, before, after = state_of(w, BEGIN), state_of(w, TRIAL), history_of(w, BEGIN), history_of(w, TRIAL)
+    w.change, w.turn, w.lasting = finish(w, unknowns_of(w), start, s, before, after)
+    system, sizes, signal = system_of(w)[0], start.memory, 0.0
+    began, slope, _ = before
+    ended, new_slope, _ = after
+    states, first = integers(system.states, system.n_states), w.n_memory - system.n_states
+    for i in range(system.n_states):
         d = states[i]
-        size = max(sizes[first + i], state_size(w.duration, z[d], v[d]))
+        size = max(sizes[first + i], state_size(w.duration, s.z[d], s.v[d]))
         # the mean of two changes: a jump of the rate makes them alternate for some steps
-        change = 0.5 * (slope[d] + new_slope[d]) if w.known else algorithmic[d] - before[d]
+        change = 0.5 * (slope[d] + new_slope[d]) if w.known else ended[d] - began[d]
         signal = max(signal, abs(change) / size)
     share = counted(1.0, SUDDEN, w.duration, w.h)  # squared, as the rounding of reactions grows as 1/h^2
     w.lasting = max(w.lasting, w.error * w.h * w.h * signal * share * share)
     largest, massless = 0.0, integers(w.massless, w.n_massless)
     for i in range(w.n_massless):
-        largest = max(largest, abs(algorithmic[massless[i]] - before[massless[i]]))
+        largest = max(largest, abs(ended[massless[i]] - began[massless[i]]))
     w.lag = w.error * w.h * w.h * largest / w.length
     w.next_known = min(w.known + 1, 2)
     w.next_has, w.next_age, w.next_drift = choose_tangent(

@@ -14,11 +14,11 @@ tangent resolves (modal_filter.py); the next step begins its iterations with the
 
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
-from mecano.jit.memory import call, floats, integers, items
+from mecano.jit.memory import call, floats, integers
 from mecano.maths.vector import cross, vec
-from mecano.model import assembly_driver
-from mecano.model.loops import BATCH
+from mecano.model.assembly_driver import assemble, constraint_derivatives, loops_at
 from mecano.model.numbering import MASSLESS, ROTATION, SIGNAL
+from mecano.model.state import Instant
 from mecano.solve.events.compliance import OF_RATES, OF_RELEASED, RELEASED_COMPLIANCE
 from mecano.solve.linear.newton import CONVERGED, OTHERWISE, soften_tangent
 from mecano.solve.linear.sparse import ACCEPT_BELOW
@@ -33,10 +33,10 @@ from mecano.solve.time.workspace import (
     copy_history,
     copy_state,
     history_of,
-    memory_of,
-    motion_of,
+    state_of,
     system_of,
     time_of,
+    unknowns_of,
 )
 
 DIFFERENCE = 0.02  # of a step, for differences along the motion
@@ -103,7 +103,7 @@ def go_back(w):
 def refer(w):
     """Make TANGENT the state BEGIN, from which the rotation increments of the next step are counted."""
     copy_state(w, BEGIN, TANGENT)
-    z = motion_of(w, TANGENT)[0]
+    z = state_of(w, TANGENT).z
     kind = integers(w.kind, w.n_all)
     for i in range(w.n_q):
         if kind[i] == ROTATION:
@@ -113,32 +113,28 @@ def refer(w):
 @kernel
 def differentiate_constraints(w):
     """Evaluate the constraints at BEGIN, along the motion at constant accelerations, and with v + omega x omega'."""
-    z, v, a, R = motion_of(w, BEGIN)
-    z_moved, v_moved, _, R_moved = motion_of(w, TRIAL)
-    kind, rotation_dof = integers(w.kind, w.n_all), integers(w.rotation_dof, w.n_rotations)
+    s, s_moved, of = state_of(w, BEGIN), state_of(w, TRIAL), unknowns_of(w)
     for row in range(4 if w.n_l else 0):
         dt = row * DIFFERENCE * w.h if row < TURNING else 0.0
         copy_state(w, BEGIN, TRIAL)
-        move(kind, rotation_dof, w.n_q, dt, z, v, a, R, z_moved, R_moved)
+        move(of, dt, s, s_moved)
         time_of(w, TRIAL)[0] += dt
         for i in range(w.n_all):
-            v_moved[i] += dt * a[i]
+            s_moved.v[i] += dt * s.a[i]
         for r in range(w.n_rotations if row == TURNING else 0):
-            d = rotation_dof[r]
-            turned = cross(vec(v, d), vec(a, d))
+            d = of.rotation_dof[r]
+            turned = cross(vec(s.v, d), vec(s.a, d))
             for i in range(3):
-                v_moved[d + i] += turned[i]
-        evaluate_constraints(w, TRIAL, a, row)
+                s_moved.v[d + i] += turned[i]
+        evaluate_constraints(w, TRIAL, s.a, row)
 
 
 @kernel
 def evaluate_constraints(w, which, a, row):
     """Write value, rate and second rate of all constraints at one of the states with accelerations ``a`` (n_all,)."""
-    z, v, _, R = motion_of(w, which)
-    assembly_driver.constraint_derivatives(
-        integers(w.constraints, w.n_constraints), items(w.constraint_batches, w.n_constraints, BATCH), system_of(w),
-        time_of(w, which)[0], z, v, a, R, integers(w.phases, w.n_phases), memory_of(w, which), derivatives(w, row),
-    )  # fmt: skip
+    s, loops = state_of(w, which), loops_at(w.n_constraints, w.constraints, w.constraint_batches)
+    accelerated = Instant(s.t, s.z, s.v, a, s.R, s.phases, s.memory)
+    constraint_derivatives(loops, system_of(w), accelerated, derivatives(w, row))
 
 
 @kernel
@@ -246,17 +242,12 @@ def mean_stiffness(w):
 @kernel
 def assemble_at_tangent(w, cK, cC, cM):
     """Assemble a tangent of these weights at TANGENT, where rotation increments are zero."""
-    z, v, a, R = motion_of(w, TANGENT)
-    T = floats(w.T, (w.n_rotations, 3, 3))
+    T, loops = floats(w.T, (w.n_rotations, 3, 3)), loops_at(w.n_tangents, w.tangents, w.tangent_batches)
     for r in range(w.n_rotations):
         for i in range(3):
             for j in range(3):
                 T[r, i, j] = 1.0 if i == j else 0.0
-    assembly_driver.assemble(
-        integers(w.tangents, w.n_tangents), items(w.tangent_batches, w.n_tangents, BATCH), system_of(w),
-        time_of(w, TANGENT)[0], z, v, a, R, integers(w.phases, w.n_phases), memory_of(w, TANGENT), T,
-        w.k, w.penalty, cK, cC, cM,
-    )  # fmt: skip
+    assemble(loops, system_of(w), state_of(w, TANGENT), T, w.k, w.penalty, cK, cC, cM)
 
 
 @kernel
@@ -290,7 +281,7 @@ def shift_velocities(w):
 def shift_accelerations(w, longer):
     """Move the algorithmic accelerations along their slope; what a longer step may not resolve is left in ``added``."""
     a, slope, _ = history_of(w, BEGIN)
-    true, more = motion_of(w, BEGIN)[2], floats(w.added, w.n_all)
+    true, more = state_of(w, BEGIN).a, floats(w.added, w.n_all)
     for i in range(w.n_all):
         added = (w.am - w.af) * (w.h / w.last_h - 1.0) * slope[i] if i < w.n_q else 0.0
         if w.known == 0:  # no step has been made: as at a start

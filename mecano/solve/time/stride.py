@@ -11,9 +11,11 @@ import numpy as np
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
-from mecano.model import assembly_driver, loops
-from mecano.model.loops import BATCH, SYSTEM, fields, record
+from mecano.model import loops
+from mecano.model.assembly_driver import commit, constraint_derivatives, event_values, loops_at, observe
+from mecano.model.loops import SYSTEM, fields, record
 from mecano.model.numbering import ROTATION
+from mecano.model.state import Instant
 from mecano.solve.events.events import some_happened
 from mecano.solve.linear.newton import CONVERGED, DIVERGES, PAUSE, TOO_MANY
 from mecano.solve.time.error_bound import BOUND
@@ -32,8 +34,7 @@ from mecano.solve.time.workspace import (
     copy_history,
     copy_state,
     is_due,
-    memory_of,
-    motion_of,
+    state_of,
     system_of,
     time_of,
 )
@@ -155,11 +156,8 @@ def begin(m, w):
 @kernel
 def evaluate_events(m, w, which, out):
     """Write the values of all events at BEGIN or TRIAL."""
-    batches = items(m.event_batches, m.n_event_batches, BATCH)
-    assembly_driver.event_values(
-        integers(m.events, m.n_event_batches), batches, system_of(w), time_of(w, which)[0], *motion_of(w, which),
-        integers(w.phases, w.n_phases), memory_of(w, which), out,
-    )  # fmt: skip
+    loops = loops_at(m.n_event_batches, m.events, m.event_batches)
+    event_values(loops, system_of(w), state_of(w, which), out)
 
 
 @kernel
@@ -191,11 +189,8 @@ def parts(m, w):
     if not m.checks_gaps:
         return False
     n, weight = w.n_l, floats(m.share_of_gap, w.n_l)
-    g = floats(w.derivatives, (n, 3))
-    assembly_driver.constraint_derivatives(
-        integers(w.constraints, w.n_constraints), items(w.constraint_batches, w.n_constraints, BATCH), system_of(w),
-        time_of(w, TRIAL)[0], *motion_of(w, TRIAL), integers(w.phases, w.n_phases), memory_of(w, TRIAL), g,
-    )  # fmt: skip
+    g, loops = floats(w.derivatives, (n, 3)), loops_at(w.n_constraints, w.constraints, w.constraint_batches)
+    constraint_derivatives(loops, system_of(w), state_of(w, TRIAL), g)
     largest = 0.0
     for i in range(n):
         largest += (g[i, 0] * weight[i]) * (g[i, 0] * weight[i])
@@ -211,7 +206,7 @@ def is_probe(m, w, error, share):
 @kernel
 def accept(m, w, o, error, share):
     """Commit memories, observe the outputs, add the work by the trapezoidal rule, plan the next step."""
-    observe(m, w)
+    take(m, w)
     energy = floats(observation_of(m)[0].energy, 4)
     m.dissipated += 0.5 * w.h * (m.power_dissipated + energy[2])
     m.given += 0.5 * w.h * (m.power_given + energy[3])
@@ -236,17 +231,14 @@ def observation_of(m):
 
 
 @kernel
-def observe(m, w):
+def take(m, w):
     """Commit the memories at TRIAL, and write outputs and energies there."""
-    t, phases, system = time_of(w, TRIAL)[0], integers(w.phases, w.n_phases), system_of(w)
-    z, v, a, R = motion_of(w, TRIAL)
-    memory = memory_of(w, TRIAL)
+    s, system = state_of(w, TRIAL), system_of(w)
     if w.n_memory:
-        loops, batches = integers(m.committed, m.n_committed), items(m.committed_batches, m.n_committed, BATCH)
-        assembly_driver.commit(loops, batches, system, t, z, v, a, R, phases, memory_of(w, BEGIN), memory)
-    loops, batches = integers(m.observed, m.n_observed), items(m.observed_batches, m.n_observed, BATCH)
+        before = Instant(s.t, s.z, s.v, s.a, s.R, s.phases, state_of(w, BEGIN).memory)
+        commit(loops_at(m.n_committed, m.committed, m.committed_batches), system, before, s.memory)
     forces = floats(system[0].force, system[0].n_slots)
-    assembly_driver.observe(loops, batches, observation_of(m), t, z, v, a, R, phases, memory, forces)
+    observe(loops_at(m.n_observed, m.observed, m.observed_batches), observation_of(m), s, forces)
 
 
 @kernel
@@ -263,7 +255,7 @@ def plan(m, w, error, share):
 @kernel
 def longest_step(w):
     """Return the longest step [s] in which no body turns too far at the velocities of TRIAL."""
-    v, kind, fastest = motion_of(w, TRIAL)[1], integers(w.kind, w.n_all), 0.0
+    v, kind, fastest = state_of(w, TRIAL).v, integers(w.kind, w.n_all), 0.0
     for i in range(w.n_q):
         if kind[i] == ROTATION:
             fastest = max(fastest, abs(v[i]))

@@ -14,8 +14,8 @@ import numpy as np
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
 from mecano.model.loops import SYSTEM, fields, record
-from mecano.model.numbering import TRANSLATION
-from mecano.model.state import History, State
+from mecano.model.numbering import TRANSLATION, Unknowns
+from mecano.model.state import History, Instant, State
 
 BEGIN, TRIAL, TANGENT, RENEWED, BETWEEN, FORMER = range(6)
 UNCHANGED = 2  # row of ``history``: that at BEGIN before the step size was changed
@@ -40,17 +40,18 @@ STEP = fields(
 
 
 @kernel
-def motion_of(w, which):
-    """Return z, v, a (n_all,) and R (n_rotations, 3, 3) of one of the states."""
-    at, n = w.states + 8 * which * w.state_size, w.n_all
-    z, v, a = floats(at, n), floats(at + 8 * n, n), floats(at + 16 * n, n)
-    return z, v, a, floats(at + 24 * n, (w.n_rotations, 3, 3))
+def unknowns_of(w):
+    """Return the Unknowns of the model."""
+    return Unknowns(integers(w.kind, w.n_all), integers(w.rotation_dof, w.n_rotations), w.n_q, w.n)
 
 
 @kernel
-def memory_of(w, which):
-    """Return the memories (n_memory,) of one of the states."""
-    return floats(w.states + 8 * (which * w.state_size + 3 * w.n_all + 9 * w.n_rotations), w.n_memory)
+def state_of(w, which):
+    """Return one of the states."""
+    at, n, m = w.states + 8 * which * w.state_size, w.n_all, w.n_rotations
+    z, v, a, R = floats(at, n), floats(at + 8 * n, n), floats(at + 16 * n, n), floats(at + 24 * n, (m, 3, 3))
+    memory = floats(at + 24 * n + 72 * m, w.n_memory)
+    return Instant(time_of(w, which)[0], z, v, a, R, integers(w.phases, w.n_phases), memory)
 
 
 @kernel
@@ -89,16 +90,6 @@ def copy_history(w, source, target):
 def system_of(w):
     """Return the record SYSTEM as an array (1,)."""
     return items(w.system, 1, SYSTEM)
-
-
-@kernel
-def aim_at(w, which):
-    """Point the loops to one of the states."""
-    s, n = system_of(w)[0], w.n_all
-    at = w.states + 8 * which * w.state_size
-    s.t = time_of(w, which)[0]
-    s.z, s.v, s.a, s.R = at, at + 8 * n, at + 16 * n, at + 24 * n
-    s.phases, s.memory = w.phases, at + 8 * (3 * n + 9 * w.n_rotations)
 
 
 @kernel
