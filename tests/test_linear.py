@@ -152,7 +152,7 @@ def test_one_front_with_row_exchanges(n):
     assert status and not status.fallback and status.backward_error <= ACCURATE
     assert problem.error(x, b) <= 10 * ACCURATE
     if n > 30:
-        assert np.any(solver._exchanges != np.arange(n))
+        assert np.any(solver._lu.exchanges != np.arange(n))
 
 
 def test_row_exchanges_in_fronts_with_a_border():

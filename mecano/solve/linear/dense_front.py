@@ -6,12 +6,26 @@ columns beyond the pivots stay zero, values beyond the last row of a column are 
 Loops are written so that they are vectorized: elementwise, without sums.
 """
 
+from typing import NamedTuple
+
+from mecano.jit.entry import Indices, Vector
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats
 from mecano.solve.linear.ordering import STRIP
 
 TILE_ROWS, TILE_COLUMNS = 64, 256  # part of a front updated at once, to stay in cache
 NULL_PIVOT = 1e-14  # of the largest value the diagonal has had
+
+
+class Front(NamedTuple):
+    """A front while it is eliminated; all but its values are parts of larger arrays, from its first pivot on."""
+
+    values: Vector  # rows one after the other
+    columns: Vector  # of L, eliminated
+    pivot: Vector
+    inverse: Vector
+    magnitude: Vector  # largest value that each diagonal has had
+    exchanges: Indices  # row with which that of each pivot was exchanged
 
 
 @kernel
@@ -51,11 +65,9 @@ def _exchange(i, j, end, stride, front_out, columns_out):
 
 
 @kernel
-def _eliminate_strip(
-    begin, end, block_end, pivots, stride, tolerance,  # in
-    front_out, columns_out, pivot_out, inverse_out, magnitude_out, exchanges_out,  # out, from the first pivot on
-):  # fmt: skip
-    """Factor the columns begin ... end - 1 of a front, right-looking; returns the number of null pivots."""
+def _eliminate_strip(begin, end, block_end, pivots, stride, tolerance, front_out):
+    """Factor the columns begin ... end - 1 of a Front, right-looking; returns the number of null pivots."""
+    values_out, columns_out, pivot_out, inverse_out, magnitude_out, exchanges_out = front_out
     null = 0
     for c in range(begin, block_end):
         magnitude_out[c] = max(magnitude_out[c], abs(columns_out[c * stride + c]))
@@ -64,7 +76,7 @@ def _eliminate_strip(
         row = _choose_row(column, k, pivots, tolerance) if tolerance > 0.0 else k
         exchanges_out[k] = row
         if row != k:
-            _exchange(k, row, block_end, stride, front_out, columns_out)
+            _exchange(k, row, block_end, stride, values_out, columns_out)
         pivot_out[k] = column[k]
         factor = 1.0 / column[k]
         if abs(column[k]) <= NULL_PIVOT * magnitude_out[k]:
@@ -134,34 +146,28 @@ def _update_pivot_rows(begin, end, left, right, stride, columns, front_out):
 
 
 @kernel
-def eliminate_block(
-    begin, end, pivots, size, tolerance,  # in
-    front_out, columns_out, pivot_out, inverse_out, magnitude_out, exchanges_out,  # out, from the first pivot on
-):  # fmt: skip
-    """Eliminate the pivots begin ... end - 1 of a front; returns the number of null pivots.
+def eliminate_block(begin, end, pivots, size, tolerance, front_out):
+    """Eliminate the pivots begin ... end - 1 of a Front; returns the number of null pivots.
 
     The columns of the block are finished first, with all their row exchanges; only then are the columns to the right
     updated, with rows in their final order.
     """
-    stride = stride_of(size)
+    stride, values_out, columns_out = stride_of(size), front_out.values, front_out.columns
     null = 0
     for k in range(begin, end):
         column = columns_out[k * stride : (k + 1) * stride]
         for i in range(size):
-            column[i] = front_out[i * stride + k]
+            column[i] = values_out[i * stride + k]
     for strip in range(begin, end, STRIP):
         strip_end = min(strip + STRIP, end)
-        null += _eliminate_strip(
-            strip, strip_end, end, pivots, stride, tolerance,
-            front_out, columns_out, pivot_out, inverse_out, magnitude_out, exchanges_out,
-        )  # fmt: skip
+        null += _eliminate_strip(strip, strip_end, end, pivots, stride, tolerance, front_out)
         right = part(columns_out, strip_end * stride, (end - strip_end) * stride)
         apply_strip(strip, stride, columns_out, right)
     for left in range(end, stride, TILE_COLUMNS):
         right = min(left + TILE_COLUMNS, stride)
-        _update_pivot_rows(begin, end, left, right, stride, columns_out, front_out)
+        _update_pivot_rows(begin, end, left, right, stride, columns_out, values_out)
         for top in range(end, size, TILE_ROWS):
             bottom = min(top + TILE_ROWS, size)
             for strip in range(begin, end, STRIP):
-                _update(strip, end - 1, top, bottom, left, right, stride, columns_out, front_out)
+                _update(strip, end - 1, top, bottom, left, right, stride, columns_out, values_out)
     return null

@@ -5,6 +5,8 @@ has its own work arrays (OWN), in which it also collects its terms in the equati
 in a fixed order, so that the bits do not depend on the number of threads.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from mecano.jit import thread_pool
@@ -13,9 +15,10 @@ from mecano.jit.memory import floats
 from mecano.jit.thread_pool import PARTS, run_parts
 from mecano.solve.linear.multifrontal import (
     FRONT,
-    INVERSE,
     MAGNITUDE,
     PERMUTED,
+    Factor,
+    Substitution,
     backward,
     factor_fronts,
     forward,
@@ -29,71 +32,80 @@ RANGE = BEGIN, END, LOW, HIGH, MIDDLE = range(5)  # fronts of a half; its unknow
 TASKS = FACTOR, FORWARD, BACKWARD = range(3)  # addresses of the functions below, and of their packed arguments
 
 
+class Halves(NamedTuple):
+    """What both halves work with."""
+
+    own: Matrices  # (PARTS, OWN, n + STRIP)
+    at_hand: Indices  # (AT_HAND,)
+    ranges: Table  # (PARTS, RANGE)
+    pool: int  # address
+    tasks: Table  # (TASKS, 3): address, that of the arguments of the first half, distance to those of the other
+
+
+class Work(NamedTuple):
+    """What the factorization works with beside the Factor."""
+
+    front: Vector  # one that is between the halves
+    stack: Vector
+    nulls: Indices  # (PARTS,) null pivots of the halves
+
+
 @entry
 def factor_half(
-    at_hand: Indices, own_range: Indices, fronts: Table, links: Short, tolerance: float, front: Vector, stack: Vector,
-    factors: Vector, vectors: Matrix, exchanges: Indices, own: Matrix, null_out: Indices,
+    at_hand: Indices, own_range: Indices, tolerance: float, front: Vector, stack: Vector, lu: Factor, own: Matrix,
+    null_out: Indices,
 ):  # fmt: skip
     """Factor the fronts of a half."""
     own[SIZES][:] = 0.0
-    data = floats(at_hand[DATA], at_hand[LENGTH])
-    null_out[0] = factor_fronts(
-        own_range[BEGIN], own_range[END], data, fronts, links, tolerance,
-        front, stack, factors, vectors, own[SIZES], exchanges,
-    )  # fmt: skip
-    sizes = vectors[MAGNITUDE]
+    data, begin, end = floats(at_hand[DATA], at_hand[LENGTH]), own_range[BEGIN], own_range[END]
+    null_out[0] = factor_fronts(begin, end, data, tolerance, front, stack, own[SIZES], lu)
+    sizes = lu.vectors[MAGNITUDE]
     for i in range(own_range[LOW], own_range[HIGH]):
         sizes[i] = own[SIZES, i]
 
 
 @entry
-def forward_half(
-    at_hand: Indices, own_range: Indices, order: Indices, fronts: Table, links: Short, factors: Vector,
-    exchanges: Indices, own: Matrix,
-):  # fmt: skip
+def forward_half(at_hand: Indices, own_range: Indices, lu: Factor, own: Matrix):
     """Eliminate the unknowns of a half in the right-hand side."""
+    order = lu.order
     b, y = floats(at_hand[B], order.size), own[ORDERED]
     for i in range(own_range[LOW], own_range[HIGH]):
         y[i] = b[order[i]]
     y[own_range[MIDDLE] :] = 0.0
     for f in range(own_range[BEGIN], own_range[END]):
-        forward(f, fronts, links, factors, exchanges, own[WORK], y)
+        forward(f, lu, own[WORK], y)
 
 
 @entry
-def backward_half(
-    at_hand: Indices, own_range: Indices, order: Indices, fronts: Table, links: Short, factors: Vector,
-    vectors: Matrix, own: Matrix,
-):  # fmt: skip
+def backward_half(at_hand: Indices, own_range: Indices, lu: Factor, own: Matrix):
     """Solve for the unknowns of a half; those between the halves are known."""
-    x, y, inverse = floats(at_hand[X], order.size), own[ORDERED], vectors[INVERSE]
+    order = lu.order
+    x, y = floats(at_hand[X], order.size), own[ORDERED]
     for i in range(own_range[MIDDLE], order.size):
-        y[i] = vectors[PERMUTED, i]
+        y[i] = lu.vectors[PERMUTED, i]
     for f in range(own_range[END] - 1, own_range[BEGIN] - 1, -1):
-        backward(f, fronts, links, factors, inverse, y)
+        backward(f, lu, y)
     for i in range(own_range[LOW], own_range[HIGH]):
         x[order[i]] = y[i]
 
 
 @entry
-def substitute(
-    b: Vector, order: Indices, fronts: Table, links: Short, factors: Vector, exchanges: Indices, vectors: Matrix,
-    own: Matrices, at_hand: Indices, own_ranges: Table, pool: int, tasks: Table, x_out: Vector,
-):  # fmt: skip
+def substitute(b: Vector, lu: Factor, halves: Halves, x_out: Vector):
     """Solve with the kept factors: x_out (n,) from b (n,); b and x_out may be the same array."""
-    at_hand[B], at_hand[X] = b.ctypes.data, x_out.ctypes.data
-    begin, first = own_ranges[PARTS - 1, END], own_ranges[0, MIDDLE]
+    order, n_fronts, pool, tasks = lu.order, lu.fronts.shape[0], halves.pool, halves.tasks
+    halves.at_hand[B], halves.at_hand[X] = b.ctypes.data, x_out.ctypes.data
+    begin, first = halves.ranges[PARTS - 1, END], halves.ranges[0, MIDDLE]
     run_parts(pool, tasks[FORWARD, 0], tasks[FORWARD, 1], tasks[FORWARD, 2])
-    y = vectors[PERMUTED]
+    y = lu.vectors[PERMUTED]
     for i in range(first, order.size):
         y[i] = b[order[i]]
     for part in range(PARTS):
         for i in range(first, order.size):
-            y[i] += own[part, ORDERED, i]
-    for f in range(begin, fronts.shape[0]):
-        forward(f, fronts, links, factors, exchanges, vectors[FRONT], y)
-    for f in range(fronts.shape[0] - 1, begin - 1, -1):
-        backward(f, fronts, links, factors, vectors[INVERSE], y)
+            y[i] += halves.own[part, ORDERED, i]
+    for f in range(begin, n_fronts):
+        forward(f, lu, lu.vectors[FRONT], y)
+    for f in range(n_fronts - 1, begin - 1, -1):
+        backward(f, lu, y)
     run_parts(pool, tasks[BACKWARD, 0], tasks[BACKWARD, 1], tasks[BACKWARD, 2])
     for i in range(first, order.size):
         x_out[order[i]] = y[i]
@@ -101,31 +113,20 @@ def substitute(
 
 @entry
 def solve(
-    # in
-    data: Vector, b: Vector,
-    # as those of ``substitute``
-    order: Indices, fronts: Table, links: Short, factors: Vector, exchanges: Indices, vectors: Matrix,
-    own: Matrices, at_hand: Indices, own_ranges: Table, pool: int, tasks: Table,
-    # front and stack of what is between the halves; null pivots of the halves
-    front: Vector, stack: Vector, nulls: Indices,
-    equations: Short, tolerance: float, substitution: int, words: int,
-    # out
-    x_out: Vector,
+    data: Vector, b: Vector, lu: Factor, halves: Halves, work: Work, equations: Short, tolerance: float,
+    again: Substitution, x_out: Vector,
 ) -> (int, bool, float):  # fmt: skip
     """Factor, solve A x = b, and refine once if that helps: (null pivots, refined, backward error)."""
-    at_hand[DATA], at_hand[LENGTH] = data.ctypes.data, data.size
-    begin, first = own_ranges[PARTS - 1, END], own_ranges[0, MIDDLE]
-    run_parts(pool, tasks[FACTOR, 0], tasks[FACTOR, 1], tasks[FACTOR, 2])
-    sizes = vectors[MAGNITUDE]
+    halves.at_hand[DATA], halves.at_hand[LENGTH] = data.ctypes.data, data.size
+    begin, first, own, tasks = halves.ranges[PARTS - 1, END], halves.ranges[0, MIDDLE], halves.own, halves.tasks
+    run_parts(halves.pool, tasks[FACTOR, 0], tasks[FACTOR, 1], tasks[FACTOR, 2])
+    sizes = lu.vectors[MAGNITUDE]
     for i in range(first, sizes.size):
         sizes[i] = max(own[0, SIZES, i], own[1, SIZES, i])
-    null = factor_fronts(
-        begin, fronts.shape[0], data, fronts, links, tolerance,
-        front, stack, factors, vectors, sizes, exchanges,
-    )  # fmt: skip
+    null = factor_fronts(begin, lu.fronts.shape[0], data, tolerance, work.front, work.stack, sizes, lu)
     for i in range(PARTS):
-        null += nulls[i]
-    refined, error = refine(data, b, equations, vectors, substitution, words, x_out)
+        null += work.nulls[i]
+    refined, error = refine(data, b, equations, lu.vectors, again, x_out)
     return null, refined, error
 
 
@@ -136,55 +137,32 @@ class Parts:
     ----------
     analysis : Analysis
         Of a pattern with parts (ordering.py): the halves, then what is between them.
-    tolerance, factors, vectors, exchanges :
+    tolerance, lu :
         Those of the LinearSolver.
 
     Attributes
     ----------
-    arguments : tuple
-        Those of ``substitute`` between ``b`` and ``x_out``.
-    further : tuple
-        Those of ``solve`` that come next.
+    halves : Halves
+    work : Work
     """
 
-    def __init__(self, analysis, tolerance, factors, vectors, exchanges):
-        order, fronts, links = analysis.order, analysis.fronts, analysis.links
-        ranges, stack = _ranges(analysis, len(order)), np.zeros(analysis.stack_length)
-        own, at_hand = np.zeros((PARTS, len(OWN), vectors.shape[1])), np.zeros(len(AT_HAND), np.int64)
-        scratch = [np.zeros(_largest(fronts[begin:end])) for begin, end, *_ in ranges]
-        nulls = np.zeros(PARTS, np.int64)
+    def __init__(self, analysis, tolerance, lu):
+        fronts, stack, nulls = lu.fronts, np.zeros(analysis.stack_length), np.zeros(PARTS, np.int64)
+        ranges = _ranges(analysis, len(lu.order))
+        own, at_hand = np.zeros((PARTS, len(OWN), lu.vectors.shape[1])), np.zeros(len(AT_HAND), np.int64)
         calls = {FACTOR: [], FORWARD: [], BACKWARD: []}
-        for i in range(PARTS):
-            here, tables = (at_hand, ranges[i]), (fronts, links)
+        for i, (begin, end, *_) in enumerate(ranges):
+            here, scratch, null = (at_hand, ranges[i]), np.zeros(_largest(fronts[begin:end])), nulls[i : i + 1]
             calls[FACTOR].append(
-                factor_half.call_from_compiled_code(
-                    *here, *tables, tolerance, scratch[i], stack, factors, vectors, exchanges, own[i], nulls[i : i + 1]
-                )
+                factor_half.call_from_compiled_code(*here, tolerance, scratch, stack, lu, own[i], null)
             )
-            calls[FORWARD].append(
-                forward_half.call_from_compiled_code(*here, order, *tables, factors, exchanges, own[i])
-            )
-            calls[BACKWARD].append(
-                backward_half.call_from_compiled_code(*here, order, *tables, factors, vectors, own[i])
-            )
+            calls[FORWARD].append(forward_half.call_from_compiled_code(*here, lu, own[i]))
+            calls[BACKWARD].append(backward_half.call_from_compiled_code(*here, lu, own[i]))
         words = [np.array([call.words for call in calls[task]]) for task in TASKS]
         tasks = np.array([(calls[task][0].function, words[task].ctypes.data, words[task].strides[0]) for task in TASKS])
         self._kept = calls, words
-        self.arguments = (
-            order,
-            fronts,
-            links,
-            factors,
-            exchanges,
-            vectors,
-            own,
-            at_hand,
-            ranges,
-            thread_pool.pool(),
-            tasks,
-        )
-        rest = np.zeros(_largest(fronts[ranges[-1, END] :]))
-        self.further = rest, stack, nulls
+        self.halves = Halves(own, at_hand, ranges, thread_pool.pool(), tasks)
+        self.work = Work(np.zeros(_largest(fronts[ranges[-1, END] :])), stack, nulls)
 
 
 def _ranges(analysis, n):

@@ -21,12 +21,14 @@ compiles would give other bits than those that load its code, since functions ar
 so that they are vectorized nevertheless: elementwise, without sums.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from mecano.jit.entry import Indices, Matrix, Short, Table, Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call
-from mecano.solve.linear.dense_front import apply_strip, eliminate_block, part, stride_of
+from mecano.solve.linear.dense_front import Front, apply_strip, eliminate_block, part, stride_of
 from mecano.solve.linear.ordering import (
     BORDER,
     CONTRIBUTION,
@@ -48,6 +50,24 @@ VECTORS = 7
 
 BLOCK = 32  # pivots eliminated before the rest of a front is updated, multiple of STRIP
 REFINE_ABOVE = 1e-13  # backward error
+
+
+class Factor(NamedTuple):
+    """A factorization: its pattern (Analysis of ordering.py), the values, and what is known of the pivots."""
+
+    order: Indices
+    fronts: Table
+    links: Short
+    values: Vector
+    exchanges: Indices
+    vectors: Matrix
+
+
+class Substitution(NamedTuple):
+    """The call of ``substitute`` that solves for CORRECTION from RESIDUAL, which are rows of ``vectors``."""
+
+    function: int  # address
+    words: int  # address
 
 
 @kernel
@@ -99,46 +119,43 @@ def _store(f, fronts, front, factors_out, stack_out):
 
 
 @kernel
-def factor(data, fronts, links, tolerance, scratch, factors_out, vectors_out, exchanges_out):
+def factor(data, tolerance, scratch, lu_out):
     """Factor the matrix with the values ``data``; returns the number of null pivots."""
-    largest = 0
+    largest, fronts = 0, lu_out.fronts
     for f in range(fronts.shape[0]):
         largest = max(largest, fronts[f, SIZE])
-    front, stack, magnitude = scratch, scratch[largest * stride_of(largest) :], vectors_out[MAGNITUDE]
+    stack, magnitude = scratch[largest * stride_of(largest) :], lu_out.vectors[MAGNITUDE]
     for i in range(magnitude.size):
         magnitude[i] = 0.0
-    return factor_fronts(
-        0, fronts.shape[0], data, fronts, links, tolerance, front, stack, factors_out, vectors_out, magnitude,
-        exchanges_out,
-    )  # fmt: skip
+    return factor_fronts(0, fronts.shape[0], data, tolerance, scratch, stack, magnitude, lu_out)
 
 
 @kernel
-def factor_fronts(
-    begin, end, data, fronts, links, tolerance,  # in
-    front, stack, factors_out, vectors_out, magnitude, exchanges_out,  # work arrays, out
-):  # fmt: skip
-    """Factor the fronts begin ... end - 1, whose children are factored; returns the number of null pivots."""
-    null, pivot, inverse = 0, vectors_out[PIVOT], vectors_out[INVERSE]
+def factor_fronts(begin, end, data, tolerance, work, stack, magnitude, lu_out):
+    """Factor the fronts begin ... end - 1, whose children are factored; returns the number of null pivots.
+
+    ``work`` holds one front, ``stack`` the contributions that wait for their parents.
+    """
+    fronts, pivot, inverse = lu_out.fronts, lu_out.vectors[PIVOT], lu_out.vectors[INVERSE]
+    null = 0
     for f in range(begin, end):
-        _assemble(f, data, fronts, links, stack, front, magnitude)
+        _assemble(f, data, fronts, lu_out.links, stack, work, magnitude)
         first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, SIZE]
-        columns, exchanges = factors_out[fronts[f, FACTOR] :], exchanges_out[first:]
+        columns, exchanges = lu_out.values[fronts[f, FACTOR] :], lu_out.exchanges[first:]
+        front = Front(work, columns, pivot[first:], inverse[first:], magnitude[first:], exchanges)
         for k in range(0, pivots, BLOCK):
-            null += eliminate_block(
-                k, min(k + BLOCK, pivots), pivots, size, tolerance,
-                front, columns, pivot[first:], inverse[first:], magnitude[first:], exchanges,
-            )  # fmt: skip
-        _store(f, fronts, front, factors_out, stack)
+            null += eliminate_block(k, min(k + BLOCK, pivots), pivots, size, tolerance, front)
+        _store(f, fronts, work, lu_out.values, stack)
     return null
 
 
 @kernel
-def forward(f, fronts, links, factors, exchanges, work, y_out):
+def forward(f, lu, work, y_out):
     """Eliminate the pivots of a front in the right-hand side y (n,), in elimination order."""
+    fronts, links, exchanges = lu.fronts, lu.links, lu.exchanges
     first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, SIZE]
     stride = stride_of(size)
-    columns = factors[fronts[f, FACTOR] :]
+    columns = lu.values[fronts[f, FACTOR] :]
     border = links[fronts[f, BORDER] : fronts[f, BORDER] + size - pivots]
     for k in range(pivots):
         work[k] = y_out[first + k]
@@ -158,8 +175,9 @@ def forward(f, fronts, links, factors, exchanges, work, y_out):
 
 
 @kernel
-def backward(f, fronts, links, factors, inverse, y_out):
+def backward(f, lu, y_out):
     """Solve for the pivots of a front in y (n,); the border is known."""
+    fronts, links, factors, inverse = lu.fronts, lu.links, lu.values, lu.vectors[INVERSE]
     first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, SIZE]
     stride = stride_of(size)
     border = links[fronts[f, BORDER] : fronts[f, BORDER] + size - pivots]
@@ -204,18 +222,15 @@ def _subtract_strip(begin, step, columns, x0, x1, x2, x3, out):
 
 
 @entry
-def substitute(
-    b: Vector, order: Indices, fronts: Table, links: Short, factors: Vector, exchanges: Indices, vectors: Matrix,
-    x_out: Vector,
-):  # fmt: skip
+def substitute(b: Vector, lu: Factor, x_out: Vector):
     """Solve with the kept factors: x_out (n,) from b (n,); b and x_out may be the same array."""
-    y, work, inverse = vectors[PERMUTED], vectors[FRONT], vectors[INVERSE]
+    order, n_fronts, y, work = lu.order, lu.fronts.shape[0], lu.vectors[PERMUTED], lu.vectors[FRONT]
     for i in range(order.size):
         y[i] = b[order[i]]
-    for f in range(fronts.shape[0]):
-        forward(f, fronts, links, factors, exchanges, work, y)
-    for f in range(fronts.shape[0] - 1, -1, -1):
-        backward(f, fronts, links, factors, inverse, y)
+    for f in range(n_fronts):
+        forward(f, lu, work, y)
+    for f in range(n_fronts - 1, -1, -1):
+        backward(f, lu, y)
     for i in range(order.size):
         x_out[order[i]] = y[i]
 
@@ -247,25 +262,20 @@ def residual(data: Vector, equations: Short, b: Vector, x: Vector, residual_out:
 
 @entry
 def solve(
-    # in
-    data: Vector, b: Vector,
-    # pattern
-    fronts: Table, links: Short, equations: Short, tolerance: float,
-    # kept
-    scratch: Vector, factors: Vector, vectors: Matrix, exchanges: Indices,
-    # ``substitute``: its address, and that of its arguments, which solve for CORRECTION from RESIDUAL
-    substitution: int, words: int,
-    # out
+    data: Vector, b: Vector, lu: Factor, scratch: Vector, equations: Short, tolerance: float, again: Substitution,
     x_out: Vector,
 ) -> (int, bool, float):  # fmt: skip
-    """Factor, solve A x = b, and refine once if that helps: (null pivots, refined, backward error)."""
-    null = factor(data, fronts, links, tolerance, scratch, factors, vectors, exchanges)
-    refined, error = refine(data, b, equations, vectors, substitution, words, x_out)
+    """Factor, solve A x = b, and refine once if that helps: (null pivots, refined, backward error).
+
+    ``lu`` is overwritten; ``scratch`` holds a front and the stack, ``equations`` the pattern by rows.
+    """
+    null = factor(data, tolerance, scratch, lu)
+    refined, error = refine(data, b, equations, lu.vectors, again, x_out)
     return null, refined, error
 
 
 @kernel
-def refine(data, b, equations, vectors, substitution, words, x_out):
+def refine(data, b, equations, vectors, again, x_out):
     """Solve A x = b with the present factors, and refine once if that helps: (refined, backward error)."""
     n = b.size
     remainder, correction = vectors[RESIDUAL][:n], vectors[CORRECTION]
@@ -274,7 +284,7 @@ def refine(data, b, equations, vectors, substitution, words, x_out):
         x_out[i] = 0.0
     error, sweeps = np.inf, 0
     while sweeps == 0 or (sweeps == 1 and REFINE_ABOVE < error < np.inf):
-        call(substitution, words, 0)
+        call(again.function, again.words, 0)
         for i in range(n):
             x_out[i] += correction[i]
         error = residual(data, equations, b, x_out, remainder)

@@ -4,9 +4,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mecano.jit.named_tuple import spread
 from mecano.solve.linear import multifrontal
 from mecano.solve.linear.dense_front import NULL_PIVOT
-from mecano.solve.linear.multifrontal import CORRECTION, MAGNITUDE, PIVOT, REFINE_ABOVE, RESIDUAL, VECTORS
+from mecano.solve.linear.multifrontal import (
+    CORRECTION,
+    MAGNITUDE,
+    PIVOT,
+    REFINE_ABOVE,
+    RESIDUAL,
+    VECTORS,
+    Factor,
+    Substitution,
+)
 from mecano.solve.linear.ordering import analyse, padded
 
 ACCEPT_BELOW = 1e-9  # backward error of a solution that is used
@@ -60,9 +70,9 @@ class LinearSolver:
         self.analysis = analysis
         self.order = analysis.order
         self._equations = analysis.equations
-        self._factors = np.zeros(analysis.factor_length)
         self._vectors = np.zeros((VECTORS, padded(n)))
-        self._exchanges = np.zeros(n, dtype=np.int64)
+        values, exchanges = np.zeros(analysis.factor_length), np.zeros(n, dtype=np.int64)
+        self._lu = Factor(analysis.order, analysis.fronts, analysis.links, values, exchanges, self._vectors)
         if halves is None:
             self._bind(analysis)
         else:
@@ -73,30 +83,32 @@ class LinearSolver:
     def _bind(self, analysis):
         """Enter the entries that factor and substitute, and their constant arguments."""
         self._solve, self._substitute = multifrontal.solve, multifrontal.substitute
-        tables, largest = (analysis.fronts, analysis.links), analysis.largest
-        scratch = np.zeros(largest * padded(largest) + analysis.stack_length)
-        self._substitute_arguments = (analysis.order, *tables, self._factors, self._exchanges, self._vectors)
-        self._solve_arguments = (
-            *tables, self._equations, self.tolerance, scratch, self._factors, self._vectors, self._exchanges,
-            *self._correction(),
-        )  # fmt: skip
+        scratch = np.zeros(analysis.largest * padded(analysis.largest) + analysis.stack_length)
+        self._substitute_arguments = (self._lu,)
+        self._solve_arguments = self._lu, scratch, self._equations, self.tolerance, self._again()
 
     def _bind_divided(self, analysis):
         """Do the same for a model in halves."""
         from mecano.solve.linear import divided_multifrontal as divided  # no small model needs it
 
         self._solve, self._substitute = divided.solve, divided.substitute
-        parts = self._parts = divided.Parts(analysis, self.tolerance, self._factors, self._vectors, self._exchanges)
-        self._substitute_arguments = parts.arguments
-        self._solve_arguments = (*parts.arguments, *parts.further, self._equations, self.tolerance, *self._correction())
+        parts = self._parts = divided.Parts(analysis, self.tolerance, self._lu)
+        self._substitute_arguments = self._lu, parts.halves
+        self._solve_arguments = (
+            *self._substitute_arguments,
+            parts.work,
+            self._equations,
+            self.tolerance,
+            self._again(),
+        )
 
-    def _correction(self):
-        """Return the address of ``substitute``, and that of its arguments for ``refine``."""
+    def _again(self):
+        """Return the Substitution for ``refine``."""
         vectors = self._vectors[:, : self.n]
         self._packed = self._substitute.call_from_compiled_code(
             vectors[RESIDUAL], *self._substitute_arguments, vectors[CORRECTION]
         )
-        return self._packed.function, self._packed.words.ctypes.data
+        return Substitution(self._packed.function, self._packed.words.ctypes.data)
 
     def solve(self, data, b, x_out, label=None):
         """Factor the matrix and solve A x = b; returns a LinearStatus.
@@ -143,8 +155,9 @@ class LinearSolver:
     @property
     def nbytes(self):
         """Memory of the factors and of the work arrays [B]."""
-        arguments = {id(x): x for x in (*self._solve_arguments, *self._substitute_arguments)}
-        return sum(x.nbytes for x in arguments.values() if isinstance(x, np.ndarray))
+        kinds = [*self._solve.parameters.values()][2:-1]
+        values = {id(x): x for x in spread(kinds, self._solve_arguments)}
+        return sum(x.nbytes for x in values.values() if isinstance(x, np.ndarray))
 
     @property
     def kept(self):
