@@ -8,7 +8,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 FOUND = Path(__file__).parents[2] / "build" / "verification.json"
-COMMAND = "pytest -n auto --dist loadfile --verification build/verification.json"
+COMMAND = "pytest -n auto --dist worksteal --verification build/verification.json"
 FLOOR = 1e-8  # of an error over its tolerance: what is smaller is drawn so long
 HEAD = f"""# Verification
 
