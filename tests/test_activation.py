@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from test_released_cables import HANGING
 from test_released_springs import LOSS, MOUNTS
 from time_runs import RecordedRun, deck, input_deck
 
@@ -86,6 +87,21 @@ def test_a_spring_that_is_activated_and_released():
     assert run["nodes/cart_1/position"][-1, 0] == pytest.approx(0.5, abs=1e-5)
     np.testing.assert_allclose(run["signals/force/value"], run["elements/catch/force"], atol=1e-9)
     assert np.ptp(run["energy/balance"]) < 1e-4 * np.ptp(run["energy/kinetic"])
+
+
+def test_a_cable_is_activated():
+    """A load that has fallen for 0.1 s swings about its equilibrium; the energy of the strained cable is given."""
+    text = HANGING.replace("MORE", "activate: {time: 0.1}").replace("end: 0.5, step: 0.005", "end: 0.2, step: 5.0e-4")
+    run, EA, natural = RecordedRun(deck(text)), 1000.0, 1.0 / 1.02
+    (event,) = run.event_records
+    strain, w = 1.05 / natural - 1.0, math.sqrt(EA / natural / 2.0)
+    assert (event.name, event.after) == ("activates", "taut")
+    assert (event.t, event.lost) == pytest.approx((0.1, -0.5 * EA * strain**2 * natural), rel=1e-9)
+    after = run.time - 0.1
+    exact = np.where(after < 0.0, -1.0 - 5.0 * run.time**2, -1.0 - 0.05 * np.cos(w * after) - np.sin(w * after) / w)
+    np.testing.assert_allclose(run["nodes/load/position"][:, 2], exact, atol=5e-6)
+    np.testing.assert_array_equal(run["elements/rope/tension"][after < 0.0], 0.0)
+    assert np.ptp(run["energy/balance"]) < 1e-4 * -event.lost
 
 
 RIGID = """

@@ -102,6 +102,7 @@ def test_a_pulley_falls_when_its_cable_is_cut(friction):
         ("release: {}", "'release' needs either 'time' or 'when'"),
         ("release: {time: 1}, at_full_length: hold", "'release' and 'at_full_length' exclude one another"),
         ("release: {time: 1}, payout_tension: 3", "'release' and 'payout_tension' exclude one another"),
+        ("activate: {time: 1}, payout_tension: 3", "'activate' and 'payout_tension' exclude one another"),
     ],
 )
 def test_wrong_releases(more, message):

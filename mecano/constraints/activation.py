@@ -1,4 +1,4 @@
-"""Activation of a spring, bushing or contact at a given time or by a condition: before, it exerts no force.
+"""Activation of a spring, bushing, cable or contact at a given time or by a condition: before, it exerts no force.
 
 The trigger is an input, a formula that rises through zero. Velocities do not change, accelerations jump. The energy
 that the element stores at that instant is given by the surroundings, and recorded with the event as a negative loss.
@@ -34,9 +34,10 @@ def since_activation(set_point, i):
 def with_activation(kind, what, forces, stress_free=None):
     """Return the ``kind`` of an elastic element, the ``what``, with the field ``activate``.
 
-    Before the activation it has no force, energy or power, and its outputs with the indices ``forces`` are zero.
-    ``stress_free``, if it may be activated so, is (the kind like it whose set points are shifted by the last of its
-    memory, the indices of its outputs that are zero before).
+    Before the activation it has no force, energy or power, and its outputs with the indices ``forces`` are zero. If
+    these are None, its own functions are so in any additional phase. ``stress_free``, if it may be activated so, is
+    (the kind like it whose set points are shifted by the last of its memory, the indices of its outputs that are zero
+    before).
     """
     families, made = {False: (kind, forces), True: stress_free}, {}
     options = (TIME, WHEN, STRESS_FREE) if stress_free else (TIME, WHEN)
@@ -73,7 +74,7 @@ def _activated(kind, what, forces):
         kind, name=f"{kind.name}_activate", phases=(*phases, INACTIVE), events=(*kind.events, *begins),
         event_values=_event_values(kind, leaving), at_start=lambda p: inactive, inputs=(*kind.inputs, "activate"),
         reads=lambda d: [*kind.read(d), trigger_of(d["activate"])], commit=_keeping(kind, inactive), variant=None,
-        **silent(kind, forces),
+        **({} if forces is None else silent(kind, forces)),
     )  # fmt: skip
 
 

@@ -10,7 +10,8 @@ A cable is taut as long as both :math:`\varepsilon` and :math:`\varepsilon + \ta
 never pushes, even with damping. The changes from slack to taut and back are events. If elastic energy remains when it
 goes slack with :math:`\varepsilon > 0`, it is dissipated while the cable shortens to its natural length. A ``release``
 cuts the cable: it carries no force from then on, its elastic energy is lost at that instant, and its mass stays;
-``release: {when: rope.tension > 5000}`` breaks it.
+``release: {when: rope.tension > 5000}`` breaks it. With ``activate`` it carries no force before, and the energy that it
+has then is given.
 
 A varying natural length, a law of time or a formula of signals, does work, which is supplied by the surroundings (a
 winder). With
@@ -32,6 +33,7 @@ from dataclasses import replace
 import numpy as np
 
 from mecano.constraints import wound_line
+from mecano.constraints.activation import with_activation
 from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.elastic_line import (
@@ -61,7 +63,7 @@ RECORD = record(**LINE_RECORD)
 INPUT = 6  # local index of a natural length that is a signal
 TAUT = 0  # a bar is always in this phase
 CABLE_PHASES = ("taut", "slack")
-RELEASED = 2  # phase of a cable with a release
+SLACK = 1  # in all further phases, "released" and "inactive", it does not exist
 
 
 @kernel
@@ -107,7 +109,7 @@ def _functions(natural):
         length, rate, _ = line(at.q, at.v)
         L, L_rate = natural(p, at)
         strain, strain_rate = strained(length, rate, L, L_rate)
-        pulls = at.phase == TAUT or (strain > 0.0 and at.phase != RELEASED)
+        pulls = at.phase == TAUT or (strain > 0.0 and at.phase == SLACK)
         elastic = select(pulls, p.EA * strain, 0.0)
         N = select(at.phase == TAUT, _tension(p, strain, strain_rate), 0.0)
         viscous = N - elastic
@@ -162,7 +164,7 @@ def variant(d):
         return RELEASED_BY_SIGNAL if is_formula(d["natural_length"]) else RELEASED_CABLE
     if is_formula(d["natural_length"]):
         return CABLE_BY_SIGNAL
-    return CABLE if d["payout_tension"] is None and d["at_full_length"] == "stretch" else WOUND_CABLE
+    return ELASTIC_CABLE if d["payout_tension"] is None and d["at_full_length"] == "stretch" else WOUND_CABLE
 
 
 def check(d, nodes):
@@ -181,9 +183,11 @@ def check(d, nodes):
 def check_cable(d, nodes):
     """Check the values as for a bar, a release, and that a winder has a full length that is not yet reached."""
     texts = check(d, nodes) + check_release(d, ["payout_tension"])
-    if d["release"] is not None and d["at_full_length"] != "stretch":
+    winds = {"payout_tension": d["payout_tension"] is not None, "at_full_length": d["at_full_length"] != "stretch"}
+    texts += [f"'activate' and {name!r} exclude one another" for name in winds if winds[name] and d["activate"]]
+    if d["release"] is not None and winds["at_full_length"]:
         texts.append("'release' and 'at_full_length' exclude one another")
-    if is_formula(d["natural_length"]) and (d["payout_tension"] is not None or d["at_full_length"] != "stretch"):
+    if is_formula(d["natural_length"]) and any(winds.values()):
         texts.append("with 'payout_tension' or 'at_full_length' the 'natural_length' is a number or a law of time")
     if d["payout_tension"] is None or texts:
         return texts
@@ -295,7 +299,7 @@ BAR_BY_SIGNAL = replace(
     **dict(zip(("residual", "observe"), _functions(_of_signal)[:2], strict=True)),
 )  # fmt: skip
 
-CABLE = Kind(
+ELASTIC_CABLE = Kind(
     name="cable",
     section="elements",
     doc="Cable: an elastic line between two nodes that carries tension only.\n\n" + __doc__,
@@ -318,12 +322,12 @@ CABLE = Kind(
     inertia=line_inertia,
     **_cable_functions(_of_time),
 )
-CABLE_BY_SIGNAL = replace(CABLE, inputs=("natural_length",), variant=None, **_cable_functions(_of_signal))
+CABLE_BY_SIGNAL = replace(ELASTIC_CABLE, inputs=("natural_length",), variant=None, **_cable_functions(_of_signal))
 
-RELEASED_CABLE, RELEASED_BY_SIGNAL = cut(CABLE, "cable"), cut(CABLE_BY_SIGNAL, "cable")
+RELEASED_CABLE, RELEASED_BY_SIGNAL = cut(ELASTIC_CABLE, "cable"), cut(CABLE_BY_SIGNAL, "cable")
 
 WOUND_CABLE = replace(
-    CABLE,
+    ELASTIC_CABLE,
     name="wound_cable",
     dtype=wound_line.RECORD,
     phases=wound_line.PHASES,
@@ -337,3 +341,4 @@ WOUND_CABLE = replace(
     event_values=wound_line.event_values,
     commit=wound_line.commit,
 )
+CABLE = with_activation(ELASTIC_CABLE, "cable", None)
