@@ -13,6 +13,8 @@ from time_runs import RecordedRun, deck, in_python, input_deck
 import mecano
 import mecano.analyses.prepare
 from mecano.analyses.dynamic import begun
+from mecano.analyses.modal import about
+from mecano.analyses.summary import summary
 from mecano.deck.read import read_deck
 from mecano.errors import ConvergenceError, NonFiniteError
 from mecano.model.numbering import LENGTH_CONSTRAINT, TRANSLATION, EquationName
@@ -156,6 +158,24 @@ def test_the_place_of_a_formula_that_is_not_finite_is_named(tmp_path):
         with pytest.raises(NonFiniteError) as error, begun(read_deck(file), tmp_path / "r.h5", True) as run:
             run.advance(0.1)
         assert place.format(file) in str(error.value).splitlines()
+
+
+@pytest.mark.parametrize(
+    "process", ["static: {}", "initial: static\ntime: {end: 1, step: 0.1}", "time: {end: 1, step: 0.1}"]
+)
+def test_the_place_of_a_formula_that_is_not_finite_is_named_in_statics_and_modes(process, tmp_path):
+    """1/angle at the angle zero; `mecano check` does not fail there."""
+    file = tmp_path / "pole.yaml"
+    file.write_text(
+        "mecano: 1\ngravity: none\nnodes: {a: {position: [0, 0, 0]}}\n"
+        "elements: {m: {type: rigid_body, node: a, mass: 1, inertia: [1, 1, 1]}}\n"
+        "joints: {hinge: {type: hinge, nodes: [ground, a], axis: [0, 1, 0]}}\n"
+        f"loads:\n  motor: {{type: joint_moment, joint: hinge, value: 1/hinge.angle}}\n{process}\n"
+    )
+    with pytest.raises(NonFiniteError) as error:
+        about(read_deck(file))
+    assert f"formula '1/hinge.angle' is at {file}:7:52" in str(error.value).splitlines()
+    assert "mobility         1" in summary(read_deck(file))
 
 
 def test_joints_are_among_what_acts(tmp_path):

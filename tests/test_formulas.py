@@ -58,6 +58,7 @@ def test_slopes(text):
         ("sin(a, b)", "'sin' has the wrong number of arguments", 0),
         ("max(a)", "'max' has the wrong number of arguments", 0),
         ("a[0]", "numbers, names", 0),
+        ("2*a^2", r"written with \*\*, as in x\*\*2", 0),
         ("__import__('os')", "no function", 0),
         ("+".join(["(a*b)"] * 101), "at most 500 characters", 0),
         ("a-(a-(a-(a-(a-(a-(a-(a-(a-a))))))))", "too many levels", 0),
@@ -95,6 +96,7 @@ def test_parameters_are_numbers_in_formulas():
     [
         ("2*rial.displacement", "there is no 'rial' with a measurable 'displacement'", "'rail'"),
         ("2*rail.angle", "'angle' of 'rail' cannot be measured", "known: displacement, velocity"),
+        ("sin(2*t)", "there is no signal 't'; the time is written 'time'", ""),
         ("2*trust", "there is no signal 'trust'", "'thrust'"),
         ("cart.position", "'position' of 'cart' cannot be measured", "'position.x'"),
         ("body.mass", "'mass' of 'body' cannot be measured", "kinetic_energy"),

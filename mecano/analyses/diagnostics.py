@@ -1,6 +1,7 @@
 """Diagnostics of a completed or failed run: warnings and remedies, one text each."""
 
 from bisect import bisect_right
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from mecano.analyses.recorder import FORCES
 from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
 from mecano.elements.signals.formula import FORMULA
+from mecano.errors import NonFiniteError
 from mecano.model.model import title_of
 from mecano.model.output_limits import watched_outputs
 
@@ -104,6 +106,15 @@ def exceeded(deck, sampler, extremes):
         for name, d, output, i, limit, text in watched_outputs(deck.values, sampler, "limits")
         if abs(worst[i]) > limit
     ]
+
+
+@contextmanager
+def with_places(deck):
+    """Add the places of the formulas that failed to a NonFiniteError."""
+    try:
+        yield
+    except NonFiniteError as error:
+        raise NonFiniteError(explained(error, deck, ())) from error
 
 
 def explained(error, deck, warnings):

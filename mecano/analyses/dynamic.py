@@ -5,7 +5,16 @@ from functools import partial
 
 from mecano.analyses.checkpoint_writer import INTERVAL, CheckpointWriter, restore
 from mecano.analyses.compilation import compile_time_integration
-from mecano.analyses.diagnostics import cut_short, exceeded, explained, open_latches, unbalanced, unresolved, untouched
+from mecano.analyses.diagnostics import (
+    cut_short,
+    exceeded,
+    explained,
+    open_latches,
+    unbalanced,
+    unresolved,
+    untouched,
+    with_places,
+)
 from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.prepare import chosen, integrator_of, model_facts, prepare, startup_warnings
 from mecano.analyses.recorder import Recorder
@@ -51,12 +60,11 @@ def begun(
 def _from_the_start(deck, path, force, observers, reporters, announce, interruption, interval):
     """Run ``begun`` while no other process writes the file."""
     prepared = prepare(deck, partial(compile_time_integration, time=deck.values["time"]))
-    found = abandonable(set_initial_state, prepared)
+    with with_places(deck):
+        found = abandonable(set_initial_state, prepared)
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
-    try:
+    with with_places(deck):
         start = abandonable(integrator.begin, prepared.state, deck.values["time"]["step"])
-    except NonFiniteError as error:
-        raise NonFiniteError(explained(error, deck, ())) from error
     notes = [*startup_warnings(prepared, start), *found]
     source = _source(deck, chosen(prepared, integrator, start), model_facts(prepared), notes)
     interruption = interruption or Interruption()

@@ -7,6 +7,7 @@ import numpy as np
 from mecano.analyses.prepare import AUTOMATIC, given
 from mecano.model.output_limits import ended, has_watched_outputs, watched_outputs
 from mecano.model.sampler import Sampler, StaticSample
+from mecano.solve.diagnostics.failure import worst_equations
 from mecano.solve.diagnostics.scales import Tolerances
 from mecano.solve.events.events import EventMonitor, NoEvents
 from mecano.solve.statics.arc_length import ArcLength, Target
@@ -64,7 +65,11 @@ def start_in_words(prepared):
     follower, s = Follower(statics), statics.begin(_settled(prepared))
     for factor, words in ((0.0, "without loads"), (1.0, "under all loads, held in place")):
         stability = follower.stability(s, factor)
-        yield f"the start {words}: {freedom(prepared.system, s, stability, prepared.length)}"
+        if np.isfinite(statics.assembly.residual).all():
+            text = freedom(prepared.system, s, stability, prepared.length)
+        else:
+            text = f"forces are not finite:\n{worst_equations(prepared.system, statics.assembly)}"
+        yield f"the start {words}: {text}"
 
 
 def equilibrium(prepared):

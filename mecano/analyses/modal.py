@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
+from mecano.analyses.diagnostics import with_places
 from mecano.analyses.equilibria import follow
 from mecano.analyses.initial_state import describe, set_initial_state
 from mecano.analyses.load_state import rest_at, state_at
@@ -51,6 +52,11 @@ def about(deck, at=None, at_rest=False):
     It is that of the saved time ``at`` = "results.h5:time", otherwise the static equilibrium or the start of the run.
     ``at_rest``: the equilibrium at which the mechanism would come to rest near the saved time.
     """
+    with with_places(deck):
+        return _about(deck, at, at_rest)
+
+
+def _about(deck, at, at_rest):
     prepared, held = prepare(deck), tuple(_held(deck))
     if at is not None and at_rest:
         prepared, state, text, reported = rest_at(prepared, at)

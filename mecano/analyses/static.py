@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from mecano.analyses.diagnostics import with_places
 from mecano.analyses.equilibria import follow
 from mecano.analyses.prepare import model_facts, prepare, startup_warnings
 from mecano.model.sampler import Sampler, StaticSample
@@ -119,7 +120,8 @@ def _follow(deck, path, force, observers, announce):
         for text in notes:
             announce(text)
         recorder.writer = writer
-        result = follow(prepared, (recorder, *observers))
+        with with_places(deck):
+            result = follow(prepared, (recorder, *observers))
         for text in result.warnings:
             announce(text)
         writer.close("complete", with_warnings(result.reason, result.warnings))

@@ -179,6 +179,8 @@ class _Reader:
         if isinstance(tree, ast.Attribute):
             return f"{self._name(tree.value)}.{tree.attr}"
         what = "it may contain numbers, names, + - * / ** ( ) and functions only"
+        if isinstance(tree, ast.BinOp) and isinstance(tree.op, ast.BitXor):
+            what = "a power is written with **, as in x**2"
         raise FormulaError(what, self._column(tree))
 
     def _column(self, tree):

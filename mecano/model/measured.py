@@ -68,7 +68,8 @@ def meaning(name, entries, nodes):
         if ("signals", name) in entries:
             return "signals", name, ""
         signals = [n for section, n in entries if section == "signals"]
-        raise UnknownQuantity(f"there is no signal '{name}'", name, signals)
+        hint = "; the time is written 'time'" if name.lower() in ("t", "time") else ""
+        raise UnknownQuantity(f"there is no signal '{name}'{hint}", name, () if hint else signals)
     sections = dict.fromkeys(section for section, _ in entries)
     if words[0] in (*sections, "nodes") and len(words) > 2:
         asked, owner, rest = (words[0],), words[1], ".".join(words[2:])

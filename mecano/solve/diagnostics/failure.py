@@ -37,10 +37,10 @@ def no_step(system, assembly, info, t, h):
         + (f"{worst}\n" if worst else "")
         + f"what to try: {TRY[info.failure]}"
     )
-    return _of_equations(error, system, rows)
+    return of_equations(error, system, rows)
 
 
-def _of_equations(error, system, rows):
+def of_equations(error, system, rows):
     """Return the ``error`` with the places of the equations ``rows`` of motion, and the elements that act there."""
     error.elements = tuple(dict.fromkeys(title for i in rows for title in titles(system, i)))
     error.places = tuple(dict.fromkeys(system.numbering.name[i].place for i in rows if i < system.n_q))
@@ -169,7 +169,7 @@ def minimum_step(system, before, after, error, t, h):
         "what to try: a smaller time.adaptive.minimum_step; a larger time.adaptive.tolerance; laws without jumps near "
         "this state"
     )
-    return _of_equations(failed, system, [worst])
+    return of_equations(failed, system, [worst])
 
 
 def standstill(event, count, t):

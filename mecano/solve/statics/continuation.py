@@ -10,8 +10,10 @@ Every method goes from ``Point`` to ``Point``:
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from mecano.errors import ConvergenceError, Failure, NonFiniteError
-from mecano.solve.diagnostics.failure import worst_equations
+from mecano.solve.diagnostics.failure import of_equations, worst_equations
 from mecano.solve.statics.stability import Judge, Stability, freedom, words
 from mecano.solve.statics.static import Found
 
@@ -122,13 +124,13 @@ class Follower:
     def failure(self, p, found, last, last_p, hint=""):
         """Return the error for a failed search after ``last``: place, cause, free motion, worst equations."""
         statics, system = self.statics, self.statics.system
-        of = statics.loading
+        of, bad = statics.loading, np.flatnonzero(~np.isfinite(statics.assembly.residual[: system.n]))
         head = f"no equilibrium was found at {of.name} {p:.6g}{of.unit}: {found.message}\n"
         statics.evaluate(statics.begin(last), p, 1.0, 0.0, False)
         worst = worst_equations(system, statics.assembly)
         equations = f"most out of balance after {of.name} {last_p:.6g}{of.unit}:\n{worst}"
         if found.failure is Failure.NOT_FINITE:
-            return NonFiniteError(head + equations)
+            return of_equations(NonFiniteError(head + equations), system, bad)
         free = freedom(system, last, self.stability(last, last_p), statics.length)
         return ConvergenceError(f"{head}at {of.name} {last_p:.6g}{of.unit}: {free}\n{equations}\nwhat to try: {hint}")
 

@@ -66,6 +66,8 @@ class Judge:
 
         ``drag`` [N/m] is added to the stiffness against all motions.
         """
+        if not np.isfinite(data).all():
+            return Stability(UNKNOWN, UNKNOWN)
         data = self._dragged(data, drag) if drag else data
         return self._dense(data) if self.dense else self._sparse(data)
 
