@@ -225,3 +225,19 @@ def test_an_error_of_the_compiler_is_one_line(tmp_path):
     text = str(error.value)
     assert text.startswith(f"{tmp_path}/bad.py:2: a kernel cannot be compiled: No implementation of function")
     assert "\n" not in text and "During" not in text and "Failed in" not in text
+
+
+def test_an_unknown_field_of_a_record_is_named(tmp_path):
+    """Numba itself raises a KeyError without a place."""
+    from numba import from_dtype, njit
+
+    (tmp_path / "bad.py").write_text("def inner(p):\n    return p.coeficient\n")
+    names = {}
+    exec(compile((tmp_path / "bad.py").read_text(), tmp_path / "bad.py", "exec"), names)
+    inner, record = njit(names["inner"]), from_dtype(np.dtype([("coefficient", float), ("mass", float)]))
+    with pytest.raises(CompilationError) as error, compilation_errors():
+        njit((record,))(lambda p: inner(p))
+    assert str(error.value) == (
+        f"{tmp_path}/bad.py:2: a kernel cannot be compiled: the record p has no field 'coeficient'; "
+        "known: coefficient, mass"
+    )

@@ -68,7 +68,7 @@ def start_in_words(prepared):
         if np.isfinite(statics.assembly.residual).all():
             text = freedom(prepared.system, s, stability, prepared.length)
         else:
-            text = f"forces are not finite:\n{worst_equations(prepared.system, statics.assembly)}"
+            text = f"forces are not finite: {worst_equations(prepared.system, statics.assembly).strip()}"
         yield f"the start {words}: {text}"
 
 

@@ -2,8 +2,10 @@
 
 import re
 from contextlib import contextmanager
+from traceback import walk_tb
 
 from numba.core.errors import NumbaError
+from numba.core.types import Record
 
 from mecano.errors import CompilationError
 
@@ -19,6 +21,24 @@ def compilation_errors():
         yield
     except NumbaError as error:
         raise CompilationError(_in_words(COLOUR.sub("", str(error)))) from error
+    except KeyError as error:  # so numba says that a record has no such field
+        if not (text := _unknown_field(error)):
+            raise
+        raise CompilationError(text) from error
+
+
+def _unknown_field(error):
+    """Return the text on a field that a record does not have, with the place that reads it; "" for another error."""
+    frames = [frame for frame, _ in walk_tb(error.__traceback__)]
+    record = frames[-1].f_locals.get("self")
+    if not isinstance(record, Record):
+        return ""
+    readers = [frame.f_locals["self"] for frame in frames if hasattr(frame.f_locals.get("self"), "loc")]
+    place = f"{readers[-1].loc.filename}:{readers[-1].loc.line}: " if readers else ""
+    return (
+        f"{place}a kernel cannot be compiled: the record p has no field '{error.args[0]}'; "
+        f"known: {', '.join(record.fields)}"
+    )
 
 
 def _in_words(text):

@@ -36,7 +36,8 @@ class LoadFactor:
         assembly = system.assemble(s, k, penalty, cK, cC, cM, T, into)
         if mu != 1.0:
             system.scale_loads(assembly, s, mu, cK, cC, cM, T)
-            assembly.residual[: system.n_q] -= max(0.0, 1.0 - mu) * self.imbalance
+            with np.errstate(invalid="ignore"):  # a force that is not finite is reported by Newton's method
+                assembly.residual[: system.n_q] -= max(0.0, 1.0 - mu) * self.imbalance
         return assembly
 
     def slope(self, s, mu):
