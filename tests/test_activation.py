@@ -107,9 +107,17 @@ def test_a_cable_is_activated():
 RIGID = """
     mecano: 1
     gravity: [0, 0, -9.81]
-    nodes: {a: {position: [0, 0, 0.6]}, b: {position: [1, 0, 0.05]}}
+    nodes:
+      a: {position: [0, 0, 0.6]}
+      b: {position: [1, 0, 0.05]}
+      c: {position: [2, 0, 0.1]}
+      d: {position: [3, 0, 0.1]}
     elements:
       a: {type: rigid_body, node: a, mass: 2, inertia: [0.1, 0.1, 0.1]}
+      c: {type: rigid_body, node: c, mass: 2, inertia: [0.1, 0.1, 0.1]}
+      d: {type: rigid_body, node: d, mass: 2, inertia: [0.1, 0.1, 0.1]}
+      table: {type: contact, nodes: [ground, c], SURFACE, activate: {time: 0}, release: {when: time > 0.5}}
+      support: {type: contact, nodes: [ground, d], SURFACE, release: {time: 0.5}}
       b: {type: rigid_body, node: b, mass: 2, inertia: [0.1, 0.1, 0.1]}
       floor: {type: contact, nodes: [ground, a], SURFACE, activate: {time: 0.1}, release: {time: 0.7}}
       lid: {type: contact, nodes: [ground, b], SURFACE, activate: {when: time > 0.01}}
@@ -120,7 +128,10 @@ PLANE = "plane: {normal: [0, 0, 1], point: [0, 0, 0]}, radius: 0.1, restitution:
 
 
 def test_a_rigid_contact_is_activated_and_released():
-    """One ball bounces, and falls through the plane from 0.7 s on; the other one rises through it beforehand."""
+    """One ball bounces, and falls through the plane from 0.7 s on; another one rises through it beforehand.
+
+    Two more rest on it until 0.5 s.
+    """
     run, g = RecordedRun(deck(RIGID.replace("SURFACE", PLANE))), 9.81
     floor, lid = ([e for e in run.event_records if e.element == f"contact '{name}'"] for name in ("floor", "lid"))
     fall, up = math.sqrt(1.0 / g), math.sqrt(4.0 - 2.0 * g * 0.05)
@@ -134,6 +145,9 @@ def test_a_rigid_contact_is_activated_and_released():
     ]  # fmt: skip
     v, after = 0.25 * g * fall, 1.0 - 2.0 * fall
     assert run["nodes/a/position"][-1, 2] == pytest.approx(0.1 + v * after - 0.5 * g * after**2, abs=1e-5)
+    for rests in "cd":
+        fallen = 0.5 * g * np.maximum(run.time - 0.5, 0.0) ** 2
+        np.testing.assert_allclose(run[f"nodes/{rests}/position"][:, 2], 0.1 - fallen, atol=1e-8)
     assert np.ptp(run["energy/balance"]) < 1e-6 * np.ptp(run["energy/kinetic"])
 
 

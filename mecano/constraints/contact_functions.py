@@ -17,6 +17,7 @@ from mecano.maths.dual import at_least, number, select, value
 from mecano.maths.vector import ZERO, add_vec, cross, dot, mat, norm, put, vec
 
 OPEN, CLOSED = 0, 1
+ROUNDING = 1e-9  # [m]: bodies that overlap by less touch
 TURNING = 12  # number of local unknowns of two nodes with rotations
 
 
@@ -103,7 +104,7 @@ def _event_values(shapes, row, inputs=0):
     @kernel
     def of_switched(p, at, g):
         of_rigid(p, at, g)
-        g[2] = min(at.q[row - 2], -g[0])
+        g[2] = min(at.q[row - 2], ROUNDING - g[0])
         for i in range(3, 6):
             g[i] = at.q[row - 1]
 

@@ -31,7 +31,15 @@ import numpy as np
 from mecano.constraints.activation import with_activation
 from mecano.constraints.along_coordinate.friction import check_friction, friction_fields
 from mecano.constraints.along_coordinate.trigger import trigger_of
-from mecano.constraints.contact_functions import Shapes, elastic, observed_rigid, observed_rubbing, rigid, rubbing
+from mecano.constraints.contact_functions import (
+    ROUNDING,
+    Shapes,
+    elastic,
+    observed_rigid,
+    observed_rubbing,
+    rigid,
+    rubbing,
+)
 from mecano.constraints.release import SAMPLE, with_release
 from mecano.constraints.touching import (
     FIELDS,
@@ -67,7 +75,6 @@ MATERIAL = {"law": "i", "damping": (), "restitution": (), "coefficient": "i", "r
 BALL = Shapes(touch, approach, False)
 RECORD = record(**MATERIAL, **SURFACE_RECORD)
 PHASES = ("open", "closed")
-ROUNDING = 1e-9  # [m]
 NORMAL = Row("normal force of the contact", "N", "m", unilateral=True)
 CLOSES = Event("closes", "open", "closed", "the ball reaches the surface; a shock", SHOCK, "restitution")
 OPENS = Event("opens", "closed", "open", "the normal force falls to zero")
@@ -257,7 +264,8 @@ SWITCHES = {
     ),
     "inputs": ("activate", "release"),
     "reads": lambda d: [
-        trigger_of(d[name]) if d[name] else otherwise for name, otherwise in (("activate", "1"), ("release", "-1"))
+        f"{trigger_of(d['activate'])} + {ROUNDING}" if d["activate"] else "1",  # at once if due at the start
+        trigger_of(d["release"]) if d["release"] else "-1",
     ],
     "at_start": lambda p: 2,
 }  # fmt: skip
