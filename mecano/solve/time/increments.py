@@ -52,14 +52,15 @@ def predict(w, of, start, history, s_out):
     the largest signal.
     """
     a0, slope, bend, v_shift = history
-    h, kind, farthest, loudest = w.h, of.kind, 0.0, 0.0
+    am, af, beta, gamma, h = w.am, w.af, w.beta, w.gamma, w.h  # which loops that write arrays would read again
+    kind, farthest, loudest = of.kind, 0.0, 0.0
     for i in range(of.n_q):
         guess = start.a[i] + slope[i] + bend[i]
-        a1 = ((1.0 - w.af) * guess + w.af * start.a[i] - w.am * a0[i]) / (1.0 - w.am)
+        a1 = ((1.0 - af) * guess + af * start.a[i] - am * a0[i]) / (1.0 - am)
         v0 = s_out.v[i] + v_shift[i]
-        increment = h * v0 + h * h * ((0.5 - w.beta) * a0[i] + w.beta * a1)
+        increment = h * v0 + h * h * ((0.5 - beta) * a0[i] + beta * a1)
         s_out.z[i] = increment if kind[i] == ROTATION else s_out.z[i] + increment
-        s_out.v[i] = v0 + h * ((1.0 - w.gamma) * a0[i] + w.gamma * a1)
+        s_out.v[i] = v0 + h * ((1.0 - gamma) * a0[i] + gamma * a1)
         s_out.a[i] = guess
         if kind[i] >= SIGNAL:
             loudest = max(loudest, abs(s_out.z[i]))
@@ -124,16 +125,16 @@ def finish(w, of, start, s, before, after_out):
     """
     a0, slope, _ = before
     a, slope_out, bend_out = after_out
-    turn = 0.0
+    am, af, known, turn = w.am, w.af, w.known, 0.0
     for i in range(of.n_q):
-        a[i] = ((1.0 - w.af) * s.a[i] + w.af * start.a[i] - w.am * a0[i]) / (1.0 - w.am)
+        a[i] = ((1.0 - af) * s.a[i] + af * start.a[i] - am * a0[i]) / (1.0 - am)
         if of.kind[i] == ROTATION:
             turn = max(turn, abs(s.z[i]))
         slope_out[i] = s.a[i] - start.a[i]
     for i in range(of.n_q, of.n):
         slope_out[i] = s.z[i] - start.z[i]
     for i in range(of.n):
-        bend_out[i] = slope_out[i] - slope[i] if w.known else 0.0
+        bend_out[i] = slope_out[i] - slope[i] if known else 0.0
     turning = turning_error(w.h, w.duration, of.rotation_dof, of.n_q, s.v, a0, a)
     return largest_change(a0, a, of.kind, of.n_q, w.length), turn, turning
 
