@@ -60,6 +60,7 @@ def test_defaults_are_filled_in():
             "rho_inf": 0.8,
             "adaptive": None,
             "rest_speed": 1e-4,
+            "located_events": 100,
             "newton": {"force_tolerance": 1e-7, "constraint_tolerance": 1e-10, "maximum_iterations": 15},
             "scale": {"k": "automatic", "penalty": "automatic"},
         },

@@ -36,6 +36,20 @@ def cut_short(values, cuts, final):
     )
 
 
+def captured(values, capture):
+    """Yield a warning if events were captured at the ends of steps, by an EventCapture, instead of located."""
+    if not capture.steps:
+        return
+    names = [name for name, _ in sorted(capture.by_element.items(), key=lambda item: (-item[1], item[0]))]
+    smaller = "'time.adaptive.tolerance'" if values["adaptive"] else "'time.step'"
+    yield (
+        f"{sum(capture.by_element.values())} events of {some(names, MOST_NAMED)} were taken at the ends of "
+        f"{capture.steps} steps instead of located, first after t = {capture.first:.4g} s: there were more than "
+        f"time.located_events = {capture.most} instants with events beyond one in each step. Motions from one such "
+        f"event to the next are not resolved: compare with a run with a smaller {smaller}"
+    )
+
+
 def untouched(deck, sampler, extremes):
     """Yield a warning if the model has wheels and none of them touched its ground, as their loads were always zero."""
     at = {column.path: column.start for column in sampler.columns}

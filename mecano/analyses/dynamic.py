@@ -6,6 +6,7 @@ from functools import partial
 from mecano.analyses.checkpoint_writer import INTERVAL, CheckpointWriter, restore
 from mecano.analyses.compilation import compile_time_integration
 from mecano.analyses.diagnostics import (
+    captured,
     cut_short,
     exceeded,
     explained,
@@ -205,6 +206,7 @@ class Ongoing:
         deck, integrator, writer, sampler = self.deck, self.integrator, self.recorder.writer, self.recorder.sampler
         values = deck.values["time"]
         warnings = [*integrator.warnings, *cut_short(values, integrator.cuts, self.state)]
+        warnings += captured(values, integrator.capture)
         warnings += exceeded(deck, sampler, writer.extremes)
         warnings += open_latches(deck, self.recorder.row, sampler)
         warnings += untouched(deck, sampler, writer.extremes)

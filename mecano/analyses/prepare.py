@@ -133,7 +133,10 @@ def integrator_of(prepared, observers=()):
             system, prepared.linear, METHODS[values["method"]](values["rho_inf"]), prepared.length, tolerances,
             k=k, penalty=penalty, compliance=prepared.compliance, duration=duration,
         )  # fmt: skip
-    return TimeIntegrator(system, method, control, tuple(observers), time_breakpoints(deck), values["rest_speed"])
+    return TimeIntegrator(
+        system, method, control, tuple(observers), time_breakpoints(deck), values["rest_speed"],
+        most_located=values["located_events"],
+    )  # fmt: skip
 
 
 def control_of(values):

@@ -33,8 +33,8 @@ TAUT = 0
 INCLINATION = 0.2  # of the distance: largest offset along the axis
 PHASES = ("taut", "slack")
 EVENTS = (
-    Event("goes taut", "slack", "taut", "the span becomes longer than the belt in it"),
-    Event("goes slack", "taut", "slack", "the tension falls to zero"),
+    Event("goes taut", "slack", "taut", "the span becomes longer than the belt in it", elastic=True),
+    Event("goes slack", "taut", "slack", "the tension falls to zero", elastic=True),
 )
 OUTPUTS = (
     Output("tension", "N", "tension of the span; zero while it is slack"),

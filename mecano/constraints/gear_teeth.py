@@ -30,8 +30,8 @@ ELASTIC_EVENTS = tuple(
     event
     for side, beyond in (("lower", "below"), ("upper", "above"))
     for event in (
-        Event(f"meets {side} flank", "between", beyond, "elastic teeth touch, without a shock"),
-        Event(f"leaves {side} flank", beyond, "between", "elastic teeth part"),
+        Event(f"meets {side} flank", "between", beyond, "elastic teeth touch, without a shock", elastic=True),
+        Event(f"leaves {side} flank", beyond, "between", "elastic teeth part", elastic=True),
     )
 )
 """In the order of ``stop_phases.put_stop_events``."""

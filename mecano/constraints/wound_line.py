@@ -39,15 +39,15 @@ SLACK, TAUT, PAYING, HELD = range(4)
 PHASES = ("slack", "taut", "paying out", "held")
 FULLY = "is fully uncoiled"
 EVENTS = (
-    Event("goes taut", "slack", "taut", "the distance rises to the natural length"),
-    Event("goes slack", "taut", "slack", "the tension falls to zero"),
-    Event("pays out", "taut", "paying out", "the tension rises to that of the winder"),
-    Event("stops paying out", "paying out", "taut", "the distance stops growing"),
+    Event("goes taut", "slack", "taut", "the distance rises to the natural length", elastic=True),
+    Event("goes slack", "taut", "slack", "the tension falls to zero", elastic=True),
+    Event("pays out", "taut", "paying out", "the tension rises to that of the winder", elastic=True),
+    Event("stops paying out", "paying out", "taut", "the distance stops growing", elastic=True),
     Event(FULLY, "paying out", "taut", "the natural length rises to the full one"),
     Event(FULLY, "paying out", "taut", "the same, with a shock", CONTACT, through="held"),
     Event(FULLY, "paying out", "held", "the same, with a shock", CONTACT),
     Event("becomes taut at full length", "slack", "taut", "the distance rises to the full length; a shock", CONTACT,
-          through="held"),
+          through="held", elastic=True),
     Event("becomes taut at full length", "slack", "held", "the distance rises to the full length; a shock", CONTACT),
     Event("goes slack", "held", "slack", "the tension falls to zero"),
 )  # fmt: skip

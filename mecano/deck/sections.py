@@ -205,6 +205,11 @@ TIME_FIELDS = (
         "rest_speed", NUMBER, "1/s",
         "contacts that approach more slowly do not rebound: in length scales, or rad, per second", 1e-4, not_negative,
     ),
+    Field(
+        "located_events", INTEGER, "-",
+        "instants with events of cables, belts, stops of springs and elastic contacts that are located, beyond one "
+        "in each step; further events are taken at the ends of steps (docs/shocks.md)", 100, at_least_one,
+    ),
     Field("newton", mapping(*NEWTON_FIELDS), "-", "convergence criteria of Newton's iteration", {}),
     Field("scale", mapping(*SCALE_FIELDS), "-", "scales of the augmented Lagrangian", {}),
 )  # fmt: skip

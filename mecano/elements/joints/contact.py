@@ -250,7 +250,9 @@ _ALWAYS_ACTIVE = Kind(
 )
 ELASTIC = {
     "multipliers": (), "memory": (), "commit": None, "constraints": None,
-    "events": (Event("closes", "open", "closed", "the ball reaches the surface"), OPENS),
+    "events": (
+        Event("closes", "open", "closed", "the ball reaches the surface", elastic=True), replace(OPENS, elastic=True),
+    ),
 }  # fmt: skip
 ROUGH_LAYOUT = RODS.layout
 

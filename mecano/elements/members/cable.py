@@ -310,8 +310,8 @@ ELASTIC_CABLE = Kind(
     outputs=(*OUTPUTS, Output("state", "-", "0 slack or released, 1 taut, 2 paying out")),
     phases=CABLE_PHASES,
     events=(
-        Event("goes taut", "slack", "taut", "the length rises to the natural length"),
-        Event("goes slack", "taut", "slack", "the tension falls to zero"),
+        Event("goes taut", "slack", "taut", "the length rises to the natural length", elastic=True),
+        Event("goes slack", "taut", "slack", "the tension falls to zero", elastic=True),
     ),
     prepare=prepare,
     variant=variant,

@@ -269,8 +269,8 @@ REEVED_CABLE = Kind(
     outputs=(*OUTPUTS, Output("wrap_1", "rad", "angle of the arc on pulley 1; and so on")),
     phases=PHASES,
     events=(
-        Event("goes taut", "slack", "taut", "the length of the path rises to the natural length"),
-        Event("goes slack", "taut", "slack", "the tension falls to zero"),
+        Event("goes taut", "slack", "taut", "the length of the path rises to the natural length", elastic=True),
+        Event("goes slack", "taut", "slack", "the tension falls to zero", elastic=True),
     ),
     dtype=record(**path_record(1)),
     **path_unknowns(1),

@@ -33,6 +33,8 @@ class EventMonitor:
         self.within = np.array(within, bool)
         changes = [e.changes_energy for batch in system.batches for _ in batch.names for e in batch.kind.events]
         self.changes_energy = np.array(changes, bool)
+        elastic = [e.elastic for batch in system.batches for _ in batch.names for e in batch.kind.events]
+        self.elastic, self.captures = np.array(elastic, bool), False
 
     def within_a_phase(self, hit):
         """Return whether some events ``hit`` (n_events,) bool make accelerations jump without a change of phase."""
@@ -47,8 +49,16 @@ class EventMonitor:
         return found
 
     def values(self, s):
-        """Return the event values (n_events,) of all elements; -inf for events not active in the current phase."""
-        return self.system.event_values(s)
+        """Return the event values (n_events,) of all elements; -inf for events not active in the current phase.
+
+        Elastic events are left out while they are captured (capture.py).
+        """
+        values = self.system.event_values(s)
+        return np.where(self.elastic, -np.inf, values) if self.captures else values
+
+    def captured(self, s):
+        """Return the elastic events (n_events,) bool that have happened at ``s``."""
+        return self.elastic & (self.system.event_values(s) > 0.0)
 
     def together(self, hit, before, here, committed):
         """Return the events ``hit`` (n_events,) bool together with all others at the same instant.

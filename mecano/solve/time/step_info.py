@@ -28,4 +28,5 @@ class StepInfo:
     plain: float = np.nan  # the error before what swings was bounded
     stages: tuple = ()  # States within the step that satisfy the equations, in the order of time
     forces: np.ndarray | None = None  # (n_slots,) of the Assembly at the end of the step; None if it has none there
+    event_records: tuple = ()  # captured in the step (solve/events/capture.py)
     work: np.ndarray | None = None  # (m, 2) dissipated and given from the beginning to the stages and the end [J]

@@ -9,6 +9,7 @@ import numpy as np
 from mecano.errors import AssemblyError, NonFiniteError
 from mecano.model.assembly import Observation
 from mecano.solve.diagnostics import failure
+from mecano.solve.events.capture import EventCapture
 from mecano.solve.events.events import EventMonitor, some_happened
 from mecano.solve.events.location import locate
 from mecano.solve.events.shocks import Shocks
@@ -50,11 +51,13 @@ class TimeIntegrator:
     observers: tuple = ()  # called with Accepted at every step
     breakpoints: tuple = ()  # times that a step must end on: corners of laws of time
     rest: float = 1e-4  # of the length scale, or rad, per second: slower approaches do not rebound
+    most_located: int = 100  # instants with elastic events, beyond one in each step, that are located (capture.py)
     pause: object = lambda run: None  # called within a step with the RunState before it; may raise
     recorder: object = None  # receives steps from compiled code (``Strides``) and, called with Accepted, from Python
     reporters: tuple = ()  # called with the RunState between calls of compiled code
     observation: Observation = field(init=False)  # outputs and energies at the end of the last step, or after an event
     monitor: EventMonitor = field(init=False)
+    capture: EventCapture = field(init=False)
     shocks: Shocks = field(init=False)
     warnings: list = field(init=False, default_factory=list)  # reported at the end of the run
     cuts: list = field(init=False, default_factory=list)  # (time, step size) of trials that failed and were cut
@@ -65,6 +68,7 @@ class TimeIntegrator:
 
     def __post_init__(self):
         self.observation, self.monitor = Observation(self.system), EventMonitor(self.system)
+        self.capture = EventCapture(self.monitor, self.most_located)
         self.shocks = Shocks(self.system, self.method, self.monitor, self.rest)
 
     def begin(self, s, h):
@@ -110,13 +114,15 @@ class TimeIntegrator:
     def to_plain(self):
         """Return the state of the time loop itself, beside the run, as dicts, lists, texts and numbers."""
         at_once = [[*key, count] for key, count in self._at_once.items()]
-        return {"remarks": list(self.warnings), "cuts": list(self.cuts), "since": self._since, "at_once": at_once}
+        own = {"since": self._since, "at_once": at_once, "capture": self.capture.to_plain()}
+        return {"remarks": list(self.warnings), "cuts": list(self.cuts), **own}
 
     def from_plain(self, plain):
         """Restore the state returned by ``to_plain``."""
         self.warnings, self.cuts = list(plain["remarks"]), [tuple(cut) for cut in plain["cuts"]]
         self._since = plain["since"]
         self._at_once = Counter({(element, name): count for element, name, count in plain["at_once"]})
+        self.capture.from_plain(plain["capture"])
         self._suppress_rebound()
 
     def _onward(self, run, stop):
@@ -129,7 +135,7 @@ class TimeIntegrator:
 
     def ordinary(self, run, stop):
         """Make ordinary steps towards ``stop`` (``Strides.advance``), one at a time if there are observers."""
-        if not self.method.in_compiled_code:
+        if not self.method.in_compiled_code or self.monitor.captures:
             return run, None, True
         if self._strides is None:
             about = self.system, self.method, self.control, self.shocks, self.observation
@@ -174,6 +180,8 @@ class TimeIntegrator:
         """Return the first event in a ``trial`` step as Located, or None."""
         if not len(g0):
             return None
+        if self.monitor.captures:
+            return locate(self.monitor, lambda d: self._step(run, d), run.motion, g0, trial, h)
         step = self.method.repeated(run.motion, run.history, trial[0])
         return locate(self.monitor, lambda d: self._with_error(step(d), d), run.motion, g0, trial, h)
 
@@ -207,7 +215,10 @@ class TimeIntegrator:
         return max(self.method.bounded_error(*trial), self.control.forgotten(info.lag, h), info.lasting)
 
     def _step(self, run, h):
-        return self._with_error(self.method.step(run.motion, self._history_for(run, h), h), h)
+        history = self._history_for(run, h)
+        if not self.monitor.captures:
+            return self._with_error(self.method.step(run.motion, history, h), h)
+        return self._with_error(self.capture.step(lambda s: self.method.step(s, history, h), run.motion), h)
 
     def _with_error(self, trial, h):
         """Return a ``trial`` step of size h with all its errors."""
@@ -248,7 +259,9 @@ class TimeIntegrator:
         new = self._stepped(run, s, history, planned, h, info)
         if met:
             s.t = stop
-        self._notify(Accepted(run.motion, new, info, h, rejected))
+        if self.monitor.captures:
+            self.capture.accepted(info.event_records, whole=h >= run.h)
+        self._notify(Accepted(run.motion, new, info, h, rejected, info.event_records))
         return new
 
     def _change_phases(self, run, info, found, rejected):
@@ -264,6 +277,7 @@ class TimeIntegrator:
         Return (run with the energy of shocks, releases and activations, state after, [EventRecord], Consistent or
         None).
         """
+        self.capture.count(hit, run)
         changing = self.monitor.changing_energy(hit)
         if not changing:
             return self._exchange(run, s, hit, at_once)
@@ -320,7 +334,9 @@ class TimeIntegrator:
         new = self._stepped(run, s, history, run.h, h, info, reached)
         hit = self.monitor.together(hit, self.monitor.values(run.motion), here, self.monitor.values(s))
         after, s, event_records, consistent = self._apply_events(new, s, hit)
-        self._notify(Accepted(run.motion, new, info, h, rejected, tuple(event_records)))
+        if self.monitor.captures:
+            self.capture.accepted(info.event_records, whole=False)
+        self._notify(Accepted(run.motion, new, info, h, rejected, (*info.event_records, *event_records)))
         return self._start_again(after, s, consistent)
 
     def _consistent(self, s, h, impact=False):

@@ -1,0 +1,77 @@
+"""Capture of events: elements take the phases that fit the end of a step, instead of one step for each event.
+
+Locating events ends no run whose events accumulate, as where stiff lines on light nodes become slack and taut much
+faster than the steps. Time-stepping schemes do (Acary & Brogliato, Numerical Methods for Nonsmooth Dynamical Systems,
+Springer 2008): the phases follow, as the motion does, from the equations at the end of the step. The step is repeated
+in other phases until none of its elements has an event that it has not had in this step. For lines that only pull, the
+equations are a linear complementarity problem, and this is Newton's method on it; of an elastic line with a winder it
+is the return mapping of plasticity: the elastic line first, its winder if the tension is too large.
+"""
+
+from collections import Counter
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+
+@dataclass
+class EventCapture:
+    """Decides when elastic events (``Event.elastic``) are captured, and makes steps that do.
+
+    Instants with such events are located as long as they are at most ``most`` more than the steps without one, in any
+    part of the run, which bounds the work. Then events are captured, until a whole step has none. The event values of
+    the ``monitor`` leave them out meanwhile.
+    """
+
+    monitor: object  # EventMonitor
+    most: int
+    excess: int = 0  # of instants over steps
+    counted: int = 0  # steps of the run up to the last instant
+    first: float = np.inf  # [s] at which capturing began for the first time
+    steps: int = 0  # that captured events
+    by_element: Counter = field(default_factory=Counter)  # captured events
+
+    def count(self, hit, run):
+        """Count an instant, the end of ``run``, with the events ``hit`` (n_events,) bool."""
+        if self.monitor.captures or not np.any(hit & self.monitor.elastic):
+            return
+        between = max(run.steps - self.counted - 1, 0)
+        self.excess, self.counted = max(self.excess - between, 0) + 1, run.steps
+        if self.excess > self.most:
+            self.monitor.captures = True
+            self.first = min(self.first, run.motion.t)
+
+    def accepted(self, event_records, whole):
+        """Note the events captured in an accepted step; end the capture if there are none in a ``whole`` step."""
+        self.steps += bool(event_records)
+        self.by_element.update(event.element for event in event_records)
+        if whole and not event_records:
+            self.monitor.captures = False
+
+    def step(self, step, s):
+        """Return the trial ``step(s)``, in the phases that fit its end; its info has the events captured.
+
+        An element has no event twice in a step, so the repetitions end.
+        """
+        monitor, had, event_records, iterations = self.monitor, np.zeros(len(self.monitor.elastic), bool), [], 0
+        while True:
+            trial = step(s)
+            iterations += trial[2].iterations
+            hit = trial[2].ok and monitor.captured(trial[0]) & ~had
+            if not np.any(hit):
+                trial[2].iterations, trial[2].event_records = iterations, tuple(event_records)
+                return trial
+            had |= hit
+            s, found = monitor.apply(s, hit)
+            event_records += [replace(event, t=trial[0].t) for event in found]
+
+    def to_plain(self):
+        """Return a dict of numbers from which ``from_plain`` continues."""
+        own = {name: getattr(self, name) for name in ("excess", "counted", "first", "steps")}
+        return {**own, "active": self.monitor.captures, "by_element": dict(self.by_element)}
+
+    def from_plain(self, plain):
+        """Continue from the result of ``to_plain``."""
+        self.excess, self.counted = plain["excess"], plain["counted"]
+        self.first, self.steps, self.by_element = plain["first"], plain["steps"], Counter(plain["by_element"])
+        self.monitor.captures = plain["active"]
