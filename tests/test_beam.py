@@ -78,7 +78,8 @@ def test_tangents_at_large_relative_rotations(angle):
         motion.x[1, 0] += 0.4 * rng.normal(size=3)
         state = instance.local(motion)
         for array, tangent in enumerate(instance.force(motion.t, state)[1:]):
-            expected = np.stack([slope(instance, motion.t, state, array, column) for column in range(12)], axis=1)
+            columns = [slope(instance, motion.t, state, array, column) for column in range(len(state[0]))]
+            expected = np.stack(columns, axis=1)
             close(tangent, expected, 3e-7, angle=angle, tangent="KCM"[array])
 
 
