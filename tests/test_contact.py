@@ -65,6 +65,41 @@ def test_a_struck_ball_slides_rolls_and_hits_another(verify):
     assert np.ptp(recorded["energy/balance"]) < 1e-3 * 0.34
 
 
+def test_newtons_cradle(verify):
+    """Touching balls pass the momentum on to the last one, in both directions, whichever contacts rounding closes."""
+    n, radius, angle = 5, 0.02, 0.3
+    nodes, elements, joints = "", "", ""
+    for i in range(n):
+        x, z = (2 * radius * i, -1.0) if i else (-math.sin(angle), -math.cos(angle))
+        nodes += f"p{i}: {{position: [{2 * radius * i}, 0, 0], fixed: true}}, b{i}: {{position: [{x}, 0, {z}]}}, "
+        elements += f"ball{i}: {{type: rigid_body, node: b{i}, mass: 0.1, inertia: [1.6e-5, 1.6e-5, 1.6e-5]}}, "
+        joints += f"rod{i}: {{type: rigid_rod, nodes: [p{i}, b{i}]}}, "
+    for i in range(n - 1):
+        ball = f"sphere: {{radius: {radius}}}, radius: {radius}, restitution: 1"
+        elements += f"c{i}: {{type: contact, nodes: [b{i}, b{i + 1}], {ball}}}, "
+    run = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: [0, 0, {-g}]
+        nodes: {{{nodes}}}
+        elements: {{{elements}}}
+        joints: {{{joints}}}
+        time: {{end: 1.6, step: 5 ms}}
+    """)
+    )
+    quarter = ellipk(math.sin(angle / 2) ** 2) / math.sqrt(g)
+    momentum = 0.1 * math.sqrt(2 * g * (1 - math.cos(angle)))
+    shocks = [event for event in run.event_records if event.impulse]
+    names = [f"contact 'c{i}'" for i in range(n - 1)]
+    assert [event.element for event in shocks] == names + names[::-1]
+    np.testing.assert_allclose([event.t for event in shocks], np.repeat([1, 3], n - 1) * quarter, rtol=1e-4)
+    np.testing.assert_allclose([event.impulse for event in shocks], momentum, rtol=1e-4)
+    first, last = shocks[0], shocks[-1]
+    verify(S, "Newton's cradle: first impact [s]", first.t, quarter, "elliptic integral", relative=1e-4)
+    verify(S, "Newton's cradle: last impulse [N s]", last.impulse, momentum, "energy of a pendulum", relative=1e-4)
+    np.testing.assert_allclose(run["energy/balance"], run["energy/balance"][0], atol=1e-4 * momentum)
+
+
 def test_a_ball_on_a_turntable_runs_on_a_circle(verify):
     """Its velocity turns at 2/7 of the rate of the table: 0.875 m about x = -0.375 m."""
     last = [RecordedRun(input_deck("ball_on_turntable", f"time.step={h}"))["nodes/ball/position"] for h in (2e-3, 1e-3)]

@@ -24,6 +24,7 @@ class ImpactCandidate:
     element: str
     closing: Event
     opening: Event | None  # the event that reopens it
+    opens: int  # place of that in the event values; -1 if it never opens
 
     @property
     def lead(self):
@@ -46,6 +47,7 @@ class ImpactCandidates:
     def __init__(self, system):
         self.system, self.all = system, list(_impact_candidates(system))
         self.events = np.array([candidate.event for candidate in self.all], np.int64)
+        self.opening = [candidate for candidate in self.all if candidate.opens >= 0]
 
     def __iter__(self):
         return iter(self.all)
@@ -94,8 +96,8 @@ def _impact_candidates(system):
 
 
 def _impact_candidate(batch, e, event, first, number, rows):
-    kind, place = batch.kind, batch.first_phase + e
-    back = [other for other in kind.events if other.before == event.after and not other.shock]
+    kind, place, events = batch.kind, batch.first_phase + e, batch.kind.events
+    back = [other for other in events if other.before == event.after and not other.shock]
     back.sort(key=lambda other: other.after != event.before)
     restitution = float(batch.p[event.restitution][e]) if event.restitution else 0.0
     restitution = restitution if event.shock == CONTACT else -1.0
@@ -108,7 +110,7 @@ def _impact_candidate(batch, e, event, first, number, rows):
         *(kind.phases.index(phase) for phase in (event.before, event.after, event.through or event.after)),
         kind.phases.index(back[0].after) if opens else -1,
         np.array([number for number, _ in leads], np.int64), np.array(along, np.int64), f"{unit} s",
-        restitution, batch.names[e], event, back[0] if opens else None,
+        restitution, batch.names[e], event, back[0] if opens else None, first + events.index(back[0]) if opens else -1,
     )  # fmt: skip
 
 

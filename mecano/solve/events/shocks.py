@@ -17,6 +17,8 @@ from mecano.solve.events.complementarity import solve_complementarity
 from mecano.solve.events.events import EventRecord
 from mecano.solve.events.impact_candidates import ImpactCandidates
 from mecano.solve.events.redundancy import reanalyse_redundancy
+from mecano.solve.linear.rounding import ROUNDING
+from mecano.solve.time.increments import reach_of
 
 TOGETHER = 1e-6  # of a step: impacts closer in time than this are simultaneous
 NEAR = 10.0  # times the tolerance of constraints: so are impacts of contacts with a smaller gap
@@ -49,6 +51,7 @@ class Shocks:
         scale = np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, method.length, 1.0)
         self._least, self.near = rest * scale, NEAR * method.tolerances.constraint * scale
         self.rest = self._least
+        self.force_tolerance = method.tolerances.force
         self.unit = method.length / scale  # of reactions: moments count as forces at the length scale
         self.impact_candidates = ImpactCandidates(system)
 
@@ -72,33 +75,60 @@ class Shocks:
                 g[candidate.event] = DEPARTING
         return g
 
+    def undecided(self, g0, s, k):
+        """Return the events (n_events,) bool of contacts that touch without force over a step that ends at ``s``.
+
+        Whether such a contact is open or closed is rounding, so it keeps its phase: an open one whose gap is below the
+        tolerance of constraints at both ends of the step (event values ``g0`` and those at ``s``), and a closed one
+        that pulls with less than the tolerance of forces, or than the rounding of reactions for the mean stiffness k
+        [N/m] of the step.
+        """
+        found, g = np.zeros(len(g0), bool), self.monitor.values(s)
+        candidates = self.impact_candidates.opening
+        if not candidates:
+            return found
+        closes, opens, leads = np.array([(c.event, c.opens, c.lead) for c in candidates]).T
+        found[closes] = (np.minimum(g0, g)[closes] >= -self.near[leads]) & (g[closes] <= self.near[leads])
+        found[opens] = g[opens] <= self._no_force(s, k)
+        return found
+
+    def _no_force(self, s, k):
+        """Return the reaction [N] below which there is none: the tolerance of forces, or the rounding of reactions."""
+        of = self.system.numbering
+        reactions = s.z[of.n_q : of.n][of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT]
+        rounding = ROUNDING * reach_of(s.z, of, self.length) * self.length * k
+        return self.force_tolerance * np.abs(reactions).max(initial=0.0) + rounding
+
     def together(self, s, hit, h):
         """Return the events ``hit`` with the impacts that would follow within TOGETHER of a step ``h`` [s].
 
-        The motions of identical parts of a model differ by rounding; this makes them lock at the same instant.
+        The motions of identical parts of a model differ by rounding; this makes them lock at the same instant. A
+        contact that touches at rest is not added: if the impact reaches it, it follows.
         """
         hit, g = hit.copy(), self.monitor.values(s)
-        due = self.impact_candidates.due(hit, g)
+        due, hitting = self.impact_candidates.due(hit, g), self.impact_candidates.split(hit)[0]
         if due:
-            rates = self._derivatives(s, due)[:, 1]
+            rates = self._derivatives(s, due + hitting)[:, 1]
+            least = STILL * max(abs(rates[c.lead]) for c in hitting)
             for c in due:
                 rate = -rates[c.lead] if c.restitution >= 0.0 else abs(rates[c.lead])
-                hit[c.event] |= rate > 0.0 and -g[c.event] <= max(TOGETHER * h * rate, self.near[c.lead])
+                hit[c.event] |= rate > least and -g[c.event] <= max(TOGETHER * h * rate, self.near[c.lead])
         return hit
 
     def _derivatives(self, s, candidates):
         """Return the constraint derivatives (n_l, 3) at ``s`` with the constraints of some candidates active."""
         return self.system.constraint_derivatives(self.impact_candidates.in_phase(s, candidates, "through"))
 
-    def solve_impact(self, s, hit, compliance=None, h=np.inf, at_once=False):
+    def solve_impact(self, s, hit, compliance=None, h=np.inf, at_once=False, k=0.0):
         """Solve the impact of the events ``hit`` (n_events,) bool at ``s``; return a Shock.
 
         The velocities of ``s`` satisfy the constraints active before. ``h`` [s] is the next step: contacts that would
         not separate within it stay closed. ``at_once``: time does not advance, so contacts that do not separate
-        noticeably count as closed.
+        noticeably count as closed. Closed contacts without a force, for the mean stiffness k [N/m], are opened first:
+        if the impact reaches them, they follow at the same time, as in Newton's cradle.
         """
         in_phase = self.impact_candidates.in_phase
-        closing, others = self.impact_candidates.split(hit)
+        closing, others = self.impact_candidates.split(hit | self._idle(s, k))
         s, others = self.monitor.apply(s, others)
         if not at_once:
             rates = self._derivatives(s, closing)[:, 1]
@@ -118,6 +148,15 @@ class Shocks:
             coupled = [c for c in coupled if c not in pulled]
             held, all_held = in_phase(held, pulled, "before"), in_phase(all_held, pulled, "before")
         return solution.shock(s, closing, resting, others, h)
+
+    def _idle(self, s, k):
+        """Return the events (n_events,) bool by which closed contacts without a force open."""
+        idle, n_q = np.zeros(self.system.n_events, bool), self.system.n_q
+        at = [(c.opens, n_q + c.lead) for c in self.impact_candidates.resting(s.phases) if c.opens >= 0]
+        if at:
+            opens, leads = np.array(at).T
+            idle[opens] = np.abs(s.z[leads]) < self._no_force(s, k)
+        return idle
 
     def consistent(self, s, compliance):
         """Return (Consistent, Compliance, redundant Groups) in the phases of ``s`` (redundancy.py)."""

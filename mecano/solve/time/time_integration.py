@@ -158,7 +158,7 @@ class TimeIntegrator:
             trial = trial if trial and not rejected else self._step(run, h)
             iterations += trial[2].iterations
             smaller = self._instead(run, trial, h, cuts)
-            if smaller is None and (within := self._event_within(g0, trial)) is not None:
+            if smaller is None and (within := self._event_within(run, g0, trial)) is not None:
                 smaller = max(within.t - run.motion.t, self.control.minimum) if h > self.control.minimum else None
             if smaller is None:
                 found = self._locate(run, g0, trial, h)
@@ -180,17 +180,25 @@ class TimeIntegrator:
         """Return the first event in a ``trial`` step as Located, or None."""
         if not len(g0):
             return None
+        g0 = self._decided(run, g0, trial[0])
         if self.monitor.captures:
             return locate(self.monitor, lambda d: self._step(run, d), run.motion, g0, trial, h)
         step = self.method.repeated(run.motion, run.history, trial[0])
         return locate(self.monitor, lambda d: self._with_error(step(d), d), run.motion, g0, trial, h)
 
-    def _event_within(self, g0, trial):
+    def _decided(self, run, g0, s):
+        """Return the event values ``g0`` with nan for those that rounding decides in a step to ``s``: no event."""
+        return np.where(self.shocks.undecided(g0, s, run.history.k), np.nan, g0)
+
+    def _event_within(self, run, g0, trial):
         """Return the first stage of a trial at which an event has happened that its end does not show, or None."""
         s, _, info = trial
         if not len(g0) or not info.stages or some_happened(g0, self.monitor.values(s)):
             return None
-        return next((stage for stage in info.stages if np.any((g0 < 0.0) & (self.monitor.values(stage) >= 0.0))), None)
+        for stage in info.stages:
+            if np.any((self._decided(run, g0, stage) < 0.0) & (self.monitor.values(stage) >= 0.0)):
+                return stage
+        return None
 
     def _instead(self, run, trial, h, cuts):
         """Return the step size to try instead of h, or None if the trial is accepted; add failures to ``cuts``."""
@@ -309,7 +317,7 @@ class TimeIntegrator:
                 self._soften(compliance, s.t, event_records, redundant)
             return replace(run, compliance=compliance), s, event_records, consistent
         hit = self.shocks.together(s, hit, run.h)
-        shock = self.shocks.solve_impact(s, hit, self.method.compliance, run.h, at_once)
+        shock = self.shocks.solve_impact(s, hit, self.method.compliance, run.h, at_once, run.history.k)
         self._guard(
             run, shock.event_records or self.monitor.apply(s, hit)[1]
         )  # or events that cannot happen: a contact would pull
