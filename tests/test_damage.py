@@ -17,7 +17,7 @@ from mecano.errors import ResultsError
 from mecano.post.info import info
 from mecano.results import checked, layout
 
-TRIALS = 60
+TRIALS = 30
 
 
 @pytest.fixture(scope="module")
