@@ -25,6 +25,7 @@ NEAR = 10.0  # times the tolerance of constraints: so are impacts of contacts wi
 STILL = 1e-10  # of the largest approach: a rate below this is zero
 MASSLESS = 1e-14  # of the largest: a contact with a smaller response moves no mass
 ADHESIVE = 1e-9  # of the largest: an impulse below minus this is adhesive
+STANDS = 1e-4  # of the gap within which contacts touch: less, in a step, by an acceleration, is rounding
 DEPARTING = -1e-300  # event value of a contact that is touching and separating
 
 
@@ -75,25 +76,29 @@ class Shocks:
                 g[candidate.event] = DEPARTING
         return g
 
-    def undecided(self, g0, s, k):
-        """Return the events (n_events,) bool of contacts that touch without force over a step that ends at ``s``.
+    def undecided(self, g0, s, k, h):
+        """Return the events (n_events,) bool of contacts that touch without force over a step of size h to ``s``.
 
         Whether such a contact is open or closed is rounding, so it keeps its phase: an open one whose gap is below the
-        tolerance of constraints at both ends of the step (event values ``g0`` and those at ``s``), and a closed one
-        that pulls with less than the tolerance of forces, or than the rounding of reactions for the mean stiffness k
-        [N/m] of the step.
+        tolerance of constraints at both ends of the step (event values ``g0`` and those at ``s``) and whose relative
+        acceleration is rounding; and a closed one that pulls with less than the tolerance of forces plus the rounding
+        of reactions for the mean stiffness k [N/m] of the step.
         """
         found, g = np.zeros(len(g0), bool), self.monitor.values(s)
         candidates = self.impact_candidates.opening
         if not candidates:
             return found
-        closes, opens, leads = np.array([(c.event, c.opens, c.lead) for c in candidates]).T
-        found[closes] = (np.minimum(g0, g)[closes] >= -self.near[leads]) & (g[closes] <= self.near[leads])
-        found[opens] = g[opens] <= self._no_force(s, k)
+        opens, leads = np.array([(c.opens, c.lead) for c in candidates]).T
+        found[opens] = g[opens] <= self._no_force(s, k) * self.unit[leads]
+        touching = [c for c in candidates if max(-g0[c.event], abs(g[c.event])) <= self.near[c.lead]]
+        if touching:
+            second = self._derivatives(s, touching)[:, 2]
+            for c in touching:
+                found[c.event] = abs(second[c.lead]) * h * h <= STANDS * self.near[c.lead]
         return found
 
     def _no_force(self, s, k):
-        """Return the reaction [N] below which there is none: the tolerance of forces, or the rounding of reactions."""
+        """Return the reaction [N] below which there is none: the tolerance of forces plus the rounding of reactions."""
         of = self.system.numbering
         reactions = s.z[of.n_q : of.n][of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT]
         rounding = ROUNDING * reach_of(s.z, of, self.length) * self.length * k
@@ -152,10 +157,10 @@ class Shocks:
     def _idle(self, s, k):
         """Return the events (n_events,) bool by which closed contacts without a force open."""
         idle, n_q = np.zeros(self.system.n_events, bool), self.system.n_q
-        at = [(c.opens, n_q + c.lead) for c in self.impact_candidates.resting(s.phases) if c.opens >= 0]
+        at = [(c.opens, c.lead) for c in self.impact_candidates.resting(s.phases) if c.opens >= 0]
         if at:
             opens, leads = np.array(at).T
-            idle[opens] = np.abs(s.z[leads]) < self._no_force(s, k)
+            idle[opens] = np.abs(s.z[n_q + leads]) < self._no_force(s, k) * self.unit[leads]
         return idle
 
     def consistent(self, s, compliance):
