@@ -142,8 +142,8 @@ class Event:
     through: str = ""
     """phase whose constraints hold during the shock, if they are not those of ``after``"""
     elastic: bool = False
-    """True if no constraint holds before or after and the force does not jump, so that the event may be captured
-    (solve/events/capture.py): the phase at the end of a step follows from the motion there, without a shock"""
+    """True if no constraint holds before or after, so that the event may be captured (solve/events/capture.py): the
+    phase at the end of a step follows from the motion there, without the shock that the event may have"""
 
 
 @dataclass(frozen=True)

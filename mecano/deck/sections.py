@@ -208,7 +208,7 @@ TIME_FIELDS = (
     Field(
         "located_events", INTEGER, "-",
         "instants with events of cables, belts, stops of springs and elastic contacts that are located, beyond one "
-        "in each step; further events are taken at the ends of steps (docs/shocks.md)", 100, at_least_one,
+        "in each step; further events are taken at the ends of steps (docs/theory.md)", 100, at_least_one,
     ),
     Field("newton", mapping(*NEWTON_FIELDS), "-", "convergence criteria of Newton's iteration", {}),
     Field("scale", mapping(*SCALE_FIELDS), "-", "scales of the augmented Lagrangian", {}),

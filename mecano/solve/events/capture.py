@@ -49,9 +49,10 @@ class EventCapture:
             self.monitor.captures = False
 
     def step(self, step, s):
-        """Return the trial ``step(s)``, in the phases that fit its end; its info has the events captured.
+        """Return the trial ``step(s)`` in the phases that fit its end, or None if none are found.
 
-        An element has no event twice in a step, so the repetitions end.
+        Its info has the events captured. An element has each event at most once, so the repetitions end; if an event
+        is due again, the phases contradict the end of the step, as those of lines with much damping may.
         """
         monitor, had, event_records, iterations = self.monitor, np.zeros(len(self.monitor.elastic), bool), [], 0
         while True:
@@ -59,6 +60,8 @@ class EventCapture:
             iterations += trial[2].iterations
             hit = trial[2].ok and monitor.captured(trial[0]) & ~had
             if not np.any(hit):
+                if trial[2].ok and np.any(monitor.captured(trial[0]) & had):
+                    return None
                 trial[2].iterations, trial[2].event_records = iterations, tuple(event_records)
                 return trial
             had |= hit

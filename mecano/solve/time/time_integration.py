@@ -150,13 +150,13 @@ class TimeIntegrator:
 
     def _advance(self, run, stop, trial=None):
         """Make one accepted step towards ``stop``, or an event at its beginning, from its first ``trial`` if made."""
-        g0 = self.shocks.departing(run.motion, self.monitor.values(run.motion))
         h, rejected, iterations, found, cuts = self._clip(run, stop), 0, 0, None, []
         while True:
             if cuts:
                 self.method.insist(True)  # in a shorter step any correction is rounding
             trial = trial if trial and not rejected else self._step(run, h)
             iterations += trial[2].iterations
+            g0 = self.shocks.departing(run.motion, self.monitor.values(run.motion))
             smaller = self._instead(run, trial, h, cuts)
             if smaller is None and (within := self._event_within(run, g0, trial)) is not None:
                 smaller = max(within.t - run.motion.t, self.control.minimum) if h > self.control.minimum else None
@@ -188,7 +188,7 @@ class TimeIntegrator:
 
     def _decided(self, run, g0, s):
         """Return the event values ``g0`` with nan for those that rounding decides in a step to ``s``: no event."""
-        return np.where(self.shocks.undecided(g0, s, run.history.k, run.h), np.nan, g0)
+        return np.where(self.shocks.undecided(g0, s, run.history.k, s.t - run.motion.t), np.nan, g0)
 
     def _event_within(self, run, g0, trial):
         """Return the first stage of a trial at which an event has happened that its end does not show, or None."""
@@ -226,7 +226,11 @@ class TimeIntegrator:
         history = self._history_for(run, h)
         if not self.monitor.captures:
             return self._with_error(self.method.step(run.motion, history, h), h)
-        return self._with_error(self.capture.step(lambda s: self.method.step(s, history, h), run.motion), h)
+        trial = self.capture.step(lambda s: self.method.step(s, history, h), run.motion)
+        if trial is None:
+            self.monitor.captures = False  # the events of this step are located
+            trial = self.method.step(run.motion, history, h)
+        return self._with_error(trial, h)
 
     def _with_error(self, trial, h):
         """Return a ``trial`` step of size h with all its errors."""
@@ -318,9 +322,8 @@ class TimeIntegrator:
             return replace(run, compliance=compliance), s, event_records, consistent
         hit = self.shocks.together(s, hit, run.h)
         shock = self.shocks.solve_impact(s, hit, self.method.compliance, run.h, at_once, run.history.k)
-        self._guard(
-            run, shock.event_records or self.monitor.apply(s, hit)[1]
-        )  # or events that cannot happen: a contact would pull
+        impossible = [] if shock.event_records else self.monitor.apply(s, hit)[1]  # a contact would pull
+        self._guard(run, shock.event_records or impossible)
         self._soften(shock.compliance, s.t, shock.event_records, shock.redundant)
         work = {"dissipated": run.dissipated + shock.lost, "given": run.given + shock.given}
         return replace(run, compliance=shock.compliance, **work), shock.state, shock.event_records, shock.consistent
