@@ -130,22 +130,24 @@ class ArcLength:
         return np.array([mu / self.end - 1.0, low, self.target.gap(s) if self.target else -1.0])
 
     def _advance(self, follower, arc, point, ds, minimum):
-        """Return the next Point and the length of the step to it."""
+        """Return the next Point and the length of the step to it; at a corner, the one that was planned."""
         rejected, before = 0, self._gaps(point.state, point.parameter)
         while not (trial := arc.step(point, ds)).found.ok:
             if trial.crossed is not None and (corner := arc.corner(point, trial)).found.ok:
-                trial = corner
+                trial, planned = corner, ds
                 break
             if ds * SHRINK < minimum:
                 raise self._failure(follower, point, trial.mu, trial.found)
             ds, rejected = ds * SHRINK, rejected + 1
+        else:
+            planned = None
         if np.any((before < 0.0) & (self._gaps(trial.state, trial.mu) > 0.0)):
             trial = self._meet(arc, point, before, trial)
         critical = self._critical(follower, arc, point, trial)
         arc.tangent, arc.rate = trial.tangent, trial.rate
         mu = self.end if abs(trial.mu / self.end - 1.0) <= MET else trial.mu
         new = follower.accept(trial.state, mu, point.place + trial.ds, trial.ds, trial.found, rejected, critical)
-        return new, trial.ds
+        return new, planned or trial.ds
 
     def _critical(self, follower, arc, point, trial):
         """Return the load factor at which stability is lost within the step, or None.
@@ -268,7 +270,7 @@ class Arc:
         return corner
 
     def _crosses(self, corner):
-        """Return whether an event occurs when the path goes on along the tangent of a ``corner``."""
+        """Return whether an event occurs when the path continues along the tangent of a ``corner``."""
         now = self.statics.monitor.values(corner.state)
         ahead = self._ahead(self.statics.begin(corner.state), AHEAD * corner.ds, corner)
         return bool(np.any(self.statics.monitor.values(ahead) > np.maximum(now, 0.0)))
