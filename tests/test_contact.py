@@ -100,6 +100,30 @@ def test_newtons_cradle(verify):
     np.testing.assert_allclose(run["energy/balance"], run["energy/balance"][0], atol=1e-4 * momentum)
 
 
+def test_a_light_ball_leaves_a_heavy_plate():
+    """It leaves where 0.1 w^2 cos(w t) falls to -g, up to (w h)^2; its force is 1e-7 of those that drive the plate."""
+    w = 12.0
+    recorded = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: [0, 0, -{g}]
+        nodes: {{plate: {{position: [0, 0, 0]}}, ball: {{position: [0, 0, 0.1]}}}}
+        elements:
+          plate: {{type: rigid_body, node: plate, mass: 1.0e4, inertia: [1, 1, 1]}}
+          ball: {{type: point_mass, node: ball, mass: 1 g}}
+          touch: {{type: contact, nodes: [plate, ball], plane: {{normal: [0, 0, 1]}}, radius: 0.1, restitution: 0}}
+        joints:
+          upright: {{type: held_rotation, nodes: [ground, plate]}}
+          shaker: {{type: prescribed_position, node: plate, direction: [0, 0, 1], value: 0.1*(1 - cos({w}*time))}}
+          along: {{type: prescribed_position, node: plate, direction: [1, 0, 0], value: 0}}
+          across: {{type: prescribed_position, node: plate, direction: [0, 1, 0], value: 0}}
+        time: {{end: 0.25, step: 1 ms}}
+    """)
+    )
+    [opens] = [event for event in recorded.event_records if event.name == "opens"]
+    assert opens.t == pytest.approx(math.acos(-g / (0.1 * w**2)) / w, rel=(w * 1e-3) ** 2)
+
+
 def test_a_ball_on_a_turntable_runs_on_a_circle(verify):
     """Its velocity turns at 2/7 of the rate of the table: 0.875 m about x = -0.375 m."""
     last = [RecordedRun(input_deck("ball_on_turntable", f"time.step={h}"))["nodes/ball/position"] for h in (2e-3, 1e-3)]

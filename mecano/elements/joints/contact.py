@@ -19,7 +19,7 @@ or groove) is its ``profile``; it is touched in the nearest point of its meridia
 capsule, touches another capsule or cylinder in one point. Where both are parallel, the force acts in the middle of the
 part along which they touch, and does not resist their turning: two long parallel bodies need a contact near each end.
 With ``activate`` a contact has no force before, with ``release`` none after it. A rigid contact that overlaps when it
-is activated begins to act where it no longer does.
+is activated begins to act where it no longer does, if the condition still holds.
 """
 
 from collections.abc import Callable

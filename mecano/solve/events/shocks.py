@@ -52,7 +52,6 @@ class Shocks:
         scale = np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, method.length, 1.0)
         self._least, self.near = rest * scale, NEAR * method.tolerances.constraint * scale
         self.rest = self._least
-        self.force_tolerance = method.tolerances.force
         self.unit = method.length / scale  # of reactions: moments count as forces at the length scale
         self.impact_candidates = ImpactCandidates(system)
 
@@ -81,15 +80,15 @@ class Shocks:
 
         Whether such a contact is open or closed is rounding, so it keeps its phase: an open one whose gap is below the
         tolerance of constraints at both ends of the step (event values ``g0`` and those at ``s``) and whose relative
-        acceleration is rounding; and a closed one that pulls with less than the tolerance of forces plus the rounding
-        of reactions for the mean stiffness k [N/m] of the step.
+        acceleration is rounding; and a closed one whose reaction is rounding, k [N/m] being the mean stiffness of the
+        step.
         """
         found, g = np.zeros(len(g0), bool), self.monitor.values(s)
         candidates = self.impact_candidates.opening
         if not candidates:
             return found
         opens, leads = np.array([(c.opens, c.lead) for c in candidates]).T
-        found[opens] = g[opens] <= self._no_force(s, k) * self.unit[leads]
+        found[opens] = np.abs(g[opens]) <= self._no_force(s, k) * self.unit[leads]
         touching = [c for c in candidates if max(-g0[c.event], abs(g[c.event])) <= self.near[c.lead]]
         if touching:
             second = self._derivatives(s, touching)[:, 2]
@@ -98,11 +97,10 @@ class Shocks:
         return found
 
     def _no_force(self, s, k):
-        """Return the reaction [N] below which there is none: the tolerance of forces plus the rounding of reactions."""
+        """Return the rounding [N] of reactions, of the largest and of positions times the mean stiffness k [N/m]."""
         of = self.system.numbering
         reactions = s.z[of.n_q : of.n][of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT]
-        rounding = ROUNDING * reach_of(s.z, of, self.length) * self.length * k
-        return self.force_tolerance * np.abs(reactions).max(initial=0.0) + rounding
+        return ROUNDING * (np.abs(reactions).max(initial=0.0) + reach_of(s.z, of, self.length) * self.length * k)
 
     def together(self, s, hit, h):
         """Return the events ``hit`` with the impacts that would follow within TOGETHER of a step ``h`` [s].

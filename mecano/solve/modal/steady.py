@@ -79,9 +79,7 @@ class Steady:
         self.free = np.unique(of.x[of.x < self.n_q])[:, None] + np.arange(3)  # positions that are unknown
         self.along[self.free] = self.V
         self.monitor = EventMonitor(system)
-        self.k = (
-            None  # [N/m] mean stiffness at the start, or at least that with which its forces cause one length scale
-        )
+        self.k = None  # [N/m] mean stiffness at the start, at least that of its forces over the length scale
 
     def find(self, start):
         """Return the steady State near ``start``; raises ConvergenceError with the reason if none is found."""
