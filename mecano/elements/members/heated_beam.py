@@ -91,21 +91,25 @@ def _free_shape(p, strain, k_2, k_3):
 
 
 @kernel
-def force_by_laws(p, at, f, K, C, M):
-    """Add elastic forces from the free shape, damping, inertia and weight."""
-    strain, k_2, k_3, _, _, _ = of_laws(p, at)
+def _add_forces(p, at, heating, f, K, C, M):
+    """Add elastic forces from the free shape, damping, inertia and weight; return u0, phi0."""
+    strain, k_2, k_3, _, _, _ = heating
     u0, phi0 = _free_shape(p, strain, k_2, k_3)
     add_elastic(p, at, u0, phi0, f, K, C)
     add_inertia(p, at, f, K, C, M)
+    return u0, phi0
+
+
+@kernel
+def force_by_laws(p, at, f, K, C, M):
+    """Add the forces of a beam that is heated by laws of time."""
+    _add_forces(p, at, of_laws(p, at), f, K, C, M)
 
 
 @kernel
 def force_by_signals(p, at, f, K, C, M):
-    """Add the same forces, and their derivatives by the heating."""
-    strain, k_2, k_3, _, _, _ = of_signals(p, at)
-    u0, phi0 = _free_shape(p, strain, k_2, k_3)
-    add_elastic(p, at, u0, phi0, f, K, C)
-    add_inertia(p, at, f, K, C, M)
+    """Add the forces of a beam that is heated by signals, and their derivatives by these."""
+    u0, phi0 = _add_forces(p, at, of_signals(p, at), f, K, C, M)
     zero = 0.0 * vec(p.along, 0)
     add_free_derivative(p, at, u0, phi0, (p.length * vec(p.along, 0), zero), INPUT, K)
     add_free_derivative(p, at, u0, phi0, (zero, _bent(p, 1.0, 0.0)), INPUT + 1, K)
