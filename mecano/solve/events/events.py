@@ -29,12 +29,11 @@ class EventMonitor:
 
     def __init__(self, system):
         self.system = system
-        within = [e.before == e.after for batch in system.batches for _ in batch.names for e in batch.kind.events]
-        self.within = np.array(within, bool)
-        changes = [e.changes_energy for batch in system.batches for _ in batch.names for e in batch.kind.events]
-        self.changes_energy = np.array(changes, bool)
-        elastic = [e.elastic for batch in system.batches for _ in batch.names for e in batch.kind.events]
-        self.elastic, self.captures = np.array(elastic, bool), False
+        events = [e for batch in system.batches for _ in batch.names for e in batch.kind.events]
+        self.within = np.array([e.before == e.after for e in events], bool)
+        self.changes_energy = np.array([e.changes_energy for e in events], bool)
+        self.elastic = np.array([e.elastic for e in events], bool)
+        self.captures = False  # whether elastic events are left out of ``values``
 
     def within_a_phase(self, hit):
         """Return whether some events ``hit`` (n_events,) bool make accelerations jump without a change of phase."""

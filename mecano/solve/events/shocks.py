@@ -83,10 +83,10 @@ class Shocks:
         acceleration is rounding; and a closed one whose reaction is rounding, k [N/m] being the mean stiffness of the
         step.
         """
-        found, g = np.zeros(len(g0), bool), self.monitor.values(s)
-        candidates = self.impact_candidates.opening
+        found, candidates = np.zeros(len(g0), bool), self.impact_candidates.opening
         if not candidates:
             return found
+        g = self.monitor.values(s)
         opens, leads = np.array([(c.opens, c.lead) for c in candidates]).T
         found[opens] = np.abs(g[opens]) <= self._no_force(s, k) * self.unit[leads]
         touching = [c for c in candidates if max(-g0[c.event], abs(g[c.event])) <= self.near[c.lead]]
@@ -155,7 +155,7 @@ class Shocks:
     def _idle(self, s, k):
         """Return the events (n_events,) bool by which closed contacts without a force open."""
         idle, n_q = np.zeros(self.system.n_events, bool), self.system.n_q
-        at = [(c.opens, c.lead) for c in self.impact_candidates.resting(s.phases) if c.opens >= 0]
+        at = [(c.opens, c.lead) for c in self.impact_candidates.resting(s.phases)]
         if at:
             opens, leads = np.array(at).T
             idle[opens] = np.abs(s.z[n_q + leads]) < self._no_force(s, k) * self.unit[leads]

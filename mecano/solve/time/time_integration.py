@@ -156,10 +156,12 @@ class TimeIntegrator:
                 self.method.insist(True)  # in a shorter step any correction is rounding
             trial = trial if trial and not rejected else self._step(run, h)
             iterations += trial[2].iterations
-            g0 = self.shocks.departing(run.motion, self.monitor.values(run.motion))
             smaller = self._instead(run, trial, h, cuts)
-            if smaller is None and (within := self._event_within(run, g0, trial)) is not None:
-                smaller = max(within.t - run.motion.t, self.control.minimum) if h > self.control.minimum else None
+            if smaller is None:
+                g0 = self.shocks.departing(run.motion, self.monitor.values(run.motion))
+                within = self._event_within(run, g0, trial)
+                if within is not None and h > self.control.minimum:
+                    smaller = max(within.t - run.motion.t, self.control.minimum)
             if smaller is None:
                 found = self._locate(run, g0, trial, h)
                 if found is None or found.ok:
