@@ -100,6 +100,7 @@ def check_purity(kind):
             before = [array.copy() for array in inputs]
 
             def results(i=instance, t=t, state=state, F=F):
+                """Return all that the functions of the instance write."""
                 found = [i.constraint_derivatives(t, state), *i.observe(t, state, F)]
                 if i.kind.residual is not None:  # check_tangents evaluates it with Duals, many times
                     found.append(i.residual(t, state, K_SCALE, PENALTY))

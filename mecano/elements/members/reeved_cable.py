@@ -67,6 +67,7 @@ def _functions(strain_of):
 
     @kernel
     def residual(p, at, f):
+        """Add the tension along each span, and its moment at each pulley."""
         if at.phase != TAUT:
             return
         _, _, strain, strain_rate, _, _ = strain_of(p, at)

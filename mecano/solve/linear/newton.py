@@ -81,7 +81,7 @@ def iterate(w):
     report, system = floats(w.report, 8), system_of(w)
     loops = loops_at(w.n_loops, w.loops, w.batches)
     share = SHARE if w.kept and not w.renewed else 1.0
-    bind_state(system, state_of(w, TRIAL))
+    bind_state(system, s)
     system[0].lag = 1.0 / w.cC
     while True:
         if w.pending:

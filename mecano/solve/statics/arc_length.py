@@ -131,7 +131,7 @@ class ArcLength:
 
     def _advance(self, follower, arc, point, ds, minimum):
         """Return the next Point and the length of the step to it; at a corner, the one that was planned."""
-        rejected, before = 0, self._gaps(point.state, point.parameter)
+        rejected, planned, before = 0, None, self._gaps(point.state, point.parameter)
         while not (trial := arc.step(point, ds)).found.ok:
             if trial.crossed is not None and (corner := arc.corner(point, trial)).found.ok:
                 trial, planned = corner, ds
@@ -139,8 +139,6 @@ class ArcLength:
             if ds * SHRINK < minimum:
                 raise self._failure(follower, point, trial.mu, trial.found)
             ds, rejected = ds * SHRINK, rejected + 1
-        else:
-            planned = None
         if np.any((before < 0.0) & (self._gaps(trial.state, trial.mu) > 0.0)):
             trial = self._meet(arc, point, before, trial)
         critical = self._critical(follower, arc, point, trial)
