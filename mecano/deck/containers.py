@@ -8,22 +8,13 @@ from mecano.deck.limits import ARITHMETIC, BEYOND_FLOATS
 from mecano.deck.scalar import number
 from mecano.deck.scope import INVALID, Reference, node_of, place, place_of
 from mecano.deck.similar_names import similar
-from mecano.deck.synonyms import synonym
+from mecano.deck.synonyms import keys_meant, synonym
 from mecano.deck.units import is_quantity
 from mecano.deck.wording import quoted, unit_text
 from mecano.schema import Field
 
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 LANGUAGE_KEYS = ("include", "templates", "place", "repeat")  # of a deck or of an entry, removed by the expansion
-KEYS_ELSEWHERE = {  # names of some fields in other programs, without '_'
-    "youngmodulus": "E", "youngsmodulus": "E", "elasticmodulus": "E", "modulus": "E", "shearmodulus": "G",
-    "poisson": "nu", "poissonratio": "nu", "rho": "density",
-    "bodies": "elements", "constraints": "elements", "forces": "elements",
-    "springs": "elements", "dampers": "elements", "loads": "elements", "wheels": "elements", "contacts": "elements",
-    "objects": "elements", "markers": "nodes", "points": "nodes", "variables": "parameters",
-    "use": "place", "instances": "place", "copies": "place", "vary": "grid", "cases": "list",
-    "controllers": "signals", "filters": "signals", "simulation": "time", "solver": "time", "integrator": "time",
-}  # fmt: skip
 ELSEWHERE = dict.fromkeys(
     ("velocity", "velocities", "angular_velocity"),
     "give it in 'initial': velocities: [{nodes: [...], velocity: [...], angular_velocity: [...]}]",
@@ -85,17 +76,20 @@ def filled(node, field, fields, scope, given=None):
     known = {inner.name for inner in fields}.union(values)
     if field.name:
         scope.path.append(field.name)
+    hints = ""
     for key, (key_node, _) in node.value.items():
         if key not in known:
             hint = _meant(key, known, fields, field, scope)
             scope.refuse(key_node, f"unknown key {quoted(scope.name_of(key))}", hint)
+            hints += hint
     for inner in fields:
         pair = node.value.get(inner.name)
         if pair and not _left_out(pair[1], inner):
             scope.owner = pair[0]
             place(values, inner.name, checked(pair[1], inner, scope), scope)
         elif inner.required:
-            _missing(inner, owner, scope)
+            if quoted(inner.name) not in hints:  # one mistake, one message
+                _missing(inner, owner, scope)
         else:
             values[inner.name] = default(inner, scope)
     if field.name:
@@ -111,9 +105,10 @@ def _meant(key, known, fields, field, scope):
         return "write a space after ':'"
     if key == "include" and not field.name:  # files were included before: this is of --set
         return f"{quoted(key)} is allowed in the file of the deck only"
-    name = KEYS_ELSEWHERE.get(key.lower().replace("_", ""))
-    if name in known or (name in LANGUAGE_KEYS and not field.name):
-        return f"here it is called {quoted(name)}"
+    allowed = known if field.name else known.union(LANGUAGE_KEYS)
+    here = [quoted(name) for name in keys_meant(key) if name in allowed]
+    if here:
+        return f"here it is called {' or '.join(here)}"
     if key in ELSEWHERE and "position" in known:
         return ELSEWHERE[key]
     near = similar(key, [*sorted(known), *(() if field.name else LANGUAGE_KEYS)])

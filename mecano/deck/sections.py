@@ -1,6 +1,7 @@
 """Sections of a deck, version 1, without the fields declared by kinds of elements, joints and loads, and by laws."""
 
 import math
+from dataclasses import replace
 
 from mecano.deck.limits import (
     AUTOMATIC,
@@ -214,6 +215,8 @@ TIME_FIELDS = (
     Field("scale", mapping(*SCALE_FIELDS), "-", "scales of the augmented Lagrangian", {}),
 )  # fmt: skip
 
+GRAVITY = replace(VECTOR, expects="a list of 3 numbers, such as [0, 0, -9.81],")
+
 OUTPUT_FIELDS = (
     Field("every", either(NUMBER, "step"), "s", "time between saved results; 'step': every step", "step", positive),
 )
@@ -223,7 +226,7 @@ SECTIONS = (
     Field("title", TEXT, "-", "title of the model", ""),
     Field("parameters", named(PARAMETER), "-", "numbers by name, for expressions in all numbers: '$speed / 0.35'", {}),
     Field(
-        "gravity", shorthand(VECTOR, {"none": ZERO}), "m/s2",
+        "gravity", shorthand(GRAVITY, {"none": ZERO}), "m/s2",
         "acceleration of gravity, inertial; required if an element has mass", "none",
     ),
     Field(

@@ -1,4 +1,4 @@
-"""Words of other programs and books, with their equivalents in mecano: targets of `mecano explain`, or commands."""
+"""Words of other programs and books, with their equivalents in mecano: targets of `mecano explain`, commands, keys."""
 
 import re
 
@@ -220,6 +220,41 @@ NOTES = {  # words with the same meaning: (targets, note)
     "animation, picture, plot, graph": ("", "`mecano post` draws results, with --animate a page with the motion"),
 }  # fmt: skip
 SYNONYMS = {word: entry for words, entry in NOTES.items() for word in words.split(", ")}
+KEYS = {  # names of keys in other programs and books, in small letters, without "_": names in mecano
+    "youngmodulus, youngsmodulus, elasticmodulus, modulus": "E",
+    "shearmodulus": "G",
+    "poisson, poissonratio": "nu",
+    "rho": "density",
+    "m": "mass",
+    "i, j, inertiatensor, momentofinertia, momentsofinertia": "inertia",
+    "cog, com, cg, centerofgravity, centreofgravity, centreofmass": "center_of_mass",
+    "pos, coordinates, xyz, location, x": "position",
+    "k, stiff, springconstant": "stiffness law",
+    "c, damp, dampingcoefficient": "damping law",
+    "l0, freelength, restlength, unstretchedlength, referencelength": "natural_length",
+    "mu, frictioncoefficient": "coefficient friction",
+    "r": "radius",
+    "kp": "proportional",
+    "ki": "integral",
+    "kd": "derivative",
+    "td, tf": "derivative_time",
+    "tt": "tracking_time",
+    "min, minimum, lowerlimit": "lower",
+    "max, maximum, upperlimit": "upper",
+    "dt, h, timestep, stepsize": "step every",
+    "tend, endtime, tfinal, finaltime, duration, tmax, stop, stoptime": "end",
+    "step, interval, outputstep": "every",
+    "t0, starttime, tstart": "start",
+    "bodies, constraints, forces, springs, dampers, loads, wheels, contacts, objects": "elements",
+    "markers, points": "nodes",
+    "variables": "parameters",
+    "use, instances, copies": "place",
+    "vary": "grid",
+    "cases": "list",
+    "controllers, filters": "signals",
+    "simulation, solver, integrator": "time",
+}
+KEYS_MEANT = {word: names for words, names in KEYS.items() for word in words.split(", ")}
 SEPARATORS = re.compile(r"[\s_-]+")
 
 
@@ -228,6 +263,11 @@ def synonym(name):
     word = SEPARATORS.sub(" ", name.lower().strip())
     entry = next((SYNONYMS[form] for form in _forms(word) if form in SYNONYMS), None)
     return entry and (tuple(entry[0].split()), entry[1])
+
+
+def keys_meant(key):
+    """Return the names in mecano, best first, of a key of other programs; () if it is not known."""
+    return tuple(KEYS_MEANT.get(key.lower().replace("_", ""), "").split())
 
 
 def _forms(word):
