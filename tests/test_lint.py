@@ -269,3 +269,21 @@ def test_a_mechanism_far_from_the_origin(x, far):
     found = [one for one in warned(text) if "from the origin" in one]
     assert len(found) == far and all("the nearest node, 'a', is 1e+06 m from the origin" in one for one in found)
     assert all(one.startswith("test.yaml:5:") for one in found)
+
+
+ONE_POINT = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    time: {end: 1, step: 0.01, adaptive: {tolerance: 1e-3LENGTH}}
+    nodes: {a: {position: [2, 0, 0]}, b: {position: [APART, 0, 0]}}
+    elements: {weight: {type: point_mass, node: a, mass: 2}, other: {type: point_mass, node: b, mass: 1}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("apart", "length", "warns"), [("2", "", True), ("2.1", "", False), ("2", ", length_scale: 10 cm", False)]
+)
+def test_a_tolerance_relative_to_a_single_point(apart, length, warns):
+    found = warned(ONE_POINT.replace("APART", apart).replace("LENGTH", length))
+    assert len(found) == warns and all("all nodes are at one point" in one for one in found)
+    assert all(one.startswith("test.yaml:5:") for one in found)

@@ -36,7 +36,7 @@ TOWED = """
       velocities:
         - {{nodes: all, velocity: [$vx, $vy, {sink}]}}
         - {{nodes: [hub], angular_velocity: [0, {spin!r}, 0], about: own}}
-    time: {{end: {end}, step: 1.0e-4, adaptive: {{tolerance: {tolerance}, maximum_step: 1.0e-3}}}}
+    time: {{end: {end}, step: 1.0e-4, adaptive: {{length_scale: 1 m, tolerance: {tolerance}, maximum_step: 1.0e-3}}}}
 """
 RELAXATION = f"{{relaxation: {{cornering_stiffness: {CORNERING}, relaxation_length: {SIGMA}}}}}"
 OF_STRING = f"cornering_stiffness: {CORNERING}, relaxation_length: {SIGMA}, contact_length: 0.3"

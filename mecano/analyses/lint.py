@@ -5,12 +5,14 @@ from functools import partial
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import is_formula
+from mecano.deck.limits import AUTOMATIC
 from mecano.deck.physics import element_nodes
 from mecano.element_interface import NodeAtStart, nothing
 from mecano.elements import KINDS
 from mecano.errors import Problem
 from mecano.laws.probe import curve_at
 from mecano.model.numbering import ROTATION
+from mecano.solve.diagnostics.scales import extent
 from mecano.solve.time.massless import massless_unknowns
 
 MOST_NAMED = 10  # warnings of one sort
@@ -22,8 +24,8 @@ def suspicious_model(deck, system, s, length):
     """Return the warnings (list of Problem) about a model at its start ``s``; ``length`` [m] is its length scale."""
     strained, suspicious = [*_strained(deck, system, s)], [*_suspicious(deck, system, s)]
     massless = _massless(deck, system, s, length)
-    far = _far(deck, system, s, length)
-    return [*_first(strained, "elements"), *_first(massless, "nodes"), *_first(suspicious, "elements"), *far]
+    placed = [*_far(deck, system, s, length), *_one_point(deck, system)]
+    return [*_first(strained, "elements"), *_first(massless, "nodes"), *_first(suspicious, "elements"), *placed]
 
 
 def _first(problems, what):
@@ -66,6 +68,17 @@ def _far(deck, system, s, length):
             "and accelerations; place the origin near the mechanism"
         )
         yield Problem(text, deck.mark("nodes", system.nodes[i].name))
+
+
+def _one_point(deck, system):
+    """Yield a warning if the errors of steps are relative to 1 m because all nodes are at one point."""
+    adaptive = (deck.values["time"] or {}).get("adaptive")
+    if adaptive and adaptive["length_scale"] == AUTOMATIC and not extent(system.nodes):
+        text = (
+            "all nodes are at one point, so 'time.adaptive.tolerance' is relative to 1 m; give "
+            "'time.adaptive.length_scale', the size of the motion"
+        )
+        yield Problem(text, deck.mark("nodes", system.nodes[0].name))
 
 
 def _natural_length(d, positions, t):

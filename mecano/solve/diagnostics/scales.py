@@ -40,11 +40,15 @@ class Tolerances:
     max_iterations: int = 15
 
 
+def extent(nodes):
+    """Return the diagonal of the box around nodes [m]; 0 for a single point or none."""
+    x = np.array([node.x for node in nodes])
+    return float(np.linalg.norm(np.ptp(x, axis=0))) if len(x) else 0.0
+
+
 def length_scale(nodes):
     """Return the size of the mechanism [m], the diagonal of the box around its nodes; 1 m for a single point."""
-    x = np.array([node.x for node in nodes])
-    size = float(np.linalg.norm(np.ptp(x, axis=0))) if len(x) else 0.0
-    return size if size > 0 else 1.0
+    return extent(nodes) or 1.0
 
 
 def balance(system, s, cK, cC, cM, into=None):
