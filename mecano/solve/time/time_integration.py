@@ -1,7 +1,6 @@
 """The time loop: the only place that accepts a step, commits memories, changes a phase or calls an observer."""
 
 import math
-from collections import Counter
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -9,23 +8,21 @@ import numpy as np
 from mecano.errors import AssemblyError, NonFiniteError
 from mecano.model.assembly import Observation
 from mecano.solve.diagnostics import failure
+from mecano.solve.events.application import EventApplication
 from mecano.solve.events.capture import EventCapture
 from mecano.solve.events.events import EventMonitor, some_happened
 from mecano.solve.events.location import locate
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.consistent import consistent_state
+from mecano.solve.time.ordinary_steps import OrdinarySteps
 from mecano.solve.time.run_state import RunState
 from mecano.solve.time.signals import solve_signals
 from mecano.solve.time.step_control import AFTER_FAILURE, HOLD
-from mecano.solve.time.stride import PROBE, STRETCH, Strides
+from mecano.solve.time.stride import PROBE, STRETCH
 
-STANDSTILL = 1e-3  # of a step: while time advances by less, it counts as standing still
-MOST_REBOUNDS = 10  # of one contact while time stands still: it is then at rest
-MOST_AT_ONCE = 20  # times that one event of one element may happen while time stands still
 NEGLIGIBLE_TIME = 1e-6  # of a step: no step is made for a remaining time below
 LEAST_ULPS = 1e4  # spacings of floating-point numbers of time in a step: a shorter step has too much rounding
 MOST_STEPS = 2**62  # in one call of compiled code: any number
-MOST_NAMES = 8  # named in a warning
 SHORT = 1e-3  # of a step: the reactions of a shorter one are dominated by rounding
 
 
@@ -53,23 +50,29 @@ class TimeIntegrator:
     rest: float = 1e-4  # of the length scale, or rad, per second: slower approaches do not rebound
     most_located: int = 100  # instants with elastic events, beyond one in each step, that are located (capture.py)
     pause: object = lambda run: None  # called within a step with the RunState before it; may raise
-    recorder: object = None  # receives steps from compiled code (``Strides``) and, called with Accepted, from Python
+    recorder: object = (
+        None  # receives steps from compiled code (``OrdinarySteps``) and, called with Accepted, from Python
+    )
     reporters: tuple = ()  # called with the RunState between calls of compiled code
     observation: Observation = field(init=False)  # outputs and energies at the end of the last step, or after an event
     monitor: EventMonitor = field(init=False)
     capture: EventCapture = field(init=False)
     shocks: Shocks = field(init=False)
-    warnings: list = field(init=False, default_factory=list)  # reported at the end of the run
+    events: EventApplication = field(init=False)
     cuts: list = field(init=False, default_factory=list)  # (time, step size) of trials that failed and were cut
-    _strides: Strides = field(init=False, default=None)
+    _ordinary_steps: OrdinarySteps = field(init=False, default=None)
     _before: RunState = field(init=False, default=None)  # at the beginning of the step
-    _since: float = field(init=False, default=-np.inf)  # time since which time stands still [s]
-    _at_once: Counter = field(init=False, default_factory=Counter)  # events since then
 
     def __post_init__(self):
         self.observation, self.monitor = Observation(self.system), EventMonitor(self.system)
         self.capture = EventCapture(self.monitor, self.most_located)
         self.shocks = Shocks(self.system, self.method, self.monitor, self.rest)
+        self.events = EventApplication(self.system, self.method, self.monitor, self.capture, self.shocks)
+
+    @property
+    def warnings(self):
+        """The warnings (list of str) to be reported at the end of the run."""
+        return self.events.warnings
 
     def begin(self, s, h):
         """Return the RunState at the start, with consistent velocities, accelerations and multipliers."""
@@ -113,17 +116,14 @@ class TimeIntegrator:
 
     def to_plain(self):
         """Return the state of the time loop itself, beside the run, as dicts, lists, texts and numbers."""
-        at_once = [[*key, count] for key, count in self._at_once.items()]
-        own = {"since": self._since, "at_once": at_once, "capture": self.capture.to_plain()}
-        return {"remarks": list(self.warnings), "cuts": list(self.cuts), **own}
+        own = {"remarks": list(self.warnings), "cuts": list(self.cuts)}
+        return {**own, **self.events.to_plain(), "capture": self.capture.to_plain()}
 
     def from_plain(self, plain):
         """Restore the state returned by ``to_plain``."""
-        self.warnings, self.cuts = list(plain["remarks"]), [tuple(cut) for cut in plain["cuts"]]
-        self._since = plain["since"]
-        self._at_once = Counter({(element, name): count for element, name, count in plain["at_once"]})
+        self.warnings[:], self.cuts = plain["remarks"], [tuple(cut) for cut in plain["cuts"]]
+        self.events.from_plain(plain)
         self.capture.from_plain(plain["capture"])
-        self._suppress_rebound()
 
     def _onward(self, run, stop):
         """Make ordinary steps towards ``stop`` in compiled code, then one in Python if the next is not ordinary."""
@@ -134,17 +134,17 @@ class TimeIntegrator:
         return self._advance(run, stop, trial) if decide else run
 
     def ordinary(self, run, stop):
-        """Make ordinary steps towards ``stop`` (``Strides.advance``), one at a time if there are observers."""
+        """Make ordinary steps towards ``stop`` (``OrdinarySteps.advance``), one at a time if there are observers."""
         if not self.method.in_compiled_code or self.monitor.captures:
             return run, None, True
-        if self._strides is None:
+        if self._ordinary_steps is None:
             about = self.system, self.method, self.control, self.shocks, self.observation
-            self._strides = Strides(*about, self.recorder)
+            self._ordinary_steps = OrdinarySteps(*about, self.recorder)
         if not self.observers:
-            return self._strides.advance(run, stop, MOST_STEPS)
-        new, trial, decide = self._strides.advance(run, stop, 1)
+            return self._ordinary_steps.advance(run, stop, MOST_STEPS)
+        new, trial, decide = self._ordinary_steps.advance(run, stop, 1)
         if new is not run:
-            info, h = self._strides.last(run)
+            info, h = self._ordinary_steps.last(run)
             self._observed(Accepted(run.motion, new, info, h, new.rejected - run.rejected))
         return new, trial, decide
 
@@ -280,61 +280,10 @@ class TimeIntegrator:
 
     def _change_phases(self, run, info, found, rejected):
         """Apply events at the beginning of a step, without advancing time."""
-        run, s, event_records, consistent = self._apply_events(run, run.motion, found.hit, at_once=True)
+        run, s, event_records, consistent = self.events.apply(run, run.motion, found.hit, at_once=True)
         new = self._start_again(run, s, consistent)
         self._notify(Accepted(run.motion, new, info, 0.0, rejected, tuple(event_records)))
         return new
-
-    def _apply_events(self, run, s, hit, at_once=False):
-        """Apply events ``hit`` at ``s``.
-
-        Return (run with the energy of shocks, releases and activations, state after, [EventRecord], Consistent or
-        None).
-        """
-        self.capture.count(hit, run)
-        changing = self.monitor.changing_energy(hit)
-        if not changing:
-            return self._exchange(run, s, hit, at_once)
-        before = self._potentials(s, changing)
-        run, after, event_records, consistent = self._exchange(run, s, hit, at_once)
-        rest = self._potentials(after, changing)
-        lost = {name: before[name] - rest[name] for name in changing}
-        dissipated, given = sum(max(x, 0.0) for x in lost.values()), sum(max(-x, 0.0) for x in lost.values())
-        event_records = [
-            replace(event, lost=event.lost + lost.pop(event.element)) if event.element in lost else event
-            for event in event_records
-        ]
-        run = replace(run, dissipated=run.dissipated + dissipated, given=run.given + given)
-        return run, after, event_records, consistent
-
-    def _potentials(self, s, elements):
-        """Return the potential energy [J] at ``s`` of the ``elements`` {name: number}."""
-        energies = self.system.observe(s).energies
-        return {name: float(energies[e, 1]) for name, e in elements.items()}
-
-    def _exchange(self, run, s, hit, at_once):
-        """Apply events ``hit`` at ``s`` with their shocks; return the same as ``_apply_events``."""
-        if not self.shocks.impact_candidates.among(hit):
-            before, compliance, consistent = s.phases, self.method.compliance, None
-            s, event_records = self.monitor.apply(s, hit)
-            self._guard(run, event_records)
-            if compliance and len(compliance.released) and not np.array_equal(before, s.phases):
-                consistent, compliance, redundant = self.shocks.consistent(s, compliance)
-                self._soften(compliance, s.t, event_records, redundant)
-            return replace(run, compliance=compliance), s, event_records, consistent
-        hit = self.shocks.together(s, hit, run.h)
-        shock = self.shocks.solve_impact(s, hit, self.method.compliance, run.h, at_once, run.history.k)
-        impossible = [] if shock.event_records else self.monitor.apply(s, hit)[1]  # a contact would pull
-        self._guard(run, shock.event_records or impossible)
-        self._soften(shock.compliance, s.t, shock.event_records, shock.redundant)
-        work = {"dissipated": run.dissipated + shock.lost, "given": run.given + shock.given}
-        return replace(run, compliance=shock.compliance, **work), shock.state, shock.event_records, shock.consistent
-
-    def _soften(self, compliance, t, event_records, redundant):
-        """Use a ``compliance`` that may be new, and add a warning for each of the ``redundant`` Groups."""
-        if compliance is not self.method.compliance:
-            self.method.use(compliance)
-        self.warnings += [_redundant(t, event_records, group) for group in redundant]
 
     def _accept_event(self, run, found, rejected):
         h, trial, hit = found
@@ -346,7 +295,7 @@ class TimeIntegrator:
         here = self.monitor.values(s)
         new = self._stepped(run, s, history, run.h, h, info, reached)
         hit = self.monitor.together(hit, self.monitor.values(run.motion), here, self.monitor.values(s))
-        after, s, event_records, consistent = self._apply_events(new, s, hit)
+        after, s, event_records, consistent = self.events.apply(new, s, hit)
         if self.monitor.captures:
             self.capture.accepted(info.event_records, whole=False)
         self._notify(Accepted(run.motion, new, info, h, rejected, (*info.event_records, *event_records)))
@@ -363,24 +312,6 @@ class TimeIntegrator:
         if impact and method.compliance is not None:
             s = consistent.without_compliance(s)
         return s
-
-    def _guard(self, run, event_records):
-        """Raise ConvergenceError if one event occurs again and again while time stands still."""
-        t = run.motion.t
-        if t - self._since > STANDSTILL * run.h:
-            self._since = t
-            self._at_once.clear()
-        for event in event_records:
-            self._at_once[event.element, event.name] += 1
-            count = self._at_once[event.element, event.name]
-            if count > MOST_AT_ONCE:
-                raise failure.standstill(event, count, t)
-        self._suppress_rebound()
-
-    def _suppress_rebound(self):
-        self.shocks.suppress_rebound(
-            {element for (element, _), count in self._at_once.items() if count >= MOST_REBOUNDS}
-        )
 
     def _stepped(self, run, s, history, planned, h, info, reached=None):
         """Return the run after an accepted step to ``s``: memories committed, outputs observed, work added.
@@ -434,14 +365,3 @@ class TimeIntegrator:
             cuts.append((t, h * AFTER_FAILURE))
             return h * AFTER_FAILURE
         raise failure.no_step(self.system, self.method.assembly, info, t, h)
-
-
-def _redundant(t, event_records, group):
-    """Return the warning on constraints that become redundant at events."""
-    found = group.by_joint(MOST_NAMES)
-    names = "; ".join(found[:MOST_NAMES]) + (" and more" if len(found) > MOST_NAMES else "")
-    which = ", ".join(dict.fromkeys(f"{h.element} {h.name}" for h in event_records[:MOST_NAMES]))
-    return (
-        f"since t = {t:.6g} s ({which}) {group.count} constraint(s) are redundant among: {names}; the motion is not "
-        "affected, but the reactions, and the impulses of the shock, are not unique: those of least size are given"
-    )

@@ -1,0 +1,120 @@
+"""Application of events: elements change their phases, with the shocks and the energies that these changes bring."""
+
+from collections import Counter
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from mecano.solve.diagnostics import failure
+from mecano.solve.events.capture import EventCapture
+from mecano.solve.events.events import EventMonitor
+from mecano.solve.events.shocks import Shocks
+
+STANDSTILL = 1e-3  # of a step: while time advances by less, it counts as standing still
+MOST_REBOUNDS = 10  # of one contact while time stands still: it is then at rest
+MOST_AT_ONCE = 20  # times that one event of one element may happen while time stands still
+MOST_NAMES = 8  # named in a warning
+
+
+@dataclass
+class EventApplication:
+    """Applies events to the run of ``system`` by ``method``; counts those that happen while time stands still."""
+
+    system: object
+    method: object
+    monitor: EventMonitor
+    capture: EventCapture
+    shocks: Shocks
+    warnings: list = field(default_factory=list)  # on constraints that become redundant
+    since: float = -np.inf  # time since which time stands still [s]
+    repeats: Counter = field(default_factory=Counter)  # events by element and name since then
+
+    def apply(self, run, s, hit, at_once=False):
+        """Apply events ``hit`` at ``s``.
+
+        Return (run with the energy of shocks, releases and activations, state after, [EventRecord], Consistent or
+        None).
+        """
+        self.capture.count(hit, run)
+        changing = self.monitor.changing_energy(hit)
+        if not changing:
+            return self._exchange(run, s, hit, at_once)
+        before = self._potentials(s, changing)
+        run, after, event_records, consistent = self._exchange(run, s, hit, at_once)
+        rest = self._potentials(after, changing)
+        lost = {name: before[name] - rest[name] for name in changing}
+        dissipated, given = sum(max(x, 0.0) for x in lost.values()), sum(max(-x, 0.0) for x in lost.values())
+        event_records = [
+            replace(event, lost=event.lost + lost.pop(event.element)) if event.element in lost else event
+            for event in event_records
+        ]
+        run = replace(run, dissipated=run.dissipated + dissipated, given=run.given + given)
+        return run, after, event_records, consistent
+
+    def _potentials(self, s, elements):
+        """Return the potential energy [J] at ``s`` of the ``elements`` {name: number}."""
+        energies = self.system.observe(s).energies
+        return {name: float(energies[e, 1]) for name, e in elements.items()}
+
+    def _exchange(self, run, s, hit, at_once):
+        """Apply events ``hit`` at ``s`` with their shocks; return the same as ``apply``."""
+        if not self.shocks.impact_candidates.among(hit):
+            before, compliance, consistent = s.phases, self.method.compliance, None
+            s, event_records = self.monitor.apply(s, hit)
+            self._guard(run, event_records)
+            if compliance and len(compliance.released) and not np.array_equal(before, s.phases):
+                consistent, compliance, redundant = self.shocks.consistent(s, compliance)
+                self._soften(compliance, s.t, event_records, redundant)
+            return replace(run, compliance=compliance), s, event_records, consistent
+        hit = self.shocks.together(s, hit, run.h)
+        shock = self.shocks.solve_impact(s, hit, self.method.compliance, run.h, at_once, run.history.k)
+        impossible = [] if shock.event_records else self.monitor.apply(s, hit)[1]  # a contact would pull
+        self._guard(run, shock.event_records or impossible)
+        self._soften(shock.compliance, s.t, shock.event_records, shock.redundant)
+        work = {"dissipated": run.dissipated + shock.lost, "given": run.given + shock.given}
+        return replace(run, compliance=shock.compliance, **work), shock.state, shock.event_records, shock.consistent
+
+    def _soften(self, compliance, t, event_records, redundant):
+        """Use a ``compliance`` that may be new, and add a warning for each of the ``redundant`` Groups."""
+        if compliance is not self.method.compliance:
+            self.method.use(compliance)
+        self.warnings += [_redundant(t, event_records, group) for group in redundant]
+
+    def _guard(self, run, event_records):
+        """Raise ConvergenceError if one event occurs again and again while time stands still."""
+        t = run.motion.t
+        if t - self.since > STANDSTILL * run.h:
+            self.since = t
+            self.repeats.clear()
+        for event in event_records:
+            self.repeats[event.element, event.name] += 1
+            count = self.repeats[event.element, event.name]
+            if count > MOST_AT_ONCE:
+                raise failure.standstill(event, count, t)
+        self._suppress_rebound()
+
+    def _suppress_rebound(self):
+        self.shocks.suppress_rebound(
+            {element for (element, _), count in self.repeats.items() if count >= MOST_REBOUNDS}
+        )
+
+    def to_plain(self):
+        """Return a dict of numbers and lists from which ``from_plain`` continues."""
+        return {"since": self.since, "at_once": [[*key, count] for key, count in self.repeats.items()]}
+
+    def from_plain(self, plain):
+        """Continue from the result of ``to_plain``."""
+        self.since = plain["since"]
+        self.repeats = Counter({(element, name): count for element, name, count in plain["at_once"]})
+        self._suppress_rebound()
+
+
+def _redundant(t, event_records, group):
+    """Return the warning on constraints that become redundant at events."""
+    found = group.by_joint(MOST_NAMES)
+    names = "; ".join(found[:MOST_NAMES]) + (" and more" if len(found) > MOST_NAMES else "")
+    which = ", ".join(dict.fromkeys(f"{h.element} {h.name}" for h in event_records[:MOST_NAMES]))
+    return (
+        f"since t = {t:.6g} s ({which}) {group.count} constraint(s) are redundant among: {names}; the motion is not "
+        "affected, but the reactions, and the impulses of the shock, are not unique: those of least size are given"
+    )
