@@ -90,9 +90,7 @@ class Place(NamedTuple):
     laws: np.ndarray  # flat table of all laws of the model (see mecano.laws), and of the matrices of superelements
     m: np.ndarray  # (n_memory,) values written by ``commit`` at the last accepted step
     q: np.ndarray  # (n_local,) positions [m], 0 for rotations, scalars, multipliers k*lambda [N, N m], coupled ones
-    v: (
-        np.ndarray
-    )  # (n_local,) velocities [m/s], material angular velocities [rad/s], rates of scalars, 0 of multipliers
+    v: np.ndarray  # (n_local,) velocities [m/s], material angular velocities [rad/s], rates of scalars, else 0
     a: np.ndarray  # (n_local,) accelerations, in the same frames
     R: np.ndarray  # (n_rotations, 3, 3) rotations, material to inertial, in the order of the "R" slots
 

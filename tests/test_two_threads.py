@@ -24,7 +24,8 @@ from mecano.jit.entry import entry
 from mecano.jit.thread_pool import run_parts
 from mecano.model import halves as module
 from mecano.model.halves import ONE, OTHER, halves
-from mecano.model.loops import code_of, residual
+from mecano.model.loop_code import code_of
+from mecano.model.loops import residual
 from mecano.process.interrupt import Stopped
 from mecano.solve.linear.ordering import PIVOTS, SIZE
 

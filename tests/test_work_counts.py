@@ -12,7 +12,7 @@ from mecano.analyses.compilation import TIME_INTEGRATION
 from mecano.analyses.prepare import prepare
 from mecano.deck.read import deck_of_bytes
 from mecano.jit import closure
-from mecano.model import loops
+from mecano.model import loop_code
 from mecano.solve.linear.sparse import LinearSolver
 
 GROWTH = 1.03  # from which on a count is one of a slower program: find out why, or say why it must be so
@@ -86,9 +86,9 @@ def test_events_of_seven_modules_cost_no_more(end, tmp_path, monkeypatch):
 @pytest.mark.parametrize("name", COMPILED)
 def test_a_first_run_compiles_no_more_functions(name, monkeypatch):
     monkeypatch.setattr(closure, "_digests", {})
-    loops._code.cache_clear()
+    loop_code._code.cache_clear()
     system = prepare(input_deck(name)).system
-    loops._code.cache_clear()
+    loop_code._code.cache_clear()
     closure._digests.clear()
     objects = {code.file for code in (*(entry.code for entry in TIME_INTEGRATION), *system.codes())}
     found = len(objects), len(closure._digests)

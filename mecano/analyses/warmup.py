@@ -17,7 +17,7 @@ from mecano.element_interface import Kind
 from mecano.errors import ResultsError
 from mecano.jit import store
 from mecano.jit.ahead import compile_ahead
-from mecano.model.loops import PURPOSES, code_of
+from mecano.model.loop_code import PURPOSES, code_of
 from mecano.solve.time.error_bound import bound_error
 
 STEPS = 3
