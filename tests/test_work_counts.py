@@ -80,7 +80,9 @@ def test_events_of_seven_modules_cost_no_more(end, tmp_path, monkeypatch):
     found = *counts(deck, tmp_path / "r.h5", monkeypatch, (observe,)), len(instants), len(shocks)
     names = "steps", "Newton iterations", "factorizations", "instants", "shocks"
     for what, now, before in zip(names, found, SEVEN_MODULES[end], strict=True):
-        assert before / GROWTH <= now <= GROWTH * before, f"{what}: {now}, were {before}; all counts: {found}"
+        assert now <= GROWTH * before, f"{what}: {now}, were {before}; all counts: {found}"
+        if what != "Newton iterations":  # 80 or 85 at the events of equal members, by the rounding of the processor
+            assert now >= before / GROWTH, f"{what}: {now}, were {before}: enter the better counts {found}"
 
 
 @pytest.mark.parametrize("name", COMPILED)
