@@ -98,6 +98,8 @@ def test_parameters_are_numbers_in_formulas():
         ("2*rail.angle", "'angle' of 'rail' cannot be measured", "known: displacement, velocity"),
         ("sin(2*t)", "there is no signal 't'; the time is written 'time'", ""),
         ("2*trust", "there is no signal 'trust'", "'thrust'"),
+        ("2*rail.displacement.rate", "cannot be measured: the rate of 'displacement' is 'velocity'", ""),
+        ("rail.rate", "'rate' of 'rail' cannot be measured: the rate of 'displacement' is 'velocity'", ""),
         ("cart.position", "'position' of 'cart' cannot be measured", "'position.x'"),
         ("body.mass", "'mass' of 'body' cannot be measured", "kinetic_energy"),
         (".inf", "must be finite", ""),

@@ -13,6 +13,7 @@ from mecano.element_interface import Part
 
 AXES = "xyz"
 MAGNITUDE = ".magnitude"
+RATES = ("rate", "speed", "velocity", "derivative", "dot")  # names that an output with another name may be given
 
 
 class UnknownQuantity(Exception):
@@ -112,13 +113,17 @@ def _is_given(value, axis):
 
 
 def _instead(what, kind=None, d=None):
-    """Return what to do instead of measuring an output, a vector or a component of it, or ""."""
+    """Return what to do instead of measuring an output, a vector or a component of it, or a rate; "" if unknown."""
     if kind is None:
         return ""
     name, chosen = what.partition(".")[0], kind.chosen(d)
     if chosen.hidden.get(name):
         return chosen.hidden[name]
-    return next((f"write {', '.join(quantities(o))}" for o in chosen.outputs if o.shape and o.name == name), "")
+    for o in chosen.outputs:
+        if o.shape and o.name == name:
+            return f"write {', '.join(quantities(o))}"
+    rates = (f"the rate of '{o.name}' is '{o.rate}'" for o in chosen.outputs if o.rate)
+    return " and ".join(rates) if what.rpartition(".")[2] in RATES else ""
 
 
 def sensor_of_node(what):
