@@ -43,6 +43,11 @@ def test_no_saved_value_lies_beyond_those_of_the_steps_around_it(name, tmp_path,
     def check(accepted):
         recorder, row = recorders[0], recorders[0].row
         rows = recorder.output.rows[: recorder.output.record["n_rows"][0], 1:]
+        if len(rows):
+            compare(accepted, recorder, row, rows)
+        row0[:] = [row.copy()]
+
+    def compare(accepted, recorder, row, rows):
         around = [row0[0], row]
         if accepted.h and accepted.info.stages:
             around = DenseOutput(recorder.sampler, accepted, row0[0]).rows
@@ -52,7 +57,6 @@ def test_no_saved_value_lies_beyond_those_of_the_steps_around_it(name, tmp_path,
             c.path for c in recorder.sampler.columns if outside[c.start : c.start + c.size].any()
         ]
         checked.extend(rows)
-        row0[:] = [row.copy()]
         recorder.flush()
 
     original = Recorder.restarted
