@@ -257,8 +257,51 @@ def test_a_contact_lets_go_where_its_force_falls_to_zero():
     assert [h.name for h in recorded.event_records] == ["touches", "lifts off"]
     assert recorded.event_records[1].t == pytest.approx(0.5, abs=1e-9)
     closed = recorded.time < 0.499
-    assert recorded["elements/contact/normal_force"][closed][1:] == pytest.approx(20 - 40 * recorded.time[closed][1:])
+    assert recorded["elements/contact/normal_force"][closed] == pytest.approx(20 - 40 * recorded.time[closed])
     assert recorded["nodes/ball/position"][-1, 2] == pytest.approx(20 * 0.5**3 / 6, rel=2e-3)
+
+
+PILE = """
+    mecano: 1
+    gravity: [0, 0, -10]
+    nodes: {low: {position: [0, 0, 0.125]}, middle: {position: [0, 0, 0.375]}, high: {position: [0, 0, HEIGHT]}}
+    elements:
+      low: {type: rigid_body, node: low, mass: 1, inertia: [1, 1, 1]}
+      middle: {type: rigid_body, node: middle, mass: 2, inertia: [1, 1, 1]}
+      high: {type: rigid_body, node: high, mass: 3, inertia: [1, 1, 1]}
+      on_floor: {type: plane_contact, node: low, ground: floor, radius: 0.125}
+      on_low: {type: contact, nodes: [low, middle], sphere: {radius: 0.125}, radius: 0.125}
+      on_middle: {type: contact, nodes: [middle, high], sphere: {radius: 0.125}, radius: 0.125}
+    grounds: {floor: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}}
+    MORE
+    time: {end: 0.02, step: 1.0e-3}
+"""
+
+
+@pytest.mark.parametrize(
+    ("height", "gravity", "weights"),
+    [(0.625, -10, (60, 50, 30)), (0.75, -10, (30, 20, 0)), (0.625, 0, (0, 0, 0)), (0.625, 10, (0, 0, 0))],
+)
+def test_a_pile_rests_from_the_start(height, gravity, weights):
+    """The first row has the weights above each contact; without gravity, or pulled up, nothing presses."""
+    text = PILE.replace("HEIGHT", str(height)).replace("-10", str(gravity)).replace("MORE", "")
+    recorded = RecordedRun(deck(text))
+    for name, weight in zip(("on_floor", "on_low", "on_middle"), weights, strict=True):
+        assert recorded[f"elements/{name}/normal_force"][[0, -1]] == pytest.approx(weight, abs=1e-9)
+        assert recorded[f"elements/{name}/closed"][0] == (weight > 0)
+    assert all((event.t, event.impulse, event.lost) == (0, 0, 0) for event in recorded.event_records)
+
+
+def test_a_shock_at_the_start_is_recorded_behind_the_state_before_it():
+    """The lowest of three balls in a pile moves down with 1 m/s: its momentum 1 N s is that of the first impulse."""
+    more = "initial: {velocities: [{nodes: [low], velocity: [0, 0, -1]}]}"
+    recorded = RecordedRun(deck(PILE.replace("HEIGHT", "0.625").replace("MORE", more)))
+    assert recorded["elements/on_floor/closed"][0] == 0
+    assert recorded["nodes/low/velocity"][0, 2] == -1
+    met = recorded.event_records[0]
+    assert (met.element, met.t) == ("plane_contact 'on_floor'", 0)
+    assert (met.impulse, met.lost) == pytest.approx((1, 0.5))
+    assert recorded["elements/on_floor/normal_force"][-1] == pytest.approx(60, rel=1e-6)
 
 
 BEAM_ON_TWO = """

@@ -56,6 +56,7 @@ class RecordedRun:
         integrator = integrator_of(prepared, (observe,))
         self.integrator = integrator
         run = change(integrator, integrator.begin(prepared.state, deck.values["time"]["step"]))
+        self.event_records += integrator.start_events
         keep(run)
         self.run = integrator.to(deck.values["time"]["end"], run)
         self.time, self.rows = np.array(times), np.array(rows)

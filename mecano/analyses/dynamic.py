@@ -73,7 +73,7 @@ def _from_the_start(deck, path, force, observers, reporters, announce, interrupt
         for text in notes:
             announce(text)
         recorder = Recorder(prepared, writer, sampler, integrator)
-        recorder.first(start)
+        recorder.first(start, integrator.start_events)
         yield Ongoing(deck, start, integrator, recorder, observers, reporters, announce, notes, interruption, interval)
 
 

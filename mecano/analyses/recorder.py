@@ -42,10 +42,11 @@ class Recorder:
         """The row at the beginning of the next step, behind the events there."""
         return self.output.row
 
-    def first(self, run):
-        """Write the initial state."""
+    def first(self, run, events):
+        """Write the initial state, behind the ``events`` [EventRecord] of the start."""
         self.restarted(run)
         self.writer.append(run.motion.t, self.row)
+        self._append(events)
 
     def restarted(self, run, passing=False):
         """Begin the next step with the row of ``run``, whose forces are not those with which the last step ended.
@@ -83,7 +84,10 @@ class Recorder:
                 again = True
                 code = self.output.go_on(self._workspace)
             self.refuse(t)
-        for event in accepted.event_records:
+        self._append(accepted.event_records)
+
+    def _append(self, events):
+        for event in events:
             self.writer.append_event(
                 event.t, event.element, event.name, event.before, event.after, event.impulse,
                 event.unit, event.lost,

@@ -96,6 +96,26 @@ class Shocks:
                 found[c.event] = abs(second[c.lead]) * h * h <= STANDS * self.near[c.lead]
         return found
 
+    def pressed(self, s, h):
+        """Return the events (n_events,) bool of open contacts that touch at rest and that the accelerations close.
+
+        They do so by more than rounding in a step of h [s]. There are none while a touching contact approaches or
+        slips: it closes with a shock, at which the state before it is recorded.
+        """
+        found, g = np.zeros(self.system.n_events, bool), self.monitor.values(s)
+        touching = [c for c in self.impact_candidates.opening if abs(g[c.event]) <= self.near[c.lead]]
+        if not touching:
+            return found
+        _, rates, seconds = self._derivatives(s, touching).T
+        for c in touching:
+            near, resting = self.near[c.lead], np.abs(rates[c.rows]) <= self.rest[c.rows]
+            if rates[c.lead] * h > near:
+                continue  # it separates
+            if not resting.all():
+                return np.zeros_like(found)
+            found[c.event] = seconds[c.lead] * h * h < -STANDS * near
+        return found
+
     def _no_force(self, s, k):
         """Return the rounding [N] of reactions, of the largest and of positions times the mean stiffness k [N/m]."""
         of = self.system.numbering

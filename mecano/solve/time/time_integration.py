@@ -59,6 +59,7 @@ class TimeIntegrator:
     capture: EventCapture = field(init=False)
     shocks: Shocks = field(init=False)
     events: EventApplication = field(init=False)
+    start_events: list = field(init=False, default_factory=list)  # [EventRecord] before the first step
     cuts: list = field(init=False, default_factory=list)  # (time, step size) of trials that failed and were cut
     _ordinary_steps: OrdinarySteps = field(init=False, default=None)
     _before: RunState = field(init=False, default=None)  # at the beginning of the step
@@ -75,11 +76,27 @@ class TimeIntegrator:
         return self.events.warnings
 
     def begin(self, s, h):
-        """Return the RunState at the start, with consistent velocities, accelerations and multipliers."""
+        """Return the RunState at the start, with consistent velocities, accelerations and multipliers.
+
+        Contacts that touch and are pressed together are closed; ``start_events`` are these events.
+        """
         s = replace(s, memory=self.system.commit(solve_signals(self.system, s.copy())))
         s, history = self.method.start(self.monitor.settle(s), h)
         run = RunState(s, history, h, compliance=self.method.compliance)
-        return replace(run, powers=self._observe(s).powers)
+        run, self.start_events = self._close_pressed(replace(run, powers=self._observe(s).powers))
+        return run
+
+    def _close_pressed(self, run):
+        """Return the run with its pressed contacts closed, and the events; in a pile one presses on the next."""
+        events = []
+        for _ in self.shocks.impact_candidates:
+            hit = self.shocks.pressed(run.motion, run.h)
+            if not hit.any():
+                break
+            run, s, happened, consistent = self.events.apply(run, run.motion, hit, at_once=True)
+            run = self._start_again(run, s, consistent)
+            events += happened
+        return run, events
 
     def to(self, end, run):
         """Integrate from ``run`` to the time ``end`` and return the new RunState.
