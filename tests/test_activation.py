@@ -147,8 +147,10 @@ def test_a_rigid_contact_is_activated_and_released():
         ("closes", pytest.approx(2.0 * fall, abs=1e-6)), ("releases", pytest.approx(0.7)),
     ]  # fmt: skip
     assert (floor[1].impulse, floor[1].lost) == pytest.approx((2.0 * 1.5 * g * fall, 0.75 * (g * fall) ** 2), rel=1e-6)
-    assert [(e.name, e.t) for e in lid[:2]] == [
-        ("activates", pytest.approx((2.0 - up) / g, abs=1e-6)), ("closes", pytest.approx((2.0 + up) / g, abs=1e-6))
+    assert [(e.name, e.t) for e in lid[:3]] == [
+        ("waits", pytest.approx(0.01, abs=1e-6)),
+        ("activates", pytest.approx((2.0 - up) / g, abs=1e-6)),
+        ("closes", pytest.approx((2.0 + up) / g, abs=1e-6)),
     ]  # fmt: skip
     v, after = 0.25 * g * fall, 1.0 - 2.0 * fall
     assert run["nodes/a/position"][-1, 2] == pytest.approx(0.1 + v * after - 0.5 * g * after**2, abs=1e-5)
@@ -156,6 +158,55 @@ def test_a_rigid_contact_is_activated_and_released():
         fallen = 0.5 * g * np.maximum(run.time - 0.5, 0.0) ** 2
         np.testing.assert_allclose(run[f"nodes/{rests}/position"][:, 2], 0.1 - fallen, atol=1e-8)
     assert np.ptp(run["energy/balance"]) < 1e-6 * np.ptp(run["energy/kinetic"])
+
+
+MOMENT = """
+    mecano: 1
+    gravity: [0, 0, -10]
+    nodes: {a: {position: [0, 0, -0.15]}}
+    elements:
+      ball: {type: rigid_body, node: a, mass: 2, inertia: [0.1, 0.1, 0.1]}
+      floor: {type: contact, nodes: [ground, a], plane: {normal: [0, 0, 1], point: [0, 0, 0]}, TRIGGERS}
+    initial: {velocities: [{nodes: [a], velocity: [0, 0, 2]}]}
+    time: {end: 0.4, step: 1.0e-3}
+    """
+
+
+@pytest.mark.parametrize("friction", ["", ", friction: {coefficient: 0.3, regularization: 1.0e-3}"])
+def test_a_rigid_contact_that_overlaps_waits(friction):
+    """It is activated for 10 ms only, in which a rising ball is below the plane: from 0.1 s the ball is above it.
+
+    z = -0.15 + 2 t - 5 t^2 is zero at 0.1 s and 0.3 s; there the ball stops, with 2 kg (10 m/s^2 0.3 s - 2 m/s).
+    """
+    run = RecordedRun(deck(MOMENT.replace("TRIGGERS", "activate: {when: 0.005 > abs(time - 0.02)}" + friction)))
+    waits, activates, closes = run.event_records
+    assert [(e.name, e.before, e.after) for e in (waits, activates)] == [
+        ("waits", "inactive", "overlapping"), ("activates", "overlapping", "open")
+    ]  # fmt: skip
+    assert (waits.t, activates.t, closes.t) == pytest.approx((0.015, 0.1, 0.3), abs=1e-6)
+    assert (closes.name, closes.impulse) == ("closes", pytest.approx(2.0, rel=1e-5))
+    assert run["elements/floor/normal_force"][-1] == pytest.approx(20.0, rel=1e-9)
+    assert run["nodes/a/position"][-1, 2] == pytest.approx(0.0, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("triggers", "names"),
+    [
+        ("activate: {time: 0}", ["activates", "closes"]),  # it waits from the start, which is no event
+        ("activate: {time: 0.2}", ["activates", "closes"]),  # above the plane
+        ("activate: {time: 0.05}, release: {time: 0.08}", ["waits", "releases"]),
+        ("activate: {time: 0.05}, release: {time: 0.2}", ["waits", "activates", "releases"]),
+        ("activate: {time: 0.35}", ["waits"]),  # falling
+    ],
+)
+def test_when_a_rigid_contact_acts(triggers, names):
+    run = RecordedRun(deck(MOMENT.replace("TRIGGERS", triggers)))
+    assert [event.name for event in run.event_records] == names
+    falls = "closes" not in names
+    exact = -0.15 + 2 * run.time - 5 * run.time**2
+    np.testing.assert_allclose(
+        run["nodes/a/position"][:, 2], exact if falls else np.where(run.time > 0.3, 0, exact), atol=1e-5
+    )
 
 
 @pytest.mark.parametrize(

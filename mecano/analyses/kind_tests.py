@@ -124,6 +124,7 @@ FREE = {
     "open",
     "released",
     "inactive",
+    "overlapping",
     "free",
     "between",
     "slack",

@@ -87,8 +87,8 @@ def _friction(p, at, touched, N):
 def _event_values(shapes, row, inputs=0):
     """Return ``event_values``: the depth [m]; then -N [N] of the multiplier at ``row``, or the gap without one.
 
-    Of a rigid contact with two ``inputs``, before its multiplier, the triggers of activation, while nothing overlaps,
-    and of release follow.
+    Of a rigid contact with two ``inputs``, before its multiplier, there follow the trigger of activation while nothing
+    overlaps, the same while the bodies overlap, the end of the overlap [m], and the trigger of release.
     """
     touch = shapes.touch
 
@@ -104,8 +104,9 @@ def _event_values(shapes, row, inputs=0):
     @kernel
     def of_switched(p, at, g):
         of_rigid(p, at, g)
-        g[2] = min(at.q[row - 2], ROUNDING - g[0])
-        for i in range(3, 6):
+        apart, due = ROUNDING - g[0], at.q[row - 2]
+        g[2], g[3], g[4] = min(due, apart), min(due, -apart), apart
+        for i in range(5, 9):
             g[i] = at.q[row - 1]
 
     return of_elastic if row is None else of_switched if inputs else of_rigid

@@ -19,7 +19,7 @@ or groove) is its ``profile``; it is touched in the nearest point of its meridia
 capsule, touches another capsule or cylinder in one point. Where both are parallel, the force acts in the middle of the
 part along which they touch, and does not resist their turning: two long parallel bodies need a contact near each end.
 With ``activate`` a contact has no force before, with ``release`` none after it. A rigid contact that overlaps when it
-is activated begins to act where it no longer does, if the condition still holds.
+is activated begins to act where it no longer does, whether or not the condition still holds there.
 """
 
 from collections.abc import Callable
@@ -257,12 +257,14 @@ ELASTIC = {
 ROUGH_LAYOUT = RODS.layout
 
 
-INACTIVE, RELEASED = "inactive", "released"
+INACTIVE, RELEASED, OVERLAPPING = "inactive", "released", "overlapping"
 SWITCHES = {
-    "phases": (*PHASES, INACTIVE, RELEASED),
+    "phases": (*PHASES, INACTIVE, RELEASED, OVERLAPPING),
     "events": (
         CLOSES, OPENS, Event("activates", INACTIVE, "open", "the contact begins to act"),
-        *(Event(RELEASES, phase, RELEASED, "the contact is released") for phase in (*PHASES, INACTIVE)),
+        Event("waits", INACTIVE, OVERLAPPING, "it is due, and acts as soon as the bodies no longer overlap"),
+        Event("activates", OVERLAPPING, "open", "the bodies no longer overlap: the contact begins to act"),
+        *(Event(RELEASES, phase, RELEASED, "the contact is released") for phase in (*PHASES, INACTIVE, OVERLAPPING)),
     ),
     "inputs": ("activate", "release"),
     "reads": lambda d: [
