@@ -292,6 +292,17 @@ def test_a_pile_rests_from_the_start(height, gravity, weights):
     assert all((event.t, event.impulse, event.lost) == (0, 0, 0) for event in recorded.event_records)
 
 
+@pytest.mark.parametrize("gap", [-1e-10, -1.2e-16, 0.0, 1.2e-16, 1e-10])
+def test_touching_bodies_separate_from_the_start(gap):
+    """The uppermost ball of a pile without weight moves up; the others do not follow, however rounding falls."""
+    more = "initial: {velocities: [{nodes: [high], velocity: [0, 0, 1]}]}"
+    text = PILE.replace("HEIGHT", repr(0.625 + gap)).replace("-10", "0").replace("MORE", more)
+    recorded = RecordedRun(deck(text))
+    assert not recorded.event_records
+    for node, speed in (("low", 0.0), ("middle", 0.0), ("high", 1.0)):
+        assert recorded[f"nodes/{node}/velocity"][:, 2] == pytest.approx(speed, abs=1e-12)
+
+
 def test_a_shock_at_the_start_is_recorded_behind_the_state_before_it():
     """The lowest of three balls in a pile moves down with 1 m/s: its momentum 1 N s is that of the first impulse."""
     more = "initial: {velocities: [{nodes: [low], velocity: [0, 0, -1]}]}"

@@ -99,11 +99,14 @@ class EventMonitor:
         self.system.follow(phases)
         return replace(s, phases=phases)
 
-    def settle(self, s):
-        """Return the initial state with its phases consistent with the event values; these changes are not recorded."""
+    def settle(self, s, least=0.0):
+        """Return the initial state with its phases consistent with the event values; these changes are not recorded.
+
+        Events whose values do not exceed ``least``, a number or (n_events,), do not happen.
+        """
         s = s.copy() if self.system.signals.any() else s
         for _ in range(10):
-            hit = self.values(solve_signals(self.system, s)) > 0
+            hit = self.values(solve_signals(self.system, s)) > least
             if not hit.any():
                 break
             s, _ = self.apply(s, hit)

@@ -54,6 +54,9 @@ class Shocks:
         self.rest = self._least
         self.unit = method.length / scale  # of reactions: moments count as forces at the length scale
         self.impact_candidates = ImpactCandidates(system)
+        self.touching = np.zeros(system.n_events)  # event values of open contacts up to which they touch
+        for c in self.impact_candidates.opening:
+            self.touching[c.event] = self.near[c.lead]
 
     def suppress_rebound(self, elements):
         """Treat impacts of the contacts of these ``elements``, and of no others, as perfectly plastic."""

@@ -78,10 +78,11 @@ class TimeIntegrator:
     def begin(self, s, h):
         """Return the RunState at the start, with consistent velocities, accelerations and multipliers.
 
-        Contacts that touch and are pressed together are closed; ``start_events`` are these events.
+        Contacts that touch are closed if they are pressed together; ``start_events`` are these events. Those that
+        separate are free, even if rounding makes them overlap.
         """
         s = replace(s, memory=self.system.commit(solve_signals(self.system, s.copy())))
-        s, history = self.method.start(self.monitor.settle(s), h)
+        s, history = self.method.start(self.monitor.settle(s, self.shocks.touching), h)
         run = RunState(s, history, h, compliance=self.method.compliance)
         run, self.start_events = self._close_pressed(replace(run, powers=self._observe(s).powers))
         return run
