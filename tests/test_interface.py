@@ -196,7 +196,7 @@ class TestDeck:
         with pytest.raises(mecano.DeckError) as raised:
             mecano.check(deck)
         text = str(raised.value)
-        assert "did you mean 'axis'?" in text and "2 errors" in text
+        assert "did you mean 'axis'?" in text and "1 error;" in text
         place = re.search(r"<pendulum>:(\d+):(\d+): hinge 'hinge': unknown key 'axsi'", text)
         line, column = map(int, place.groups())
         assert deck.text.splitlines()[line - 1][column - 1 :].startswith("axsi")
