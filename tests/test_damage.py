@@ -1,5 +1,6 @@
 """Damaged files: a clear error or the remaining data, never a signal, a traceback or silently wrong numbers."""
 
+import mmap
 import os
 import random
 import signal
@@ -15,7 +16,7 @@ from mecano.analyses.dynamic import resume, run
 from mecano.cli import main
 from mecano.errors import ResultsError
 from mecano.post.info import info
-from mecano.results import checked, layout
+from mecano.results import checked, global_heap, layout
 
 TRIALS = 30
 
@@ -171,3 +172,20 @@ def test_options_that_exclude_one_another_are_no_damage(left, tmp_path, monkeypa
     with pytest.raises(SystemExit) as end:
         main()
     assert end.value.code == 2 and "cannot be read" not in capsys.readouterr().err
+
+
+def test_heaps_are_sought_without_the_byte_behind_the_file(tmp_path, monkeypatch):
+    """``mmap.find`` of Python before 3.11.4 reads one byte behind what it searches: behind whole pages, a crash."""
+    heap = global_heap.HEADER.pack(global_heap.SIGNATURE, 4096)
+    path, searched = tmp_path / "pages", []
+    path.write_bytes(bytes(4096) + heap + bytes(4096 - len(heap)))
+
+    class Mapped(mmap.mmap):
+        def find(self, sub, start, end):
+            searched.append(end)
+            return super().find(sub, start, end)
+
+    monkeypatch.setattr(global_heap.mmap, "mmap", Mapped)
+    with open(path, "rb") as file:
+        assert global_heap.endless_heaps(file.fileno(), 8192) == [4096]
+    assert len(searched) == 2 and max(searched) < 8192

@@ -23,11 +23,15 @@ def endless_heaps(descriptor, size):
 
 
 def _places(data):
-    """Yield the places of all heaps."""
-    place = data.find(SIGNATURE)
+    """Yield the places of all heaps.
+
+    ``mmap.find`` of Python before 3.11.4 reads the byte behind the part it searches, which may lie in no page of the
+    program. The last byte belongs to no signature, as a heap is longer.
+    """
+    place = data.find(SIGNATURE, 0, len(data) - 1)
     while place >= 0:
         yield place
-        place = data.find(SIGNATURE, place + 1)
+        place = data.find(SIGNATURE, place + 1, len(data) - 1)
 
 
 def _is_endless(data, place):
