@@ -140,3 +140,24 @@ def test_a_run_begins_with_a_static_equilibrium(tmp_path):
     rest = still["tip.position"].values[-1]
     assert rest[2] < -0.1
     np.testing.assert_allclose(moving["tip.position"].values - rest, 0.0, atol=1e-8)
+
+
+def test_touching_contacts_that_separated_at_the_start_are_open(tmp_path):
+    """Their gap was -1e-10 m: no event tells that they are open, and the speed of 1 m/s stays that of one ball."""
+    text = """
+    mecano: 1
+    gravity: none
+    nodes: {low: {position: [0, 0, 0]}, high: {position: [0, 0, 0.2499999999]}}
+    elements:
+      low: {type: rigid_body, node: low, mass: 1, inertia: [1, 1, 1]}
+      high: {type: rigid_body, node: high, mass: 1, inertia: [1, 1, 1]}
+      touch: {type: contact, nodes: [low, high], sphere: {radius: 0.125}, radius: 0.125}
+    initial: {velocities: [{nodes: [high], velocity: [0, 0, 1]}]}
+    time: {end: 0.02, step: 1.0e-3}
+    """
+    solved(tmp_path, "s", text)
+    second = re.sub(r"initial:.*", "initial: {from: s.h5}", text)
+    run = solved(tmp_path, "t", second)
+    assert not run["elements/touch/closed"].values.any()
+    np.testing.assert_allclose(run["nodes/high/velocity"].values[:, 2], 1.0, atol=1e-12)
+    np.testing.assert_allclose(run["nodes/low/velocity"].values[:, 2], 0.0, atol=1e-12)

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.analyses.replay import replayed, scalars_in
+from mecano.analyses.replay import replayed, scalars_in, touching_gaps
 from mecano.errors import DeckError, Problem, ResultsError
 
 MOST = 8  # names in a text
@@ -25,11 +25,11 @@ def saved_time(text):
         return text, None
 
 
-def carried_over(deck, system, state):
+def carried_over(deck, system, state, length):
     """Return the state with which a run of the deck begins, and texts on the values carried over from another run.
 
-    ``state`` is that of the deck alone. Raises DeckError, with the place of ``initial.from``, if the file cannot be
-    read, has no such saved time, or nothing in common with the deck.
+    ``state`` is that of the deck alone, ``length`` the length scale [m]. Raises DeckError, with the place of
+    ``initial.from``, if the file cannot be read, has no such saved time, or nothing in common with the deck.
     """
     text = deck.values["initial"]["from"]
     if text is None:
@@ -40,7 +40,8 @@ def carried_over(deck, system, state):
     path = os.path.join(os.path.dirname(deck.file), name)
     try:
         with open_results(path) as results:
-            return _begun(system, state, results, _row(results, time), name)
+            near = touching_gaps(deck, system, length)
+            return _begun(system, state, results, _row(results, time), name, near)
     except ResultsError as error:
         raise DeckError([Problem(f"'initial.from': {error}", deck.mark("initial", "from"))]) from None
 
@@ -62,13 +63,13 @@ def _row(results, time):
     raise ResultsError(f"{time:.9g} s is not a saved time of {results.path}; the nearest ones are {near}")
 
 
-def _begun(system, state, results, row, name):
+def _begun(system, state, results, row, name, near):
     named = [(i, node.name) for i, node in enumerate(system.nodes) if not node.internal]
     nodes = [(i, node) for i, node in named if f"nodes/{node}/position" in results.series]
     if not nodes:
         raise ResultsError(f"{results.path} has no node of this deck")
     scalars, missing = scalars_in(system, results)
-    found = replayed(system, state, results, row, nodes, scalars)
+    found = replayed(system, state, results, row, nodes, scalars, near)
     moves = np.arange(len(found.v)) < system.n_q
     memory, anew = _without_past(system, found.memory)
     found = replace(found, v=np.where(moves, found.v, 0.0), t=state.t, memory=memory)

@@ -6,7 +6,7 @@ import numpy as np
 
 from mecano.analyses.equilibria import loaded, rest
 from mecano.analyses.prepare import integrator_of
-from mecano.analyses.replay import replayed, scalars_in
+from mecano.analyses.replay import replayed, scalars_in, touching_gaps
 from mecano.errors import ResultsError, UsageError
 from mecano.results.checked import blaming
 from mecano.results.reader import open_results
@@ -85,7 +85,8 @@ def _placed(prepared, results, row):
     if unknown:
         owner, name = unknown[0]
         raise ResultsError(f"{results.path} does not hold the unknowns of {owner}: {name}")
-    return replayed(system, prepared.state, results, row, nodes, scalars)
+    near = touching_gaps(prepared.deck, system, prepared.length)
+    return replayed(system, prepared.state, results, row, nodes, scalars, near)
 
 
 def _moving(prepared, state):

@@ -83,7 +83,7 @@ def _prepare(deck, compile_ahead):
     linear = LinearSolver(system.n, system.rows, system.cols, of.group, of.n_q, halves=system.halves)
     wanted = (values.get("adaptive") or values).get("length_scale", AUTOMATIC)
     length = given(wanted, length_scale(system.nodes))
-    begin, carried = carried_over(deck, system, system.initial_state(values["start"]))
+    begin, carried = carried_over(deck, system, system.initial_state(values["start"]), length)
     state, displacement = assemble_start(system, linear, begin, length)
     if problems := system.inadmissible(state):
         raise AssemblyError("the initial positions were assembled the wrong way round:\n  " + "\n  ".join(problems))

@@ -6,13 +6,16 @@ the time; positions, rotations, velocities and scalars are those of its row.
 
 import numpy as np
 
+from mecano.solve.diagnostics.scales import constraint_scale
 from mecano.solve.events.events import EventMonitor
+from mecano.solve.events.impact_candidates import ImpactCandidates
+from mecano.solve.events.shocks import NEAR
 from mecano.solve.time.signals import solve_signals
 
 COLUMNS = ("position", "rotation", "velocity", "angular_velocity")
 
 
-def replayed(system, state, results, row, nodes, scalars):
+def replayed(system, state, results, row, nodes, scalars, near):
     """Return the State of a row of results; ``state``, that of the deck, supplies values which the results lack.
 
     Parameters
@@ -21,10 +24,13 @@ def replayed(system, state, results, row, nodes, scalars):
         Indices and names of the nodes whose motion is in the results.
     scalars : list of (int, values, rates)
         Index in z, values and rates (n_rows,) of scalar unknowns in the results.
+    near : ndarray (n_l,)
+        Gaps up to which contacts touch at the start, see ``touching_gaps``; they are open unless an event closed them.
     """
     rows = range(row + 1) if any(b.kind.memory for b in system.batches) else sorted({0, row})
     traces = {name: [results.find(f"nodes/{name}/{c}").values for c in COLUMNS] for _, name in nodes}
     monitor, state = EventMonitor(system), state.copy()
+    touching = ImpactCandidates(system).touching(near)
     events = [event for event in results.events if event.time <= results.time[row]]
     for r in rows:
         for i, name in nodes:
@@ -33,10 +39,19 @@ def replayed(system, state, results, row, nodes, scalars):
             state.z[place], state.v[place] = value[r], rate[r]
         state.t = float(results.time[r])
         state.memory = system.commit(solve_signals(system, state))
-        state = monitor.settle(state) if r == 0 else state  # later changes are events
+        state = monitor.settle(state, touching) if r == 0 else state  # later changes are events
         while events and events[0].time <= results.time[r]:  # positions do not determine open or closed
             state = monitor.entered(state, events.pop(0))
     return state
+
+
+def touching_gaps(deck, system, length):
+    """Return the gaps (n_l,) [m, rad] up to which the contacts of a run of ``deck`` touch; 0 in statics.
+
+    ``length`` is the length scale [m].
+    """
+    time = deck.values["time"]
+    return (NEAR * time["newton"]["constraint_tolerance"] if time else 0.0) * constraint_scale(system, length)
 
 
 def scalars_in(system, results):

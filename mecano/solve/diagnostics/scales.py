@@ -51,6 +51,11 @@ def length_scale(nodes):
     return extent(nodes) or 1.0
 
 
+def constraint_scale(system, length):
+    """Return the scale of each constraint (n_l,): the length scale [m], or 1 rad."""
+    return np.where(system.numbering.kind[system.n_q : system.n] == LENGTH_CONSTRAINT, length, 1.0)
+
+
 def balance(system, s, cK, cC, cM, into=None):
     """Return k = penalty, the mean stiffness of the tangent cK K + cC C + cM M at ``s`` (theory.md, section 1).
 

@@ -71,6 +71,13 @@ class ImpactCandidates:
         ahead = [c for c in self.all if not hit[c.event] and -np.inf < g[c.event] < 0.0]
         return list({c.phase: c for c in sorted(ahead, key=lambda c: g[c.event])}.values())  # of two stops the nearer
 
+    def touching(self, near):
+        """Return the values (n_events,) of closing events up to which contacts touch, by their gaps ``near`` (n_l,)."""
+        values = np.zeros(self.system.n_events)
+        for c in self.opening:
+            values[c.event] = near[c.lead]
+        return values
+
     def resting(self, phases):
         """Return the contacts that are closed in the ``phases`` of a state."""
         return [candidate for candidate in self.all if candidate.rests(phases)]

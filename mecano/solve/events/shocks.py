@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mecano.model.numbering import LENGTH_CONSTRAINT
+from mecano.solve.diagnostics.scales import constraint_scale
 from mecano.solve.events.complementarity import solve_complementarity
 from mecano.solve.events.events import EventRecord
 from mecano.solve.events.impact_candidates import ImpactCandidates
@@ -48,15 +49,12 @@ class Shocks:
 
     def __init__(self, system, method, monitor, rest):
         self.system, self.linear, self.monitor, self.length = system, method.linear, monitor, method.length
-        of = system.numbering
-        scale = np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, method.length, 1.0)
+        scale = constraint_scale(system, method.length)
         self._least, self.near = rest * scale, NEAR * method.tolerances.constraint * scale
         self.rest = self._least
         self.unit = method.length / scale  # of reactions: moments count as forces at the length scale
         self.impact_candidates = ImpactCandidates(system)
-        self.touching = np.zeros(system.n_events)  # event values of open contacts up to which they touch
-        for c in self.impact_candidates.opening:
-            self.touching[c.event] = self.near[c.lead]
+        self.touching = self.impact_candidates.touching(self.near)
 
     def suppress_rebound(self, elements):
         """Treat impacts of the contacts of these ``elements``, and of no others, as perfectly plastic."""

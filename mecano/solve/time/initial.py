@@ -7,6 +7,7 @@ import numpy as np
 from mecano.errors import AssemblyError
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
 from mecano.solve.diagnostics.joint_redundancy import contradicting
+from mecano.solve.diagnostics.scales import constraint_scale
 from mecano.solve.events.events import EventMonitor
 from mecano.solve.time.increments import displaced
 
@@ -23,7 +24,7 @@ def assemble_start(system, linear, s, length):
     if not system.n_events:
         return found, moved
     settled = EventMonitor(system).settle(replace(found, memory=system.commit(found)))
-    if np.all(np.abs(system.constraint_derivatives(settled)[:, 0]) <= FULFILLED * _scale(system, length)):
+    if np.all(np.abs(system.constraint_derivatives(settled)[:, 0]) <= FULFILLED * constraint_scale(system, length)):
         return found, moved
     found, again = assemble_positions(system, linear, settled, length)
     return found, moved + again
@@ -36,7 +37,7 @@ def assemble_positions(system, linear, s, length):
     constraints that cannot be met together, or a joint that closed the wrong way round.
     """
     start, of = s, system.numbering
-    scale = _scale(system, length)
+    scale = constraint_scale(system, length)
     weight = np.where(of.kind[: system.n_q] == ROTATION, length**2, 1.0)
     iterations = 0
     while iterations < MAX_ITERATIONS:
@@ -65,11 +66,6 @@ def _moved(system, start, s):
     return float(shift.max(initial=0.0))
 
 
-def _scale(system, length):
-    """Return the scale of each constraint (n_l,): the length scale [m], or 1 rad."""
-    return np.where(system.numbering.kind[system.n_q : system.n] == LENGTH_CONSTRAINT, length, 1.0)
-
-
 def _least_change(system, linear, s, phi, weight):
     bare = s.copy()
     bare.z[system.n_q : system.n] = 0.0
@@ -85,7 +81,7 @@ def _least_change(system, linear, s, phi, weight):
 def _refusal(system, start, s, iterations, length):
     """Return the text of an assembly that failed at ``s``: how far joints are off in the deck, and at the best."""
     phi = system.constraint_derivatives(s)[:, 0]
-    error = np.abs(phi) / _scale(system, length)
+    error = np.abs(phi) / constraint_scale(system, length)
     worst = [i for i in np.argsort(-error)[:NAMED] if not error[i] <= FULFILLED]
     places = dict.fromkeys(name.place for name in contradicting(system, s, length, phi))
     taking_part = [f"  taking part: {', '.join(places)}"] if len(places) > 1 else []
@@ -103,7 +99,7 @@ def _refusal(system, start, s, iterations, length):
 def most_off(system, s, length):
     """Return as text the constraint of a system with constraints that is violated most at ``s``, and by how much."""
     phi = system.constraint_derivatives(s)[:, 0]
-    first = int(np.argmax(np.abs(phi) / _scale(system, length)))
+    first = int(np.argmax(np.abs(phi) / constraint_scale(system, length)))
     name = system.numbering.name[system.n_q + first]
     return f"{name.place} is most off, by {_size(system, first, phi)} ({name.what})"
 
