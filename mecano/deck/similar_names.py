@@ -4,7 +4,7 @@ import difflib
 from collections import Counter
 
 LIMITS = (0, 0, 1)  # admissible wrong letters by length of the word; two in longer words
-MOST = 4  # names at equal distance
+MOST = 8  # names at equal distance: as many as bodies are numbered in most mechanisms
 
 
 def similar(word, known):
