@@ -309,6 +309,10 @@ class Mechanics:
     constraints: Callable | None = None
     constraint_derivatives: Callable | None = None
     observe: Callable | None = None
+    rubs: Callable | None = None
+    """(record, Place) -> (coefficient of friction, gradients (2, n_local) of the velocities of sliding along two
+    perpendicular directions): friction in impacts of the contact to whose multiplier it is coupled; called from
+    Python"""
     admissible: Callable | None = None
     """(record, q, R) -> text: why an assembled configuration is unacceptable although it satisfies the equations, or
     ""; q and R as passed to ``observe``; called from Python after the assembly"""

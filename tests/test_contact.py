@@ -192,18 +192,6 @@ def test_a_ball_slides_on_a_rigid_floor_until_it_rolls(verify):
     assert run.time[np.argmax(rolling)] == pytest.approx(slides, abs=2e-3)
 
 
-def test_a_bouncing_ball_is_rubbed_only_where_it_rests():
-    """Shocks are without friction; when it has come to rest on the floor, it slides until it rolls with 5/7 of v."""
-    contact = RUBBING.replace("MU", "0.5") + ", restitution: 0.5"
-    text = BALL.format(gx=0, gz=-g, start="[0, 0, 0.15]", contact=contact, end=1.2, step=1e-3)
-    text = text.replace("    time:", "    initial: {velocities: [{nodes: [ball], velocity: [0.7, 0, 0]}]}\n    time:")
-    run = RecordedRun(deck(text))
-    rests = 3.0 * math.sqrt(0.1 / g)  # the fall, and bounces that last half as long each time
-    v, flies = run["nodes/ball/velocity"][:, 0], run.time < rests - 0.02
-    np.testing.assert_allclose(v[flies], 0.7, atol=1e-9)
-    assert v[-1] == pytest.approx(0.5, rel=1e-3) and run["elements/contact/closed"][-1] == 1.0
-
-
 def test_a_ball_swings_in_a_bowl():
     """Without friction its centre is a pendulum of the length R - r, from the horizontal: T = 4 K(sin^2 45 deg)/w."""
     contact = "sphere: {radius: 1.1, center: [0, 0, 0], inside: true}, radius: 0.1"

@@ -8,11 +8,14 @@ the gap m[0].
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
+
 from mecano.constraints.augmented_lagrangian import add_reaction
 from mecano.constraints.touching import sliding
 from mecano.jit.kernel import kernel
 from mecano.laws.contact_force import contact_force, elastic_energy, elastic_force
 from mecano.laws.friction import friction
+from mecano.laws.table import curve
 from mecano.maths.dual import at_least, number, select, value
 from mecano.maths.vector import ZERO, add_vec, cross, dot, mat, norm, put, vec
 
@@ -211,6 +214,20 @@ def rubbing(shapes):
         _add_forces(f, at, touched, _friction(p, at, touched, at_least(at.q[TURNING], 0.0))[0])
 
     return residual
+
+
+def rubs(shapes):
+    """Return ``rubs`` of the friction of a rigid contact."""
+
+    def found(p, at):
+        touched = shapes.touch(p, at)
+        gradients = np.zeros((2, TURNING + 1))
+        for gradient, along in zip(gradients, np.linalg.svd([touched.n])[2][1:], strict=True):
+            _add_forces(gradient, at, touched, -vec(along, 0))
+        mu = curve(at.laws, p.coefficient, norm(sliding(touched, at)))
+        return max(mu, 0.0), gradients
+
+    return found
 
 
 def observed_rubbing(shapes, inputs=0):

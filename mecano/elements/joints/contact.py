@@ -10,8 +10,8 @@ With a law ``law`` of the depth w, by which both bodies overlap, it is elastic, 
 
 ``friction`` opposes the velocity u of the ball along the surface, :math:`F_t = -\mu(|u|)\,\phi(|u|)\,N u/|u|`, with
 :math:`\phi(u) = (u/\epsilon)(2 - u/\epsilon)` below the speed :math:`\epsilon` of the ``regularization``, 1 beyond: a
-resting ball creeps. A rigid contact exerts it while it is closed, with its multiplier N; a shock is without friction,
-an impact by a ``law`` is not.
+resting ball creeps. A rigid contact exerts it while it is closed, with its multiplier N, and in a shock as an impulse
+by Coulomb's law.
 Node a needs an orientation (a body, a beam or the ground), with friction or a rod node b, too. A capsule or a box that
 touches a plane is a ball at each end or corner, on nodes attached to the body. The surface of a cylinder has no ends; a
 pin in a hole is a ball of the radius of the pin ``inside`` of a cylinder. The radius of a ``revolution`` (a drum, cone
@@ -39,6 +39,7 @@ from mecano.constraints.contact_functions import (
     observed_rubbing,
     rigid,
     rubbing,
+    rubs,
 )
 from mecano.constraints.release import SAMPLE, with_release
 from mecano.constraints.touching import (
@@ -276,12 +277,12 @@ SWITCHES = {
 """of a rigid contact that is activated or released; without a time or condition it is active at the start, for good."""
 
 
-def _parts(held, rubs):
+def _parts(held, friction):
     """Return ``parts`` of a rigid contact with friction: its constraint, and the friction that it causes."""
 
     def parts(d, nodes, context):
         p = prepare(d, nodes, context)
-        return [Part(held, (0, 1), p), Part(rubs, (0, 1), p, coupled_to=(0,))]
+        return [Part(held, (0, 1), p), Part(friction, (0, 1), p, coupled_to=(0,))]
 
     return parts
 
@@ -300,11 +301,11 @@ def _friction_kind(name, shapes, dtype):
     """Return the Kind of the friction of the rigid contacts of two shapes, a part of them."""
     return Kind(
         name=f"{name}contact_friction", doc="Friction of a rigid contact.", dtype=dtype,
-        layout=ROUGH_LAYOUT, coupled_multipliers=(NORMAL,), residual=rubbing(shapes),
+        layout=ROUGH_LAYOUT, coupled_multipliers=(NORMAL,), residual=rubbing(shapes), rubs=rubs(shapes),
     )  # fmt: skip
 
 
-def _rigid_kinds(name, shapes, dtype, rubs, switches):
+def _rigid_kinds(name, shapes, dtype, friction, switches):
     """Return {rough: Kind} of the rigid contacts of two shapes; ``switches`` are those of SWITCHES or none."""
     inputs, phases = len(switches.get("inputs", ())), switches.get("phases", PHASES)
     held = replace(
@@ -317,7 +318,7 @@ def _rigid_kinds(name, shapes, dtype, rubs, switches):
     )  # fmt: skip
     rubbed = replace(
         held, name=f"rigid_rough_{name}contact", layout=ROUGH_LAYOUT, multipliers=(), memory=(), commit=None,
-        constraints=None, residual=None, parts=_parts(constraint, rubs), **observed_rubbing(shapes, inputs),
+        constraints=None, residual=None, parts=_parts(constraint, friction), **observed_rubbing(shapes, inputs),
     )  # fmt: skip
     return {False: held, True: rubbed}
 
@@ -325,8 +326,8 @@ def _rigid_kinds(name, shapes, dtype, rubs, switches):
 def _kinds(pair):
     """Return {"elastic", "rigid" or "switched": {rough: Kind}} of the contacts of a Pair."""
     of = pair.name, pair.shapes, pair.dtype
-    rubs = _friction_kind(*of)
-    rigid_ones = {name: _rigid_kinds(*of, rubs, given) for name, given in (("rigid", {}), ("switched", SWITCHES))}
+    friction = _friction_kind(*of)
+    rigid_ones = {name: _rigid_kinds(*of, friction, given) for name, given in (("rigid", {}), ("switched", SWITCHES))}
     return {"elastic": _elastic_kinds(*of), **rigid_ones}
 
 

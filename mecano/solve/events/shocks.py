@@ -17,6 +17,7 @@ from mecano.solve.diagnostics.scales import constraint_scale
 from mecano.solve.events.complementarity import solve_complementarity
 from mecano.solve.events.events import EventRecord
 from mecano.solve.events.impact_candidates import ImpactCandidates
+from mecano.solve.events.impact_friction import rough_contacts, solve_with_friction
 from mecano.solve.events.redundancy import reanalyse_redundancy
 from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.time.increments import reach_of
@@ -200,21 +201,23 @@ class _Solution:
         self.uncoupled = {c: i for i, c in enumerate(uncoupled)}
         self.held, self.all_held = held.copy(), all_held
         self.leads = np.array([c.lead for c in uncoupled], np.int64)
-        self.before = self._rates(held.v)
+        self.before, self.rubbed = self._rates(held.v), np.zeros(self.system.n_l)
         self.consistent, self.compliance, self.redundant = shocks.consistent(held, compliance)
         change, reactions = self.consistent.exchange(-self.system.constraint_derivatives(held)[:, 1])
         if uncoupled:
+            self.rough = rough_contacts(self.system, self.all_held, self.leads)
             self._gather_responses()
-            free = self._rates(self._moved(change))[self.leads]
-            pushes = self._solve(free + e * self.before[self.leads])
-            change = change + self.responses @ pushes
-            reactions = reactions + self.reactions @ pushes
+            pushes, along = self._impulses(change)
+            every = np.concatenate([pushes, along])
+            change = change + self.responses @ every
+            reactions = reactions + self.reactions @ every
         self.held.v = self._moved(change)
         self.after = self._rates(self.held.v)
         reached = self.system.constraint_derivatives(self.held)[:, 1] - self.system.constraint_derivatives(held)[:, 1]
         self.impulses = self.consistent.share(reactions - self.consistent.k * reached)
         if uncoupled:
             self.impulses[self.leads] = pushes
+            self._rub(along)
 
     def _rates(self, v):
         """Return the rates (n_l,) of all constraints at velocities v (n_all,), with all contacts closed."""
@@ -226,8 +229,9 @@ class _Solution:
         return v
 
     def _gather_responses(self):
-        """Compute responses of velocities (n_q, n) and reactions (n_l, n) to unit contact impulses, and W (n, n).
+        """Compute responses of velocities (n_q, n) and reactions (n_l, n) to unit impulses, and W (n, n).
 
+        The impulses are those along the normals of the contacts, then two along the surface of each rough one.
         Unconstrained massless unknowns yield to any impulse; contacts of such unknowns are ``light``.
         """
         system, n_q = self.system, self.system.n_q
@@ -240,11 +244,48 @@ class _Solution:
         gradient = np.zeros((n_q, len(distinct)))
         gradient[system.rows[at], np.searchsorted(distinct, system.cols[at])] = -data[at]
         gradient = gradient[:, which]
-        answers = [self.consistent.respond(force) for force in gradient.T]
+        self.light = gradient[self.consistent.loose].any(axis=0)
+        gradient = np.concatenate([gradient.T, *(contact.forces(n_q) for contact in self.rough)])
+        answers = [self.consistent.respond(force) for force in gradient]
         self.responses = np.array([change for change, _ in answers]).T
         self.reactions = np.array([reaction for _, reaction in answers]).T
-        self.W = gradient.T @ self.responses
-        self.light = gradient[self.consistent.loose].any(axis=0)
+        self.W = gradient @ self.responses
+
+    def _impulses(self, change):
+        """Return the impulses along the normals and the surfaces; ``change`` (n_q,) is that of v without them.
+
+        If the rebound with friction creates energy, e is reduced to the value at which it loses none.
+        """
+        free, slides = self._rates(self._moved(change))[self.leads], self._sliding(self._moved(change))
+        if not self.rough:
+            return self._solve(free + self.e * self.before[self.leads]), np.zeros(0)
+        n, before = len(free), np.concatenate([self.before[self.leads], self._sliding(self.all_held.v)])
+
+        def solved(e):
+            return solve_with_friction(
+                self._solve, self.W[:n, n:], self.W[n:, n:], free + e * self.before[self.leads], slides, self.rough
+            )
+
+        def lost(e):
+            x = np.concatenate(solved(e))
+            return -0.5 * x @ (before + np.concatenate([free, slides]) + self.W @ x)
+
+        if self.e > 0.0 and lost(self.e) < -STILL * abs(lost(0.0)):
+            from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
+
+            self.e = brentq(lost, 0.0, self.e) if lost(0.0) > 0.0 else 0.0
+        return solved(self.e)
+
+    def _rub(self, along):
+        """Set the energies ``rubbed`` (n_l,) [J] lost by the impulses ``along`` the surfaces, by normals."""
+        mean = 0.5 * (self._sliding(self.all_held.v) + self._sliding(self.held.v))
+        for i, contact in enumerate(self.rough):
+            own = slice(2 * i, 2 * i + 2)
+            self.rubbed[self.leads[contact.contact]] -= along[own] @ mean[own]
+
+    def _sliding(self, v):
+        """Return the velocities of sliding (2 m,) [m/s] of the m rough contacts at velocities v (n_all,)."""
+        return np.concatenate([contact.sliding(v) for contact in self.rough] or [np.zeros(0)])
 
     def _solve(self, b, at=None):
         """Return impulses or forces x (n,) with x >= 0, W x + b >= 0 and x (W x + b) = 0; zero without mass.
@@ -264,7 +305,7 @@ class _Solution:
 
     def shock(self, s, closing, resting, event_records, h):
         """Return the Shock from the state ``s`` before it, with steps of h [s] to follow."""
-        lost = -0.5 * self.impulses * (self.before + self.after)
+        lost = self.rubbed - 0.5 * self.impulses * (self.before + self.after)
         still = self.system.constraint_derivatives(replace(self.all_held, v=np.zeros_like(s.v)))[:, 1]
         new = set(closing)
         stay = {c: True for c in closing + resting if self._stays(c, c in new)}  # in their order

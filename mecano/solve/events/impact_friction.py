@@ -1,0 +1,131 @@
+r"""Coulomb friction in impacts (docs/shocks.md, Friction in impacts).
+
+Each rough contact has, beside its normal impulse :math:`P_n`, an impulse :math:`P_t` (2,) along the surface that
+opposes the velocity of sliding u after the impact:
+
+.. math::  |P_t| \le \mu P_n, \qquad P_t = -\mu P_n\, u^+/|u^+| \text{ if } u^+ \ne 0
+
+The coefficient is that of the velocity of sliding before the impact.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mecano.element_interface import Place
+from mecano.errors import AssemblyError, Failure
+
+SHARES = 1.0, 0.3, 0.1  # of the change of a sweep that is made, one after the other
+SWEEPS = 300  # with each of these, at most
+ROUNDING = 1e-13  # of the largest impulse: a sweep that changes less has converged
+ACCEPTED = 1e-2  # of the largest impulse: contacts that repeat one another, as four corners of a box, converge slowly
+DIVERGED = 1e3
+TINY = 1e-300
+MASSLESS = 1e-14  # of the largest response: a contact that moves no mass along its surface is without friction
+
+
+@dataclass(frozen=True)
+class RoughContact:
+    """Friction of one contact: its place among the contacts of an impact, and its geometry."""
+
+    contact: int
+    mu: float
+    dofs: np.ndarray  # (n_local,) indices into the velocities
+    gradients: np.ndarray  # (2, n_local) of the velocities of sliding
+
+    def sliding(self, v):
+        """Return the velocities of sliding (2,) [m/s] at velocities v (n_all,)."""
+        return self.gradients @ v[self.dofs]
+
+    def forces(self, n_q):
+        """Return the forces (2, n_q) of unit forces along the surface."""
+        out, own = np.zeros((2, n_q)), self.dofs < n_q
+        for force, gradient in zip(out, self.gradients, strict=True):
+            np.add.at(force, self.dofs[own], gradient[own])
+        return out
+
+
+def rough_contacts(system, s, leads):
+    """Return the RoughContacts among contacts with the multipliers ``leads`` (n,), at the state before the impact."""
+    places, found = {n_lead: i for i, n_lead in enumerate(leads)}, []
+    for batch in system.batches:
+        if batch.kind.rubs is None:
+            continue
+        records = batch.p.view(np.recarray)
+        for e, dofs in enumerate(batch.dofs):
+            contact = places.get(dofs[batch.kind.first_reaction] - system.n_q)
+            if contact is not None:
+                at = Place(
+                    s.t, 0, 1.0, 0.0, system.laws, np.zeros(0), s.z[dofs], s.v[dofs], s.a[dofs], s.R[batch.rots[e]]
+                )
+                mu, gradients = batch.kind.rubs(records[e], at)
+                found.append(RoughContact(contact, mu, dofs, gradients))
+    return found
+
+
+def solve_with_friction(normal, W_nt, W_tt, b, u, contacts):
+    """Return the impulses (n,) along the normals and (2 m,) along the surfaces of the m rough ``contacts``.
+
+    ``normal(b)`` solves the problem of the normals for rates b (n,) without their impulses; W_nt (n, 2 m) and
+    W_tt (2 m, 2 m) are responses to impulses along the surfaces, u (2 m,) the velocities of sliding without impulses.
+    Alternates between normals and surfaces (block Gauss-Seidel), more slowly if that does not converge. Raises
+    AssemblyError if the impulses along the surfaces stay undetermined by more than ``ACCEPTED``.
+    """
+    bound_of, mu = [contact.contact for contact in contacts], np.array([contact.mu for contact in contacts])
+
+    def sweep(along):
+        pushes = normal(b + W_nt @ along)
+        change = _along_surfaces(W_tt, u + W_nt.T @ pushes, mu * pushes[bound_of], along) - along
+        return np.abs(change).max() / max(pushes.max(initial=0.0), TINY), change, pushes, along
+
+    best = sweep(np.zeros(len(u)))
+    for share in SHARES:
+        last = best
+        for _ in range(SWEEPS):
+            if best[0] <= ROUNDING or last[0] > DIVERGED:
+                break
+            last = sweep(last[-1] + share * last[1])
+            best = min(best, last, key=lambda found: found[0])
+    if best[0] > ACCEPTED:
+        raise AssemblyError(
+            "the friction in an impact presses the bodies together more and more: give the contact a 'law', which "
+            "resolves the impact in time",
+            Failure.NOT_CONVERGED,
+        )
+    return best[2:]
+
+
+def _along_surfaces(W, u, bounds, start):
+    """Return impulses (2 m,) along the surfaces, at most ``bounds`` (m,), that oppose W x + u: a sweep of blocks."""
+    x, largest = start.copy(), np.diag(W).max(initial=0.0)
+    for i, bound in enumerate(bounds):
+        own = slice(2 * i, 2 * i + 2)
+        A = W[own, own]
+        if np.trace(A) <= MASSLESS * largest:
+            continue
+        x[own] = within_disc(A, u[own] + W[own] @ x - A @ x[own], bound)
+    return x
+
+
+def within_disc(A, c, radius):
+    """Return the x (2,) with |x| <= radius that minimizes x A x/2 + c x; A (2, 2) symmetric, positive semidefinite.
+
+    On the edge A x + c = -s x with s >= 0: what is left of the sliding is opposite to x.
+    """
+    if radius <= 0.0 or not c.any():
+        return np.zeros(2)
+    of, Q = np.linalg.eigh(A)
+    d = Q.T @ c
+
+    from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
+
+    def size(s):
+        return np.linalg.norm(d / (of + s))
+
+    with np.errstate(divide="ignore", invalid="ignore"):
+        if of[0] > MASSLESS * of[1] and size(0.0) <= radius:
+            return -Q @ (d / of)
+    high = np.linalg.norm(d) / radius
+    low = max(high - of[1], MASSLESS * of[1])
+    s = low if size(low) <= radius else brentq(lambda s: size(s) - radius, low, high, xtol=1e-15 * high, rtol=1e-15)
+    return -Q @ (d / (of + s))

@@ -1,0 +1,220 @@
+"""Friction in the impacts of rigid contacts: closed forms, balances, Coulomb's law."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from time_runs import RecordedRun, deck
+
+from mecano.solve.events.complementarity import solve_complementarity
+from mecano.solve.events.impact_friction import ACCEPTED, solve_with_friction, within_disc
+
+S = "Contact"
+BALL = """
+    mecano: 1
+    gravity: none
+    nodes: {a: {position: [0, 0, 0.11]}}
+    elements:
+      ball: {type: rigid_body, node: a, mass: 2, inertia: [8.0e-3, 8.0e-3, 8.0e-3]}
+      floor:
+        {type: contact, nodes: [ground, a], plane: {normal: [0, 0, 1], point: [0, 0, 0]}, radius: 0.1,
+         restitution: RESTITUTION, friction: {coefficient: MU, regularization: 1.0e-3}}
+    initial: {velocities: [{nodes: [a], velocity: [VX, VY, -2], angular_velocity: [0, SPIN, 0], about: own}]}
+    time: {end: 0.02, step: 1.0e-3}
+"""
+
+
+@pytest.mark.parametrize(
+    ("e", "mu", "vx", "vy", "spin", "what"),
+    [
+        (1.0, 0.2, 3, 0, 0, "slides"),
+        (1.0, 0.8, 3, 0, 0, "rolls"),
+        (0.5, 0.1, 3, 4, 0, "slides askew"),
+        (0.5, 0.9, 3, 4, 20, "rolls askew"),
+        (0.5, 0.3, 0, 0, 50, "spins"),
+    ],
+)
+def test_a_ball_on_the_floor(verify, e, mu, vx, vy, spin, what):
+    """The impulse -u/(1/m + r^2/J) stops the sliding u, unless the friction mu (1 + e) m v_n is too small for it."""
+    text = BALL.replace("RESTITUTION", str(e)).replace("MU", str(mu)).replace("SPIN", str(spin))
+    run = RecordedRun(deck(text.replace("VX", str(vx)).replace("VY", str(vy))))
+    u = np.array([vx - 0.1 * spin, vy])
+    P, bound = -u / (1 / 2 + 0.1**2 / 8e-3), mu * (1 + e) * 2 * 2
+    P *= min(1.0, bound / np.linalg.norm(P))
+    velocity, turning = [vx + P[0] / 2, vy + P[1] / 2, 2 * e], [0.1 * P[1] / 8e-3, spin - 0.1 * P[0] / 8e-3, 0]
+    source = "Coulomb's law for the impulse"
+    found = run["nodes/a/velocity"][-1], run["nodes/a/angular_velocity"][-1]
+    case = f"rigid impact with friction, a ball that {what}: velocity [m/s]"
+    verify(S, case, found[0], velocity, source, absolute=1e-12)
+    np.testing.assert_allclose(found[1], turning, atol=1e-11)
+    lost = 0.5 * 2 * (np.array([vx, vy, -2]) @ [vx, vy, -2] - np.dot(velocity, velocity))
+    lost += 0.5 * 8e-3 * (spin**2 - np.dot(turning, turning))
+    (event,) = run.event_records
+    assert (event.impulse, event.lost) == (pytest.approx((1 + e) * 4), pytest.approx(lost))
+
+
+def rocking(b, h, tilt):
+    """Return the deck of a block of 2b x 2h that falls from a tilt [rad] about its right edge."""
+    c, s = math.cos(tilt), math.sin(tilt)
+    right, left = (b * c - h * s, -b * s - h * c), (-b * c - h * s, b * s - h * c)
+    nodes = {"body": (0.0, -right[1]), "right": (right[0], 0.0), "left": (left[0], left[1] - right[1])}
+    lines = [f"{n}: {{position: [{x!r}, 0, {z!r}], orientation: [0, {tilt}, 0]}}" for n, (x, z) in nodes.items()]
+    corner = "plane: {normal: [0, 0, 1], point: [0, 0, 0]}, friction: {coefficient: 0.9, regularization: 1.0e-4}"
+    J = 10 / 3 * (b * b + h * h)
+    return f"""
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {{{", ".join(lines)}}}
+    elements:
+      block: {{type: rigid_body, node: body, attached: [left, right], mass: 10, inertia: [3.4, {J}, 1]}}
+      right: {{type: contact, nodes: [ground, right], {corner}}}
+      left: {{type: contact, nodes: [ground, left], {corner}}}
+    joints: {{plane: {{type: planar, nodes: [ground, body], axis: [0, 1, 0]}}}}
+    time: {{end: 1.5, step: 1.0e-3}}
+    """
+
+
+def test_a_block_rocks(verify):
+    """At each impact it turns about the other edge, with 1 - 3/2 sin^2 a of its speed, tan a = b/h (Housner 1963)."""
+    b, h = 0.2, 1.0
+    run = RecordedRun(deck(rocking(b, h, 0.05)))
+    about_edge = 10 * 4 / 3 * (b * b + h * h)
+    hits = [event for event in run.event_records if event.name == "closes" and event.t > 0.0]
+    assert len(hits) == 3
+    for number, hit in enumerate(hits):
+        before = run["nodes/body/angular_velocity"][np.searchsorted(run.time, hit.t), 1]
+        ratio = math.sqrt(1.0 - 2.0 * hit.lost / (about_edge * before**2))
+        what = f"rocking block, impact {number + 1}: angular velocity after over before"
+        source = "Housner, Bull. Seismol. Soc. Am. 53 (1963)"
+        verify(S, what, ratio, 1 - 1.5 * b * b / (b * b + h * h), source, relative=2e-5)
+    assert np.ptp(run["energy/balance"]) < 1e-4 * sum(hit.lost for hit in hits)
+
+
+ROD = """
+    mecano: 1
+    gravity: none
+    nodes:
+      rod: {position: [0, 0, HEIGHT]}
+      tip: {position: [AHEAD, 0, 0.01]}
+    elements:
+      rod: {type: rigid_body, node: rod, attached: [tip], mass: 1, inertia: [0.4, THIRD, 0.4]}
+      floor:
+        {type: contact, nodes: [ground, tip], plane: {normal: [0, 0, 1], point: [0, 0, 0]}, restitution: 1,
+         friction: {coefficient: 0.6, regularization: 1.0e-4}}
+    initial: {velocities: [{nodes: all, velocity: [1, 0, -1], angular_velocity: [0, 6, 0], about: [0, 0, HEIGHT]}]}
+    time: {end: 3.0e-3, step: 1.0e-4}
+"""
+
+
+def test_a_rod_does_not_gain_energy_by_friction():
+    """With e = 1 it would gain 3.09 J (Kane 1984): it rebounds with the energy that it had."""
+    text = ROD.replace("HEIGHT", repr(0.01 + math.sin(0.7))).replace("AHEAD", repr(math.cos(0.7)))
+    run = RecordedRun(deck(text.replace("THIRD", repr(1 / 3))))
+    hit = run.event_records[0]
+    assert hit.name == "closes" and hit.lost == pytest.approx(0.0, abs=1e-9)
+    kinetic = run["energy/kinetic"]
+    np.testing.assert_allclose(kinetic, 7.0, rtol=1e-6)
+    v = run["nodes/rod/velocity"]
+    along, normal = abs(v[-1, 0] - 1.0), v[-1, 2] + 1.0
+    assert along <= 0.6 * normal * (1 + 1e-9) and hit.impulse == pytest.approx(normal)
+
+
+COLLISION = """
+    mecano: 1
+    gravity: none
+    nodes: {a: {position: [0, 0, 0]}, b: {position: [0.21, 0.03, -0.02]}}
+    elements:
+      a: {type: rigid_body, node: a, mass: 2, inertia: [8.0e-3, 8.0e-3, 8.0e-3]}
+      b: {type: rigid_body, node: b, mass: 3, inertia: [1.2e-2, 1.3e-2, 1.4e-2]}
+      touch:
+        {type: contact, nodes: [a, b], sphere: {radius: 0.1}, radius: 0.1, restitution: 0.7,
+         friction: {coefficient: 0.15, regularization: 1.0e-4}}
+    initial:
+      velocities:
+        - {nodes: [a], velocity: [3, 0.2, 0], angular_velocity: [4, -9, 30], about: own}
+        - {nodes: [b], velocity: [-1, 0, 0.5], angular_velocity: [0, 7, 12], about: own}
+    time: {end: 0.01, step: 1.0e-4}
+"""
+
+
+def test_balls_that_throw_one_another_keep_momentum_and_angular_momentum():
+    run = RecordedRun(deck(COLLISION))
+    (event,) = run.event_records
+    J = {"a": np.full(3, 8e-3), "b": np.array([1.2e-2, 1.3e-2, 1.4e-2])}
+    momentum, moment, energy = np.zeros((len(run.time), 3)), np.zeros((len(run.time), 3)), 0.0
+    for node, mass in (("a", 2.0), ("b", 3.0)):
+        x, v, w, q = (run[f"nodes/{node}/{of}"] for of in ("position", "velocity", "angular_velocity", "rotation"))
+        turned = Rotation.from_quat(np.roll(q, -1, axis=1))
+        spin = turned.apply(J[node] * turned.inv().apply(w))
+        momentum, moment = momentum + mass * v, moment + mass * np.cross(x, v) + spin
+        energy += 0.5 * (mass * (v * v).sum(1) + (w * spin).sum(1))
+    np.testing.assert_allclose(momentum, np.broadcast_to(momentum[0], momentum.shape), atol=1e-12)
+    np.testing.assert_allclose(moment, np.broadcast_to(moment[0], moment.shape), atol=1e-7)  # of the steps' spins
+    assert event.lost == pytest.approx(energy[0] - energy[-1], rel=1e-6)
+    assert run["nodes/a/velocity"][-1, 2] != pytest.approx(0.0, abs=0.01)  # thrown off the plane of the centres
+
+
+def test_a_bouncing_ball_rolls_from_its_first_impact():
+    """The friction of the impact could stop a sliding of 7/2 mu (1 + e) v_n = 2.6 m/s, more than 0.7 m/s."""
+    text = BALL.replace("gravity: none", "gravity: [0, 0, -9.81]").replace("[0, 0, 0.11]", "[0, 0, 0.15]")
+    text = text.replace("MU", "0.5").replace("RESTITUTION", "0.5").replace("end: 0.02", "end: 1.2")
+    run = RecordedRun(deck(text.replace("[VX, VY, -2]", "[0.7, 0, 0]").replace("SPIN", "0")))
+    v, falls = run["nodes/a/velocity"][:, 0], run.time <= math.sqrt(0.1 / 9.81)
+    np.testing.assert_allclose(v[falls], 0.7, atol=1e-9)
+    np.testing.assert_allclose(v[~falls][2:], 0.5, atol=1e-9)
+    assert run["elements/floor/closed"][-1] == 1.0
+
+
+def box(rng, n):
+    """Return W, rates before the impact (3 n,) and coefficients of a random body that hits a plane at n corners."""
+    J = rng.uniform(0.4, 0.8, 3)
+    inverse = np.diag([1.0, 1.0, 1.0, *(1.0 / J)])
+    R = Rotation.random(rng=rng).as_matrix()
+    inverse[3:, 3:] = R @ inverse[3:, 3:] @ R.T
+    corners = rng.uniform(-1.0, 1.0, (n, 3)) * [1, 1, 0] - [0, 0, 0.7]
+    axes = np.eye(3)
+    along = [axes[2]] * n + [axes[i] for _ in range(n) for i in (0, 1)]
+    at = [*corners, *np.repeat(corners, 2, axis=0)]
+    gradients = np.array([[*d, *np.cross(r, d)] for d, r in zip(along, at, strict=True)])
+    v = rng.normal(size=6) * [1, 1, 0, 1, 1, 1] - [0, 0, 1.5, 0, 0, 0]
+    contacts = [SimpleNamespace(contact=i, mu=rng.uniform(0.0, 1.0)) for i in range(n)]
+    return gradients @ inverse @ gradients.T, gradients @ v, contacts
+
+
+@pytest.mark.parametrize(("n", "tolerance"), [(1, 1e-9), (2, 1e-3), (4, ACCEPTED)])
+def test_impulses_obey_coulombs_law(n, tolerance):
+    """Contacts push or separate, and stick or slide against the impulse; plastic impacts lose energy."""
+    rng = np.random.default_rng(n)
+    for _ in range(15):
+        W, rates, contacts = box(rng, n)
+
+        def normal(b, W=W):
+            return solve_complementarity(W[:n, :n], b)
+
+        x, y = solve_with_friction(normal, W[:n, n:], W[n:, n:], rates[:n], rates[n:], contacts)
+        after = W @ np.concatenate([x, y]) + rates
+        size = x.max()
+        assert x.min() >= 0.0 and after[:n].min() >= -1e-9 and np.abs(x * after[:n]).max() < 1e-9
+        for contact, P, u in zip(contacts, y.reshape(-1, 2), after[n:].reshape(-1, 2), strict=True):
+            bound = contact.mu * x[contact.contact]
+            assert np.linalg.norm(P) <= bound + tolerance * size
+            unstuck = P * np.linalg.norm(u) + u * min(np.linalg.norm(P), bound)
+            assert np.linalg.norm(u) <= 10 * tolerance or np.linalg.norm(unstuck) <= 10 * tolerance * size
+        assert np.concatenate([x, y]) @ (rates + after) < 1e-9
+
+
+def test_the_nearest_impulse_within_a_disc():
+    """Inside, where the minimum is; on the edge otherwise, with a gradient along the radius."""
+    rng = np.random.default_rng(5)
+    for _ in range(50):
+        root, c, radius = rng.normal(size=(2, 2)), rng.normal(size=2), rng.uniform(0.01, 2.0)
+        A = root @ root.T
+        x = within_disc(A, c, radius)
+        gradient = A @ x + c
+        assert np.linalg.norm(x) <= radius * (1 + 1e-12)
+        if np.linalg.norm(x) < radius * (1 - 1e-9):
+            np.testing.assert_allclose(gradient, 0.0, atol=1e-9)
+        else:
+            np.testing.assert_allclose(gradient, -np.linalg.norm(gradient) * x / radius, atol=1e-8)
