@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from time_runs import RecordedRun, deck
+from time_runs import RecordedRun, deck, input_deck
 
 from mecano.solve.events.complementarity import solve_complementarity
 from mecano.solve.events.impact_friction import ACCEPTED, solve_with_friction, within_disc
@@ -55,31 +55,10 @@ def test_a_ball_on_the_floor(verify, e, mu, vx, vy, spin, what):
     assert (event.impulse, event.lost) == (pytest.approx((1 + e) * 4), pytest.approx(lost))
 
 
-def rocking(b, h, tilt):
-    """Return the deck of a block of 2b x 2h that falls from a tilt [rad] about its right edge."""
-    c, s = math.cos(tilt), math.sin(tilt)
-    right, left = (b * c - h * s, -b * s - h * c), (-b * c - h * s, b * s - h * c)
-    nodes = {"body": (0.0, -right[1]), "right": (right[0], 0.0), "left": (left[0], left[1] - right[1])}
-    lines = [f"{n}: {{position: [{x!r}, 0, {z!r}], orientation: [0, {tilt}, 0]}}" for n, (x, z) in nodes.items()]
-    corner = "plane: {normal: [0, 0, 1], point: [0, 0, 0]}, friction: {coefficient: 0.9, regularization: 1.0e-4}"
-    J = 10 / 3 * (b * b + h * h)
-    return f"""
-    mecano: 1
-    gravity: [0, 0, -9.81]
-    nodes: {{{", ".join(lines)}}}
-    elements:
-      block: {{type: rigid_body, node: body, attached: [left, right], mass: 10, inertia: [3.4, {J}, 1]}}
-      right: {{type: contact, nodes: [ground, right], {corner}}}
-      left: {{type: contact, nodes: [ground, left], {corner}}}
-    joints: {{plane: {{type: planar, nodes: [ground, body], axis: [0, 1, 0]}}}}
-    time: {{end: 1.5, step: 1.0e-3}}
-    """
-
-
 def test_a_block_rocks(verify):
     """At each impact it turns about the other edge, with 1 - 3/2 sin^2 a of its speed, tan a = b/h (Housner 1963)."""
     b, h = 0.2, 1.0
-    run = RecordedRun(deck(rocking(b, h, 0.05)))
+    run = RecordedRun(input_deck("rocking_block", "time.end=1.5", "output.every=null"))
     about_edge = 10 * 4 / 3 * (b * b + h * h)
     hits = [event for event in run.event_records if event.name == "closes" and event.t > 0.0]
     assert len(hits) == 3
