@@ -66,6 +66,7 @@ import numpy as np
 
 LOCK, CONTACT, GRIP = "lock", "contact", "grip"  # kinds of shocks
 RELEASES = "releases"  # name of the events after which an element is no longer there
+WAITS = "waits"  # name of the events after which an element that is due does not act yet
 FREELY, BY_COMMAND = "freely", "by command"  # how the nodes of a joint may turn about its axis
 UNUSED = "unused"  # field of an empty record
 RECORDED = {"number": (), "vector": 3, "direction": 3, "law": "i", "curve": "i"}  # shape in a record, by type of field

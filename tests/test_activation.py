@@ -9,6 +9,7 @@ from test_released_cables import HANGING
 from test_released_springs import LOSS, MOUNTS
 from time_runs import RecordedRun, deck, input_deck
 
+import mecano
 from mecano.errors import DeckError
 
 
@@ -218,3 +219,10 @@ def test_when_a_rigid_contact_acts(triggers, names):
 def test_wrong_activations(material, message):
     with pytest.raises(DeckError, match=message):
         deck(CONTACT.replace("MATERIAL", material))
+
+
+def test_a_contact_that_waits_until_the_end_is_reported(tmp_path):
+    """The ball falls below the plane at 0.3 s, before the contact is due."""
+    (tmp_path / "deck.yaml").write_text(MOMENT.replace("TRIGGERS", "activate: {time: 0.35}"))
+    results = mecano.run(tmp_path / "deck.yaml", tmp_path / "deck.h5", quiet=True)
+    assert "activated without effect, as the bodies overlapped until the end: contact 'floor'" in results.reason

@@ -7,7 +7,7 @@ import numpy as np
 
 from mecano.analyses.prepare import some
 from mecano.analyses.recorder import FORCES
-from mecano.element_interface import SECTIONS
+from mecano.element_interface import SECTIONS, WAITS
 from mecano.elements import KINDS
 from mecano.elements.signals.formula import FORMULA
 from mecano.errors import NonFiniteError
@@ -154,6 +154,19 @@ def _formulas(error, deck):
     for title in error.elements:
         if mark := named.get(title) or marks.get(title):
             yield f"{title} is at {mark}"
+
+
+def still_waiting(system, phases):
+    """Yield a text that names the elements that are due, by the ``phases`` at the end, but did not act yet."""
+    found = [
+        name
+        for batch in system.batches
+        for after in {event.after for event in batch.kind.events if event.name == WAITS}
+        for name, phase in zip(batch.names, phases[batch.phases], strict=True)
+        if phase == batch.kind.phases.index(after)
+    ]
+    if found:
+        yield f"activated without effect, as the bodies overlapped until the end: {some(found, MOST_LATCHES)}"
 
 
 def open_latches(deck, row, sampler):

@@ -11,6 +11,7 @@ from mecano.analyses.diagnostics import (
     exceeded,
     explained,
     open_latches,
+    still_waiting,
     unbalanced,
     unresolved,
     untouched,
@@ -209,6 +210,7 @@ class Ongoing:
         warnings += captured(values, integrator.capture)
         warnings += exceeded(deck, sampler, writer.extremes)
         warnings += open_latches(deck, self.recorder.row, sampler)
+        warnings += still_waiting(integrator.system, self.state.motion.phases)
         warnings += untouched(deck, sampler, writer.extremes)
         warnings += unbalanced(values, sampler, writer.extremes)
         warnings += unresolved(values, sampler, self.recorder.ringing, integrator.method.length)

@@ -68,7 +68,7 @@ from mecano.constraints.touching_rods import (
     rod_record,
 )
 from mecano.element_interface import CONTACT as SHOCK
-from mecano.element_interface import RELEASES, Display, Event, Kind, Output, Part, Row, record
+from mecano.element_interface import RELEASES, WAITS, Display, Event, Kind, Output, Part, Row, record
 from mecano.laws.probe import curve_at
 from mecano.schema import CURVE, NODE_PAIR, NUMBER, Field, not_negative, share
 
@@ -263,7 +263,7 @@ SWITCHES = {
     "phases": (*PHASES, INACTIVE, RELEASED, OVERLAPPING),
     "events": (
         CLOSES, OPENS, Event("activates", INACTIVE, "open", "the contact begins to act"),
-        Event("waits", INACTIVE, OVERLAPPING, "it is due, and acts as soon as the bodies no longer overlap"),
+        Event(WAITS, INACTIVE, OVERLAPPING, "it is due, and acts as soon as the bodies no longer overlap"),
         Event("activates", OVERLAPPING, "open", "the bodies no longer overlap: the contact begins to act"),
         *(Event(RELEASES, phase, RELEASED, "the contact is released") for phase in (*PHASES, INACTIVE, OVERLAPPING)),
     ),
