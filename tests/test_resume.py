@@ -33,7 +33,7 @@ from surviving import (
 from time_runs import INPUTS, deck, input_deck
 
 import mecano
-from mecano.analyses import checkpoint_writer
+from mecano.analyses import checkpoint_writer, dynamic, static
 from mecano.analyses.dynamic import resume, run
 from mecano.errors import AssemblyError, ConvergenceError, ResultsError, UsageError
 from mecano.post.info import info
@@ -250,16 +250,17 @@ class TestTheCheckpoint:
         assert resume(deck, path, announce=reported.append) is None
         assert path.read_bytes() == before and "is complete" in reported[0]
 
-    def test_a_complete_file_that_has_changed_is_refused(self, tmp_path):
-        deck, path, reported = decks()["bouncing_ball"], tmp_path / "r.h5", []
-        run(deck, path)
+    @pytest.mark.parametrize(("analysis", "name"), [(dynamic, "bouncing_ball"), (static, "hanging_chain")])
+    def test_a_complete_file_that_has_changed_is_refused(self, analysis, name, tmp_path):
+        deck, path, reported = input_deck(name), tmp_path / "r.h5", []
+        analysis.run(deck, path)
         with h5py.File(path) as file:
             place = file["storage/output"].id.get_chunk_info(0).byte_offset
         data = bytearray(path.read_bytes())
         data[place] ^= 1
         path.write_bytes(data)
         with pytest.raises(ResultsError, match="is damaged"):
-            resume(deck, path, announce=reported.append)
+            analysis.resume(deck, path, announce=reported.append)
         assert path.read_bytes() == data and not reported
 
     def test_another_deck_is_refused_with_what_differs(self, left):

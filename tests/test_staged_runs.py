@@ -101,6 +101,7 @@ def test_it_can_be_resumed_and_checked(tmp_path):
         ("none.h5", "No such file"),
         ("t.yaml", "not an HDF5 file|cannot be read|not a results file"),
         ("'s.h5:0.45'", "0.45 s is not a saved time of .*; the nearest ones are 0.4 and 0.5 s"),
+        ("'s.h5:inf'", "No such file"),
         ("'s.h5:1.5'", "is saved from 0 to 1 s, not at 1.5 s"),
         ("s.h5, static: {}", "'static' and 'from' exclude one another"),
     ],

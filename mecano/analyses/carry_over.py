@@ -4,6 +4,7 @@ Nodes, and scalars of elements, of the same names take their motion from the oth
 contacts) follow from its events, memory from all its rows (replay.py). What is new keeps the values of the deck.
 """
 
+import math
 import os
 from dataclasses import replace
 
@@ -20,9 +21,10 @@ def saved_time(text):
     """Split "stowed.h5:2.0" into (file, time [s]); the time is None if not given."""
     name, colon, time = text.rpartition(":")
     try:
-        return (name, float(time)) if colon else (text, None)
+        found = float(time) if colon else math.nan
     except ValueError:
-        return text, None
+        found = math.nan
+    return (name, found) if math.isfinite(found) else (text, None)
 
 
 def carried_over(deck, system, state, length):

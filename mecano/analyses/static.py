@@ -85,10 +85,12 @@ def resume(deck, path, *, observers=(), announce=lambda text: None):
                 COMPLETE,
                 InterruptedRun,
             )
+            from mecano.results.verify import verify
 
             left = InterruptedRun(path, deck)
             left.close()
             if left.complete:
+                verify(path)  # a study must not continue with a file changed afterwards
                 announce(COMPLETE.format(path))
                 return None
             announce(f"equilibria have no checkpoints: the run in {path} starts again")
