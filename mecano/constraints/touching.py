@@ -115,6 +115,14 @@ def approach(touched, at):
 
 
 @kernel
+def approach_of_turning(touched, at):
+    """Return the same for a shape that turns with node b."""
+    of_a = vec(at.v, 0) + cross(mat(at.R[0]) @ vec(at.v, 3), touched.a)
+    of_b = vec(at.v, 6) + cross(mat(at.R[1]) @ vec(at.v, 9), touched.b)
+    return dot(touched.n, of_a - of_b)
+
+
+@kernel
 def sliding(touched, at):
     """Return the velocity [m/s] of the ball relative to the surface at the contact, in the plane of the contact."""
     of_a = vec(at.v, 0) + cross(mat(at.R[0]) @ vec(at.v, 3), touched.a)

@@ -14,10 +14,10 @@ Detection, 2005, section 5.1.9).
 import numpy as np
 
 from mecano.constraints.contact_functions import Shapes
-from mecano.constraints.touching import SURFACE_RECORD, Touch, given, surface_record
+from mecano.constraints.touching import SURFACE_RECORD, Touch, approach_of_turning, given, surface_record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, at_most, select
-from mecano.maths.vector import cross, dot, mat, norm, vec
+from mecano.maths.vector import dot, mat, norm, vec
 from mecano.schema import DIRECTION, NUMBER, POINT, Field, mapping, positive
 
 PARALLEL = 1e-12  # square of the sine of the angle of two lines that count as parallel
@@ -61,15 +61,7 @@ def touch(p, at):
     return Touch(distance - p.distance - p.radius, n, from_a + b, b)
 
 
-@kernel
-def approach(touched, at):
-    """Return the rate [m/s] at which the gap closes."""
-    of_a = vec(at.v, 0) + cross(mat(at.R[0]) @ vec(at.v, 3), touched.a)
-    of_b = vec(at.v, 6) + cross(mat(at.R[1]) @ vec(at.v, 9), touched.b)
-    return dot(touched.n, of_a - of_b)
-
-
-RODS = Shapes(touch, approach, True)
+RODS = Shapes(touch, approach_of_turning, True)
 
 
 def rod_record(d, nodes):

@@ -144,6 +144,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     "capsule, capsule contact, line contact, rod contact, beam contact, cylinder contact": (
         "contact", "a 'rod' in place of the ball touches a capsule or a cylinder"
     ),
+    "ellipsoid, spheroid, egg, rattleback, celt": ("contact", "an 'ellipsoid' in place of the ball touches a plane"),
     "coulomb, stick slip, dry friction": ("friction dry_friction", ""),
     "friction": ("dry_friction", ""),
     "brake disc, disc brake, clutch, anti skid, abs": ("brake", ""),

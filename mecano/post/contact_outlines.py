@@ -1,6 +1,7 @@
-"""Outlines of a contact as lines in space: the ball, and the surface on which it may lie."""
+"""Outlines of a contact as lines in space: the ball, rod or ellipsoid, and the surface on which it may lie."""
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from mecano.constraints.touching import given
 from mecano.post.curve_values import checked_law, curve_values
@@ -19,6 +20,8 @@ def outlines(motion, d):
         return []
     places = _places(motion)
     _, (_, across, along) = _directions(d, places)
+    if d.get("ellipsoid"):
+        return [*surface_outlines(motion, d, max(d["ellipsoid"]["semi_axes"])), *_ellipsoid(motion, d, places)]
     ball = _on_b(motion, d, places, np.cross(along, across), along)
     return [*surface_outlines(motion, d, d["radius"]), ball]
 
@@ -81,6 +84,17 @@ def _on_b(motion, d, places, across, along):
     side = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     middle = places[b] if rod["center"] is None else np.array(rod["center"], float)
     return _carried(motion, b, middle + _stadium(d["radius"], rod["length"], axis, side / np.linalg.norm(side)))
+
+
+def _ellipsoid(motion, d, places):
+    """Return the lines of the three sections of the ellipsoid on node b that contain two of its axes."""
+    b, ellipsoid = d["nodes"][1], d["ellipsoid"]
+    middle = places[b] if ellipsoid.get("center") is None else np.array(ellipsoid["center"], float)
+    turn = Rotation.from_rotvec(motion.run.deck["nodes"][b]["orientation"])
+    axes = turn.apply(np.diag(ellipsoid["semi_axes"]))
+    angle = np.linspace(0.0, 2.0 * np.pi, POINTS)[:, None]
+    sections = [np.cos(angle) * axes[i] + np.sin(angle) * axes[i - 1] for i in range(3)]
+    return [_carried(motion, b, middle + section) for section in sections]
 
 
 def _across(main, extent):

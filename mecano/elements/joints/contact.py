@@ -1,4 +1,4 @@
-r"""Contact of a ball or rod at node b with a surface fixed in node a: a plane, sphere, cylinder, capsule or profile.
+r"""Contact of a ball, rod or ellipsoid at node b with a surface of node a: plane, sphere, cylinder, capsule, profile.
 
 Without ``law`` the contact is rigid: it closes with a shock (docs/shocks.md), rebounds with the coefficient of
 ``restitution``, and opens where the normal force N, its multiplier, falls to zero. While closed it is held at the gap
@@ -12,12 +12,14 @@ With a law ``law`` of the depth w, by which both bodies overlap, it is elastic, 
 :math:`\phi(u) = (u/\epsilon)(2 - u/\epsilon)` below the speed :math:`\epsilon` of the ``regularization``, 1 beyond: a
 resting ball creeps. A rigid contact exerts it while it is closed, with its multiplier N, and in a shock as an impulse
 by Coulomb's law.
-Node a needs an orientation (a body, a beam or the ground), with friction or a rod node b, too. A capsule or a box that
-touches a plane is a ball at each end or corner, on nodes attached to the body. The surface of a cylinder has no ends; a
-pin in a hole is a ball of the radius of the pin ``inside`` of a cylinder. The radius of a ``revolution`` (a drum, cone
-or groove) is its ``profile``; it is touched in the nearest point of its meridian. A ``rod`` in place of the ball, a
-capsule, touches another capsule or cylinder in one point. Where both are parallel, the force acts in the middle of the
-part along which they touch, and does not resist their turning: two long parallel bodies need a contact near each end.
+Node a needs an orientation (a body, a beam or the ground), with friction, a rod or an ellipsoid node b, too. A capsule
+or a box that touches a plane is a ball at each end or corner, on nodes attached to the body. The surface of a cylinder
+has no ends; a pin in a hole is a ball of the radius of the pin ``inside`` of a cylinder. The radius of a ``revolution``
+(a drum, cone or groove) is its ``profile``; it is touched in the nearest point of its meridian. A ``rod`` in place of
+the ball, a capsule, touches another capsule or cylinder in one point. Where both are parallel, the force acts in the
+middle of the part along which they touch, and does not resist their turning: two long parallel bodies need a contact
+near each end.
+An ``ellipsoid`` in place of the ball touches a plane in the point whose normal is that of the plane.
 With ``activate`` a contact has no force before, with ``release`` none after it. A rigid contact that overlaps when it
 is activated begins to act where it no longer does, whether or not the condition still holds there.
 """
@@ -51,6 +53,14 @@ from mecano.constraints.touching import (
     gap_at_start,
     surface_record,
     touch,
+)
+from mecano.constraints.touching_ellipsoid import (
+    ELLIPSOID,
+    ELLIPSOID_RECORD,
+    ELLIPSOIDS,
+    check_ellipsoid,
+    ellipsoid_gap_at_start,
+    ellipsoid_record,
 )
 from mecano.constraints.touching_revolution import (
     REVOLUTION,
@@ -98,6 +108,10 @@ PAIRS = {
         "rod_", RODS, record(**MATERIAL, **ROD_RECORD), lambda d, nodes, context: rod_record(d, nodes), check_rod,
         rod_gap_at_start,
     ),
+    "ellipsoid": Pair(
+        "ellipsoid_", ELLIPSOIDS, record(**MATERIAL, **ELLIPSOID_RECORD),
+        lambda d, nodes, context: ellipsoid_record(d, nodes), check_ellipsoid, ellipsoid_gap_at_start,
+    ),
     "revolution": Pair(
         "revolution_", REVOLUTION, record(**MATERIAL, **REVOLUTION_RECORD), revolution_record, check_revolution,
         revolution_gap_at_start,
@@ -107,7 +121,7 @@ PAIRS = {
 
 def _pair(d):
     """Return the key of the Pair that the deck describes."""
-    return next((name for name in ("rod", "revolution") if d[name] is not None), "ball")
+    return next((name for name in ("rod", "ellipsoid", "revolution") if d[name] is not None), "ball")
 
 
 def prepare(d, nodes, context):
@@ -123,7 +137,7 @@ def prepare(d, nodes, context):
 
 
 def variant(d):
-    """Return the kind of a rigid or elastic contact of a ball or a rod, with or without friction."""
+    """Return the kind of a rigid or elastic contact of two shapes, with or without friction."""
     return KINDS[_pair(d)]["rigid" if d["law"] is None else "elastic"][d["friction"] is not None]
 
 
@@ -137,13 +151,12 @@ def variant_in_time(d):
 def check(d, nodes):
     """Return errors in the surface, in the law, and for values that have no effect on this contact."""
     pair = PAIRS[_pair(d)]
-    texts = check_given(d) or pair.check(d, nodes)
+    texts = check_given(d) or _check_shape_of_b(d) or pair.check(d, nodes)
     if d["law"] is None:
         texts += ["'damping' needs 'law': a rigid contact has none"] if d["damping"] else []
         texts += check_friction(d)
         if not texts and not d["activate"] and (gap := pair.gap_at_start(d, nodes)[0]) < -ROUNDING:
-            what = "rod" if d["rod"] else "ball"
-            texts.append(f"the {what} starts {-gap:.6g} m within the surface, which is rigid without 'law'")
+            texts.append(f"the {_shape_of_b(d)} starts {-gap:.6g} m within the surface, which is rigid without 'law'")
         return texts
     if d["restitution"]:
         texts.append("'restitution' applies to a rigid contact only; with 'law' give 'damping'")
@@ -151,6 +164,16 @@ def check(d, nodes):
     if at_zero != 0.0 or slope < 0.0:
         texts.append("'law' must be zero at zero depth and must not fall there")
     return texts + check_friction(d)
+
+
+def _shape_of_b(d):
+    return next((name for name in ("rod", "ellipsoid") if d[name] is not None), "ball")
+
+
+def _check_shape_of_b(d):
+    """Return an error for two shapes on node b."""
+    both = d["rod"] is not None and d["ellipsoid"] is not None
+    return ["give 'rod' or 'ellipsoid', not both"] if both else []
 
 
 def sample(rng):
@@ -184,7 +207,11 @@ def sample(rng):
     found += [({**drum, **of, "radius": 0.15}, nodes, "closed") for drum in turned for of in (rough, elastic)]
     touching = {"nodes": ["a", "b"], "radius": 0.01}
     found += [({**drum, **touching}, nodes, phase) for drum in turned for phase in PHASES]
-    return found + [({**drum, **touching, "friction": dry}, nodes, "closed") for drum in turned]
+    found += [({**drum, **touching, "friction": dry}, nodes, "closed") for drum in turned]
+    egg = {**surfaces[0], "radius": 0.0, "ellipsoid": {"semi_axes": np.array([0.5, 0.7, 0.9]), "center": None}}
+    found += [({**egg, **of}, nodes, "closed") for of in (rough, elastic)]
+    found += [({**egg, "nodes": ["a", "b"]}, nodes, phase) for phase in PHASES]
+    return [*found, ({**egg, "nodes": ["a", "b"], "friction": dry}, nodes, "closed")]
 
 
 def sample_in_time(rng):
@@ -212,9 +239,10 @@ _ALWAYS_ACTIVE = Kind(
     dtype=RECORD,
     layout=BALL.layout,
     fields=(
-        Field("nodes", NODE_PAIR, "-", "node a, which carries the surface, and node b, the centre of the ball"),
+        Field("nodes", NODE_PAIR, "-", "node a, which carries the surface, and node b, of the ball, rod or ellipsoid"),
         *FIELDS,
         ROD,
+        ELLIPSOID,
         Field(
             "law",
             CURVE,
