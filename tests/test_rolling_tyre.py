@@ -1,6 +1,7 @@
 """Rolling radius and rolling resistance of tyres, and lift by signals, against closed forms."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from scipy.optimize import brentq
 from time_runs import INPUTS, RecordedRun, deck, input_deck
 
 from mecano.errors import DeckError
+from mecano.solve.modal.steady import Steady
 
 FORMULA = "{FNOMIN: 4e3, UNLOADED_RADIUS: 0.3, PCX1: 1.6, PDX1: 1, PKX1: 20, PCY1: 1.3, PDY1: 1, PKY1: -20, PKY2: 2}"
 ROLL = (INPUTS / "landing_roll.yaml").read_text()
@@ -104,3 +106,11 @@ def test_what_is_wrong_in_a_rolling_tyre(old, new, said):
     with pytest.raises(DeckError) as error:
         deck(ROLL.replace(old, new))
     assert said in str(error.value)
+
+
+def test_moments_too_small_to_multiply_leave_the_spin_alone():
+    """A moment of 5.6e-163 N m, of a wheel without load, has a square of zero and no change of sign."""
+    system = SimpleNamespace(assemble=lambda *_: SimpleNamespace(residual=np.array([5.6e-163])))
+    steady, s = SimpleNamespace(n_q=1, system=system, speed=20.0, length=1.0), SimpleNamespace(v=np.array([3.0]))
+    Steady._roll(steady, s, np.ones(1))
+    assert s.v == [3.0]

@@ -258,7 +258,7 @@ class Steady:
             if here == 0.0:
                 break
             low, high = high, -np.sign(here) * width
-            if moment(high) * here <= 0.0:
+            if np.sign(moment(high)) != np.sign(here):  # their product may underflow
                 found = brentq(moment, low, high, xtol=1e-15 * width, rtol=1e-15)
                 break
             width *= WIDER
