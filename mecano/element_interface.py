@@ -224,6 +224,7 @@ class NodeAtStart(NamedTuple):
     R: np.ndarray  # (3, 3) after the assembly
     v: np.ndarray  # (3,) velocity [m/s]
     inertia: Callable  # () -> (3, 3) of all that is attached, material [kg m2]
+    gravity: np.ndarray  # (3,) [m/s2] of the deck
 
 
 @dataclass(frozen=True, kw_only=True)

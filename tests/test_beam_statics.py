@@ -15,11 +15,12 @@ from beam_cases import (
     straight,
 )
 from scipy.linalg import eigh
+from scipy.optimize import brentq
 from static_solution import Equilibrium
-from time_runs import input_deck
+from time_runs import deck, input_deck
 
 from mecano.analyses.equilibria import follow
-from mecano.analyses.prepare import prepare
+from mecano.analyses.prepare import prepare, startup_warnings
 
 CASES = {
     **{f"elastica_{load:g}": (elastica, load) for load in ELASTICA},
@@ -147,3 +148,33 @@ def test_input(name, tip, tolerance):
     state = follow(prepared).point.state
     first = prepared.system.numbering.x[[node.name for node in prepared.system.nodes].index("tip")]
     np.testing.assert_allclose(state.z[first : first + 3], tip, rtol=0, atol=tolerance)
+
+
+ROPE = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    sections: {rope: {type: circle, diameter: 2 mm, E: 10 GPa, nu: 0.3, density: 7800}}
+    nodes: {a: {position: [0, 0, 0]}, b: {position: [10, 0, 0]}}
+    elements: {rope: {type: beam, nodes: [a, b], section: rope, via: [5, 0, -2.9], mesh: MESH}}
+    joints: {pin_$n: {repeat: {n: [a, b]}, type: hinge, nodes: [ground, $n], axis: [0, 1, 0]}}
+    static: {}
+    """
+
+
+def test_a_rope_of_beams_hangs_as_a_catenary(verify):
+    """Its length is that of the arc through the middle; its bending lifts the sag by less than 1e-4 of it."""
+    radius = (5.0**2 + 2.9**2) / (2 * 2.9)
+    length = 2.0 * radius * np.arcsin(5.0 / radius)
+    a = brentq(lambda a: 2.0 * a * np.sinh(5.0 / a) - length, 1.0, 100.0)
+    prepared = prepare(deck(ROPE.replace("MESH", "80")))
+    state, places = follow(prepared).point.state, {n.name: i for i, n in enumerate(prepared.system.nodes)}
+    x = prepared.system.numbering.x[places["rope.40"]]
+    sag = a * (np.cosh(5.0 / a) - 1.0)
+    verify("Equilibria", "rope of beams: sag [m]", -state.z[x + 2], sag, "catenary", relative=3e-4)
+    assert not [text for text in startup_warnings(prepared) if "weight" in text]
+
+
+def test_a_rope_of_too_long_beams_is_warned_of():
+    """With 40 elements it ends at 4.41 m instead of 3.01 m; 12 EI/L^2 on the chord of 10 m is 1.51 N."""
+    (text,) = startup_warnings(prepare(deck(ROPE.replace("MESH", "40"))))
+    assert "its weight of 2.4 N exceeds 12 EI/L^2 = 1.51 N" in text and "write 'mesh: 51' or more" in text

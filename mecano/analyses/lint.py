@@ -17,7 +17,6 @@ from mecano.solve.time.massless import massless_unknowns
 
 MOST_NAMED = 10  # warnings of one sort
 FAR = 1e5  # length scales from the origin, where a double pendulum has errors of 1e-6 in angles, 1 % in its forces
-GROUND = NodeAtStart(np.eye(3), np.zeros(3), np.eye(3), np.zeros(3), lambda: np.diag([np.inf] * 3))
 
 
 def suspicious_model(deck, system, s, length):
@@ -96,11 +95,12 @@ def _natural_length(d, positions, t):
 
 def _suspicious(deck, system, s):
     """Yield the warnings of the kinds about the state at the start."""
-    at = {node.name: i for i, node in enumerate(system.nodes)}
+    at, gravity = {node.name: i for i, node in enumerate(system.nodes)}, system.context.gravity
+    ground = NodeAtStart(np.eye(3), np.zeros(3), np.eye(3), np.zeros(3), lambda: np.diag([np.inf] * 3), gravity)
     for name, d in deck.values["elements"].items():
         kind = KINDS[d["type"]]
         if kind.suspicious is not nothing:
-            nodes = [_at_start(system, s, at[node]) if node in at else GROUND for node in element_nodes(kind, d)]
+            nodes = [_at_start(system, s, at[node]) if node in at else ground for node in element_nodes(kind, d)]
             for text in kind.suspicious(d, nodes):
                 yield Problem(f"{d['type']} '{name}': {text}", deck.mark("elements", name))
 
@@ -108,7 +108,8 @@ def _suspicious(deck, system, s):
 def _at_start(system, s, i):
     of = system.numbering
     x = slice(of.x[i], of.x[i] + 3)
-    return NodeAtStart(system.nodes[i].R, s.z[x], s.R[of.rotation[i]], s.v[x], partial(_inertia, system, s, i))
+    inertia = partial(_inertia, system, s, i)
+    return NodeAtStart(system.nodes[i].R, s.z[x], s.R[of.rotation[i]], s.v[x], inertia, system.context.gravity)
 
 
 def _inertia(system, s, i):

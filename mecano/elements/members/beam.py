@@ -226,6 +226,25 @@ def _too_slender(d, nodes, section):
 
 
 def suspicious(d, nodes):
+    """Return warnings about a beam that is too slender for its numbers or for its elements."""
+    return [*_inaccurate(d, nodes), *_hanging(d, nodes)]
+
+
+def _hanging(d, nodes):
+    """Return a warning about a beam whose weight, as a tension, may tilt its elements (docs/beams.md, The element)."""
+    section, length = constants(d["section"]), norm(np.subtract(nodes[1].x, nodes[0].x))
+    weight, bending = section.mass * length * norm(nodes[0].gravity), np.diag(section.C)[4:].min()
+    enough = math.ceil(length * math.sqrt(weight / (12.0 * bending)))
+    if d["mesh"] >= enough:
+        return []
+    return [
+        f"its weight of {weight:.3g} N exceeds 12 EI/L^2 = {12.0 * bending * (d['mesh'] / length) ** 2:.3g} N, L the "
+        f"length of an element: if it hangs, its tension may tilt the elements, and statics may end in a wrong shape; "
+        f"write 'mesh: {enough}' or more, or use a line of cables"
+    ]
+
+
+def _inaccurate(d, nodes):
     """Return a warning about a beam of whose deflections rounding leaves few digits.
 
     The bending stiffness is smaller than the axial one by the square of the slenderness, and follows from differences
