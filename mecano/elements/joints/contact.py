@@ -210,8 +210,9 @@ def sample(rng):
     found += [({**drum, **touching, "friction": dry}, nodes, "closed") for drum in turned]
     egg = {**surfaces[0], "radius": 0.0, "ellipsoid": {"semi_axes": np.array([0.5, 0.7, 0.9]), "center": None}}
     found += [({**egg, **of}, nodes, "closed") for of in (rough, elastic)]
-    found += [({**egg, "nodes": ["a", "b"]}, nodes, phase) for phase in PHASES]
-    return [*found, ({**egg, "nodes": ["a", "b"], "friction": dry}, nodes, "closed")]
+    pebble = {**egg, "nodes": ["a", "b"], "ellipsoid": {**egg["ellipsoid"], "semi_axes": np.array([0.3, 0.4, 0.5])}}
+    found += [(pebble, nodes, phase) for phase in PHASES]
+    return [*found, ({**pebble, "friction": dry}, nodes, "closed")]
 
 
 def sample_in_time(rng):
