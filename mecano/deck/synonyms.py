@@ -39,6 +39,15 @@ NOTES = {  # words with the same meaning: (targets, note)
     ),
     "rail, guide, track, guide way, curve joint, slot": ("prismatic point_on_curve slider_on_beam", ""),
     "cam, follower": ("point_on_curve", ""),
+    "trailer, semitrailer, caravan, hitch, snaking": (
+        "spherical hinge wheel", "a hitch is a spherical joint or a hinge; `mecano modes --sweep` finds its limit"
+    ),
+    "catenary, mooring line": (
+        "cable bar",
+        "a hanging rope is a line of cables, or of beams with a tension below 12 EI/L^2 of an element",
+    ),
+    "boom, antenna, spar": ("beam superelement", ""),
+    "domino, rocking block": ("contact", ""),
     "gripper, grab, hook, magnet, suction cup, docking, berthing, capture, attach, engage": (
         "grip latch",
         "a grip closes and is released by command; a latch locks a joint when it is reached; springs, bushings and "
@@ -106,7 +115,7 @@ NOTES = {  # words with the same meaning: (targets, note)
         "wheel tire_laws",
         "`mecano modes` finds shimmy as flutter; a tyre law with 'lateral' gives the side force of a drifting wheel",
     ),
-    "hold down, tie down, deployment, panel, solar array": (
+    "hold down, tie down, deployment, deploy, unfold, panel, solar array": (
         "hinge.latch release turning_law rigid_body beam superelement",
         "hinges with a 'turning_law' and a 'latch'; a 'release' ends the hold-down; see docs/shocks.md",
     ),
