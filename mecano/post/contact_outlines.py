@@ -1,9 +1,9 @@
 """Outlines of a contact as lines in space: the ball, rod or ellipsoid, and the surface on which it may lie."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from mecano.constraints.touching import given
+from mecano.deck.physics import rotations
 from mecano.post.curve_values import checked_law, curve_values
 
 POINTS = 49  # of a circle
@@ -82,19 +82,23 @@ def _on_b(motion, d, places, across, along):
         return motion.position(b)[:, None] + _stadium(d["radius"], 0.0, across, along)
     axis = np.array(rod["axis"], float) / np.linalg.norm(rod["axis"])
     side = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
-    middle = places[b] if rod["center"] is None else np.array(rod["center"], float)
-    return _carried(motion, b, middle + _stadium(d["radius"], rod["length"], axis, side / np.linalg.norm(side)))
+    outline = _stadium(d["radius"], rod["length"], axis, side / np.linalg.norm(side))
+    return _carried(motion, b, _middle(rod, places[b]) + outline)
 
 
 def _ellipsoid(motion, d, places):
     """Return the lines of the three sections of the ellipsoid on node b that contain two of its axes."""
     b, ellipsoid = d["nodes"][1], d["ellipsoid"]
-    middle = places[b] if ellipsoid.get("center") is None else np.array(ellipsoid["center"], float)
-    turn = Rotation.from_rotvec(motion.run.deck["nodes"][b]["orientation"])
-    axes = turn.apply(np.diag(ellipsoid["semi_axes"]))
+    (R,) = rotations(np.array([motion.run.deck["nodes"][b]["orientation"]], float))
+    axes = np.diag(ellipsoid["semi_axes"]) @ R.T
     angle = np.linspace(0.0, 2.0 * np.pi, POINTS)[:, None]
     sections = [np.cos(angle) * axes[i] + np.sin(angle) * axes[i - 1] for i in range(3)]
-    return [_carried(motion, b, middle + section) for section in sections]
+    return [_carried(motion, b, _middle(ellipsoid, places[b]) + section) for section in sections]
+
+
+def _middle(shape, otherwise):
+    """Return the 'center' (3,) of a shape at the start; ``otherwise`` (3,) if the deck has none."""
+    return otherwise if shape.get("center") is None else np.array(shape["center"], float)
 
 
 def _across(main, extent):
