@@ -1,12 +1,11 @@
 """Reconstruction of the state of a model at a saved time of a results file."""
 
-import math
-
 import numpy as np
 
+from mecano.analyses.carry_over import saved_time
 from mecano.analyses.equilibria import loaded, rest
 from mecano.analyses.prepare import integrator_of
-from mecano.analyses.replay import replayed, scalars_in, touching_gaps
+from mecano.analyses.replay import gaps_at_start, replayed, scalars_in
 from mecano.errors import ResultsError, UsageError
 from mecano.results.checked import blaming
 from mecano.results.reader import open_results
@@ -14,18 +13,10 @@ from mecano.results.reader import open_results
 
 def parse(text):
     """Split "results.h5:1.25" into (path, time); time is None if not given. Raises UsageError."""
-    path, colon, time = text.rpartition(":")
-    if not colon:
-        return text, None
-    if time.endswith(".h5"):
-        return text, None
-    try:
-        number = float(time)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
+    path, time = saved_time(text)
+    if time is None and ":" in text and not text.endswith(".h5"):
         raise UsageError(f"'{text}' cannot be understood; write results.h5:time, such as results.h5:1.25")
-    return path, number
+    return path, time
 
 
 def state_at(prepared, text):
@@ -85,7 +76,7 @@ def _placed(prepared, results, row):
     if unknown:
         owner, name = unknown[0]
         raise ResultsError(f"{results.path} does not hold the unknowns of {owner}: {name}")
-    near = touching_gaps(prepared.deck, system, prepared.length)
+    near = gaps_at_start(prepared.deck, system, prepared.length)
     return replayed(system, prepared.state, results, row, nodes, scalars, near)
 
 
