@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.analyses.replay import replayed, scalars_in, touching_gaps
+from mecano.analyses.replay import gaps_at_start, replayed, scalars_in
 from mecano.errors import DeckError, Problem, ResultsError
 
 MOST = 8  # names in a text
@@ -42,7 +42,7 @@ def carried_over(deck, system, state, length):
     path = os.path.join(os.path.dirname(deck.file), name)
     try:
         with open_results(path) as results:
-            near = touching_gaps(deck, system, length)
+            near = gaps_at_start(deck, system, length)
             return _begun(system, state, results, _row(results, time), name, near)
     except ResultsError as error:
         raise DeckError([Problem(f"'initial.from': {error}", deck.mark("initial", "from"))]) from None

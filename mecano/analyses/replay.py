@@ -6,10 +6,9 @@ the time; positions, rotations, velocities and scalars are those of its row.
 
 import numpy as np
 
-from mecano.solve.diagnostics.scales import constraint_scale
 from mecano.solve.events.events import EventMonitor
 from mecano.solve.events.impact_candidates import ImpactCandidates
-from mecano.solve.events.shocks import NEAR
+from mecano.solve.events.shocks import touching_gaps
 from mecano.solve.time.signals import solve_signals
 
 COLUMNS = ("position", "rotation", "velocity", "angular_velocity")
@@ -25,7 +24,7 @@ def replayed(system, state, results, row, nodes, scalars, near):
     scalars : list of (int, values, rates)
         Index in z, values and rates (n_rows,) of scalar unknowns in the results.
     near : ndarray (n_l,)
-        Gaps up to which contacts touch at the start, see ``touching_gaps``; they are open unless an event closed them.
+        Gaps up to which contacts touch at the start, see ``gaps_at_start``; they are open unless an event closed them.
     """
     rows = range(row + 1) if any(b.kind.memory for b in system.batches) else sorted({0, row})
     traces = {name: [results.find(f"nodes/{name}/{c}").values for c in COLUMNS] for _, name in nodes}
@@ -45,13 +44,13 @@ def replayed(system, state, results, row, nodes, scalars, near):
     return state
 
 
-def touching_gaps(deck, system, length):
+def gaps_at_start(deck, system, length):
     """Return the gaps (n_l,) [m, rad] up to which the contacts of a run of ``deck`` touch; 0 in statics.
 
     ``length`` is the length scale [m].
     """
     time = deck.values["time"]
-    return (NEAR * time["newton"]["constraint_tolerance"] if time else 0.0) * constraint_scale(system, length)
+    return touching_gaps(system, time["newton"]["constraint_tolerance"] if time else 0.0, length)
 
 
 def scalars_in(system, results):

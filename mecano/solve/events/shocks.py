@@ -45,13 +45,18 @@ class Shock:
     redundant: tuple  # Groups of constraints that have become redundant
 
 
+def touching_gaps(system, tolerance, length):
+    """Return the gaps (n_l,) [m, rad] up to which contacts touch; ``tolerance`` of constraints, length scale [m]."""
+    return NEAR * tolerance * constraint_scale(system, length)
+
+
 class Shocks:
     """Impact solver of a system; ``rest`` (n_l,) approach speeds below which contacts do not rebound [m/s, rad/s]."""
 
     def __init__(self, system, method, monitor, rest):
         self.system, self.linear, self.monitor, self.length = system, method.linear, monitor, method.length
         scale = constraint_scale(system, method.length)
-        self._least, self.near = rest * scale, NEAR * method.tolerances.constraint * scale
+        self._least, self.near = rest * scale, touching_gaps(system, method.tolerances.constraint, method.length)
         self.rest = self._least
         self.unit = method.length / scale  # of reactions: moments count as forces at the length scale
         self.impact_candidates = ImpactCandidates(system)

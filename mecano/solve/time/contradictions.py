@@ -7,6 +7,7 @@ from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, TRANSLATION
 from mecano.solve.diagnostics.analysis import analyse
 from mecano.solve.diagnostics.constraint_names import by_joint
 from mecano.solve.diagnostics.joint_redundancy import redundant_groups
+from mecano.solve.diagnostics.scales import constraint_scale
 from mecano.solve.events.compliance import NO_ROWS
 
 MOST_OTHERS, MOST_ALIKE = 12, 6  # lines on constraints that contradict one, and joints named in each
@@ -32,8 +33,7 @@ class Contradictions:
         self.system, self.length, self._redundant = system, length, None
         self.released = NO_ROWS[1] if compliance is None else compliance.released
         self._soft = NO_ROWS[1] if compliance is None else compliance.soft
-        of = system.numbering
-        allowed = GAP * np.where(of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT, length, 1.0)
+        of, allowed = system.numbering, GAP * constraint_scale(system, length)
         self.share_of_gap = np.where(np.isin(np.arange(of.n_l), self._soft) & ~of.of_rates, 1.0 / allowed, 0.0)
 
     @property
