@@ -117,17 +117,21 @@ def approach(touched, at):
 @kernel
 def approach_of_turning(touched, at):
     """Return the same for a shape that turns with node b."""
-    of_a = vec(at.v, 0) + cross(mat(at.R[0]) @ vec(at.v, 3), touched.a)
-    of_b = vec(at.v, 6) + cross(mat(at.R[1]) @ vec(at.v, 9), touched.b)
-    return dot(touched.n, of_a - of_b)
+    return -dot(touched.n, _relative_velocity(touched, at))
 
 
 @kernel
 def sliding(touched, at):
     """Return the velocity [m/s] of the ball relative to the surface at the contact, in the plane of the contact."""
-    of_a = vec(at.v, 0) + cross(mat(at.R[0]) @ vec(at.v, 3), touched.a)
-    u = vec(at.v, 6) + cross(mat(at.R[1]) @ vec(at.v, 9), touched.b) - of_a
+    u = _relative_velocity(touched, at)
     return u - dot(u, touched.n) * touched.n
+
+
+@kernel
+def _relative_velocity(touched, at):
+    """Return the velocity [m/s] of b relative to a at the contact, inertial; both turn."""
+    of_a = vec(at.v, 0) + cross(mat(at.R[0]) @ vec(at.v, 3), touched.a)
+    return vec(at.v, 6) + cross(mat(at.R[1]) @ vec(at.v, 9), touched.b) - of_a
 
 
 def given(d):
@@ -139,6 +143,20 @@ def origin(values, nodes):
     """Return the point of the surface at the start, inertial (3,), from its deck values."""
     point = next((values[name] for name in ("point", "center") if values.get(name) is not None), nodes[0][0])
     return np.asarray(point, float)
+
+
+def origin_on_b(shape, nodes):
+    """Return the centre (3,) of a shape on node b, in the axes of the node, from its deck values."""
+    x_b, R_b = nodes[1]
+    center = x_b if shape["center"] is None else np.asarray(shape["center"], float)
+    return R_b.T @ (center - x_b)
+
+
+def check_place_on_b(d, name):
+    """Return an error if the shape ``name`` on node b, the ground, has no centre."""
+    if d["nodes"][1] == "ground" and d[name]["center"] is None:
+        return [f"'{name}' needs 'center': the ground has no position"]
+    return []
 
 
 def surface_record(d, nodes):

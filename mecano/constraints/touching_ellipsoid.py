@@ -14,7 +14,14 @@ of the points of the bodies, :math:`\dot g = n \cdot (v_b + \omega_b \times b - 
 import numpy as np
 
 from mecano.constraints.contact_functions import Shapes
-from mecano.constraints.touching import Touch, approach_of_turning, given, surface_record
+from mecano.constraints.touching import (
+    Touch,
+    approach_of_turning,
+    check_place_on_b,
+    given,
+    origin_on_b,
+    surface_record,
+)
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import Vec3, dot, mat, norm, vec
 from mecano.schema import NODE_VECTOR, POINT, Field, mapping
@@ -60,10 +67,8 @@ ELLIPSOIDS = Shapes(touch, approach_of_turning, True)
 
 def ellipsoid_record(d, nodes):
     """Return the values of ELLIPSOID_RECORD."""
-    ellipsoid, (x_b, R_b) = d["ellipsoid"], nodes[1]
-    of_a = surface_record(d, nodes)
-    center = x_b if ellipsoid["center"] is None else np.asarray(ellipsoid["center"], float)
-    of_b = {"origin_b": R_b.T @ (center - x_b), "semi_axes": ellipsoid["semi_axes"]}
+    of_a, ellipsoid = surface_record(d, nodes), d["ellipsoid"]
+    of_b = {"origin_b": origin_on_b(ellipsoid, nodes), "semi_axes": ellipsoid["semi_axes"]}
     return {"axis": of_a["axis"], "origin": of_a["origin"], **of_b}
 
 
@@ -81,6 +86,4 @@ def check_ellipsoid(d, nodes):
         return [f"an 'ellipsoid' touches a 'plane', no '{given(d)[0]}'"]
     if d["radius"]:
         return ["'radius' is that of a ball or rod; an 'ellipsoid' has 'semi_axes' only"]
-    if d["nodes"][1] == "ground" and d["ellipsoid"]["center"] is None:
-        return ["'ellipsoid' needs 'center': the ground has no position"]
-    return []
+    return check_place_on_b(d, "ellipsoid")

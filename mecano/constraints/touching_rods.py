@@ -14,7 +14,15 @@ Detection, 2005, section 5.1.9).
 import numpy as np
 
 from mecano.constraints.contact_functions import Shapes
-from mecano.constraints.touching import SURFACE_RECORD, Touch, approach_of_turning, given, surface_record
+from mecano.constraints.touching import (
+    SURFACE_RECORD,
+    Touch,
+    approach_of_turning,
+    check_place_on_b,
+    given,
+    origin_on_b,
+    surface_record,
+)
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, at_most, select
 from mecano.maths.vector import dot, mat, norm, vec
@@ -66,10 +74,9 @@ RODS = Shapes(touch, approach_of_turning, True)
 
 def rod_record(d, nodes):
     """Return the values of ROD_RECORD."""
-    rod, (x_b, R_b) = d["rod"], nodes[1]
+    rod, (_, R_b) = d["rod"], nodes[1]
     axis = np.array(rod["axis"], float)
-    origin = x_b if rod["center"] is None else np.asarray(rod["center"], float)
-    of_b = {"axis_b": R_b.T @ axis / np.linalg.norm(axis), "origin_b": R_b.T @ (origin - x_b)}
+    of_b = {"axis_b": R_b.T @ axis / np.linalg.norm(axis), "origin_b": origin_on_b(rod, nodes)}
     return {**of_b, "length_b": rod["length"], **surface_record(d, nodes)}
 
 
@@ -102,8 +109,8 @@ def check_rod(d, nodes):
         ]
     if d["radius"] <= 0.0:
         return ["the 'radius' of a 'rod' must be greater than zero"]
-    if d["nodes"][1] == "ground" and d["rod"]["center"] is None:
-        return ["'rod' needs 'center': the ground has no position"]
+    if unplaced := check_place_on_b(d, "rod"):
+        return unplaced
     gap, distance = rod_gap_at_start(d, nodes)
     apart = distance > 0.5 * (distance - gap)
     return [] if apart else [f"the axes of the rod and of the {name} are {distance:.3g} m apart: move them apart"]
