@@ -19,8 +19,8 @@ SHARES = 1.0, 0.3, 0.1  # of the change of a sweep that is made, one after the o
 SWEEPS = 300  # with each of these, at most
 ROUNDING = 1e-13  # of the largest impulse: a sweep that changes less has converged
 ACCEPTED = 1e-2  # of the largest impulse: contacts that repeat one another, as four corners of a box, converge slowly
-DIVERGED = 1e3
-TINY = 1e-300
+DIVERGED = 1e3  # of the largest impulse: the sweeps with this share do not converge
+TINY = 1e-300  # impulse [N s] that none is less than, as a divisor
 MASSLESS = 1e-14  # of the largest response: a contact that moves no mass along its surface is without friction
 
 
@@ -117,14 +117,14 @@ def within_disc(A, c, radius):
     of, Q = np.linalg.eigh(A)
     d = Q.T @ c
 
-    from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
-
     def size(s):
         return np.linalg.norm(d / (of + s))
 
     with np.errstate(divide="ignore", invalid="ignore"):
         if of[0] > MASSLESS * of[1] and size(0.0) <= radius:
             return -Q @ (d / of)
+    from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
+
     high = np.linalg.norm(d) / radius
     low = max(high - of[1], MASSLESS * of[1])
     s = low if size(low) <= radius else brentq(lambda s: size(s) - radius, low, high, xtol=1e-15 * high, rtol=1e-15)

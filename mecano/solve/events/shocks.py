@@ -261,36 +261,42 @@ class _Solution:
 
         If the rebound with friction creates energy, e is reduced to the value at which it loses none.
         """
-        free, slides = self._rates(self._moved(change))[self.leads], self._sliding(self._moved(change))
+        free = self._rates(self._moved(change))[self.leads]
         if not self.rough:
             return self._solve(free + self.e * self.before[self.leads]), np.zeros(0)
-        n, before = len(free), np.concatenate([self.before[self.leads], self._sliding(self.all_held.v)])
+        n, slides = len(free), self._sliding(self._moved(change))
+        before = np.concatenate([self.before[self.leads], self._sliding(self.all_held.v)])
+        unpushed = before + np.concatenate([free, slides])
 
         def solved(e):
             return solve_with_friction(
                 self._solve, self.W[:n, n:], self.W[n:, n:], free + e * self.before[self.leads], slides, self.rough
             )
 
-        def lost(e):
-            x = np.concatenate(solved(e))
-            return -0.5 * x @ (before + np.concatenate([free, slides]) + self.W @ x)
+        def lost(impulses):
+            x = np.concatenate(impulses)
+            return -0.5 * x @ (unpushed + self.W @ x)
 
-        if self.e > 0.0 and lost(self.e) < -STILL * abs(lost(0.0)):
-            from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
+        impulses = solved(self.e)
+        if self.e == 0.0 or lost(impulses) >= 0.0:
+            return impulses
+        plastic = lost(solved(0.0))
+        if lost(impulses) >= -STILL * abs(plastic):
+            return impulses
+        from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
 
-            self.e = brentq(lost, 0.0, self.e) if lost(0.0) > 0.0 else 0.0
+        self.e = brentq(lambda e: lost(solved(e)), 0.0, self.e) if plastic > 0.0 else 0.0
         return solved(self.e)
 
     def _rub(self, along):
         """Set the energies ``rubbed`` (n_l,) [J] lost by the impulses ``along`` the surfaces, by normals."""
-        mean = 0.5 * (self._sliding(self.all_held.v) + self._sliding(self.held.v))
-        for i, contact in enumerate(self.rough):
-            own = slice(2 * i, 2 * i + 2)
-            self.rubbed[self.leads[contact.contact]] -= along[own] @ mean[own]
+        for contact, P in zip(self.rough, along.reshape(-1, 2), strict=True):
+            mean = 0.5 * contact.sliding(self.all_held.v + self.held.v)
+            self.rubbed[self.leads[contact.contact]] -= P @ mean
 
     def _sliding(self, v):
         """Return the velocities of sliding (2 m,) [m/s] of the m rough contacts at velocities v (n_all,)."""
-        return np.concatenate([contact.sliding(v) for contact in self.rough] or [np.zeros(0)])
+        return np.concatenate([contact.sliding(v) for contact in self.rough])
 
     def _solve(self, b, at=None):
         """Return impulses or forces x (n,) with x >= 0, W x + b >= 0 and x (W x + b) = 0; zero without mass.
