@@ -71,8 +71,8 @@ def test_the_load_factor_is_the_share_of_a_load_along_a_line(tmp_path, load):
         text = BAR.replace("LOAD", load.replace("VALUE", str(value)), 1).replace("STEPS", str(steps))
         return results_of(deck(text), tmp_path, ["top.position", "load.value"])[0]
 
-    (whole, values), (half, _) = top(60.0, 2), top(30.0, 1)
-    np.testing.assert_allclose(values, [0.0, 30.0, 60.0])
+    (whole, values), (half, _) = top(30.0, 2), top(15.0, 1)
+    np.testing.assert_allclose(values, [0.0, 15.0, 30.0])
     assert np.linalg.norm(half[-1] - half[0]) > 0.5
     np.testing.assert_allclose(whole[1], half[1], atol=1e-7)
 

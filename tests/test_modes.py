@@ -5,6 +5,7 @@ import pytest
 import scipy.sparse as sp
 from equilibria import G, arm
 from scipy.linalg import block_diag
+from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 from time_runs import deck, input_deck
 
@@ -434,6 +435,42 @@ def test_beam_that_turns_is_stiffened(speed):
     expected = sorted([flapping, np.sqrt(flapping**2 - speed**2)])
     np.testing.assert_allclose(found.values.imag, expected, rtol=5e-4)
     assert np.abs(found.values.real).max() < 1e-6
+
+
+WIRE = """
+    mecano: 1
+    gravity: none
+    sections: {wire: {type: circle, diameter: 1 mm, E: 200 GPa, nu: 0.3, density: 7800}}
+    nodes: {a: {position: [0, 0, 0], fixed: true}, b: {position: [1, 0, 0]}}
+    elements: {wire: {type: beam, nodes: [a, b], section: wire, mesh: MESH}}
+    joints: {b: {type: prismatic, nodes: [ground, b], axis: [1, 0, 0]}}
+    loads: {pull: {type: force, node: b, direction: [1, 0, 0], value: 100}}
+    static: {}
+    """
+
+
+def wire_frequencies():
+    """First four [1/s] of a clamped Euler-Bernoulli beam, EI k^4 + T k^2 = m omega^2 for its wave numbers k."""
+    area, EI, T = np.pi * 2.5e-7, 200e9 * np.pi * 0.5e-3**4 / 4, 100.0
+    m = 7800 * area
+
+    def determinant(omega):
+        half, square = T / (2 * EI), np.sqrt((T / (2 * EI)) ** 2 + m * omega**2 / EI)
+        waves, fades = np.sqrt(square - half), np.sqrt(square + half)
+        edges = 2.0 * waves * fades * (1.0 / np.cosh(fades) - np.cos(waves))
+        return edges + (fades**2 - waves**2) * np.sin(waves) * np.tanh(fades)
+
+    grid = np.arange(10.0, 2000.0, 10.0)
+    changes = [(a, b) for a, b in zip(grid, grid[1:], strict=False) if determinant(a) * determinant(b) < 0.0]
+    return np.array([brentq(determinant, a, b) for a, b in changes[:4]])
+
+
+@pytest.mark.parametrize(("mesh", "tolerance"), [(10, 0.015), (40, 2e-5)])
+def test_stretched_wire_of_beams(mesh, tolerance):
+    """The tension of 100 N is 8.5 times 12 EI/L^2 of the ten elements, more than their sections stand up to alone."""
+    found = values_of(WIRE.replace("MESH", str(mesh)), number=8)
+    np.testing.assert_allclose(found.imag, np.repeat(wire_frequencies(), 2), rtol=tolerance)
+    np.testing.assert_allclose(found.real, 0.0, atol=1e-6)
 
 
 def with_velocity_constraint(stiffness, a=0.7, b=0.9):

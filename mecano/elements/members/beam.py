@@ -29,11 +29,12 @@ from mecano.constraints.joint_frame import norm
 from mecano.element_interface import Display, Kind, Output, record
 from mecano.elements.members.beam_elastic import (
     add_elastic,
+    bent_line,
     end_loads,
+    rate_along,
     strain_rates,
     strains,
     stresses,
-    stretched,
     unstretched,
 )
 from mecano.elements.members.beam_flexibility import elastic_constants, hat
@@ -63,7 +64,7 @@ MOST_ELEMENTS = 10_000
 LOST = 3e-17  # relative error of the deflection, per element and square of the slenderness of the beam (measured)
 INACCURATE = 1e-6  # of the deflection
 RECORD = record(
-    S=(3, 3), K_uu=(3, 3), K_up=(3, 3), K_pp=(3, 3), B=(3, 3), along=3, u0=3, phi0=3, damping=(), gravity=3,
+    S=(3, 3), K_uu=(3, 3), K_up=(3, 3), K_pp=(3, 3), D=(3, 3), along=3, u0=3, phi0=3, damping=(), gravity=3,
     mass=(), eccentric="i", J1=(3, 3), J2=(3, 3), J12=(3, 3), c1=3, t1=3, c2=3, t2=3,
     axes=(3, 3), F_uu=(3, 3), F_up=(3, 3), F_pp=(3, 3),
     E=(), G=(), radius=(), torsion_radius=(), points=(MOST_POINTS, 2),
@@ -78,10 +79,10 @@ def force(p, at, f, K, C, M):
 
 
 @kernel
-def _at_ends(p, s, b, e_u, e_phi):
+def _at_ends(p, s, g, e_u, e_phi):
     """Return force and moments at both ends, in section axes of node 2 (the first moment in those of node 1)."""
     p_u, p_phi = stresses(p, e_u, e_phi)
-    P, _, m_1, m_2 = end_loads(p, s, unstretched(p, p_u, b), p_phi)
+    P, _, m_1, m_2 = end_loads(p, s, unstretched(p, p_u, g), p_phi)
     return P, -(mat(p.S).T @ m_1), m_2
 
 
@@ -129,14 +130,14 @@ def observe(p, at, F, y, e):
 def observe_from(p, at, u0, phi0, y, e):
     """Write outputs and energies for the strain-free screw (u0, phi0); return its generalized forces."""
     s, e_u, e_phi = strains(p, at, u0, phi0)
-    b = mat(p.B) @ e_u
+    line = bent_line(p, s.u, e_u)
     u_rate, phi_rate, _ = strain_rates(p, at, s)
-    e_u, u_rate = stretched(p, e_u, b), stretched(p, u_rate, 2.0 * b)
+    e_u, u_rate = e_u + line.more * vec(p.along, 0), rate_along(p, u_rate, line.g)
     p_u, p_phi = stresses(p, e_u, e_phi)
     rate_u, rate_phi = stresses(p, u_rate, phi_rate)
     elastic = 0.5 * (dot(e_u, p_u) + dot(e_phi, p_phi))
     dissipated = p.damping * (dot(u_rate, rate_u) + dot(phi_rate, rate_phi))
-    N, first, second = _at_ends(p, s, b, e_u, e_phi)
+    N, first, second = _at_ends(p, s, line.g, e_u, e_phi)
     N, M, N_1, N_2, M_1, M_2 = _section_forces(p, s, N, first, second)
     strain, curvature = _local_strains(p, N, M)
     normal, shear, equivalent = _stress(p, N, M)
@@ -144,7 +145,7 @@ def observe_from(p, at, u0, phi0, y, e):
         n_end, s_end, e_end = _stress(p, N_end, M_end)
         normal, shear, equivalent = max(normal, n_end), max(shear, s_end), max(equivalent, e_end)
     total_u, total_phi = e_u + p.damping * u_rate, e_phi + p.damping * phi_rate
-    N, first, second = _at_ends(p, s, b, total_u, total_phi)
+    N, first, second = _at_ends(p, s, line.g, total_u, total_phi)
     N, M, N_1, N_2, M_1, M_2 = _section_forces(p, s, N, first, second)
     for i, value in ((0, N), (3, M), (6, M_1), (9, M_2), (12, strain), (15, curvature)):
         put(y, i, value)
@@ -181,13 +182,13 @@ def prepare(d, nodes, context):
 def _record(section, damping, gravity, S_1, S_2, h0):
     """Return the record of an element; S_i: section to node axes, h0 (6,): strain-free screw in section axes."""
     c, u, phi = section.center, h0[:3], h0[3:]
-    K_uu, K_up, K_pp, B, F = elastic_constants(section.C, h0)
+    K_uu, K_up, K_pp, D, F = elastic_constants(section.C, h0)
     length, tangent = np.linalg.norm(u), u + hat(phi) @ c
     points = np.zeros((MOST_POINTS, 2))
     points[: len(section.points)] = np.reshape(section.points, (-1, 2))
     return {
         "S": S_1 @ S_2.T, "K_uu": S_2 @ K_uu @ S_2.T, "K_up": S_2 @ K_up @ S_2.T, "K_pp": S_2 @ K_pp @ S_2.T,
-        "B": S_2 @ B @ S_2.T,
+        "D": S_2 @ D @ S_2.T,
         "along": S_2[:, 0], "u0": S_2 @ u, "phi0": S_2 @ phi,
         "damping": damping, "gravity": gravity,
         **inertia_record(section.mass * length, section.J * length, S_1, S_2, c, tangent),
@@ -231,16 +232,22 @@ def suspicious(d, nodes):
 
 
 def _hanging(d, nodes):
-    """Return a warning about a beam whose weight, as a tension, may tilt its elements (docs/beams.md, The element)."""
+    """Return a warning about an arc whose weight, as a tension, may open its elements beyond their length.
+
+    The elongation N L^3 phi^2/(720 EI) of an arc that turns by phi is that of linear statics; it exceeds the difference
+    L phi^2/24 of arc and chord if N > 30 EI/L^2.
+    """
+    if d["via"] is None:
+        return []
     section, length = constants(d["section"]), norm(np.subtract(nodes[1].x, nodes[0].x))
     weight, bending = section.mass * length * norm(nodes[0].gravity), np.diag(section.C)[4:].min()
-    enough = math.ceil(length * math.sqrt(weight / (12.0 * bending)))
+    enough = math.ceil(length * math.sqrt(weight / (30.0 * bending)))
     if d["mesh"] >= enough:
         return []
     return [
-        f"its weight of {weight:.3g} N exceeds 12 EI/L^2 = {12.0 * bending * (d['mesh'] / length) ** 2:.3g} N, L the "
-        f"length of an element: if it hangs, its tension may tilt the elements, and statics may end in a wrong shape; "
-        f"write 'mesh: {enough}' or more, or use a line of cables"
+        f"its weight of {weight:.3g} N exceeds 30 EI/L^2 = {30.0 * bending * (d['mesh'] / length) ** 2:.3g} N, L the "
+        f"length of an element: if it hangs, its tension may open the arcs beyond their length; write 'mesh: {enough}' "
+        "or more, straight beams, or a line of cables"
     ]
 
 

@@ -9,18 +9,21 @@ that is :math:`(u, \varphi) = \log_{SE(3)}`; it is constant along a helix, hence
 Cardona & Bruels 2014). With the strains :math:`e = (u - u_0, \varphi - \varphi_0)` and the constant element
 stiffness :math:`K_e` of beam_flexibility.py,
 
-.. math::  V = \tfrac12 \bar e \cdot K_e \bar e, \qquad \bar e = (e_u + a\, (e_u \cdot B e_u), e_\varphi), \qquad
-    (p_u, p_\varphi) = \bar G^T K_e (\bar e + \tau \dot{\bar e}), \quad \bar G = \partial \bar e/\partial e
+.. math::  V = \tfrac12 \bar e \cdot K_e \bar e, \qquad \bar e = (e_u + a\, (\lambda - a \cdot u), e_\varphi), \qquad
+    \lambda^2 = (a \cdot u)^2 + e_u \cdot D e_u
+
+.. math::  (p_u, p_\varphi) = \bar G^T K_e (\bar e + \tau \dot{\bar e}), \qquad \bar G = \partial \bar e/\partial e
 
 .. math::  f_{x2} = A_2 P = -f_{x1}, \quad P = H^T p_u, \qquad
     m_2 = P \times y + H^T Q, \quad m_1 = -S H Q, \quad Q = p_\varphi + (\partial u/\partial\varphi)^T p_u
 
-The second term of :math:`\bar e`, with the unit vector a along the beam, is part of the flexibility: where the end
+The length :math:`\lambda` of the line, with the unit vector a along the beam, is part of the flexibility: where the end
 sections are tilted by gamma relative to the chord because the element bends in an S shape, its line is longer than its
-component along the section axes, by :math:`\tfrac35 \gamma^2 L` for a slender element. Without this term every tension
-of more than 12 EI/L^2 would tilt the sections.
+component along the section axes, by :math:`\tfrac35 \gamma^2 L` for a slender element (D = 6/5 across the beam). With
+the component alone, every tension of more than 12 EI/L^2 would tilt the sections.
 """
 
+import math
 from typing import NamedTuple
 
 from mecano.jit.kernel import inlined, kernel
@@ -39,6 +42,7 @@ from mecano.maths.vector import add_mat, add_vec, cross, cross_columns, dot, mat
 class Screw(NamedTuple):
     """The screw motion from the first to the second end section, and derivatives of its strains."""
 
+    u: tuple
     phi: tuple
     y: tuple
     H: tuple  # du/dy = T^-1(phi)
@@ -46,6 +50,14 @@ class Screw(NamedTuple):
     c: float  # coefficients of T^-1 (rotation_vector.inverse_coefficients)
     c1: float
     c2: float
+
+
+class Line(NamedTuple):
+    """The bent line of an element."""
+
+    length: float  # lambda
+    more: float  # lambda - a.u
+    g: tuple  # its derivative by u
 
 
 class Rates(NamedTuple):
@@ -74,13 +86,32 @@ def strains(p, at, u0, phi0):
     c, c1, c2 = inverse_coefficients(dot(phi, phi))
     y = R2.T @ (vec(at.q, 6) - vec(at.q, 0))
     H = inverse_tangent(phi, c)
-    return Screw(phi, y, H, first_derivative(phi, y, -0.5, c, c1), c, c1, c2), H @ y - u0, phi - phi0
+    u = H @ y
+    return Screw(u, phi, y, H, first_derivative(phi, y, -0.5, c, c1), c, c1, c2), u - u0, phi - phi0
+
+
+@inlined
+def bent_line(p, u, e_u):
+    """Return the Line of an element with the screw u and the strain e_u = u - u0."""
+    a, De = vec(p.along, 0), mat(p.D) @ e_u
+    axial, square = dot(a, u), dot(e_u, De)
+    length = math.sqrt(axial * axial + square)
+    more = square / (length + axial) if axial > 0.0 else length - axial
+    return Line(length, more, (1.0 / length) * (De - more * a))
+
+
+@inlined
+def _curvature(p, line):
+    """Return the second derivative of the length of the line by u."""
+    a, g = vec(p.along, 0), line.g
+    coupled = outer(a, g)
+    return (1.0 / line.length) * (mat(p.D) - coupled - coupled.T - outer(g, g))
 
 
 @kernel
-def stretched(p, e_u, b):
-    """Return e_u with the elongation a (e_u . b) of the bent line, b = B e_u; for a rate: stretched(p, rate, 2 b)."""
-    return e_u + dot(e_u, b) * vec(p.along, 0)
+def rate_along(p, rate, g):
+    """Return the rate of the stretched strains for that of u."""
+    return rate + dot(rate, g) * vec(p.along, 0)
 
 
 @kernel
@@ -92,9 +123,9 @@ def stresses(p, e_u, e_phi):
 
 
 @kernel
-def unstretched(p, p_u, b):
+def unstretched(p, p_u, g):
     """Return the force conjugate to u from that conjugate to its stretched strain."""
-    return p_u + 2.0 * dot(vec(p.along, 0), p_u) * b
+    return p_u + dot(vec(p.along, 0), p_u) * g
 
 
 @kernel
@@ -120,32 +151,32 @@ def end_loads(p, s, p_u, p_phi):
 def add_elastic(p, at, u0, phi0, f, K, C):
     """Add residual and tangents of the elastic and viscous forces; (u0, phi0) is the strain-free screw."""
     s, e_u, e_phi = strains(p, at, u0, phi0)
-    R2, b = mat(at.R[1]), mat(p.B) @ e_u
-    e_u = stretched(p, e_u, b)
+    R2, line = mat(at.R[1]), bent_line(p, s.u, e_u)
+    e_u = e_u + line.more * vec(p.along, 0)
     if p.damping > 0.0:
         rates = strain_rates(p, at, s)
-        _add_viscous(p, at, s, rates, b, K, C)
-        e_u, e_phi = e_u + p.damping * stretched(p, rates.u, 2.0 * b), e_phi + p.damping * rates.phi
+        _add_viscous(p, at, s, rates, line, K, C)
+        e_u, e_phi = e_u + p.damping * rate_along(p, rates.u, line.g), e_phi + p.damping * rates.phi
     p_bar, p_phi = stresses(p, e_u, e_phi)
-    p_u = unstretched(p, p_bar, b)
+    p_u = unstretched(p, p_bar, line.g)
     P, Q, m_1, m_2 = end_loads(p, s, p_u, p_phi)
     n = R2 @ P
     add_vec(f, 0, -1.0, n)
     add_vec(f, 3, 1.0, m_1)
     add_vec(f, 6, 1.0, n)
     add_vec(f, 9, 1.0, m_2)
-    _add_stiffness(p, s, _current_stiffness(p, b, dot(vec(p.along, 0), p_bar)), (p_u, P, Q), R2, K)
+    _add_stiffness(p, s, _current_stiffness(p, line, dot(vec(p.along, 0), p_bar)), (p_u, P, Q), R2, K)
 
 
 @kernel
 def add_free_derivative(p, at, u0, phi0, change, column, K):
     """Add the derivative of the residual of ``add_elastic`` by a number with which u0 and phi0 ``change``.
 
-    The change of u0 is along the beam, where B vanishes: it stretches nothing, and b is constant.
+    The change of u0 is along the beam, where D vanishes: the line keeps its length.
     """
     s, e_u, _ = strains(p, at, u0, phi0)
     p_bar, p_phi = stresses(p, *change)
-    P, _, m_1, m_2 = end_loads(p, s, unstretched(p, p_bar, mat(p.B) @ e_u), p_phi)
+    P, _, m_1, m_2 = end_loads(p, s, unstretched(p, p_bar, bent_line(p, s.u, e_u).g), p_phi)
     n = mat(at.R[1]) @ P
     for i in range(3):
         K[i, column] += n[i]
@@ -155,20 +186,19 @@ def add_free_derivative(p, at, u0, phi0, change, column, K):
 
 
 @inlined
-def _current_stiffness(p, b, tension):
-    """Return the derivatives of p_u by u and phi: G^T K_uu G + 2 N B and G^T K_up with G = I + 2 a b^T."""
-    K_uu, K_up, along = mat(p.K_uu), mat(p.K_up), vec(p.along, 0)
-    b = 2.0 * b
+def _current_stiffness(p, line, tension):
+    """Return the derivatives of p_u by u and phi: G^T K_uu G + N d2(lambda)/du2 and G^T K_up with G = I + a g^T."""
+    K_uu, K_up, along, g = mat(p.K_uu), mat(p.K_up), vec(p.along, 0), line.g
     axial = K_uu @ along
-    column = axial + 0.5 * dot(along, axial) * b
-    K_uu = K_uu + 2.0 * tension * mat(p.B) + (outer(column, b) + outer(b, column))
-    return K_uu, K_up + outer(b, K_up.T @ along)
+    column = axial + 0.5 * dot(along, axial) * g
+    K_uu = K_uu + tension * _curvature(p, line) + (outer(column, g) + outer(g, column))
+    return K_uu, K_up + outer(g, K_up.T @ along)
 
 
 @inlined
 def _add_stiffness(p, s, stiffness, loads, R2, K):
     """Add material and geometric stiffness; only the blocks of a rotation with itself are not symmetric."""
-    phi, y, H, E, c, c1, c2 = s
+    u, phi, y, H, E, c, c1, c2 = s
     (K_uu, K_up), (p_u, P, Q) = stiffness, loads
     S, HT = mat(p.S), H.T
     SHT = (S @ H).T  # H^T S^T
@@ -201,15 +231,15 @@ def _add_stiffness(p, s, stiffness, loads, R2, K):
 
 
 @kernel
-def _add_viscous(p, at, s, rates, b, K, C):
+def _add_viscous(p, at, s, rates, line, K, C):
     """Add C = J^T (tau K_e) J and the part J^T (tau K_e) d(J v)/dq of K, J = d(u, phi)/d(d, Theta_1, Theta_2)."""
-    phi, y, H, E, c, c1, c2 = s
+    u, phi, y, H, E, c, c1, c2 = s
     u_rate, phi_rate, y_rate = rates
     S, RT = mat(p.S), mat(at.R[1]).T
     omega_1, omega_2 = S.T @ vec(at.v, 3), vec(at.v, 9)
     F_1, F_2 = -(S @ H).T, H
     V_d, V_1, V_2 = H @ RT, E @ F_1, cross_columns(H, y) + E @ F_2
-    stretch = outer(vec(p.along, 0), 2.0 * b)
+    stretch = outer(vec(p.along, 0), line.g)
     U_d, U_1, U_2 = V_d + stretch @ V_d, V_1 + stretch @ V_1, V_2 + stretch @ V_2
     J, zero = Jacobian(U_d, U_1, U_2, F_1, F_2), 0.0 * H
     _add_block(p, J, U_d, zero, 0, C)
@@ -222,7 +252,7 @@ def _add_viscous(p, at, s, rates, b, K, C):
     by_y = inverse_tangent_rate(phi, phi_rate, c, c1) - H @ skew(omega_2)
     carried = y_rate - cross(y, omega_2)
     D_2 = cross_columns(by_y, y) + cross_columns(H, carried) + N @ F_2
-    D_d, D_1, turning = by_y @ RT, N @ F_1, outer(vec(p.along, 0), 2.0 * (mat(p.B) @ u_rate))
+    D_d, D_1, turning = by_y @ RT, N @ F_1, outer(vec(p.along, 0), _curvature(p, line) @ u_rate)
     D_d = D_d + stretch @ D_d + turning @ V_d
     D_1 = D_1 + stretch @ D_1 + turning @ V_1
     D_2 = D_2 + stretch @ D_2 + turning @ V_2
