@@ -104,6 +104,22 @@ def princeton(n, degrees):
     return relative(found - [0.508, 0, 0], [-shortening, flap, edge])
 
 
+def smallest_stiffness(text):
+    """Smallest eigenvalue of the tangent at the equilibrium of a deck, reached in one step."""
+    K = Equilibrium(text.replace("static: {}", "static: {steps: 1}")).tangent().toarray()
+    return eigvalsh(0.5 * (K + K.T), subset_by_index=[0, 0])[0]
+
+
+def euler_load(n):
+    """Relative error of the axial load under which a cantilever buckles, pi^2 EI/(2 L)^2."""
+    section, exact = stiffness(EA=1e8, GA=1e8, GJ=1.0, EI2=1.0, EI3=4.0), np.pi**2 / 4
+
+    def smallest(load):
+        return smallest_stiffness(straight(section, 1.0, n, dead_force(-load, 0, 0)))
+
+    return brentq(smallest, 0.9 * exact, 1.1 * exact, xtol=1e-7) / exact - 1.0
+
+
 def lateral_buckling(n):
     """Relative error of the load at which the tangent of a narrow cantilever becomes singular.
 
@@ -112,10 +128,6 @@ def lateral_buckling(n):
     section = stiffness(EA=1e7, GA=1e7, GJ=1.0, EI2=1e5, EI3=1.0)
 
     def smallest(load):
-        found = Equilibrium(
-            straight(section, 1.0, n, dead_force(0, 0, load)).replace("static: {}", "static: {steps: 1}")
-        )
-        K = found.tangent().toarray()
-        return eigvalsh(0.5 * (K + K.T), subset_by_index=[0, 0])[0]
+        return smallest_stiffness(straight(section, 1.0, n, dead_force(0, 0, load)))
 
     return abs(brentq(smallest, 0.9 * BUCKLING, 1.1 * BUCKLING, xtol=1e-6) / BUCKLING - 1.0)

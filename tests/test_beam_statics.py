@@ -8,6 +8,7 @@ from beam_cases import (
     PRINCETON,
     bend,
     elastica,
+    euler_load,
     lateral_buckling,
     princeton,
     roll_up,
@@ -58,6 +59,29 @@ def test_order_four_in_bending(case, order):
 def test_order_two_where_bending_couples_with_torsion():
     coarse, fine = princeton(4, 45), princeton(8, 45)
     assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.1)
+
+
+def euler_load_of_cubic_beams(n):
+    """Relative error of n elements with cubic deflections and their consistent geometric stiffness (textbooks)."""
+    h = 1.0 / n
+    bending, geometric = np.zeros((2, 2 * n + 2, 2 * n + 2))
+    for first in range(0, 2 * n, 2):
+        of = slice(first, first + 4)
+        bending[of, of] += np.array(
+            [[12, 6 * h, -12, 6 * h], [6 * h, 4 * h**2, -6 * h, 2 * h**2],
+             [-12, -6 * h, 12, -6 * h], [6 * h, 2 * h**2, -6 * h, 4 * h**2]]
+        ) / h**3  # fmt: skip
+        geometric[of, of] += np.array(
+            [[36, 3 * h, -36, 3 * h], [3 * h, 4 * h**2, -3 * h, -(h**2)],
+             [-36, -3 * h, 36, -3 * h], [3 * h, -(h**2), -3 * h, 4 * h**2]]
+        ) / (30 * h)  # fmt: skip
+    return 1.0 / eigh(geometric[2:, 2:], bending[2:, 2:], eigvals_only=True)[-1] / (np.pi**2 / 4) - 1.0
+
+
+@pytest.mark.parametrize("n", [1, 2, 4])
+def test_euler_load(verify, n):
+    what = f"Euler load of a cantilever, {n} element(s): relative error"
+    verify(REST, what, euler_load(n), euler_load_of_cubic_beams(n), "cubic beam elements", absolute=1e-6)
 
 
 def test_lateral_buckling_load(verify):
