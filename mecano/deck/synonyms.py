@@ -43,8 +43,8 @@ NOTES = {  # words with the same meaning: (targets, note)
         "spherical hinge wheel", "a hitch is a spherical joint or a hinge; `mecano modes --sweep` finds its limit"
     ),
     "catenary, mooring line": (
-        "cable bar",
-        "a hanging rope is a line of cables, or of beams with a tension below 12 EI/L^2 of an element",
+        "cable bar beam",
+        "a hanging rope is a line of cables, or a beam with a mesh",
     ),
     "boom, antenna, spar": ("beam superelement", ""),
     "domino, rocking block": ("contact", ""),
