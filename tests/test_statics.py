@@ -13,8 +13,10 @@ from mecano.analyses.equilibria import equilibrium
 from mecano.analyses.prepare import integrator_of, prepare
 from mecano.analyses.static import run
 from mecano.deck.read import deck_of_bytes
-from mecano.errors import ConvergenceError, DeckError
+from mecano.errors import ConvergenceError, DeckError, NonFiniteError
+from mecano.model.sampler import Sampler
 from mecano.results.reader import open_results
+from mecano.solve.statics.continuation import Follower
 from mecano.solve.statics.stability import DENSE
 
 LIMIT = -minimize_scalar(lambda z: -truss_force(z), bounds=(0.0, 0.3), method="bounded", options={"xatol": 1e-12}).fun
@@ -463,3 +465,23 @@ def test_resolved_deck_stands_for_itself():
         first = deck(text)
         again = deck_of_bytes(json.dumps(first.resolved()).encode(), "again.yaml")
         assert again.values == first.values
+
+
+def test_an_output_that_is_not_finite_ends_the_path(tmp_path, monkeypatch):
+    """The moment of the third equilibrium: it is named, and not in the file, which keeps the equilibria before."""
+    text = deck(arm("static: {steps: 4}"))
+    sampler = Sampler(prepare(text).system)
+    moment = next(c.start for c in sampler.columns if c.path == "joints/hinge/moment") - sampler.node_size
+    observe = Follower.observe
+
+    def spoiled(follower, s, p):
+        found = observe(follower, s, p)
+        found.outputs[moment] = np.nan if p == 0.5 else found.outputs[moment]
+        return found
+
+    monkeypatch.setattr(Follower, "observe", spoiled)
+    with pytest.raises(NonFiniteError, match="from load factor 0.5: hinge 'hinge': moment is not finite"):
+        run(text, tmp_path / "r.h5")
+    with open_results(tmp_path / "r.h5") as results:
+        assert results.status == "failed" and "moment is not finite" in results.reason
+        np.testing.assert_array_equal(results.time, [0.0, 0.25])

@@ -6,14 +6,18 @@ from contextlib import contextmanager
 import numpy as np
 
 from mecano.analyses.dense_output import DenseOutput
-from mecano.errors import ConvergenceError, NonFiniteError, ResultsError
+from mecano.analyses.not_finite import output_not_finite
+from mecano.errors import ConvergenceError, ResultsError
 from mecano.model.output_limits import watched_outputs
 from mecano.solve.time.output import ENDED, FULL, NOT_FINITE, Output
 from mecano.solve.time.unresolved_oscillation import OscillationMonitor
 
 INTERVAL = 0.2  # s of wall-clock time after which rows go to the writer
 FORCES = ("N", "N m", "Pa")  # units of outputs that are watched for ringing
-MOST_NAMED = 5  # elements in a message
+REMEDY = (
+    "laws that stay finite near this state; a smaller time.step or time.adaptive, if the motion so far is not as "
+    "expected"
+)
 
 
 class Recorder:
@@ -148,18 +152,4 @@ class Recorder:
 
     def _not_finite(self, t, i):
         """Return the error that names the output of number ``i`` of the row, which is not finite."""
-        column = next(column for column in self.sampler.columns if column.start <= i < column.start + column.size)
-        path, _, output = column.path.rpartition("/")
-        section, _, name = path.partition("/")
-        of_nodes = {path: f"node '{name}'"} if section == "nodes" else {}
-        batches = self.sampler.system.batches
-        titles = of_nodes | {b.paths[e][0]: b.names[e] for b in batches for e in range(len(b.p))}
-        if column.path.startswith("energy/"):  # the sum of those of all elements
-            infinite = ~np.isfinite(self.observation.energies).all(axis=1)
-            wrong = [b.names[e] for b in batches for e in np.flatnonzero(infinite[b.phases])]
-            titles = {path: "; ".join(wrong[:MOST_NAMED])} if wrong else {}
-        owner = f"{titles[path]}: {output}" if path in titles else column.path
-        return NonFiniteError(
-            f"cannot continue from t = {t:.9g} s: {owner} is not finite\nwhat to try: laws that stay finite near this "
-            "state; a smaller time.step or time.adaptive, if the motion so far is not as expected"
-        )
+        return output_not_finite(self.sampler, self.observation, i, f"t = {t:.9g} s", REMEDY)

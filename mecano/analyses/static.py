@@ -4,6 +4,7 @@ import numpy as np
 
 from mecano.analyses.diagnostics import with_places
 from mecano.analyses.equilibria import follow
+from mecano.analyses.not_finite import output_not_finite
 from mecano.analyses.prepare import model_facts, prepare, startup_warnings
 from mecano.model.sampler import Sampler, StaticSample
 from mecano.model.system import is_scaled
@@ -33,6 +34,7 @@ PATH = (
     Series("static/unstable_directions", "", "directions in which the equilibrium is unstable; -1 where unknown"),
     Series("static/neutral_directions", "", "directions without stiffness; -1 where unknown"),
 )
+REMEDY = "laws that stay finite near this state"
 
 
 class Recorder:
@@ -47,12 +49,14 @@ class Recorder:
         self.loads = _outputs_of_loads(system)
 
     def __call__(self, point):
-        """Write one Point."""
+        """Write one Point. Raises NonFiniteError, which names the output, if one is not finite."""
         factor = 1.0 if self.over_time else point.parameter
         stability, row = point.stability, self.sampler.take(StaticSample(point.state), point.observation)
         row[self.sampler.node_size + self.loads] *= factor
         row = np.append(row[self.places], [factor, stability.unstable, stability.neutral])
-        self.writer.extremes.take(point.place, row)
+        if (i := self.writer.extremes.take(point.place, row)) >= 0:
+            where = f"t = {point.place:.9g} s" if self.over_time else f"load factor {point.parameter:.6g}"
+            raise output_not_finite(self.sampler, point.observation, self.places[i], where, REMEDY)
         self.writer.append(point.place, row)
         if point.step:
             self.writer.append_step(point.place, np.array([point.step, point.iterations, point.rejected, *point.norms]))

@@ -1,0 +1,26 @@
+"""The error for an output that is not finite: no row of a results file has such a number."""
+
+import numpy as np
+
+from mecano.errors import NonFiniteError
+
+MOST_NAMED = 5  # elements in a message
+
+
+def output_not_finite(sampler, observation, i, where, remedy):
+    """Return the NonFiniteError for number ``i`` of the row of a Sampler, taken from an Observation.
+
+    ``where`` is the time or load factor as text, ``remedy`` what to try.
+    """
+    column = next(column for column in sampler.columns if column.start <= i < column.start + column.size)
+    path, _, output = column.path.rpartition("/")
+    section, _, name = path.partition("/")
+    of_nodes = {path: f"node '{name}'"} if section == "nodes" else {}
+    batches = sampler.system.batches
+    titles = of_nodes | {b.paths[e][0]: b.names[e] for b in batches for e in range(len(b.p))}
+    if column.path.startswith("energy/"):  # the sum of those of all elements
+        infinite = ~np.isfinite(observation.energies).all(axis=1)
+        wrong = [b.names[e] for b in batches for e in np.flatnonzero(infinite[b.phases])]
+        titles = {path: "; ".join(wrong[:MOST_NAMED])} if wrong else {}
+    owner = f"{titles[path]}: {output}" if path in titles else column.path
+    return NonFiniteError(f"cannot continue from {where}: {owner} is not finite\nwhat to try: {remedy}")
