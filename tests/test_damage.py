@@ -9,7 +9,7 @@ import h5py
 import pytest
 from scorecard.damage import subjects
 from surviving import decks
-from time_runs import INPUTS
+from time_runs import INPUTS, input_deck
 
 import mecano
 from mecano.analyses.dynamic import resume, run
@@ -35,14 +35,16 @@ def test_commands_meet_damaged_files(tried):
 
 @pytest.mark.parametrize("version, reported", [(0, "format 0 of another version"), (2, "format 2 of a newer mecano")])
 def test_a_run_of_another_format_is_not_resumed(tmp_path, version, reported):
+    """The format comes first: what another deck is compared with may be written otherwise in it."""
     assert layout.FORMAT_VERSION == 1
     deck, path = decks()["bouncing_ball"], tmp_path / "r.h5"
     run(deck, path)
     with h5py.File(path, "r+") as file:
         file.attrs["format_version"] = version
     before = path.read_bytes()
-    with pytest.raises(ResultsError, match=reported):
-        resume(deck, path)
+    for resumed in (deck, input_deck("bouncing_ball", "title=Another")):
+        with pytest.raises(ResultsError, match=reported):
+            resume(resumed, path)
     assert path.read_bytes() == before
 
 

@@ -33,7 +33,7 @@ class InterruptedRun:
         Values chosen where the deck says "automatic".
     model : dict
         Properties of the model, see ``model_facts``.
-    remarks : list of str
+    warnings : list of str
         Warnings of the interrupted run.
     """
 
@@ -54,6 +54,12 @@ class InterruptedRun:
         self.results.close()
 
     def _check(self, deck):
+        version = self.results.format_version
+        if version != FORMAT_VERSION:
+            raise ResultsError(
+                f"{self.path} has format {version} of another version of mecano and cannot be resumed by this one, "
+                f"which writes format {FORMAT_VERSION}: resume it with the version that wrote it, or use --force"
+            )
         found = list(differences(self.results.resolved, json.loads(to_json(deck.resolved()))))
         if found:
             more = f"\n  and {len(found) - MOST} more" if len(found) > MOST else ""
@@ -63,12 +69,6 @@ class InterruptedRun:
             )  # fmt: skip
         if changed := self._changed_plugins():
             raise UsageError(f"{self.path} cannot be resumed: {changed}; name the plugins with which it was started")
-        version = self.results.format_version
-        if version != FORMAT_VERSION:
-            raise ResultsError(
-                f"{self.path} has format {version} of another version of mecano and cannot be resumed by this one, "
-                f"which writes format {FORMAT_VERSION}: resume it with the version that wrote it, or use --force"
-            )
         process = self.results.metadata["process"]
         if self.results.status == "running" and self.results.written_here and process != os.getpid():
             raise ResultsError(f"{self.path} is still being written, by process {process}")
