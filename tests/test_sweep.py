@@ -22,7 +22,7 @@ from mecano.analyses import sweep as sweeps
 from mecano.analyses.modal import about
 from mecano.analyses.sweep import Axis, sweep, sweep_into
 from mecano.analyses.sweep_text import known
-from mecano.errors import ConvergenceError, UsageError
+from mecano.errors import ConvergenceError, ResultsError, UsageError
 from mecano.post.loci import _mark, real_range, shown_modes, sweep_figure
 from mecano.post.pictures import post
 from mecano.results.sweep_file import read_sweep
@@ -301,6 +301,15 @@ def test_map_files_and_pictures(tmp_path):
     assert min(ticks) < 0.0 < max(ticks)
     assert [p.name for p in post([path], output=str(tmp_path))] == ["map.png"]
     assert (tmp_path / "map.png").stat().st_size > 20_000
+
+
+@pytest.mark.parametrize("name", ["map.h5", "map.csv", "map_critical.csv"])
+def test_a_file_that_exists_is_refused_before_the_sweep(tmp_path, monkeypatch, name):
+    (tmp_path / name).write_text("measured by hand\n")
+    monkeypatch.setattr(sweeps, "sweep", lambda *_, **__: pytest.fail("computed in vain"))
+    with pytest.raises(ResultsError, match=f"{name} exists already"):
+        sweep_into(tmp_path / "map.h5", INPUTS / "caster_shimmy.yaml", (), ["speed=20:60:20"], columns=True)
+    assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
 def test_critical_values_about_a_start_that_is_kicked(tmp_path):

@@ -14,7 +14,7 @@ from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError, Usage
 from mecano.process.interrupt import abandonable
 from mecano.results.lock import locked
 from mecano.results.provenance import Source
-from mecano.results.sweep_file import contents, write_sweep, write_tables
+from mecano.results.sweep_file import contents, refuse_tables, write_sweep, write_tables
 from mecano.results.writer import refuse_existing
 from mecano.solve.modal.critical import critical
 from mecano.solve.modal.families import FAMILIES, families, running_axes
@@ -283,10 +283,13 @@ def _distinct(criticals):
 def sweep_into(file, path, overrides, texts, *, columns=False, force=False, **options):
     """Write a ``sweep`` to a file, with ``columns`` also to CSV tables beside it; return (text, number of states).
 
-    Raises the errors of ``sweep``, and ResultsError if the file exists, unless ``force``, or cannot be written.
+    Raises the errors of ``sweep``, and ResultsError if one of the files exists, unless ``force``, or cannot be written.
     """
+    tables = Path(file).with_suffix(".csv")
     with locked(file):
         refuse_existing(file, force)
+        if columns:
+            refuse_tables(tables, force)
         found = sweep(path, overrides, texts, **options)
         deck, plain = found.deck, contents(found)
         warnings = [*found.warnings, *(text for locus in found.loci for text in locus.unrefined)]
@@ -294,6 +297,6 @@ def sweep_into(file, path, overrides, texts, *, columns=False, force=False, **op
                         warnings=warnings)  # fmt: skip
         write_sweep(file, plain, source, force=force)
         if columns:
-            write_tables(Path(file).with_suffix(".csv"), plain, force)
+            write_tables(tables, plain, force)
     text = "\n".join([*lines(found), *(f"mecano: {text}" for text in found.warnings)])
     return text, sum(len(locus.count) for locus in found.loci)

@@ -11,7 +11,7 @@ from mecano.errors import ResultsError
 from mecano.results.checked import open_checked
 from mecano.results.disk import hdf5_appearing
 from mecano.results.table import describe
-from mecano.results.whole_file import put_source, write_csv
+from mecano.results.whole_file import exists, put_source, refuse_other_than_file, write_csv
 from mecano.results.writer import refuse_existing
 
 FORMAT, FORMAT_VERSION = "mecano sweep", 1
@@ -129,14 +129,27 @@ def _columns(group, columns):
     return {name: group[name][:] for name, _, _ in columns if name in group}
 
 
+def refuse_tables(path, force):
+    """Raise ResultsError if a file with the name of a table of ``write_tables`` exists, unless ``force``."""
+    for target in _tables(path):
+        refuse_other_than_file(target)
+        if not force and exists(target):
+            raise ResultsError(f"{target} exists already; --force replaces it")
+
+
 def write_tables(path, plain, force):
     """Write the states as CSV, a row each, and the critical values as ``..._critical.csv``.
 
     Raises ResultsError as ``write_csv``.
     """
-    path = Path(path)
-    for target, rows in ((path, _rows(plain)), (path.with_name(f"{path.stem}_critical.csv"), _critical_rows(plain))):
+    for target, rows in zip(_tables(path), (_rows(plain), _critical_rows(plain)), strict=True):
         write_csv(target, rows, force)
+
+
+def _tables(path):
+    """Return the Paths of the table of states and of the table of critical values."""
+    path = Path(path)
+    return path, path.with_name(f"{path.stem}_critical.csv")
 
 
 def _critical_rows(plain):
