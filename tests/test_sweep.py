@@ -10,6 +10,7 @@ import csv
 import json
 import re
 import textwrap
+from dataclasses import replace
 from types import SimpleNamespace
 
 import h5py
@@ -451,6 +452,26 @@ def test_states_that_are_not_found_are_left_out(tmp_path):
     assert reported.endswith("(in 2 of the states)")
     with pytest.raises(ConvergenceError, match="would be violated over time"):
         sweep(INPUTS / "caster_shimmy.yaml", (tow,), ["speed=10,30"])
+
+
+def test_warnings_count_states_and_not_the_search_for_critical_values(tmp_path, monkeypatch):
+    """The oscillator becomes stable at 0: there its mode is computed again and again, with the same warnings."""
+    (tmp_path / "o.yaml").write_text(textwrap.dedent(OSCILLATOR))
+    searched = []
+
+    def warned(deck):
+        damping = deck.values["parameters"]["damping"]
+        searched.append(damping)
+        texts = ["everywhere"] + ["negative 7"] * (damping < 0.0) + ["small"] * (abs(damping) < 1.0)
+        return replace(about(deck), warnings=(*texts, f"at {damping}", f"twice {damping}", "twice 1"))
+
+    monkeypatch.setattr(sweeps, "about", warned)
+    found = sweep(tmp_path / "o.yaml", (), ["damping=-2,6"])
+    assert len(searched) > 2 and len(found.loci[0].critical) == 1
+    assert found.warnings == [
+        "everywhere", "negative 7 (in 1 of the states)", "at -2.0", "twice -2.0",
+        "small (between the states, near critical values)",
+    ]  # fmt: skip
 
 
 OSCILLATOR = """

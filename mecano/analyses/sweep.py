@@ -118,7 +118,7 @@ class Case:
     number: int = 1_000_000
     frame: str = "inertial"
     method: str = "automatic"
-    warnings: dict = field(default_factory=dict)  # text without numbers -> (first text, number of states)
+    warnings: dict = field(default_factory=dict)  # text without numbers -> (first text, set of settings)
     about: str = ""
     error: Exception | None = None  # of the last state that was not found
     variation: float = 0.0  # of the Linearizations, largest of all states
@@ -128,16 +128,19 @@ class Case:
         """Return the checked deck with ``settings``, pairs (path, value), applied."""
         return read_deck(self.path, (*self.overrides, *(f"{path}={value!r}" for path, value in settings)))
 
-    def warn(self, text):
-        """Record a warning; texts that differ in numbers only are counted as one."""
-        key = ALONE.sub("#", text)
-        first, count = self.warnings.get(key, (text, 0))
-        self.warnings[key] = first, count + 1
+    def warn(self, text, settings):
+        """Record a warning about the state with ``settings``; texts that differ in numbers only are one warning."""
+        self.warnings.setdefault(ALONE.sub("#", text), (text, set()))[1].add(settings)
 
-    def fail(self, error):
+    def fail(self, error, settings):
         """Record the error of a state."""
         self.error = error
-        self.warn(_cause(error))
+        self.warn(_cause(error), settings)
+
+    def counted_warnings(self, states):
+        """Return the warnings, each with the number of ``states`` (a set of settings) that have it, if not all."""
+        counted = [(text, len(found & states)) for text, found in self.warnings.values()]
+        return [text if count == len(states) else f"{text} ({_share(count)})" for text, count in counted]
 
     def spectrum(self, settings):
         """Return (Spectrum, function of a shape that describes its motion, variation) of a state."""
@@ -150,7 +153,7 @@ class Case:
         self.variation = max(self.variation, lin.variation)
         self.residual = max(self.residual, float(found.residuals.max(initial=0.0)))
         for text in base.warnings:
-            self.warn(text)
+            self.warn(text, settings)
         length = float(lin.root.max(initial=1.0))
 
         def motion(shape):
@@ -181,9 +184,14 @@ def sweep(path, overrides, texts, *, number=None, frame="inertial", method="auto
         found.append(_locus(case, first, other, reported))
     if all(np.all(locus.count < 0) for locus in found):
         raise case.error
-    reported = case.warnings.values()
-    warnings = [text if count >= total else f"{text} (in {count} of the states)" for text, count in reported]
-    return Sweep(axes, found, [*warnings, *doubts(case.variation, case.residual)], case.about, deck)
+    states = {(*other, (first.path, float(value))) for other in others for value in first.values}
+    return Sweep(
+        axes, found, [*case.counted_warnings(states), *doubts(case.variation, case.residual)], case.about, deck
+    )
+
+
+def _share(count):
+    return f"in {count} of the states" if count else "between the states, near critical values"
 
 
 def _locus(case, axis, other, reported):
@@ -195,7 +203,7 @@ def _locus(case, axis, other, reported):
             spectrum, motion, variation = case.spectrum(settings)
         except FAILED as error:
             spectrum, motion, variation = None, None, 0.0
-            case.fail(error)
+            case.fail(error, settings)
         spectra.append(spectrum)
         motions.append(motion)
         variations.append(variation)
