@@ -11,8 +11,10 @@ import surviving
 from time_runs import deck, in_python, input_deck
 
 from mecano.analyses.prepare import integrator_of, prepare
+from mecano.errors import Failure
 from mecano.results.state import load_state, save_state
 from mecano.solve.time.run_state import from_plain, to_plain
+from mecano.solve.time.step_info import StepInfo
 from mecano.solve.time.time_integration import TimeIntegrator
 
 DECK = """
@@ -55,6 +57,7 @@ step_change.ACCEPT_BELOW = -1.0  # as where the fixed order of elimination does 
 from time_runs import in_python, input_deck
 from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.prepare import integrator_of, prepare
+from mecano.errors import Failure
 from mecano.solve.time.generalized_alpha import GeneralizedAlpha
 
 change, changes, ends = GeneralizedAlpha._change_with_superlu, [], []
@@ -94,6 +97,26 @@ def test_rejected_steps_leave_nothing_behind():
     disturbed = integrator.to(1.0, integrator.begin(prepared.state, 0.005))
     assert len(calls) >= 200
     assert np.array_equal(disturbed.motion.z, plain.motion.z)
+
+
+def test_a_step_that_is_left_among_its_trials_leaves_the_method_as_it_was():
+    """A Simulation may continue after Ctrl-C: later steps must not be judged as those after a failed trial."""
+    prepared = prepare(input_deck("pendulum"))
+    integrator, sizes = integrator_of(prepared), []
+    start = integrator.begin(prepared.state, 1e-3)
+
+    def failing(s, history, h):
+        sizes.append(h)
+        if len(sizes) == 2:
+            assert integrator.method.workspace.record["strict"][0]
+            raise KeyboardInterrupt
+        return s, history, StepInfo(False, 1, (0.0, 0.0, 0.0), np.nan, history, "", Failure.NOT_CONVERGED)
+
+    integrator.method.step = failing
+    in_python(integrator)
+    with pytest.raises(KeyboardInterrupt):
+        integrator.to(1.0, start)
+    assert sizes == [1e-3, 0.25e-3] and not integrator.method.workspace.record["strict"][0]
 
 
 class EveryThird(TimeIntegrator):

@@ -168,7 +168,26 @@ class TimeIntegrator:
 
     def _advance(self, run, stop, trial=None):
         """Make one accepted step towards ``stop``, or an event at its beginning, from its first ``trial`` if made."""
-        h, rejected, iterations, found, cuts = self._clip(run, stop), 0, 0, None, []
+        cuts = []
+        try:
+            h, trial, found, rejected, iterations = self._acceptable(run, stop, trial, cuts)
+        finally:
+            if cuts:
+                self.method.insist(False)  # also for a caller that catches what ``pause`` raises, and continues
+        self.cuts += cuts  # only now: ``pause`` may raise during the trials, and the resumed run repeats them
+        counted = run.tried(rejected, iterations)
+        if found is None:
+            return self._accept(counted, trial, h, rejected, stop, failed=bool(cuts))
+        if found.trial is None:
+            return self._change_phases(counted, trial[2], found, rejected)
+        return self._accept_event(replace(counted, h=h) if rejected else counted, found, rejected)
+
+    def _acceptable(self, run, stop, trial, cuts):
+        """Return the first acceptable step towards ``stop``: (h, trial, first event in it, rejected, iterations).
+
+        Failed trials are added to ``cuts``, after which the method insists.
+        """
+        h, rejected, iterations = self._clip(run, stop), 0, 0
         while True:
             if cuts:
                 self.method.insist(True)  # in a shorter step any correction is rounding
@@ -183,18 +202,9 @@ class TimeIntegrator:
             if smaller is None:
                 found = self._locate(run, g0, trial, h)
                 if found is None or found.ok:
-                    break
+                    return h, trial, found, rejected, iterations
                 smaller = self._smaller(found.trial[2], run.motion.t, h, cuts)
             h, rejected = smaller, rejected + 1
-        if cuts:
-            self.method.insist(False)
-        self.cuts += cuts  # only now: ``pause`` may raise during the trials, and the resumed run repeats them
-        counted = run.tried(rejected, iterations)
-        if found is None:
-            return self._accept(counted, trial, h, rejected, stop, failed=bool(cuts))
-        if found.trial is None:
-            return self._change_phases(counted, trial[2], found, rejected)
-        return self._accept_event(replace(counted, h=h) if rejected else counted, found, rejected)
 
     def _locate(self, run, g0, trial, h):
         """Return the first event in a ``trial`` step as Located, or None."""
