@@ -12,6 +12,7 @@ import numpy as np
 
 from mecano.analyses.replay import gaps_at_start, replayed, scalars_in
 from mecano.errors import DeckError, Problem, ResultsError
+from mecano.name_list import name_list
 
 MOST = 8  # names in a text
 ROUNDING = 1e-9  # of the time, by which a saved time may differ from the wanted one
@@ -98,13 +99,9 @@ def _remarks(results, row, name, system, nodes, missing, anew):
     gone = [node for node in saved if node not in common]
     for names, what in ((new, "not in that file, and start as in the deck"), (gone, "in that file, but not here")):
         if names:
-            yield f"nodes {what}: {_some(names)}"
+            yield f"nodes {what}: {name_list(names, MOST)}"
     if anew:
-        yield f"signals that start without their history: {_some(anew)}"
+        yield f"signals that start without their history: {name_list(anew, MOST)}"
     if missing:
-        yield f"unknowns not in that file, which start as in the deck: {_some([f'{n} of {o}' for o, n in missing])}"
-
-
-def _some(names):
-    more = len(names) - MOST
-    return ", ".join(names[:MOST]) + (f" and {more} more" if more > 0 else "")
+        unknowns = [f"{name} of {owner}" for owner, name in missing]
+        yield f"unknowns not in that file, which start as in the deck: {name_list(unknowns, MOST)}"

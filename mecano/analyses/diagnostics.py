@@ -5,7 +5,6 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from mecano.analyses.prepare import some
 from mecano.analyses.recorder import FORCES
 from mecano.element_interface import SECTIONS, WAITS
 from mecano.elements import KINDS
@@ -13,6 +12,7 @@ from mecano.elements.signals.formula import FORMULA
 from mecano.errors import NonFiniteError
 from mecano.model.model import title_of
 from mecano.model.output_limits import watched_outputs
+from mecano.name_list import name_list
 
 MOST_LATCHES = 8  # named in a warning
 MOST_FORCES = 4
@@ -43,7 +43,7 @@ def captured(values, capture):
     names = [name for name, _ in sorted(capture.by_element.items(), key=lambda item: (-item[1], item[0]))]
     smaller = "'time.adaptive.tolerance'" if values["adaptive"] else "'time.step'"
     yield (
-        f"{sum(capture.by_element.values())} events of {some(names, MOST_NAMED)} were taken at the ends of "
+        f"{sum(capture.by_element.values())} events of {name_list(names, MOST_NAMED, '; ')} were taken at the ends of "
         f"{capture.steps} steps instead of located, first after t = {capture.first:.4g} s: there were more than "
         f"time.located_events = {capture.most} instants with events beyond one in each step. Motions from one such "
         f"event to the next are not resolved: compare with a run with a smaller {smaller}"
@@ -105,8 +105,8 @@ def unresolved(values, sampler, ringing, length):
     smaller = "'time.adaptive.tolerance' or 'time.adaptive.maximum_step'" if values["adaptive"] else "'time.step'"
     yield (
         f"the steps do not resolve {len(worst)} force(s), which oscillate from step to step: "
-        f"{some(worst, MOST_FORCES)}. Their values are not reliable; use a smaller {smaller}, or add damping "
-        "to the oscillating parts"
+        f"{name_list(worst, MOST_FORCES, '; ')}. Their values are not reliable; use a smaller {smaller}, or add "
+        "damping to the oscillating parts"
     )
 
 
@@ -142,7 +142,7 @@ def explained(error, deck, warnings):
             title = title_of(d["type"], name)
             if title in error.elements and (found := KINDS[d["type"]].remedies(d)):
                 remedies.setdefault("; ".join(found), []).append(title)
-    tries = [f"in {some(titles, MOST_NAMED)}: {found}" for found, titles in remedies.items()]
+    tries = [f"in {name_list(titles, MOST_NAMED, '; ')}: {found}" for found, titles in remedies.items()]
     known = [f"warning: {one}" for one in dict.fromkeys(warnings) if any(text in one for text in about)]
     return "\n".join([str(error), *_formulas(error, deck), *tries, *known])
 
@@ -166,7 +166,8 @@ def still_waiting(system, phases):
         if phase == batch.kind.phases.index(after)
     ]
     if found:
-        yield f"activated without effect, as the bodies overlapped until the end: {some(found, MOST_LATCHES)}"
+        waiting = name_list(found, MOST_LATCHES, "; ")
+        yield f"activated without effect, as the bodies overlapped until the end: {waiting}"
 
 
 def open_latches(deck, row, sampler):
@@ -184,4 +185,4 @@ def open_latches(deck, row, sampler):
             at, moving = (row[columns[f"joints/{name}/{output}"]] for output in (quantity, rate))
             found.append(f"{d['type']} '{name}' at {at:.4g} of {wanted:.4g} {unit}, moving at {moving:.3g} {unit}/s")
     if found:
-        yield f"{len(found)} of {len(latched)} latches never closed: {some(found, MOST_LATCHES)}"
+        yield f"{len(found)} of {len(latched)} latches never closed: {name_list(found, MOST_LATCHES, '; ')}"

@@ -14,6 +14,7 @@ from mecano.errors import AssemblyError, DeckError, Problem
 from mecano.model.model import title_of
 from mecano.model.sampler import row_size
 from mecano.model.system import System
+from mecano.name_list import name_list
 from mecano.process.interrupt import abandonable
 from mecano.results.layout import STEPS
 from mecano.solve.diagnostics.analysis import DENSE_ROWS, analyse
@@ -170,9 +171,10 @@ def startup_warnings(prepared, start=None):
             f"satisfy the constraints: as given, {prepared.off}"
         )
     for group in prepared.redundant:
+        joints = name_list(group.by_joint(MOST_NAMES), MOST_NAMES, "; ")
         texts.append(
-            f"{group.count} redundant constraint(s) among: {some(group.by_joint(MOST_NAMES), MOST_NAMES)}. The "
-            "motion is not affected; the reactions of these constraints are not unique"
+            f"{group.count} redundant constraint(s) among: {joints}. The motion is not affected; the reactions of "
+            "these constraints are not unique"
         )
         texts += _friction_of(prepared.system, group) + _read_by_signals(prepared.system, group)
     if not analysis.complete:
@@ -212,12 +214,6 @@ def model_facts(prepared):
 def mass_of(system):
     """Return the total mass [kg] of all elements whose record has a field "mass"."""
     return sum(float(batch.p["mass"].sum()) for batch in system.batches if "mass" in batch.p.dtype.names)
-
-
-def some(names, most):
-    """Return up to ``most`` names as text, with the number of further ones."""
-    shown = "; ".join(names[:most])
-    return shown if len(names) <= most else f"{shown}; and {len(names) - most} more"
 
 
 def _friction_of(system, group):

@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from mecano.errors import ResultsError, UsageError
+from mecano.name_list import name_list
 from mecano.results.checked import blaming
 from mecano.results.layout import FORMAT_VERSION
 from mecano.results.provenance import plugins, provenance, to_json
@@ -62,11 +63,8 @@ class InterruptedRun:
             )
         found = list(differences(self.results.resolved, json.loads(to_json(deck.resolved()))))
         if found:
-            more = f"\n  and {len(found) - MOST} more" if len(found) > MOST else ""
-            raise UsageError(
-                f"{self.path} belongs to another deck and cannot be resumed; it has\n  "
-                + "\n  ".join(found[:MOST]) + more
-            )  # fmt: skip
+            listed = name_list(found, MOST, "\n  ")
+            raise UsageError(f"{self.path} belongs to another deck and cannot be resumed; it has\n  {listed}")
         if changed := self._changed_plugins():
             raise UsageError(f"{self.path} cannot be resumed: {changed}; name the plugins with which it was started")
         process = self.results.metadata["process"]

@@ -5,9 +5,10 @@ from textwrap import wrap
 
 from mecano.analyses.initial_state import describe
 from mecano.analyses.memory_estimate import in_words, memory_of_run
-from mecano.analyses.prepare import amount_warnings, mass_of, prepare, some, warnings_of
+from mecano.analyses.prepare import amount_warnings, mass_of, prepare, warnings_of
 from mecano.deck.run_size import saved_times, steps
 from mecano.element_interface import SECTIONS
+from mecano.name_list import name_list
 from mecano.process.interrupt import abandonable
 from mecano.solve.diagnostics.analysis import DENSE_ROWS
 from mecano.solve.diagnostics.rigidity import stiff_mechanisms
@@ -90,10 +91,10 @@ def _free(mechanisms, every):
     most, shown = (10**9, len(mechanisms)) if every else (MOST_NAMES, MOST_MECHANISMS)
     alone = [name for group in mechanisms for name in group.names if len(group.names) == 1]
     if alone:
-        yield f"{len(alone)} independent motion(s): {some(_by_nodes(alone), most)}"
+        yield f"{len(alone)} independent motion(s): {name_list(_by_nodes(alone), most, '; ')}"
     groups = [group for group in mechanisms if len(group.names) > 1]
     for group in groups[:shown]:
-        yield f"mechanism of {group.count} degree(s) of freedom: {some(_by_nodes(group.names), most)}"
+        yield f"mechanism of {group.count} degree(s) of freedom: {name_list(_by_nodes(group.names), most, '; ')}"
     if more := groups[shown:]:
         degrees = sum(group.count for group in more)
         yield f"and {len(more)} more mechanism(s) of {degrees} degree(s) of freedom together: mecano check DECK --all"

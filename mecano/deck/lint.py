@@ -13,6 +13,7 @@ from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS
 from mecano.elements.wheels.lateral_law import runaway
 from mecano.errors import Problem
+from mecano.name_list import name_list
 
 PUSHES = "it pushes away from its zero instead of back to it; is this intended, as in a snap-through?"
 DRIVES = "it drives slow motions instead of braking them; is this intended, as in a self-excited oscillation?"
@@ -92,9 +93,8 @@ def _signs(values, kinds):
                 found.setdefault((section, d["type"], f"{path}.{what}", follows), {})[name] = number
     for (section, kind, path, follows), numbers in found.items():
         names, lowest, highest = [f"'{name}'" for name in numbers], min(numbers.values()), max(numbers.values())
-        more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
         value = f"{lowest:g}" if lowest == highest else f"{lowest:g} to {highest:g}"
-        text = f"{kind} {', '.join(names[:MOST_NAMES])}{more}: '{path}' is negative ({value}): {follows}"
+        text = f"{kind} {name_list(names, MOST_NAMES)}: '{path}' is negative ({value}): {follows}"
         yield (section, next(iter(numbers)), *path.split(".")), text
 
 

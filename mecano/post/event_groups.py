@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mecano.name_list import name_list
 from mecano.post.quantity import Quantity, time_of
 from mecano.post.sheet import Curve, Panel, Sheet
 
@@ -37,8 +38,7 @@ class Group:
         """The element, or number and kind of the elements with the first of their names."""
         if len(self.events) == 1:
             return self.events[0].element
-        more = f" and {len(self.names) - MOST_NAMES} more" if len(self.names) > MOST_NAMES else ""
-        return f"{len(self.names)} {self.kind}: {', '.join(self.names[:MOST_NAMES])}{more}"
+        return f"{len(self.names)} {self.kind}: {name_list(self.names, MOST_NAMES)}"
 
     @property
     def what(self):

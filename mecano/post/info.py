@@ -9,6 +9,7 @@ import numpy as np
 
 from mecano.element_interface import Display
 from mecano.errors import UnknownNameError
+from mecano.name_list import name_list
 from mecano.post.event_groups import groups
 from mecano.post.extremes import named, telling
 from mecano.post.info_modes import info_other, is_other
@@ -173,9 +174,7 @@ def _holds(results):
     lines = ["Outputs (units and descriptions, and all names: mecano info FILE --names)"]
     ranked = sorted(groups.items(), key=lambda item: _rank(results, *item[0]))
     for (section, kind, names), members in ranked:
-        shown = ", ".join(members[:MOST_NAMES]) + (
-            f" and {len(members) - MOST_NAMES} more" if len(members) > MOST_NAMES else ""
-        )
+        shown = name_list(members, MOST_NAMES)
         head = f"  {section}{f', {kind}' if kind else ''}" + (f": {shown}" if members != [section] else "")
         lines += wrap(f"{head}: {', '.join(names)}", WIDTH, initial_indent="  ", subsequent_indent="      ")
     return lines

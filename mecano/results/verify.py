@@ -7,6 +7,7 @@ from itertools import pairwise
 import h5py
 
 from mecano.errors import ResultsError
+from mecano.name_list import name_list
 from mecano.results.checked import blaming, checked, format_of, open_checked
 from mecano.results.checksums import Seal
 from mecano.results.layout import FORMAT
@@ -49,7 +50,7 @@ def _changed(source):
         return ""
     block = source.block
     of = owners(path, changed, block)
-    named = "; ".join(of[:MOST]) + (f"; and {len(of) - MOST} more" if len(of) > MOST else "")
+    named = name_list(of, MOST, "; ")
     total = -(-min(sums.covered, source.size) // block)
     where = f"{len(changed)} of {total} blocks of {block} bytes, the first at byte {block * changed[0]}"
     return f"{path} is damaged: bytes have changed in {where}. Data affected: {named}"

@@ -1,6 +1,7 @@
 """Constraints by joint: joints of one kind with the same constraints in one text."""
 
 from mecano.model.numbering import AXES
+from mecano.name_list import name_list
 
 
 def by_joint(names, totals, most):
@@ -22,10 +23,9 @@ def by_joint(names, totals, most):
 
 def _text(kind, whats, total, joints, most):
     """Return the text of ``joints`` of one kind, each of which has ``total`` constraints, with the same constraints."""
-    shown = ", ".join(joints[:most]) + (f" and {len(joints) - most} more" if len(joints) > most else "")
     each = " each" if len(joints) > 1 else ""
     of = f" ({len(whats)} of {total} constraints{each})" if total > 1 else ""
-    return f"{kind} {shown}: {'; '.join(_directions(whats))}{of}"
+    return f"{kind} {name_list(joints, most)}: {'; '.join(_directions(whats))}{of}"
 
 
 def _directions(whats):

@@ -4,6 +4,7 @@ import numpy as np
 
 from mecano.errors import ConvergenceError, Failure, NonFiniteError
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, TRANSLATION
+from mecano.name_list import name_list
 from mecano.solve.diagnostics.scales import ANGULAR_SHARE, TINY, length_scale
 
 REPORTED = 5  # equations reported, the worst of each node, joint or element
@@ -70,11 +71,9 @@ def with_sources(error, system, s):
     found = system.not_finite(s)
     if not found:
         return error
-    more = f" and {len(found) - NAMED} more" if len(found) > NAMED else ""
     first, _, rest = str(error).partition("\n")
     named = NonFiniteError(
-        f"{first}\nalready not finite at t = {s.t:.9g} s: {', '.join(found[:NAMED])}{more}"
-        + (f"\n{rest}" if rest else "")
+        f"{first}\nalready not finite at t = {s.t:.9g} s: {name_list(found, NAMED)}" + (f"\n{rest}" if rest else "")
     )
     named.elements = tuple(found)
     return named
@@ -152,8 +151,7 @@ def acting(system, i):
     names = titles(system, i)
     if not names:
         return ""
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-    return f"; on it act {', '.join(names[:NAMED])}{more}"
+    return f"; on it act {name_list(names, NAMED)}"
 
 
 def minimum_step(system, before, after, error, t, h):

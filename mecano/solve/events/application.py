@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from mecano.name_list import name_list
 from mecano.solve.diagnostics import failure
 from mecano.solve.events.capture import EventCapture
 from mecano.solve.events.events import EventMonitor
@@ -112,7 +113,7 @@ class EventApplication:
 def _redundant(t, event_records, group):
     """Return the warning on constraints that become redundant at events."""
     found = group.by_joint(MOST_NAMES)
-    names = "; ".join(found[:MOST_NAMES]) + (" and more" if len(found) > MOST_NAMES else "")
+    names = name_list(found, MOST_NAMES, "; ")
     which = ", ".join(dict.fromkeys(f"{h.element} {h.name}" for h in event_records[:MOST_NAMES]))
     return (
         f"since t = {t:.6g} s ({which}) {group.count} constraint(s) are redundant among: {names}; the motion is not "

@@ -17,6 +17,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from mecano.model.numbering import ROTATION
+from mecano.name_list import name_list
 from mecano.solve.linear.sparse import LinearSolver
 
 DENSE = 400  # unknowns up to which all eigenvalues are computed
@@ -245,8 +246,7 @@ def words(system, s, shape, length, inertial=False, most=NAMED):
         moves = changes
     moves.sort(key=lambda move: -move[0])
     named = [text for size, text in moves if size > SMALL * moves[0][0]]
-    rest = f"; and {len(named) - most} more" if len(named) > most else ""
-    return "; ".join(named[:most]) + rest
+    return name_list(named, most, "; ")
 
 
 def _direction(vector):
