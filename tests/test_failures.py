@@ -13,7 +13,7 @@ from time_runs import RecordedRun, deck, in_python, input_deck
 import mecano
 import mecano.analyses.prepare
 from mecano.analyses.dynamic import begun
-from mecano.analyses.modal import about
+from mecano.analyses.modal import operating_point
 from mecano.analyses.summary import summary
 from mecano.deck.read import read_deck
 from mecano.errors import ConvergenceError, NonFiniteError
@@ -173,7 +173,7 @@ def test_the_place_of_a_formula_that_is_not_finite_is_named_in_statics_and_modes
         f"loads:\n  motor: {{type: joint_moment, joint: hinge, value: 1/hinge.angle}}\n{process}\n"
     )
     with pytest.raises(NonFiniteError) as error:
-        about(read_deck(file))
+        operating_point(read_deck(file))
     assert f"formula '1/hinge.angle' is at {file}:7:52" in str(error.value).splitlines()
     assert "mobility         1" in summary(read_deck(file))
 

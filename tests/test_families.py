@@ -8,7 +8,7 @@ import pytest
 from time_runs import INPUTS, deck, input_deck
 
 from mecano.analyses import modal, sweep
-from mecano.analyses.modal import about, modes
+from mecano.analyses.modal import modes, operating_point
 from mecano.analyses.sweep import sweep_into
 from mecano.post.info_modes import info_other
 from mecano.results.modes_file import read_modes
@@ -45,7 +45,7 @@ def block(velocity):
                                             ((0, -3), (1, 0, 2, 4, 3, 5))])  # fmt: skip
 def test_families_of_a_body_on_six_springs(velocity, order):
     """Along and about the axes of the running; along x, y and z where nothing runs."""
-    base = about(block(velocity))
+    base = operating_point(block(velocity))
     system = base.prepared.system
     lin = linearize(system, base.state, 1.0)
     found = solve(lin)
@@ -57,7 +57,7 @@ def test_families_of_a_body_on_six_springs(velocity, order):
 
 def test_families_of_motions_without_inertia():
     """A scalar of its own is a deformation, whatever it moves; vertical is against gravity."""
-    base = about(input_deck("caster_shimmy"))
+    base = operating_point(input_deck("caster_shimmy"))
     system = base.prepared.system
     lin = linearize(system, base.state, 1.0)
     kind = system.numbering.kind[: system.n_q]

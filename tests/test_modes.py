@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 from time_runs import deck, input_deck
 
-from mecano.analyses.modal import about, modes
+from mecano.analyses.modal import modes, operating_point
 from mecano.errors import ResultsError, UsageError
 from mecano.post.info import info
 from mecano.results.modes_file import read_modes
@@ -21,7 +21,7 @@ TIME = "time: {end: 1, step: 1.0e-3}"
 
 
 def linearized(text, frame=(0.0, 0.0, 0.0)):
-    base = about(deck(text))
+    base = operating_point(deck(text))
     prepared = base.prepared
     return linearize(prepared.system, base.state, prepared.length, frame, base.assemble, prepared.compliance)
 
@@ -355,7 +355,7 @@ def test_linearization_of_a_moving_state_is_that_of_the_motion():
             - {{nodes: [b], velocity: [-1, 0, 2], angular_velocity: [0.4, 3, -2]}}
         {TIME}
         """
-    base = about(deck(text))
+    base = operating_point(deck(text))
     system, s, w = base.prepared.system, base.state, np.array([0.5, -0.8, 1.1])
     of, rng = system.numbering, np.random.default_rng(4)
     lin = linearize(system, s, 1.0, w)
@@ -428,7 +428,7 @@ def test_beam_that_turns_is_stiffened(speed):
         initial: {{velocities: [{{nodes: all, angular_velocity: [0, 0, {speed}], about: [0, 0, 0]}}]}}
         {TIME}
         """
-    lin = turning_beam(about(deck(text)), np.array([0.0, 0.0, speed]))
+    lin = turning_beam(operating_point(deck(text)), np.array([0.0, 0.0, speed]))
     assert lin.variation < 1e-4
     found = solve(lin, 2)
     flapping = FLAPPING[speed]
@@ -511,16 +511,16 @@ def test_about_a_saved_time(tmp_path):
 
     pendulum = input_deck("pendulum", "time.end=0.4")
     run(pendulum, tmp_path / "p.h5")
-    base = about(pendulum, f"{tmp_path / 'p.h5'}:0.25")
+    base = operating_point(pendulum, f"{tmp_path / 'p.h5'}:0.25")
     R = base.state.R[base.prepared.system.numbering.rotation[0]]
     assert base.words.endswith("at time 0.25 s") and np.abs(base.state.v).max() > 1.0
     lin = linearize(base.prepared.system, base.state, 1.0)
     np.testing.assert_allclose(solve(lin).values, [1j * np.sqrt(-G * R[2, 0])], rtol=1e-9)
     for text, error in (("p.h5:x", UsageError), ("q.h5:1", ResultsError)):
         with pytest.raises(error):
-            about(pendulum, str(tmp_path / text))
+            operating_point(pendulum, str(tmp_path / text))
     with pytest.raises(ResultsError, match="has no node 'hook'"):
-        about(input_deck("oscillator"), str(tmp_path / "p.h5"))
+        operating_point(input_deck("oscillator"), str(tmp_path / "p.h5"))
 
 
 def test_about_a_saved_equilibrium(tmp_path):
@@ -528,7 +528,7 @@ def test_about_a_saved_equilibrium(tmp_path):
 
     text = arm("static: {steps: 5}")
     run(deck(text), tmp_path / "a.h5")
-    base = about(deck(text), f"{tmp_path / 'a.h5'}:0.6")
+    base = operating_point(deck(text), f"{tmp_path / 'a.h5'}:0.6")
     lin = linearize(base.prepared.system, base.state, 1.0, assemble=base.assemble)
     angle = np.arctan2(*base.state.R[base.prepared.system.numbering.rotation[0]][0, [2, 0]])
     expected = np.sqrt((6.0 + 0.6 * 2.0 * G * 0.5 * np.sin(angle)) / 0.6)

@@ -7,7 +7,7 @@ from equilibria import arm
 from time_runs import deck
 
 from mecano.analyses.dynamic import run
-from mecano.analyses.modal import about, modes
+from mecano.analyses.modal import modes, operating_point
 from mecano.analyses.static import run as run_static
 from mecano.cli import commands
 from mecano.commands.solving import _of_state
@@ -108,11 +108,11 @@ def test_where_there_is_no_rest(tmp_path):
         """
     run(deck(text), tmp_path / "fall.h5")
     with pytest.raises(ConvergenceError, match="no equilibrium was found at t 0.1 s"):
-        about(deck(text), str(tmp_path / "fall.h5"), at_rest=True)
+        operating_point(deck(text), str(tmp_path / "fall.h5"), at_rest=True)
     static = deck(arm("static: {}"))
     run_static(static, tmp_path / "arm.h5")
     with pytest.raises(UsageError, match="omit --at-rest"):
-        about(static, str(tmp_path / "arm.h5"), at_rest=True)
+        operating_point(static, str(tmp_path / "arm.h5"), at_rest=True)
 
 
 def test_at_rest_on_the_command_line(swinging, tmp_path, capsys):

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from static_solution import Equilibrium
 from time_runs import INPUTS, RecordedRun, input_deck
 
-from mecano.analyses.modal import about
+from mecano.analyses.modal import operating_point
 from mecano.analyses.prepare import prepare, warnings_of
 from mecano.errors import DeckError
 from mecano.solve.modal.linearize import linearize
@@ -71,7 +71,7 @@ def test_it_rests_where_the_gas_carries_the_weight():
 @pytest.mark.parametrize("rate", [0.0, 1e-12, -1e-12])
 def test_small_motions_about_rest_are_damped_by_the_mean_of_both_orifices(rate):
     """The damping of the airframe is u_0 times the mean of DRAG/A^2, whatever the sign of a rounded speed."""
-    base = about(input_deck("oleo_drop", "initial=static"))
+    base = operating_point(input_deck("oleo_drop", "initial=static"))
     system, s = base.prepared.system, base.state
     i = [node.name for node in system.nodes].index("airframe")
     z = system.numbering.x[i] + 2

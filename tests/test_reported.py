@@ -11,7 +11,7 @@ from time_runs import INPUTS, input_deck
 
 import mecano
 from mecano.analyses.diagnostics import cut_short, unbalanced
-from mecano.analyses.modal import about, modes
+from mecano.analyses.modal import modes, operating_point
 from mecano.analyses.prepare import prepare, startup_warnings
 from mecano.analyses.progress import Progress
 from mecano.analyses.summary import summary
@@ -83,7 +83,7 @@ def test_warnings_are_printed_once_and_stored(name, tmp_path):
     ],
 )
 def test_initial_velocities_that_cannot_be_are_reported(name, nodes, motion, reported):
-    base = about(input_deck(name, f"initial.velocities=[{{nodes: {nodes}, {motion}}}]"))
+    base = operating_point(input_deck(name, f"initial.velocities=[{{nodes: {nodes}, {motion}}}]"))
     said = [text for text in base.warnings if "initial velocities" in text]
     changes = [text.partition("(momenta kept): ")[2].partition(". Nodes that are not named")[0] for text in said]
     assert changes == ([reported] if reported else [])

@@ -124,8 +124,8 @@ class EveryThird(TimeIntegrator):
 
     accepted = 0
 
-    def _instead(self, run, trial, h, cuts):
-        smaller = super()._instead(run, trial, h, cuts)
+    def _size_to_retry(self, run, trial, h, cuts):
+        smaller = super()._size_to_retry(run, trial, h, cuts)
         self.accepted += smaller is None
         return h if smaller is None and self.accepted % 3 == 0 else smaller
 

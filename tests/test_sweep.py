@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from time_runs import INPUTS, deck, input_deck
 
 from mecano.analyses import sweep as sweeps
-from mecano.analyses.modal import about
+from mecano.analyses.modal import operating_point
 from mecano.analyses.sweep import Axis, sweep, sweep_into
 from mecano.analyses.sweep_text import known
 from mecano.errors import ConvergenceError, ResultsError, UsageError
@@ -77,7 +77,7 @@ def trolley(tow="", **parameters):
     text = TROLLEY.format(tow=tow)
     for name, value in parameters.items():
         text = text.replace(f"{name}: {'15.0' if name == 'speed' else '0.0'}", f"{name}: {value!r}")
-    return about(deck(text))
+    return operating_point(deck(text))
 
 
 def test_a_tyre_in_the_air_comes_down_and_rolls():
@@ -93,7 +93,7 @@ def test_a_tyre_in_the_air_comes_down_and_rolls():
 
 def test_a_vehicle_stands_on_all_wheels_that_just_touch():
     """The axle loads m g b/l: not balanced on one wheel, with the other in the air; and it starts where it is."""
-    base = about(
+    base = operating_point(
         deck("""
     mecano: 1
     gravity: [0, 0, -9.81]
@@ -156,7 +156,7 @@ def test_where_there_is_no_steady_running(tow, parameters, text):
 
 def test_cornering_tyre():
     """At the slip angle alpha: F = K y = psi/C but for the drag; the rest creeps, V sin(alpha - atan psi) = u eps."""
-    base = about(input_deck("step_steer", "nodes.hub.orientation=[0, 0, 0.02]",
+    base = operating_point(input_deck("step_steer", "nodes.hub.orientation=[0, 0, 0.02]",
                             "initial={steady: {velocity: [10, 0, 0]}}"))  # fmt: skip
     names = base.prepared.system.numbering.name
     y, psi = (abs(base.state.z[names.index(f"flexible_wheel 'tire': {name}")]) for name in ("y", "psi"))
@@ -463,9 +463,9 @@ def test_warnings_count_states_and_not_the_search_for_critical_values(tmp_path, 
         damping = deck.values["parameters"]["damping"]
         searched.append(damping)
         texts = ["everywhere"] + ["negative 7"] * (damping < 0.0) + ["small"] * (abs(damping) < 1.0)
-        return replace(about(deck), warnings=(*texts, f"at {damping}", f"twice {damping}", "twice 1"))
+        return replace(operating_point(deck), warnings=(*texts, f"at {damping}", f"twice {damping}", "twice 1"))
 
-    monkeypatch.setattr(sweeps, "about", warned)
+    monkeypatch.setattr(sweeps, "operating_point", warned)
     found = sweep(tmp_path / "o.yaml", (), ["damping=-2,6"])
     assert len(searched) > 2 and len(found.loci[0].critical) == 1
     assert found.warnings == [
@@ -495,13 +495,13 @@ def test_a_mode_that_becomes_stable_where_no_critical_value_is_found(lost, tmp_p
     def failing(deck, *rest):
         if deck.values["parameters"]["damping"] not in (-2.0, 6.0):
             raise ConvergenceError("no rest was found; the worst equations:\n  node m: force x")
-        return about(deck, *rest)
+        return operating_point(deck, *rest)
 
     if lost:
         monkeypatch.setattr(sweeps, "critical", lambda *_: None)
         cause = "the mode could not be followed from one to the other"
     else:
-        monkeypatch.setattr(sweeps, "about", failing)
+        monkeypatch.setattr(sweeps, "operating_point", failing)
         cause = r"no state was found at \S+: no rest was found"
     text, _ = sweep_into(tmp_path / "o.h5", tmp_path / "o.yaml", (), ["damping=-2,6"])
     wanted = "mode 1 becomes stable between damping -2 and 6; the critical value was not refined, because " + cause

@@ -136,14 +136,14 @@ def explained(error, deck, warnings):
 
     The ``warnings`` about these elements and about the places of the equations that failed follow.
     """
-    remedies, about = {}, [*error.elements, *(f"{place}: " for place in error.places)]
+    remedies, affected = {}, [*error.elements, *(f"{place}: " for place in error.places)]
     for section in SECTIONS:
         for name, d in deck.values[section].items():
             title = title_of(d["type"], name)
             if title in error.elements and (found := KINDS[d["type"]].remedies(d)):
                 remedies.setdefault("; ".join(found), []).append(title)
     tries = [f"in {name_list(titles, MOST_NAMED, '; ')}: {found}" for found, titles in remedies.items()]
-    known = [f"warning: {one}" for one in dict.fromkeys(warnings) if any(text in one for text in about)]
+    known = [f"warning: {one}" for one in dict.fromkeys(warnings) if any(text in one for text in affected)]
     return "\n".join([str(error), *_formulas(error, deck), *tries, *known])
 
 

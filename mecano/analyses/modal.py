@@ -36,8 +36,8 @@ HEAD = ("mode", "damped [Hz]", "natural [Hz]", "damping", "growth [1/s]", "resid
 
 
 @dataclass
-class About:
-    """The state about which modes are computed: its assembly (None: that of the system) and its description."""
+class OperatingPoint:
+    """A state about which modes are computed: its assembly (None: that of the system) and its description."""
 
     prepared: object
     state: object
@@ -46,32 +46,34 @@ class About:
     warnings: tuple = ()
 
 
-def about(deck, at=None, at_rest=False):
-    """Return the state of a checked deck about which modes are computed, as an About.
+def operating_point(deck, at=None, at_rest=False):
+    """Return the state of a checked deck about which modes are computed, as an OperatingPoint.
 
     It is that of the saved time ``at`` = "results.h5:time", otherwise the static equilibrium or the start of the run.
     ``at_rest``: the equilibrium at which the mechanism would come to rest near the saved time.
     """
     with with_places(deck):
-        return _about(deck, at, at_rest)
+        return _operating_point(deck, at, at_rest)
 
 
-def _about(deck, at, at_rest):
+def _operating_point(deck, at, at_rest):
     prepared, held = prepare(deck), tuple(_held(deck))
     if at is not None and at_rest:
         prepared, state, text, reported = rest_at(prepared, at)
-        return About(prepared, state, None, text, (*startup_warnings(prepared), *reported, *held))
+        return OperatingPoint(prepared, state, None, text, (*startup_warnings(prepared), *reported, *held))
     if at is not None:
         prepared, state, assemble, text = state_at(prepared, at)
-        return About(prepared, state, assemble, text, (*startup_warnings(prepared), *held))
+        return OperatingPoint(prepared, state, assemble, text, (*startup_warnings(prepared), *held))
     if deck.values["static"]:
         result = follow(prepared)
         reported = (*startup_warnings(prepared), *result.warnings, *held)
-        return About(prepared, result.point.state, result.assemble, f"static equilibrium at {result.where}", reported)
+        return OperatingPoint(
+            prepared, result.point.state, result.assemble, f"static equilibrium at {result.where}", reported
+        )
     reported = (*set_initial_state(prepared, disturbed=False), *held)
     run = integrator_of(prepared).begin(prepared.state, deck.values["time"]["step"])
     reported = (*startup_warnings(prepared, run), *reported, *_unbalanced(prepared.system, run.motion))
-    return About(prepared, run.motion, None, describe(deck), reported)
+    return OperatingPoint(prepared, run.motion, None, describe(deck), reported)
 
 
 def _held(deck):
@@ -106,10 +108,10 @@ def _matrix(system, s, cK, cM):
 
 
 def modes(deck, path, *, at=None, at_rest=False, number=10, frame="inertial", method="automatic", force=False):
-    """Compute modes, write them to ``path`` unless it is None, and return (text of the table, Modes, About).
+    """Compute modes, write them to ``path`` unless it is None, and return (text of the table, Modes, OperatingPoint).
 
-    ``at``, ``at_rest`` as in ``about``; ``frame``: "inertial", the name of a node with which the axes turn, or
-    "wx,wy,wz" [rad/s]. Raises UsageError, the errors of ``mecano run``, and, before anything is computed,
+    ``at``, ``at_rest`` as in ``operating_point``; ``frame``: "inertial", the name of a node with which the axes turn,
+    or "wx,wy,wz" [rad/s]. Raises UsageError, the errors of ``mecano run``, and, before anything is computed,
     ResultsError if ``path`` exists.
     """
     with nullcontext() if path is None else locked(path):
@@ -120,7 +122,7 @@ def modes(deck, path, *, at=None, at_rest=False, number=10, frame="inertial", me
 
 def _find(deck, path, at, at_rest, number, frame, method, force):
     """Do as ``modes``, with the lock on the file held."""
-    base = about(deck, at, at_rest)
+    base = operating_point(deck, at, at_rest)
     prepared, system = base.prepared, base.prepared.system
     turning = turning_of(system, base.state, frame)
     lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)

@@ -86,7 +86,7 @@ class Recorder:
             while code == FULL:
                 self.empty(again)
                 again = True
-                code = self.output.go_on(self._workspace)
+                code = self.output.continue_record(self._workspace)
             self.refuse(t)
         self._append(accepted.event_records)
 

@@ -91,9 +91,9 @@ def resume(deck, path, *, observers=(), announce=lambda text: None):
             )
             from mecano.results.verify import verify
 
-            left = InterruptedRun(path, deck)
-            left.close()
-            if left.complete:
+            interrupted = InterruptedRun(path, deck)
+            interrupted.close()
+            if interrupted.complete:
                 verify(path)  # a study must not continue with a file changed afterwards
                 announce(COMPLETE.format(path))
                 return None

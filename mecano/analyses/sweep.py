@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mecano.analyses.modal import about, doubts, turning_of
+from mecano.analyses.modal import doubts, operating_point, turning_of
 from mecano.analyses.sweep_text import lines
 from mecano.deck.read import read_deck
 from mecano.deck.wording import suggestion
@@ -144,7 +144,7 @@ class Case:
 
     def spectrum(self, settings):
         """Return (Spectrum, function of a shape that describes its motion, variation) of a state."""
-        base = about(self.deck(settings))
+        base = operating_point(self.deck(settings))
         prepared, system = base.prepared, base.prepared.system
         turning = turning_of(system, base.state, self.frame)
         lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)

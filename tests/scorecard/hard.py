@@ -120,7 +120,7 @@ def rejected(folder):
 
 def reject(integrator, every):
     """Let a run reject every ``every``-th step, try another size in between, and repeat the step."""
-    judge, count = integrator._instead, [0]
+    judge, count = integrator._size_to_retry, [0]
 
     def instead(run, trial, h, *more):
         smaller = judge(run, trial, h, *more)
@@ -130,7 +130,7 @@ def reject(integrator, every):
             return h
         return smaller
 
-    integrator._instead = instead
+    integrator._size_to_retry = instead
     integrator.ordinary = lambda run, stop: (run, None, True)  # every step is one of Python's, which asks
 
 

@@ -176,8 +176,8 @@ def in_loops(B, group):
     todo = set(range(len(blocks)))
     while todo:
         rows, block = blocks[todo.pop()]
-        left = alive[rows]
-        rows, block = rows[left], block[left]
+        kept = alive[rows]
+        rows, block = rows[kept], block[kept]
         if 0 < len(rows) <= block.shape[1] and np.linalg.svd(block, compute_uv=False)[-1] > 1e-6:
             alive[rows] = False
             todo.update(other for row in rows for other in nodes_of[row])
@@ -298,12 +298,12 @@ def groups(projector, names, every=tuple):
 
 def _connected(coupled):
     """Yield the masks (n,) of the connected components of the graph with edges ``coupled`` (n, n) bool."""
-    coupled, left = coupled | coupled.T, np.ones(len(coupled), bool)
-    while left.any():
-        component, reached = np.zeros_like(left), np.zeros_like(left)
-        reached[np.argmax(left)] = True
+    coupled, unvisited = coupled | coupled.T, np.ones(len(coupled), bool)
+    while unvisited.any():
+        component, reached = np.zeros_like(unvisited), np.zeros_like(unvisited)
+        reached[np.argmax(unvisited)] = True
         while reached.any():
             component |= reached
             reached = coupled[reached].any(axis=0) & ~component
-        left &= ~component
+        unvisited &= ~component
         yield component

@@ -23,8 +23,8 @@ def solve_complementarity(W, b, unit=None):
     scaled = 0.5 * (scaled + scaled.T)
     share = size if unit is None else unit * size
     reactions = _least(scaled, right, share)
-    left = np.abs(scaled @ reactions + right).max()
-    if reactions.min() <= NEGLIGIBLE * reactions.max() or left > FITS * np.abs(right).max():
+    violation = np.abs(scaled @ reactions + right).max()
+    if reactions.min() <= NEGLIGIBLE * reactions.max() or violation > FITS * np.abs(right).max():
         reactions = _of_some(scaled, right, share)
     return reactions * largest / size
 

@@ -128,8 +128,8 @@ def judge(w, report, signals):
         return NOT_FINITE
     rate = worst / max(report[LAST], TINY)
     if iteration and report[INCREMENT] <= 1.0:
-        left = w.motion / max(w.last_motion, TINY)  # the correction is of the motion alone
-        rounded = at_rounding(report[INCREMENT] * w.increment_tolerance, left, w.renewed, w.reach, ROUNDING)
+        reduction = w.motion / max(w.last_motion, TINY)  # the correction is of the motion alone
+        rounded = at_rounding(report[INCREMENT] * w.increment_tolerance, reduction, w.renewed, w.reach, ROUNDING)
         if worst <= 1.0 or (signals <= 1.0 and rounded and not w.strict):
             return CONVERGED
         if signals <= 1.0 and rounded:  # the residual may be that of positions, however many tolerances that is

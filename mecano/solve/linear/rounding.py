@@ -20,15 +20,15 @@ STALLS = 0.3  # it is, if it leaves more than this of the residual
 
 
 @kernel
-def at_rounding(correction, left, fresh, reach, least):
+def at_rounding(correction, reduction, fresh, reach, least):
     """Return whether Newton's method has reached the rounding of the unknowns.
 
     Parameters
     ----------
     correction : float
         Largest displacement over the length scale, or rotation [rad], of the last iteration.
-    left : float
-        Share of the residual, or of the last correction but one, that it has left.
+    reduction : float
+        The residual over that before the correction, or the correction over the one before.
     fresh : bool
         Whether the tangent was new.
     reach : float
@@ -36,4 +36,6 @@ def at_rounding(correction, left, fresh, reach, least):
     least : float
         Next correction over ``reach`` that is rounding.
     """
-    return correction * min(left, 1.0) <= least * reach or (fresh and left > STALLS and correction <= NEAR * reach)
+    return correction * min(reduction, 1.0) <= least * reach or (
+        fresh and reduction > STALLS and correction <= NEAR * reach
+    )

@@ -142,13 +142,13 @@ class LinearSolver:
         """
         r, correction = self._vectors[RESIDUAL, : self.n], np.zeros(self.n)
         error = multifrontal.residual(data, self._equations, b, x_out, r)
-        for left in range(MOST_SWEEPS - 1, -1, -1):
+        for sweeps in range(MOST_SWEEPS - 1, -1, -1):
             self.solve_again(r, correction)
             x_out += correction
             last, error = error, multifrontal.residual(data, self._equations, b, x_out, r)
             if error <= REFINE_ABOVE:
                 return True
-            if not error * min(error / last, 1.0) ** left <= REFINE_ABOVE:
+            if not error * min(error / last, 1.0) ** sweeps <= REFINE_ABOVE:
                 return False
         return False
 

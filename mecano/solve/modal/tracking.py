@@ -104,13 +104,13 @@ def track(spectra, places):
     rows = []
     for before, i in zip([None, *known], known, strict=False):
         open_rows = [row for row in rows if before is not None and row[before] >= 0]
-        left = set(range(len(spectra[i].values)))
-        if open_rows and left:
+        unassigned = set(range(len(spectra[i].values)))
+        if open_rows and unassigned:
             costs = np.array([_costs(row, spectra, places, before, i) for row in open_rows])
             for r, j in zip(*linear_sum_assignment(costs), strict=True):
                 open_rows[r][i] = j
-                left.discard(int(j))
-        for j in sorted(left, key=lambda j: abs(spectra[i].values[j])):
+                unassigned.discard(int(j))
+        for j in sorted(unassigned, key=lambda j: abs(spectra[i].values[j])):
             rows.append(np.full(len(spectra), -1))
             rows[-1][i] = j
     return np.array(rows, int).reshape(len(rows), len(spectra))

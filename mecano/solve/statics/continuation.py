@@ -163,9 +163,9 @@ class Steps:
         """Return the next Point and the step to it."""
         rejected = 0
         while True:
-            left = target - point.parameter
-            h = left if h >= 0.9999 * left else h
-            p = target if h == left else point.parameter + h
+            remaining = target - point.parameter
+            h = remaining if h >= 0.9999 * remaining else h
+            p = target if h == remaining else point.parameter + h
             s, found = follower.find(point.state, p)
             if found.ok and found.change > max(NOTICEABLE, LEAP * found.first):
                 found.ok = False

@@ -114,8 +114,8 @@ class Statics:
         """Return the function with which Newton's method decides if its corrections of ``s`` are at rounding."""
         of, limit = self.system.numbering, self.tolerances.increment
 
-        def is_exhausted(increment, left, fresh):
-            return at_rounding(increment * limit, left, fresh, reach_of(s.z, of, self.length), ROUNDING)
+        def is_exhausted(increment, reduction, fresh):
+            return at_rounding(increment * limit, reduction, fresh, reach_of(s.z, of, self.length), ROUNDING)
 
         return is_exhausted
 

@@ -54,7 +54,7 @@ class OrdinarySteps:
             **{name: packed.function for name, packed in calls.items()},
             **{name: array.ctypes.data for name, array in addresses.items()},
         )  # fmt: skip
-        self._go_on = stride.bind(self.record, self.workspace.record, self._output)
+        self._stride = stride.bind(self.record, self.workspace.record, self._output)
         self._tangent = None  # State of the tangent in the workspace
         if control.adaptive:
             self._change_steps()
@@ -88,7 +88,7 @@ class OrdinarySteps:
         self.workspace.record["due"] = clock.monotonic() + self.method.patience
         while True:
             before = int(self.record["renewed_tangents"][0])
-            code = self._go_on()
+            code = self._stride()
             self._note_tangents(before)
             if code != RECORDED:
                 return code

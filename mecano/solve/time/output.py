@@ -215,9 +215,9 @@ class Output:
         )  # fmt: skip
         r["forces"], r["constraints"], r["increment"] = info.norms
         r["dissipated"], r["given"] = run.dissipated, run.given
-        return self.go_on(workspace)
+        return self.continue_record(workspace)
 
-    def go_on(self, workspace):
+    def continue_record(self, workspace):
         """Record the step in the workspace, or the rest of it; returns the code of ``record_step``."""
         record_step(self.record, workspace.record)
         return int(self.record["code"][0])

@@ -121,7 +121,7 @@ class TimeIntegrator:
                 if stop - run.motion.t < self._shortest(stop):  # an event may be that close before it
                     run = replace(run, motion=replace(run.motion, t=stop))
                     break
-                run = self._onward(run, stop)
+                run = self._steps_towards(run, stop)
                 for report in self.reporters:
                     report(run)
             if stop < end:
@@ -143,7 +143,7 @@ class TimeIntegrator:
         self.events.from_plain(plain)
         self.capture.from_plain(plain["capture"])
 
-    def _onward(self, run, stop):
+    def _steps_towards(self, run, stop):
         """Make ordinary steps towards ``stop`` in compiled code, then one in Python if the next is not ordinary."""
         self._before = run
         self.pause(run)
@@ -156,8 +156,9 @@ class TimeIntegrator:
         if not self.method.in_compiled_code or self.monitor.captures:
             return run, None, True
         if self._ordinary_steps is None:
-            about = self.system, self.method, self.control, self.shocks, self.observation
-            self._ordinary_steps = OrdinarySteps(*about, self.recorder)
+            self._ordinary_steps = OrdinarySteps(
+                self.system, self.method, self.control, self.shocks, self.observation, self.recorder
+            )
         if not self.observers:
             return self._ordinary_steps.advance(run, stop, MOST_STEPS)
         new, trial, decide = self._ordinary_steps.advance(run, stop, 1)
@@ -193,7 +194,7 @@ class TimeIntegrator:
                 self.method.insist(True)  # in a shorter step any correction is rounding
             trial = trial if trial and not rejected else self._step(run, h)
             iterations += trial[2].iterations
-            smaller = self._instead(run, trial, h, cuts)
+            smaller = self._size_to_retry(run, trial, h, cuts)
             if smaller is None:
                 g0 = self.shocks.departing(run.motion, self.monitor.values(run.motion))
                 within = self._event_within(run, g0, trial)
@@ -230,7 +231,7 @@ class TimeIntegrator:
                 return stage
         return None
 
-    def _instead(self, run, trial, h, cuts):
+    def _size_to_retry(self, run, trial, h, cuts):
         """Return the step size to try instead of h, or None if the trial is accepted; add failures to ``cuts``."""
         _, history, info = trial
         if not info.ok:
@@ -274,13 +275,13 @@ class TimeIntegrator:
 
     def _clip(self, run, stop):
         """Return the step size to try: the planned one, or the remaining time to ``stop``."""
-        left = stop - run.motion.t
-        if left >= STRETCH * run.h:
+        remaining = stop - run.motion.t
+        if remaining >= STRETCH * run.h:
             return run.h
         if stop not in self.breakpoints:
-            return left if NEGLIGIBLE_TIME * run.h < abs(left - run.h) else run.h
-        left = np.nextafter(stop, run.motion.t) - run.motion.t  # the step ends before a jump of a law
-        return left if run.motion.t + left < stop else np.nextafter(left, 0.0)  # the sum was rounded up
+            return remaining if NEGLIGIBLE_TIME * run.h < abs(remaining - run.h) else run.h
+        remaining = np.nextafter(stop, run.motion.t) - run.motion.t  # the step ends before a jump of a law
+        return remaining if run.motion.t + remaining < stop else np.nextafter(remaining, 0.0)  # the sum was rounded up
 
     def _accept(self, run, trial, h, rejected, stop, failed):
         s, history, info = trial
