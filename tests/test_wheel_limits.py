@@ -202,12 +202,14 @@ def on(height, direction="[1, 0, 0]", end="time: {end: 2.0, step: 1.0e-3}", kind
         ("{{sine: {{amplitude: {}, frequency: 2.0}}}}", 0.02, -0.125, 1 / (0.03 * (4 * np.pi) ** 2)),
         # (length/pi)^2/(2 height) at both ends
         ("{{bump: {{start: 5.0, length: 1.0, height: {}}}}}", 0.16, 5.0, 1 / (2 * 0.24 * np.pi**2)),
+        # the same far away, where the positions are rounded
+        ("{{bump: {{start: 500.0, length: 0.1, height: {}}}}}", 0.0016, 500.0, 1 / (2 * 0.24 * np.pi**2)),
         # H'' = 6 rise/width^2 where the straight ends and the cubic begins
         ("{{table: {{points: [[0, 0], [8, 0], [9, {}], [10, 0], [11, 0]]}}}}", 0.5, 8.0, 1 / (6 * 0.75)),
         # the same bottom of a valley in a straight slope, where 1 + H'^2 = 1 still
         ("{{polynomial: {{coefficients: [0, 0, {}]}}}}", 1.6, 0.0, 1 / (2 * 2.4)),
     ],
-    ids=["sine", "bump", "table", "polynomial"],
+    ids=["sine", "bump", "far bump", "table", "polynomial"],
 )
 def test_hollows_must_be_wider_than_the_wheel(height, fits, place, radius):
     """Half as high again as one of nearly the radius of the wheel, 0.3 m: the closed form of the radius is told."""
