@@ -53,6 +53,9 @@ def test_slopes(text):
     [
         ("* 2", "cannot be understood", 0),
         ("min(a", "a bracket is not closed", 0),
+        ("2*a) + 1", "a bracket is closed that was not opened", 3),
+        ("100 rpm - a", "at '100 r': formulas contain no units", 4),
+        ("a1 2", "cannot be understood$", 3),
         ("a if b else c", "numbers, names", 0),
         ("2*sinus(a)", "no function 'sinus'; known: sin, cos", 2),
         ("sin(a, b)", "'sin' has the wrong number of arguments", 0),
@@ -98,6 +101,7 @@ def test_parameters_are_numbers_in_formulas():
         ("2*rail.angle", "'angle' of 'rail' cannot be measured", "known: displacement, velocity"),
         ("sin(2*t)", "there is no signal 't'; the time is written 'time'", ""),
         ("2*trust", "there is no signal 'trust'", "'thrust'"),
+        ("k*rail.velocity", "there is no signal 'k'", "the parameter is written '$k'"),
         ("2*rail.displacement.rate", "cannot be measured: the rate of 'displacement' is 'velocity'", ""),
         ("rail.rate", "'rate' of 'rail' cannot be measured: the rate of 'displacement' is 'velocity'", ""),
         ("cart.position", "'position' of 'cart' cannot be measured", "'position.x'"),

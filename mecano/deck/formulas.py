@@ -131,8 +131,14 @@ def check_formulas(values, scope):
                 meaning(name, entries, values["nodes"])
             except UnknownQuantity as error:
                 exact = found.text == node.value
-                place = ExpressionError(error.message, column if exact else 0)
-                _refuse(node, place, scope.suggest(error.word, error.known) if error.known else "", scope)
+                _refuse(node, ExpressionError(error.message, column if exact else 0), _meant(error, scope), scope)
+
+
+def _meant(error, scope):
+    """Return a hint on the word of an UnknownQuantity."""
+    if scope.parameters.known(error.word):
+        return f"the parameter is written '${error.word}'"
+    return scope.suggest(error.word, error.known) if error.known else ""
 
 
 def check_continuous(values, scope):

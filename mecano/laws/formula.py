@@ -29,6 +29,7 @@ SEVERAL = {"min": MIN, "max": MAX}  # of two arguments or more
 FUNCTIONS = (*UNARY, *BINARY, *SEVERAL)
 OPERATORS = {ast.Add: ADD, ast.Sub: SUBTRACT, ast.Mult: MULTIPLY, ast.Div: DIVIDE, ast.Pow: POWER}
 CONSTANTS = {"pi": math.pi}
+UNIT = re.compile(r"(?<![\w.$])[0-9.]+(?:[eE][-+]?[0-9]+)? ?(?![eE][-+0-9])[A-Za-z°%]")  # 100 rpm
 COMPARISON = re.compile(r"(>=|<=|>|<)")
 
 
@@ -75,10 +76,19 @@ def read_formula(text, longest=LONGEST):
     except SyntaxError as error:
         if body.count("(") > body.count(")"):
             raise FormulaError("a bracket is not closed: a formula with a comma must be quoted", skipped) from None
-        raise FormulaError("it cannot be understood", skipped + max((error.offset or 1) - 1, 0)) from None
+        raise FormulaError(_cause(body), skipped + max((error.offset or 1) - 1, 0)) from None
     except (ValueError, MemoryError, RecursionError):
         raise FormulaError("it cannot be understood") from None
     return _Reader(text, skipped).formula(tree)
+
+
+def _cause(body):
+    """Return a text on a formula that is not arithmetic."""
+    if body.count("(") < body.count(")"):
+        return "a bracket is closed that was not opened"
+    if unit := UNIT.search(body):
+        return f"it cannot be understood at '{unit[0]}': formulas contain no units, give them to a parameter"
+    return "it cannot be understood"
 
 
 def difference_of(condition):
