@@ -191,6 +191,9 @@ NAMES = [
      "wheel 'wheel': unknown tire law 'noes'; did you mean 'nose'?"),
     ("[top, knee]", "[top, kne]", 17, "kne",
      "hinge 'pin': unknown node 'kne'; did you mean 'knee'?"),
+    ("[top, knee]", "[top, p$steps]", 17, "p$steps",
+     "hinge 'pin': unknown node 'p$steps'; names contain values of a 'repeat' only, those of the entry itself: repeat: "
+     "{n: [$last]}"),
     ("[ground, axle]", "[axle, grond]", 18, "grond",
      "hinge 'held': unknown node 'grond'; did you mean 'ground'?"),
     ("[ground, axle]", "[ground, ground]", 18, "ground",

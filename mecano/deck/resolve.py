@@ -89,6 +89,8 @@ def _unknown(reference, known, scope):
     what = singular(reference.section)
     if reference.name == "ground" and reference.section == "nodes":
         hint = "'ground' is allowed only as one of two nodes; otherwise use a node with 'fixed: true'"
+    elif "$" in reference.name:
+        hint = "names contain values of a 'repeat' only, those of the entry itself: repeat: {n: [$last]}"
     elif known:
         hint = scope.suggest(reference.name, [*known, "ground"] if reference.wanted == "end" else known)
     else:
