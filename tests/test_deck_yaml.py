@@ -124,6 +124,12 @@ def test_tab_gets_a_hint():
     assert info.value.problems[0].hint == "indent with spaces, not with tabs"
 
 
+def test_results_read_as_a_deck_get_a_hint():
+    with pytest.raises(DeckError) as info:
+        deck_of_bytes(b"\x89HDF\r\n\x1a\n\0", "d", **FAKE)
+    assert info.value.problems[0].hint == "it is an HDF5 file, such as the results of a run"
+
+
 @pytest.mark.parametrize(
     ("data", "place", "text"),
     [

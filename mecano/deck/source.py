@@ -15,6 +15,7 @@ LINE_END = re.compile("\r\n|[\r\n\x85\u2028\u2029]")  # line ends of YAML
 # everything but the printable characters of YAML; the set of these takes ten times as long to compile, 5 ms
 FORBIDDEN = re.compile("[\0-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufeff\ufffe\uffff]")
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,8 @@ def decoded(data, file):
         source = Source(file, data.decode(errors="replace"))
         mark = source.mark_at(len(data[: error.start].decode(errors="replace")))
         text = f"byte 0x{data[error.start]:02x} is not UTF-8"
-        raise DeckError([Problem(text, mark, "save the file as UTF-8")]) from None
+        hint = "it is an HDF5 file, such as the results of a run" if data.startswith(HDF5) else "save the file as UTF-8"
+        raise DeckError([Problem(text, mark, hint)]) from None
     wrong = FORBIDDEN.search(source.text)
     if wrong:
         mark = source.mark_at(wrong.start())
