@@ -1,4 +1,4 @@
-"""Activation of a spring, bushing, cable or contact at a given time or by a condition: before, it exerts no force.
+"""Activation of a spring, bushing, cable, belt or contact at a time or by a condition: before, it exerts no force.
 
 The trigger is an input, a formula that rises through zero. Velocities do not change, accelerations jump. The energy
 that the element stores at that instant is given by the surroundings, and recorded with the event as a negative loss.
@@ -31,16 +31,16 @@ def since_activation(set_point, i):
     return shifted
 
 
-def with_activation(kind, what, forces, stress_free=None):
+def with_activation(kind, what, forces, stress_free=None, free=STRESS_FREE):
     """Return the ``kind`` of an elastic element, the ``what``, with the field ``activate``.
 
     Before the activation it has no force, energy or power, and its outputs with the indices ``forces`` are zero. If
     these are None, its own functions are so in any additional phase. ``stress_free``, if it may be activated so, is
     (the kind like it whose set points are shifted by the last of its memory, the indices of its outputs that are zero
-    before).
+    before); ``free`` is the option of the deck.
     """
     families, made = {False: (kind, forces), True: stress_free}, {}
-    options = (TIME, WHEN, STRESS_FREE) if stress_free else (TIME, WHEN)
+    options = (TIME, WHEN, free) if stress_free else (TIME, WHEN)
     doc = f"activation of the {what}, which exerts no force before: {{time: ...}} or {{when: ...}}"
 
     def variant(d):
@@ -49,7 +49,7 @@ def with_activation(kind, what, forces, stress_free=None):
         family, zero = families[d["activate"].get("stress_free", False)]
         base = family.chosen(d)
         if id(base) not in made:
-            made[id(base)] = _activated(base, what, zero)
+            made[id(base)] = activated(base, what, zero)
         return made[id(base)]
 
     def check(d, nodes):
@@ -61,8 +61,8 @@ def with_activation(kind, what, forces, stress_free=None):
     )  # fmt: skip
 
 
-def _activated(kind, what, forces):
-    """Return the ``kind`` with the phase "inactive", in which it begins."""
+def activated(kind, what, forces):
+    """Return the ``kind`` with the phase "inactive", its last, in which it begins; see ``with_activation``."""
     inactive, phases = len(kind.phases), kind.phases if kind.events else (ATTACHED_PHASE,)
     engaged = "between" if "between" in phases else phases[0]
     leaving = tuple(k for k, event in enumerate(kind.events) if event.before == engaged)
@@ -73,7 +73,7 @@ def _activated(kind, what, forces):
     return replace(
         kind, name=f"{kind.name}_activate", phases=(*phases, INACTIVE), events=(*kind.events, *begins),
         event_values=_event_values(kind, leaving), at_start=lambda p: inactive, inputs=(*kind.inputs, "activate"),
-        reads=lambda d: [*kind.read(d), trigger_of(d["activate"])], commit=_keeping(kind, inactive), variant=None,
+        reads=lambda d: [*kind.read(d), trigger_of(d["activate"])], commit=keeping(kind, inactive), variant=None,
         **({} if forces is None else silent(kind, forces)),
     )  # fmt: skip
 
@@ -105,7 +105,7 @@ def _event_values(kind, leaving):
     return event_values if leaving else of_one_phase
 
 
-def _keeping(kind, inactive):
+def keeping(kind, inactive):
     """Return ``commit`` of a kind, which no longer changes the shift of its set points once it is active."""
     put, n = kind.commit, len(kind.memory)
     first = n - sum(name.startswith(SHIFT) for name in kind.memory)

@@ -25,8 +25,10 @@ The surface of a pulley moves with its node alone, and the difference of the ten
 equilibrium nothing slides, and there is no friction.
 """
 
+from dataclasses import replace
 from functools import cache
 
+from mecano.constraints.activation import keeping
 from mecano.constraints.body_fixed import follow
 from mecano.constraints.reeved_path import (
     PHASES,
@@ -37,11 +39,11 @@ from mecano.constraints.reeved_path import (
     path_unknowns,
     pull,
     relative,
+    shifted_path,
     side,
     span,
     strain_by,
 )
-from mecano.constraints.release import RELEASED_PHASE
 from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import sticking
@@ -177,22 +179,28 @@ def friction_field():
 
 
 @cache
-def capstan(n, by_signal=False, released=False):
-    """Return the Kind of the friction on n pulleys of a cable, with a payout by a law or a signal, and a release."""
-    return Kind(
+def capstan(n, by_signal=False, phases=PHASES, stress_free=False):
+    """Return the Kind of the friction on n pulleys of a cable, with a payout by a law or a signal, and its phases.
+
+    That of a ``stress_free`` one has the natural length of its path at its activation, before which it is in the last.
+    """
+    payout = of_signal if by_signal else of_law
+    unknowns, strain_of = shifted_path(n, payout) if stress_free else (path_unknowns(n), strain_by(payout))
+    found = Kind(
         name="capstan_friction",
         doc=__doc__,
         dtype=record(coefficients=(n,), regularization=(), **path_record(n)),
-        **path_unknowns(n),
+        **unknowns,
         outputs=(
             Output("dissipated_power", "W", "power dissipated by friction"),
             *(Output(f"tension_{i}", "N", f"tension of span {i}") for i in range(1, n + 2)),
             *(Output(f"slip_{i}", "m/s", f"sliding speed over pulley {i}, > 0 to span {i}") for i in range(1, n + 1)),
         ),
-        phases=(*PHASES, RELEASED_PHASE) if released else PHASES,
+        phases=phases,
         inputs=("payout",) if by_signal else (),
-        **_functions(strain_by(of_signal if by_signal else of_law)),
+        **_functions(strain_of),
     )
+    return replace(found, commit=keeping(found, len(phases) - 1))
 
 
 CAPSTAN = capstan(1)

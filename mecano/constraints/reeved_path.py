@@ -1,25 +1,30 @@
 r"""Path of a cable over pulleys: its spans, arcs and strain (equations in elements/members/reeved_cable.py).
 
 The record p of its users has the fields of ``path_record``; the local unknowns are the position of the first node,
-position and rotation of each pulley, the position of the last node, and the payout if that is a signal.
+position and rotation of each pulley, the position of the last node, and the payout if that is a signal. Beyond the
+phases taut and slack the nodes may leave no path: then its length is not a number, nor is its rate.
 """
 
+import math
+
+from mecano.constraints.activation import SHIFT, since_activation
 from mecano.constraints.belt_span import tangent_direction
 from mecano.constraints.body_fixed import follow
 from mecano.constraints.elastic_line import strained
 from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve
-from mecano.maths.dual import number, sqrt
+from mecano.maths.dual import number, sqrt, value
 from mecano.maths.vector import add_vec, cross, dot, mat, vec
 
-TAUT, RELEASED = 0, 2
-PHASES = ("taut", "slack")  # and "released" of a cable with a release, which has no path any more
+TAUT, SLACK = 0, 1
+PHASES = ("taut", "slack")  # and "released" or "inactive" of a cable with a release or an activation
 
 
 def path_record(n):
     """Return the fields of the record of a path over n pulleys: {name: shape}."""
     return {
-        "EA": (), "damping": (), "natural": (), "payout": "i", "radii": (n + 2,), "axes": (n, 3, 3), "start": (n,),
+        "EA": (), "damping": (), "natural": (), "prestrain": (), "payout": "i",
+        "radii": (n + 2,), "axes": (n, 3, 3), "start": (n,),
     }  # fmt: skip
 
 
@@ -31,6 +36,24 @@ def path_unknowns(n):
         "memory": tuple(f"turned_{i}" for i in pulleys),
         "commit": commit,
     }
+
+
+def shifted_path(n, payout):
+    """Return (unknowns and memory, strain) of a path whose natural length is that at the activation.
+
+    The arguments are the number of pulleys and the ``payout``, which counts from the activation; see ``strain_by``.
+    """
+
+    @kernel
+    def commit_shift(p, at, m_out):
+        """Write the changes of the arcs since the start, and the shift of the natural length."""
+        commit(p, at, m_out)
+        if not lost(p, at):
+            m_out[n] = path(p, at)[0] / (1.0 + p.prestrain) - p.natural - payout(p, at)[0]
+
+    unknowns = path_unknowns(n)
+    memory = (*unknowns["memory"], SHIFT)
+    return {**unknowns, "memory": memory, "commit": commit_shift}, strain_by(since_activation(payout, n))
 
 
 @kernel
@@ -113,6 +136,12 @@ def strain_by(payout):
 
 
 @kernel
+def lost(p, at):
+    """Return whether the cable does not act, and its nodes leave it no path."""
+    return at.phase > SLACK and not math.isfinite(value(path(p, at)[1]))
+
+
+@kernel
 def pull(f, i, pull):
     """Add the force that stretches the span behind node i."""
     add_vec(f, place(i), -1.0, pull)
@@ -122,7 +151,7 @@ def pull(f, i, pull):
 @kernel
 def commit(p, at, m_out):
     """Write the changes of the arcs since the start."""
-    if at.phase == RELEASED:
+    if lost(p, at):
         return
     for i in range(1, len(p.radii) - 1):
         m_out[i - 1] = arc(p, at, i)[0] - p.start[i - 1]

@@ -50,8 +50,8 @@ NOTES = {  # words with the same meaning: (targets, note)
     "domino, rocking block": ("contact", ""),
     "gripper, grab, hook, magnet, suction cup, docking, berthing, capture, attach, engage": (
         "grip latch",
-        "a grip closes and is released by command; a latch locks a joint when it is reached; springs, bushings and "
-        "elastic contacts have an 'activate'",
+        "a grip closes and is released by command; a latch locks a joint when it is reached; springs, bushings, "
+        "cables, also over pulleys, and contacts have an 'activate'",
     ),
     "jettison, separation, detach, unlatch, pyro, burn wire, cut, break, deactivate": (
         "release grip", "'release' of joints, latches, cables, springs and bushings; loads end by a switch"

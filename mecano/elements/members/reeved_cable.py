@@ -22,40 +22,48 @@ as in a ``cable``, with the same events: it is taut while :math:`\varepsilon` an
 cable. The cable has no mass. With ``friction`` on the pulleys each span has its own tension (capstan friction). A
 ``release`` cuts the cable: it carries no force from then on, its elastic energy is lost, and its outputs are zero.
 
+With ``activate`` it carries no force before, and the energy that it has then is given. Its natural length is that at
+the start; ``stress_free``, it takes the path that it finds: its natural length is then that of this path under its
+``pretension``, and only what is paid out from then on is added. Its arcs are followed from the start in both cases.
+Before, its nodes may stand anywhere; where they leave it no path, its outputs are zero.
+
 The length is exact for parallel axes and pulleys in one plane, and small inclinations of a span to the planes of its
 pulleys are allowed (``inclination``). The arc at the start is less than one turn. The run ends when the cable leaves a
 pulley, where the arc would become negative (without this pulley its path is another one), and where a span vanishes.
 """
 
+import math
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
+from mecano.constraints.activation import with_activation
 from mecano.constraints.along_coordinate.demand import is_formula, law_of
 from mecano.constraints.belt_span import INCLINATION, check_tangent, span_record
 from mecano.constraints.capstan import CAPSTAN, capstan, friction_field
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.reeved_path import (
     PHASES,
-    RELEASED,
     TAUT,
     arc,
+    lost,
     of_law,
     of_signal,
     path_record,
     path_unknowns,
     pull,
+    shifted_path,
     span,
     strain_by,
 )
-from mecano.constraints.release import SAMPLE, check_release, cut, elastic_release
+from mecano.constraints.release import SAMPLE, check_release, detached, elastic_release
 from mecano.element_interface import Display, Event, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
-from mecano.maths.dual import at_least, number, select
+from mecano.maths.dual import at_least, number, select, value
 from mecano.maths.vector import add_vec, dot, mat, norm
-from mecano.schema import CONTINUOUS_DRIVE, DIRECTION, NODES, NUMBER, NUMBERS, Field, not_negative, positive
+from mecano.schema import BOOLEAN, CONTINUOUS_DRIVE, DIRECTION, NODES, NUMBER, NUMBERS, Field, not_negative, positive
 
 LIFTED = 0.01  # [rad]: the length of a path off a pulley by this angle is in error by less than its square
 CLOSEST = 0.999  # difference of the radii of neighbours over their distance
@@ -85,9 +93,13 @@ def _functions(strain_of):
     @kernel
     def observe(p, at, F, y, e):
         """Write lengths, strains, tension, state, how the path lies on the pulleys; energies."""
-        if at.phase == RELEASED:
-            return
         length, _, strain, strain_rate, L, L_rate = strain_of(p, at)
+        for i in range(len(p.radii) - 1):
+            d, delta, _ = span(p, at.q, i)
+            y[8] = at_least(number(y[8]), abs(delta) / norm(d))
+        if not math.isfinite(value(strain_rate)):  # there is no path
+            y[8] = at_least(number(y[8]), 1.0)
+            return
         elastic = select(at.phase == TAUT or strain > 0.0, p.EA * strain, 0.0)
         N = select(at.phase == TAUT, p.EA * (strain + p.damping * strain_rate), 0.0)
         viscous = N - elastic
@@ -102,9 +114,6 @@ def _functions(strain_of):
                 y[6] = at_least(number(y[6]), abs(dot(axis, d)) / norm(d))
             y[7] = at_least(number(y[7]), -wrap)
             y[8 + i] = wrap
-        for i in range(len(p.radii) - 1):
-            d, delta, _ = span(p, at.q, i)
-            y[8] = at_least(number(y[8]), abs(delta) / norm(d))
         e[1] = 0.5 * elastic * strain * L
         e[2] = viscous * L * strain_rate
         e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
@@ -113,7 +122,7 @@ def _functions(strain_of):
     def event_values(p, at, g):
         """Write the tautness: the smaller of the elastic and the total strain, which the tension follows."""
         _, _, strain, strain_rate, _, _ = strain_of(p, at)
-        tautness = min(strain, strain + p.damping * strain_rate)
+        tautness = -1.0 if lost(p, at) else min(strain, strain + p.damping * strain_rate)
         g[0], g[1] = tautness, -tautness
 
     return {"residual": residual, "observe": observe, "event_values": event_values}
@@ -134,9 +143,10 @@ def _start(d, nodes):
 def prepare(d, nodes, context):
     """Return the record."""
     axes, arcs, length = _start(d, nodes)
+    prestrain = d["pretension"] / d["axial_stiffness"]
     return {
         "EA": d["axial_stiffness"], "damping": d["damping"], "radii": d["radii"], "axes": axes, "start": arcs,
-        "natural": length / (1.0 + d["pretension"] / d["axial_stiffness"]),
+        "natural": length / (1.0 + prestrain), "prestrain": prestrain,
         "payout": law_of(d["payout"], context),
     }  # fmt: skip
 
@@ -145,9 +155,8 @@ def parts(d, nodes, context):
     """Return the Part of the friction, if there is any."""
     if d["friction"] is None:
         return []
-    n = len(nodes) - 2
     by_signal = is_formula(d["payout"])
-    kind = capstan(n, by_signal, d["release"] is not None)
+    kind = capstan(len(nodes) - 2, by_signal, REEVED_CABLE.chosen(d).phases, _is_stress_free(d))
     values, reads = {**prepare(d, nodes, context), **d["friction"]}, (d["payout"],) if by_signal else ()
     return [Part(kind, tuple(range(len(nodes))), values, reads=reads)]
 
@@ -204,22 +213,31 @@ def ends(d):
 
 def variant(d):
     """Return the kind with this number of pulleys, with a payout by a law or a signal, and with a release if given."""
-    return _of(len(d["nodes"]) - 2, is_formula(d["payout"]), d["release"] is not None)
+    return _of(len(d["nodes"]) - 2, is_formula(d["payout"]), d["release"] is not None, _is_stress_free(d))
+
+
+def _is_stress_free(d):
+    return d["activate"] is not None and d["activate"].get("stress_free", False)
 
 
 @cache
-def _of(n, by_signal, released):
+def _of(n, by_signal, released, stress_free):
     wraps = (Output(f"wrap_{i}", "rad", f"angle of the arc on pulley {i}") for i in range(1, n + 1))
-    found = replace(
-        REEVED_CABLE, variant=None, outputs=(*OUTPUTS, *wraps), dtype=record(**path_record(n)), **path_unknowns(n)
-    )
+    outputs = (*OUTPUTS, *wraps)
+    found = replace(_ALWAYS_ACTIVE, variant=None, outputs=outputs, dtype=record(**path_record(n)), **path_unknowns(n))
     if by_signal:
         found = replace(found, inputs=("payout",), **_functions(strain_by(of_signal)))
-    return cut(found, "cable") if released else found
+    if stress_free:
+        unknowns, strain_of = shifted_path(n, of_signal if by_signal else of_law)
+        found = replace(found, **unknowns, **_functions(strain_of))
+    return detached(found, "cable", tuple(range(len(outputs)))) if released else found
 
 
 def sample(rng):
-    """Return a cable over two pulleys that is hauled in, taut and slack, and one around a single pulley."""
+    """Return a cable over two pulleys that is hauled in, taut and slack, and one around a single pulley.
+
+    Some are released or activated.
+    """
     turns = [np.linalg.qr(rng.normal(size=(3, 3)))[0] for _ in range(4)]
     places = np.array([[0.0, 0.0, 0.0], [0.4, 0.05, 1.0], [1.4, 0.0, 1.1], [1.8, -0.03, 0.2]])
     nodes = [(x, Q * np.linalg.det(Q)) for x, Q in zip(places, turns, strict=True)]
@@ -231,8 +249,11 @@ def sample(rng):
     single = {**d, "nodes": ["a", "b", "d"], "radii": [0.0, 0.2, 0.0]}
     rough = [{**d, "friction": {"coefficients": [0.3, 0.1], "regularization": u}} for u in (0.01, 30.0)]
     released = [({**one, **SAMPLE}, nodes, phase) for one in (d, rough[0]) for phase in ("taut", "slack", "released")]
+    taken = {"time": 0.3, "when": None, "stress_free": True}
+    activated = [({**one, "activate": taken}, nodes, at) for one in (d, rough[0]) for at in ("taut", "inactive")]
     return [
-        *released, (d, nodes, "taut"), ({**d, "payout": 3.0}, nodes, "slack"), (single, [*nodes[:2], nodes[3]], "taut"),
+        *released, *activated, (d, nodes, "taut"), ({**d, "payout": 3.0}, nodes, "slack"),
+        (single, [*nodes[:2], nodes[3]], "taut"),
         *((one, nodes, "taut") for one in rough), ({**rough[0], "payout": 3.0}, nodes, "slack"),
         *(({**one, "payout": "0.1*command"}, nodes, "taut") for one in (d, rough[0])),
     ]  # fmt: skip
@@ -261,7 +282,7 @@ OUTPUTS = (
     Output("lift_off", "rad", "angle by which the cable has left a pulley"),
     Output("closeness", "-", "largest difference of radii over distance of neighbours; 1 where a span vanishes"),
 )
-REEVED_CABLE = Kind(
+_ALWAYS_ACTIVE = Kind(
     name="reeved_cable",
     section="elements",
     doc=__doc__,
@@ -285,3 +306,6 @@ REEVED_CABLE = Kind(
     sample=sample,
     **_functions(strain_by(of_law)),
 )
+LYING = (6, 7, 8)  # indices of the outputs that say whether the cable lies on its pulleys
+STRESS_FREE = Field("stress_free", BOOLEAN, "-", "it has only its pretension then, on the path that it finds", False)
+REEVED_CABLE = with_activation(_ALWAYS_ACTIVE, "cable", LYING, (_ALWAYS_ACTIVE, (1, 2, 3, *LYING)), STRESS_FREE)
