@@ -182,7 +182,7 @@ WRONG = [  # what is written in LEG, what is written instead, the problems
     ("half: 0.5 * $length", "half: 0.5 * $lenth",
      ["10:43 place '{}': unknown parameter 'lenth'; did you mean 'length'?"]),
     ("$half, 0, 0", "$halt, 0, 0", 2 * ["12:24 node 'hip': unknown parameter 'halt'; did you mean 'half'?"]),
-    ("hold: deck}", "hold: dock}", ["16:41 spring 'left_coil': unknown node 'dock'; did you mean 'deck'?"]),
+    ("hold: deck}", "hold: dock}", ["25:88 spring 'left_coil': unknown node 'dock'; did you mean 'deck'?"]),
     ("$hold], law", "toes], law",
      ["16:41 spring '{}_coil': unknown node 'toes'; known: deck, left_hip, left_toe, right_hip, right_toe, ground"]),
 ]  # fmt: skip
@@ -193,6 +193,18 @@ def test_wrong_templates(old, new, expected):
     assert LEG.count(old) == 1
     both = [text.format(side) for side in ("left", "right") for text in expected if "{}" in text]
     assert sorted(problems_of(LEG.replace(old, new))) == (both or expected)
+
+
+def test_a_wrong_word_of_a_repeat_is_reported_where_it_is_written():
+    """In the deck and in the copies of a template: not where its parameter is inserted."""
+    old = "      bar: {type: body, node: toe, mass: $mass, center_of_mass: [0.1, 0, 0]}\n"
+    new = (
+        "      $(n)_body:\n        repeat: [{n: toe}, {n: sole}]\n        type: body\n        node: $n\n"
+        "        mass: 1\n"
+    )
+    expected = [f"16:32 body '{side}_sole_body': unknown node 'sole'" for side in ("left", "right")]
+    found = problems_of(LEG.replace(old, new))
+    assert [text.split(";")[0] for text in sorted(found)] == expected
 
 
 REPEATS = [  # what stands behind 'repeat' of p$i in CHAIN, the problem

@@ -120,7 +120,8 @@ class Copies:
             how = f"put a value of 'repeat' into it, as in '{key.value}$({next(iter(values[0]))})'"
             self.scope.refuse(key, f"all copies would have the name {quoted(key.value)}", how)
             return []
-        return [Parameters(row, level.parameters) for row in values]
+        placed = [{name: self._at(value, level) for name, value in row.items()} for row in values]
+        return [Parameters(row, level.parameters) for row in placed]
 
     def copy(self, node, level):
         """Return the tree with the values of the current parameters in place of expressions and inserts."""
@@ -134,13 +135,14 @@ class Copies:
         if type(value) is dict:
             value = {name: (key, self.copy(inner, level)) for name, (key, inner) in value.items()}
             if level.stack:
-                value = {name: (self._key(key, level), inner) for name, (key, inner) in value.items()}
+                value = {name: (self._at(key, level), inner) for name, (key, inner) in value.items()}
         elif type(value) is list:
             value = [self.copy(item, level) for item in value]
         return Node(value, source, node.line, node.column, node.raw)
 
-    def _key(self, key, level):
-        return Node(key.value, level.source(key.source), key.line, key.column, key.raw)
+    def _at(self, node, level):
+        """Return a scalar with the place of the copy."""
+        return Node(node.value, level.source(node.source), node.line, node.column, node.raw)
 
     def _text(self, node):
         """Evaluate a text with $: a name with inserts, a parameter that is a word, or an expression."""
@@ -157,7 +159,7 @@ class Copies:
             return node
         word = scope.parameters.word(text.strip()[1:])
         if word:
-            return Word(word.value, node, word.rise if type(word) is Word else 0)
+            return Word(word.value, word, word.rise if type(word) is Word else 0)  # at its own place, to be corrected
         value = scope.evaluated(node)
         if value is INVALID:
             self.without_value = node
