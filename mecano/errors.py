@@ -106,3 +106,9 @@ class UnknownNameError(ResultsError):
     """A results file has no output of that name, or more than one."""
 
     exit_code = 2
+
+
+def name_list(names, most, separator=", "):
+    """Return up to ``most`` names as text, with the number of further ones: "a, b, and 3 more"."""
+    more = len(names) - most
+    return separator.join([*names[:most], *([f"and {more} more"] if more > 0 else [])])

@@ -11,8 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from mecano.analyses.replay import gaps_at_start, replayed, scalars_in
-from mecano.errors import DeckError, Problem, ResultsError
-from mecano.name_list import name_list
+from mecano.errors import DeckError, Problem, ResultsError, name_list
 
 MOST = 8  # names in a text
 ROUNDING = 1e-9  # of the time, by which a saved time may differ from the wanted one

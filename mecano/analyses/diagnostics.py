@@ -9,10 +9,9 @@ from mecano.analyses.recorder import FORCES
 from mecano.element_interface import SECTIONS, WAITS
 from mecano.elements import KINDS
 from mecano.elements.signals.formula import FORMULA
-from mecano.errors import NonFiniteError
+from mecano.errors import NonFiniteError, name_list
 from mecano.model.model import title_of
 from mecano.model.output_limits import watched_outputs
-from mecano.name_list import name_list
 
 MOST_LATCHES = 8  # named in a warning
 MOST_FORCES = 4

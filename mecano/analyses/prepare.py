@@ -10,11 +10,10 @@ from mecano.analyses.lint import suspicious_model
 from mecano.deck.build import asked_velocities, build, set_velocities, time_breakpoints
 from mecano.deck.run_size import LOOSEST, size_warnings
 from mecano.deck.sections import finest_step
-from mecano.errors import AssemblyError, DeckError, Problem
+from mecano.errors import AssemblyError, DeckError, Problem, name_list
 from mecano.model.model import title_of
 from mecano.model.sampler import row_size
 from mecano.model.system import System
-from mecano.name_list import name_list
 from mecano.process.interrupt import abandonable
 from mecano.results.layout import STEPS
 from mecano.solve.diagnostics.analysis import DENSE_ROWS, analyse

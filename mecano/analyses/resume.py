@@ -6,8 +6,7 @@ import time
 from datetime import UTC, datetime
 from pathlib import Path
 
-from mecano.errors import ResultsError, UsageError
-from mecano.name_list import name_list
+from mecano.errors import ResultsError, UsageError, name_list
 from mecano.results.checked import blaming
 from mecano.results.layout import FORMAT_VERSION
 from mecano.results.provenance import plugins, provenance, to_json

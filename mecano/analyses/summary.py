@@ -8,7 +8,7 @@ from mecano.analyses.memory_estimate import in_words, memory_of_run
 from mecano.analyses.prepare import amount_warnings, mass_of, prepare, warnings_of
 from mecano.deck.run_size import saved_times, steps
 from mecano.element_interface import SECTIONS
-from mecano.name_list import name_list
+from mecano.errors import name_list
 from mecano.process.interrupt import abandonable
 from mecano.solve.diagnostics.analysis import DENSE_ROWS
 from mecano.solve.diagnostics.rigidity import stiff_mechanisms

@@ -12,8 +12,7 @@ from mecano.deck.sampled_laws import unsampled
 from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS
 from mecano.elements.wheels.lateral_law import runaway
-from mecano.errors import Problem
-from mecano.name_list import name_list
+from mecano.errors import Problem, name_list
 
 PUSHES = "it pushes away from its zero instead of back to it; is this intended, as in a snap-through?"
 DRIVES = "it drives slow motions instead of braking them; is this intended, as in a self-excited oscillation?"

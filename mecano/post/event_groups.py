@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.name_list import name_list
+from mecano.errors import name_list
 from mecano.post.quantity import Quantity, time_of
 from mecano.post.sheet import Curve, Panel, Sheet
 

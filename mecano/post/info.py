@@ -8,8 +8,7 @@ from textwrap import wrap
 import numpy as np
 
 from mecano.element_interface import Display
-from mecano.errors import UnknownNameError
-from mecano.name_list import name_list
+from mecano.errors import UnknownNameError, name_list
 from mecano.post.event_groups import groups
 from mecano.post.extremes import named, telling
 from mecano.post.info_modes import info_other, is_other

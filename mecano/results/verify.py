@@ -6,8 +6,7 @@ from itertools import pairwise
 
 import h5py
 
-from mecano.errors import ResultsError
-from mecano.name_list import name_list
+from mecano.errors import ResultsError, name_list
 from mecano.results.checked import blaming, checked, format_of, open_checked
 from mecano.results.checksums import Seal
 from mecano.results.layout import FORMAT

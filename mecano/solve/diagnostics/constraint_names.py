@@ -1,7 +1,7 @@
 """Constraints by joint: joints of one kind with the same constraints in one text."""
 
+from mecano.errors import name_list
 from mecano.model.numbering import AXES
-from mecano.name_list import name_list
 
 
 def by_joint(names, totals, most):

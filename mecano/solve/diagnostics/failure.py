@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from mecano.errors import ConvergenceError, Failure, NonFiniteError
+from mecano.errors import ConvergenceError, Failure, NonFiniteError, name_list
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, TRANSLATION
-from mecano.name_list import name_list
 from mecano.solve.diagnostics.scales import ANGULAR_SHARE, TINY, length_scale
 
 REPORTED = 5  # equations reported, the worst of each node, joint or element

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from mecano.name_list import name_list
+from mecano.errors import name_list
 from mecano.solve.diagnostics import failure
 from mecano.solve.events.capture import EventCapture
 from mecano.solve.events.events import EventMonitor

@@ -16,8 +16,8 @@ import scipy.linalg as la
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
+from mecano.errors import name_list
 from mecano.model.numbering import ROTATION
-from mecano.name_list import name_list
 from mecano.solve.linear.sparse import LinearSolver
 
 DENSE = 400  # unknowns up to which all eigenvalues are computed
