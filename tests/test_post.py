@@ -28,6 +28,7 @@ from mecano.post.plans import Plan, View
 from mecano.post.quantity import find, time_of
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import labels, open_runs
+from mecano.post.shapes import BODY, CABLE, Shape
 from mecano.post.sheet import Curve, EventMark, Panel, Sheet
 from mecano.post.wire import wire_figure
 from mecano.results.reader import Extreme
@@ -455,6 +456,13 @@ def test_configurations_that_travel_far_are_drawn_about_their_middle():
     assert shift.tolist() == [[0.5, 0.5], [3.5, 0.5]] and low.tolist() == [-0.5, -0.5] and high.tolist() == [0.5, 0.5]
     shift, low, high = wire._frame(np.stack([square, square + (0.5, 0.0)]))
     assert not shift.any() and low.tolist() == [0.0, 0.0] and high.tolist() == [1.5, 1.0]
+
+
+def test_configurations_show_bodies_with_more_than_two_points_as_outlines():
+    square = np.array([[0.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.6, 0.5], [1.0, 0.0]])
+    line = wire._line(Shape(BODY, "plate", square[None]), square)
+    assert line.tolist() == [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]
+    np.testing.assert_array_equal(wire._line(Shape(CABLE, "rope", square[None]), square), square)
 
 
 def test_configurations_of_several_runs_say_whose_they_are(runs):

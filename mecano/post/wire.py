@@ -7,8 +7,9 @@ import numpy as np
 from matplotlib.collections import LineCollection
 
 from mecano.errors import UsageError
+from mecano.post.draw_sketch import hull
 from mecano.post.figure import plain_figure
-from mecano.post.shapes import CABLE, JOINT, MASS, SUPPORT, Motion, shapes
+from mecano.post.shapes import BODY, CABLE, JOINT, MASS, SUPPORT, Motion, shapes
 from mecano.post.style import GREY, INK, PALE, SETTINGS
 
 AZIMUTH, ELEVATION = math.radians(-72.0), math.radians(24.0)  # of the eye
@@ -58,7 +59,8 @@ def wire_figure(run, times, title):
         grid = figure.add_gridspec(high_rows, columns)
         for i, row in enumerate(rows):
             ax = figure.add_subplot(grid[i // columns, i % columns])
-            _draw(ax, [(shape.style == CABLE, p[i] - shift[i]) for shape, p in lines if shape.is_shown(i)])
+            seen = [(shape.style == CABLE, _line(shape, p[i])) for shape, p in lines if shape.is_shown(i)]
+            _draw(ax, [(thin, line - shift[i]) for thin, line in seen])
             for place in supports:
                 ax.plot(*(place[i] - shift[i]), "o", color=INK, markersize=SUPPORT_SIZE, markerfacecolor=PALE)
             ax.set_xlim(low[0] - room, high[0] + room)
@@ -88,6 +90,14 @@ def _named(saved, asked):
     """Return a text with the time drawn, and the time requested if they differ."""
     shown, wanted = f"t = {saved:.4g} s", f"{asked:.4g} s"
     return shown if shown.endswith(f" {wanted}") else f"{shown}, saved nearest to {wanted}"
+
+
+def _line(shape, points):
+    """Return the line (m, 2) that shows a shape with ``points`` (n, 2): of a body with more than two, its outline."""
+    if shape.style != BODY or len(points) < 3:
+        return points
+    outline = hull(points)
+    return np.vstack([outline, outline[:1]])
 
 
 def _draw(ax, lines):
