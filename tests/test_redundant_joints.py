@@ -219,3 +219,24 @@ def test_a_shaft_between_two_cardan_joints_turns_through_positions_without_force
     angle = 10 * run.time
     answer = np.unwrap(np.arctan2(c * c * np.sin(angle), np.cos(angle)))
     np.testing.assert_allclose(run["joints/out/angle"], answer, rtol=0, atol=1e-9)
+
+
+HELD = f"""nodes: {{a: {{position: [0, 0, 0]}}, b: {{position: [0, 0, 0]}}}}
+elements:
+  body_a: {{{BODY}, node: a}}
+  body_b: {{{BODY}, node: b}}
+joints:
+  pin_a: {{type: hinge, nodes: [ground, a], axis: [0, 1, 0]}}
+  pin_b: {{type: hinge, nodes: [ground, b], axis: [0, 1, 0]}}
+  hold_a: {{type: fixed, nodes: [ground, a], release: {{time: 0.5}}}}
+  hold_b: {{type: fixed, nodes: [ground, b], release: {{time: 0.5}}}}
+"""
+
+
+def test_redundancies_of_the_same_joints_are_told_at_once():
+    """A body on a hinge that is held until its release: all five constraints of the hinge are there twice."""
+    prepared = prepare(deck(HEAD + HELD))
+    assert [group.count for group in prepared.redundant] == [5, 5]
+    first, second = (text for text in startup_warnings(prepared) if "redundant" in text)
+    assert "pin_a" in first and "hold_a" in first and "pin_b" not in first and "pin_b" in second
+    assert "redundant        10 constraint(s)" in summary(deck(HEAD + HELD))

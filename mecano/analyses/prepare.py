@@ -17,7 +17,7 @@ from mecano.model.system import System
 from mecano.process.interrupt import abandonable
 from mecano.results.layout import STEPS
 from mecano.solve.diagnostics.analysis import DENSE_ROWS, analyse
-from mecano.solve.diagnostics.joint_redundancy import redundant_groups
+from mecano.solve.diagnostics.joint_redundancy import by_same_joints, redundant_groups
 from mecano.solve.diagnostics.scales import Tolerances, length_scale
 from mecano.solve.events.compliance import compliance
 from mecano.solve.linear.sparse import LinearSolver
@@ -56,8 +56,8 @@ class Prepared:
 
     @cached_property
     def redundant(self):
-        """Groups of redundant constraints at the state, with all joints involved."""
-        return redundant_groups(self.system, self.state, self.length, self.analysis)
+        """Groups of redundant constraints at the state, with all joints involved, one for the same joints."""
+        return by_same_joints(redundant_groups(self.system, self.state, self.length, self.analysis))
 
     def at(self, state):
         """Return the same model at another state, whose phases may make other constraints redundant."""

@@ -15,7 +15,7 @@ from mecano.laws.table import LawTable
 from mecano.model.model import Element, Model
 from mecano.model.numbering import AXES, Classes, EquationName
 from mecano.model.system import System
-from mecano.solve.diagnostics.analysis import DENSE_ROWS, Entries, dependent_rows, gradient, groups
+from mecano.solve.diagnostics.analysis import DENSE_ROWS, Entries, Group, dependent_rows, gradient, groups
 
 PARTS = {"x": "force {}", "R": "moment about material {}"}
 SIDE = np.sqrt(0.5)  # the two coefficients of an identification, as a row of length 1
@@ -35,6 +35,21 @@ def redundant_groups(system, s, length, analysis):
     if null is None:
         return analysis.redundant
     return groups(null @ null.T, [names[row] for row in loops], lambda: names)
+
+
+def by_same_joints(found):
+    """Return Groups, a tuple, in which those of redundant constraints of the same joints are united, in order."""
+    united = {}
+    for group in found:
+        united.setdefault(frozenset(name.place for name in group.names), []).append(group)
+    return tuple(
+        Group(
+            sum(group.count for group in some),
+            tuple(dict.fromkeys(name for group in some for name in group.names)),
+            {place: total for group in some for place, total in group.totals.items()},
+        )
+        for some in united.values()
+    )
 
 
 def contradicting(system, s, length, phi):
