@@ -33,6 +33,17 @@ grid: {elements.bar.mass: [1.0, 2.0]}
 outputs: {swing: {of: hinge.angle, take: max}}
 """
 
+PUSH = """
+mecano: 1
+gravity: none
+nodes: {a: {position: [0, 0, 0]}}
+elements: {m: {type: rigid_body, node: a, mass: 1, inertia: [1, 1, 1]}}
+joints: {t: {type: prismatic, nodes: [ground, a], axis: [1, 0, 0]}}
+loads: {push: {type: joint_force, joint: t, value: {step: {time: 0.5, rise: 0, from: 0, to: 1}}}}
+time: {end: 1, step: 0.1}
+output: {every: step}
+"""
+
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
@@ -212,6 +223,17 @@ class TestDeck:
 
 
 class TestSimulation:
+    def test_a_duration_that_ends_where_a_load_jumps_changes_no_bit(self, folder):
+        """A mass at rest is pushed by 1 N from 0.5 s on: x = (t - 0.5)^2/2, of which fixed steps have no error."""
+        (folder / "push.yaml").write_text(PUSH)
+        with mecano.Simulation("push.yaml", "stepped.h5") as s:
+            s.advance(0.5)
+            s.advance(0.5)
+        whole, stepped = mecano.run("push.yaml", "whole.h5", quiet=True), s.results()
+        found = stepped["t.displacement"].values
+        np.testing.assert_allclose(found[-5:], 0.5 * np.array([0.1, 0.2, 0.3, 0.4, 0.5]) ** 2, rtol=1e-9)
+        assert np.array_equal(found, whole["t.displacement"].values)
+
     def test_its_steps_are_those_of_a_run(self, folder):
         """Advanced by whole steps, to the end: the same rows, up to rounding of the times."""
         short = {"time.end": 0.2}

@@ -115,6 +115,8 @@ class TimeIntegrator:
         if run.compliance is not self.method.compliance:
             self.method.use(run.compliance)
         self._before, self.method.pause = run, lambda: self.pause(self._before)
+        if run.motion.t in self.breakpoints and run.history.known:  # the last call ended there, before the corner
+            run = self._start_again(run, run.motion)
         stops = [t for t in sorted(self.breakpoints) if run.motion.t < t < end] + [end]
         for stop in stops:
             while run.motion.t < stop:
