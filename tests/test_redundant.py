@@ -63,16 +63,18 @@ BLOCKED = """
 """
 
 
-def test_redundant_constraints_that_contradict_one_another_are_reported():
+@pytest.mark.parametrize("method", ["generalized_alpha", "radau"])
+def test_redundant_constraints_that_contradict_one_another_are_reported(method):
     """A motor on a blocked joint whose compliance gives 1e-11 only, from the start or from 5 ms."""
-    RecordedRun(deck(BLOCKED.format(0.0)))
+    by_method = BLOCKED.replace("step: 1.0e-3", f"step: 1.0e-3, method: {method}")
+    RecordedRun(deck(by_method.format(0.0)))
     motor = "to prescribed_angle 'turn': moment that holds the angle"
     with pytest.raises(
         AssemblyError, match=f"contradict one another: the other constraints leave a rate of -1 rad/s {motor}"
     ):
-        RecordedRun(deck(BLOCKED.format("{linear: {slope: 1}}")))
+        RecordedRun(deck(by_method.format("{linear: {slope: 1}}")))
     with pytest.raises(ConvergenceError, match=f"at t = 0.005.*contradict .* a gap of -1e-06 rad {motor}") as error:
-        RecordedRun(deck(BLOCKED.format("{ramp: {start: 5.0e-3, end: 1, from: 0, to: 1}}")))
+        RecordedRun(deck(by_method.format("{ramp: {start: 5.0e-3, end: 1, from: 0, to: 1}}")))
     assert "what to try: remove one of these constraints" in str(error.value)
 
 

@@ -9,6 +9,7 @@ follow from them (Hairer & Wanner 1996, IV.8 and VII.2).
 
 import numpy as np
 
+from mecano.errors import Failure
 from mecano.model.assembly import Assembly
 from mecano.model.numbering import ROTATION
 from mecano.model.state import RadauHistory
@@ -139,16 +140,15 @@ class Radau:
         s, drift = self._projected(within[2])
         of = self.system.numbering
         turn = np.abs(stages.increments[-1][of.kind[: of.n_q] == ROTATION]).max(initial=0.0)
-        text = TURNS_TOO_FAR if turn > MOST_TURN else self.contradictions.at_the_end(s, h, np.zeros(of.n_l))
+        text, failure = TURNS_TOO_FAR if turn > MOST_TURN else "", Failure.NOT_CONVERGED
+        if not text:
+            text, failure = self.contradictions.at_the_end(s, h, np.zeros(of.n_l)), Failure.CONTRADICTION
+        norms = 0.0, drift, increment
         if text:
-            return (
-                s,
-                history,
-                StepInfo(False, iterations, (0.0, drift, increment), np.nan, history, text, FAILURES[TOO_MANY]),
-            )
+            return s, history, StepInfo(False, iterations, norms, np.nan, history, text, failure)
         new = RadauHistory(s.a, h, stages.velocities.copy(), stages.reactions.copy(), 1, k)
         info = StepInfo(
-            True, iterations, (0.0, drift, increment), error, history, plain=error,
+            True, iterations, norms, error, history, plain=error,
             stages=tuple(within[:2]), work=work,
         )  # fmt: skip
         return s, new, info
