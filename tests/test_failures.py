@@ -144,6 +144,17 @@ def test_the_element_that_is_not_finite_is_named(tmp_path, kind, field, name):
     assert re.findall(r"\w+ '[^']+'", f"{first} {second}") == [name] and "t = 0.0" in first
 
 
+@pytest.mark.parametrize("mesh", [4, 40])
+def test_a_tangent_of_radau_that_is_not_finite_is_not_called_singular(tmp_path, mesh):
+    """Small matrices are factored by LAPACK, larger ones, of more than 150 equations, by SuperLU."""
+    text = NOT_FINITE.replace("mesh: 4", f"mesh: {mesh}").replace("step: 0.01", "step: 0.01, method: radau")
+    with begun(deck(text), tmp_path / "r.h5", False) as run:
+        run.advance(0.02)
+        next(b for b in run.recorder.sampler.system.batches if b.kind.name == "rigid_body").p["c"] = np.nan
+        with pytest.raises(NonFiniteError, match="rigid_body 'ball'"):
+            run.advance(0.1)
+
+
 def test_the_place_of_a_formula_that_is_not_finite_is_named(tmp_path):
     """A signal at the start, and a formula in place where it ends to be defined."""
     text = (

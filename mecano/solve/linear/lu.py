@@ -35,7 +35,7 @@ class DenseFactors:
         )
 
     def factor(self):
-        """Factor the matrix; return whether it is regular and finite."""
+        """Factor the matrix; return whether no pivot is zero; one that is not finite may pass."""
         self._lu, self._exchanges, info = self._factor(self._matrix)
         return info == 0
 

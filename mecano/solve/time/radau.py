@@ -99,6 +99,8 @@ class Radau:
         stages.begin(s0, h, history, self.control.duration, min(goal / self._accuracy(), 1.0))
         if self.tangent.prepare(s0, history.k, h):
             code = TOO_MANY
+        elif not self.tangent.finite:
+            code = NOT_FINITE
         while code == TOO_MANY and iterations < self.tolerances.max_iterations:
             self.pause()
             correction = self.tangent.solve(stages.residuals(history.k))

@@ -170,6 +170,11 @@ class StageTangent:
         self._real_scale[n_q:], self._complex_scale[n_q:] = real**-2, ((other**-2).real, (other**-2).imag)
         return self._real.factor() and self._complex.factor()
 
+    @property
+    def finite(self):
+        """Whether all values of the last tangent are finite."""
+        return bool(np.isfinite(self._parts).all())
+
     def _assemble(self, part, s, cK, cC, cM):
         self._parts[part] = self.system.assemble(s, self.k, 0.0, cK, cC, cM, into=self.assembly).data
 
