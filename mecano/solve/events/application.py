@@ -43,19 +43,15 @@ class EventApplication:
         before = self._potentials(s, changing)
         run, after, event_records, consistent = self._exchange(run, s, hit, at_once)
         rest = self._potentials(after, changing)
-        lost = {name: before[name] - rest[name] for name in changing}
-        dissipated, given = sum(max(x, 0.0) for x in lost.values()), sum(max(-x, 0.0) for x in lost.values())
-        event_records = [
-            replace(event, lost=event.lost + lost.pop(event.element)) if event.element in lost else event
-            for event in event_records
-        ]
+        lost = [x - y for x, y in zip(before, rest, strict=True)]
+        dissipated, given = sum(max(x, 0.0) for x in lost), sum(max(-x, 0.0) for x in lost)
         run = replace(run, dissipated=run.dissipated + dissipated, given=run.given + given)
-        return run, after, event_records, consistent
+        return run, after, _with_losses(event_records, changing.values(), lost), consistent
 
     def _potentials(self, s, elements):
-        """Return the potential energy [J] at ``s`` of the ``elements`` {name: number}."""
+        """Return the potential energies [J] at ``s`` of the ``elements`` (numbers)."""
         energies = self.system.observe(s).energies
-        return {name: float(energies[e, 1]) for name, e in elements.items()}
+        return [float(energies[e, 1]) for e in elements]
 
     def _exchange(self, run, s, hit, at_once):
         """Apply events ``hit`` at ``s`` with their shocks; return the same as ``apply``."""
@@ -87,7 +83,7 @@ class EventApplication:
         if t - self.since > STANDSTILL * run.h:
             self.since = t
             self.repeats.clear()
-        for event in event_records:
+        for event in {(event.element, event.name): event for event in event_records}.values():  # of parts only once
             self.repeats[event.element, event.name] += 1
             count = self.repeats[event.element, event.name]
             if count > MOST_AT_ONCE:
@@ -108,6 +104,18 @@ class EventApplication:
         self.since = plain["since"]
         self.repeats = Counter({(element, name): count for element, name, count in plain["at_once"]})
         self._suppress_rebound()
+
+
+def _with_losses(event_records, names, lost):
+    """Return the records with the energies ``lost`` [J] of events with these (element, event), in the same order."""
+    left = {}
+    for name, energy in zip(names, lost, strict=True):
+        left.setdefault(name, []).append(energy)
+    found = []
+    for event in event_records:
+        of = left.get((event.element, event.name))
+        found.append(replace(event, lost=event.lost + of.pop(0)) if of else event)
+    return found
 
 
 def _redundant(t, event_records, group):

@@ -40,11 +40,16 @@ class EventMonitor:
         return bool(np.any(hit & self.within))
 
     def changing_energy(self, hit):
-        """Return {name of the element: its number} of the events ``hit`` that change its stored energy."""
+        """Return {number of the element: (its name, name of the event)} of the events ``hit`` that change its energy.
+
+        Parts of the same element may have the same names.
+        """
         found, changes = {}, hit & self.changes_energy
         for batch in self.system.batches if np.any(changes) else ():
-            changed = np.flatnonzero(batch.events(changes).any(axis=1))
-            found |= {batch.names[e]: batch.first_phase + e for e in changed}
+            found |= {
+                batch.first_phase + e: (batch.names[e], batch.kind.events[k].name)
+                for e, k in zip(*np.nonzero(batch.events(changes)), strict=True)
+            }
         return found
 
     def values(self, s):
