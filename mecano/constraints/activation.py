@@ -31,6 +31,17 @@ def since_activation(set_point, i):
     return shifted
 
 
+def activate_field(what, *options):
+    """Return the field ``activate`` of an elastic element, the ``what``, with these ``options`` besides its trigger."""
+    doc = f"activation of the {what}, which exerts no force before: {{time: ...}} or {{when: ...}}"
+    return Field("activate", mapping(TIME, WHEN, *options), "-", doc, None)
+
+
+def is_stress_free(d):
+    """Return whether the deck values ``d`` are those of an element that is activated stress-free."""
+    return d["activate"] is not None and d["activate"].get("stress_free", False)
+
+
 def with_activation(kind, what, forces, stress_free=None, free=STRESS_FREE):
     """Return the ``kind`` of an elastic element, the ``what``, with the field ``activate``.
 
@@ -40,13 +51,12 @@ def with_activation(kind, what, forces, stress_free=None, free=STRESS_FREE):
     before); ``free`` is the option of the deck.
     """
     families, made = {False: (kind, forces), True: stress_free}, {}
-    options = (TIME, WHEN, free) if stress_free else (TIME, WHEN)
-    doc = f"activation of the {what}, which exerts no force before: {{time: ...}} or {{when: ...}}"
+    given = activate_field(what, *([free] if stress_free else []))
 
     def variant(d):
         if d["activate"] is None:
             return kind.chosen(d)
-        family, zero = families[d["activate"].get("stress_free", False)]
+        family, zero = families[is_stress_free(d)]
         base = family.chosen(d)
         if id(base) not in made:
             made[id(base)] = activated(base, what, zero)
@@ -56,7 +66,7 @@ def with_activation(kind, what, forces, stress_free=None, free=STRESS_FREE):
         return kind.check(d, nodes) + check_trigger("activate", d["activate"])
 
     return replace(
-        kind, fields=(*kind.fields, Field("activate", mapping(*options), "-", doc, None)), variant=variant, check=check,
+        kind, fields=(*kind.fields, given), variant=variant, check=check,
         sample=lambda rng: _with_samples(kind.sample(rng), bool(stress_free)),
     )  # fmt: skip
 

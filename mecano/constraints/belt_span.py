@@ -17,19 +17,26 @@ since the start, where it has the tension :math:`T_0`. With the stiffness k and 
            V = \tfrac12 k \Delta^2
 
 while it is taut, where both :math:`\Delta` and :math:`\Delta + \tau\dot\Delta` are positive. L and the angles are exact
-for parallel axes and pulleys in one plane; small inclinations are allowed.
+for parallel axes and pulleys in one plane; small inclinations are allowed. That of a belt that is activated stress-free
+has the tension :math:`T_0` then; before, and after a release, its nodes may leave no tangent.
 """
+
+import math
+from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
+from mecano.constraints.activation import SHIFT, activated
 from mecano.constraints.body_fixed import wrap
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
+from mecano.constraints.release import detached
 from mecano.element_interface import Event, Kind, Output, record
 from mecano.jit.kernel import kernel
-from mecano.maths.dual import atan2, select, sqrt
+from mecano.maths.dual import atan2, select, sqrt, value
 from mecano.maths.vector import Vec3, cross, dot, mat, vec
 
-TAUT = 0
+TAUT, SLACK = 0, 1
 INCLINATION = 0.2  # of the distance: largest offset along the axis
 PHASES = ("taut", "slack")
 EVENTS = (
@@ -91,8 +98,25 @@ def _to_a_point(p, at):
     return L - p.length + p.stretch + p.radius_0 * psi_0, along, L, psi_0, 0.0
 
 
-def _kind(name, doc, layout, memory, geometry, sample):
-    """Return the Kind of a span with this ``geometry``."""
+def _since_activation(geometry, i):
+    """Return the ``geometry`` with a stretch that is shifted by the memory i."""
+
+    @kernel
+    def shifted(p, at):
+        stretch, along, L, psi_0, psi_1 = geometry(p, at)
+        return stretch + at.m[i], along, L, psi_0, psi_1
+
+    return shifted
+
+
+@kernel
+def _lost(at, stretch):
+    """Return whether the span does not act, and its nodes leave no tangent, so that its stretch is not a number."""
+    return at.phase > SLACK and not math.isfinite(value(stretch))
+
+
+def _functions(geometry, angles):
+    """Return the functions of a span with this ``geometry`` and so many ``angles`` in its memory."""
 
     @kernel
     def residual(p, at, f):
@@ -104,6 +128,8 @@ def _kind(name, doc, layout, memory, geometry, sample):
     def observe(p, at, F, y, e):
         stretch, along, L, _, _ = geometry(p, at)
         rate = rate_of(along, at.v)
+        if _lost(at, rate):
+            return
         elastic = select(at.phase == TAUT or stretch > 0.0, p.stiffness * stretch, 0.0)
         T = select(at.phase == TAUT, p.stiffness * (stretch + p.damping * rate), 0.0)
         y[0], y[1], y[2] = T, stretch, L
@@ -118,16 +144,64 @@ def _kind(name, doc, layout, memory, geometry, sample):
 
     @kernel
     def commit(p, at, m_out):
-        _, _, _, psi_0, psi_1 = geometry(p, at)
+        stretch, _, _, psi_0, psi_1 = geometry(p, at)
+        if _lost(at, stretch):
+            return
         m_out[0] = psi_0
-        if memory > 1:
+        if angles > 1:
             m_out[1] = psi_1
 
+    return {"residual": residual, "observe": observe, "event_values": event_values, "commit": commit}
+
+
+def _kind(name, doc, layout, geometry, radii):
+    """Return the Kind of a span with this ``geometry``, between nodes of which samples have these ``radii``."""
+    memory = ("angle_0", "angle_1")[: len(layout) - 2]
     return Kind(
-        name=name, doc=doc, dtype=RECORD, layout=layout, outputs=OUTPUTS, phases=PHASES, events=EVENTS,
-        memory=("angle_0", "angle_1")[:memory], residual=residual, observe=observe, event_values=event_values,
-        commit=commit, sample=sample,
+        name=name, doc=doc, dtype=RECORD, layout=layout, outputs=OUTPUTS, phases=PHASES, events=EVENTS, memory=memory,
+        sample=_samples(radii, PHASES), **_functions(geometry, len(memory)),
     )  # fmt: skip
+
+
+def _stress_free(kind, geometry):
+    """Return the ``kind`` of a span whose tension at its activation is that of the record at the start."""
+    n = len(kind.memory)
+    follow = kind.commit
+
+    @kernel
+    def commit(p, at, m_out):
+        follow(p, at, m_out)
+        stretch = geometry(p, at)[0]
+        if not _lost(at, stretch):
+            m_out[n] = p.stretch - stretch
+
+    return replace(
+        kind, memory=(*kind.memory, SHIFT), **{**_functions(_since_activation(geometry, n), n), "commit": commit}
+    )
+
+
+@cache
+def span_kind(at_a_point, released, activation):
+    """Return the Kind of a span of a belt.
+
+    Parameters
+    ----------
+    at_a_point : bool
+        Whether it ends there, not at a second pulley.
+    released : bool
+        Whether the belt has a release.
+    activation : None or bool
+        None if the belt is always active, or whether it is activated stress-free.
+    """
+    plain, geometry, radii = (
+        (BELT_END, _to_a_point, RADII_OF_END) if at_a_point else (BELT_SPAN, _between_pulleys, RADII)
+    )
+    kind = _stress_free(plain, geometry) if activation else plain
+    if released:
+        kind = detached(kind, "belt", (0,))
+    if activation is not None:
+        kind = activated(kind, "belt", (0, 1) if activation else (0,))
+    return replace(kind, name=plain.name, sample=_samples(radii, kind.phases))
 
 
 def span_record(first, second):
@@ -162,17 +236,17 @@ def check_tangent(names, places, radii, frame):
     return []
 
 
-def _samples(radii):
+def _samples(radii, phases):
     def sample(rng):
         """Return (values of RECORD, nodes, phase) of a span between two pulleys at random places, in each phase.
 
         Lengths are in m, stiffness in N/m, damping in s; the axes (3, 3) of both pulleys in their nodes are random.
         """
         found = []
-        for phase in PHASES:
+        for phase in phases:
             values = {
                 "radius_0": radii[0], "radius_1": radii[1], "angle_0": 0.2, "angle_1": -0.3, "length": 1.1,
-                "stretch": 0.4, "stiffness": 30.0, "damping": 0.2,
+                "stretch": -9.0 if phase == "slack" else 0.4, "stiffness": 30.0, "damping": 0.2,
                 "axes_0": np.linalg.qr(rng.normal(size=(3, 3)))[0], "axes_1": np.linalg.qr(rng.normal(size=(3, 3)))[0],
             }  # fmt: skip
             nodes = [(rng.normal(size=3), np.eye(3)), (rng.normal(size=3) + [2.0, 2.0, 2.0], np.eye(3))]
@@ -182,10 +256,9 @@ def _samples(radii):
     return sample
 
 
-BELT_SPAN = _kind(
-    "belt_span", __doc__, ("x0", "R0", "x1", "R1"), 2, _between_pulleys, _samples((0.2, -0.3))
-)  # fmt: skip
+RADII, RADII_OF_END = (0.2, -0.3), (0.2, 0.0)
+BELT_SPAN = _kind("belt_span", __doc__, ("x0", "R0", "x1", "R1"), _between_pulleys, RADII)
 BELT_END = _kind(
-    "belt_end", "Span of a belt between a pulley and a point, see the span.", ("x0", "R0", "x1"), 1, _to_a_point,
-    _samples((0.2, 0.0)),
+    "belt_end", "Span of a belt between a pulley and a point, see the span.", ("x0", "R0", "x1"), _to_a_point,
+    RADII_OF_END,
 )  # fmt: skip

@@ -51,10 +51,10 @@ NOTES = {  # words with the same meaning: (targets, note)
     "gripper, grab, hook, magnet, suction cup, docking, berthing, capture, attach, engage": (
         "grip latch",
         "a grip closes and is released by command; a latch locks a joint when it is reached; springs, bushings, "
-        "cables, also over pulleys, and contacts have an 'activate'",
+        "cables, belts and contacts have an 'activate'",
     ),
     "jettison, separation, detach, unlatch, pyro, burn wire, cut, break, deactivate": (
-        "release grip", "'release' of joints, latches, cables, springs and bushings; loads end by a switch"
+        "release grip", "'release' of joints, latches, cables, belts, springs and bushings; loads end by a switch"
     ),
     "set point, setpoint, series elastic actuator, elastic actuator": (
         "spring_damper torsion_spring_damper hinge signals", "their set points are laws of time or formulas of signals"

@@ -13,12 +13,20 @@ by an angle passes its radius times this angle from one span to the next, and th
 
 A span whose tension falls to zero is slack until it has its length again: both are events. The belt has no mass, and
 the stiffness of a span does not change with its length. All pulleys are in one plane, nearly; the belt stays on them.
+
+With ``activate`` the belt carries no force before, and its energy at that instant is given. Its spans stretch since the
+start, with the turns of the pulleys before; ``stress_free``, it lies down on the pulleys as they stand and turn then,
+with its ``pretension``, as in a drive that is engaged. A ``release`` cuts all of it: it carries no force from then on,
+and its elastic energy is lost. Velocities change in neither.
 """
 
 import numpy as np
 
-from mecano.constraints.belt_span import BELT_END, BELT_SPAN, check_tangent, span_record
+from mecano.constraints.activation import activate_field, is_stress_free
+from mecano.constraints.along_coordinate.trigger import check_trigger, trigger_of
+from mecano.constraints.belt_span import BELT_END, BELT_SPAN, check_tangent, span_kind, span_record
 from mecano.constraints.joint_frame import triad
+from mecano.constraints.release import check_release, elastic_release
 from mecano.element_interface import Display, Kind, Part
 from mecano.schema import BOOLEAN, DIRECTION, NODES, NUMBER, NUMBERS, Field, not_negative, positive
 
@@ -42,12 +50,13 @@ def _geometry(d, nodes):
 
 def parts(d, nodes, context):
     """Return the Parts: one for each span."""
-    found = []
+    found, reads = [], tuple(trigger_of(d[name]) for name in ("release", "activate") if d[name] is not None)
+    activation = None if d["activate"] is None else is_stress_free(d)
     for number, (ends, values) in enumerate(_geometry(d, nodes), 1):
         stiffness = d["axial_stiffness"] / values["length"]
         more = {"stretch": d["pretension"] / stiffness, "stiffness": stiffness, "damping": d["damping"]}
-        kind = BELT_SPAN if d["radii"][ends[1]] else BELT_END
-        found.append(Part(kind, ends, {**values, **more}, label=f"_{number}"))
+        kind = span_kind(not d["radii"][ends[1]], d["release"] is not None, activation)
+        found.append(Part(kind, ends, {**values, **more}, label=f"_{number}", reads=reads))
     return found
 
 
@@ -58,7 +67,8 @@ def check(d, nodes):
         return [f"'radii' must have {len(names)} numbers, one for each node; it has {len(radii)}"]
     if len(names) < 2 or not any(radii):
         return ["'nodes' must name at least two nodes, one of them a pulley; a cable without pulleys is a 'cable'"]
-    frame, places, texts = triad(d["axis"]), [x for x, _ in nodes], []
+    frame, places = triad(d["axis"]), [x for x, _ in nodes]
+    texts = check_release(d, []) + check_trigger("activate", d["activate"])
     for i, j, _ in _spans(d):
         if not radii[i]:
             texts.append(f"'radii': '{names[j]}' and '{names[i]}' are points next to each other: use a 'cable' there")
@@ -78,9 +88,14 @@ def sample(rng):
         "axial_stiffness": 50.0, "pretension": 20.0, "damping": 0.1,
     }  # fmt: skip
     drive = {**hoist, "nodes": ["b", "c"], "radii": [-0.2, 0.15], "closed": True}
-    return [(hoist, nodes, ""), (drive, nodes[1:3], "")]
+    once = {"time": 0.3, "when": None}
+    timed = [{"release": once}, {"activate": {**once, "stress_free": True}}, {"activate": once, "release": once}]
+    return [(hoist, nodes, ""), (drive, nodes[1:3], ""), *(({**hoist, **more}, nodes, "") for more in timed)]
 
 
+STRESS_FREE = Field(
+    "stress_free", BOOLEAN, "-", "it has only its pretension then, on the pulleys as they stand then", False
+)
 BELT = Kind(
     name="belt",
     section="elements",
@@ -94,6 +109,8 @@ BELT = Kind(
         Field("axial_stiffness", NUMBER, "N", "EA: force per strain", check=positive),
         Field("pretension", NUMBER, "N", "tension of all spans at the start", 0.0, not_negative),
         Field("damping", NUMBER, "s", "tau: viscous over elastic stiffness", 0.0, not_negative),
+        elastic_release("belt"),
+        activate_field("belt", STRESS_FREE),
     ),
     optional=(("nodes", BELT_SPAN, "_1"), ("nodes", BELT_END, "_1")),
     parts=parts,

@@ -38,7 +38,7 @@ from functools import cache
 
 import numpy as np
 
-from mecano.constraints.activation import with_activation
+from mecano.constraints.activation import is_stress_free, with_activation
 from mecano.constraints.along_coordinate.demand import is_formula, law_of
 from mecano.constraints.belt_span import INCLINATION, check_tangent, span_record
 from mecano.constraints.capstan import CAPSTAN, capstan, friction_field
@@ -156,7 +156,7 @@ def parts(d, nodes, context):
     if d["friction"] is None:
         return []
     by_signal = is_formula(d["payout"])
-    kind = capstan(len(nodes) - 2, by_signal, REEVED_CABLE.chosen(d).phases, _is_stress_free(d))
+    kind = capstan(len(nodes) - 2, by_signal, REEVED_CABLE.chosen(d).phases, is_stress_free(d))
     values, reads = {**prepare(d, nodes, context), **d["friction"]}, (d["payout"],) if by_signal else ()
     return [Part(kind, tuple(range(len(nodes))), values, reads=reads)]
 
@@ -213,11 +213,7 @@ def ends(d):
 
 def variant(d):
     """Return the kind with this number of pulleys, with a payout by a law or a signal, and with a release if given."""
-    return _of(len(d["nodes"]) - 2, is_formula(d["payout"]), d["release"] is not None, _is_stress_free(d))
-
-
-def _is_stress_free(d):
-    return d["activate"] is not None and d["activate"].get("stress_free", False)
+    return _of(len(d["nodes"]) - 2, is_formula(d["payout"]), d["release"] is not None, is_stress_free(d))
 
 
 @cache

@@ -1,0 +1,163 @@
+"""Belts that are engaged or cut at a time or by a condition: motion, energy, resuming, modes."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from surviving import StopAfter, check_same, contents
+from time_runs import INPUTS, RecordedRun, deck
+
+from mecano.analyses.dynamic import resume, run
+from mecano.analyses.kind_tests import OF_EVERY_KIND
+from mecano.analyses.modal import operating_point
+from mecano.constraints.belt_span import span_kind
+from mecano.errors import DeckError
+from mecano.process.interrupt import Stopped
+from mecano.solve.modal.linearize import linearize
+from mecano.solve.modal.modes import solve
+
+S = "Belts and cables over pulleys"
+KINDS = [span_kind(*of) for of in [(False, False, None), (True, True, None), (False, True, False), (True, False, True)]]
+
+
+@pytest.mark.parametrize("check", OF_EVERY_KIND, ids=lambda check: check.__name__)
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: "-".join((kind.name, *kind.phases)))
+def test_spans_in_every_phase(kind, check):
+    check(kind)
+
+
+DRIVE = """
+    mecano: 1
+    gravity: none
+    nodes:
+      motor: {position: [0, 0, 0]}
+      machine: {position: [0.8, 0, 0.2]}
+    elements:
+      motor: {type: rigid_body, node: motor, mass: 2, inertia: [0.02, 0.02, 0.02]}
+      machine: {type: rigid_body, node: machine, mass: 8, inertia: [0.3, 0.5, 0.3]}
+      belt: {type: belt, nodes: [motor, machine], radii: [0.1, 0.25], axis: [0, 1, 0], closed: true,
+             axial_stiffness: 80 kN, damping: 1 ms, pretension: 200, MORE}
+    joints:
+      motor: {type: hinge, nodes: [ground, motor], axis: [0, 1, 0]}
+      machine: {type: hinge, nodes: [ground, machine], axis: [0, 1, 0]}
+    initial: {velocities: [{nodes: [motor], angular_velocity: [0, 60, 0]}]}
+    time: {end: END, step: STEP}
+"""
+SPAN = math.sqrt(0.68 - 0.15**2)
+STIFFNESS = 80e3 / SPAN
+
+
+def drive(more, end, step):
+    return deck(DRIVE.replace("MORE", more).replace("END", str(end)).replace("STEP", str(step)))
+
+
+def tension(stretch, rate):
+    """Return the tension of a span, which only pulls."""
+    return STIFFNESS * (stretch + 1e-3 * rate) if min(stretch, stretch + 1e-3 * rate) > 0.0 else 0.0
+
+
+def engaged(duration):
+    """Return the rates (2,) of motor and machine ``duration`` after the belt lies down, by SciPy."""
+    rest = 200.0 / STIFFNESS
+
+    def motion(_, y):
+        s, motor, machine = y
+        rate = 0.1 * motor - 0.25 * machine
+        pull = tension(rest + s, rate) - tension(rest - s, -rate)
+        return rate, -0.1 * pull / 0.02, 0.25 * pull / 0.5
+
+    return solve_ivp(motion, (0.0, duration), (0.0, 60.0, 0.0), rtol=1e-9, atol=1e-12, max_step=1e-5).y[1:, -1]
+
+
+@pytest.mark.parametrize("trigger", ["time: 0.3", "when: motor.angle > 18"])
+def test_a_drive_is_engaged(verify, trigger):
+    """After 18 rad of the motor the belt lies down on both pulleys: momentum gives the speeds that are left."""
+    activate, found = f"activate: {{{trigger}, stress_free: true}}", []
+    for step in (1e-4, 5e-5):
+        m = RecordedRun(drive(activate, 0.31, step))
+        first, second, *_ = m.event_records
+        assert [(e.name, e.before) for e in (first, second)] == [("activates", "inactive")] * 2
+        assert {first.after, second.after} == {"taut", "slack"}  # by damping one span would push
+        assert first.t == pytest.approx(0.3, abs=1e-9)
+        assert [first.lost, second.lost] == pytest.approx([-0.5 * 200.0**2 / STIFFNESS] * 2, rel=1e-9)
+        found.append(np.array([m[f"joints/{name}/rate"][-1] for name in ("motor", "machine")]))
+    what = f"belt drive engaged ({trigger}): rates after 10 ms [rad/s]"
+    verify.second_order(S, what, *found, engaged(0.01), 1e-5, "SciPy")
+    m = RecordedRun(drive(activate, 0.6, 1e-3))
+    rates = [m[f"joints/{name}/rate"][-1] for name in ("motor", "machine")]
+    verify(S, f"belt drive engaged ({trigger}): rates at last [rad/s]", rates, [12.0, 4.8], "momentum", relative=1e-6)
+    np.testing.assert_array_equal(m["elements/belt/tension_1"][m.time <= 0.3], 0.0)
+
+
+HOIST = """
+    mecano: 1
+    gravity: [0, 0, -10]
+    nodes:
+      drum: {position: [0, 0, 0]}
+      weight: {position: [0.1, 0, -1]}
+    elements:
+      drum: {type: rigid_body, node: drum, mass: 5, inertia: [0.06, 0.06, 0.06]}
+      weight: {type: point_mass, node: weight, mass: 4}
+      rope: {type: belt, nodes: [weight, drum], radii: [0, -0.1], axis: [0, 1, 0], axial_stiffness: 2.0e3,
+             activate: {time: 0.1}, release: {when: rope.stretch_1 > 0.058}}
+    joints:
+      bearing: {type: hinge, nodes: [ground, drum], axis: [0, 1, 0]}
+    time: {end: 0.2, step: STEP}
+"""
+
+
+def test_a_rope_takes_hold_of_a_drum_and_breaks(verify):
+    """The stretch s, 50 mm at the activation, grows by s'' = g - k (1/m + r^2/I) s, and the rope breaks at 58 mm."""
+    k, m, inertia = 2e3, 4.0, 6.0
+    w, mean = math.sqrt(k * (1 / m + 1 / inertia)), 10.0 / (k * (1 / m + 1 / inertia))
+    size, phase = math.hypot(0.05 - mean, 1.0 / w), math.atan2(0.05 - mean, 1.0 / w)
+    after = (math.asin((0.058 - mean) / size) - phase) / w
+    pull = k * (mean * after + size / w * (math.cos(phase) - math.cos(w * after + phase)))  # impulse
+    known, found = [0.1 + after, -2.0 + pull / m, pull * 0.1 / 0.06], []
+    for step in (4e-4, 2e-4):
+        r = RecordedRun(deck(HOIST.replace("STEP", str(step))))
+        begins, ends = r.event_records
+        assert [(e.name, e.before, e.after) for e in (begins, ends)] == [
+            ("activates", "inactive", "taut"),
+            ("releases", "taut", "released"),
+        ]
+        assert [begins.lost, ends.lost] == pytest.approx([-0.5 * k * 0.05**2, 0.5 * k * 0.058**2], rel=1e-7)
+        assert np.ptp(r["energy/balance"]) < 1e-3 * np.ptp(r["energy/kinetic"])
+        speed, rate = r["nodes/weight/velocity"][-1, 2], r["joints/bearing/rate"][-1]
+        found.append(np.array([ends.t, speed, abs(rate)]))
+    verify.second_order(S, "rope that is activated and breaks: instant, speeds", *found, known, 1e-7, "oscillation")
+
+
+def test_a_drive_that_is_cut():
+    """Both spans of the drive at rest lose their energy, and the pulleys keep their speeds."""
+    m = RecordedRun(drive("release: {time: 0.01}", 0.02, 1e-4))
+    rates = np.array([m[f"joints/{name}/rate"] for name in ("motor", "machine")])
+    np.testing.assert_allclose(np.ptp(rates[:, m.time > 0.0101], axis=1), 0.0, atol=1e-9)
+    assert [event.after for event in m.event_records if event.name == "releases"] == ["released"] * 2
+    assert np.ptp(m["energy/balance"]) < 1e-3 * np.ptp(m["energy/kinetic"])
+
+
+def test_a_drive_that_was_engaged_is_resumed_and_linearized(tmp_path):
+    """Resumed to the same bits; about the replayed end the pulleys oscillate on both spans, with their damping."""
+    model = drive("activate: {time: 0.03, stress_free: true}", 0.5, 1e-3)
+    run(model, tmp_path / "whole.h5")
+    for steps in (20, 40):
+        end = StopAfter(steps)
+        with pytest.raises(Stopped):
+            resume(model, tmp_path / "r.h5", interruption=end, observers=(end,))
+    resume(model, tmp_path / "r.h5")
+    check_same(contents(tmp_path / "r.h5"), contents(tmp_path / "whole.h5"))
+    base = operating_point(model, f"{tmp_path / 'r.h5'}:0.5")
+    found = solve(linearize(base.prepared.system, base.state, 1.0)).values
+    square = 2.0 * STIFFNESS * (0.1**2 / 0.02 + 0.25**2 / 0.5)
+    root = np.roots([1.0, 1e-3 * square, square])[0]
+    assert np.abs(np.abs(found.imag) - abs(root.imag)).min() < 1e-6 * abs(root)
+
+
+def test_a_belt_needs_a_time_or_a_condition():
+    text = (INPUTS / "belt_drive.yaml").read_text()
+    for name in ("activate", "release"):
+        with pytest.raises(DeckError) as error:
+            deck(text.replace("pretension: 200", f"pretension: 200\n    {name}: {{}}"))
+        assert f"'{name}' needs either 'time' or 'when'" in error.value.problems[0].message
