@@ -548,7 +548,8 @@ def test_table_and_file(tmp_path, monkeypatch):
     np.testing.assert_array_equal(file.nodes["p0"]["translation"], 0.0)
     assert file.kinds == ["oscillation"] * 3 and file.resolved["gravity"] == [0, 0, 0]
     with monkeypatch.context() as patched, pytest.raises(ResultsError, match="exists already"):
-        patched.setattr("mecano.analyses.modal.about", lambda *_: pytest.fail("computed before it was refused"))
+        computed = pytest.fail
+        patched.setattr("mecano.analyses.modal.operating_point", lambda *_: computed("before it was refused"))
         modes(deck(row_of_masses(4)), path)
     with pytest.raises(UsageError, match="there is no node 'q'"):
         modes(deck(row_of_masses(4)), None, frame="q")
@@ -689,6 +690,37 @@ def test_the_rounding_of_members_without_loads_is_in_balance():
         {TIME}
         """
     assert "not an equilibrium" not in modes(deck(text), None)[0]
+
+
+SPINNING = f"""
+    mecano: 1
+    gravity: none
+    nodes: {{hub: {{position: [1, 0, 2]}}, tip: {{position: [OFFSET, 0, 2]}}}}
+    elements:
+      hub: {{type: rigid_body, node: hub, mass: 1, inertia: [1, 1, 1]}}
+      tip: {{type: point_mass, node: tip, mass: 1}}
+      spring: {{type: spring_damper, nodes: [hub, tip], law: {{spring: 1000}}}}
+    joints:
+      axle: {{type: hinge, nodes: [ground, hub], axis: [0, 0, 1]}}
+      guide: {{type: prismatic, nodes: [hub, tip], axis: [1, 0, 0]}}
+    initial: {{velocities: [{{nodes: all, angular_velocity: [0, 0, 10], about: [1, 0, 2]}}]}}
+    {TIME}
+    """
+
+
+@pytest.mark.parametrize(("frame", "reported"), [("hub", True), ("0,0,10", True), ("inertial", False)])
+def test_a_turning_start_without_its_centrifugal_forces_is_reported(frame, reported):
+    """The spring is not stretched at first; in inertial axes the state moves, which is another warning."""
+    text = modes(deck(SPINNING.replace("OFFSET", "2")), None, frame=frame)[0]
+    assert ("the start is not an equilibrium" in text and "use --at" in text) == reported
+
+
+def test_a_turning_start_that_is_steady_is_not_reported():
+    """The mass at the end of the guide, stretched by m w^2 (L + u) = k u: u = L/9."""
+    stretched = SPINNING.replace("OFFSET", f"{1 + 10 / 9:.16g}").replace(
+        "{spring: 1000}}", "{spring: 1000}, natural_length: 1}"
+    )
+    assert "not an equilibrium" not in modes(deck(stretched), None, frame="hub")[0]
 
 
 def test_feedback_through_a_delay_is_reported_as_missing():

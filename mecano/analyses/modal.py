@@ -44,6 +44,7 @@ class OperatingPoint:
     assemble: object
     words: str
     warnings: tuple = ()
+    is_start: bool = False
 
 
 def operating_point(deck, at=None, at_rest=False):
@@ -72,8 +73,9 @@ def _operating_point(deck, at, at_rest):
         )
     reported = (*set_initial_state(prepared, disturbed=False), *held)
     run = integrator_of(prepared).begin(prepared.state, deck.values["time"]["step"])
-    reported = (*startup_warnings(prepared, run), *reported, *_unbalanced(prepared.system, run.motion))
-    return OperatingPoint(prepared, run.motion, None, describe(deck), reported)
+    return OperatingPoint(
+        prepared, run.motion, None, describe(deck), (*startup_warnings(prepared, run), *reported), is_start=True
+    )
 
 
 def _held(deck):
@@ -86,18 +88,46 @@ def _held(deck):
         )
 
 
-def _unbalanced(system, s):
-    """Yield a warning about a start at rest that is not an equilibrium: a body accelerates, by more than rounding."""
-    if np.any(s.v[: system.n_q][~system.signals]):
+def unbalanced(base, w):
+    """Yield a warning if a start at rest in axes with the angular velocity ``w`` (3,) is not an equilibrium there.
+
+    A body accelerates relative to them, by more than rounding.
+    """
+    system, s = base.prepared.system, base.state
+    a = _relative_accelerations(system, s, w) if base.is_start else None
+    if a is None:
         return
     M, size = _matrix(system, s, 0.0, 1.0)
     stiffness = np.abs(_matrix(system, s, 1.0, 0.0)[0].data).max(initial=0.0)
     rounding = ROUNDING * stiffness * np.abs(s.z[system.numbering.kind == TRANSLATION]).max(initial=0.0)
-    if np.abs(M @ s.a[: system.n_q]).max(initial=0.0) > max(BALANCED * size, rounding):
+    if np.abs(M @ a).max(initial=0.0) > max(BALANCED * size, rounding):
+        remedy = "run it until it is steady, and use --at" if np.any(w) else "write 'initial: static'"
         yield (
             "the start is not an equilibrium: the modes are those of this shape, without the forces in the members "
-            "that its loads cause; for the modes about the equilibrium write 'initial: static'"
+            f"that its loads cause; for the modes about the equilibrium {remedy}"
         )
+
+
+def _relative_accelerations(system, s, w):
+    """Return the accelerations (n_q,) relative to axes with the angular velocity ``w``, None if the state moves there.
+
+    The axes turn about the origin or about any other point.
+    """
+    of, n_q = system.numbering, system.n_q
+    v, a = s.v[:n_q].copy(), s.a[:n_q].copy()
+    free = [x for x in of.x if x < n_q]
+    for x in free:
+        a[x : x + 3] -= np.cross(w, v[x : x + 3])
+        v[x : x + 3] -= np.cross(w, s.z[x : x + 3])
+    if np.any(w) and free:
+        drift = v[free[0] : free[0] + 3].copy()
+        for x in free:
+            v[x : x + 3] -= drift
+    for R, d in zip(s.R, of.rotation_dof, strict=True):
+        if d < n_q:
+            v[d : d + 3] -= R.T @ w
+    rounding = ROUNDING * np.abs(s.v[:n_q]).max(initial=0.0)
+    return None if np.any(np.abs(v[~system.signals]) > rounding) else a
 
 
 def _matrix(system, s, cK, cM):
@@ -127,7 +157,12 @@ def _find(deck, path, at, at_rest, number, frame, method, force):
     turning = turning_of(system, base.state, frame)
     lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
     found = abandonable(solve, lin, number, method)
-    reported = [*base.warnings, *_sticking(deck, system, base.state), *doubts(lin.variation, found.residuals)]
+    reported = [
+        *base.warnings,
+        *unbalanced(base, turning),
+        *_sticking(deck, system, base.state),
+        *doubts(lin.variation, found.residuals),
+    ]
     if path is not None:
         source = Source(deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
                         warnings=reported)  # fmt: skip

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mecano.analyses.modal import doubts, operating_point, turning_of
+from mecano.analyses.modal import doubts, operating_point, turning_of, unbalanced
 from mecano.analyses.sweep_text import lines
 from mecano.deck.read import read_deck
 from mecano.deck.wording import suggestion
@@ -152,7 +152,7 @@ class Case:
         self.about = base.words.partition(" at [")[0]
         self.variation = max(self.variation, lin.variation)
         self.residual = max(self.residual, float(found.residuals.max(initial=0.0)))
-        for text in base.warnings:
+        for text in (*base.warnings, *unbalanced(base, turning)):
             self.warn(text, settings)
         length = float(lin.root.max(initial=1.0))
 
