@@ -639,7 +639,7 @@ class TestInfo:
         assert [float(x) for x in numbers] == pytest.approx(expected, rel=1e-4)
 
     def test_extremes_without_zeros_and_rounding(self):
-        """Extremes below 1e-10 of the largest of a unit, and nodes, are left out; nan is reported."""
+        """Extremes below 1e-10 of the largest of a unit, nodes and formulas are left out; nan is reported."""
         values = {
             "a/f": (-9.0, 2.0, "N"),
             "joints/j/f": (0.0, 3.0, "N"),
@@ -648,6 +648,7 @@ class TestInfo:
             "a/zero": (0.0, 0.0, "J"),
             "a/bad": (math.nan, math.nan, "Pa"),
             "nodes/p/position.x": (0.0, 5.0, "m"),
+            "formulas/time - (0.3)/value": (-0.3, 14.7, "SI"),
         }
         extremes = {path: Extreme(high, 1.0, low, 2.0, unit) for path, (low, high, unit) in values.items()}
         assert [name for name, _ in telling(extremes)] == ["joints.j.f", "a.f", "a.u", "a.bad"]

@@ -6,9 +6,10 @@ ROUNDING = 1e-10  # of the largest value of the same unit: smaller extremes are 
 
 
 def telling(extremes):
-    """Return (name, Extreme) of all outputs, except those of nodes and those that are zero or rounding errors.
+    """Return (name, Extreme) of all outputs, without nodes, formulas, zeros and rounding errors.
 
-    Joints come first, as the elements of one divided member may be many.
+    Formulas are those written in place, such as the condition of a release, which results hold as differences. Joints
+    come first, as the elements of one divided member may be many.
     """
     least = dict.fromkeys((extreme.unit for extreme in extremes.values()), 0.0)
     for extreme in extremes.values():
@@ -17,7 +18,7 @@ def telling(extremes):
     found = [
         (path, extreme)
         for path, extreme in extremes.items()
-        if not path.startswith("nodes/") and not _largest(extreme) <= least[extreme.unit]
+        if not path.startswith(("nodes/", "formulas/")) and not _largest(extreme) <= least[extreme.unit]
     ]
     found.sort(key=lambda item: not item[0].startswith("joints/"))
     return [(named(path), extreme) for path, extreme in found]

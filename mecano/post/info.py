@@ -245,7 +245,7 @@ def _extremes(results, paths=None, most=MOST_EXTREMES):
     if len(shown) < len(rows):
         lines.append(f"  and {len(rows) - len(shown)} more: mecano info FILE --names PATTERN")
     if paths is None:
-        lines.append("  without nodes, and without values that are zero or rounding errors")
+        lines.append("  without nodes, formulas written in place, and values that are zero or rounding errors")
     return lines
 
 
