@@ -155,6 +155,57 @@ def test_a_drive_that_was_engaged_is_resumed_and_linearized(tmp_path):
     assert np.abs(np.abs(found.imag) - abs(root.imag)).min() < 1e-6 * abs(root)
 
 
+PASSING = """
+    mecano: 1
+    gravity: none
+    nodes:
+      drum: {position: [0, 0, 0]}
+      weight: {position: [1, 0, -0.05]}
+    elements:
+      drum: {type: rigid_body, node: drum, mass: 5, inertia: [0.06, 0.06, 0.06]}
+      weight: {type: point_mass, node: weight, mass: 4}
+      rope: {type: belt, nodes: [weight, drum], radii: [0, -0.1], axis: [0, 1, 0], axial_stiffness: 2.0e3,
+             pretension: 5, activate: {time: 1.8, stress_free: true}}
+    joints:
+      bearing: {type: hinge, nodes: [ground, drum], axis: [0, 1, 0]}
+    initial: {velocities: [{nodes: [weight], velocity: [-1, 0, 0]}]}
+    time: {end: 1.805, step: 5.0e-3}
+"""
+
+
+def test_before_its_activation_a_belt_may_have_no_tangent():
+    """The weight flies through the drum, where the outputs are zero, and is caught behind it with the pretension."""
+    m = RecordedRun(deck(PASSING))
+    assert np.all(np.isfinite(m.rows))
+    inside = np.hypot(*m["nodes/weight/position"][:, [0, 2]].T) < 0.1
+    assert inside.any()
+    np.testing.assert_array_equal(m["elements/rope/span_1"] == 0.0, inside)
+    (event,) = m.event_records
+    k = 2e3 / math.sqrt(1.0 + 0.05**2 - 0.1**2)
+    assert event.lost == pytest.approx(-0.5 * 5.0**2 / k, rel=1e-9)
+
+
+def test_a_belt_of_many_spans_is_engaged_at_once():
+    """Each of them has its event and its energy, N^2/(2 k), which is no repetition of an event at standstill."""
+    angles = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    places = "".join(
+        f"  p{i}: {{position: [{math.cos(a)}, {math.sin(a)}, 0], fixed: true}}\n" for i, a in enumerate(angles)
+    )
+    names = ", ".join(f"p{i}" for i in range(24))
+    ring = f"nodes: [{names}], radii: {[0.05] * 24}, axis: [0, 0, 1], closed: true, axial_stiffness: 1000"
+    m = RecordedRun(
+        deck(
+            f"mecano: 1\ngravity: none\nnodes:\n{places}  mass: {{position: [3, 0, 0]}}\nelements:\n"
+            "  mass: {type: point_mass, node: mass, mass: 1}\n"
+            f"  belt: {{type: belt, {ring}, pretension: 10, activate: {{time: 0.01}}}}\n"
+            "time: {end: 0.02, step: 1.0e-3}\n"
+        )
+    )
+    span = 2.0 * math.sin(math.pi / 24)
+    assert [event.lost for event in m.event_records] == pytest.approx([-0.5 * 10.0**2 / 1000.0 * span] * 24, rel=1e-9)
+    assert m["energy/given"][-1] == pytest.approx(24 * 0.05 * span, rel=1e-9)
+
+
 def test_a_belt_needs_a_time_or_a_condition():
     text = (INPUTS / "belt_drive.yaml").read_text()
     for name in ("activate", "release"):

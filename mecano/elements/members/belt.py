@@ -14,10 +14,10 @@ by an angle passes its radius times this angle from one span to the next, and th
 A span whose tension falls to zero is slack until it has its length again: both are events. The belt has no mass, and
 the stiffness of a span does not change with its length. All pulleys are in one plane, nearly; the belt stays on them.
 
-With ``activate`` the belt carries no force before, and its energy at that instant is given. Its spans stretch since the
-start, with the turns of the pulleys before; ``stress_free``, it lies down on the pulleys as they stand and turn then,
-with its ``pretension``, as in a drive that is engaged. A ``release`` cuts all of it: it carries no force from then on,
-and its elastic energy is lost. Velocities change in neither.
+With ``activate`` the belt carries no force before, and its energy at that instant is given. The stretch of its spans
+counts from the start, and includes all that the pulleys have turned since; ``stress_free``, the belt lies down with its
+``pretension`` on the pulleys as they stand and turn then, as in a drive that is engaged. A ``release`` cuts all of it:
+it carries no force from then on, and its elastic energy is lost. Neither changes velocities at once.
 """
 
 import numpy as np
