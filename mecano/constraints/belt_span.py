@@ -115,8 +115,11 @@ def _lost(at, stretch):
     return at.phase > SLACK and not math.isfinite(value(stretch))
 
 
-def _functions(geometry, angles):
-    """Return the functions of a span with this ``geometry`` and so many ``angles`` in its memory."""
+def _functions(geometry, angles, always):
+    """Return the functions of a span with this ``geometry`` and so many ``angles`` in its memory.
+
+    ``always`` is whether it acts in all of its phases, and its nodes always leave a tangent.
+    """
 
     @kernel
     def residual(p, at, f):
@@ -128,7 +131,7 @@ def _functions(geometry, angles):
     def observe(p, at, F, y, e):
         stretch, along, L, _, _ = geometry(p, at)
         rate = rate_of(along, at.v)
-        if _lost(at, rate):
+        if not always and _lost(at, rate):
             return
         elastic = select(at.phase == TAUT or stretch > 0.0, p.stiffness * stretch, 0.0)
         T = select(at.phase == TAUT, p.stiffness * (stretch + p.damping * rate), 0.0)
@@ -145,7 +148,7 @@ def _functions(geometry, angles):
     @kernel
     def commit(p, at, m_out):
         stretch, _, _, psi_0, psi_1 = geometry(p, at)
-        if _lost(at, stretch):
+        if not always and _lost(at, stretch):
             return
         m_out[0] = psi_0
         if angles > 1:
@@ -159,7 +162,7 @@ def _kind(name, doc, layout, geometry, radii):
     memory = ("angle_0", "angle_1")[: len(layout) - 2]
     return Kind(
         name=name, doc=doc, dtype=RECORD, layout=layout, outputs=OUTPUTS, phases=PHASES, events=EVENTS, memory=memory,
-        sample=_samples(radii, PHASES), **_functions(geometry, len(memory)),
+        sample=_samples(radii, PHASES), **_functions(geometry, len(memory), True),
     )  # fmt: skip
 
 
@@ -176,7 +179,7 @@ def _stress_free(kind, geometry):
             m_out[n] = p.stretch - stretch
 
     return replace(
-        kind, memory=(*kind.memory, SHIFT), **{**_functions(_since_activation(geometry, n), n), "commit": commit}
+        kind, memory=(*kind.memory, SHIFT), **{**_functions(_since_activation(geometry, n), n, False), "commit": commit}
     )
 
 
@@ -196,7 +199,10 @@ def span_kind(at_a_point, released, activation):
     plain, geometry, radii = (
         (BELT_END, _to_a_point, RADII_OF_END) if at_a_point else (BELT_SPAN, _between_pulleys, RADII)
     )
-    kind = _stress_free(plain, geometry) if activation else plain
+    if not released and activation is None:
+        return plain
+    kind = replace(plain, **_functions(geometry, len(plain.memory), False))
+    kind = _stress_free(kind, geometry) if activation else kind
     if released:
         kind = detached(kind, "belt", (0,))
     if activation is not None:
