@@ -65,6 +65,7 @@ class TimeIntegrator:
     _before: RunState = field(init=False, default=None)  # at the beginning of the step
 
     def __post_init__(self):
+        self._corners = frozenset(self.breakpoints)  # of a sampled signal there may be very many
         self.observation, self.monitor = Observation(self.system), EventMonitor(self.system)
         self.capture = EventCapture(self.monitor, self.most_located)
         self.shocks = Shocks(self.system, self.method, self.monitor, self.rest)
@@ -115,7 +116,7 @@ class TimeIntegrator:
         if run.compliance is not self.method.compliance:
             self.method.use(run.compliance)
         self._before, self.method.pause = run, lambda: self.pause(self._before)
-        if run.motion.t in self.breakpoints and run.history.known:  # the last call ended there, before the corner
+        if run.motion.t in self._corners and run.history.known:  # the last call ended there, before the corner
             run = self._start_again(run, run.motion)
         stops = [t for t in sorted(self.breakpoints) if run.motion.t < t < end] + [end]
         for stop in stops:
@@ -280,7 +281,7 @@ class TimeIntegrator:
         remaining = stop - run.motion.t
         if remaining >= STRETCH * run.h:
             return run.h
-        if stop not in self.breakpoints:
+        if stop not in self._corners:
             return remaining if NEGLIGIBLE_TIME * run.h < abs(remaining - run.h) else run.h
         remaining = np.nextafter(stop, run.motion.t) - run.motion.t  # the step ends before a jump of a law
         return remaining if run.motion.t + remaining < stop else np.nextafter(remaining, 0.0)  # the sum was rounded up
@@ -298,7 +299,7 @@ class TimeIntegrator:
             longest = self.method.longest(s)
             planned = min(planned, longest) if longest >= HOLD * h else h
         met = abs(s.t - stop) <= max(NEGLIGIBLE_TIME * h, math.ulp(stop))
-        if met and h <= SHORT * run.h and stop in self.breakpoints:
+        if met and h <= SHORT * run.h and stop in self._corners:
             s = self._consistent(s, run.h)
             info = replace(info, forces=None)
         new = self._stepped(run, s, history, planned, h, info)
