@@ -6,7 +6,7 @@ from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.prepare import prepare
 from mecano.errors import AssemblyError, ConvergenceError
-from mecano.solve.diagnostics.analysis import analyse
+from mecano.solve.diagnostics.mobility import analyse
 from mecano.solve.events.compliance import Compliance, compliance
 
 DRIVE = 0.981 * 30.0 / (30.0 + 2 * 0.1 / 0.0625)  # m/s2, inputs/axle_on_slope.yaml

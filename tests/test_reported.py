@@ -266,7 +266,7 @@ def test_check_tells_the_mass_and_what_is_loose(name, mass, loose):
 
 def test_check_says_why_a_large_model_is_not_analysed(monkeypatch):
     """Three points on four rods have no loops: many unknowns keep what moves from being named, not counted."""
-    monkeypatch.setattr("mecano.solve.diagnostics.analysis.DENSE_ROWS", 2)
+    monkeypatch.setattr("mecano.solve.diagnostics.mobility.DENSE_ROWS", 2)
     chain, four_bar = input_deck("hanging_chain"), input_deck("four_bar")
     said = summary(chain)
     assert "mobility         5\n  free motions are not listed for more than" in said and "loops" not in said

@@ -16,8 +16,8 @@ from mecano.model.sampler import row_size
 from mecano.model.system import System
 from mecano.process.interrupt import abandonable
 from mecano.results.layout import STEPS
-from mecano.solve.diagnostics.analysis import DENSE_ROWS, analyse
 from mecano.solve.diagnostics.joint_redundancy import by_same_joints, redundant_groups
+from mecano.solve.diagnostics.mobility import DENSE_ROWS, analyse
 from mecano.solve.diagnostics.scales import Tolerances, length_scale
 from mecano.solve.events.compliance import compliance
 from mecano.solve.linear.sparse import LinearSolver

@@ -10,7 +10,7 @@ from mecano.deck.run_size import saved_times, steps
 from mecano.element_interface import SECTIONS
 from mecano.errors import name_list
 from mecano.process.interrupt import abandonable
-from mecano.solve.diagnostics.analysis import DENSE_ROWS
+from mecano.solve.diagnostics.mobility import DENSE_ROWS
 from mecano.solve.diagnostics.rigidity import stiff_mechanisms
 
 MOST_NAMES, MOST_MECHANISMS = 6, 4  # names printed of one mechanism, and mechanisms

@@ -15,7 +15,7 @@ from mecano.laws.table import LawTable
 from mecano.model.model import Element, Model
 from mecano.model.numbering import AXES, Classes, EquationName
 from mecano.model.system import System
-from mecano.solve.diagnostics.analysis import DENSE_ROWS, Entries, Group, dependent_rows, gradient, groups
+from mecano.solve.diagnostics.mobility import DENSE_ROWS, Entries, Group, dependent_rows, gradient, groups
 
 PARTS = {"x": "force {}", "R": "moment about material {}"}
 SIDE = np.sqrt(0.5)  # the two coefficients of an identification, as a row of length 1

@@ -10,7 +10,7 @@ import numpy as np
 
 from mecano.maths.vector import skew
 from mecano.model.numbering import SCALAR, Classes
-from mecano.solve.diagnostics.analysis import RANK_TOLERANCE, groups
+from mecano.solve.diagnostics.mobility import RANK_TOLERANCE, groups
 
 
 def stiff_mechanisms(system, s, length, analysis):

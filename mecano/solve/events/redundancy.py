@@ -3,8 +3,8 @@
 import numpy as np
 
 from mecano.errors import AssemblyError
-from mecano.solve.diagnostics.analysis import analyse, gradient
 from mecano.solve.diagnostics.joint_redundancy import redundant_groups
+from mecano.solve.diagnostics.mobility import analyse, gradient
 from mecano.solve.events.compliance import compliance
 from mecano.solve.time.consistent import Consistent
 

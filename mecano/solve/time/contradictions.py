@@ -4,9 +4,9 @@ import numpy as np
 
 from mecano.errors import AssemblyError, Failure
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, TRANSLATION
-from mecano.solve.diagnostics.analysis import analyse
 from mecano.solve.diagnostics.constraint_names import by_joint
 from mecano.solve.diagnostics.joint_redundancy import redundant_groups
+from mecano.solve.diagnostics.mobility import analyse
 from mecano.solve.diagnostics.scales import constraint_scale
 from mecano.solve.events.compliance import NO_ROWS
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from mecano.model.numbering import ROTATION, TRANSLATION, Classes
-from mecano.solve.diagnostics.analysis import DENSE_ROWS, RANK_TOLERANCE, SHARE, gradient
+from mecano.solve.diagnostics.mobility import DENSE_ROWS, RANK_TOLERANCE, SHARE, gradient
 
 
 def massless_unknowns(system, s, length):

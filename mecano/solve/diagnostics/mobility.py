@@ -1,4 +1,4 @@
-"""Mobility analysis: groups of redundant constraints and remaining mechanisms, by name.
+"""Mobility of a model: groups of redundant constraints and remaining mechanisms, by name.
 
 Both follow from projectors of the scaled constraint gradient B, which do not depend on the choice of a basis: the left
 null space of B couples redundant constraints, its null space couples unknowns that can move.
