@@ -118,6 +118,7 @@ class TimeIntegrator:
         self._before, self.method.pause = run, lambda: self.pause(self._before)
         if run.motion.t in self._corners and run.history.known:  # the last call ended there, before the corner
             run = self._start_again(run, run.motion)
+        end = next((t for t in self.breakpoints if 0.0 < t - end < self._shortest(t)), end)  # rounding is no step
         stops = [t for t in sorted(self.breakpoints) if run.motion.t < t < end] + [end]
         for stop in stops:
             while run.motion.t < stop:
