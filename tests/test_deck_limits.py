@@ -74,6 +74,12 @@ def test_more_saved_times_in_a_step_than_can_be_meant_are_refused_with_their_num
     assert values(("every: 0.2", "every: 1.1e-6"))
 
 
+@pytest.mark.parametrize(("tolerance", "wrong"), [("9e-13", True), ("1e-12", False)])
+def test_tolerances_of_the_motion_below_rounding_are_refused(tolerance, wrong):
+    change = "step: 0.1", f"step: 0.1, adaptive: {{tolerance: {tolerance}}}"
+    assert ("must lie between 1e-12 and 1" in refused(change)) if wrong else values(change)
+
+
 @pytest.mark.parametrize(("start", "finest"), [("0", 3.55e-15), ("1e9", 1.91e-6)])
 def test_steps_that_rounding_swallows_are_refused(start, finest):
     """16 spacings of floating-point numbers at the greatest time of the run; 2^-52 and 2^-23 s here."""

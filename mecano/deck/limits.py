@@ -30,6 +30,11 @@ def below_one(value):
     return None if 0.0 < value < 1.0 else "must lie between 0 and 1"
 
 
+def resolvable(value):
+    """Require a tolerance of the motion that rounding, some 1e-13 over many steps, leaves room for."""
+    return None if 1e-12 <= value < 1.0 else "must lie between 1e-12 and 1"
+
+
 def above_rounding(value):
     """Require a relative tolerance that is larger than rounding."""
     return None if 1e-14 <= value < 1.0 else "must lie between 1e-14 and 1"

@@ -7,9 +7,9 @@ from mecano.deck.limits import (
     AUTOMATIC,
     above_rounding,
     at_least_one,
-    below_one,
     distinct,
     not_empty,
+    resolvable,
     spectral_radius,
 )  # fmt: skip
 from mecano.deck.static_section import INITIAL_STATIC_FIELDS, SCALE_FIELDS, STATIC_FIELDS, check_static
@@ -173,7 +173,7 @@ ADAPTIVE_FIELDS = (
         NUMBER,
         "-",
         "error of the run relative to 'length_scale', or [rad]; counts as 0.03 at most",
-        check=below_one,
+        check=resolvable,
     ),
     Field(
         "minimum_step", either(NUMBER, AUTOMATIC), "s", "the run stops if a smaller step is needed", AUTOMATIC, positive
