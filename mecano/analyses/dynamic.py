@@ -1,6 +1,8 @@
 """A dynamic run, from a checked deck to the results file: prepare, start or resume, integrate, close."""
 
+from collections.abc import Callable
 from contextlib import closing, contextmanager
+from dataclasses import dataclass
 from functools import partial
 
 from mecano.analyses.checkpoint_writer import INTERVAL, CheckpointWriter, restore
@@ -32,34 +34,56 @@ from mecano.results.whole_file import exists
 from mecano.results.writer import Writer, refuse_existing
 
 
-def run(
-    deck, path, *, force=False, observers=(), reporters=(), announce=lambda text: None, interruption=None,
-    interval=INTERVAL,
-):  # fmt: skip
+@dataclass
+class Supervision:
+    """What follows, reports and interrupts a run.
+
+    Attributes
+    ----------
+    observers : sequence of callables
+        Called with every accepted step, an Accepted.
+    reporters : sequence of callables
+        Called with the RunState between calls of compiled code.
+    announce : callable
+        Called with the text of every warning.
+    interruption : Interruption, optional
+        Ends the run by Stopped, after a checkpoint; default: one that never does.
+    interval : float
+        Wall-clock time between checkpoints [s].
+    """
+
+    observers: tuple = ()
+    reporters: tuple = ()
+    announce: Callable = lambda text: None
+    interruption: Interruption | None = None
+    interval: float = INTERVAL
+
+    def __post_init__(self):
+        self.interruption = self.interruption or Interruption()
+
+
+def run(deck, path, *, force=False, **supervision):
     """Run a checked deck, write its results file ``path``, and return the final RunState.
 
-    ``observers`` are called with every accepted step, ``announce`` with the text of every warning. Checkpoints are
-    written every ``interval`` [s] of wall-clock time, and before an ``interruption`` ends the run by Stopped. However
-    the run ends, the file keeps every acknowledged step and the reason of the end. Raises AssemblyError (start),
-    ConvergenceError, NonFiniteError (time integration, initial equilibrium), ResultsError (file).
+    ``supervision`` are the attributes of Supervision. However the run ends, the file keeps every acknowledged step and
+    the reason of the end. Raises AssemblyError (start), ConvergenceError, NonFiniteError (time integration, initial
+    equilibrium), ResultsError (file).
     """
-    with begun(deck, path, force, observers, reporters, announce, interruption, interval) as ongoing:
+    with begun(deck, path, force, **supervision) as ongoing:
         return ongoing.to_the_end()
 
 
 @contextmanager
-def begun(
-    deck, path, force, observers=(), reporters=(), announce=lambda text: None, interruption=None, interval=INTERVAL
-):
+def begun(deck, path, force, **supervision):
     """Find the initial state of a checked deck, open its results file, and yield an Ongoing run; see ``run``."""
     with locked(path):
         _refuse_existing(path, force)
-        with _from_the_start(deck, path, force, observers, reporters, announce, interruption, interval) as ongoing:
+        with _from_the_start(deck, path, force, Supervision(**supervision)) as ongoing:
             yield ongoing
 
 
 @contextmanager
-def _from_the_start(deck, path, force, observers, reporters, announce, interruption, interval):
+def _from_the_start(deck, path, force, supervision):
     """Run ``begun`` while no other process writes the file."""
     prepared = prepare(deck, partial(compile_time_integration, time=deck.values["time"]))
     with with_places(deck):
@@ -69,13 +93,13 @@ def _from_the_start(deck, path, force, observers, reporters, announce, interrupt
         start = abandonable(integrator.begin, prepared.state, deck.values["time"]["step"])
     notes = [*startup_warnings(prepared, start), *found]
     source = _source(deck, chosen(prepared, integrator, start), model_facts(prepared), notes)
-    interruption = interruption or Interruption()
-    with interruption.postponed(), Writer.create(path, layout_of(sampler), source, force=force) as writer:
+    postponed = supervision.interruption.postponed()
+    with postponed, Writer.create(path, layout_of(sampler), source, force=force) as writer:
         for text in notes:
-            announce(text)
+            supervision.announce(text)
         recorder = Recorder(prepared, writer, sampler, integrator)
         recorder.first(start, integrator.start_events)
-        yield Ongoing(deck, start, integrator, recorder, observers, reporters, announce, notes, interruption, interval)
+        yield Ongoing(deck, start, integrator, recorder, supervision, notes)
 
 
 def _refuse_existing(path, force):
@@ -98,59 +122,57 @@ def _resumable(path):
         return False
 
 
-def resume(deck, path, *, observers=(), reporters=(), announce=lambda text: None, interruption=None, interval=INTERVAL):
+def resume(deck, path, **supervision):
     """Resume the run in the results file ``path`` from its last checkpoint; return the final RunState.
 
-    Without such a file, or without a checkpoint in it, the run starts again. Return None if the run is complete. The
-    results are bit for bit those of an uninterrupted run on the same machine with the same versions and number of
-    threads; otherwise a warning in the file names the differences. The old file is kept until the new one is written
-    up to the checkpoint. Raises UsageError if the file belongs to another deck, ResultsError if it is damaged or still
-    being written, and all errors of ``run``.
+    ``supervision`` are the attributes of Supervision. Without such a file, or without a checkpoint in it, the run
+    starts again. Return None if the run is complete. The results are bit for bit those of an uninterrupted run on the
+    same machine with the same versions and number of threads; otherwise a warning in the file names the differences.
+    The old file is kept until the new one is written up to the checkpoint. Raises UsageError if the file belongs to
+    another deck, ResultsError if it is damaged or still being written, and all errors of ``run``.
     """
     with locked(path):
-        return _resume(deck, path, observers, reporters, announce, interruption, interval)
+        return _resume(deck, path, Supervision(**supervision))
 
 
-def _resume(deck, path, *around):
+def _resume(deck, path, supervision):
     """Run ``resume`` while no other process writes the file."""
-    observers, reporters, announce, interruption, interval = around
     if not exists(path):
-        with _from_the_start(deck, path, False, *around) as ongoing:
+        with _from_the_start(deck, path, False, supervision) as ongoing:
             return ongoing.to_the_end()
     from mecano.analyses.resume import COMPLETE, InterruptedRun  # imports the reader, which is slow and rarely needed
     from mecano.results.verify import verify
 
     with undisturbed():
-        left = InterruptedRun(path, deck)
-    with closing(left):
-        if left.checkpoint is not None and not left.complete:
-            return _go_on(deck, left, observers, reporters, announce, interruption or Interruption(), interval)
-    if left.complete:
+        interrupted = InterruptedRun(path, deck)
+    with closing(interrupted):
+        if interrupted.checkpoint is not None and not interrupted.complete:
+            return _continue(deck, interrupted, supervision)
+    if interrupted.complete:
         verify(path)  # a file changed afterwards is not complete, and a study must not continue with it
-        announce(COMPLETE.format(path))
+        supervision.announce(COMPLETE.format(path))
         return None
-    announce(f"{path} has no checkpoint yet: the run starts again")
-    with _from_the_start(deck, path, True, *around) as ongoing:
+    supervision.announce(f"{path} has no checkpoint yet: the run starts again")
+    with _from_the_start(deck, path, True, supervision) as ongoing:
         return ongoing.to_the_end()
 
 
-def _go_on(deck, left, observers, reporters, announce, interruption, interval):
-    """Continue from the checkpoint of the InterruptedRun ``left``, in a new file that replaces its file."""
+def _continue(deck, interrupted, supervision):
+    """Continue an InterruptedRun from its checkpoint, in a new file that replaces its file."""
     prepared = prepare(deck, partial(compile_time_integration, time=deck.values["time"]))
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
-    start, recorded = restore(left.checkpoint["run"], integrator)
+    start, recorded = restore(interrupted.checkpoint["run"], integrator)
     layout = layout_of(sampler)
-    left.check_layout(layout)
-    note = left.note(start.motion.t)
-    source = _source(deck, left.automatic, left.model, [*left.warnings, note])
-    begin = partial(left.copy_to, interruption=interruption)
-    with interruption.postponed(), Writer.create(left.path, layout, source, force=True, begin=begin) as writer:
-        announce(note)
+    interrupted.check_layout(layout)
+    note = interrupted.note(start.motion.t)
+    source = _source(deck, interrupted.automatic, interrupted.model, [*interrupted.warnings, note])
+    begin = partial(interrupted.copy_to, interruption=supervision.interruption)
+    postponed = supervision.interruption.postponed()
+    with postponed, Writer.create(interrupted.path, layout, source, force=True, begin=begin) as writer:
+        supervision.announce(note)
         recorder = Recorder(prepared, writer, sampler, integrator)
         recorder.from_plain(recorded)
-        return Ongoing(
-            deck, start, integrator, recorder, observers, reporters, announce, left.warnings, interruption, interval
-        ).to_the_end()
+        return Ongoing(deck, start, integrator, recorder, supervision, interrupted.warnings).to_the_end()
 
 
 def layout_of(sampler):
@@ -172,19 +194,15 @@ class Ongoing:
     before the time integration.
     """
 
-    def __init__(
-        self, deck, start, integrator, recorder, observers, reporters, announce, notes, interruption, interval
-    ):
+    def __init__(self, deck, start, integrator, recorder, supervision, notes):
         self.deck, self.state, self.integrator, self.recorder = deck, start, integrator, recorder
-        self._announce, self._notes = announce, notes
-        self._checkpoint_writer = integrator.pause = CheckpointWriter(integrator, recorder, interruption, interval)
+        self._announce, self._notes, interval = supervision.announce, notes, supervision.interval
+        writer = CheckpointWriter(integrator, recorder, supervision.interruption, interval)
+        self._checkpoint_writer = integrator.pause = writer
         recorder.poll = self._checkpoint_writer.poll
         integrator.method.patience = min(integrator.method.patience, interval)
-        integrator.recorder, integrator.observers, integrator.reporters = (
-            recorder,
-            tuple(observers),
-            (recorder.report, *reporters),
-        )
+        integrator.recorder, integrator.observers = recorder, tuple(supervision.observers)
+        integrator.reporters = recorder.report, *supervision.reporters
 
     def advance(self, t):
         """Integrate to the time ``t`` [s]. Raises ConvergenceError, NonFiniteError, Stopped, ResultsError."""
