@@ -89,7 +89,7 @@ def meaning(name, entries, nodes):
         raise UnknownQuantity(f"'{name}' is ambiguous: write {which}")
     known = [n for section in owners for n in offered[section]]
     nothing = "" if known else "; it has no measurable outputs"
-    hint = next((f": {text}" for section in owners if (text := _instead(rest, *entries.get((section, owner), ())))), "")
+    hint = next((f": {text}" for section in owners if (text := _advice(rest, *entries.get((section, owner), ())))), "")
     raise UnknownQuantity(f"'{rest}' of '{owner}' cannot be measured{nothing}{hint}", rest, () if hint else known)
 
 
@@ -112,8 +112,8 @@ def _is_given(value, axis):
     return bool(value[axis] if type(value) is dict and axis in value else value)
 
 
-def _instead(what, kind=None, d=None):
-    """Return what to do instead of measuring an output, a vector or a component of it, or a rate; "" if unknown."""
+def _advice(what, kind=None, d=None):
+    """Return what to write for an output that cannot be measured, a vector or a rate; "" if unknown."""
     if kind is None:
         return ""
     name, chosen = what.partition(".")[0], kind.chosen(d)

@@ -33,15 +33,15 @@ def place_members(members, at):
     A member may end at a node of another one. Returns {name: [values of each element]}, without the members that the
     check of their kind rejects, and the members with an end node that does not exist.
     """
-    pieces, left = {}, list(members)
-    while ready := [member for member in left if _is_placed(member, at)]:
-        left = [member for member in left if not _is_placed(member, at)]
+    pieces, waiting = {}, list(members)
+    while ready := [member for member in waiting if _is_placed(member, at)]:
+        waiting = [member for member in waiting if not _is_placed(member, at)]
         for member in ready:
             ends = [at[node] for node in member.nodes]
             if not member.kind.check(member.values, ends):
                 inner, pieces[member.name] = member.kind.divide(member.values, ends)
                 at.update(zip(inner_names(member.name, member.values), inner, strict=True))
-    return pieces, left
+    return pieces, waiting
 
 
 def _is_placed(member, at):
@@ -49,7 +49,7 @@ def _is_placed(member, at):
 
 
 def divided(model):
-    """Return the Model with every member divided. Raises ValueError for a member at a node that does not exist."""
+    """Return the Model with every member divided. Raises ValueError for members that cannot be."""
     members = [element for element in model.elements if divides(element.kind, element.values)]
     at = {node.name: (node.x, node.R) for node in model.nodes}
     pieces, _ = place_members(members, at)
