@@ -9,9 +9,11 @@ import pytest
 from small_motions import eigenvalues
 from time_runs import RecordedRun, deck, input_deck
 
+from mecano.analyses.static import run as static_run
 from mecano.elements.wheels.flexible_wheel import FLEXIBLE_WHEEL
 from mecano.elements.wheels.lateral_law import FORMS, check_lateral, matrices, twists
 from mecano.laws.probe import curve_at
+from mecano.results.reader import open_results
 
 # (c, k, D, C1): speed -> eigenvalues with positive or no imaginary part; I = 1, L = 0.1, K = 2e5, C = 1/6e4
 UNDAMPED = (
@@ -217,6 +219,33 @@ def test_warnings_name_what_is_exceeded():
         limits = FLEXIBLE_WHEEL.limits({**values, "tire_law": tire_law})
         divergence = [("divergence", 1.0)] if twists(tire_law["lateral"]) else []  # a slip angle bears no torque
         assert [(name, value) for name, value, _ in limits] == [("deformation", 0.12), *divergence]
+
+
+LOADED = """
+    mecano: 1
+    gravity: [0, 0, -10]
+    nodes: {hub: {position: [0, 0, 0.3]}}
+    elements:
+      rim: {type: rigid_body, node: hub, mass: 100, inertia: [1, 1, 1]}
+      tire: {type: wheel, node: hub, axis: [0, 1, 0], tire_law: rubber, ground: road}
+    joints: {upright: {type: prismatic, nodes: [ground, hub], axis: [0, 0, 1]}}
+    tire_laws:
+      rubber: {radius: 0.3, radial: {linear: {slope: 1.0e5}}, valid_deformation: VALID, friction: 0.5,
+               slip_regularization: 0.1}
+    grounds: {road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}}
+    static: {steps: 4}
+"""
+
+
+@pytest.mark.parametrize(("valid", "warned"), [("9 mm", True), ("11 mm", False)])
+def test_an_equilibrium_beyond_the_limit_of_a_law_is_warned_of(tmp_path, valid, warned):
+    """The weight of 1000 N deforms the tyre by 10 mm."""
+    texts = []
+    static_run(deck(LOADED.replace("VALID", valid)), tmp_path / "r.h5", announce=texts.append)
+    expected = "wheel 'tire': deformation reached 0.01 at load factor 1, but the radial law is valid up to 0.009 m only"
+    assert (expected in texts) == warned and (not any("deformation" in text for text in texts)) == (not warned)
+    with open_results(tmp_path / "r.h5") as results:
+        assert (expected in results.reason) == warned
 
 
 def test_friction_falls_with_the_speed_of_the_axle():

@@ -109,16 +109,22 @@ def unresolved(values, sampler, ringing, length):
     )
 
 
-def exceeded(deck, sampler, extremes):
-    """Return a warning for each output whose magnitude exceeded the limit of validity of its element."""
+def exceeded(deck, sampler, extremes, places=None, where="t = {:.4g} s"):
+    """Return a warning for each output whose magnitude exceeded the limit of validity of its element.
+
+    ``places`` are the indices of the outputs of the ``extremes`` in a row of the ``sampler``, ascending; default: all.
+    ``where`` is the text of a time, or of a load factor.
+    """
     below = -extremes.low > extremes.high
     worst = np.where(below, extremes.low, extremes.high)
     when = np.where(below, extremes.low_time, extremes.high_time)
-    return [
-        f"{d['type']} '{name}': {output} reached {worst[i]:.4g} at t = {when[i]:.4g} s, but {text}"
-        for name, d, output, i, limit, text in watched_outputs(deck.values, sampler, "limits")
-        if abs(worst[i]) > limit
-    ]
+    found = []
+    for name, d, output, column, limit, text in watched_outputs(deck.values, sampler, "limits"):
+        i = column if places is None else np.searchsorted(places, column)
+        if abs(worst[i]) > limit:
+            at = where.format(when[i])
+            found.append(f"{d['type']} '{name}': {output} reached {worst[i]:.4g} at {at}, but {text}")
+    return found
 
 
 @contextmanager

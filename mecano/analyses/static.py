@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mecano.analyses.diagnostics import with_places
+from mecano.analyses.diagnostics import exceeded, with_places
 from mecano.analyses.equilibria import follow
 from mecano.analyses.not_finite import output_not_finite
 from mecano.analyses.prepare import model_facts, prepare, startup_warnings
@@ -128,7 +128,9 @@ def _follow(deck, path, force, observers, announce):
         recorder.writer = writer
         with with_places(deck):
             result = follow(prepared, (recorder, *observers))
-        for text in result.warnings:
+        where = f"{axis.path.replace('_', ' ')} {{:.4g}} {axis.unit}".rstrip()
+        limits = exceeded(deck, recorder.sampler, writer.extremes, recorder.places, where)
+        for text in (*result.warnings, *limits):
             announce(text)
-        writer.close("complete", with_warnings(result.reason, result.warnings))
+        writer.close("complete", with_warnings(result.reason, [*result.warnings, *limits]))
     return result.point
