@@ -7,6 +7,7 @@ from beam_cases import (
     ELASTICA,
     PRINCETON,
     bend,
+    dead_force,
     elastica,
     euler_load,
     lateral_buckling,
@@ -152,6 +153,24 @@ def test_section_forces_are_those_of_statics():
     assert strain[2] == pytest.approx(shear, rel=1e-4)
     assert found.output("elements/leg.1/normal_stress")[0] == pytest.approx(6 * P / (0.02 * 0.04**2), rel=1e-4)
     assert found.output("elements/leg.4/moment_end")[1] == pytest.approx(0.0, abs=1e-6)
+
+
+def stretched_shear(n):
+    """Return the shear force in the middle of the first of n elements of a cantilever with k L = 10, and the exact one.
+
+    With the tension k^2 EI and a transverse force Q at the tip it is Q cosh k(L - x)/cosh k L.
+    """
+    section, k = stiffness(EA=1e8, GA=1e8, GJ=80.0, EI2=100.0, EI3=100.0), 10.0
+    stretch = "stretch: {type: force, node: tip, direction: [1, 0, 0], value: 1.0e4}, "
+    found = Equilibrium(straight(section, 1.0, n, stretch + dead_force(0, 0, 1.0)))
+    return found.output("elements/leg.1/force")[2], np.cosh(k * (1.0 - 0.5 / n)) / np.cosh(k)
+
+
+@pytest.mark.parametrize(("n", "tolerance"), [(8, 1e-3), (16, 1e-4)])
+def test_shear_of_a_stretched_cantilever(verify, n, tolerance):
+    """In the axes of the helix between the ends of the element the shear force would be 20 % and 5 % too large."""
+    found, exact = stretched_shear(n)
+    verify(REST, f"stretched cantilever, {n} elements: shear force [N]", found, exact, "cosh", relative=tolerance)
 
 
 def dead_small():

@@ -66,7 +66,7 @@ INACCURATE = 1e-6  # of the deflection
 RECORD = record(
     S=(3, 3), K_uu=(3, 3), K_up=(3, 3), K_pp=(3, 3), D=(3, 3), along=3, u0=3, phi0=3, damping=(), gravity=3,
     mass=(), eccentric="i", J1=(3, 3), J2=(3, 3), J12=(3, 3), c1=3, t1=3, c2=3, t2=3,
-    axes=(3, 3), F_uu=(3, 3), F_up=(3, 3), F_pp=(3, 3),
+    axes=(3, 3), bending=2, F_uu=(3, 3), F_up=(3, 3), F_pp=(3, 3),
     E=(), G=(), radius=(), torsion_radius=(), points=(MOST_POINTS, 2),
 )  # fmt: skip
 
@@ -87,14 +87,25 @@ def _at_ends(p, s, g, e_u, e_phi):
 
 
 @kernel
-def _section_forces(p, s, force, first, second):
+def _middle(p, s, e_u, length):
+    """Return the rotation from the axes of the middle section to those of the first one.
+
+    In an S shape the middle section of a cubic turns against that of the helix by 3/2 of the tilt by bending.
+    """
+    axes = mat(p.axes)
+    strain = axes.T @ e_u
+    turn = (0.0, -1.5 * p.bending[1] * strain[2] / length, 1.5 * p.bending[0] * strain[1] / length)
+    return exp(0.5 * s.phi) @ exp(axes @ vec(turn, 0))
+
+
+@kernel
+def _section_forces(p, s, middle, force, first, second):
     """Return force and moment in the middle, force and moment at both ends, in the section axes of each place."""
     axes = mat(p.axes)
-    half = exp(0.5 * s.phi)
     ahead = 0.5 * (tangent(0.5 * s.phi).T @ (s.H @ s.y))  # from the first end to the middle, in its axes
     first_force = exp(s.phi) @ force
     moment = first - cross(ahead, first_force)
-    middle_force, middle_moment = half.T @ first_force, half.T @ moment
+    middle_force, middle_moment = middle.T @ first_force, middle.T @ moment
     return (
         axes.T @ middle_force, axes.T @ middle_moment, axes.T @ first_force, axes.T @ force,
         axes.T @ first, axes.T @ second,
@@ -131,6 +142,7 @@ def observe_from(p, at, u0, phi0, y, e):
     """Write outputs and energies for the strain-free screw (u0, phi0); return its generalized forces."""
     s, e_u, e_phi = strains(p, at, u0, phi0)
     line = bent_line(p, s.u, e_u)
+    middle = _middle(p, s, e_u, line.length)
     u_rate, phi_rate, _ = strain_rates(p, at, s)
     e_u, u_rate = e_u + line.more * vec(p.along, 0), rate_along(p, u_rate, line.g)
     p_u, p_phi = stresses(p, e_u, e_phi)
@@ -138,7 +150,7 @@ def observe_from(p, at, u0, phi0, y, e):
     elastic = 0.5 * (dot(e_u, p_u) + dot(e_phi, p_phi))
     dissipated = p.damping * (dot(u_rate, rate_u) + dot(phi_rate, rate_phi))
     N, first, second = _at_ends(p, s, line.g, e_u, e_phi)
-    N, M, N_1, N_2, M_1, M_2 = _section_forces(p, s, N, first, second)
+    N, M, N_1, N_2, M_1, M_2 = _section_forces(p, s, middle, N, first, second)
     strain, curvature = _local_strains(p, N, M)
     normal, shear, equivalent = _stress(p, N, M)
     for N_end, M_end in ((N_1, M_1), (N_2, M_2)):
@@ -146,7 +158,7 @@ def observe_from(p, at, u0, phi0, y, e):
         normal, shear, equivalent = max(normal, n_end), max(shear, s_end), max(equivalent, e_end)
     total_u, total_phi = e_u + p.damping * u_rate, e_phi + p.damping * phi_rate
     N, first, second = _at_ends(p, s, line.g, total_u, total_phi)
-    N, M, N_1, N_2, M_1, M_2 = _section_forces(p, s, N, first, second)
+    N, M, N_1, N_2, M_1, M_2 = _section_forces(p, s, middle, N, first, second)
     for i, value in ((0, N), (3, M), (6, M_1), (9, M_2), (12, strain), (15, curvature)):
         put(y, i, value)
     kinetic, weight = energies(p, at.q, at.v, mat(at.R[0]), mat(at.R[1]))
@@ -182,7 +194,7 @@ def prepare(d, nodes, context):
 def _record(section, damping, gravity, S_1, S_2, h0):
     """Return the record of an element; S_i: section to node axes, h0 (6,): strain-free screw in section axes."""
     c, u, phi = section.center, h0[:3], h0[3:]
-    K_uu, K_up, K_pp, D, F = elastic_constants(section.C, h0)
+    K_uu, K_up, K_pp, D, bending, F = elastic_constants(section.C, h0)
     length, tangent = np.linalg.norm(u), u + hat(phi) @ c
     points = np.zeros((MOST_POINTS, 2))
     points[: len(section.points)] = np.reshape(section.points, (-1, 2))
@@ -192,7 +204,8 @@ def _record(section, damping, gravity, S_1, S_2, h0):
         "along": S_2[:, 0], "u0": S_2 @ u, "phi0": S_2 @ phi,
         "damping": damping, "gravity": gravity,
         **inertia_record(section.mass * length, section.J * length, S_1, S_2, c, tangent),
-        "axes": S_2, "F_uu": F[:3, :3], "F_up": F[:3, 3:], "F_pp": F[3:, 3:], "E": section.E, "G": section.G,
+        "axes": S_2, "bending": bending, "F_uu": F[:3, :3], "F_up": F[:3, 3:], "F_pp": F[3:, 3:],
+        "E": section.E, "G": section.G,
         "radius": section.radius, "torsion_radius": section.torsion_radius, "points": points,
     }  # fmt: skip
 

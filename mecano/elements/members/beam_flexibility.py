@@ -34,7 +34,7 @@ def adjoint(h):
 
 
 def elastic_constants(C, h0):
-    """Return K_uu, K_up, K_pp, D (3, 3) of an element and its section flexibility F (6, 6), in section axes of its end.
+    """Return K_uu, K_up, K_pp, D (3, 3), shares of bending (2,) and section flexibility F (6, 6), in axes of its end.
 
     C (6, 6): section stiffness; h0 (6,): strain-free screw. Cached, since many elements of a model are equal.
     """
@@ -45,7 +45,8 @@ def elastic_constants(C, h0):
 def _elastic_constants(C, h0):
     C, h0 = np.frombuffer(C).reshape(6, 6), np.frombuffer(h0)
     K = element_stiffness(C, h0)
-    return K[:3, :3], K[:3, 3:], K[3:, 3:], line_form(C, K, np.linalg.norm(h0[:3])), np.linalg.inv(C)
+    bending = bending_shares(C, K, np.linalg.norm(h0[:3]))
+    return K[:3, :3], K[:3, 3:], K[3:, 3:], line_form(bending), bending, np.linalg.inv(C)
 
 
 def element_stiffness(C, h0):
@@ -71,11 +72,18 @@ def _exponentials(X, stations):
     return la.expm(-s * X)
 
 
-def line_form(C, K, length):
+def bending_shares(C, K, length):
+    """Return the shares of bending in the tilts along axes 2 and 3 (2,); the rest is shear.
+
+    They are 1 - K_22 L/(GA), or 1/(1 + 12 EI/(GA L^2)) in textbooks.
+    """
+    return 1.0 - np.clip(length * np.diag(K)[1:3] / np.diag(C)[1:3], 0.0, 1.0)
+
+
+def line_form(bending):
     """Return D (3, 3) [-], section axes: an element bent in an S shape by the tilts u/length is u . D u/(2 length)
     longer than its component along the beam.
 
-    With r = 1 - K_22 L/(GA), the bending part of the tilt (1/(1 + 12 EI/(GA L^2)) in textbooks): 2 r - 4/5 r^2.
+    With the share r of bending in the tilt: 2 r - 4/5 r^2.
     """
-    bending = 1.0 - np.clip(length * np.diag(K)[1:3] / np.diag(C)[1:3], 0.0, 1.0)
     return np.diag([0.0, *(2.0 * bending * (1.0 - 0.4 * bending))])
