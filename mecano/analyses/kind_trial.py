@@ -120,18 +120,17 @@ class Instance:
         n, f = self.kind.n_local, np.zeros(self.kind.n_local)
         end = n - len(self.kind.multipliers) - len(self.kind.coupled_multipliers)
         self.run("residual", t, state, f, k=k, penalty=penalty)
-        tangents = np.zeros((3, n, n))
-        for array in range(3):
-            for j in range(n if array == 0 else end):
-                seeds = [np.eye(n)[j] * (array == i) for i in range(3)]
-                turns = [EYES @ seeds[0][c : c + 3] for c in self._columns()]
-                slopes = np.array([R_r @ turn for R_r, turn in zip(R, turns, strict=True)]).reshape(R.shape)
-                out = duals(np.zeros(n), np.zeros(n))
-                moving = [duals(x, seed) for x, seed in zip((q, v, a), seeds, strict=True)]
-                self.run("residual", t, (*moving, duals(R, slopes)), out, k=k, penalty=penalty)
-                found = np.array([(x.value, x.slope) for x in out])
-                np.testing.assert_array_equal(found[:, 0], f)
-                tangents[array, :, j] = found[:, 1] * (k if j >= end else 1.0)
+        seeds = np.eye(3 * n).reshape(3, n, 3 * n)
+        turns = [np.einsum("ijk,kl->ijl", EYES, seeds[0, c : c + 3]) for c in self._columns()]
+        slopes = np.array([np.einsum("ij,jkl->ikl", *both) for both in zip(R, turns, strict=True)])
+        out = duals(np.zeros(n), np.zeros((n, 3 * n)))
+        moving = [duals(x, seed) for x, seed in zip((q, v, a), seeds, strict=True)]
+        self.run("residual", t, (*moving, duals(R, slopes)), out, k=k, penalty=penalty)
+        np.testing.assert_array_equal([x.value for x in out], f)
+        found = np.array([np.broadcast_to(x.slope, 3 * n) for x in out]).reshape(n, 3, n)
+        tangents = found.transpose(1, 0, 2).copy()
+        tangents[0, :, end:] *= k
+        tangents[1:, :, end:] = 0.0
         return f, *tangents
 
     def along(self, t, state, direction):
