@@ -131,3 +131,21 @@ def lateral_buckling(n):
         return smallest_stiffness(straight(section, 1.0, n, dead_force(0, 0, load)))
 
     return abs(brentq(smallest, 0.9 * BUCKLING, 1.1 * BUCKLING, xtol=1e-6) / BUCKLING - 1.0)
+
+
+def torque_buckling(n):
+    """Relative error of the torque, 2 x EI/L with tan x = x (Greenhill 1883), that buckles a shaft with clamped ends.
+
+    GJ = 0.8 EI. Its second end turns about the axis of the shaft and slides along it.
+    """
+    section, exact = stiffness(EA=1e8, GA=1e8, GJ=0.8, EI2=1.0, EI3=1.0), 2.0 * 4.493409457909064
+
+    def smallest(torque):
+        load = f"twist: {{type: moment, node: tip, direction: [1, 0, 0], value: {torque}}}"
+        found = Equilibrium(straight(section, 1.0, n, load))
+        of, tip = found.system.numbering, [node.name for node in found.system.nodes].index("tip")
+        held = [of.x[tip] + 1, of.x[tip] + 2, of.r[tip] + 1, of.r[tip] + 2]
+        K = np.delete(np.delete(found.tangent().toarray(), held, 0), held, 1)
+        return eigvalsh(0.5 * (K + K.T), subset_by_index=[0, 0])[0]
+
+    return brentq(smallest, 0.9 * exact, 1.1 * exact, xtol=1e-6) / exact - 1.0

@@ -15,6 +15,7 @@ from beam_cases import (
     roll_up,
     stiffness,
     straight,
+    torque_buckling,
 )
 from scipy.linalg import eigh
 from scipy.optimize import brentq
@@ -89,6 +90,21 @@ def test_lateral_buckling_load(verify):
     coarse, fine = lateral_buckling(4), lateral_buckling(8)
     verify(REST, "lateral buckling load, 8 elements: relative error", fine, 0.0, "function of Bessel", absolute=0.01)
     verify(REST, "lateral buckling load: order", np.log2(coarse / fine), 2.0, "order of the method", absolute=0.1)
+
+
+def test_torque_that_buckles_a_shaft(verify):
+    coarse, fine = torque_buckling(8), torque_buckling(16)
+    verify(
+        REST, "torque that buckles a clamped shaft, 16 elements: relative error", fine, 0.0, "Greenhill", absolute=2e-3
+    )
+    verify(
+        REST,
+        "torque that buckles a clamped shaft: order",
+        np.log2(coarse / fine),
+        2.0,
+        "order of the method",
+        absolute=0.3,
+    )
 
 
 @pytest.mark.slow
