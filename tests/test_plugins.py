@@ -200,6 +200,9 @@ def test_a_file_that_cannot_be_used(folder, text, said):
     for words in (("check-kind", "wrong.py"), ("run", "fall.yaml", "--plugin", "wrong.py")):
         code, _, err = call(*words)
         assert code == 2 and said in err
+
+
+def test_a_file_that_is_missing():
     assert call("check-kind", "missing.py")[0] == 2
 
 
