@@ -164,7 +164,7 @@ STRUCTURE = [
     ("end: 4.0", "end: 4.0\n  scale: {penalty: -1}", 39, "-1",
      "'time.scale.penalty' must not be negative [N/m], got -1"),
     ("tolerance: 1e-4", "tolerance: 2", 40, "2",
-     "'time.adaptive.tolerance' must lie between 0 and 1, got 2"),
+     "'time.adaptive.tolerance' must lie between 1e-12 and 1, got 2"),
     ("tolerance: 1e-4", "tolerance: 1e-4, maximum_step: 1e-4", 39, "1e-3",
      "time: 'step' must not be greater than 'adaptive.maximum_step'"),
     ("tolerance: 1e-4", "tolerance: 1e-4, minimum_step: 1e-2", 39, "1e-3",
