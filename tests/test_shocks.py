@@ -565,3 +565,45 @@ def test_complementarity():
             assert abs(x @ z) <= 1e-9 * scale * max(x.max(), 1e-300)
     assert solve_complementarity(np.ones((3, 3)), -np.ones(3)) == pytest.approx([1 / 3] * 3, rel=1e-9)
     assert not solve_complementarity(np.eye(2), np.ones(2)).any()
+
+
+CARTS = """
+    mecano: 1
+    gravity: none
+    nodes: {a: {position: [0, 0, 0]}, b: {position: [0, 0, 0]}, c: {position: [0, 0, 0]}}
+    elements:
+      a: {type: point_mass, node: a, mass: 1}
+      b: {type: point_mass, node: b, mass: 1}
+      c: {type: point_mass, node: c, mass: 1}
+    joints:
+      a: {type: prismatic, nodes: [ground, a], axis: [1, 0, 0], stops: {upper: 1, restitution: 0.5}}
+      b: {type: prismatic, nodes: [ground, b], axis: [1, 0, 0], stops: {upper: 2, restitution: 0.8}}
+      c: {type: prismatic, nodes: [ground, c], axis: [1, 0, 0]MORE}
+      COUPLER
+    initial: {velocities: [{nodes: [a], velocity: [1, 0, 0]}, {nodes: [b], velocity: [2, 0, 0]},
+                           {nodes: [c], velocity: [SPEED, 0, 0]}]}
+    time: {end: 1.5, step: 0.02}
+"""
+
+
+@pytest.mark.parametrize(
+    ("more", "coupler", "speed", "after"),
+    [
+        ("", "", 3, [-0.5, -1.6, 3.0]),
+        (", latch: {displacement: 3}", "", 3, [-0.5, -1.6, 0.0]),
+        ("", "both: {type: coupler, displacements: [a, b], factors: [2, -1]}", 3, [-0.5, -1.0, 3.0]),
+        (
+            ", latch: {displacement: 3}",
+            "both: {type: coupler, displacements: [c, b], factors: [2, -3]}",
+            3,
+            [-0.5, 0.0, 0.0],
+        ),
+    ],
+    ids=["apart", "with a latch apart", "coupled", "coupled to a latch"],
+)
+def test_carts_that_are_not_connected_keep_their_restitutions(more, coupler, speed, after):
+    """At one instant: each stop has its own coefficient, connected ones the least, 0 with a latch."""
+    text = CARTS.replace("MORE", more).replace("COUPLER", coupler).replace("SPEED", str(speed))
+    m = RecordedRun(deck(text))
+    np.testing.assert_allclose([event.t for event in m.event_records], 1.0, atol=1e-9)
+    np.testing.assert_allclose([m[f"nodes/{name}/velocity"][-1, 0] for name in "abc"], after, rtol=1e-9, atol=1e-9)

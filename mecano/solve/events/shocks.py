@@ -169,9 +169,9 @@ class Shocks:
         held = in_phase(s, closing, "through")
         all_held = in_phase(held, uncoupled, "through")
         w = self.system.constraint_derivatives(all_held)[:, 1]
-        e = self._restitution(closing, w)
+        fast = [c for c in closing if -w[c.lead] > self.rest[c.lead] or c.restitution < 0.0]
         while True:
-            solution = _Solution(self, in_phase(held, uncoupled, "opened"), all_held, uncoupled, e, compliance)
+            solution = _Solution(self, in_phase(held, uncoupled, "opened"), all_held, uncoupled, fast, compliance)
             pulled = [c for c in coupled if solution.pulls(c)]
             if not pulled:
                 break
@@ -192,17 +192,16 @@ class Shocks:
         """Return (Consistent, Compliance, redundant Groups) in the phases of ``s`` (redundancy.py)."""
         return reanalyse_redundancy(self.system, self.linear, s, compliance, self.length)
 
-    def _restitution(self, closing, w):
-        """Return the common coefficient of restitution: the least of contacts approaching faster than ``rest``."""
-        fast = [c for c in closing if -w[c.lead] > self.rest[c.lead] or c.restitution < 0.0]
-        return max(min((c.restitution for c in fast), default=0.0), 0.0)
-
 
 class _Solution:
-    """Velocities and impulses of an impact: complementarity of the contacts ``uncoupled``, all other rows held."""
+    """Velocities and impulses of an impact: complementarity of the contacts ``uncoupled``, all other rows held.
 
-    def __init__(self, shocks, held, all_held, uncoupled, e, compliance):
-        self.shocks, self.system, self.e = shocks, shocks.system, e
+    The contacts and latches ``fast``, which close faster than they may without a rebound, determine the coefficients of
+    restitution ``e`` (n,) of the contacts.
+    """
+
+    def __init__(self, shocks, held, all_held, uncoupled, fast, compliance):
+        self.shocks, self.system, self.e = shocks, shocks.system, np.zeros(len(uncoupled))
         self.uncoupled = {c: i for i, c in enumerate(uncoupled)}
         self.held, self.all_held = held.copy(), all_held
         self.leads = np.array([c.lead for c in uncoupled], np.int64)
@@ -212,6 +211,7 @@ class _Solution:
         if uncoupled:
             self.rough = rough_contacts(self.system, self.all_held, self.leads)
             self._gather_responses()
+            self.e = self._restitutions(fast)
             pushes, along = self._impulses(change)
             every = np.concatenate([pushes, along])
             change = change + self.responses @ every
@@ -268,25 +268,57 @@ class _Solution:
         before = np.concatenate([self.before[self.leads], self._sliding(self.all_held.v)])
         unpushed = before + np.concatenate([free, slides])
 
-        def solved(e):
-            return solve_with_friction(
-                self._solve, self.W[:n, n:], self.W[n:, n:], free + e * self.before[self.leads], slides, self.rough
-            )
+        def solved(share):
+            target = free + share * self.e * self.before[self.leads]
+            return solve_with_friction(self._solve, self.W[:n, n:], self.W[n:, n:], target, slides, self.rough)
 
         def lost(impulses):
             x = np.concatenate(impulses)
             return -0.5 * x @ (unpushed + self.W @ x)
 
-        impulses = solved(self.e)
-        if self.e == 0.0 or lost(impulses) >= 0.0:
+        impulses = solved(1.0)
+        if not self.e.any() or lost(impulses) >= 0.0:
             return impulses
         plastic = lost(solved(0.0))
         if lost(impulses) >= -STILL * abs(plastic):
             return impulses
         from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
 
-        self.e = brentq(lambda e: lost(solved(e)), 0.0, self.e) if plastic > 0.0 else 0.0
-        return solved(self.e)
+        share = brentq(lambda share: lost(solved(share)), 0.0, 1.0) if plastic > 0.0 else 0.0
+        impulses, self.e = solved(share), share * self.e
+        return impulses
+
+    def _restitutions(self, fast):
+        """Return the coefficients of restitution (n,): the least of the ``fast`` ones connected with each contact.
+
+        A latch counts as 0, and 0 is the coefficient where none is fast.
+        """
+        values = [max(c.restitution, 0.0) for c in fast]
+        if len(set(values)) < 2:
+            return np.full(len(self.leads), min(values, default=0.0))
+        part = self._connected([c.rows for c in fast if c not in self.uncoupled])
+        apart = iter(range(len(self.leads), len(part)))
+        of_fast = [part[self.uncoupled[c] if c in self.uncoupled else next(apart)] for c in fast]
+        least = {}
+        for which, value in zip(of_fast, values, strict=True):
+            least[which] = min(least.get(which, 1.0), value)
+        return np.array([least.get(which, 0.0) for which in part[: len(self.leads)]])
+
+    def _connected(self, held):
+        """Return the numbers (n + m,) of the connected parts of the n contacts and of m sets of rows that are ``held``.
+
+        An impulse at one of them moves another, or meets a reaction in its rows.
+        """
+        from scipy.sparse.csgraph import connected_components  # needed only where coefficients differ
+
+        n = len(self.leads)
+        owners = [*range(n), *(contact.contact for contact in self.rough for _ in range(2))]
+        meets, sizes = np.zeros((n + len(held), n + len(held))), np.sqrt(np.abs(np.diag(self.W)))
+        np.add.at(meets, np.ix_(owners, owners), np.abs(self.W) > ROUNDING * np.outer(sizes, sizes))
+        for i, rows in enumerate(held, n):
+            found = np.abs(self.reactions[rows]).max(axis=0)
+            np.add.at(meets[i], owners, found > ROUNDING * np.abs(self.reactions).max(axis=0))
+        return connected_components(meets, directed=False)[1]
 
     def _rub(self, along):
         """Set the energies ``rubbed`` (n_l,) [J] lost by the impulses ``along`` the surfaces, by normals."""
@@ -345,7 +377,7 @@ class _Solution:
         before, after, rest = self.before[candidate.lead], self.after[candidate.lead], self.shocks.rest[candidate.lead]
         if closes and before >= -rest:
             return after <= max(before, rest)
-        rebounds = closes and self.e > 0.0 and self.impulses[candidate.lead] > 0.0
+        rebounds = closes and self.e[self.uncoupled[candidate]] > 0.0 and self.impulses[candidate.lead] > 0.0
         largest = np.abs(self.before[self.leads]).max() + np.abs(self.after[self.leads]).max()
         return not rebounds and after <= STILL * largest
 
