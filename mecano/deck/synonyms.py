@@ -97,7 +97,8 @@ NOTES = {  # words with the same meaning: (targets, note)
     "damper, dashpot, viscous damper": ("spring_damper torsion_spring_damper damper", ""),
     "torsion spring, rotational spring, torsional spring, rotational damper": ("torsion_spring_damper hinge", ""),
     "bush, rubber mount, silent block, mount, six dof spring": ("bushing", ""),
-    "shock absorber, shock strut, oleo strut, landing gear strut, damper strut, two stage strut, recoil valve": (
+    "shock absorber, shock strut, oleo strut, oleopneumatic, landing gear strut, damper strut, two stage strut, "
+    "recoil valve": (
         "oleo spring_damper gas_spring oil_damper metering_pin",
         "oleo takes pressures, volumes and areas; a spring_damper a law: gas spring, oil damper, stop"
     ),
