@@ -695,14 +695,16 @@ def test_the_rounding_of_members_without_loads_is_in_balance():
 SPINNING = f"""
     mecano: 1
     gravity: none
-    nodes: {{hub: {{position: [1, 0, 2]}}, tip: {{position: [OFFSET, 0, 2]}}}}
+    nodes: {{hub: {{position: [1, 0, 2]}}, tip: {{position: [OFFSET, 0, 2]}}, ball: {{position: [OFFSET, 0, 2]}}}}
     elements:
       hub: {{type: rigid_body, node: hub, mass: 1, inertia: [1, 1, 1]}}
       tip: {{type: point_mass, node: tip, mass: 1}}
+      ball: {{type: rigid_body, node: ball, mass: 1.0e-9, inertia: [1.0e-9, 1.0e-9, 1.0e-9]}}
       spring: {{type: spring_damper, nodes: [hub, tip], law: {{spring: 1000}}}}
     joints:
       axle: {{type: hinge, nodes: [ground, hub], axis: [0, 0, 1]}}
       guide: {{type: prismatic, nodes: [hub, tip], axis: [1, 0, 0]}}
+      joint: {{type: spherical, nodes: [tip, ball]}}
     initial: {{velocities: [{{nodes: all, angular_velocity: [0, 0, 10], about: [1, 0, 2]}}]}}
     {TIME}
     """

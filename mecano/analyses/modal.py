@@ -115,17 +115,13 @@ def _relative_accelerations(system, s, w):
     """
     of, n_q = system.numbering, system.n_q
     v, a = s.v[:n_q].copy(), s.a[:n_q].copy()
-    free = [x for x in of.x if x < n_q]
-    for x in free:
-        a[x : x + 3] -= np.cross(w, v[x : x + 3])
-        v[x : x + 3] -= np.cross(w, s.z[x : x + 3])
-    if np.any(w) and free:
-        drift = v[free[0] : free[0] + 3].copy()
-        for x in free:
-            v[x : x + 3] -= drift
-    for R, d in zip(s.R, of.rotation_dof, strict=True):
-        if d < n_q:
-            v[d : d + 3] -= R.T @ w
+    at = of.x[of.x < n_q][:, None] + np.arange(3)  # nodes may share a position
+    a[at] -= np.cross(w, v[at])
+    v[at] -= np.cross(w, s.z[at])
+    if np.any(w):
+        v[at] -= v[at[:1]]
+    free = of.rotation_dof < n_q
+    v[of.rotation_dof[free][:, None] + np.arange(3)] -= w @ s.R[free]
     rounding = ROUNDING * np.abs(s.v[:n_q]).max(initial=0.0)
     return None if np.any(np.abs(v[~system.signals]) > rounding) else a
 
