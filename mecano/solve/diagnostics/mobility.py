@@ -285,7 +285,7 @@ def groups(projector, names, every=tuple):
     if not len(taking_part):
         return ()
     found = {}
-    for component in _connected(np.abs(projector[np.ix_(taking_part, taking_part)]) > SHARE):
+    for component in connected(np.abs(projector[np.ix_(taking_part, taking_part)]) > SHARE):
         members = taking_part[component]
         count, of = (
             int(round(float(np.trace(projector[np.ix_(members, members)])))),
@@ -296,7 +296,7 @@ def groups(projector, names, every=tuple):
     return tuple(Group(count, of, totals) for of, count in found.items())
 
 
-def _connected(coupled):
+def connected(coupled):
     """Yield the masks (n,) of the connected components of the graph with edges ``coupled`` (n, n) bool."""
     coupled, unvisited = coupled | coupled.T, np.ones(len(coupled), bool)
     while unvisited.any():

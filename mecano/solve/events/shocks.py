@@ -19,6 +19,7 @@ from mecano.solve.events.events import EventRecord
 from mecano.solve.events.impact_candidates import ImpactCandidates
 from mecano.solve.events.impact_friction import rough_contacts, solve_with_friction
 from mecano.solve.events.redundancy import reanalyse_redundancy
+from mecano.solve.events.restitution import restitutions
 from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.time.increments import reach_of
 
@@ -211,7 +212,8 @@ class _Solution:
         if uncoupled:
             self.rough = rough_contacts(self.system, self.all_held, self.leads)
             self._gather_responses()
-            self.e = self._restitutions(fast)
+            owners = [*range(len(uncoupled)), *(contact.contact for contact in self.rough for _ in range(2))]
+            self.e = restitutions(self.uncoupled, fast, owners, self.W, self.reactions)
             pushes, along = self._impulses(change)
             every = np.concatenate([pushes, along])
             change = change + self.responses @ every
@@ -287,38 +289,6 @@ class _Solution:
         share = brentq(lambda share: lost(solved(share)), 0.0, 1.0) if plastic > 0.0 else 0.0
         impulses, self.e = solved(share), share * self.e
         return impulses
-
-    def _restitutions(self, fast):
-        """Return the coefficients of restitution (n,): the least of the ``fast`` ones connected with each contact.
-
-        A latch counts as 0, and 0 is the coefficient where none is fast.
-        """
-        values = [max(c.restitution, 0.0) for c in fast]
-        if len(set(values)) < 2:
-            return np.full(len(self.leads), min(values, default=0.0))
-        part = self._connected([c.rows for c in fast if c not in self.uncoupled])
-        apart = iter(range(len(self.leads), len(part)))
-        of_fast = [part[self.uncoupled[c] if c in self.uncoupled else next(apart)] for c in fast]
-        least = {}
-        for which, value in zip(of_fast, values, strict=True):
-            least[which] = min(least.get(which, 1.0), value)
-        return np.array([least.get(which, 0.0) for which in part[: len(self.leads)]])
-
-    def _connected(self, held):
-        """Return the numbers (n + m,) of the connected parts of the n contacts and of m sets of rows that are ``held``.
-
-        An impulse at one of them moves another, or meets a reaction in its rows.
-        """
-        from scipy.sparse.csgraph import connected_components  # needed only where coefficients differ
-
-        n = len(self.leads)
-        owners = [*range(n), *(contact.contact for contact in self.rough for _ in range(2))]
-        meets, sizes = np.zeros((n + len(held), n + len(held))), np.sqrt(np.abs(np.diag(self.W)))
-        np.add.at(meets, np.ix_(owners, owners), np.abs(self.W) > ROUNDING * np.outer(sizes, sizes))
-        for i, rows in enumerate(held, n):
-            found = np.abs(self.reactions[rows]).max(axis=0)
-            np.add.at(meets[i], owners, found > ROUNDING * np.abs(self.reactions).max(axis=0))
-        return connected_components(meets, directed=False)[1]
 
     def _rub(self, along):
         """Set the energies ``rubbed`` (n_l,) [J] lost by the impulses ``along`` the surfaces, by normals."""

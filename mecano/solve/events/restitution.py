@@ -1,0 +1,42 @@
+"""Coefficients of restitution of contacts that close together (docs/shocks.md, Rules)."""
+
+import numpy as np
+
+from mecano.solve.diagnostics.mobility import connected
+from mecano.solve.linear.rounding import ROUNDING
+
+
+def restitutions(contacts, fast, owners, W, reactions):
+    """Return the coefficients of restitution (n,): the least of the ``fast`` ones connected with each contact.
+
+    Parameters
+    ----------
+    contacts : dict
+        Numbers of the n contacts, ImpactCandidates.
+    fast : list of ImpactCandidate
+        Those that close faster than they may without a rebound, and latches, which count as 0. A contact with which
+        none of them is connected has the coefficient 0.
+    owners : list of int
+        Numbers of the contacts of m unit impulses, of which the first n are those along the normals.
+    W, reactions : ndarray (m, m), (n_l, m)
+        Responses to these impulses: rates along them, and reactions of all constraints.
+    """
+    n, values = len(contacts), np.array([max(c.restitution, 0.0) for c in fast])
+    if len(set(values)) < 2:
+        return np.full(n, min(values, default=0.0))
+    held = [c for c in fast if c not in contacts]
+    numbers = {**contacts, **{c: n + i for i, c in enumerate(held)}}
+    at, e = np.array([numbers[c] for c in fast]), np.zeros(len(numbers))
+    for part in connected(_meets(n, [c.rows for c in held], owners, W, reactions)):
+        e[part] = min(values[part[at]], default=0.0)
+    return e[:n]
+
+
+def _meets(n, held, owners, W, reactions):
+    """Return whether an impulse at a contact moves another, or meets a reaction in rows ``held``, (n + h, n + h)."""
+    meets, sizes = np.zeros((n + len(held), n + len(held)), bool), np.sqrt(np.abs(np.diag(W)))
+    np.logical_or.at(meets, np.ix_(owners, owners), np.abs(W) > ROUNDING * np.outer(sizes, sizes))
+    least = ROUNDING * np.abs(reactions).max(axis=0)
+    for i, rows in enumerate(held, n):
+        np.logical_or.at(meets[i], owners, np.abs(reactions[rows]).max(axis=0) > least)
+    return meets
