@@ -1,6 +1,7 @@
 """The time loop: the only place that accepts a step, commits memories, changes a phase or calls an observer."""
 
 import math
+from bisect import bisect_left, bisect_right
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -65,7 +66,8 @@ class TimeIntegrator:
     _before: RunState = field(init=False, default=None)  # at the beginning of the step
 
     def __post_init__(self):
-        self._corners = frozenset(self.breakpoints)  # of a sampled signal there may be very many
+        self._corners = sorted(self.breakpoints)  # of a sampled signal there may be very many
+        self._is_corner = frozenset(self._corners)
         self.observation, self.monitor = Observation(self.system), EventMonitor(self.system)
         self.capture = EventCapture(self.monitor, self.most_located)
         self.shocks = Shocks(self.system, self.method, self.monitor, self.rest)
@@ -116,10 +118,12 @@ class TimeIntegrator:
         if run.compliance is not self.method.compliance:
             self.method.use(run.compliance)
         self._before, self.method.pause = run, lambda: self.pause(self._before)
-        if run.motion.t in self._corners and run.history.known:  # the last call ended there, before the corner
+        if run.motion.t in self._is_corner and run.history.known:  # the last call ended there, before the corner
             run = self._start_again(run, run.motion)
-        end = next((t for t in self.breakpoints if 0.0 < t - end < self._shortest(t)), end)  # rounding is no step
-        stops = [t for t in sorted(self.breakpoints) if run.motion.t < t < end] + [end]
+        for corner in self._corners[bisect_right(self._corners, end) :][:1]:
+            end = corner if corner - end < self._shortest(corner) else end  # rounding is no step
+        between = slice(bisect_right(self._corners, run.motion.t), bisect_left(self._corners, end))
+        stops = [*self._corners[between], end]
         for stop in stops:
             while run.motion.t < stop:
                 if stop - run.motion.t < self._shortest(stop):  # an event may be that close before it
@@ -282,7 +286,7 @@ class TimeIntegrator:
         remaining = stop - run.motion.t
         if remaining >= STRETCH * run.h:
             return run.h
-        if stop not in self._corners:
+        if stop not in self._is_corner:
             return remaining if NEGLIGIBLE_TIME * run.h < abs(remaining - run.h) else run.h
         remaining = np.nextafter(stop, run.motion.t) - run.motion.t  # the step ends before a jump of a law
         return remaining if run.motion.t + remaining < stop else np.nextafter(remaining, 0.0)  # the sum was rounded up
@@ -300,7 +304,7 @@ class TimeIntegrator:
             longest = self.method.longest(s)
             planned = min(planned, longest) if longest >= HOLD * h else h
         met = abs(s.t - stop) <= max(NEGLIGIBLE_TIME * h, math.ulp(stop))
-        if met and h <= SHORT * run.h and stop in self._corners:
+        if met and h <= SHORT * run.h and stop in self._is_corner:
             s = self._consistent(s, run.h)
             info = replace(info, forces=None)
         new = self._stepped(run, s, history, planned, h, info)
