@@ -6,12 +6,13 @@ import signal
 import traceback
 
 import numpy as np
+import pytest
 from time_runs import deck, input_deck
 
 import mecano
 from mecano.analyses import checkpoint_writer
 from mecano.analyses.dynamic import resume
-from mecano.process.interrupt import SIGNALS, Interruption, stopped_by
+from mecano.process.interrupt import SIGNALS, Interruption, Stopped, stopped_by
 
 SWING = """\
 mecano: 1
@@ -73,6 +74,15 @@ class StopAfter(Interruption):
         if self.steps <= 0 or self.questions < 0:
             self._number = signal.SIGTERM
         return self._number is not None
+
+
+def resumed(deck, path, stops):
+    """Run a deck that is stopped after each of the numbers of steps ``stops``, and resumed, to its end."""
+    for steps in stops:
+        end = StopAfter(steps)
+        with pytest.raises(Stopped):
+            resume(deck, path, interruption=end, observers=(end,))
+    resume(deck, path)
 
 
 def contents(path):

@@ -5,15 +5,14 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from surviving import StopAfter, check_same, contents
+from surviving import check_same, contents, resumed
 from time_runs import INPUTS, RecordedRun, deck
 
-from mecano.analyses.dynamic import resume, run
+from mecano.analyses.dynamic import run
 from mecano.analyses.kind_tests import OF_EVERY_KIND
 from mecano.analyses.modal import operating_point
 from mecano.constraints.belt_span import span_kind
 from mecano.errors import DeckError
-from mecano.process.interrupt import Stopped
 from mecano.solve.modal.linearize import linearize
 from mecano.solve.modal.modes import solve
 
@@ -142,11 +141,7 @@ def test_a_drive_that_was_engaged_is_resumed_and_linearized(tmp_path):
     """Resumed to the same bits; about the replayed end the pulleys oscillate on both spans, with their damping."""
     model = drive("activate: {time: 0.03, stress_free: true}", 0.5, 1e-3)
     run(model, tmp_path / "whole.h5")
-    for steps in (20, 40):
-        end = StopAfter(steps)
-        with pytest.raises(Stopped):
-            resume(model, tmp_path / "r.h5", interruption=end, observers=(end,))
-    resume(model, tmp_path / "r.h5")
+    resumed(model, tmp_path / "r.h5", (20, 40))
     check_same(contents(tmp_path / "r.h5"), contents(tmp_path / "whole.h5"))
     base = operating_point(model, f"{tmp_path / 'r.h5'}:0.5")
     found = solve(linearize(base.prepared.system, base.state, 1.0)).values

@@ -4,13 +4,12 @@ import math
 
 import numpy as np
 import pytest
-from surviving import StopAfter, check_same, contents
+from surviving import check_same, contents, resumed
 from time_runs import RecordedRun, deck
 
-from mecano.analyses.dynamic import resume, run
+from mecano.analyses.dynamic import run
 from mecano.analyses.modal import operating_point
 from mecano.errors import MecanoError
-from mecano.process.interrupt import Stopped
 from mecano.solve.modal.linearize import linearize
 from mecano.solve.modal.modes import solve
 
@@ -148,11 +147,7 @@ def test_a_winch_hauls_from_the_activation_on():
 def test_a_rope_that_is_taken_is_resumed_to_the_same_bits(tmp_path):
     model = deck(DRUM.replace("MORE", "activate: {time: 0.3, stress_free: true}, payout: 0.01*time"))
     run(model, tmp_path / "whole.h5")
-    for steps in (40, 100):
-        end = StopAfter(steps)
-        with pytest.raises(Stopped):
-            resume(model, tmp_path / "r.h5", interruption=end, observers=(end,))
-    resume(model, tmp_path / "r.h5")
+    resumed(model, tmp_path / "r.h5", (40, 100))
     check_same(contents(tmp_path / "r.h5"), contents(tmp_path / "whole.h5"))
 
 

@@ -113,21 +113,14 @@ def test_a_passage_and_return_within_a_step_is_not_missed():
 
 
 def test_a_resumed_run_has_the_same_bits(tmp_path):
-    from surviving import StopAfter, check_same, contents
-
-    from mecano.analyses.dynamic import resume
-    from mecano.process.interrupt import Stopped
+    from surviving import check_same, contents, resumed
 
     of, whole, parts = (
         input_deck("four_bar", RADAU, "time.adaptive.tolerance=1e-7", "time.end=0.5"),
         *(tmp_path / name for name in ("whole.h5", "parts.h5")),
     )
     run(of, whole)
-    for steps in (10, 20):
-        end = StopAfter(steps)
-        with pytest.raises(Stopped):
-            resume(of, parts, interruption=end, observers=(end,))
-    resume(of, parts)
+    resumed(of, parts, (10, 20))
     check_same(contents(parts), contents(whole))
 
 
