@@ -129,6 +129,7 @@ def _functions(geometry, angles, always):
 
     @kernel
     def observe(p, at, F, y, e):
+        """Write tension, stretch, length, energy and dissipated power."""
         stretch, along, L, _, _ = geometry(p, at)
         rate = rate_of(along, at.v)
         if not always and _lost(at, rate):

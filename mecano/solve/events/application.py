@@ -108,12 +108,12 @@ class EventApplication:
 
 def _with_losses(event_records, names, lost):
     """Return the records with the energies ``lost`` [J] of events with these (element, event), in the same order."""
-    left = {}
+    energies = {}
     for name, energy in zip(names, lost, strict=True):
-        left.setdefault(name, []).append(energy)
+        energies.setdefault(name, []).append(energy)
     found = []
     for event in event_records:
-        of = left.get((event.element, event.name))
+        of = energies.get((event.element, event.name))
         found.append(replace(event, lost=event.lost + of.pop(0)) if of else event)
     return found
 
