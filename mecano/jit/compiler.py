@@ -28,6 +28,7 @@ from mecano.jit.library import not_loaded
 from mecano.jit.named_tuple import classes, gathered
 from mecano.jit.null_matrix import NullMatrix, wanted
 from mecano.jit.passes import KernelCompiler
+from mecano.jit.shortcuts import shortcuts
 from mecano.jit.store import processor
 from mecano.jit.symbols import Condition, Symbol, is_number, value_of
 from mecano.process.interrupt import abandonable
@@ -146,7 +147,7 @@ def _machine_code(signature, function):
 
 def _code_of(signature, function):
     _learn_methods()
-    with not_loaded(), convention.without_errors_and_references():
+    with not_loaded(), shortcuts(), convention.without_errors_and_references():
         function = cfunc(signature, error_model="numpy", pipeline_class=KernelCompiler)(function)
     module = function._library.optimized(function.native_name)
     needs = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")} - KNOWN

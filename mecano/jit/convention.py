@@ -4,13 +4,13 @@ numba has each caller test for errors of the function that it calls. Without the
 references to arrays, which compiled functions never own, a quarter of the instructions needs no compilation.
 """
 
-from contextlib import contextmanager
-
 from llvmlite import ir
 from numba.core import cgutils
 from numba.core.callconv import RETCODE_NONE, CPUCallConv, Status, errcode_t, excinfo_ptr_t
 from numba.core.cpu import CPUContext
 from numba.core.runtime.context import NRTContext
+
+from mecano.jit.replaced import replaced
 
 ERROR = "mecano_error"  # the function without arguments that ends the program
 FALSE, TRUE = ir.Constant(ir.IntType(1), 0), ir.Constant(ir.IntType(1), 1)
@@ -48,19 +48,10 @@ def _ignore(self, builder, kind, value):
     """Leave the count of references as it is."""
 
 
-@contextmanager
 def without_errors_and_references():
-    """Have numba compile functions by this convention."""
-    replaced = (
+    """Return the context in which numba compiles functions by this convention."""
+    return replaced(
         (CPUContext, "call_conv", property(Convention)),
         (NRTContext, "incref", _ignore),
         (NRTContext, "decref", _ignore),
     )
-    before = [getattr(owner, name) for owner, name, _ in replaced]
-    for owner, name, value in replaced:
-        setattr(owner, name, value)
-    try:
-        yield
-    finally:
-        for (owner, name, _), value in zip(replaced, before, strict=True):
-            setattr(owner, name, value)

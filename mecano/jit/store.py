@@ -33,7 +33,7 @@ except ImportError:  # not a POSIX system
 
 COMPILER = (
     "array_object", "arrays", "compiler", "convention", "entry", "indexing", "kernel", "library", "memory", "methods",
-    "named_tuple", "null_matrix", "symbols",
+    "named_tuple", "null_matrix", "passes", "symbols",
 )  # fmt: skip
 """Modules that generate code."""
 DAY = 86400.0  # s
