@@ -5,26 +5,24 @@ a number of any type. The code of a method runs once at each place where it is c
 """
 
 import operator
-from functools import cache
 from itertools import product
 
-OPERATORS = {
+UNARY = {operator.neg: "__neg__", abs: "__abs__"}
+BINARY = {
     operator.add: ("__add__", "__radd__"),
     operator.sub: ("__sub__", "__rsub__"),
     operator.mul: ("__mul__", "__rmul__"),
     operator.truediv: ("__truediv__", "__rtruediv__"),
     operator.matmul: ("__matmul__", "__rmatmul__"),
-    operator.neg: ("__neg__",),
-    abs: ("__abs__",),
     operator.lt: ("__lt__",),
     operator.le: ("__le__",),
     operator.gt: ("__gt__",),
     operator.ge: ("__ge__",),
 }
-
 _methods = {}  # function -> {argument types: code}
 _attributes = {}  # (type, name) -> function of the value
 _records = {}  # names of fields -> type that records with these fields represent
+_known_codes = []  # tables by which plain Python, where kernels ask most of the time, finds the code for some types
 
 
 class Generic:
@@ -38,14 +36,22 @@ class Generic:
     def __init__(self, function):
         self.__wrapped__, self.__name__, self.__doc__ = function, function.__name__, function.__doc__
         self.__module__ = function.__module__
+        self._codes = _new_codes()
         _methods[self] = {}
 
     def __call__(self, *arguments):  # noqa: D102
         types = tuple(map(type, arguments))
-        code = _code_for_types(self, types)
-        if code is self.__wrapped__ and _any_symbolic(types):
-            return Generic.primitive(self, arguments)
+        code = self._codes.get(types)
+        if code is None:
+            code = self._codes[types] = self._code_for(types)
         return code(*arguments)
+
+    def _code_for(self, types):
+        """Return the code for arguments of these types of Python."""
+        code = _code_for_types(self, types)
+        if code is self.__wrapped__ and any(hasattr(of, "builder") for of in types):
+            return lambda *arguments: Generic.primitive(self, arguments)
+        return code
 
 
 def method(function, *kinds):
@@ -54,7 +60,8 @@ def method(function, *kinds):
     def add(code):
         for key in product(*(kind if isinstance(kind, tuple) else (kind,) for kind in kinds)):
             _methods.setdefault(function, {})[key] = code
-        _code_for_types.cache_clear()
+        for codes in _known_codes:
+            codes.clear()
         return code
 
     return add
@@ -111,33 +118,60 @@ def methods_in(module):
 
 def algebraic(kind):
     """Give a NamedTuple the operators defined by its methods, also in Python."""
-    for function, names in OPERATORS.items():
-        for reflected, name in enumerate(names):
-            setattr(kind, name, _operator(function, reflected))
+    for function, name in UNARY.items():
+        setattr(kind, name, _applied_alone(kind, function))
+    for function, names in BINARY.items():
+        for name, applied in zip(names, (_applied, _applied_reflected), strict=False):
+            setattr(kind, name, applied(kind, function))
     kind.has_methods = True
     _records[kind._fields] = kind
     kind.__array_ufunc__ = None  # lets NumPy numbers defer to the operators of this type
     return kind
 
 
-def _operator(function, reflected):
-    def apply(self, *other):
-        arguments = (*other, self) if reflected else (self, *other)
-        code = _code_for_types(function, tuple(map(type, arguments)))
-        return code(*arguments) if code else NotImplemented
+def _applied_alone(kind, function):
+    return lambda a: (code_for(function, (kind,)) or _no_code)(a)
+
+
+def _applied(kind, function):
+    codes = _new_codes()
+
+    def apply(a, b):
+        of = type(b)
+        code = codes.get(of)
+        if code is None:
+            code = codes[of] = _code_for_types(function, (kind, of)) or _no_code
+        return code(a, b)
 
     return apply
 
 
-@cache
+def _applied_reflected(kind, function):
+    codes = _new_codes()
+
+    def apply(b, a):
+        of = type(a)
+        code = codes.get(of)
+        if code is None:
+            code = codes[of] = _code_for_types(function, (of, kind)) or _no_code
+        return code(a, b)
+
+    return apply
+
+
+def _new_codes():
+    """Return a table {types of arguments: code}, which is emptied when methods are added."""
+    _known_codes.append({})
+    return _known_codes[-1]
+
+
+def _no_code(*_):
+    return NotImplemented
+
+
 def _code_for_types(function, types):
-    """Return the code for arguments of these types of Python, or None; kernels in plain Python ask most of the time."""
+    """Return the code for arguments of these types of Python, or None."""
     return code_for(function, tuple(map(_kind, types)))
-
-
-@cache
-def _any_symbolic(types):
-    return any(hasattr(of, "builder") for of in types)
 
 
 def _kind(of):

@@ -109,7 +109,11 @@ def _(a, b):
 
 @method(operator.matmul, Mat3, Vec3)
 def _(a, b):
-    return Vec3(dot(a[0], b), dot(a[1], b), dot(a[2], b))
+    return Vec3(_dot(a[0], b), _dot(a[1], b), _dot(a[2], b))
+
+
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @method(operator.matmul, Mat3, Mat3)
