@@ -305,6 +305,9 @@ class Mechanics:
     senses: "Kind | None" = None  # the kind of which it measures an output; see constraints/output_sensor.py
     start: Callable | None = None
     """record -> initial values (n_scalars,) of its scalars; zeros by default"""
+    idle: dict = field(default_factory=dict, compare=False)
+    """{phase: indices of outputs}: phases in which an element with a ``residual`` has no force, energy or power, and
+    these outputs are zero; its ``residual`` is not called then"""
     residual: Callable | None = None
     inertia: Callable | None = None
     force: Callable | None = None

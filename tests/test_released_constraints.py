@@ -128,7 +128,8 @@ WALL = """
 def closed(prepared):
     """Start the run with the plate at the wall."""
     s, system = prepared.state, prepared.system
-    s.phases[:] = 1
+    for batch in system.batches:
+        s.phases[batch.phases] = len(batch.kind.phases) - 1
     system.follow(s.phases)
     prepared.compliance = compliance(system, s, prepared.length, analyse(system, s, prepared.length))
 

@@ -97,6 +97,11 @@ class Instance:
             at = Place(t, self.phase, k, penalty, self.laws, self.memory, *state)
             getattr(self.kind, name)(_with_attributes(self.p[0]), at, *out)
 
+    @property
+    def is_idle(self):
+        """True in a phase in which it has no force."""
+        return self.kind.phases[self.phase] in self.kind.idle
+
     def force(self, t, state, k=1.0, penalty=0.0):
         """Return f, K, C, M at the local ``state`` (q, v, a, R)."""
         if self.kind.residual is not None:
@@ -110,7 +115,8 @@ class Instance:
         """Return f alone, as the model computes it where no tangents are needed."""
         f = np.zeros(self.kind.n_local)
         if self.kind.residual is not None:
-            self.run("residual", t, state, f, k=k, penalty=penalty)
+            if not self.is_idle:
+                self.run("residual", t, state, f, k=k, penalty=penalty)
         else:
             self.run("force", t, state, f, NULL_MATRIX, NULL_MATRIX, NULL_MATRIX, k=k, penalty=penalty)
         return f
@@ -119,6 +125,8 @@ class Instance:
         """Return f, K, C and M of a kind with a ``residual``, by dual numbers."""
         q, v, a, R = state
         n, f = self.kind.n_local, np.zeros(self.kind.n_local)
+        if self.is_idle:
+            return f, *np.zeros((3, n, n))
         end = n - len(self.kind.multipliers) - len(self.kind.coupled_multipliers)
         self.run("residual", t, state, f, k=k, penalty=penalty)
         seeds = np.eye(3 * n).reshape(3, n, 3 * n)
@@ -174,6 +182,8 @@ class Instance:
         y, e = np.zeros(n + BEYOND), np.zeros(4)
         if self.kind.observe is not None:
             self.run("observe", t, state, F, y, e)
+        if self.is_idle:
+            y[list(self.kind.idle[self.kind.phases[self.phase]])], e[:] = 0.0, 0.0
         assert not y[n:].any(), "more outputs are written than declared"
         return y[:n].copy(), e
 

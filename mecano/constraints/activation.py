@@ -9,7 +9,7 @@ element.
 from dataclasses import replace
 
 from mecano.constraints.along_coordinate.trigger import TIME, WHEN, check_trigger, trigger_of
-from mecano.constraints.release import ATTACHED_PHASE, silent
+from mecano.constraints.release import ATTACHED_PHASE
 from mecano.element_interface import Event
 from mecano.jit.kernel import kernel
 from mecano.schema import BOOLEAN, Field, mapping
@@ -84,7 +84,7 @@ def activated(kind, what, forces):
         kind, name=f"{kind.name}_activate", phases=(*phases, INACTIVE), events=(*kind.events, *begins),
         event_values=_event_values(kind, leaving), at_start=lambda p: inactive, inputs=(*kind.inputs, "activate"),
         reads=lambda d: [*kind.read(d), trigger_of(d["activate"])], commit=keeping(kind, inactive), variant=None,
-        **({} if forces is None else silent(kind, forces)),
+        idle=kind.idle if forces is None else {**kind.idle, INACTIVE: forces},
     )  # fmt: skip
 
 

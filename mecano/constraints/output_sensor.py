@@ -32,6 +32,8 @@ def output_sensor(kind, n_multipliers):
 
 def _sensor(kind, n_multipliers):
     row, observe = 3 * len(kind.layout) + len(kind.scalars) + len(kind.inputs) + n_multipliers, kind.observe
+    for phase, outputs in kind.idle.items():
+        observe = _idle(observe, kind.phases.index(phase), outputs)
     n_outputs = sum(int(np.prod(output.shape, dtype=int)) for output in kind.outputs)
     n_forces = 3 * len(kind.layout)
 
@@ -48,6 +50,19 @@ def _sensor(kind, n_multipliers):
         commit=kind.commit, residual=residual, senses=kind, **SIGNAL,
         coupled_multipliers=tuple(Row(f"multiplier {i + 1}", "-", "-") for i in range(n_multipliers)),
     )  # fmt: skip
+
+
+def _idle(observe, phase, outputs):
+    """Return ``observe`` with the ``outputs`` zero in the phase of this index."""
+
+    @kernel
+    def observe_idle(p, at, F, y, e):
+        observe(p, at, F, y, e)
+        if at.phase == phase:
+            for i in outputs:
+                y[i] = 0.0
+
+    return observe_idle
 
 
 def _with_index(dtype):

@@ -81,31 +81,7 @@ def detached(kind, what, forces):
 
     Released it has no force, energy or power; ``forces`` are the indices of its outputs that are zero then.
     """
-    return replace(cut(kind, what), **silent(kind, forces))
-
-
-def silent(kind, forces):
-    """Return ``residual`` and ``observe`` of a kind with one more phase, in which it has no force, energy or power.
-
-    ``forces`` are the indices of its outputs that are zero in this phase.
-    """
-    add, put, phase = kind.residual, kind.observe, len(kind.phases)
-
-    @kernel
-    def residual(p, at, f):
-        if at.phase != phase:
-            add(p, at, f)
-
-    @kernel
-    def observe(p, at, F, y, e):
-        put(p, at, F, y, e)
-        if at.phase == phase:
-            for i in range(4):
-                e[i] = 0.0
-            for i in forces:
-                y[i] = 0.0
-
-    return {"residual": residual, "observe": observe}
+    return replace(cut(kind, what), idle={**kind.idle, RELEASED_PHASE: forces})
 
 
 def with_release(kind, what, forces):

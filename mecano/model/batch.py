@@ -50,6 +50,9 @@ class Batch:
         self.F, self.g = np.zeros(self.output_slots.shape[1]), np.zeros((len(kind.multipliers), 3))
         self.n_outputs = sum(int(np.prod(o.shape, dtype=int)) for o in kind.outputs)
         self.n_events = len(kind.events)
+        self.idle = np.zeros((len(kind.phases), 1 + self.n_outputs), np.int64)  # flags: the phase, vanishing outputs
+        for phase, outputs in kind.idle.items():
+            self.idle[kind.phases.index(phase), [0, *(1 + i for i in outputs)]] = 1
         self.before = np.array([kind.phases.index(event.before) for event in kind.events], np.int64)
 
     @property
@@ -84,8 +87,9 @@ class Batch:
             "first_reaction": self.kind.first_reaction,
             "n_reactions": len(self.kind.multipliers) + len(self.kind.coupled_multipliers),
             "n_output_dofs": self.output_dofs.shape[1], "n_forces": len(self.F), "n_outputs": self.n_outputs,
-            "n_events": self.n_events, "n_memory": len(self.kind.memory), "first_phase": self.first_phase,
-            "first_memory": self.first_memory, "first_output": self.first_output, "first_event": self.first_event,
+            "n_phases": len(self.idle), "n_events": self.n_events, "n_memory": len(self.kind.memory),
+            "first_phase": self.first_phase, "first_memory": self.first_memory, "first_output": self.first_output,
+            "first_event": self.first_event,
         }  # fmt: skip
         names = [name for name in BATCH.names if name not in sizes]
         return record(BATCH, **sizes, **{name: getattr(self, name).ctypes.data for name in names})

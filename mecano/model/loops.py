@@ -25,9 +25,9 @@ def fields(floats="", words=""):
 
 # Addresses of arrays, and their lengths (n, n_...); shapes as in batch.py.
 BATCH = fields(
-    words="n n_local n_rotations n_multipliers first_reaction n_reactions n_output_dofs n_forces n_outputs n_events "
-    "n_memory p dofs rots slots columns entries multipliers output_dofs output_slots "
-    "q v a R f K C M seeded F g before first_phase first_memory first_output first_event"
+    words="n n_local n_rotations n_multipliers first_reaction n_reactions n_output_dofs n_forces n_outputs n_phases "
+    "n_events n_memory p dofs rots slots columns entries multipliers output_dofs output_slots "
+    "q v a R f K C M seeded F g idle before first_phase first_memory first_output first_event"
 )
 # Addresses of the arrays of the system, of the state on which the loops work, and of the values that they write.
 SYSTEM = fields(
@@ -72,6 +72,12 @@ def work(b):
     """Return work arrays for local unknowns, velocities, accelerations (n_local,), rotations (n_rotations, 3, 3)."""
     n = max(b.n_local, b.n_output_dofs)
     return floats(b.q, n), floats(b.v, n), floats(b.a, n), floats(b.R, (b.n_rotations, 3, 3))
+
+
+@kernel
+def idle_phases(b):
+    """Return flags (n_phases, 1 + n_outputs): the elements are idle, and which of their outputs vanish then."""
+    return integers(b.idle, (b.n_phases, 1 + b.n_outputs))
 
 
 @kernel
@@ -196,8 +202,10 @@ def dual_tangent(batch, system):
     T, data_out = floats(s.T, (s.n_rotations, 3, 3)), floats(s.data, s.n_data)
     first_row, penalty = n - b.n_multipliers, s.penalty * s.lag if of_rates else s.penalty  # noqa: F821
     force_out, size_out, mass_out = floats(s.force, s.n_slots), floats(s.size, s.n_slots), floats(s.mass, s.n_slots)
-    m = floats(b.f, n)
+    m, idle = floats(b.f, n), idle_phases(b)
     for e in range(b.n):
+        if idle[phase[e], 0]:
+            continue
         gather(dofs[e], rots[e], s, q, v, a, R)
         for i in range(n):
             q_1[i] = q[i]
@@ -271,7 +279,10 @@ def plain_residual(batch, system):
     q, v, a, R = work(b)
     f, force_out, size_out = floats(b.f, n), floats(s.force, s.n_slots), floats(s.size, s.n_slots)
     first_row, penalty = n - b.n_multipliers, s.penalty * s.lag if of_rates else s.penalty  # noqa: F821
+    idle = idle_phases(b)
     for e in range(b.n):
+        if idle[phase[e], 0]:
+            continue
         f[:] = 0.0
         gather(dofs[e], rots[e], s, q, v, a, R)
         function(p[e], Place(s.t, phase[e], s.k, penalty, laws, memory[e], q, v, a, R), f)  # noqa: F821
@@ -344,6 +355,7 @@ def observe(batch, system):
     q, v, a, R = work(b)
     y_out = floats(s.outputs + 8 * b.first_output, (b.n, b.n_outputs))
     e_out, total_out = floats(s.energies + 32 * b.first_phase, (b.n, 4)), floats(s.energy, 4)
+    idle = idle_phases(b)
     for e in range(b.n):
         gather(dofs[e], rots[e], s, q, v, a, R)
         for i in range(b.n_forces):
@@ -351,6 +363,11 @@ def observe(batch, system):
         y_out[e] = 0.0
         e_out[e] = 0.0
         function(p[e], Place(s.t, phase[e], s.k, s.penalty, laws, memory[e], q, v, a, R), F, y_out[e], e_out[e])  # noqa: F821
+        if idle[phase[e], 0]:
+            e_out[e] = 0.0
+            for i in range(b.n_outputs):
+                if idle[phase[e], 1 + i]:
+                    y_out[e, i] = 0.0
         for i in range(4):
             total_out[i] += e_out[e, i]
 
