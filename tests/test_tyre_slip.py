@@ -36,7 +36,8 @@ def test_rates_of_the_patch_are_unique(law):
     own = [y, names.index("flexible_wheel 'tire': psi")]
     for _ in range(200):
         s = system.initial_state(0.0)
-        s.phases[:] = 1
+        for batch in system.batches:
+            s.phases[batch.phases] = min(1, len(batch.kind.phases) - 1)
         s.z[hub + 2] = 0.452 - rng.uniform(0.01, 0.1)
         s.z[own] = rng.uniform(-0.08, 0.08), rng.uniform(-0.2, 0.2)
         s.v[hub : hub + 3] = rng.uniform(0.0, 70.0), rng.uniform(-7.0, 7.0), rng.uniform(-2.0, 2.0)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from mecano.jit.entry import Indices, Matrices, Matrix, Records, Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
-from mecano.model.loops import BATCH, SYSTEM
+from mecano.model.loop_records import BATCH, SYSTEM
 from mecano.model.state import Instant
 
 System = Records(SYSTEM)

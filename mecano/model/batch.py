@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mecano.maths.dual import DUAL
-from mecano.model.loops import BATCH, record
+from mecano.model.loop_records import BATCH, record
 
 OF_ELEMENTS = "p", "dofs", "rots", "slots", "output_dofs", "output_slots", "multipliers", "entries"
 LINES = 128  # B, two lines of the cache

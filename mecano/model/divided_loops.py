@@ -12,7 +12,7 @@ from mecano.jit.memory import call, floats, integers, items
 from mecano.jit.store import Code, address
 from mecano.jit.thread_pool import PARTS, run_parts
 from mecano.model.halves import BETWEEN, ONE, OTHER
-from mecano.model.loops import BATCH, SYSTEM, batch_at, fields, record
+from mecano.model.loop_records import BATCH, SYSTEM, batch_at, fields, record
 
 WORDS = SYSTEM.itemsize // 8
 SIZE = BATCH.itemsize

@@ -13,7 +13,7 @@ from mecano.model.batch import batches
 from mecano.model.halves import halves
 from mecano.model.instances import expand
 from mecano.model.loop_code import PURPOSES, code_of, loop_of
-from mecano.model.loops import SYSTEM, record
+from mecano.model.loop_records import SYSTEM, record
 from mecano.model.mesh import divided
 from mecano.model.model import with_ground
 from mecano.model.numbering import SCALAR, SIGNAL, STATE, EquationName, number

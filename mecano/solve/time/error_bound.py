@@ -14,7 +14,7 @@ import numpy as np
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats, integers
-from mecano.model.loops import fields, record
+from mecano.model.loop_records import fields, record
 from mecano.solve.time.increments import largest_change
 from mecano.solve.time.modal_filter import (
     FLOATS,

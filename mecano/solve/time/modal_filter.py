@@ -17,7 +17,7 @@ from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
 from mecano.model.assembly import Assembly
 from mecano.model.assembly_driver import assemble, loops_at
-from mecano.model.loops import SYSTEM
+from mecano.model.loop_records import SYSTEM
 from mecano.solve.linear import multifrontal
 from mecano.solve.linear.newton import soften_tangent
 from mecano.solve.linear.sparse import ACCEPT_BELOW

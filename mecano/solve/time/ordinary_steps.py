@@ -5,7 +5,7 @@ import time as clock
 import numpy as np
 
 from mecano.model import loops
-from mecano.model.loops import record
+from mecano.model.loop_records import record
 from mecano.solve.time.output import FULL, OUTPUT, record_step
 from mecano.solve.time.run_state import RunState
 from mecano.solve.time.step import attempt

@@ -9,7 +9,7 @@ from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats, integers
 from mecano.model.extremes import update
-from mecano.model.loops import fields, record
+from mecano.model.loop_records import fields, record
 from mecano.model.sampler import Nodes, Observed, blend, fill, node_rows
 from mecano.solve.time.interpolate import between_states
 from mecano.solve.time.unresolved_oscillation import count_changes

@@ -10,7 +10,7 @@ from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
 from mecano.model.assembly_driver import commit, constraint_derivatives, event_values, loops_at, observe
-from mecano.model.loops import SYSTEM, fields
+from mecano.model.loop_records import SYSTEM, fields
 from mecano.model.numbering import ROTATION
 from mecano.model.state import Instant
 from mecano.solve.events.events import some_happened

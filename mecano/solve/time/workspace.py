@@ -13,7 +13,7 @@ import numpy as np
 
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
-from mecano.model.loops import SYSTEM, fields, record
+from mecano.model.loop_records import SYSTEM, fields, record
 from mecano.model.numbering import TRANSLATION, Unknowns
 from mecano.model.state import History, Instant, State
 

@@ -1,0 +1,324 @@
+"""What the loops over elements of all kinds have in common: gather the state of an element, add its results.
+
+``b`` and ``s`` are the records BATCH and SYSTEM, ``e`` is the number of the element in its batch. These functions are
+compiled once, and only the templates of loops.py for each kind. They find the arrays again for each element; loops in
+which that would be a noticeable part of the time keep them instead.
+"""
+
+import math
+
+from mecano.element_interface import Place
+from mecano.jit.kernel import kernel
+from mecano.jit.memory import floats, integers, items
+from mecano.maths.dual import DUAL, Dual
+from mecano.maths.vector import Vec3, mat, skew, vec
+
+SIZE = DUAL.itemsize
+
+
+@kernel
+def given(b, s):
+    """Return the memories (n, n_memory) and phases (n,) of a batch, and the table of laws."""
+    memory = floats(s.memory + 8 * b.first_memory, (b.n, b.n_memory))
+    return memory, integers(s.phases + 8 * b.first_phase, b.n), floats(s.laws, s.n_laws)
+
+
+@kernel
+def work(b):
+    """Return work arrays for local unknowns, velocities, accelerations (n_local,), rotations (n_rotations, 3, 3)."""
+    n = max(b.n_local, b.n_output_dofs)
+    return floats(b.q, n), floats(b.v, n), floats(b.a, n), floats(b.R, (b.n_rotations, 3, 3))
+
+
+@kernel
+def idle_phases(b):
+    """Return flags (n_phases, 1 + n_outputs): the elements are idle, and which of their outputs vanish then."""
+    return integers(b.idle, (b.n_phases, 1 + b.n_outputs))
+
+
+@kernel
+def gather(dofs, rots, s, q_out, v_out, a_out, R_out):
+    """Copy local unknowns, velocities, accelerations (n_local,) and rotations (n_rotations, 3, 3) of one element."""
+    z, v, a = floats(s.z, s.n_all), floats(s.v, s.n_all), floats(s.a, s.n_all)
+    R = floats(s.R, (s.n_rotations, 3, 3))
+    for i in range(dofs.shape[0]):
+        d = dofs[i]
+        q_out[i] = z[d]
+        v_out[i] = v[d]
+        a_out[i] = a[d]
+    for r in range(rots.shape[0]):
+        for i in range(3):
+            for j in range(3):
+                R_out[r, i, j] = R[rots[r], i, j]
+
+
+@kernel
+def is_idle(b, s, e):
+    """Return whether an element has no force in its phase."""
+    return idle_phases(b)[phase_of(b, s, e), 0] != 0
+
+
+@kernel
+def phase_of(b, s, e):
+    """Return the phase of an element."""
+    return integers(s.phases + 8 * b.first_phase, b.n)[e]
+
+
+@kernel
+def memory_of(b, s, e):
+    """Return the memory (n_memory,) of an element."""
+    return floats(s.memory + 8 * b.first_memory, (b.n, b.n_memory))[e]
+
+
+@kernel
+def gather_unknowns(b, s, e):
+    """Copy the local unknowns of an element to the work arrays."""
+    q, v, a, R = work(b)
+    gather(integers(b.dofs, (b.n, b.n_local))[e], integers(b.rots, (b.n, b.n_rotations))[e], s, q, v, a, R)
+
+
+@kernel
+def gather_observed(b, s, e):
+    """Copy the unknowns that ``observe`` reads of an element to the work arrays."""
+    q, v, a, R = work(b)
+    gather(integers(b.output_dofs, (b.n, b.n_output_dofs))[e], integers(b.rots, (b.n, b.n_rotations))[e], s, q, v, a, R)
+
+
+@kernel
+def place(b, s, e):
+    """Return the Place of a gathered element."""
+    q, v, a, R = work(b)
+    laws = floats(s.laws, s.n_laws)
+    return Place(s.t, phase_of(b, s, e), s.k, s.penalty, laws, memory_of(b, s, e), q, v, a, R)
+
+
+@kernel
+def seeded(b):
+    """Return arrays of Duals for q, v, a (n_local,) and rotations (n_rotations, 3, 3)."""
+    n, at, size = b.n_local, b.seeded, SIZE * b.n_local
+    q, v, a = items(at, n, DUAL), items(at + size, n, DUAL), items(at + 2 * size, n, DUAL)
+    return q, v, a, items(at + 4 * size, (b.n_rotations, 3, 3), DUAL)
+
+
+@kernel
+def dual_forces(b):
+    """Return the array (n_local,) of Duals for forces."""
+    return items(b.seeded + 3 * SIZE * b.n_local, b.n_local, DUAL)
+
+
+@kernel
+def dual_constraints(b):
+    """Return the array (n_multipliers, 2) of Duals for constraints and their rates, in the place of accelerations."""
+    return items(b.seeded + 2 * SIZE * b.n_local, (b.n_multipliers, 2), DUAL)
+
+
+@kernel
+def dual_place(b, s, e, lag):
+    """Return the Place of a gathered element with Duals; ``lag`` multiplies the penalty of constraints on rates."""
+    q, v, a, R = seeded(b)
+    laws = floats(s.laws, s.n_laws)
+    return Place(s.t, phase_of(b, s, e), s.k, s.penalty * lag, laws, memory_of(b, s, e), q, v, a, R)
+
+
+@kernel
+def moving_place(b, s, e):
+    """Return the Place of a gathered element with Duals whose slopes are rates in time."""
+    q, v, _, R = seeded(b)
+    laws, a = floats(s.laws, s.n_laws), floats(b.a, b.n_local)
+    return Place(Dual(s.t, 1.0), phase_of(b, s, e), s.k, s.penalty, laws, memory_of(b, s, e), q, v, a, R)
+
+
+@kernel
+def gather_duals(b, s, e):
+    """Copy the state of an element to the work arrays, also to those of Duals, without slopes."""
+    gather_unknowns(b, s, e)
+    q, v, a, R = work(b)
+    q_1, v_1, a_1, R_1 = seeded(b)
+    for i in range(b.n_local):
+        q_1[i] = q[i]
+        v_1[i] = v[i]
+        a_1[i] = a[i]
+    for r in range(b.n_rotations):
+        put_constant(R_1[r], mat(R[r]))
+
+
+@kernel
+def seed(b, s, e, j):
+    """Set the slopes along the local unknown j: q_j varies by cK, v_j by cC, a_j by cM, a rotation by R hat(cK T_j)."""
+    q_1, v_1, a_1, R_1 = seeded(b)
+    columns, f_1 = integers(b.columns, b.n_rotations), dual_forces(b)
+    for i in range(b.n_local):
+        f_1[i] = 0.0
+    r = rotation_of(j, columns)
+    if r < 0:
+        reaction = b.first_reaction <= j < b.first_reaction + b.n_reactions
+        q_1[j].slope = s.cK * (s.k if reaction else 1.0)
+    else:
+        rots, c = integers(b.rots, (b.n, b.n_rotations)), j - columns[r]
+        turn = floats(s.T, (s.n_rotations, 3, 3))[rots[e, r]]
+        R = mat(floats(b.R, (b.n_rotations, 3, 3))[r])
+        put_turned(R_1[r], R, s.cK * Vec3(turn[0, c], turn[1, c], turn[2, c]))
+    v_1[j].slope = s.cC
+    a_1[j].slope = s.cM
+
+
+@kernel
+def add_column(b, s, e, j, lag):
+    """Add the column j of the tangent of an element, the slopes of its forces, and clear the seeds."""
+    n, data_out, entries = b.n_local, floats(s.data, s.n_data), integers(b.entries, (b.n, b.n_local, b.n_local))
+    columns, f_1, first_row = integers(b.columns, b.n_rotations), dual_forces(b), n - b.n_multipliers
+    for i in range(n):
+        data_out[entries[e, i, j]] += (lag if i >= first_row else 1.0) * f_1[i].slope
+    q_1, v_1, a_1, R_1 = seeded(b)
+    q_1[j].slope = 0.0
+    v_1[j].slope = 0.0
+    a_1[j].slope = 0.0
+    r = rotation_of(j, columns)
+    if r >= 0:
+        put_constant(R_1[r], mat(floats(b.R, (b.n_rotations, 3, 3))[r]))
+
+
+@kernel
+def add_dual_force(b, s, e, lag):
+    """Add the values of the forces of an element and their magnitudes; those of its own multipliers times ``lag``."""
+    n, f_1, slots = b.n_local, dual_forces(b), integers(b.slots, (b.n, b.n_local))
+    force_out, size_out = floats(s.force, s.n_slots), floats(s.size, s.n_slots)
+    for i in range(n):
+        f = f_1[i].value * (lag if i >= n - b.n_multipliers else 1.0)
+        force_out[slots[e, i]] += f
+        size_out[slots[e, i]] += abs(f)
+
+
+@kernel
+def masses(b):
+    """Return an array (n_local,) for the masses of an element, set to zero."""
+    m = floats(b.f, b.n_local)
+    m[:] = 0.0
+    return m
+
+
+@kernel
+def add_masses(b, s, e):
+    """Add the masses of an element."""
+    m, slots, mass_out = floats(b.f, b.n_local), integers(b.slots, (b.n, b.n_local)), floats(s.mass, s.n_slots)
+    for i in range(b.n_local):
+        mass_out[slots[e, i]] += abs(m[i])
+
+
+@kernel
+def put_derivatives(b, s, e):
+    """Store values, rates and second rates of the constraints of an element."""
+    multipliers, g = integers(b.multipliers, (b.n, b.n_multipliers)), floats(b.g, (b.n_multipliers, 3))
+    g_out = floats(s.constraint_derivatives, (s.n_constraints, 3))
+    for i in range(b.n_multipliers):
+        for j in range(3):
+            g_out[multipliers[e, i], j] = g[i, j]
+
+
+@kernel
+def gather_motion(b, s, e):
+    """Copy the state of an element to arrays of Duals whose slopes are rates in time; set its constraints to zero."""
+    gather_unknowns(b, s, e)
+    columns, g_1 = integers(b.columns, b.n_rotations), dual_constraints(b)
+    q, v, a, R = work(b)
+    q_1, v_1, _, R_1 = seeded(b)
+    for i in range(b.n_local):
+        q_1[i] = Dual(q[i], v[i])
+        v_1[i] = Dual(v[i], a[i])
+    for r in range(b.n_rotations):
+        put_constant(R_1[r], mat(R[r]))
+        put_turned(R_1[r], mat(R[r]), vec(v, columns[r]))
+    for i in range(b.n_multipliers):
+        g_1[i, 0], g_1[i, 1] = 0.0, 0.0
+
+
+@kernel
+def put_dual_derivatives(b, s, e):
+    """Store values, rates and second rates of the constraints of an element; the last are slopes of the rates."""
+    multipliers, g_1 = integers(b.multipliers, (b.n, b.n_multipliers)), dual_constraints(b)
+    g_out = floats(s.constraint_derivatives, (s.n_constraints, 3))
+    for i in range(b.n_multipliers):
+        g_out[multipliers[e, i], 0] = g_1[i, 0].value
+        g_out[multipliers[e, i], 1] = g_1[i, 1].value
+        g_out[multipliers[e, i], 2] = g_1[i, 1].slope
+
+
+@kernel
+def observation(b, s, e):
+    """Return the forces F (n_forces,) on an element, and its outputs (n_outputs,) and energies (4,), set to zero."""
+    slots, force = integers(b.output_slots, (b.n, b.n_forces)), floats(s.transmitted, s.n_transmitted)
+    F = floats(b.F, b.n_forces)
+    for i in range(b.n_forces):
+        F[i] = force[slots[e, i]]
+    y, energies = observed(b, s, e)
+    y[:] = 0.0
+    energies[:] = 0.0
+    return F, y, energies
+
+
+@kernel
+def observed(b, s, e):
+    """Return the outputs (n_outputs,) and energies (4,) of an element."""
+    y = floats(s.outputs + 8 * b.first_output, (b.n, b.n_outputs))[e]
+    return y, floats(s.energies + 32 * b.first_phase, (b.n, 4))[e]
+
+
+@kernel
+def add_energies(b, s, e):
+    """Set to zero what vanishes in the phase of an element, and add its energies to the totals."""
+    y, energies = observed(b, s, e)
+    idle, total_out = idle_phases(b)[phase_of(b, s, e)], floats(s.energy, 4)
+    if idle[0]:
+        energies[:] = 0.0
+        for i in range(b.n_outputs):
+            if idle[1 + i]:
+                y[i] = 0.0
+    for i in range(4):
+        total_out[i] += energies[i]
+
+
+@kernel
+def event_values_of(b, s, e):
+    """Return the array (n_events,) for the event values of an element."""
+    return floats(s.event_values + 8 * b.first_event, (b.n, b.n_events))[e]
+
+
+@kernel
+def clear_other_events(b, s, e):
+    """Set the values of events that are not monitored in the phase of an element to -inf."""
+    phase, before, g_out = phase_of(b, s, e), integers(b.before, b.n_events), event_values_of(b, s, e)
+    for i in range(b.n_events):
+        if phase != before[i]:
+            g_out[i] = -math.inf
+
+
+@kernel
+def new_memory_of(b, s, e):
+    """Return the array (n_memory,) to which an element writes its memory."""
+    return floats(s.memory_out + 8 * b.first_memory, (b.n, b.n_memory))[e]
+
+
+@kernel
+def rotation_of(j, columns):
+    """Return the index of the rotation to which the local unknown j belongs, or -1."""
+    for r in range(columns.shape[0]):
+        if columns[r] <= j < columns[r] + 3:
+            return r
+    return -1
+
+
+@kernel
+def put_constant(R_out, R):
+    """Store a constant rotation."""
+    for i in range(3):
+        for j in range(3):
+            R_out[i, j] = R[i][j]
+
+
+@kernel
+def put_turned(R_out, R, turn):
+    """Store R (1 + hat(turn) epsilon)."""
+    change = R @ skew(turn)
+    for i in range(3):
+        for j in range(3):
+            R_out[i, j].slope = change[i][j]

@@ -1,0 +1,47 @@
+"""Records by which the compiled loops over elements find the arrays of a batch and of the system."""
+
+import numpy as np
+
+from mecano.jit.kernel import kernel
+from mecano.jit.memory import items
+
+
+def fields(floats="", words=""):
+    """Return the type of a record of numbers and of words (addresses, lengths)."""
+    return np.dtype([(name, "f8") for name in floats.split()] + [(name, "i8") for name in words.split()], align=True)
+
+
+# Addresses of arrays, and their lengths (n, n_...); shapes as in batch.py.
+BATCH = fields(
+    words="n n_local n_rotations n_multipliers first_reaction n_reactions n_output_dofs n_forces n_outputs n_phases "
+    "n_events n_memory p dofs rots slots columns entries multipliers output_dofs output_slots "
+    "q v a R f K C M seeded F g idle before first_phase first_memory first_output first_event"
+)
+# Addresses of the arrays of the system, of the state on which the loops work, and of the values that they write.
+SYSTEM = fields(
+    floats="t k penalty lag cK cC cM",
+    words="n_all n_rotations z v a R T phases memory memory_out "
+    "n_states states n_laws laws n_slots force size mass slot_dof residual scale n_data data "
+    "n_transmitted partition_starts partition_members transmitted outputs energies energy event_values "
+    "n_constraints constraint_derivatives",
+)
+
+
+def record(dtype, **values):
+    """Return an array (1,) of one record."""
+    out = np.zeros(1, dtype)
+    for name, value in values.items():
+        out[name] = value
+    return out
+
+
+@kernel
+def batch_at(address):
+    """Return the record of a batch."""
+    return items(address, 1, BATCH)[0]
+
+
+@kernel
+def system_at(address):
+    """Return the record of the system."""
+    return items(address, 1, SYSTEM)[0]
