@@ -147,6 +147,25 @@ def test_functions_have_units_of_their_own(formula, unit):
     assert signal_units(model) == {"signals/read/value": unit}
 
 
+def test_states_of_a_controller_have_the_units_of_value_and_error():
+    """Of u = K_P e + x_I + K_D/T_D (e - x_D), x_I has the unit of u and x_D that of e, here an angular velocity."""
+    text = """
+        mecano: 1
+        gravity: none
+        nodes: {bob: {position: [0, 0, 0]}}
+        elements: {bob: {type: rigid_body, node: bob, mass: 1, inertia: [1, 1, 1]}}
+        joints: {pin: {type: hinge, nodes: [ground, bob], axis: [0, 0, 1]}}
+        signals:
+          torque: {type: pid, input: 3 - pin.rate, integral: 2, derivative: 1, derivative_time: 0.1, unit: kN m}
+          fast: {type: washout, input: pin.angle, gain: 10, time_constant: 0.1, unit: rad/s}
+        time: {end: 1, step: 0.1}
+        """
+    assert signal_units(prepare(deck(text)).system.model) == {
+        "signals/torque/value": "N m", "signals/torque/integral": "N m", "signals/torque/filtered": "rad/s",
+        "signals/fast/value": "rad/s", "signals/fast/state": "rad",
+    }  # fmt: skip
+
+
 def test_an_unknown_name_in_what_is_measured_is_the_only_error():
     """The outputs of a wheel depend on its tyre law; if this is unknown, only its name is reported."""
     text = SWINGING.replace("TYPE", "wheel").replace("PROPERTIES", CASES["wheel that slips"][1])

@@ -1,5 +1,6 @@
 """Units of signals: as the deck gives them, or as they follow from the quantities of which signals are made."""
 
+from mecano.constraints.along_coordinate.signal import OF_INPUT, OF_VALUE, VALUE
 from mecano.laws.formula import (
     ABS,
     ACOS,
@@ -25,7 +26,7 @@ from mecano.laws.formula import (
 from mecano.model.measured import meaning, measured_outputs, quantities
 from mecano.model.sampler import NODE_OUTPUTS
 
-UNKNOWN = "SI"  # as declared for the value of a signal
+UNKNOWN = VALUE.unit
 ANY = ""  # unit of a number: that of what it is added to or compared with
 LIKE = (ADD, SUBTRACT, MIN, MAX, HYPOT)  # of two numbers of one unit
 OWN = dict.fromkeys((SIN, COS, TAN, TANH, SIGN), "-") | dict.fromkeys((ASIN, ACOS, ATAN, ATAN2), "rad")
@@ -33,10 +34,18 @@ OF_NODES = {name: unit for name, unit, _, _ in NODE_OUTPUTS}
 
 
 def signal_units(model):
-    """Return {path: unit} of the outputs of the signals of a Model."""
-    names = [element.name for element in model.elements if element.kind.section == "signals"]
-    units = _Units(model) if names else None
-    return {f"signals/{name}/value": units.of_signal(name) for name in names}
+    """Return {path: unit} of the outputs of the signals of a Model that depend on its deck."""
+    units = _Units(model)
+    found = {}
+    for element in _signals(model):
+        for output in element.kind.outputs:
+            if output.name == VALUE.name or output.unit in (OF_VALUE, OF_INPUT):
+                found[f"signals/{element.name}/{output.name}"] = units.of_output(element, output)
+    return found
+
+
+def _signals(model):
+    return [element for element in model.elements if element.kind.section == "signals"]
 
 
 class _Units:
@@ -47,15 +56,21 @@ class _Units:
         self.entries = {(e.kind.section, e.name): (e.kind, e.values) for e in model.elements}
         self.found = {}
 
+    def of_output(self, element, output):
+        """Return the unit of an output of a signal: that of its value or of its input."""
+        if output.unit == OF_INPUT:
+            return self.of_formula(element.kind.read(element.values)[0])
+        return self.of_signal(element.name)
+
     def of_signal(self, name):
         """Return the unit of a signal; a loop of signals has only the units that the deck gives."""
         if name not in self.found:
             self.found[name] = UNKNOWN
             kind, d = self.entries["signals", name]
-            self.found[name] = d["unit"] or (self._of_formula(kind.like(d)) if kind.like(d) else UNKNOWN)
+            self.found[name] = d["unit"] or (self.of_formula(kind.like(d)) if kind.like(d) else UNKNOWN)
         return self.found[name]
 
-    def _of_formula(self, text):
+    def of_formula(self, text):
         """Return the unit of a formula whose operations do not change the unit of its quantities."""
         formula, stack = read_formula(text), []
         for code, x in formula.program:

@@ -4,6 +4,7 @@ from mecano.element_interface import Output
 from mecano.jit.kernel import kernel
 from mecano.schema import FORMULA, NUMBER, UNIT, Field
 
+OF_VALUE, OF_INPUT = "unit of the value", "unit of the input"  # units of outputs, which the deck determines
 SIGNAL = {"scalars": ("value",), "of_signals": True}
 VALUE = Output("value", "SI", "value of the signal, in SI units")
 INPUT = Field("input", FORMULA, "-", "the input: a formula of signals, outputs of elements, motions of nodes, time")

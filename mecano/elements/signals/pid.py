@@ -19,7 +19,7 @@ import math
 from dataclasses import replace
 from functools import cache
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INITIAL, INPUT, UNIT_OF_VALUE, VALUE
+from mecano.constraints.along_coordinate.signal import IN_DECK, INITIAL, INPUT, OF_INPUT, OF_VALUE, UNIT_OF_VALUE, VALUE
 from mecano.element_interface import Event, Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select
@@ -33,8 +33,8 @@ RECORD = record(
 )  # fmt: skip
 """Gains, times, limits; local indices of the states x_I and x_D, or -1, and of the input. The value is unknown 0."""
 STATES = (
-    Output("integral", "SI", "integral x_I, in SI units; zero without an integral gain"),
-    Output("filtered", "SI", "filtered error x_D, in SI units; zero without a derivative gain"),
+    Output("integral", OF_VALUE, "integral x_I, in SI units; zero without an integral gain"),
+    Output("filtered", OF_INPUT, "filtered error x_D, in SI units; zero without a derivative gain"),
 )
 
 

@@ -5,13 +5,13 @@ r"""Washout: a high-pass filter, which passes changes and removes constant value
 x follows the input with the time constant T. With the gain g = 1/T, y is the rate of x, a filtered derivative of u.
 """
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT, UNIT_OF_VALUE, VALUE
+from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT, OF_INPUT, UNIT_OF_VALUE, VALUE
 from mecano.element_interface import Kind, Output
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.schema import NUMBER, Field, positive
 
-STATE = Output("state", "SI", "state x: the input without its changes, in SI units")
+STATE = Output("state", OF_INPUT, "state x: the input without its changes, in SI units")
 OWN, X, U = 0, 1, 2  # local unknowns: the value, the state; the input
 
 
