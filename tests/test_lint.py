@@ -53,6 +53,35 @@ def test_negative_stiffness_and_damping():
 
 
 @pytest.mark.parametrize(
+    ("value", "angle", "said"),
+    [
+        ("speed", "2*pin.angle", "'value' is the formula 'speed'; a moment or an energy [N m] is expected, and"),
+        ("2 - pin.rate", "0", "'value' is the formula '2 - pin.rate'; a moment or an energy [N m] is expected"),
+        ("2", "min(bob.position.x, 1)", "'natural_angle' is the formula 'min(bob.position.x, 1)'; an angle [rad] is"),
+        ("torque", "pin.angle", ""), ("3*speed", "tanh(speed)", ""), ("2 + time", "1 + time", ""),
+    ],
+)  # fmt: skip
+def test_formulas_in_other_units_than_their_fields(value, angle, said):
+    """A moment and an angle are compared with units that the deck gives or that follow; products have any unit."""
+    found = warned(f"""
+        mecano: 1
+        gravity: none
+        nodes: {{bob: {{position: [0, 0, 0]}}}}
+        elements: {{bob: {{type: rigid_body, node: bob, mass: 1, inertia: [1, 1, 1]}}}}
+        joints:
+          pin:
+            {{type: hinge, nodes: [ground, bob], axis: [0, 0, 1], turning_law: {{spring: 1}}, natural_angle: "{angle}"}}
+        signals:
+          speed: {{type: curve, input: time, law: {{constant: 3 rpm}}, unit: rpm}}
+          torque: {{type: formula, value: 3*speed, unit: J}}
+        loads: {{motor: {{type: joint_moment, joint: pin, value: "{value}"}}}}
+        time: {{end: 1, step: 0.1}}
+        """)
+    assert len(found) == bool(said)
+    assert not said or said in found[0]
+
+
+@pytest.mark.parametrize(
     ("name", "override", "text"),
     [
         ("pendulum", "nodes.pin.orientation=[0, 90, 0]", "node 'pin': 'orientation' is 90 rad, more than a turn"),

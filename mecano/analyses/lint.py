@@ -7,11 +7,14 @@ import numpy as np
 from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.deck.limits import AUTOMATIC
 from mecano.deck.physics import element_nodes
+from mecano.deck.units import UnitError, factor_of
 from mecano.element_interface import NodeAtStart, nothing
 from mecano.elements import KINDS
 from mecano.errors import Problem
 from mecano.laws.probe import curve_at
+from mecano.model.model import title_of
 from mecano.model.numbering import ROTATION
+from mecano.model.signal_units import drives_with_units
 from mecano.solve.diagnostics.scales import extent
 from mecano.solve.time.massless import massless_unknowns
 
@@ -24,7 +27,19 @@ def suspicious_model(deck, system, s, length):
     strained, suspicious = [*_strained(deck, system, s)], [*_suspicious(deck, system, s)]
     massless = _massless(deck, system, s, length)
     placed = [*_far(deck, system, s, length), *_one_point(deck, system)]
-    return [*_first(strained, "elements"), *_first(massless, "nodes"), *_first(suspicious, "elements"), *placed]
+    firsts = [*_first(strained, "elements"), *_first(massless, "nodes"), *_first(suspicious, "elements")]
+    return [*firsts, *_first([*_other_units(deck, system.model)], "formulas"), *placed]
+
+
+def _other_units(deck, model):
+    """Yield warnings about formulas in other units than the fields that take them."""
+    for element, field, text, unit in drives_with_units(model):
+        try:
+            factor_of(unit, field.unit)
+        except UnitError as error:
+            where = f"{title_of(element.kind.name, element.name)}: '{field.name}' is the formula '{text}'"
+            mark = deck.formulas.get(text) or deck.mark(element.kind.section, element.name)
+            yield Problem(f"{where}; {error}", mark)
 
 
 def _first(problems, what):

@@ -1,5 +1,6 @@
 """Units of signals: as the deck gives them, or as they follow from the quantities of which signals are made."""
 
+from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.constraints.along_coordinate.signal import OF_INPUT, OF_VALUE, VALUE
 from mecano.laws.formula import (
     ABS,
@@ -30,6 +31,7 @@ UNKNOWN = VALUE.unit
 ANY = ""  # unit of a number: that of what it is added to or compared with
 LIKE = (ADD, SUBTRACT, MIN, MAX, HYPOT)  # of two numbers of one unit
 OWN = dict.fromkeys((SIN, COS, TAN, TANH, SIGN), "-") | dict.fromkeys((ASIN, ACOS, ATAN, ATAN2), "rad")
+OF_NO_QUANTITY = (UNKNOWN, "-", "s")  # units of formulas that any field accepts: a ramp is a number times the time
 OF_NODES = {name: unit for name, unit, _, _ in NODE_OUTPUTS}
 
 
@@ -44,8 +46,30 @@ def signal_units(model):
     return found
 
 
+def drives_with_units(model):
+    """Yield (Element, Field, formula, unit) of the formulas of loads, set points and laws whose units are known."""
+    if not _signals(model):
+        return
+    units = _Units(model)
+    for element in model.elements:
+        for field, text in _drives(element.kind.fields, element.values):
+            unit = units.of_formula(text)
+            if unit not in OF_NO_QUANTITY:
+                yield element, field, text, unit
+
+
 def _signals(model):
     return [element for element in model.elements if element.kind.section == "signals"]
+
+
+def _drives(fields, values):
+    """Yield (Field, formula) of those fields, also inside mappings, that are given as formulas of signals."""
+    for field in fields:
+        value = values.get(field.name)
+        if field.type.name == "drive" and is_formula(value):
+            yield field, value
+        elif field.type.name == "mapping" and type(value) is dict:
+            yield from _drives(field.type.options, value)
 
 
 class _Units:
