@@ -3,6 +3,7 @@
 import csv
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import every_kind
 import h5py
@@ -19,6 +20,7 @@ from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.model.extremes import Extremes
 from mecano.post import draw_panel, figure, plans, sheets, style, wire
 from mecano.post.draw_events import EventLegend
+from mecano.post.event_marks import EventMark, event_marks
 from mecano.post.extremes import telling
 from mecano.post.info import info
 from mecano.post.look import Look
@@ -29,7 +31,7 @@ from mecano.post.quantity import find, time_of
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import labels, open_runs
 from mecano.post.shapes import BODY, CABLE, Shape
-from mecano.post.sheet import Curve, EventMark, Panel, Sheet
+from mecano.post.sheet import Curve, Panel, Sheet
 from mecano.post.wire import wire_figure
 from mecano.results.reader import Extreme
 
@@ -112,17 +114,37 @@ def test_each_event_of_each_element_has_a_mark_of_its_own_or_each_event_where_th
     panel = Panel("force", (Curve(time_of(force), force, 0, "a"),))
 
     def legend(*events):
-        sheet = Sheet("s", "", (panel,), tuple(EventMark(t, who, what, 0) for t, who, what in events))
-        found = EventLegend(sheet, Look(sheet))
-        handles = found.handles()
-        assert len({handle.get_marker() for handle in handles}) == len(handles)
-        assert all(found.marker(mark) in {handle.get_marker() for handle in handles} for mark in sheet.events[:1])
+        sheet = Sheet("s", "", (panel,), marks_of(*events))
+        handles = EventLegend(sheet, Look(sheet)).handles()
+        shown = {handle.get_marker() for handle in handles}
+        assert len(shown) == len(handles) and all(mark.marker in shown for mark in sheet.events if mark.time < 1.0)
         return [handle.get_label() for handle in handles]
 
     assert legend((0.5, "left", "lands"), (0.1, "right", "lands")) == ["right: lands", "left: lands"]
     assert legend((0.5, "left", "lands"), (9.0, "right", "lands")) == ["left: lands"]  # beyond the panel
     assert legend(*((0.1, f"e{i}", "locks") for i in range(20)), (0.2, "e1", "opens")) == ["locks", "opens"]
-    assert legend(*((0.1, "e", f"event {i}") for i in range(10)))[-1] == "2 other events"
+    assert legend(*((0.1, "e", f"event {i}") for i in range(14)))[-1] == "2 other events"
+
+
+def marks_of(*events):
+    """The EventMarks of events (time, element, name) of one run."""
+    found = [SimpleNamespace(time=t, element=element, name=name) for t, element, name in events]
+    return event_marks([SimpleNamespace(results=SimpleNamespace(events=found, subject=lambda e: ("", e.element)))])
+
+
+def test_an_event_has_the_same_mark_in_all_pictures(tmp_path):
+    """The later event is the only one of the second sheet, and has there the mark that it has beside the earlier."""
+    runs = open_runs([every_kind.write(tmp_path / "one.h5", events=((0.5, "touch_down"), (1.5, "lift_off")))])
+    marks = marks_of((0.5, "one_hinge", "locks"), (1.5, "one_wheel", "lifts off"))
+    drawn = {}
+    for name in ("one_hinge.angle", "one_wheel.normal_force", "energy.total"):
+        (y,) = find(runs[0].results, name)
+        sheet = Sheet("s", "", (Panel("", (Curve(time_of(y), y, 0, y.subject),)),), marks)
+        handles = EventLegend(sheet, Look(sheet)).handles()
+        drawn[name] = {handle.get_label(): handle.get_marker() for handle in handles}
+    assert [len(of_one) for of_one in drawn.values()] == [1, 1, 2]
+    hinge, wheel, both = drawn.values()
+    assert both == {**hinge, **wheel} and len(set(both.values())) == 2
 
 
 def test_strut_force_is_shown_over_its_stroke(shown, runs):
@@ -315,7 +337,7 @@ def test_legends_and_names_of_events_take_no_room_from_the_panels(runs):
     heights = []
     for names in (["a"], [f"element_with_a_long_name_{i}" for i in range(6)]):
         panel = Panel("force", tuple(Curve(time_of(force), force, 0, name) for name in names))
-        events = tuple(EventMark(1.0, name, "touches down", 0) for name in names if len(names) > 1)
+        events = tuple(EventMark(1.0, name, "touches down", 0, "v", name) for name in names if len(names) > 1)
         drawn = figure.overview_figure(Sheet("overview", "", (panel,) * 6, events), "title", "facts")
         drawn.draw_without_rendering()
         heights.append(drawn.axes[0].get_window_extent().height / drawn.dpi)
@@ -342,7 +364,7 @@ def test_panels_show_the_events_of_their_own_elements(tmp_path):
     events = ((0.5, "touch_down"), (1.5, "lift_off"))
     runs = open_runs([every_kind.write(tmp_path / "events.h5", events=events)])
     whole = sheets.overview([sheet for sheet in sheets.default_sheets(runs) if sheet.name in ("wheels", "angles")])
-    other = tuple(EventMark(0.1 * i, "one_hinge", "click", 0) for i in range(3))
+    other = tuple(EventMark(0.1 * i, "one_hinge", "click", 0, "v", "click") for i in range(3))
     drawn = figure.overview_figure(replace(whole, events=(*whole.events, *other)), "title", "facts")
     panels = [panel for panel in whole.panels if isinstance(panel, Panel)]
     upright = {

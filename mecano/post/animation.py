@@ -14,11 +14,12 @@ import numpy as np
 
 from mecano.errors import UsageError
 from mecano.post.deformation import quaternions
+from mecano.post.event_marks import event_marks
 from mecano.post.quantity import SAVED
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import open_runs
 from mecano.post.scene import scene_of
-from mecano.post.sheet import Panel, event_marks
+from mecano.post.sheet import Panel
 from mecano.post.sheets import default_sheets, overview
 from mecano.post.verdict import sound, verdict
 from mecano.results.whole_file import appearing, make_folder

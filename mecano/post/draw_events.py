@@ -3,11 +3,10 @@
 import numpy as np
 from matplotlib.lines import Line2D
 
+from mecano.post.event_marks import OTHERS
 from mecano.post.sheet import Panel
 from mecano.post.style import COLOURS, GREY, PALE
 
-MARKERS = "v^sDoPX*"
-OTHERS = "|"  # common mark of all further events
 MARK_ROOM = 0.012  # of the width of the axes: marks of one kind are not closer to one another
 LINE_ROOM = 0.01  # the same of lines
 MANY = 8  # events from which on lines that are close are left out
@@ -16,18 +15,12 @@ SIZE = 4.5  # points
 
 
 class EventLegend:
-    """Assignment of marks to the events of a sheet.
-
-    Each event of each element has a mark, or each event alone where these are too many; of still more, the others share
-    one.
-    """
+    """The events that the panels of a sheet show, and what their marks mean."""
 
     def __init__(self, sheet, look):
         self._look = look
-        marks = [m for panel in sheet.panels if _over_time(panel) for m in self.of(panel, sheet.events)]
-        pairs = list(dict.fromkeys((mark.element, mark.text) for mark in sorted(marks, key=lambda mark: mark.time)))
-        self._apart = len(pairs) <= len(MARKERS)
-        self._keys = pairs if self._apart else list(dict.fromkeys(text for _, text in pairs))
+        marks = [mark for panel in sheet.panels if _over_time(panel) for mark in self.of(panel, sheet.events)]
+        self._markers = {mark.key: mark.marker for mark in sorted(marks, key=lambda mark: mark.time)}
 
     def of(self, panel, events):
         """Return the events within the time of a panel: those of its elements, or of all if these have none."""
@@ -35,19 +28,14 @@ class EventLegend:
         own = [mark for mark in events if mark.element in self._look.owners(panel)] or events
         return [mark for mark in own if times.min() <= mark.time <= times.max()]
 
-    def marker(self, mark):
-        """Return the mark of an event."""
-        number = self._keys.index((mark.element, mark.text) if self._apart else mark.text)
-        return MARKERS[number] if number < len(MARKERS) else OTHERS
-
     def handles(self):
         """Return the entries of the legend."""
-        names = [": ".join(key) if self._apart else key for key in self._keys]
-        handles = [_handle(marker, name) for marker, name in zip(MARKERS, names, strict=False)]
-        return handles + [_handle(OTHERS, f"{len(names) - len(MARKERS)} other events")] * (len(names) > len(MARKERS))
+        handles = [_handle(marker, key) for key, marker in self._markers.items() if marker != OTHERS]
+        n_others = len(self._markers) - len(handles)
+        return handles + [_handle(OTHERS, f"{n_others} other events")] * (n_others > 0)
 
 
-def draw_events(ax, marks, factor, look, legend):
+def draw_events(ax, marks, factor, look):
     """Draw lines and marks at the times over ``factor``; short lines at the axis for many events or several runs."""
     low, high = ax.get_xlim()
     for run in dict.fromkeys(mark.run for mark in marks):
@@ -60,8 +48,8 @@ def draw_events(ax, marks, factor, look, legend):
         for mark in lines:
             ax.axvline(mark.time / factor, ymax=RUG if rug else 1.0, color=colour if rug else PALE, linewidth=0.7,
                        alpha=0.4 if look.runs else 1.0, zorder=1)  # fmt: skip
-        for marker in dict.fromkeys(legend.marker(mark) for mark in own):
-            alike = [mark for mark in own if legend.marker(mark) == marker]
+        for marker in dict.fromkeys(mark.marker for mark in own):
+            alike = [mark for mark in own if mark.marker == marker]
             times = [mark.time / factor for mark in thinned(alike, MARK_ROOM * (high - low) * factor)]
             ax.plot(times, [1.0] * len(times), marker, transform=ax.get_xaxis_transform(), color=colour,
                     markersize=SIZE, markeredgewidth=0.5, clip_on=False, zorder=5)  # fmt: skip

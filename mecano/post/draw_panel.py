@@ -52,7 +52,7 @@ def draw_panel(ax, panel, look, events, legend):
     legend_above(ax, look.legend(panel), WIDTH)
     _note(ax, panel, y_factor, y_unit)
     if panel.over_time:
-        draw_events(ax, legend.of(panel, events), x_factor, look, legend)
+        draw_events(ax, legend.of(panel, events), x_factor, look)
 
 
 def _all(panel, side):

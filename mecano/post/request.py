@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 from mecano.deck.wording import quoted
 from mecano.errors import UnknownNameError, UsageError
+from mecano.post.event_marks import event_marks
 from mecano.post.panels import with_peaks
 from mecano.post.quantity import find, time_of
-from mecano.post.sheet import Curve, Panel, Sheet, event_marks
+from mecano.post.sheet import Curve, Panel, Sheet
 
 LONGEST_NAME = 80
 LONGEST_LABEL = 40

@@ -92,16 +92,6 @@ def _constant(values):
 
 
 @dataclass(frozen=True)
-class EventMark:
-    """An event of an element at a time [s] in run number ``run``."""
-
-    time: float
-    element: str
-    text: str
-    run: int
-
-
-@dataclass(frozen=True)
 class Sheet:
     """One picture.
 
@@ -138,13 +128,3 @@ class Sheet:
     def curves(self):
         """The curves of all panels."""
         return tuple(curve for panel in self.panels if isinstance(panel, Panel) for curve in panel.curves)
-
-
-def event_marks(runs):
-    """Return an EventMark for each event of all runs."""
-    marks = []
-    for number, run in enumerate(runs):
-        for event in run.results.events:
-            _, name = run.results.subject(event)
-            marks.append(EventMark(event.time, name, event.name.replace("_", " "), number))
-    return tuple(marks)

@@ -7,11 +7,12 @@ import numpy as np
 from mecano.post.deployment import deployment_sheet
 from mecano.post.drop_test import drop_sheet
 from mecano.post.event_groups import shock_sheet
+from mecano.post.event_marks import event_marks
 from mecano.post.members import member_sheets
 from mecano.post.panels import planned_panels, worth_showing
 from mecano.post.plans import plans
 from mecano.post.quantity import find, time_of
-from mecano.post.sheet import Curve, Panel, Sheet, event_marks
+from mecano.post.sheet import Curve, Panel, Sheet
 from mecano.post.sketch import Sketch, sketch
 
 MOST_SKETCHES = 4  # runs sketched on one sheet
