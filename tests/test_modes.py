@@ -1,5 +1,7 @@
 """Modes of small motions against closed forms; linearization of moving states against differences."""
 
+import re
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -533,6 +535,26 @@ def test_about_a_saved_equilibrium(tmp_path):
     angle = np.arctan2(*base.state.R[base.prepared.system.numbering.rotation[0]][0, [2, 0]])
     expected = np.sqrt((6.0 + 0.6 * 2.0 * G * 0.5 * np.sin(angle)) / 0.6)
     np.testing.assert_allclose(solve(lin).values, [1j * expected], rtol=1e-8)
+
+
+def test_modes_of_a_string_are_named_by_the_displacements_of_its_antinodes():
+    """Rotations of the shape sin(k pi x/L) are k pi/L times the displacement, so L times these is always larger."""
+    text = """
+        mecano: 1
+        gravity: none
+        nodes: {left: {position: [0, 0, 0], fixed: true}, right: {position: [10, 0, 0]}}
+        sections: {steel: {type: circle, diameter: 2 mm, E: 210 GPa, nu: 0.3, density: 7850 kg/m3}}
+        elements: {wire: {type: beam, nodes: [left, right], section: steel, mesh: 20}}
+        joints: {rail: {type: prismatic, nodes: [ground, right], axis: [1, 0, 0]}}
+        loads: {pull: {type: force, node: right, direction: [1, 0, 0], value: 500 N}}
+        initial: static
+        time: {end: 1, step: 0.01}
+        """
+    lines = modes(deck(text), None, number=6)[0].splitlines()[2:8]
+    for k, line in zip((1, 1, 2, 2, 3, 3), lines, strict=True):
+        named = re.findall(r"node 'wire\.(\d+)' moves along \[0, ", line)
+        assert len(named) == 2
+        assert all(abs(np.sin(k * np.pi * int(i) / 20)) > 0.95 for i in named)
 
 
 def test_table_and_file(tmp_path, monkeypatch):

@@ -232,17 +232,26 @@ def doubts(variation, residuals):
 
 def table(system, s, found, lin):
     """Return the lines of the table for a terminal."""
-    length = float(lin.root.max(initial=1.0))
     rows = [HEAD]
     columns = zip(found.values, found.frequency, found.natural_frequency, found.damping_ratio, found.residuals,
                   found.kinds, found.converged, found.shapes, strict=True)  # fmt: skip
     for i, (value, damped, natural, ratio, residual, kind, converged, shape) in enumerate(columns, start=1):
-        what = words(system, s, shape.real, length, inertial=True, most=2)
+        what = largest_motions(system, s, lin, value, shape)
         ratio_text = "" if value == 0.0 else f"{ratio + 0.0:.5f}"
         numbers = (str(i), f"{damped:.6g}", f"{natural:.6g}", ratio_text, f"{value.real + 0.0:.4g}", f"{residual:.1e}")
         rows.append((*numbers, kind if converged else f"{kind}, {NOT_CONVERGED}", what))
     widths = [max(len(row[i]) for row in rows) for i in range(7)]
     return ["  ".join([*(f"{row[i]:>{widths[i]}}" for i in range(7)), row[7]]) for row in rows]
+
+
+def largest_motions(system, s, lin, value, shape):
+    """Return the nodes with the largest motions of a mode as text, those of an oscillation by their kinetic energies.
+
+    Rotations would otherwise exceed the displacements of members with waves shorter than the length scale. A decay or a
+    divergence may need no inertia: its motions are compared as displacements.
+    """
+    M = lin.M if value.imag or value == 0.0 else None
+    return words(system, s, shape.real, float(lin.root.max(initial=1.0)), inertial=True, most=2, M=M)
 
 
 def contents(system, s, found, words_, turning, inner):

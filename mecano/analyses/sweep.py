@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mecano.analyses.modal import doubts, operating_point, turning_of, unbalanced
+from mecano.analyses.modal import doubts, largest_motions, operating_point, turning_of, unbalanced
 from mecano.analyses.sweep_text import lines
 from mecano.deck.read import read_deck
 from mecano.deck.wording import suggestion
@@ -21,7 +21,6 @@ from mecano.solve.modal.families import FAMILIES, families, running_axes
 from mecano.solve.modal.linearize import linearize
 from mecano.solve.modal.modes import solve
 from mecano.solve.modal.tracking import Spectrum, growing, least_damped, loci, track, unstable
-from mecano.solve.statics.stability import words
 
 MOST = 100_000  # states in one sweep
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -143,7 +142,7 @@ class Case:
         return [text if count == len(states) else f"{text} ({_share(count)})" for text, count in counted]
 
     def spectrum(self, settings):
-        """Return (Spectrum, function of a shape that describes its motion, variation) of a state."""
+        """Return (Spectrum, function of a mode that describes its motion, variation) of a state."""
         base = operating_point(self.deck(settings))
         prepared, system = base.prepared, base.prepared.system
         turning = turning_of(system, base.state, self.frame)
@@ -154,10 +153,9 @@ class Case:
         self.residual = max(self.residual, float(found.residuals.max(initial=0.0)))
         for text in (*base.warnings, *unbalanced(base, turning)):
             self.warn(text, settings)
-        length = float(lin.root.max(initial=1.0))
 
-        def motion(shape):
-            return words(system, base.state, (shape / lin.root).real, length, inertial=True, most=2)
+        def motion(value, shape):
+            return largest_motions(system, base.state, lin, value, shape / lin.root)
 
         of = families(lin, system.numbering.kind[: system.n_q], running_axes(system, base.state), found.shapes)
         return Spectrum.of(found, lin.root, lin.pace, of), motion, lin.variation
@@ -227,7 +225,7 @@ def _described(row, spectra, motions):
     """Return a description of the largest motions of a branch, where it is least damped."""
     values = np.array([spectra[i].values[mode] if mode >= 0 else np.nan for i, mode in enumerate(row)])
     i = least_damped(values, np.array([spectrum.least if spectrum else 0.0 for spectrum in spectra]))
-    return motions[i](spectra[i].shapes[row[i]])
+    return motions[i](values[i], spectra[i].shapes[row[i]])
 
 
 def _growth(spectra):

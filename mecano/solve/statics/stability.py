@@ -221,25 +221,28 @@ def freedom(system, s, stability, length):
 
 
 STILL = 1e-9  # of the largest component: smaller motions of nodes count as zero
+MASSLESS = 1e-12  # of the largest inertia, times the square of the largest component: no kinetic energy
 
 
-def words(system, s, shape, length, inertial=False, most=NAMED):
+def words(system, s, shape, length, inertial=False, most=NAMED, M=None):
     """Describe a motion (n_q,) of the free unknowns at ``s``: at most ``most`` nodes, the most mobile first.
 
-    Rotations of ``shape`` are in the axes of the nodes, or ``inertial``.
+    Rotations of ``shape`` are in the axes of the nodes, or ``inertial``. With the sparse mass matrix ``M``, motions are
+    compared by their kinetic energies, otherwise, or if all are zero, as displacements, rotations times ``length``.
     """
     moves = []
     seen = set()
     of = system.numbering
+    first_scalar = next((i for i in range(system.n_q) if of.kind[i] > ROTATION), system.n_q)
+    sizes = _sizes(of.kind[: system.n_q], first_scalar, shape, length, M)
     for node, x, r, rotation in zip(system.nodes, of.x, of.r, of.rotation, strict=True):
-        for first, unit, R, verb in ((x, 1.0, np.eye(3), "moves along"), (r, length, s.R[rotation], "turns about")):
+        for first, R, verb in ((x, np.eye(3), "moves along"), (r, s.R[rotation], "turns about")):
             if first >= system.n_q or first in seen:
                 continue
             seen.add(first)
             vector = (np.eye(3) if inertial else R) @ shape[first : first + 3]
-            moves.append((unit * float(np.linalg.norm(vector)), f"node '{node.name}' {verb} {_direction(vector)}"))
-    first_scalar = next((i for i in range(system.n_q) if of.kind[i] > ROTATION), system.n_q)
-    changes = [(abs(float(shape[i])), f"{of.name[i]} changes") for i in range(first_scalar, system.n_q)]
+            moves.append((float(sizes[first]), f"node '{node.name}' {verb} {_direction(vector)}"))
+    changes = [(float(sizes[i]), f"{of.name[i]} changes") for i in range(first_scalar, system.n_q)]
     signals = system.signals[first_scalar:]
     moves += [change for change, signal in zip(changes, signals, strict=True) if not signal]
     if max(moves, default=(0.0,))[0] <= STILL * np.abs(shape).max(initial=0.0):  # the units of signals are arbitrary
@@ -247,6 +250,23 @@ def words(system, s, shape, length, inertial=False, most=NAMED):
     moves.sort(key=lambda move: -move[0])
     named = [text for size, text in moves if size > SMALL * moves[0][0]]
     return name_list(named, most, "; ")
+
+
+def _sizes(kind, first_scalar, shape, length, M):
+    """Return the size (n_q,) of each displacement and rotation, at the first of its three unknowns, and each scalar."""
+    first = np.arange(len(shape))
+    first[:first_scalar] -= first[:first_scalar] % 3
+    if M is not None:
+        M = M.tocoo()
+        own = (M.row < len(shape)) & (M.col < len(shape))
+        i, j, entries = M.row[own], M.col[own], M.data[own]
+        own = first[i] == first[j]
+        products = (shape[i] * entries * shape[j])[own]
+        energy = np.bincount(first[i[own]], products, len(shape))
+        if energy.max(initial=0.0) > MASSLESS * np.abs(entries).max(initial=0.0) * np.abs(shape).max(initial=0.0) ** 2:
+            return np.sqrt(np.maximum(energy, 0.0))
+    squares = np.where(kind == ROTATION, length * shape, shape) ** 2
+    return np.sqrt(np.bincount(first, squares, len(shape)))
 
 
 def _direction(vector):
