@@ -78,13 +78,17 @@ def test_redundant_constraints_that_contradict_one_another_are_reported(method):
     assert "what to try: remove one of these constraints" in str(error.value)
 
 
-def test_the_bolt_is_named_beside_the_motor_that_it_contradicts():
-    """`fixed` shares the unknowns of its nodes: no multiplier of its own stands in the equations."""
+@pytest.mark.parametrize("orientation", ["0, 0, 0", "90 deg, 0, 0"])
+def test_the_bolt_is_named_beside_the_motor_that_it_contradicts(orientation):
+    """`fixed` shares unknowns, and no multiplier of its own stands in the equations; axes are those of the deck."""
+    turned = BLOCKED.replace(
+        "pin: {{position: [0, 0, 0]}}", f"pin: {{{{position: [0, 0, 0], orientation: [{orientation}]}}}}"
+    )
     with pytest.raises(AssemblyError, match="contradict") as error:
-        RecordedRun(deck(BLOCKED.format("{linear: {slope: 1}}")))
+        RecordedRun(deck(turned.format("{linear: {slope: 1}}")))
     *_, last = str(error.value).splitlines()
     assert "; the others are:\n" in str(error.value)
-    assert last == "  fixed 'hold': moment about material y (1 of 6 constraints)"
+    assert last == "  fixed 'hold': moment about initial y (1 of 6 constraints)"
 
 
 BOLTED_LATER = """

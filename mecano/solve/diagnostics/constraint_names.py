@@ -7,7 +7,7 @@ from mecano.model.numbering import AXES
 def by_joint(names, totals, most):
     """Return a text for all joints of one kind with the same constraints among ``names``, in their order.
 
-    For example "hinge 'a', 'b': force y; moment about material x, z (3 of 5 constraints each)". ``totals`` maps the
+    For example "hinge 'a', 'b': force y; moment about initial x, z (3 of 5 constraints each)". ``totals`` maps the
     place of a name to the number of constraints that the joint has at all; of more than ``most`` joints in a text, the
     others are counted.
     """

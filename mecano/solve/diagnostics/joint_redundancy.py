@@ -2,8 +2,9 @@ r"""Redundant groups that name all joints involved, including those that share u
 
 Joints identify unknowns of their nodes (Boolean identification), and the forces that they transmit through these have
 no multipliers. Here every node has unknowns of its own, and each identification is replaced by an equivalent
-constraint, :math:`x_i - x_j = 0` or :math:`\delta\Theta_i - \delta\Theta_j = 0`. The number of redundancies is that of
-the model, plus the number of identifications of unknowns that are already identified.
+constraint, :math:`x_i - x_j = 0` or :math:`R_0 (\delta\Theta_i - \delta\Theta_j) = 0`, where :math:`R_0` is the
+orientation of both nodes in the deck, so that axes are those of the deck, carried along. The number of redundancies is
+that of the model, plus the number of identifications of unknowns that are already identified.
 """
 
 from dataclasses import replace
@@ -17,7 +18,7 @@ from mecano.model.numbering import AXES, Classes, EquationName
 from mecano.model.system import System
 from mecano.solve.diagnostics.mobility import DENSE_ROWS, Entries, Group, dependent_rows, gradient, groups
 
-PARTS = {"x": "force {}", "R": "moment about material {}"}
+PARTS = {"x": "force {}", "R": "moment about initial {}"}
 SIDE = np.sqrt(0.5)  # the two coefficients of an identification, as a row of length 1
 SMALL = 1e-6  # of the largest reaction: smaller ones count as zero
 
@@ -98,12 +99,14 @@ def _apart(system, s, length):
     keep, names = holds[B.rows], list(whole.numbering.name[whole.n_q : whole.n])
     rows, cols, values = [B.rows[keep]], [columns[B.cols[keep]]], [B.values[keep]]
     for what, i, j, owner in system.shared:
+        axes = np.asarray(system.nodes[i].R if what == "R" else np.eye(3))
         for axis in range(3):
+            along = np.flatnonzero(axes[axis])
             for node, sign in ((i, SIDE), (j, -SIDE)):
                 if not system.nodes[node].fixed:
-                    rows.append([len(names)])
-                    cols.append([6 * node + 3 * (what == "R") + axis])
-                    values.append([sign])
+                    rows.append([len(names)] * len(along))
+                    cols.append(6 * node + 3 * (what == "R") + along)
+                    values.append(sign * axes[axis, along])
             names.append(EquationName(owner, PARTS[what].format(AXES[axis])))
     n = 6 * len(system.nodes)
     n_scalars = whole.numbering.n_scalars
