@@ -114,6 +114,26 @@ def test_a_redundancy_that_begins_in_a_run_names_the_bolt():
     assert all(name in text for name in ("prismatic 'guide'", "prismatic 'wall'", "fixed 'bolt': force x"))
 
 
+def test_constraints_of_the_same_joints_that_become_redundant_are_one_warning():
+    """A grip closes on the nodes of a hinge: it repeats three forces and two moments, in groups that do not couple."""
+    recorded = RecordedRun(
+        deck("""
+        mecano: 1
+        gravity: none
+        nodes: {a: {position: [0, 0, 0]}, b: {position: [0, 0, 0]}}
+        elements:
+          one: {type: rigid_body, node: a, mass: 1, inertia: [0.1, 0.2, 0.2]}
+          two: {type: rigid_body, node: b, mass: 1, inertia: [0.1, 0.2, 0.2]}
+        joints:
+          pin: {type: hinge, nodes: [a, b], axis: [0, 1, 0]}
+          hold: {type: grip, nodes: [a, b], close: {time: 0.01}}
+        time: {end: 0.02, step: 5.0e-3}
+        """)
+    )
+    (text,) = [text for text in recorded.integrator.warnings if text.startswith("since t = 0.01 s")]
+    assert "5 constraint(s) are redundant" in text and "hinge 'pin'" in text and "grip 'hold'" in text
+
+
 BESIDE = """
     mecano: 1
     gravity: [0, 0, -9.81]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from mecano.errors import AssemblyError
-from mecano.solve.diagnostics.joint_redundancy import redundant_groups
+from mecano.solve.diagnostics.joint_redundancy import by_same_joints, redundant_groups
 from mecano.solve.diagnostics.mobility import analyse, gradient
 from mecano.solve.events.compliance import compliance
 from mecano.solve.time.consistent import Consistent
@@ -12,9 +12,10 @@ from mecano.solve.time.consistent import Consistent
 def reanalyse_redundancy(system, linear, s, soft, length):
     """Analyse the redundancy of the constraints at ``s`` again, if its phases have changed it.
 
-    Return (Consistent, Compliance or None, redundant Groups). ``soft`` is the previous Compliance. The model is
-    analysed only if pivots of the factorization show that rigid constraints depend on others, if constraints have
-    become active of which ``soft`` does not account for, or if constraints are released. Raises AssemblyError.
+    Return (Consistent, Compliance or None, redundant Groups, one for the same joints). ``soft`` is the previous
+    Compliance. The model is analysed only if pivots of the factorization show that rigid constraints depend on others,
+    if constraints have become active of which ``soft`` does not account for, or if constraints are released. Raises
+    AssemblyError.
 
     The pivots do not show a rigid constraint that depends on compliant ones, and the compliant ones would then carry
     nothing. Fewer constraints than ``soft`` accounts for have no other redundancies than theirs.
@@ -35,7 +36,7 @@ def reanalyse_redundancy(system, linear, s, soft, length):
     found = redundant_groups(system, s, length, analysis) if repeats or len(added) else ()
     if len(added):
         found = _with_any(found, system, added)
-    return Consistent(system, linear, s, new), new, found
+    return Consistent(system, linear, s, new), new, by_same_joints(found)
 
 
 def _missed(soft, analysis):
