@@ -11,6 +11,7 @@ from time_runs import RecordedRun, deck, input_deck
 import mecano
 from mecano.analyses.prepare import prepare
 from mecano.errors import AssemblyError
+from mecano.solve.time import signals
 
 CONTROL = "Signals and control"
 G, I_BAR = 9.81, 1.0 / 12.0
@@ -400,3 +401,12 @@ def test_curves_of_time_and_of_signals():
     np.testing.assert_allclose(command, np.interp(run.time, [0, 0.3333, 0.7777, 2], [0, 2, -1, 0]), atol=1e-12)
     np.testing.assert_allclose(square, 1.0 + 3.0 * command**2, rtol=1e-12)
     assert {0.3333, 0.7777} <= set(run.time.tolist())
+
+
+def test_a_restart_of_linear_signals_decomposes_their_equations_once(monkeypatch):
+    """They are solved up to eight times, for values and rates: a digital controller restarts at every sample."""
+    prepared, count = prepare(input_deck("digital_control")), []
+    decompose = signals._decomposed
+    monkeypatch.setattr(signals, "_decomposed", lambda J: count.append(len(J)) or decompose(J))
+    signals.settle_signals(prepared.system, prepared.state.copy(), 1e-6)
+    assert count == [np.count_nonzero(prepared.system.signals)]

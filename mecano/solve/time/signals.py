@@ -3,6 +3,7 @@
 import numpy as np
 
 from mecano.errors import AssemblyError, Failure, NonFiniteError
+from mecano.model.assembly import Assembly
 from mecano.process.memory import reserve_blas_buffer
 from mecano.solve.diagnostics.scales import SMALL
 from mecano.solve.time.increments import displaced, moved
@@ -22,20 +23,21 @@ def settle_signals(system, s, dt):
     if signals depend on rates of the former, such as those of set points. Raises NonFiniteError where signals are not
     finite, AssemblyError where they form a loop without a unique solution.
     """
-    solve_signals(system, s)
-    reads_rates = _refuse_undetermined(system, s)
-    s.a[: system.n_q][system.signals] = 0.0
-    _find_rates(system, s, dt)
+    equations = _Equations(system)
+    _solve(equations, s)
+    reads_rates = _refuse_undetermined(equations, s)
+    s.a[equations.own] = 0.0
+    _find_rates(equations, s, dt)
     if reads_rates:
-        solve_signals(system, s)
-        _find_rates(system, s, dt)
+        _solve(equations, s)
+        _find_rates(equations, s, dt)
 
 
-def _find_rates(system, s, dt):
+def _find_rates(equations, s, dt):
     """Set rates and second rates of the signals of ``s`` in place, as ``settle_signals`` describes."""
-    along = s.copy()
+    system, along = equations.system, s.copy()
     along.a[:] = 0.0
-    first, second = (solve_signals(system, moved(along, i * dt, system.numbering)) for i in (1, 2))
+    first, second = (_solve(equations, moved(along, i * dt, system.numbering)) for i in (1, 2))
     at_once, states = np.flatnonzero(system.signals & ~system.states), np.flatnonzero(system.states)
     s.v[at_once] = (4.0 * first.z - 3.0 * s.z - second.z)[at_once] / (2.0 * dt)
     s.a[states] = (4.0 * first.v - 3.0 * s.v - second.v)[states] / (2.0 * dt)
@@ -47,12 +49,17 @@ def solve_signals(system, s):
     A signal whose value is not finite waits until the signals that it reads are known: all are zero at first, and may
     be denominators. It may remain so before the velocities of a start are known.
     """
-    signals = np.flatnonzero(system.signals)
-    for _ in range(ITERATIONS if len(signals) else 0):
-        J, r, _ = _equations(system, s, signals)
+    return _solve(_Equations(system), s) if system.signals.any() else s
+
+
+def _solve(equations, s):
+    """Do as ``solve_signals`` with the _Equations of a system."""
+    for _ in range(ITERATIONS):
+        J, r, _ = equations.at(s)
         known = _finite(J, r)
-        own, is_state = signals[known], system.states[signals[known]]
-        scales, (U, sigma, Vt) = _decomposed(J[np.ix_(known, known)])
+        own = equations.own[known]
+        is_state = equations.system.states[own]
+        scales, (U, sigma, Vt) = equations.decomposed(J[np.ix_(known, known)])
         if not len(own) or sigma[-1] <= SINGULAR * sigma[0]:
             break
         change = scales * (Vt.T @ ((U.T @ (r[known] / scales)) / sigma))
@@ -68,21 +75,40 @@ def _finite(J, r):
     return np.isfinite(r) & np.all(np.isfinite(J), axis=1)
 
 
-def _equations(system, s, own):
-    """Return derivatives (n, n) by values of the signals, or rates of those with a state, and the residual (n,).
+class _Equations:
+    """The equations of the signals of a system, whose numbers are ``own`` (n,).
 
-    The third value is True if the residual depends on rates of signals without a state.
+    The assembly is written again at every state. Most signals are linear: their Jacobian is decomposed once.
     """
-    place = np.full(system.n, -1)
-    place[own] = np.arange(len(own))
-    rows, columns = place[system.rows], place[system.cols]
-    entries = np.flatnonzero((rows >= 0) & (columns >= 0))
-    J = np.zeros((2, len(own), len(own)))
-    for i, weights in enumerate(((1.0, 0.0), (0.0, 1.0))):
-        assembly = system.assemble(s, 1.0, 0.0, *weights, 0.0)
-        J[i, rows[entries], columns[entries]] = assembly.data[:-1][entries]
-    is_state = system.states[own]
-    return np.where(is_state, J[1], J[0]), assembly.residual[own], bool(J[1][:, ~is_state].any())
+
+    def __init__(self, system):
+        self.system, self.own = system, np.flatnonzero(system.signals)
+        place = np.full(system.n, -1)
+        place[self.own] = np.arange(len(self.own))
+        rows, columns = place[system.rows], place[system.cols]
+        self._entries = np.flatnonzero((rows >= 0) & (columns >= 0))
+        self._places = rows[self._entries], columns[self._entries]
+        self._assembly, self._decomposed = Assembly(system), (None, None)
+
+    def at(self, s):
+        """Return derivatives (n, n) by values of the signals, or rates of those with a state, and the residual (n,).
+
+        The third value is True if the residual depends on rates of signals without a state.
+        """
+        n, is_state, found = len(self.own), self.system.states[self.own], self._assembly
+        J = np.zeros((2, n, n))
+        for i, weights in enumerate(((1.0, 0.0), (0.0, 1.0))):
+            self.system.assemble(s, 1.0, 0.0, *weights, 0.0, into=found)
+            J[i][self._places] = found.data[self._entries]
+        return np.where(is_state, J[1], J[0]), found.residual[self.own], bool(J[1][:, ~is_state].any())
+
+    def decomposed(self, J):
+        """Return the scales and the singular values and vectors of a Jacobian, as ``_decomposed``."""
+        last, found = self._decomposed
+        if last is None or not np.array_equal(J, last):
+            found = _decomposed(J)
+            self._decomposed = J, found
+        return found
 
 
 def _decomposed(J):
@@ -97,17 +123,17 @@ def _decomposed(J):
     return scales, np.linalg.svd(balanced)
 
 
-def _refuse_undetermined(system, s):
+def _refuse_undetermined(equations, s):
     """Raise an error for signals that are not determined; return True if signals depend on rates of those at once."""
-    own = np.flatnonzero(system.signals)
-    J, r, reads_rates = _equations(system, s, own)
+    names, own = equations.system.numbering.name, equations.own
+    J, r, reads_rates = equations.at(s)
     if not np.all(known := _finite(J, r)):
-        name = system.numbering.name[own[np.argmin(known)]]
+        name = names[own[np.argmin(known)]]
         error = NonFiniteError(f"at t = {s.t:.9g} s {name} is not finite")
         error.elements = (name.place,)
         raise error
-    if circle := _undetermined(J):
-        raise _error([system.numbering.name[own[i]].place for i in circle], f"at t = {s.t:.9g} s ")
+    if circle := _undetermined(equations, J):
+        raise _error([names[own[i]].place for i in circle], f"at t = {s.t:.9g} s ")
     return reads_rates
 
 
@@ -117,21 +143,22 @@ def refuse_circles(system, s):
     ``s`` is a state before its velocities are known. A loop with a unique solution at other positions and
     velocities is left to ``settle_signals``.
     """
-    if not (own := np.flatnonzero(system.signals)).size:
+    if not system.signals.any():
         return
+    equations = _Equations(system)
     elsewhere = displaced(s, ELSEWHERE * np.cos(np.arange(system.n_q)), system.numbering)
     elsewhere.v[: system.n_q] += ELSEWHERE * np.sin(1.0 + np.arange(system.n_q))
     circles = []
     for state in (s.copy(), elsewhere):
-        J, r, _ = _equations(system, solve_signals(system, state), own)
-        circles.append(_undetermined(J) if np.all(_finite(J, r)) else [])
+        J, r, _ = equations.at(_solve(equations, state))
+        circles.append(_undetermined(equations, J) if np.all(_finite(J, r)) else [])
     if all(circles):
-        raise _error([system.numbering.name[own[i]].place for i in circles[0]])
+        raise _error([system.numbering.name[equations.own[i]].place for i in circles[0]])
 
 
-def _undetermined(J):
+def _undetermined(equations, J):
     """Return the signals (list of int) of a loop without a unique solution, in the order in which they read."""
-    _, (U, sigma, Vt) = _decomposed(J)
+    _, (U, sigma, Vt) = equations.decomposed(J)
     if sigma[-1] > SINGULAR * sigma[0]:
         return []
     taking_part = [np.abs(vector) > PART * np.abs(vector).max() for vector in (U[:, -1], Vt[-1])]
