@@ -140,6 +140,14 @@ def test_the_loosest_tolerance():
     assert [text for text in startup_warnings(prepared) if "counts as 0.03, not 0.5" in text]
 
 
+@pytest.mark.parametrize("control", [StepControl(1e-3, 10.0, 1e-9, 1.0), StepControl(1e-3, 10.0, 1e-9, 1.0, 5)])
+@pytest.mark.parametrize("error", [np.nan, np.inf])
+def test_a_step_whose_error_is_not_finite_is_cut(control, error):
+    """To a fifth, the most that one rejection cuts, whatever the order of the method; nan is no small error."""
+    assert not control.accept(error, 1e-2)
+    assert control.retry(error, 1e-2) == pytest.approx(2e-3, rel=1e-15)
+
+
 def test_what_scalars_without_inertia_forget():
     """Their error in a step may be a thousandth of the tolerance, or the share of the step where that is more."""
     control = StepControl(1e-3, 10.0, 1e-9, 1.0)

@@ -32,7 +32,9 @@ def counted(error, least, duration, h):
 
 @kernel
 def factor(error, share):
-    """Return the change of the step size for which the ``error`` becomes its ``share`` of the tolerance."""
+    """Return the change of the step size for which the ``error`` becomes its ``share``; 0 for nan."""
+    if math.isnan(error):
+        return 0.0
     return SAFETY * math.sqrt(share / error) if error > 0.0 and share < math.inf else GROWTH
 
 
