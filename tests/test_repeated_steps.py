@@ -62,3 +62,22 @@ def test_similar_steps_factor_nothing(steps, monkeypatch):
         repeated(h)
         found.append(int(method.workspace.record["factorizations"][0] + len(factored) - before))
     assert found[1] == found[2] == 0 < min(found[0], found[3])
+
+
+def test_a_solve_that_raises_leaves_compiled_code_as_it_was(steps, monkeypatch):
+    """An interrupt in Python must not leave a pointer to a function that no longer exists."""
+    repeated, record = steps.repeated(), steps.method.workspace.record
+    flags = "substitute", "delegated", "similar"
+    before = {name: record[name][0] for name in flags}
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    metric, _ = repeated.__self__.solvers
+    with monkeypatch.context() as patch:
+        patch.setattr(metric, "solve", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            repeated(SIZES[0])
+    assert {name: record[name][0] for name in flags} == before
+    nearest, again, right = 0.1 * steps.method.tolerances.constraint * steps.length, steps.repeated(), steps.single
+    assert np.abs(again(SIZES[0])[0].z - right(SIZES[0])[0].z)[: steps.method.system.n_q].max() < nearest

@@ -220,11 +220,13 @@ class GeneralizedAlpha:
         own, of_python = w.record["substitute"][0], Substitution(lambda words, results: substitute())
         w.point_to(substitute=ctypes.cast(of_python, ctypes.c_void_p).value)
         regular = True
-        while regular and w.record["code"][0] != CONVERGED:
-            regular = solve(int(w.record["factored"][0]))
-            w.record["factored"] += 1
-            change_step(w.record)
-        w.point_to(substitute=own)
+        try:
+            while regular and w.record["code"][0] != CONVERGED:
+                regular = solve(int(w.record["factored"][0]))
+                w.record["factored"] += 1
+                change_step(w.record)
+        finally:
+            w.point_to(substitute=own)  # the function of Python exists until here
         return regular
 
     def _change_with_superlu(self, tangent):

@@ -59,12 +59,14 @@ class RepeatedSteps:
         w.put_state(BEGIN, self.s0)
         w.put_history(self.history)
         w.point_to(next_h=h, factored=0, delegated=True, similar=similar, similar_stiffness=self.stiffness)
-        change_step(w.record)
-        m.change_step_with(
-            lambda stage: (self._resolve if stage else self._close_gaps)(similar),
-            lambda: self.metric.solve_again(m.equations, m.increment),
-        )
-        w.point_to(delegated=False, similar=False)
+        try:
+            change_step(w.record)
+            m.change_step_with(
+                lambda stage: (self._resolve if stage else self._close_gaps)(similar),
+                lambda: self.metric.solve_again(m.equations, m.increment),
+            )
+        finally:
+            w.point_to(delegated=False, similar=False)
         if not similar:
             self.h, self.stiffness = h, float(w.record["stiffness"][0])
         if w.record["code"][0] == CONVERGED:
