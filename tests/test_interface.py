@@ -268,6 +268,24 @@ class TestSimulation:
         with mecano.open_results("a.h5") as results:
             assert results.status == "complete" and results.time[-1] == 2.0
 
+    def test_an_interruption_that_the_block_catches_ends_the_simulation(self, folder, monkeypatch):
+        """The state of the run is that before ``advance``, the file and its checkpoint are later."""
+        whole = mecano.run("pendulum.yaml", "whole.h5", quiet=True)
+        with mecano.Simulation("pendulum.yaml", "cut.h5") as s:
+            s.advance(0.5)
+            with monkeypatch.context() as patched:
+                patched.setattr(s._run.integrator, "observers", (lambda step: signal.raise_signal(signal.SIGINT),))
+                with pytest.raises(KeyboardInterrupt):
+                    s.advance(1.5)
+            with pytest.raises(UsageError, match="has ended.* SIGINT at t = 0.501 s"):
+                s.advance(0.1)
+        with s.results() as stopped:
+            assert stopped.status == "stopped" and len(stopped.steps) == 501
+        with mecano.run("pendulum.yaml", "cut.h5", resume=True, quiet=True) as resumed:
+            assert len(resumed.steps) == len(whole.steps)
+            assert np.all(np.diff(resumed.steps["time"]) > 0.0)
+            np.testing.assert_allclose(resumed["hinge.angle"].values, whole["hinge.angle"].values, atol=1e-12)
+
     def test_an_error_in_the_block_is_kept(self, folder):
         with pytest.raises(ZeroDivisionError):
             with mecano.Simulation("pendulum.yaml") as s:

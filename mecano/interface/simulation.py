@@ -21,7 +21,8 @@ class Simulation:
     Every ``advance`` ends with a step, which is shortened if the duration is not a multiple of a fixed step size. At
     the end of the block the file is closed: as complete if the end time was reached, otherwise with a checkpoint, from
     which ``mecano.run(..., resume=True)`` continues. Ctrl-C in ``advance`` also leaves a checkpoint, and raises
-    KeyboardInterrupt.
+    KeyboardInterrupt. After this or an error in ``advance``, the Simulation cannot continue, even if the exception is
+    caught in the block.
 
     ``deck``, ``path``, ``set`` and ``force`` are those of ``mecano.run``.
 
@@ -50,6 +51,7 @@ class Simulation:
         self.path = os.fspath(path or f"{name_of(deck)}.h5")
         self._force, self._open, self._left = force, ExitStack(), False
         self._run: Any = None
+        self._failure: BaseException | None = None  # raised in ``advance``
         self._interruption = Interruption(again=resuming(deck, self.path, set))
 
     def __enter__(self) -> Self:
@@ -63,6 +65,8 @@ class Simulation:
 
     def __exit__(self, kind, error, trace) -> None:
         self._left = True
+        if error is None and self._failure is not None:  # the last checkpoint is later than the state of the run
+            kind, error, trace = type(self._failure), self._failure, self._failure.__traceback__
         try:
             if error is None:
                 self._run.leave()
@@ -73,7 +77,7 @@ class Simulation:
 
     @property
     def time(self) -> float:
-        """Time reached [s]."""
+        """Time [s] reached by the last ``advance`` that was not interrupted."""
         return self._started.state.motion.t
 
     @property
@@ -87,18 +91,24 @@ class Simulation:
         Raises
         ------
         UsageError
-            The duration is not positive, the end time has been reached, or the block has ended.
+            The duration is not positive, the end time has been reached, or the block or the run has ended.
         ConvergenceError, NonFiniteError, ResultsError
             As ``mecano.run``.
         """
         if self._left:
             raise UsageError("the block of this Simulation has ended: mecano.run(..., resume=True) continues the file")
+        if self._failure is not None:
+            raise UsageError(f"this Simulation has ended, it cannot advance further: {self._failure}")
         if not duration > 0.0:
             raise UsageError(f"a duration must be greater than zero, got {duration}")
         if self.time >= self.end:
             raise UsageError(f"the deck ends at t = {self.end:g} s; set its 'time.end'")
-        with interruptible(self._interruption):
-            self._started.advance(min(self.time + duration, self.end))
+        try:
+            with interruptible(self._interruption):
+                self._started.advance(min(self.time + duration, self.end))
+        except BaseException as failure:
+            self._failure = failure
+            raise
 
     def __getitem__(self, name: str) -> float | np.ndarray:
         """Return the current value of an output, named by any ending of its path. Raises UnknownNameError."""
