@@ -122,3 +122,67 @@ def test_a_pin_breaks_at_a_force(verify):
 def test_outputs_that_cannot_be_measured(formula, text):
     with pytest.raises(DeckError, match=text.replace("'", ".")):
         cell(formula)
+
+
+HELD_TWICE = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {a: {position: [0, 0, 0]}, b: {position: [0, 0, 0]}, c: {position: [1, 0, 0]}, d: {position: [1, 0, 0]}}
+    elements:
+      one: {type: rigid_body, node: a, mass: 2, center_of_mass: [0.3, 0.1, 0], inertia: [0.1, 0.3, 0.2]}
+      two: {type: rigid_body, node: b, mass: 3, center_of_mass: [0.5, 0, 0], inertia: [0.2, 0.1, 0.2]}
+      three: {type: rigid_body, node: d, mass: 1, center_of_mass: [0, 0, 0.2], inertia: [0.2, 0.1, 0.2]}
+      arm: {type: rigid_link, nodes: [b, c]}
+    joints:
+      support: {type: hinge, nodes: [ground, a], axis: [0, 1, 0]}
+      pin: {type: hinge, nodes: [a, b], axis: [0, 1, 0]}
+      weld: {type: fixed, nodes: [c, d]}
+      AGAIN
+    time: {end: 0.1, step: 0.005}
+    """
+
+
+def test_joints_in_parallel_divide_the_force_that_they_transmit():
+    """Two supports at one place, two pins between two bodies, two welds: the sums are the forces of single ones."""
+    again = """
+      support_2: {type: hinge, nodes: [ground, a], axis: [0, 1, 0]}
+      pin_2: {type: hinge, nodes: [a, b], axis: [0, 1, 0]}
+      weld_2: {type: fixed, nodes: [c, d]}
+    """
+    single, double = (RecordedRun(deck(HELD_TWICE.replace("      AGAIN\n", text))) for text in ("", again[1:-4]))
+    for joint in ("support", "pin", "weld"):
+        for what in ("force", "moment") if joint == "weld" else ("force",):
+            expected = single[f"joints/{joint}/{what}"]
+            first, second = (double[f"joints/{name}/{what}"] for name in (joint, f"{joint}_2"))
+            scale = np.abs(expected).max()
+            assert scale > 0.1
+            np.testing.assert_allclose(first + second, expected, atol=1e-9 * scale, err_msg=joint)
+            np.testing.assert_allclose(first, second, atol=1e-9 * scale, err_msg=joint)
+
+
+def test_supports_at_both_ends_of_a_chain_divide_its_weight():
+    """Three masses at one place in a row of spherical joints: f_1 = 3/4 F_1 + 1/2 F_2 + 1/4 F_3 is least squares."""
+    weights = np.array([1.0, 2.0, 4.0]) * 10.0
+    recorded = RecordedRun(
+        deck("""
+        mecano: 1
+        gravity: [0, 0, -10]
+        nodes: {a: {position: [0, 0, 0]}, b: {position: [0, 0, 0]}, c: {position: [0, 0, 0]}}
+        elements:
+          one: {type: rigid_body, node: a, mass: 1, inertia: [0.1, 0.3, 0.2]}
+          two: {type: rigid_body, node: b, mass: 2, inertia: [0.1, 0.3, 0.2]}
+          three: {type: rigid_body, node: c, mass: 4, inertia: [0.1, 0.3, 0.2]}
+        joints:
+          first: {type: spherical, nodes: [ground, a]}
+          second: {type: spherical, nodes: [a, b]}
+          third: {type: spherical, nodes: [b, c]}
+          last: {type: spherical, nodes: [c, ground]}
+        time: {end: 0.01, step: 0.005}
+        """)
+    )
+    first, second, third, last = (
+        recorded[f"joints/{name}/force"][-1, 2] for name in ("first", "second", "third", "last")
+    )
+    np.testing.assert_allclose(first, np.array([0.75, 0.5, 0.25]) @ weights, rtol=1e-12)
+    np.testing.assert_allclose([first - second, second - third, third - last], weights, rtol=1e-12)
+    np.testing.assert_allclose(last, first - weights.sum(), rtol=1e-12)

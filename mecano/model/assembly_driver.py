@@ -161,17 +161,16 @@ def commit(loops: Loops, system: System, s: Instant, memory_out: Vector):
 
 @kernel
 def transmitted(system):
-    """Compute the forces of the rest on each slot, then, for each joint, the sums over one side of the model."""
+    """Compute the forces of the rest on each slot, then those that each joint transmits (reaction_partition.py)."""
     s = system[0]
     n = s.n_transmitted - s.n_slots
     force, out = floats(s.force, s.n_slots), floats(s.transmitted, s.n_transmitted)
     starts = integers(s.partition_starts, n + 1)
-    members = integers(s.partition_members, starts[n])
+    members, weights = integers(s.partition_members, starts[n]), floats(s.partition_weights, starts[n])
     for i in range(s.n_slots):
         out[i] = -force[i]
     for i in range(n):
         total = 0.0
         for j in range(starts[i], starts[i + 1]):
-            slot = members[j]
-            total += force[~slot] if slot < 0 else -force[slot]
+            total -= weights[j] * force[members[j]]
         out[s.n_slots + i] = total

@@ -1,18 +1,23 @@
-"""Forces transmitted by joints that share unknowns: sums over the nodes beyond their second node."""
+"""Forces transmitted by joints that share unknowns: weighted sums of the forces on the nodes that they join."""
 
 import numpy as np
 
+NEGLIGIBLE = 1e-12  # weight of a force: rounding
+
 
 class ReactionPartition:
-    """For each joint that shares an unknown, the slots of all nodes on the side of its second node.
+    """For each joint that shares an unknown, the slots of nodes whose forces it transmits, and their weights.
 
     The force that such a joint transmits is not a multiplier: it is the sum of the forces on the nodes on one side. If
-    a fixed node is on that side, whose support force is unknown, it is the negative sum over the other side.
+    a fixed node is on that side, whose support force is unknown, it is the negative sum over the other side. If the
+    joint is in a loop, or a fixed node is on both sides, equilibrium does not determine the force: the joints then
+    divide the forces such that the sum of the squares of theirs is least.
     """
 
     def __init__(self, shared, fixed, n_slots):
         self.fixed, self.n_slots = fixed, n_slots
-        self.starts, self.members = [0], []
+        self.starts, self.members, self.weights = [0], [], []
+        self.ends = [(i, j) for _, i, j, _ in shared]
         self.neighbours = {}
         for number_, (what, i, j, _) in enumerate(shared):
             self.neighbours.setdefault((what, i), []).append((j, number_))
@@ -22,26 +27,33 @@ class ReactionPartition:
         for number_, (what, i, j, owner) in enumerate(shared):
             self.shared[owner, what, j] = (number_, i)
             self.shared[owner, what, i] = (number_, j)
+        self._divided = {}  # number of an undetermined joint -> {node: weight} of the force that its first node exerts
 
     def slots(self, owner, what, node):
         """Return 3 slots with the forces that all nodes on the side of ``node`` exert through the joint ``owner``."""
-        plain = 6 * node + 3 * (what == "R")
         if (owner, what, node) not in self.shared:
+            plain = 6 * node + 3 * (what == "R")
             return [plain, plain + 1, plain + 2]
-        edge, other = self.shared[owner, what, node]
-        side, opposite = self._side(what, node, edge), False
-        if other in side:  # a closed loop of joints
-            return [plain, plain + 1, plain + 2]
-        if not self.fixed.isdisjoint(side):
-            across = self._side(what, other, edge)
-            if self.fixed.isdisjoint(across):
-                side, opposite = across, True
+        weights = self._weights(what, node, *self.shared[owner, what, node])
         first = self.n_slots + len(self.starts) - 1
         for axis in range(3):
-            slots = [6 * i + 3 * (what == "R") + axis for i in side]
-            self.members += [~slot for slot in slots] if opposite else slots
+            self.members += [6 * i + 3 * (what == "R") + axis for i in weights]
+            self.weights += weights.values()
             self.starts.append(len(self.members))
         return [first, first + 1, first + 2]
+
+    def _weights(self, what, node, edge, other):
+        """Return {node: weight} of the forces that the joint ``edge`` transmits from ``node`` to the ``other``."""
+        side = self._side(what, node, edge)
+        if other not in side and self.fixed.isdisjoint(side):
+            return dict.fromkeys(side, 1.0)
+        across = self._side(what, other, edge)
+        if other not in side and self.fixed.isdisjoint(across):
+            return dict.fromkeys(across, -1.0)
+        if edge not in self._divided:
+            self._divide(what, [i for i in (node, other) if i not in self.fixed])
+        sign = 1.0 if node == self.ends[edge][0] else -1.0
+        return {i: sign * weight for i, weight in self._divided.get(edge, {}).items()}
 
     def _side(self, what, node, edge):
         seen, stack = [node], [node]
@@ -52,6 +64,23 @@ class ReactionPartition:
                     stack.append(j)
         return seen
 
+    def _divide(self, what, free):
+        """Find the least forces of all joints that are in balance with those on the ``free`` nodes joined to these."""
+        edges, nodes = {}, list(free)
+        for i in nodes:  # the list grows
+            for j, number_ in self.neighbours[what, i]:
+                edges.setdefault(number_, len(edges))
+                if j not in self.fixed and j not in nodes:
+                    nodes.append(j)
+        balance = np.zeros((len(nodes), len(edges)))
+        for number_, column in edges.items():
+            for end, sign in zip(self.ends[number_], (1.0, -1.0), strict=True):
+                if end not in self.fixed:
+                    balance[nodes.index(end), column] = sign
+        for number_, row in zip(edges, np.linalg.pinv(balance), strict=True):
+            self._divided[number_] = {i: float(x) for i, x in zip(nodes, row, strict=True) if abs(x) > NEGLIGIBLE}
+
     def tables(self):
-        """Return CSR lists (starts, members) of the sums; ~slot counts with the opposite sign."""
-        return np.array(self.starts, np.int64), np.array(self.members, np.int64)
+        """Return CSR lists (starts, members) of the sums, and the weights of the members."""
+        members = np.array(self.members, np.int64)
+        return np.array(self.starts, np.int64), members, np.array(self.weights, np.float64)

@@ -54,7 +54,7 @@ class System:
         self.followers = _followers(instances, self.batches)
         self._pattern()
         self.laws = model.laws.array()
-        self.partition_starts, self.partition_members = partition.tables()
+        self.partition_starts, self.partition_members, self.partition_weights = partition.tables()
         self.n_transmitted = self.n_slots + len(self.partition_starts) - 1
         self._no_turn = np.tile(np.eye(3), (len(self.numbering.rotation_dof), 1, 1))
         self._record()
@@ -101,6 +101,7 @@ class System:
         arrays = {
             "states": self._state_dofs, "laws": self.laws, "slot_dof": self.slot_dof,
             "partition_starts": self.partition_starts, "partition_members": self.partition_members,
+            "partition_weights": self.partition_weights,
         }  # fmt: skip
         self._record_of_tables = record(
             SYSTEM, n_all=self.numbering.n_all, n_rotations=len(self.numbering.rotation_dof), n_laws=len(self.laws),
