@@ -84,6 +84,7 @@ def test_an_angle_is_prescribed_about_the_axis_of_the_hinge():
         ("  motor:", "   motor:", "not valid YAML", "keys that belong together begin in the same column"),
         ("mecano: 1", "mecano: 1\nbodies: {}", "unknown key 'bodies'", "here it is called 'elements'"),
         ("mecano: 1", "mecano: 1\nuse: {}", "unknown key 'use'", "here it is called 'place'"),
+        ("ground, a], axis", "ground, a], normal", "unknown key 'normal'", "here it is called 'axis'"),
         ("mass: 1,", "m: 1,", "unknown key 'm'", "here it is called 'mass'"),
         ("inertia:", "MomentOfInertia:", "unknown key 'MomentOfInertia'", "here it is called 'inertia'"),
         ("step: 0.1", "dt: 0.1", "unknown key 'time.dt'", "here it is called 'step'"),

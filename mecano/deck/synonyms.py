@@ -260,6 +260,7 @@ KEYS = {  # names of keys in other programs and books, in small letters, without
     "markers, points": "nodes",
     "variables": "parameters",
     "use, instances, copies": "place",
+    "normal": "axis",
     "vary": "grid",
     "cases": "list",
     "controllers, filters": "signals",
