@@ -480,6 +480,13 @@ class TestCatalogue:
     def test_explain_lists_the_events_of_options_and_variants(self, name, event):
         assert f"\n  {event}: " in explain(name)
 
+    @pytest.mark.parametrize("name", KINDS)
+    def test_explain_lists_each_event_once(self, name):
+        """A contact with a law and a rigid one both close; what differs is a second meaning of the event."""
+        for lines in re.findall(r"^Events.*\n((?:  .*\n)+)", explain(name), re.MULTILINE):
+            events = re.findall(r"^  (\S.*?):", lines, re.MULTILINE)
+            assert len(set(events)) == len(events)
+
     @pytest.mark.parametrize("name", [*KINDS, *SHAPES, *TERMS])
     def test_explain_names_no_source_files(self, name):
         assert ".py" not in explain(name)

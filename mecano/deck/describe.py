@@ -38,8 +38,12 @@ def _variants(kind):
 
 
 def _event_lines(heading, kinds):
-    """Return the lines on the events of ``kinds``, each event once."""
-    lines = dict.fromkeys(f"  {event.name}: {event.doc}" for kind in kinds for event in kind.events)
+    """Return the lines on the events of ``kinds``, each event once, with all its meanings."""
+    meanings, lines = {}, []
+    for event in (event for kind in kinds for event in kind.events):
+        meanings.setdefault(event.name, {})[event.doc] = None
+    for name, (first, *others) in meanings.items():
+        lines += [f"  {name}: {first}", *(f"      or: {doc}" for doc in others)]
     return ["", heading, *lines] if lines else []
 
 

@@ -87,7 +87,7 @@ BALL = Shapes(touch, approach, False)
 RECORD = record(**MATERIAL, **SURFACE_RECORD)
 PHASES = ("open", "closed")
 NORMAL = Row("normal force of the contact", "N", "m", unilateral=True)
-CLOSES = Event("closes", "open", "closed", "the ball reaches the surface; a shock", SHOCK, "restitution")
+CLOSES = Event("closes", "open", "closed", "the ball reaches the surface; a shock if it is rigid", SHOCK, "restitution")
 OPENS = Event("opens", "closed", "open", "the normal force falls to zero")
 
 
@@ -281,19 +281,20 @@ _ALWAYS_ACTIVE = Kind(
 ELASTIC = {
     "multipliers": (), "memory": (), "commit": None, "constraints": None,
     "events": (
-        Event("closes", "open", "closed", "the ball reaches the surface", elastic=True), replace(OPENS, elastic=True),
+        Event("closes", "open", "closed", CLOSES.doc, elastic=True), replace(OPENS, elastic=True),
     ),
 }  # fmt: skip
 ROUGH_LAYOUT = RODS.layout
 
 
 INACTIVE, RELEASED, OVERLAPPING = "inactive", "released", "overlapping"
+ACTIVATES = Event("activates", INACTIVE, "open", "the contact begins to act")
 SWITCHES = {
     "phases": (*PHASES, INACTIVE, RELEASED, OVERLAPPING),
     "events": (
-        CLOSES, OPENS, Event("activates", INACTIVE, "open", "the contact begins to act"),
+        CLOSES, OPENS, ACTIVATES,
         Event(WAITS, INACTIVE, OVERLAPPING, "it is due, and acts as soon as the bodies no longer overlap"),
-        Event("activates", OVERLAPPING, "open", "the bodies no longer overlap: the contact begins to act"),
+        Event("activates", OVERLAPPING, "open", ACTIVATES.doc),
         *(Event(RELEASES, phase, RELEASED, "the contact is released") for phase in (*PHASES, INACTIVE, OVERLAPPING)),
     ),
     "inputs": ("activate", "release"),
