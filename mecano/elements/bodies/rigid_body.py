@@ -8,9 +8,6 @@ about the node and :math:`w = \alpha \times c + \Omega \times (\Omega \times c)`
 
 ``attached`` nodes move with the body as if welded to it: the position of each is held by three constraints. They share
 the rotation of the body, except a node with an ``orientation`` of its own (a marker), which is held by three more.
-
-The tangents are written by hand: with dual numbers a chain of a hundred bodies takes as long, but the deck
-nose_gear_rigid 2 to 4 % longer, and a pendulum compiles 8 % longer.
 """
 
 import numpy as np
@@ -26,6 +23,8 @@ from mecano.schema import INERTIA, NODE, NODE_VECTOR, NODES, NUMBER, Field, posi
 RECORD = record(mass=(), c=3, J=(3, 3), J_C=(3, 3), gravity=3)
 
 
+# The tangents are written by hand: with dual numbers a chain of a hundred bodies takes as long, but the deck
+# nose_gear_rigid 2 to 4 % longer, and a pendulum compiles 8 % longer.
 @kernel
 def force(p, at, f, K, C, M):
     """Add inertia and weight of one body; see element_interface.py for the arguments."""

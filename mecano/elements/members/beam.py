@@ -14,8 +14,6 @@ towards axis 3, M_3 < 0 those towards axis 2. Damping is proportional to the sti
 Stresses are those of the elastic strains: E (elongation + kappa_2 z - kappa_3 y) in the outer fibres, G twist
 torsion_radius in torsion; the von Mises equivalent stress combines both as if at the same point, and omits the shear
 stress of the shear forces.
-
-The tangents are written by hand: with dual numbers a step of the deck flexible_pendulum takes 2.5 times as long.
 """
 
 import math
@@ -71,6 +69,7 @@ RECORD = record(
 )  # fmt: skip
 
 
+# The tangents are written by hand: with dual numbers a step of the deck flexible_pendulum takes 2.5 times as long.
 @kernel
 def force(p, at, f, K, C, M):
     """Add elastic forces, damping, inertia and weight; see element_interface.py for the arguments."""
