@@ -37,6 +37,35 @@ def test_a_spring_that_swings_within_a_step_is_named(phase, rings, tmp_path):
         assert "use a smaller 'time.step'" in texts[0] and texts[0] in reason
 
 
+DRIVEN = """
+mecano: 1
+gravity: none
+nodes: {{mass: {{position: [0, 0, 0]}}}}
+elements: {{body: {{type: rigid_body, node: mass, mass: 2.0, inertia: [1, 1, 1]}}}}
+joints:
+  rail: {{type: prismatic, nodes: [ground, mass], axis: [1, 0, 0]}}
+  drive: {{type: prescribed_position, node: mass, direction: [1, 0, 0], value: {{acceleration: {{points: {points}}}}}}}
+time: {{end: 1.0, step: {step}, rho_inf: {rho_inf}}}
+"""
+
+
+@pytest.mark.parametrize(("step", "rho_inf", "grows"), [(1e-2, 1.0, True), (1e-3, 1.0, True), (1e-2, 0.8, False)])
+def test_without_numerical_damping_a_kink_of_the_acceleration_rings_more_and_more(step, rho_inf, grows, tmp_path):
+    """The trapezoidal rule, solved for its rates, has the double root -1.
+
+    After the slope of the acceleration changes by D, here 20 m/s3 at 0.1 s, velocities err by h^2 D/12 with alternating
+    sign, and the error of accelerations grows in every step by 4/h of this: to D t/3, up to two of the 90 steps.
+    """
+    said = []
+    given = DRIVEN.format(points="[[0, 0], [0.1, 2], [1, 2]]", step=step, rho_inf=rho_inf)
+    run(deck(given), tmp_path / "r.h5", announce=said.append)
+    with open_results(tmp_path / "r.h5") as results:
+        force = results["drive.force"].values
+    assert sum("use a smaller 'rho_inf'" in text for text in said) == grows
+    swing = 0.5 * abs(force[-1] - force[-2])
+    assert swing == pytest.approx(2.0 * 20.0 * 0.9 / 3.0, rel=2 / 90) if grows else swing < 1e-3
+
+
 def test_swings_are_counted_from_step_to_step():
     """Five changes of sign in eight steps; an event resets the count; the largest oscillation and its time are kept."""
     watch = OscillationMonitor(np.array([1]))

@@ -101,11 +101,21 @@ def unresolved(values, sampler, ringing, length):
         f"{name} by {one.swing:.3g} of {one.largest:.3g} {unit} at t = {one.time:.4g} s"
         for name, (one, unit) in names.items()
     ]
-    smaller = "'time.adaptive.tolerance' or 'time.adaptive.maximum_step'" if values["adaptive"] else "'time.step'"
     yield (
         f"the steps do not resolve {len(worst)} force(s), which oscillate from step to step: "
-        f"{name_list(worst, MOST_FORCES, '; ')}. Their values are not reliable; use a smaller {smaller}, or add "
-        "damping to the oscillating parts"
+        f"{name_list(worst, MOST_FORCES, '; ')}. Their values are not reliable; {_remedy(values)}"
+    )
+
+
+def _remedy(values):
+    """Return what to do about forces that oscillate."""
+    smaller = "'time.adaptive.tolerance' or 'time.adaptive.maximum_step'" if values["adaptive"] else "'time.step'"
+    text = f"use a smaller {smaller}, or add damping to the oscillating parts"
+    if values["method"] == "radau" or values["rho_inf"] < 1.0:
+        return text
+    return (
+        f"{text}. With 'rho_inf: 1' the reactions of prescribed motions oscillate more and more after each kink of the "
+        "acceleration, at any step size: use a smaller 'rho_inf', such as 0.8"
     )
 
 
