@@ -9,7 +9,8 @@ from small_motions import eigenvalues
 from time_runs import RecordedRun, deck, input_deck
 
 import mecano
-from mecano.analyses.prepare import prepare
+from mecano.analyses.control_stability import destabilized
+from mecano.analyses.prepare import integrator_of, prepare
 from mecano.errors import AssemblyError
 from mecano.solve.time import signals
 
@@ -410,3 +411,47 @@ def test_a_restart_of_linear_signals_decomposes_their_equations_once(monkeypatch
     monkeypatch.setattr(signals, "_decomposed", lambda J: count.append(len(J)) or decompose(J))
     signals.settle_signals(prepared.system, prepared.state.copy(), 1e-6)
     assert count == [np.count_nonzero(prepared.system.signals)]
+
+
+CONTROLLED = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {pin: {position: [0, 0, 0]}}
+    elements: {bar: {type: rigid_body, node: pin, mass: MASS, center_of_mass: [0, 0, 1], inertia: [1, 1, 1]}}
+    joints: {hinge: {type: hinge, nodes: [ground, pin], axis: [0, 1, 0]}}
+    signals:
+      torque: {type: pid, input: 0.1 - hinge.angle, GAINS}
+    loads: {motor: {type: joint_moment, joint: hinge, value: torque}}
+    time: {end: 10, step: 0.01}
+    """
+
+
+@pytest.mark.parametrize(
+    ("mass", "gains", "grows"),
+    [
+        (1e-9, (100.0, 900.0, 5.0), True),  # the integral gain is too large
+        (1e-9, (100.0, 300.0, 5.0), False),
+        (1e-9, (-100.0, 0.0, 5.0), True),  # a wrong sign
+        (3.0, (10.0, 0.0, 1.0), False),  # a pendulum upside down that the controller does not hold
+        (1e-9, (100.0, 650.0, 5.0), False),  # grows by 0.48/s, a factor of 120 in the run
+    ],
+)
+def test_a_controller_that_makes_a_mechanism_unstable_is_reported(mass, gains, grows):
+    """Rate of growth of J T s^4 + J s^3 + (K_P T + K_D) s^2 + (K_P + K_I T) s + K_I, with T = 10 ms and J = 1 kg m2."""
+    names = ("proportional", "integral", "derivative")
+    written = ", ".join(f"{name}: {gain}" for name, gain in zip(names, gains, strict=True))
+    text = CONTROLLED.replace("MASS", str(mass)).replace("GAINS", f"{written}, derivative_time: 10 ms")
+    prepared = prepare(deck(text))
+    found = list(destabilized(prepared, integrator_of(prepared).begin(prepared.state, 0.01)))
+    assert len(found) == grows
+    if grows:
+        p, i, d = gains
+        poles = np.roots([0.01, 1.0, 0.01 * p + d, p + 0.01 * i, i])
+        assert f"by the factor e in {1.0 / poles.real.max():.3g} s" in found[0]
+        assert ("as an oscillation of" in found[0]) == bool(i)
+
+
+def test_bodies_that_attract_one_another_are_no_controller():
+    """Their orbits are stable; the linearized attraction of bodies at rest would not be."""
+    prepared = prepare(input_deck("two_bodies"))
+    assert not list(destabilized(prepared, integrator_of(prepared).begin(prepared.state, 0.01)))

@@ -7,6 +7,7 @@ from functools import partial
 
 from mecano.analyses.checkpoint_writer import INTERVAL, CheckpointWriter, restore
 from mecano.analyses.compilation import compile_time_integration
+from mecano.analyses.control_stability import destabilized
 from mecano.analyses.diagnostics import (
     captured,
     cut_short,
@@ -91,7 +92,7 @@ def _from_the_start(deck, path, force, supervision):
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
     with with_places(deck):
         start = abandonable(integrator.begin, prepared.state, deck.values["time"]["step"])
-    notes = [*startup_warnings(prepared, start), *found]
+    notes = [*startup_warnings(prepared, start), *found, *abandonable(lambda: list(destabilized(prepared, start)))]
     source = _source(deck, chosen(prepared, integrator, start), model_facts(prepared), notes)
     postponed = supervision.interruption.postponed()
     with postponed, Writer.create(path, layout_of(sampler), source, force=force) as writer:

@@ -1,0 +1,53 @@
+"""Controllers that make a mechanism unstable: its modes at the start, with its signals and without."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+MOST = 100  # motions up to which modes are computed before a run
+GROWTH = 1e3  # factor by which small motions grow in a run, from which on they are reported
+
+
+def destabilized(prepared, start):
+    """Yield a warning if small motions about the ``start`` of a run, a RunState, grow only because of its signals.
+
+    Motions that grow by less than a factor of GROWTH in the run are not reported, nor those of models with more than
+    MOST motions, nor those about a moving state if no signal has a state, as of bodies that attract one another. Values
+    of delays and of sampled signals count as constant.
+    """
+    system, time = prepared.system, prepared.deck.values["time"]
+    moving = np.any(start.motion.v[: system.n_q][~system.signals])
+    if not system.signals.any() or system.n_q > MOST or (moving and not system.states.any()):
+        return
+    from mecano.solve.modal.linearize import linearize  # no run without signals needs the modes
+
+    lin = linearize(system, start.motion, prepared.length, compliance=start.compliance)
+    if not all(np.isfinite(matrix.data).all() for matrix in (lin.M, lin.C, lin.K)):
+        return
+    fastest = _fastest(lin)
+    grows = (fastest.real - max(_fastest(_without_signals(lin)).real, 0.0)) * (time["end"] - time["start"])
+    if fastest.real > lin.pace and grows > math.log(GROWTH):
+        as_what = f", as an oscillation of {abs(fastest.imag) / math.tau:.3g} Hz" if fastest.imag else ""
+        yield (
+            f"because of the signals, small motions about the start grow by the factor e in {1.0 / fastest.real:.3g} s"
+            f"{as_what}: is a gain too large, or its sign wrong? `mecano modes` describes this motion"
+        )
+
+
+def _fastest(lin):
+    """Return the eigenvalue of a Linearization with the largest real part, or 0 if none grows."""
+    from mecano.solve.modal.modes import solve
+
+    return max(solve(lin, 1, "dense").values, key=lambda value: value.real, default=0j)
+
+
+def _without_signals(lin):
+    """Return the Linearization in which all signals are constant."""
+    motions = ~lin.signals
+    keep = np.flatnonzero(np.concatenate([motions, np.ones(lin.K.shape[0] - lin.n_q, bool)]))
+    M, C, K = (matrix.tocsr()[keep][:, keep] for matrix in (lin.M, lin.C, lin.K))
+    return replace(
+        lin, M=M, C=C, K=K, n_q=int(motions.sum()), groups=lin.groups[motions], root=lin.root[motions],
+        signals=lin.signals[motions],
+    )  # fmt: skip
