@@ -15,7 +15,7 @@ from test_deck_physics import MOTOR, problems
 from time_runs import INPUTS
 
 import mecano
-from mecano.cli import main
+from mecano.cli import commands, main
 from mecano.deck.catalogue import explain
 from mecano.deck.language import LANGUAGE, REPEAT
 from mecano.deck.sections import SECTIONS
@@ -452,6 +452,11 @@ class TestResults:
 
 
 class TestCatalogue:
+    def test_the_list_of_commands_cuts_no_sentence(self, call):
+        listed = call("--help")[1].partition("Commands:")[2].strip().splitlines()
+        assert len(listed) == len(commands.commands) and all(line.endswith(".") for line in listed)
+        assert not [line for line in listed if "..." in line]
+
     def test_list_names_everything(self, call):
         code, out, _ = call("list")
         listed = {line.split()[0] for line in out.splitlines() if line.startswith("  ") and line[2] != " "}

@@ -10,7 +10,11 @@ import sys
 import click
 
 overrides = click.option(
-    "--set", "overrides", multiple=True, metavar="A.B.C=VALUE", help="Override a value of the deck; may be repeated."
+    "--set",
+    "overrides",
+    multiple=True,
+    metavar="A.B.C=VALUE",
+    help="Override a value of the deck, such as time.end=2; may be repeated.",
 )
 
 BELOW = (

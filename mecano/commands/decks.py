@@ -5,14 +5,19 @@ import click
 from mecano.commands import overrides, plugins, show
 
 
-@click.command()
+@click.command(short_help="Check a deck without running it; print a summary.")
 @click.argument("deck", type=click.Path())
 @overrides
 @click.option("--all", "every", is_flag=True, help="List all free motions and redundant constraints, however many.")
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 @plugins
 def check(deck, overrides, every, quiet):
-    """Check a deck without running it; print bodies, mass, unknowns, mobility, redundant constraints."""
+    """Check a deck without running it: every error, with line and column, or a summary of the model.
+
+    The summary gives the number of elements and steps, mass, unknowns, memory, mobility with the free motions,
+    redundant constraints, and warnings of legal but suspicious input. Exit code 0: no errors, 2: errors in the deck,
+    4: its positions cannot be assembled.
+    """
     from mecano.deck.read import read_deck
 
     checked = read_deck(deck, overrides)
@@ -23,7 +28,7 @@ def check(deck, overrides, every, quiet):
         show(text)
 
 
-@click.command(name="list")
+@click.command(name="list", short_help="List what a deck can contain.")
 @plugins
 def list_():
     """List the kinds of elements, joints and loads, the terms of laws and the sections of a deck."""
@@ -32,7 +37,7 @@ def list_():
     show(catalogue())
 
 
-@click.command()
+@click.command(short_help="Explain a kind, a term of a law or a section of a deck.")
 @click.argument("name", nargs=-1)
 @plugins
 def explain(name):
@@ -56,7 +61,7 @@ def explain(name):
     show(text(name).rstrip())
 
 
-@click.command()
+@click.command(short_help="Write the JSON Schema of decks, for editors.")
 @click.option("-o", "--output", type=click.Path(), help="File; default: the standard output.")
 @click.option("--study", is_flag=True, help="Describe study files instead of decks.")
 @plugins
@@ -76,7 +81,7 @@ def schema(output, study):
         show(text)
 
 
-@click.command(name="check-kind")
+@click.command(name="check-kind", short_help="Test the kinds and laws of a Python file (plugin).")
 @click.argument("plugin", type=click.Path())
 def check_kind(plugin):
     """Test the kinds, tyre laws and terms of laws of a Python file: tangents, power, invariance, declarations.
@@ -99,7 +104,7 @@ def _starters(context, parameter, begun):
     return [name for name in starters() if name.startswith(begun)]
 
 
-@click.command()
+@click.command(short_help="Write a commented starter deck.")
 @click.argument("template", required=False, shell_complete=_starters)
 @click.argument("deck", required=False, type=click.Path())
 @click.option("--list", "every", is_flag=True, help="List starter decks and examples.")
@@ -122,7 +127,7 @@ def _examples(context, parameter, begun):
     return [name for name in examples() if name.startswith(begun)]
 
 
-@click.command()
+@click.command(short_help="Write an example deck with a known answer.")
 @click.argument("name", required=False, shell_complete=_examples)
 @click.argument("deck", required=False, type=click.Path())
 def example(name, deck):

@@ -7,7 +7,7 @@ import click
 from mecano.commands import BELOW, plugins, show
 
 
-@click.command()
+@click.command(short_help="Draw pictures, films, pages and reports of results.")
 @click.argument("results", nargs=-1, required=True, type=click.Path())
 @click.option(
     "--plot",
@@ -99,7 +99,7 @@ def _refuse_strays(results, **given):
         raise click.UsageError(f"{', '.join(strays)}: only for pictures, not drawn with --animate or --report")
 
 
-@click.command()
+@click.command(short_help="Write results as CSV, or for ParaView.")
 @click.argument("results", type=click.Path())
 @click.option("-o", "--output", type=click.Path(), metavar="FILE", help="File .csv or .vtkhdf (added if omitted).")
 @click.option(
@@ -121,7 +121,7 @@ def export(results, output, series, vtk, force):
         click.echo(write(results, output, series=series, vtk=vtk, force=force))
 
 
-@click.command()
+@click.command(short_help="Summarize a results file and its run.")
 @click.argument("results", type=click.Path())
 @click.option(
     "--names", "pattern", is_flag=False, flag_value="*", metavar="[PATTERN]",
@@ -139,7 +139,7 @@ def info(results, pattern, events):
         show(text(results, pattern, events))
 
 
-@click.command()
+@click.command(short_help="Check a results file for changed or missing bytes.")
 @click.argument("results", type=click.Path())
 def verify(results):
     """Check a results file for changed or missing bytes; if any, name the data affected, with exit code 5."""

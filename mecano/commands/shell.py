@@ -6,7 +6,7 @@ from click.shell_completion import get_completion_class
 from mecano.commands import show
 
 
-@click.command()
+@click.command(short_help="Print the script for completion by a shell.")
 @click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
 @click.pass_context
 def completion(context, shell):

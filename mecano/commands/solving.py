@@ -53,7 +53,7 @@ def run(deck, output, force, resume, limit, interval, threads, live, quiet, over
         solve(checked, path, force=force, resume=resume, checkpoint=interval, quiet=quiet, interruption=interruption)
 
 
-@click.command()
+@click.command(short_help="Compute modes, root loci and critical values.")
 @click.argument("deck", type=click.Path())
 @click.option("--at", metavar="RESULTS.h5:TIME", help="About the saved state nearest to a time; default: the start.")
 @click.option(
@@ -69,7 +69,13 @@ def run(deck, output, force, resume, limit, interval, threads, live, quiet, over
     "--frame", default="inertial", show_default=True, metavar="NODE|WX,WY,WZ|inertial",
     help="Axes in which motions are measured, turning with a node or with an angular velocity [rad/s].",
 )  # fmt: skip
-@click.option("--solver", type=click.Choice(["automatic", "dense", "sparse"]), default="automatic", show_default=True)
+@click.option(
+    "--solver",
+    type=click.Choice(["automatic", "dense", "sparse"]),
+    default="automatic",
+    show_default=True,
+    help="dense: all modes; sparse: those of lowest frequency, of large models; automatic: by the size.",
+)
 @click.option(
     "-o",
     "--output",

@@ -12,7 +12,7 @@ from mecano.process.cores import cores
 from mecano.process.interrupt import Interruption, seconds
 
 
-@click.command()
+@click.command(short_help="Run a deck many times with varied values.")
 @click.argument("study", type=click.Path())
 @click.option(
     "-o",
@@ -26,7 +26,13 @@ from mecano.process.interrupt import Interruption, seconds
 @click.option("--resume", is_flag=True, help="Run the cases that are neither complete nor failed.")
 @click.option("--again", type=click.Choice(["failed"]), help="As --resume, and run failed cases from their start.")
 @click.option("--force", is_flag=True, help="Delete existing cases and run all.")
-@click.option("--executor", type=click.Choice(["local", "slurm", "dask"]), default="local", show_default=True)
+@click.option(
+    "--executor",
+    type=click.Choice(["local", "slurm", "dask"]),
+    default="local",
+    show_default=True,
+    help="Who runs the cases: this machine, or a cluster with Slurm or Dask.",
+)
 @click.option("--scheduler", metavar="ADDRESS", help="Scheduler of Dask; default: workers on this machine.")
 @click.option(
     "--sbatch", "options", metavar="OPTIONS", default="", help="Passed to sbatch: '--partition=x --time=1:00:00'."
@@ -118,7 +124,7 @@ def _finish(table, plot):
     judge(table)
 
 
-@click.command()
+@click.command(short_help="Compile ahead of the first run.")
 @click.argument("decks", nargs=-1, type=click.Path())
 @overrides
 @click.option("--share", type=click.Path(), metavar="FOLDER", help="Copy all compiled code here, for other users.")

@@ -12,7 +12,7 @@ from mecano.commands import overrides, plugins
 UNTIL = "mecano: {} (until Ctrl-C)"
 
 
-@click.command()
+@click.command(short_help="Show a deck, or a motion, in a browser.")
 @click.argument("file", type=click.Path())
 @click.option("--wait", is_flag=True, help="Wait for a results file that does not exist yet.")
 @overrides
