@@ -66,6 +66,26 @@ def test_without_numerical_damping_a_kink_of_the_acceleration_rings_more_and_mor
     assert swing == pytest.approx(2.0 * 20.0 * 0.9 / 3.0, rel=2 / 90) if grows else swing < 1e-3
 
 
+def test_rounding_of_a_free_motion_is_no_oscillation(tmp_path):
+    """A grip in a free body carries 1e-11 N m; the kinetic energy is 0.1 J, the length scale 1 m."""
+    said = []
+    text = """
+        mecano: 1
+        gravity: none
+        nodes: {a: {position: [0, 0, 0]}, b: {position: [0, 0, 0]}}
+        elements:
+          one: {type: rigid_body, node: a, mass: 1, inertia: [0.1, 0.1875, 0.1875]}
+          two: {type: rigid_body, node: b, mass: 1, inertia: [0.1, 0.1875, 0.1875]}
+        joints:
+          pin: {type: hinge, nodes: [a, b], axis: [0, 1, 0]}
+          hold: {type: grip, nodes: [a, b], close: {time: 0.1}}
+        initial: {velocities: [{nodes: [b], angular_velocity: [0, 1, 0]}]}
+        time: {end: 1, step: 0.01}
+        """
+    run(deck(text), tmp_path / "r.h5", announce=said.append)
+    assert not [line for line in said if "do not resolve" in line]
+
+
 def test_swings_are_counted_from_step_to_step():
     """Five changes of sign in eight steps; an event resets the count; the largest oscillation and its time are kept."""
     watch = OscillationMonitor(np.array([1]))

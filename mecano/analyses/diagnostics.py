@@ -17,6 +17,7 @@ MOST_LATCHES = 8  # named in a warning
 MOST_FORCES = 4
 MOST_NAMED = 4  # elements named with the same remedies
 LEAST_SWING = 0.01  # of the largest force or moment of the model; smaller oscillations are noise
+ROUNDED = 1e-9  # of the kinetic energy over the length scale: smaller forces are rounding
 NOTED = 0.01  # failed trials per step above which a fixed step is reported as too large
 EXCHANGED = ("kinetic", "potential", "dissipated", "given")
 UNBALANCED = 0.01  # of the largest change of an energy, above which an error of the balance is reported
@@ -79,10 +80,11 @@ def unbalanced(values, sampler, extremes):
     )
 
 
-def unresolved(values, sampler, ringing, length):
+def unresolved(values, sampler, ringing, extremes, length):
     """Yield a warning if forces oscillate from step to step, as found by the OscillationMonitor of the run.
 
-    Moments are compared with those of the forces of the model at its ``length`` [m], too.
+    Moments are compared with those of the forces of the model at its ``length`` [m], too. Forces that are rounding
+    beside the kinetic energy over this length, as in a free motion, do not count.
     """
     columns = sorted((c for c in sampler.columns if c.unit in FORCES), key=lambda column: column.start)
     starts = [column.start for column in columns]
@@ -90,7 +92,9 @@ def unresolved(values, sampler, ringing, length):
     largest = {unit: max((x for c, x in zip(of, ringing.largest, strict=True) if c.unit == unit), default=0.0)
                for unit in FORCES}  # fmt: skip
     largest["N m"] = max(largest["N m"], length * largest["N"])
-    found = ringing.found(np.array([LEAST_SWING * largest[c.unit] for c in of]))
+    moving = next(extremes.high[c.start] for c in sampler.columns if c.path == "energy/kinetic")
+    rounding = {"N": ROUNDED * moving / length, "N m": ROUNDED * moving, "Pa": 0.0}
+    found = ringing.found(np.array([max(LEAST_SWING * largest[c.unit], rounding[c.unit]) for c in of]))
     if not found:
         return
     names = {}

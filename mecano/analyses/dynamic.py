@@ -232,7 +232,7 @@ class Ongoing:
         warnings += still_waiting(integrator.system, self.state.motion.phases)
         warnings += untouched(deck, sampler, writer.extremes)
         warnings += unbalanced(values, sampler, writer.extremes)
-        warnings += unresolved(values, sampler, self.recorder.ringing, integrator.method.length)
+        warnings += unresolved(values, sampler, self.recorder.ringing, writer.extremes, integrator.method.length)
         for text in warnings:
             self._announce(text)
         writer.close("complete", with_warnings(ENDED, warnings))
