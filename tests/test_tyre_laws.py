@@ -126,6 +126,15 @@ def test_fiala_is_the_sum_of_bristles_in_combined_slip(slip):
     assert k.M[2] == pytest.approx(moment, rel=1e-7, abs=1e-8)
 
 
+@pytest.mark.parametrize("slip", [(0.2, 0.3), (-0.5, 0.1), (1.0, -2.0)])
+def test_fiala_rolls_backward_as_forward(slip):
+    """Bristles enter the contact at the edge that leads: a wheel in reverse is one that rolls forward with -t, -l."""
+    force, moment = bristles(*slip, 20.0 - slip[0], 6e4)
+    k = brush().forces(LOAD, (-slip[0], -slip[1]), u=(-20.0, 0.0))
+    np.testing.assert_allclose(k.F[:2], -force, rtol=1e-8)
+    assert k.M[2] == pytest.approx(moment, rel=1e-7, abs=1e-8)
+
+
 def test_two_stiffnesses_and_a_locked_wheel():
     """Each stiffness is the slope of its own force; a locked wheel slides with mu N against its way."""
     tyre = brush(C_t=9e4, C_l=5e4)

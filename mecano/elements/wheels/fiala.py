@@ -10,10 +10,11 @@ force without sliding is
 and the force of the bristles is (3.11), in combined slip (3.45), here for two stiffnesses:
 
     F = G (1 - x + x^2/3) for x < 1,   mu N G/|G| beyond (the whole contact slides)
-    M = (a/3) C_l (v_l/V) (1 - x)^3 n for x < 1, else 0: the trail (a/3) (1 - x)^3/(1 - x + x^2/3) in pure side slip
+    M = (a/3) C_l (v_l V_r/V^2) (1 - x)^3 n for x < 1, else 0
 
-In pure side slip the rolling velocity is u.t and tan alpha = v_l/|u.t|. With v_0 = ``least_speed`` the slip is finite
-at rest, where the tyre therefore creeps. A tyre with the camber angle gamma, sin gamma = n.a, is pushed to the side to
+with the trail (a/3) (1 - x)^3/(1 - x + x^2/3) in pure side slip; in reverse the other edge of the contact leads. In
+pure side slip the rolling velocity is u.t and tan alpha = v_l/|u.t|. With v_0 = ``least_speed`` the slip is finite at
+rest, where the tyre therefore creeps. A tyre with the camber angle gamma, sin gamma = n.a, is pushed to the side to
 which its top leans, by C_g gamma for small angles, within the same limit of friction; this camber thrust has no
 aligning moment. The force dissipates -F.v where it opposes the slip; the moment exchanges the power M.omega with the
 rolling, and so does the camber thrust the power with which it drives the slip. The friction mu is a curve of the slip
@@ -104,7 +105,7 @@ def forces(p, laws, k):
     x = sqrt(G_t * G_t + G_l * G_l) / (3.0 * sliding)
     y = at_most(x, 1.0)
     share = select(x < 1.0, 1.0 - y + y * y / 3.0, 1.0 / (3.0 * at_least(x, 1.0)))
-    turn = -p.half_length / 3.0 * (1.0 - y) * (1.0 - y) * (1.0 - y) * G_s
+    turn = -p.half_length / 3.0 * (1.0 - y) * (1.0 - y) * (1.0 - y) * G_s * ahead
     F_t, F_l = share * G_t, share * G_l
     power = F_t * v_t + F_l * v_l
     lost = at_least(-power, 0.0)
