@@ -189,6 +189,30 @@ def test_shear_of_a_stretched_cantilever(verify, n, tolerance):
     verify(REST, f"stretched cantilever, {n} elements: shear force [N]", found, exact, "cosh", relative=tolerance)
 
 
+EDGE, TORQUE = 0.05, 50.0
+"""Shear centre of the sections below from their node, along axis 2 [m]; torque of one radian per metre [N m]."""
+
+
+def aside():
+    """Return a section whose shear centre is EDGE from its node: its shear strain there is gamma_3 + EDGE kappa_1."""
+    C = np.diag([1e6, 1e6, 1e6, TORQUE + 1e6 * EDGE**2, 100.0, 100.0])
+    C[2, 3] = C[3, 2] = 1e6 * EDGE
+    return f"{{type: matrix, stiffness: {C.tolist()}, mass: {np.eye(6).tolist()}}}"
+
+
+@pytest.mark.parametrize("n", [1, 4])
+def test_a_section_turns_about_its_shear_centre(verify, n):
+    """A torque turns all nodes about the line of shear centres, at rest on it: nothing else deforms the beam."""
+    loads = f"turn: {{type: moment, node: tip, direction: [1, 0, 0], value: {TORQUE}}}"
+    found = Equilibrium(straight(aside(), 1.0, n, loads))
+    tip = [1.0, EDGE * (1.0 - np.cos(1.0)), -EDGE * np.sin(1.0)]
+    name = "leg" if n == 1 else "leg.1"
+    what = f"shear centre aside, {n} elements: "
+    verify(REST, what + "tip under a torque [m]", found.position("tip"), tip, "rotation", absolute=1e-10)
+    moment = found.output(f"elements/{name}/moment")
+    verify(REST, what + "section moment [N m]", moment, [TORQUE, 0, 0], "rotation", absolute=1e-8)
+
+
 def dead_small():
     """A force of 10 N upwards at the tip."""
     return "pull: {type: force, node: tip, direction: [0, 0, 1], value: 10.0}"

@@ -51,6 +51,23 @@ def test_a_held_beam_is_pressed():
     assert end.output("elements/rod.4/force")[0] == pytest.approx(-EA * 1e-3, rel=1e-12)
 
 
+@pytest.mark.parametrize("by", ["law", "formula"])
+def test_a_free_beam_with_its_shear_centre_aside_bends_to_an_arc(by):
+    """Heating deforms the line of nodes; on a line aside the same arc has another length."""
+    C = np.diag([2e6, 1e6, 1e6, 400.0, 300.0, 300.0])
+    C[3, 3] += 1e6 * 0.03**2
+    C[2, 3] = C[3, 2] = 1e6 * 0.03
+    values = {"law": ("{linear: {slope: 0.01}}", "{linear: {slope: 0.8}}"), "formula": ("0.01*time", "0.8*time")}
+    strain, curvature = values[by]
+    section = f"{{type: matrix, stiffness: {C.tolist()}, mass: {np.eye(6).tolist()}}}"
+    text = MEMBER.format(thermal=f"{{strain: '{strain}', curvature_3: '{curvature}'}}".replace("'", ""), fixed="")
+    start, end = text.index("{type: stiffness"), text.index("}}\n    elements")
+    path = Path(text[:start] + section + text[end + 1 :])
+    angle = 0.8 * LENGTH
+    x, y = np.sin(angle) * 1.01 / 0.8, (1 - np.cos(angle)) * 1.01 / 0.8
+    np.testing.assert_allclose(path.positions("right")[-1], [x, y, 0], atol=1e-9)
+
+
 def deflections(t, curvature, tau, section, damping):
     """Deflection of the tip of a cantilever with the thermal curvature c (1 - exp(-t/tau)), by its modes.
 

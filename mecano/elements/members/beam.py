@@ -62,7 +62,8 @@ MOST_ELEMENTS = 10_000
 LOST = 3e-17  # relative error of the deflection, per element and square of the slenderness of the beam (measured)
 INACCURATE = 1e-6  # of the deflection
 RECORD = record(
-    S=(3, 3), K_uu=(3, 3), K_up=(3, 3), K_pp=(3, 3), D=(3, 3), along=3, u0=3, phi0=3, damping=(), gravity=3,
+    S=(3, 3), K_uu=(3, 3), K_up=(3, 3), K_pp=(3, 3), D=(3, 3), shift=(3, 3), along=3, u0=3, phi0=3,
+    damping=(), gravity=3,
     mass=(), eccentric="i", J1=(3, 3), J2=(3, 3), J12=(3, 3), c1=3, t1=3, c2=3, t2=3,
     axes=(3, 3), bending=2, F_uu=(3, 3), F_up=(3, 3), F_pp=(3, 3),
     E=(), G=(), radius=(), torsion_radius=(), points=(MOST_POINTS, 2),
@@ -193,14 +194,14 @@ def prepare(d, nodes, context):
 def _record(section, damping, gravity, S_1, S_2, h0):
     """Return the record of an element; S_i: section to node axes, h0 (6,): strain-free screw in section axes."""
     c, u, phi = section.center, h0[:3], h0[3:]
-    K_uu, K_up, K_pp, D, bending, F = elastic_constants(section.C, h0)
+    K_uu, K_up, K_pp, D, shift, bending, F = elastic_constants(section.C, h0)
     length, tangent = np.linalg.norm(u), u + hat(phi) @ c
     points = np.zeros((MOST_POINTS, 2))
     points[: len(section.points)] = np.reshape(section.points, (-1, 2))
     return {
         "S": S_1 @ S_2.T, "K_uu": S_2 @ K_uu @ S_2.T, "K_up": S_2 @ K_up @ S_2.T, "K_pp": S_2 @ K_pp @ S_2.T,
-        "D": S_2 @ D @ S_2.T,
-        "along": S_2[:, 0], "u0": S_2 @ u, "phi0": S_2 @ phi,
+        "D": S_2 @ D @ S_2.T, "shift": S_2 @ shift @ S_2.T,
+        "along": S_2[:, 0], "u0": S_2 @ (u + shift @ phi), "phi0": S_2 @ phi,
         "damping": damping, "gravity": gravity,
         **inertia_record(section.mass * length, section.J * length, S_1, S_2, c, tangent),
         "axes": S_2, "bending": bending, "F_uu": F[:3, :3], "F_up": F[:3, 3:], "F_pp": F[3:, 3:],

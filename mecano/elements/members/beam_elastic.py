@@ -3,11 +3,12 @@ r"""Elastic and viscous forces of a two-node beam, from the relative motion of i
 The section axes at the ends are :math:`A_1 = R_1 S` and :math:`A_2 = R_2` (S constant: all section data are
 stored in the axes of the second node). The strain measure is the screw motion from one section to the other,
 
-.. math::  \varphi = \log(A_1^T A_2), \qquad u = H y, \quad y = A_2^T (x_2 - x_1), \quad H = T^{-1}(\varphi)
+.. math::  \varphi = \log(A_1^T A_2), \qquad u = H y + \varphi \times c, \quad y = A_2^T (x_2 - x_1), \quad
+    H = T^{-1}(\varphi)
 
-that is :math:`(u, \varphi) = \log_{SE(3)}`; it is constant along a helix, hence along every circular arc (Sonneville,
-Cardona & Bruels 2014). With the strains :math:`e = (u - u_0, \varphi - \varphi_0)` and the constant element
-stiffness :math:`K_e` of beam_flexibility.py,
+that is :math:`(u, \varphi) = \log_{SE(3)}`, here of the line of shear centres, at c from the nodes; it is constant
+along a helix, hence along every circular arc (Sonneville, Cardona & Bruels 2014). With the strains
+:math:`e = (u - u_0, \varphi - \varphi_0)` and the constant element stiffness :math:`K_e` of beam_flexibility.py,
 
 .. math::  V = \tfrac12 \bar e \cdot K_e \bar e, \qquad \bar e = (e_u + a\, (\lambda - a \cdot u), e_\varphi), \qquad
     \lambda^2 = (a \cdot u)^2 + e_u \cdot D e_u
@@ -86,8 +87,9 @@ def strains(p, at, u0, phi0):
     c, c1, c2 = inverse_coefficients(dot(phi, phi))
     y = R2.T @ (vec(at.q, 6) - vec(at.q, 0))
     H = inverse_tangent(phi, c)
-    u = H @ y
-    return Screw(u, phi, y, H, first_derivative(phi, y, -0.5, c, c1), c, c1, c2), u - u0, phi - phi0
+    shift = mat(p.shift)
+    u = H @ y + shift @ phi
+    return Screw(u, phi, y, H, first_derivative(phi, y, -0.5, c, c1) + shift, c, c1, c2), u - u0, phi - phi0
 
 
 @inlined

@@ -8,6 +8,9 @@ wrench conjugate to h as unknown, :math:`n(s) = N(s) p`, the flexibility of the 
 
 the residual bending flexibility of MacNeal (1978) for a straight beam. It removes shear locking: the stiffness of
 a slender straight element is that of the cubic beam.
+
+Strains are those of the line of shear centres, about which the sections turn: a twist tilts the line of nodes of a
+section whose shear centre lies aside, but no section against its line.
 """
 
 from functools import lru_cache
@@ -34,9 +37,10 @@ def adjoint(h):
 
 
 def elastic_constants(C, h0):
-    """Return K_uu, K_up, K_pp, D (3, 3), shares of bending (2,) and section flexibility F (6, 6), in axes of its end.
+    """Return K_uu, K_up, K_pp, D, shift (3, 3), shares of bending (2,) and section flexibility F (6, 6), in end axes.
 
-    C (6, 6): section stiffness; h0 (6,): strain-free screw. Cached, since many elements of a model are equal.
+    C (6, 6): section stiffness, h0 (6,): strain-free screw, both of the line of nodes, as is F; the others belong to
+    that of shear centres, u + shift phi. Cached, since many elements of a model are equal.
     """
     return _elastic_constants(C.tobytes(), h0.tobytes())
 
@@ -44,9 +48,21 @@ def elastic_constants(C, h0):
 @lru_cache(maxsize=1000)
 def _elastic_constants(C, h0):
     C, h0 = np.frombuffer(C).reshape(6, 6), np.frombuffer(h0)
-    K = element_stiffness(C, h0)
+    F = np.linalg.inv(C)
+    shift = -hat(shear_center(F))
+    back = np.eye(6)
+    back[:3, 3:] = -shift
+    K, C = back.T @ element_stiffness(C, h0) @ back, back.T @ C @ back
     bending = bending_shares(C, K, np.linalg.norm(h0[:3]))
-    return K[:3, :3], K[:3, 3:], K[3:, 3:], line_form(bending), bending, np.linalg.inv(C)
+    return K[:3, :3], K[:3, 3:], K[3:, 3:], line_form(bending), shift, bending, F
+
+
+def shear_center(F):
+    """Return the shear centre of a section (3,) [m] from its node; F (6, 6): its flexibility.
+
+    A torque alone shears the line of nodes by F_23 and F_33 per F_44, where it turns about this point.
+    """
+    return np.array([0.0, -F[2, 3], F[1, 3]]) / F[3, 3]
 
 
 def element_stiffness(C, h0):

@@ -6,10 +6,10 @@ temperature across the section bends it, with the curvatures :math:`\kappa_2 = \
 
 .. math::  u_0(t) = u_0 + L\, \varepsilon(t)\, a_1, \qquad \varphi_0(t) = \varphi_0 + L\, (\kappa_2 a_2 + \kappa_3 a_3)
 
-in section axes, exact for straight beams; the stiffness is that of the unheated beam. Where the ends are held the beam
-is stressed, and V = 1/2 e.K e receives from the surroundings the power :math:`-p \cdot (\dot u_0, \dot\varphi_0)`.
-Damping acts on the rate of the deformation. The heating is a law of time or a signal: a ``lag`` whose input is the
-illumination of the beam makes it depend on its own motion.
+in section axes and along the line of nodes, exact for straight beams; the stiffness is that of the unheated beam. Where
+the ends are held the beam is stressed, and V = 1/2 e.K e receives from the surroundings the power
+:math:`-p \cdot (\dot u_0, \dot\varphi_0)`. Damping acts on the rate of the deformation. The heating is a law of time or
+a signal: a ``lag`` whose input is the illumination of the beam makes it depend on its own motion.
 """
 
 import numpy as np
@@ -58,7 +58,7 @@ def thermal_record(dtype):
 
 def thermal_values(d, values, context):
     """Return the values of this record from those of the beam."""
-    length = np.linalg.norm(values["u0"])
+    length = np.linalg.norm(values["u0"] - values["shift"] @ values["phi0"])
     return {**values, "length": length, **{name: law_of(d["thermal"][name], context) for name in CURVES}}
 
 
@@ -80,14 +80,16 @@ def of_signals(p, at):
 
 @kernel
 def _bent(p, k_2, k_3):
-    """Return the rotation of the free shape by its curvatures."""
-    return p.length * (mat(p.axes) @ Vec3(0.0, k_2, k_3))
+    """Return the changes of u0 and phi0 by the curvatures."""
+    turned = p.length * (mat(p.axes) @ Vec3(0.0, k_2, k_3))
+    return mat(p.shift) @ turned, turned
 
 
 @kernel
 def _free_shape(p, strain, k_2, k_3):
     """Return u0, phi0 of the heated beam."""
-    return vec(p.u0, 0) + (p.length * strain) * vec(p.along, 0), vec(p.phi0, 0) + _bent(p, k_2, k_3)
+    shifted, turned = _bent(p, k_2, k_3)
+    return vec(p.u0, 0) + (p.length * strain) * vec(p.along, 0) + shifted, vec(p.phi0, 0) + turned
 
 
 @kernel
@@ -110,10 +112,10 @@ def force_by_laws(p, at, f, K, C, M):
 def force_by_signals(p, at, f, K, C, M):
     """Add the forces of a beam that is heated by signals, and their derivatives by these."""
     u0, phi0 = _add_forces(p, at, of_signals(p, at), f, K, C, M)
-    zero = 0.0 * vec(p.along, 0)
-    add_free_derivative(p, at, u0, phi0, (p.length * vec(p.along, 0), zero), INPUT, K)
-    add_free_derivative(p, at, u0, phi0, (zero, _bent(p, 1.0, 0.0)), INPUT + 1, K)
-    add_free_derivative(p, at, u0, phi0, (zero, _bent(p, 0.0, 1.0)), INPUT + 2, K)
+    along = vec(p.along, 0)
+    add_free_derivative(p, at, u0, phi0, (p.length * along, 0.0 * along), INPUT, K)
+    add_free_derivative(p, at, u0, phi0, _bent(p, 1.0, 0.0), INPUT + 1, K)
+    add_free_derivative(p, at, u0, phi0, _bent(p, 0.0, 1.0), INPUT + 2, K)
 
 
 def observed(observe_from, heating_of):
@@ -124,6 +126,7 @@ def observed(observe_from, heating_of):
         strain, k_2, k_3, strain_rate, rate_2, rate_3 = heating_of(p, at)
         u0, phi0 = _free_shape(p, strain, k_2, k_3)
         p_u, p_phi = observe_from(p, at, u0, phi0, y, e)
-        e[3] = -(p.length * strain_rate) * dot(p_u, vec(p.along, 0)) - dot(p_phi, _bent(p, rate_2, rate_3))
+        shifted, turned = _bent(p, rate_2, rate_3)
+        e[3] = -dot(p_u, (p.length * strain_rate) * vec(p.along, 0) + shifted) - dot(p_phi, turned)
 
     return observe
