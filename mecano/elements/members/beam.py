@@ -53,7 +53,7 @@ from mecano.elements.members.heated_beam import (
 )
 from mecano.jit.kernel import kernel
 from mecano.maths.so3 import exp, tangent
-from mecano.maths.vector import cross, dot, mat, put, vec
+from mecano.maths.vector import Vec3, cross, dot, mat, put, vec
 from mecano.schema import DIRECTION, INTEGER, NODE_PAIR, NUMBER, POINT, SECTION, Field
 
 MOST_RECORDS = 1000  # of a section that are kept
@@ -100,9 +100,13 @@ def _middle(p, s, e_u, length):
 
 @kernel
 def _section_forces(p, s, middle, force, first, second):
-    """Return force and moment in the middle, force and moment at both ends, in the section axes of each place."""
-    axes = mat(p.axes)
+    """Return force and moment in the middle, force and moment at both ends, in the section axes of each place.
+
+    The middle section is turned about its shear centre, at c from the nodes.
+    """
+    axes, c = mat(p.axes), Vec3(p.shift[1, 2], p.shift[2, 0], p.shift[0, 1])
     ahead = 0.5 * (tangent(0.5 * s.phi).T @ (s.H @ s.y))  # from the first end to the middle, in its axes
+    ahead = ahead + exp(0.5 * s.phi) @ c - middle @ c
     first_force = exp(s.phi) @ force
     moment = first - cross(ahead, first_force)
     middle_force, middle_moment = middle.T @ first_force, middle.T @ moment
