@@ -57,7 +57,8 @@ def test_a_wheel_that_starts_backward_or_deep_is_warned_of():
         assert warnings_of(prepare(input_deck("wheel_spin_up", reverse % "tire", f"parameters.speed={speed}"))) == []
     for name, wheel in (("step_slip", "tire"), ("nose_landing_gear", "wheel")):  # a transient and a flexible wheel
         warnings = warnings_of(prepare(input_deck(name, reverse % wheel)))
-        assert any("it starts backward" in said for said in warnings)
+        (said,) = (text for text in warnings if "it starts backward" in text)
+        assert ("'tire_law.lateral' holds for rolling forward; with 'axis" in said) == (wheel == "wheel")
 
 
 def test_a_wheel_on_a_body_that_starts_backward_or_deep_is_warned_of():

@@ -42,9 +42,18 @@ def _backward(d, normal, axis, velocity):
     turned = "[" + ", ".join(f"{-component + 0.0:g}" for component in d["axis"]) + "]"
     yield (
         f"it starts backward, at {-along:.4g} m/s against its forward direction {_vector(ahead)}, which is 'axis' x "
-        f"normal of the ground: slip, spin rate and drag have the signs of a wheel in reverse; with 'axis: {turned}' "
-        "it rolls forward"
+        "normal of the ground: slip, spin rate and drag have the signs of a wheel in reverse"
+        f"{_one_way(d['tire_law'])}; with 'axis: {turned}' it rolls forward"
     )
+
+
+def _one_way(law):
+    """Return what a tyre law that holds for rolling forward only gets wrong in reverse."""
+    if law.get("lateral"):
+        return ", and the lateral force grows until the patch slides, as 'tire_law.lateral' holds for rolling forward"
+    if law.get("magic_formula"):
+        return ", and the moments are wrong, as 'tire_law.magic_formula' holds for rolling forward"
+    return ""
 
 
 def _deep(d, gap, along_normal):
