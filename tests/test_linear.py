@@ -236,6 +236,16 @@ def test_backward_error_is_that_of_the_definition():
     assert error == pytest.approx(np.abs(expected).max() / scale, rel=1e-12)
 
 
+@pytest.mark.parametrize("size", [1e-280, 1e-300, 1e-318, 3e-323])
+def test_a_right_hand_side_that_underflows_is_solved(size):
+    """As where all forces have decayed: rounding is absolute there, 5e-324, and no error relative to it counts."""
+    problem = chain(30)
+    b, x = size * problem.rhs(), np.empty(problem.n)
+    status = problem.solver().solve(problem.data, b, x)
+    assert status and not status.fallback
+    assert np.abs(problem.matrix @ x - b).max() <= max(1e-12 * size, 1e-320)
+
+
 def two_groups(a):
     """A pivot a that no exchange can replace, small against 1."""
     return Problem([[a, 1.0], [1.0, 1.0]], [0, 1], 2)

@@ -50,6 +50,7 @@ VECTORS = 7
 
 BLOCK = 32  # pivots eliminated before the rest of a front is updated, multiple of STRIP
 REFINE_ABOVE = 1e-13  # backward error
+UNDERFLOW = 1e-290  # below it rounding is absolute
 
 
 class Factor(NamedTuple):
@@ -239,7 +240,7 @@ def substitute(b: Vector, lu: Factor, x_out: Vector):
 def residual(data: Vector, equations: Short, b: Vector, x: Vector, residual_out: Vector) -> float:
     """Compute r = b - A x; return the backward error max |r| / max(|A| |x| + |b|), infinite if not finite.
 
-    Oettli & Prager 1964, with the norms taken over all equations. Zero for b = 0 and x = 0.
+    Oettli & Prager 1964, with the norms taken over all equations. Zero for b = 0 and x = 0, up to underflow.
     """
     n = b.size
     count = equations[n]
@@ -257,7 +258,7 @@ def residual(data: Vector, equations: Short, b: Vector, x: Vector, residual_out:
         largest, scale, total = max(largest, abs(r)), max(scale, size), total + size
     if not total < np.inf:
         return np.inf
-    return largest / scale if scale > 0.0 else 0.0
+    return largest / scale if scale > UNDERFLOW else 0.0
 
 
 @entry
