@@ -24,6 +24,20 @@ from towed_wheel import (
 from mecano.analyses.prepare import prepare
 
 
+@pytest.mark.parametrize("law", [name for name in LAWS if name != "string"])
+def test_a_patch_rolls_backward_as_forward(law):
+    """A wheel does not know the sign of its axis: the same landing, turned by half a turn about the normal."""
+    ahead, astern = (
+        RecordedRun(towed(LAWS[law], lean=lean, end=0.1, tolerance=1e-4, angle=angle, spin=spin))
+        for lean, angle, spin in ((2.0, 0.02, 130.0), (-2.0, 0.02 + np.pi, -130.0))
+    )
+    force, turned = (run["elements/tire/contact_force"][-1] for run in (ahead, astern))
+    assert 1e3 < np.abs(force[1]) < 0.2 * force[2]  # far below friction
+    np.testing.assert_allclose(turned, force * [-1, -1, 1], atol=2e-3 * np.abs(force).max())
+    moment, other = (run["elements/tire/aligning_moment"][-1] for run in (ahead, astern))
+    np.testing.assert_allclose(other, moment, atol=1e-3 * np.abs(force).max())
+
+
 @pytest.mark.parametrize("law", LAWS)
 def test_rates_of_the_patch_are_unique(law):
     """The forces along y and psi never fall with dy/dt and dpsi/dt, sliding or not: they are monotone, leaning or not.

@@ -18,6 +18,10 @@ twist against a stiffness: a change of psi does not carry a displaced patch alon
 turn it (``twist`` = 0, docs/tyres.md). Its kap, K sigma^2, only scales the equation. The same holds for Moreland's law
 without C1.
 
+Where the wheel rolls backward, psi = -C F: the patch turns the other way for the same force, and the moment of a trail
+changes its sign. The terms of y in M and in the aligning moment are therefore multiplied by the direction of rolling,
+from -1 to 1 between -0.1 and 0.1 m/s of the axle, in all laws but ``matrices`` and ``string``.
+
 Laws with a contact length, ``string`` and ``straight_tangent``, have a moment M that also depends on the speed u and on
 the turning rate omega_n of the wheel about n, and an aligning moment of their own. The string has a third unknown, the
 bow b of its contact line, with an equation X = 0 (string_law.py). In general, with q = (y, psi, b),
@@ -92,7 +96,7 @@ LATERAL_TYPE = mapping(*LATERAL_FIELDS)
 CURVES = "stiffness_by_load", "stiffness_by_speed", "damping_by_load", "damping_by_speed"
 LATERAL_RECORD = {
     "A0": (3, 3), "A1": (3, 3), "A1_air": (3, 3), "aligning": 4, "turning": 3, "moment": 3, "pace": (),
-    "least_speed": (), "twist": (), "stored": (3, 3), "damped": (3, 3), "damped_air": (3, 3),
+    "least_speed": (), "reverses": (), "twist": (), "stored": (3, 3), "damped": (3, 3), "damped_air": (3, 3),
     **dict.fromkeys(CURVES, "i"),
 }  # fmt: skip
 FORMS = "matrices", "moreland", "relaxation", "string", "straight_tangent"
@@ -116,7 +120,7 @@ def matrices(law):
 def prepare_lateral(law, context):
     """Return the values of LATERAL_RECORD."""
     values = prepare_string(law) or _prepare_matrices(law)
-    values |= _energies(values)
+    values |= {**_energies(values), "reverses": 0.0 if law["matrices"] or law["string"] else 1.0}
     curves = {name: int(context.laws.add(law[name])) for name in CURVES}
     return {"aligning": law["aligning_moment"], **values, **curves}
 

@@ -47,7 +47,8 @@ def load_of(p, at, k):
         l,
         k.g.n,
     )
-    law = lateral_law(p, at.laws, vec(at.q, Y), vec(at.v, Y), k.rolled, N, norm(u), dot(k.g.n, k.omega))
+    turning = dot(k.g.n, k.omega)
+    law = lateral_law(p, at.laws, vec(at.q, Y), vec(at.v, Y), k.rolled, N, norm(u), dot(t, u), turning)
     return Load(radial, N, damping, slip, law)
 
 

@@ -91,7 +91,7 @@ def put_patch(p, at, k, load, friction, y, e):
     put(y, 18, vec(q, Y))
     put(y, 24, vec(v, Y))
     if touching and p.twist > 0.0 and p.A0[1, 0] < 0.0:
-        y[27] = dot(friction.F, directions(k.a, k.g)[0]) / p.A0[1, 0]
+        y[27] = law.way * dot(friction.F, directions(k.a, k.g)[0]) / p.A0[1, 0]
     f = select(contact, law.f, mat(p.A0) @ vec(q, Y) + mat(p.A1_air) @ vec(v, Y))
     if contact:
         put(y, 21, (f[0], f[1], law.turn))

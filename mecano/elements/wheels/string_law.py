@@ -40,8 +40,8 @@ Its psi is the slip angle at the leading edge, not a twist against a stiffness: 
 (lateral_law.py) a change of psi does not carry the patch along; its kap, sigma/C, only scales the equation.
 
 Both have the cornering stiffness 1/C = 2c (sigma + a)^2 and the pneumatic trail t = a (sigma (sigma + a) +
-a^2/3)/(sigma + a)^2; the kap of the string is the torsional stiffness of the patch. They hold for rolling forward; in
-reverse the other edge would lead.
+a^2/3)/(sigma + a)^2; the kap of the string is the torsional stiffness of the patch. In reverse the other edge leads:
+the straight tangent turns over (lateral_law.py), while the equations of the string hold for rolling forward.
 
 These equations assume that the contact line adheres. Where it slides, dc_1/dt uses the dy/dt of an adhering contact
 line, from the motion of the wheel alone: otherwise dy/dt would enter M with no opposing term (docs/tyres.md).
