@@ -119,6 +119,23 @@ def test_a_landing_at_a_slip_angle_against_an_independent_integration():
     assert np.abs(found_spin - spin).max() < 1e-3 * spin.max()
 
 
+@pytest.mark.parametrize("angle", [0.002, 0.02])
+@pytest.mark.parametrize("law", ["relaxation", "straight_tangent"])
+def test_a_wheel_that_rolls_lands_at_a_small_slip_angle(law, angle):
+    """It sticks from the touch-down on, in the ratio of both forces that grow from zero; rolling, F = C tan(alpha).
+
+    The regularized contact creeps with v, where phi(v) mu N = F, and so reduces alpha: tan(alpha) = (v_y - v)/v_x.
+    The terms of psi^2, by which the patch turns the force, are neglected.
+    """
+    recorded = RecordedRun(towed(LAWS[law], end=0.1, tolerance=1e-4, angle=angle, spin=SPEED / RADIUS))
+    normal = recorded["elements/tire/contact_force"][-1][2]
+    v_x, v_y = SPEED * np.cos(angle), SPEED * np.sin(angle)
+    grip = (0.5 + 0.3 * np.exp(-0.03 * v_y)) * normal
+    creep = brentq(lambda v: 10.0 * v * (2.0 - 10.0 * v) * grip - CORNERING * (v_y - v) / v_x, 0.0, 0.1)
+    force = CORNERING * (v_y - creep) / v_x
+    assert -recorded["elements/tire/contact_force"][-1][1] == pytest.approx(force, rel=1e-4 + angle**2)
+
+
 @pytest.mark.parametrize("law", [name for name in LAWS if name != "moreland without rates"])
 @pytest.mark.parametrize("lean", [0.0, 4.0])
 def test_every_law_lands_at_a_slip_angle(law, lean):

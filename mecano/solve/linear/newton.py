@@ -3,6 +3,10 @@
 The factor of an earlier tangent is used as long as the residual falls quickly enough; otherwise the tangent is
 evaluated and factored anew. What compiled code cannot do alone is left to the caller, who calls again: a look at
 signals before a factorization (PAUSE), a matrix that the fixed order of elimination cannot factor (OTHERWISE).
+
+In a step that is cut because a longer one failed, corrections of massless unknowns that overshoot are halved (Matthies
+and Strang, Int. J. Numer. Methods Eng. 14 (1979) 1613-1626). Where a tyre begins to stick they would go to and fro
+between sliding in both directions, however short the step.
 """
 
 import numpy as np
@@ -11,6 +15,7 @@ from mecano.errors import Failure
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers
 from mecano.model.assembly_driver import assemble, bind_state, loops_at, residual
+from mecano.model.numbering import MASSLESS
 from mecano.solve.diagnostics.scales import Limits, Scales, norms
 from mecano.solve.events.compliance import soften
 from mecano.solve.linear.rounding import ROUNDING, at_rounding
@@ -31,6 +36,8 @@ TINY = 1e-300
 SLOW = 0.1  # a kept factor is used again as long as the residual falls by more than this
 SHARE = 0.001  # of the tolerances is met with an old tangent: what it leaves is not squared by the last iteration
 MOST_ROUNDING = 10.0  # times the estimated rounding, which a residual may be if the corrections are rounding
+OVERSHOT = 0.5  # share of the work of the residual that may remain with the opposite sign
+MOST_HALVINGS = 8  # of one correction
 MOST_MOVED = 3.0  # length scales, or rad, in one correction: iterations that go so far do not come back
 
 CONVERGED, STALE, NOT_FINITE, TOO_MANY, SINGULAR, DIVERGES, PAUSE, OTHERWISE = range(8)
@@ -84,17 +91,42 @@ def iterate(w):
     bind_state(system, s)
     system[0].lag = 1.0 / w.cC
     while True:
+        work, back = massless_work(of, r, x) if w.pending and w.strict else 0.0, -0.5
         if w.pending:
             report[LAST], w.last_motion = report[WORST], w.motion
             report[INCREMENT] = correct(of, w.length, x, w.k, w.cC, w.cM, R0, s) / w.increment_tolerance
             report[ITERATIONS] += 1
         residual(loops, system, w.k, w.penalty)
         soften_rows(w, s.z, r)
+        for _ in range(MOST_HALVINGS):
+            if not massless_work(of, r, x) * work < -OVERSHOT * work * work:
+                break
+            scale_massless(of, x, back)
+            work, back = back * work, 0.5
+            correct(of, w.length, x, w.k, w.cC, w.cM, R0, s)
+            residual(loops, system, w.k, w.penalty)
+            soften_rows(w, s.z, r)
         code = judge(w, report, measure(w, report, share))
         if code >= 0:
             return code
         call(w.substitute, w.substitute_words, 0)
         w.pending = 1
+
+
+@kernel
+def massless_work(of, r, x):
+    """Return the work of the residual of massless unknowns in their correction."""
+    total = 0.0
+    for i in range(x.size):
+        total += r[i] * x[i] if of.kind[i] == MASSLESS else 0.0
+    return total
+
+
+@kernel
+def scale_massless(of, x_out, share):
+    """Scale the correction of massless unknowns, and drop that of all others."""
+    for i in range(x_out.size):
+        x_out[i] *= share if of.kind[i] == MASSLESS else 0.0
 
 
 @kernel
