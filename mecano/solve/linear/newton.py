@@ -98,7 +98,7 @@ def iterate(w):
             report[ITERATIONS] += 1
         residual(loops, system, w.k, w.penalty)
         soften_rows(w, s.z, r)
-        for _ in range(MOST_HALVINGS):
+        for _ in range(MOST_HALVINGS if work else 0):
             if not massless_work(of, r, x) * work < -OVERSHOT * work * work:
                 break
             scale_massless(of, x, back)
