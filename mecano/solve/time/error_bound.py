@@ -1,4 +1,4 @@
-r"""Local error of a step, with oscillations bounded by their amplitude.
+r"""Local error of a step, with oscillations bounded by their amplitude, and spins by what holds their axes.
 
 The errors of a run of the duration T in such steps add up to :math:`\tau^2 \Delta a`, :math:`\tau^2` = Ce h T. Of a
 mode of circular frequency omega this may be too much: it can be off by no more than its amplitude,
@@ -7,6 +7,9 @@ mode of circular frequency omega this may be too much: it can be off by no more 
 .. math:: \tau^2 |P^2 \Delta a| + |P (1 - P) a| / \omega_c^2, \qquad P = \omega_c^2 (K + \omega_c^2 M)^{-1} M
 
 along the constraints (modal_filter.py); but all of :math:`\Delta a` where the motion is unstable (docs/theory.md, 2.2).
+
+The error of bodies that spin (turning_error.py) is a change of the angular velocities. The constraints undo what would
+violate them: with no stiffness in P, what remains is its part along the constraints in the metric of the masses.
 """
 
 import numpy as np
@@ -25,35 +28,50 @@ from mecano.solve.time.modal_filter import (
     negative_pivots,
     resolve,
 )
-from mecano.solve.time.workspace import BEGIN, STEP, TRIAL, history_of
+from mecano.solve.time.turning_error import turning_error
+from mecano.solve.time.workspace import BEGIN, STEP, TRIAL, history_of, state_of
 
 FREE = 1e6  # times the weight of the masses: no stiffness has a say
-BOUND = fields(floats=f"plain bounded {FLOATS}", words=f"vectors {WORDS}")
+NOTHING = 1e-8  # of a change of the accelerations: a part along the constraints that may be rounding
+BOUND = fields(floats=f"bounded turning {FLOATS}", words=f"vectors {WORDS}")
 NONE, CHANGE, PART, TWICE = range(4)  # rows of ``vectors``, (4, n_all)
 
 
 @entry
 def bound_error(bound: Records(BOUND), work: Records(STEP)):
-    """Write the error of the step in the workspace into ``bounded``; ``plain`` is the estimate of the whole of it."""
+    """Write the errors of the step in the workspace: ``bounded`` of its accelerations, ``turning`` of its spins."""
     b, w = bound[0], work[0]
-    b.bounded = b.plain
     began, ended, change = history_of(w, BEGIN)[0], history_of(w, TRIAL)[0], row(w, b, CHANGE)
     for i in range(w.n_q):
         change[i] = ended[i] - began[i]
+    all_of_it = size(w, b, change)
+    plain = w.error * w.h * w.h * all_of_it
+    spins = row(w, b, TWICE)
+    spins[:] = 0.0
+    v, rotations = state_of(w, TRIAL).v, integers(w.rotation_dof, w.n_rotations)
+    turning = turning_error(w.h, w.duration, rotations, w.n_q, v, began, ended, spins)
+    b.bounded, b.turning = plain, turning
     summed = w.duration * w.error * w.h
     limit = (summed * w.h) ** (-2.0 / 3.0)
     keep_masses(w, b)
     if not factor_filter(w, b, FREE * limit):
         return
     stable, part, twice = negative_pivots(w, b), row(w, b, PART), row(w, b, TWICE)
+    if turning > 0.0 and w.n > w.n_q:
+        resolve(w, b, twice, part)
+        b.turning = min(turning, size(w, b, part))
     resolve(w, b, change, part)
     whole = size(w, b, part)
-    if not (whole > 0.0 and whole < np.inf) or not factor_filter(w, b, limit) or negative_pivots(w, b) != stable:
+    if (
+        not (whole > NOTHING * all_of_it and whole < np.inf)
+        or not factor_filter(w, b, limit)
+        or negative_pivots(w, b) != stable
+    ):
         return
     oscillation = max(filtered_twice(w, b, began), filtered_twice(w, b, ended))
     resolve(w, b, change, part)
     resolve(w, b, part, twice)
-    b.bounded = b.plain * min((size(w, b, twice) + oscillation / (limit * summed)) / whole, 1.0)
+    b.bounded = plain * min((size(w, b, twice) + oscillation / (limit * summed)) / whole, 1.0)
 
 
 @kernel

@@ -238,14 +238,13 @@ class GeneralizedAlpha:
         return self.change_step_with(solve, lambda: self.linear.solve_again(self.equations, self.increment))
 
     def bounded_error(self, s, history, info):
-        """Return the local error of the step to ``s`` and ``history``, with oscillations bounded (error_bound.py)."""
+        """Return the local error of the step to ``s`` and ``history`` as error_bound.py bounds it."""
         w = self.workspace
         self._enter(info.began, history.h)
         w.put_state(TRIAL, s)
         w.history[TRIAL, : len(history.a)] = history.a
-        self.error_bound.record["plain"] = info.plain
         bound_error(self.error_bound.record, w.record)
-        return float(self.error_bound.record["bounded"][0])
+        return max(float(self.error_bound.record[name][0]) for name in ("bounded", "turning"))
 
     @cached_property
     def error_bound(self):
@@ -311,7 +310,8 @@ class GeneralizedAlpha:
         if code != CONVERGED:
             message = MESSAGES[code].format(int(report[ITERATIONS]))
             return s, history, StepInfo(False, iterations, reached, np.nan, history, message, FAILURES[code])
-        change, turn, lasting, lag = [float(w.record[name][0]) for name in ("change", "turn", "lasting", "lag")]
+        measures = ("change", "turn", "turning", "signalled", "lag")
+        change, turn, turning, signalled, lag = [float(w.record[name][0]) for name in measures]
         if turn > MOST_TURN:
             return s, history, StepInfo(False, iterations, reached, np.nan, history, TURNS_TOO_FAR)
         slips = np.zeros(self.system.n_l)  # rates of the deactivated rows, without the equations in their place
@@ -320,8 +320,8 @@ class GeneralizedAlpha:
         if text := self.contradictions.at_the_end(s, h, slips):
             return s, history, StepInfo(False, iterations, reached, np.nan, history, text, Failure.CONTRADICTION)
         new = w.new_history(TRIAL, self._no_shift, self.linear.label)
-        error = self.coefficients.error * h * h * change
-        info = StepInfo(True, iterations, reached, error, history, lag=lag, lasting=lasting, plain=error)
+        error = max(self.coefficients.error * h * h * change, turning)
+        info = StepInfo(True, iterations, reached, error, history, lag=lag, signalled=signalled, plain=error)
         info.forces = self.assembly.forces.copy()
         return s, new, info
 

@@ -135,7 +135,7 @@ def finish(w, of, start, s, before, after_out):
         slope_out[i] = s.z[i] - start.z[i]
     for i in range(of.n):
         bend_out[i] = slope_out[i] - slope[i] if known else 0.0
-    turning = turning_error(w.h, w.duration, of.rotation_dof, of.n_q, s.v, a0, a)
+    turning = turning_error(w.h, w.duration, of.rotation_dof, of.n_q, s.v, a0, a, a[:0])
     return largest_change(a0, a, of.kind, of.n_q, w.length), turn, turning
 
 

@@ -161,5 +161,5 @@ class OrdinarySteps:
         iterations = int(self.record["in_vain"][0] + self.workspace.report[0])
         s, new, info = self.method.trial(run.motion, history, iterations)
         h = float(self.workspace.record["h"][0])
-        info.error = info.plain = max(info.error, self.control.forgotten(info.lag, h), info.lasting)
+        info.error = info.plain = max(info.error, self.control.forgotten(info.lag, h), info.signalled)
         return s, new, info

@@ -60,7 +60,7 @@ def begin(w):
 def complete(w):
     """Compute the history at TRIAL, the error measures, and whether the next step may keep the tangent."""
     start, s, before, after = state_of(w, BEGIN), state_of(w, TRIAL), history_of(w, BEGIN), history_of(w, TRIAL)
-    w.change, w.turn, w.lasting = finish(w, unknowns_of(w), start, s, before, after)
+    w.change, w.turn, w.turning = finish(w, unknowns_of(w), start, s, before, after)
     system, sizes, signal = system_of(w)[0], start.memory, 0.0
     began, slope, _ = before
     ended, new_slope, _ = after
@@ -72,7 +72,7 @@ def complete(w):
         change = 0.5 * (slope[d] + new_slope[d]) if w.known else ended[d] - began[d]
         signal = max(signal, abs(change) / size)
     share = counted(1.0, SUDDEN, w.duration, w.h)  # squared, as the rounding of reactions grows as 1/h^2
-    w.lasting = max(w.lasting, w.error * w.h * w.h * signal * share * share)
+    w.signalled = w.error * w.h * w.h * signal * share * share
     largest, massless = 0.0, integers(w.massless, w.n_massless)
     for i in range(w.n_massless):
         largest = max(largest, abs(ended[massless[i]] - began[massless[i]]))

@@ -24,8 +24,8 @@ class StepInfo:
     message: str = ""
     failure: Failure = Failure.NOT_CONVERGED  # where not ok
     lag: float = 0.0  # local error of massless unknowns, which relax
-    lasting: float = 0.0  # error that later steps do not undo: of bodies that spin [rad], of signals with a rate
-    plain: float = np.nan  # the error before what swings was bounded
+    signalled: float = 0.0  # local error of signals with a rate, which later steps do not undo
+    plain: float = np.nan  # the error before it was bounded
     stages: tuple = ()  # States within the step that satisfy the equations, in the order of time
     forces: np.ndarray | None = None  # (n_slots,) of the Assembly at the end of the step; None if it has none there
     event_records: tuple = ()  # captured in the step (solve/events/capture.py)

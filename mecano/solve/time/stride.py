@@ -80,7 +80,8 @@ def stride(integrator: Records(STRIDE), work: Records(STEP), output: Records(OUT
                 continue
             if w.code != CONVERGED or w.turn > MOST_TURN or parts(m, w):
                 return REPEAT
-            plain = max(w.error * w.h * w.h * w.change, counted(w.lag, FORGOTTEN, m.duration, w.h), w.lasting)
+            lag = counted(w.lag, FORGOTTEN, m.duration, w.h)
+            plain = max(w.error * w.h * w.h * w.change, w.turning, w.signalled, lag)
             share = allowed(m.tolerance, m.duration, w.h)
             within = plain <= share or w.h < m.minimum
             error = plain if within and not is_probe(m, w, plain, share) else bounded(m, w, plain)
@@ -105,13 +106,12 @@ def stride(integrator: Records(STRIDE), work: Records(STEP), output: Records(OUT
 
 @kernel
 def bounded(m, w, plain):
-    """Return the error of a step of adaptive size with oscillations bounded; ``plain`` is the whole of it."""
+    """Return the error of a step of adaptive size as error_bound.py bounds it; ``plain`` is the whole of it."""
     if not m.bound:
         return plain
-    found = items(m.bound, 1, BOUND)
-    found[0].plain = plain
     call(m.bound_error, m.bound_error_words, 0)
-    return max(found[0].bounded, counted(w.lag, FORGOTTEN, m.duration, w.h), w.lasting)
+    found = items(m.bound, 1, BOUND)[0]
+    return max(found.bounded, found.turning, w.signalled, counted(w.lag, FORGOTTEN, m.duration, w.h))
 
 
 @kernel

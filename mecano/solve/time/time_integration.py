@@ -259,7 +259,7 @@ class TimeIntegrator:
 
     def _bounded(self, trial, h):
         info = trial[2]
-        return max(self.method.bounded_error(*trial), self.control.forgotten(info.lag, h), info.lasting)
+        return max(self.method.bounded_error(*trial), self.control.forgotten(info.lag, h), info.signalled)
 
     def _step(self, run, h):
         history = self._history_for(run, h)
@@ -274,7 +274,7 @@ class TimeIntegrator:
     def _with_error(self, trial, h):
         """Return a ``trial`` step of size h with all its errors."""
         info = trial[2]
-        info.error = info.plain = max(info.error, self.control.forgotten(info.lag, h), info.lasting)
+        info.error = info.plain = max(info.error, self.control.forgotten(info.lag, h), info.signalled)
         return trial
 
     def _history_for(self, run, h):

@@ -24,7 +24,7 @@ UNCHANGED = 2  # row of ``history``: that at BEGIN before the step size was chan
 STEP = fields(
     floats="due am af beta gamma error length duration force_tolerance constraint_tolerance increment_tolerance "
     "h k penalty cC cM stiffness reach farthest farthest_fixed loudest motion last_motion "
-    "change lag turn lasting drift next_drift "
+    "change lag turn turning signalled drift next_drift "
     "next_h last_h last_stiffness metric_k similar_stiffness fixed_k fixed_penalty "
     "largest_penalty largest_penalty_share",
     words="code begun strict by_velocity paused factored delegated similar masses_kept changed has kept "
