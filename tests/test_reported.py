@@ -89,6 +89,42 @@ def test_initial_velocities_that_cannot_be_are_reported(name, nodes, motion, rep
     assert changes == ([reported] if reported else [])
 
 
+ROTOR = b"""
+mecano: 1
+gravity: none
+sections: {tube: {type: tube, diameter: 0.1, thickness: 5 mm, E: 70 GPa, nu: 0.3, density: 2700}}
+templates:
+  blade:
+    nodes:
+      {root: {position: [0.3, 0, 0]}, mid: {position: [0.3, 0, 0]}, cuff: {position: [0.3, 0, 0]},
+       tip: {position: [5, 0, 0]}}
+    elements: {blade: {type: beam, nodes: [cuff, tip], section: tube, mesh: 2}}
+    joints:
+      flap: {type: hinge, nodes: [root, mid], axis: [0, -1, 0]}
+      lag: {type: hinge, nodes: [mid, cuff], axis: [0, 0, 1]}
+place:
+  b$k: {repeat: {k: 1..3}, template: blade, orientation: [0, 0, ($k - 1)*2*pi/3]}
+nodes: {base: {position: [0, 0, 0]}, hub: {position: [0, 0, 0]}}
+elements:
+  base: {type: rigid_body, node: base, mass: 500, inertia: [10, 10, 10]}
+  hub: {type: rigid_body, node: hub, mass: 20, inertia: [2, 2, 3], attached: [b1_root, b2_root, b3_root]}
+joints:
+  pylon: {type: generic, nodes: [ground, base], axis: [0, 0, 1], free: [along_1, along_2]}
+  shaft: {type: hinge, nodes: [base, hub], axis: [0, 0, 1]}
+initial:
+  velocities:
+    - {nodes: all, angular_velocity: [0, 0, 20], about: [0, 0, 0]}
+    - {nodes: [base], angular_velocity: [0, 0, -20]}
+time: {end: 1, step: 1 ms}
+"""
+
+
+def test_rounding_of_initial_velocities_is_not_reported():
+    """The base is at rest; that it moves at 1e-17 m/s follows from the velocities of the blades, up to 40 m/s."""
+    base = operating_point(deck_of_bytes(ROTOR, "rotor.yaml"))
+    assert not [text for text in base.warnings if "initial velocities" in text]
+
+
 def test_a_limit_that_was_exceeded_is_printed_and_stored(tmp_path):
     """The deformation of the tyre against the validity of its law; nothing is said where it holds."""
     name, short = "nose_gear_rigid", "time.end=0.1"

@@ -257,7 +257,7 @@ def _changed_velocities(prepared, motion):
         asked = np.where((first < of.n_q)[:, None], before, asked)  # fixed nodes did not receive the velocities asked
         rows = [i for i, node in enumerate(system.nodes) if node.name in names]
         change = np.linalg.norm((reached - asked)[rows], axis=1)
-        fastest = np.linalg.norm(np.concatenate([asked[rows], reached[rows]]), axis=1).max(initial=0.0)
+        fastest = np.linalg.norm(np.concatenate([asked, reached]), axis=1).max(initial=0.0)
         if change.max(initial=0.0) > 1e-6 * fastest:
             i = rows[int(np.argmax(change))]
             was, is_ = (", ".join(f"{c + 0.0:.4g}" for c in vector) for vector in (asked[i], reached[i]))
