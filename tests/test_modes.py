@@ -739,6 +739,21 @@ def test_a_turning_start_without_its_centrifugal_forces_is_reported(frame, repor
     assert ("the start is not an equilibrium" in text and "use --at" in text) == reported
 
 
+@pytest.mark.parametrize("reported", [True, False])
+def test_a_turning_start_on_a_pylon_that_does_not_turn_is_reported(reported):
+    """At the offset 1.5 m with a natural length of 0.45 m the spring bears the centrifugal force m r w^2 = 50 N."""
+    text = SPINNING.replace("[ground, hub]", "[pylon, hub]").replace(
+        "nodes: {", "nodes: {pylon: {position: [1, 0, 2]}, "
+    )
+    text = text.replace("joints:", "joints:\n      pylon: {type: generic, nodes: [ground, pylon], axis: [0, 0, 1], "
+                        "compliance: {about_axis: {spring: 1.0e4}}}")  # fmt: skip
+    text = text.replace("velocities: [", "velocities: [{nodes: [pylon], angular_velocity: [0, 0, -10]}, ")
+    if not reported:
+        text = text.replace("OFFSET", "1.5").replace("spring: 1000}", "spring: 1000}, natural_length: 0.45")
+    found = modes(deck(text.replace("OFFSET", "2")), None, frame="hub")[0]
+    assert ("the start is not an equilibrium" in found and "use --at" in found) == reported
+
+
 def test_a_turning_start_that_is_steady_is_not_reported():
     """The mass at the end of the guide, stretched by m w^2 (L + u) = k u: u = L/9."""
     stretched = SPINNING.replace("OFFSET", f"{1 + 10 / 9:.16g}").replace(

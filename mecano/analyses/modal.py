@@ -91,7 +91,8 @@ def _held(deck):
 def unbalanced(base, w):
     """Yield a warning if a start at rest in axes with the angular velocity ``w`` (3,) is not an equilibrium there.
 
-    A body accelerates relative to them, by more than rounding.
+    A body accelerates relative to them, by more than rounding. Bodies may turn in place, as the pylon of a rotor does
+    as seen from its blades.
     """
     system, s = base.prepared.system, base.state
     a = _relative_accelerations(system, s, w) if base.is_start else None
@@ -111,7 +112,7 @@ def unbalanced(base, w):
 def _relative_accelerations(system, s, w):
     """Return the accelerations (n_q,) relative to axes with the angular velocity ``w``, None if the state moves there.
 
-    The axes turn about the origin or about any other point.
+    The axes turn about the origin or about any other point. Angular accelerations of nodes that turn in place are zero.
     """
     of, n_q = system.numbering, system.n_q
     v, a = s.v[:n_q].copy(), s.a[:n_q].copy()
@@ -121,8 +122,11 @@ def _relative_accelerations(system, s, w):
     if np.any(w):
         v[at] -= v[at[:1]]
     free = of.rotation_dof < n_q
-    v[of.rotation_dof[free][:, None] + np.arange(3)] -= w @ s.R[free]
+    rotations = of.rotation_dof[free][:, None] + np.arange(3)
+    v[rotations] -= w @ s.R[free]
     rounding = ROUNDING * np.abs(s.v[:n_q]).max(initial=0.0)
+    in_place = rotations[np.abs(v[rotations]).max(axis=1) > rounding]
+    a[in_place], v[in_place] = 0.0, 0.0
     return None if np.any(np.abs(v[~system.signals]) > rounding) else a
 
 
