@@ -240,3 +240,21 @@ def test_redundancies_of_the_same_joints_are_told_at_once():
     first, second = (text for text in startup_warnings(prepared) if "redundant" in text)
     assert "pin_a" in first and "hold_a" in first and "pin_b" not in first and "pin_b" in second
     assert "redundant        10 constraint(s)" in summary(deck(HEAD + HELD))
+
+
+def test_signals_that_are_not_known_yet_do_not_make_compliances_infinite():
+    """Two hinges on one axis are redundant; acos(1.5) is not a number until the signal ``one`` has its value."""
+    text = f"""
+    mecano: 1
+    gravity: none
+    nodes: {{a: {{position: [0, 0, 0]}}, b: {{position: [0, 1, 0]}}}}
+    elements: {{bar: {{{BODY}, node: a, attached: [b]}}}}
+    joints:
+      left: {{type: hinge, nodes: [ground, a], axis: [0, 1, 0]}}
+      right: {{type: hinge, nodes: [ground, b], axis: [0, 1, 0]}}
+    signals: {{one: 1 + time, angle: acos(1.5 - one)}}
+    time: {{end: 0.1, step: 0.01}}
+    """
+    recorded = RecordedRun(deck(text))
+    assert recorded.prepared.compliance is not None
+    assert recorded["signals/angle/value"] == pytest.approx(np.arccos(0.5 - recorded.time), rel=1e-9)

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from mecano.jit.entry import Indices, Vector, entry
-from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
+from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SIGNAL
 
 SOFTNESS = 1e-11  # of the length scale, or rad: a tenth of the tolerance of the constraints
 SHARE_OF_PENALTY = 1e-3
@@ -153,14 +153,15 @@ def compliance(system, s, length, analysis):
 
     Reactions in the directions that the projector ``analysis.dependent`` (n_l, n_l) holds have a compliance: the
     forces acting in ``s``, or those that accelerate the mean mass by LEAST_ACCELERATION, displace the constraints by
-    SOFTNESS of the length scale, or rad. All other directions are exact.
+    SOFTNESS of the length scale, or rad. All other directions are exact. Signals, which may not be known yet, do not
+    count.
     """
     if analysis.dependent is None and analysis.release_matrix is None:
         return None
     import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
 
     assembly, of = system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0), system.numbering
-    sizes = np.where(of.kind == ROTATION, assembly.size / length, assembly.size)
+    sizes = np.where(of.kind == ROTATION, assembly.size / length, assembly.size)[of.kind < SIGNAL]
     inertias = assembly.data[system.diagonal[: system.n_q]]
     masses = np.where(of.kind[: system.n_q] == ROTATION, inertias / length**2, inertias)
     force = max(sizes.max(), LEAST_ACCELERATION * masses.sum() / max(np.count_nonzero(masses), 1), TINY)
