@@ -404,6 +404,41 @@ def test_redundant_supports_share_the_weight():
     assert np.abs(path.positions("high")[-1] - (0, 0, 1)).max() < 1e-9
 
 
+def test_relaxation_ends_where_redundant_reactions_are_rounding():
+    """A cantilever of two beams, whose latched hinges a coupler holds once more: F L^3/(3 EI), and F L/(GA) by shear.
+
+    The reactions of redundant constraints follow from gaps of 1e-11 m, of which 1e-16 m is rounding: a force above the
+    tolerance of an equilibrium.
+    """
+    text = """
+        mecano: 1
+        gravity: none
+        sections:
+          tube: {type: stiffness, EA: 1.0e7, GA2: 1.0e6, GA3: 1.0e6, GJ: 1000, EI2: 1500, EI3: 1500,
+                 mass_per_length: 2, rotary_inertia: [1.0e-3, 5.0e-4, 5.0e-4]}
+        nodes:
+          root: {position: [0, 0, 0], fixed: true}
+          s1: {position: [0, 0, 0]}
+          e1: {position: [1, 0, 0]}
+          s2: {position: [1, 0, 0]}
+          tip: {position: [2, 0, 0]}
+        elements:
+          inner: {type: beam, nodes: [s1, e1], section: tube, up: [0, 0, 1], mesh: 3}
+          outer: {type: beam, nodes: [s2, tip], section: tube, up: [0, 0, 1], mesh: 3}
+        joints:
+          h1: {type: hinge, nodes: [root, s1], axis: [0, 1, 0], turning_law: {preload: 1}}
+          h2: {type: hinge, nodes: [e1, s2], axis: [0, -1, 0], turning_law: {preload: 0.25}}
+          latch1: {type: prescribed_angle, nodes: [root, s1], axis: [0, 1, 0], value: 0}
+          latch2: {type: prescribed_angle, nodes: [e1, s2], axis: [0, -1, 0], value: 0}
+          cable: {type: coupler, angles: [h1, h2], factors: [1, 1]}
+        loads: {push: {type: force, node: tip, direction: [0, 0, 1], value: 0.1}}
+        static: {method: relaxation}
+        """
+    path = Path(text)
+    assert path.prepared.analysis.redundant
+    assert path.positions("tip")[-1, 2] == pytest.approx(0.1 * 2**3 / (3 * 1500) + 0.1 * 2 / 1e6, rel=1e-5)
+
+
 STARTS = ("static", "{static: true}", "{static: {method: steps}}", "{static: {method: relaxation}}")
 
 

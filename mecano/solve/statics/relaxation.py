@@ -14,15 +14,17 @@ import numpy as np
 
 from mecano.errors import ConvergenceError
 from mecano.solve.diagnostics.failure import acting
+from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.statics.continuation import SHRINK
 from mecano.solve.statics.stability import freedom, words
-from mecano.solve.time.increments import displaced
+from mecano.solve.time.increments import displaced, reach_of
 
 FIRST_CREEP, MOST_CREEP = 0.1, 0.3  # displacement in the first step and in any step, in length scales or rad
 MOST_CREEPS = 400  # largest number of steps
 FADES = 0.02, 0.5  # least and largest factor on the drag per step
 STIFFEST = 1e8  # largest drag with which a step is retried, relative to the first one
 NUDGE = 0.01  # displacement by which an unstable equilibrium is left, in length scales or rad
+NO_DRAG = 0.01  # of the tolerated force: what is left of the drag where the state stands still
 ALIKE = 1e-6  # relative difference of creep up to which both sides are equivalent and the positive one is taken
 DEPARTURES = 5  # unstable equilibria left before the search fails
 
@@ -93,7 +95,7 @@ class Relaxation:
         return found_s, found, follower.stability(found_s, self.end)
 
     def _creep(self, follower, s, work, downhill):
-        """Return the state after creep, with forces balanced to their tolerance."""
+        """Return the state after creep, with forces balanced to their tolerance or, in stiff members, to rounding."""
         statics, drag, last = follower.statics, None, None
         for _ in range(MOST_CREEPS):
             size, force = self._size(statics, s)
@@ -113,8 +115,18 @@ class Relaxation:
                     raise follower.failure(self.end, found, s, self.end, self.hint)
             work.event_records += found.event_records
             moved, s = statics.displacement(new, s), new
+            if self._stands_still(statics, s, found.change, drag * size / force):
+                return s
         found.message = f"it still moves after {MOST_CREEPS} steps: {words(statics.system, s, moved, statics.length)}"
         raise follower.failure(self.end, found, s, self.end, self.hint)
+
+    def _stands_still(self, statics, s, change, drag):
+        """Return whether a step of creep has moved ``s`` by rounding, and its ``drag`` was not what held it.
+
+        ``drag`` is over the tolerated force [1/m].
+        """
+        rounding = ROUNDING * reach_of(s.z, statics.system.numbering, statics.length)
+        return change <= rounding and drag * change * statics.length <= NO_DRAG
 
     def _downhill(self, follower, s, drag):
         """Return the least of ``drag``, 2 ``drag``, 4 ``drag``, ... with which a step from ``s`` leads downhill."""
