@@ -12,7 +12,7 @@ from mecano.deck.check import UNCHECKED
 from mecano.deck.format import deck_error_text
 from mecano.deck.physics import rotations
 from mecano.deck.placing import Placement
-from mecano.deck.read import read_deck
+from mecano.deck.read import deck_of_bytes, read_deck
 from mecano.errors import DeckError
 
 INPUTS = Path(__file__).parent.parent / "inputs"
@@ -380,3 +380,74 @@ def test_an_error_in_a_file_tells_where_it_is_included(tmp_path):
 def test_long_texts_are_refused_at_once(text):
     (problem, *_) = problems_of(CHAIN.replace("'2 + $i'", f"'{text}'"))
     assert len(problem) < 400
+
+
+CONTROLLED = """\
+mecano: 1
+gravity: none
+parameters: {offset: -0.5}
+templates:
+  axis:
+    parameters: {base: null, gain: 2.5}
+    nodes: {a: {position: [0, 0, 0]}}
+    elements: {body: {type: rigid_body, node: a, mass: 1, inertia: [1, 1, 1]}}
+    joints: {slide: {type: prismatic, nodes: [ground, a], axis: [1, 0, 0], release: {when: slide.displacement > $gain}}}
+    laws: {swing: {sine: {amplitude: 1, frequency: 1}}}
+    signals:
+      far: $gain*(a.position.x - $base.position.x) + $offset**2
+      slow: {type: lag, input: far + 1, time_constant: 0.1}
+      sum: {type: formula, value: "joints.slide.velocity*tanh(time) + 1e-3*min(far, slow) + shared"}
+    loads:
+      push: {type: force, node: a, direction: [1, 0, 0], value: sum}
+      shake: {type: force, node: a, direction: [1, 0, 0], value: swing}
+  pair:
+    parameters: {a: null}
+    nodes: {own: {position: [2, 0, 0]}}
+    elements: {own: {type: rigid_body, node: own, mass: 1, inertia: [1, 1, 1]}}
+    place: {one: {template: axis, with: {base: own}}, two: {template: axis, with: {base: $a, gain: 3}}}
+nodes: {a: {position: [5, 0, 0]}}
+elements: {a: {type: rigid_body, node: a, mass: 1, inertia: [1, 1, 1]}}
+signals:
+  shared: 1 + time
+  twice_$side: {repeat: {side: [one, two]}, type: formula, value: "2*p_$(side)_sum - $offset*time"}
+  nodes_$i: {repeat: {i: 1..2}, type: formula, value: "$i*nodes.a.position.x - shared"}
+place: {p: {template: pair, with: {a: a}}}
+time: {end: 1, step: 0.1}
+"""
+
+
+def test_formulas_in_copies():
+    """Values of parameters are written into them; names of the template come first, those from outside stay."""
+    values = deck_of_bytes(CONTROLLED.encode(), "test.yaml").values
+    signals = {name: d.get("value", d.get("input")) for name, d in values["signals"].items()}
+    assert signals == {
+        "shared": "1 + time",
+        "twice_one": "2*p_one_sum - (-0.5)*time", "twice_two": "2*p_two_sum - (-0.5)*time",
+        "nodes_1": "1*nodes.a.position.x - shared", "nodes_2": "2*nodes.a.position.x - shared",
+        "p_one_far": "2.5*(p_one_a.position.x - p_own.position.x) + (-0.5)**2",
+        "p_two_far": "3*(p_two_a.position.x - a.position.x) + (-0.5)**2",
+        "p_one_slow": "p_one_far + 1", "p_two_slow": "p_two_far + 1",
+        "p_one_sum": "joints.p_one_slide.velocity*tanh(time) + 1e-3*min(p_one_far, p_one_slow) + shared",
+        "p_two_sum": "joints.p_two_slide.velocity*tanh(time) + 1e-3*min(p_two_far, p_two_slow) + shared",
+    }  # fmt: skip
+    assert values["joints"]["p_two_slide"]["release"]["when"] == "p_two_slide.displacement > 3"
+    assert values["loads"]["p_one_push"]["value"] == "p_one_sum"
+    assert values["loads"]["p_one_shake"]["value"] is values["laws"]["p_one_swing"]
+
+
+@pytest.mark.parametrize(
+    ("good", "bad", "message"),
+    [
+        ("mass: 1, inertia: [1, 1, 1]}}\n    joints", "mass: 2*$gian, inertia: [1, 1, 1]}}\n    joints",
+         "unknown parameter 'gian'"),
+        ("mass: 1, inertia: [1, 1, 1]}}\n    joints", "mass: $gain kg, inertia: [1, 1, 1]}}\n    joints",
+         "the expression '$gain kg' cannot be understood"),
+        ("input: far + 1", "input: fra + $gain", "there is no signal 'fra'"),
+        ("nodes_$i: {", "nodes_$offset: {", "only whole numbers and words"),
+    ],
+)  # fmt: skip
+def test_mistakes_in_copies_of_formulas(good, bad, message):
+    assert good in CONTROLLED
+    with pytest.raises(DeckError) as error:
+        deck_of_bytes(CONTROLLED.replace(good, bad, 1).encode(), "test.yaml")
+    assert message in str(error.value)

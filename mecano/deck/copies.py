@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 
 from mecano.deck.compose import Node
 from mecano.deck.containers import singular
+from mecano.deck.copied_formulas import filled_in, is_formula
 from mecano.deck.expressions import ExpressionError, has_inserts, inserted
 from mecano.deck.parameters import Parameters, Refused, is_word
 from mecano.deck.placing import Placement, Placing, Word
@@ -145,9 +146,12 @@ class Copies:
         return Node(node.value, level.source(node.source), node.line, node.column, node.raw)
 
     def _text(self, node):
-        """Evaluate a text with $: a name with inserts, a parameter that is a word, or an expression."""
+        """Evaluate a text with $: a formula, a name with inserts, a parameter that is a word, or an expression."""
         text, scope = node.value, self.scope
         try:
+            if is_formula(text, scope.parameters):
+                node.value = filled_in(text, scope.parameters)
+                return node
             if has_inserts(text):
                 node.value = inserted(text, scope.parameters)
                 return node

@@ -80,7 +80,7 @@ def inserted(text, parameters):
         raise _wrong(text, f"has more than {LONGEST} characters")
     parts, end = [], 0
     for match in INSERT.finditer(text):
-        parts += [text[end : match.start()], _insert(match, parameters)]
+        parts += [text[end : match.start()], insert(match, parameters)]
         end = match.end()
     parts.append(text[end:])
     if any("$" in part for part in parts):
@@ -90,16 +90,22 @@ def inserted(text, parameters):
     return "".join(parts)
 
 
-def _insert(match, parameters):
+def inner_value(match, parameters):
+    """Return the number of a match of INSERT; raises the errors of ``evaluate``, at their characters in the text."""
     name = (match[1] if match[2] is None else match[2]).strip()
-    word = parameters.word(name)
-    if word:
-        return word.value
     try:
-        value = evaluate(f"={name}", parameters, bare=True)
+        return evaluate(f"={name}", parameters, bare=True)
     except ExpressionError as error:
         column = match.start() + (1 + error.column if match[2] is None else 0)
         raise type(error)(error.message, column, error.near) from None
+
+
+def insert(match, parameters):
+    """Return the word or whole number of a match of INSERT, as part of a name."""
+    word = parameters.word((match[1] if match[2] is None else match[2]).strip())
+    if word:
+        return word.value
+    value = inner_value(match, parameters)
     if value != int(value):
         raise ExpressionError(
             f"only whole numbers and words can be part of a name; {match[0]} is {value:g}", match.start()

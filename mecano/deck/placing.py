@@ -6,8 +6,11 @@ The fields concerned are declared by their types (mecano/schema.py).
 import math
 
 from mecano.deck.compose import Node
+from mecano.deck.copied_formulas import is_own, with_prefix
 from mecano.deck.scope import INVALID, node_of
 from mecano.schema import SECTION_OF, Field
+
+FORMULAS = ("formula", "condition", "drive", "signal_entry")  # types of texts that may name signals and outputs
 
 
 class Word(Node):
@@ -81,11 +84,13 @@ class Placing:
         type_ = field.type
         if type_.moves:
             self._move(node, field)
+        elif type_.name in FORMULAS and type(node.value) is str:
+            self._rename_formula(node)
         elif type_.name in SECTION_OF:
             self._rename(node, SECTION_OF[type_.name])
         elif type_.name == "mapping":
             self._fields(node, type_.options)
-        elif type_.name == "kind" and type(node.value) is dict:
+        elif type_.name in ("kind", "signal_entry") and type(node.value) is dict:
             named = node.value.get("type", (None, node))[1].value
             kind = self.scope.kinds.get(named) if type(named) is str else None
             self._fields(node, kind.fields if kind else ())
@@ -126,6 +131,14 @@ class Placing:
             node.rise -= 1
         elif type(node.value) is str and self._is_own(node.value, section):
             node.value = self.prefix + node.value
+
+    def _rename_formula(self, node):
+        if type(node) is Word and node.rise > 0:
+            node.rise -= 1
+        elif type(node) is Word or node.value.isidentifier():
+            node.value = self.prefix + node.value if is_own(node.value, self.own) else node.value
+        else:
+            node.value = with_prefix(node.value, self.prefix, self.own)
 
     def _is_own(self, name, section):
         """Return True for a name of the template; nodes inside its members, such as ``leg.1``, belong to it too."""

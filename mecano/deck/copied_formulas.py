@@ -1,0 +1,66 @@
+"""Formulas of signals in copies: values of parameters are written into them, names of the template get its prefix.
+
+A copy of ``torque: $gain*(command - hinge.angle)`` in the template ``leg``, placed as ``left``, is the formula
+``60*(left_command - left_hinge.angle)``. A word given to the template is a name from outside and keeps a mark until the
+names of the template have their prefix.
+"""
+
+import re
+
+from mecano.deck.expressions import INSERT, WORDS, inner_value, insert
+from mecano.element_interface import SECTIONS
+
+OUTER = "^"  # before a name from outside, once for each template around it; no formula contains it
+SIGNS = re.compile(r"[\s*/+<>,()]|^-")  # outside of inserts: of formulas, not of names
+QUANTITY = re.compile(r"(?<![\w.])[0-9][0-9.]*\s*(?![eE][-+0-9])[A-Za-z°%]")  # 90 deg
+OPERAND = re.compile(rf"(?<![\w.])(?!(?:{WORDS})\b)[A-Za-z_]\w*\b(?!\s*\()")
+MEASURED = re.compile(rf"(\{OUTER}*)(?<![\w.])([A-Za-z_]\w*)\b((?:\.\w+)*)\b(?!\s*\()")
+JOINED = re.compile(r"[\w.$)(]")  # beside an insert: it is part of a name
+
+
+def is_formula(text, parameters):
+    """Return whether a text with a $ has operands besides numbers and ``parameters``, and is no name with inserts."""
+    if text.startswith("=") or not SIGNS.search(INSERT.sub("", text).strip()):
+        return False
+    shown = INSERT.sub(lambda match: "x" if parameters.word(_name(match)) else "0", text)
+    return not QUANTITY.search(shown) and OPERAND.search(shown) is not None
+
+
+def filled_in(text, parameters):
+    """Return a formula with the values of ``parameters``, and names with inserts; raises the errors of ``evaluate``."""
+    return INSERT.sub(lambda match: _value(match, text, parameters), text)
+
+
+def with_prefix(text, prefix, own):
+    """Return a formula in which the names of the template, those in ``own`` {section: names}, have the ``prefix``."""
+    return MEASURED.sub(lambda match: _outside(*match.groups(), prefix, own), text)
+
+
+def is_own(name, own):
+    """Return whether a template defines something of this name that can be measured, a signal, or a law."""
+    return any(name in own.get(section, ()) for section in (*SECTIONS, "nodes", "laws"))
+
+
+def _name(match):
+    return (match[1] if match[2] is None else match[2]).strip()
+
+
+def _value(match, text, parameters):
+    before, after = text[: match.start()][-1:], text[match.end() :][:1]
+    begins = before == "(" or not JOINED.match(before)
+    word = parameters.word(_name(match))
+    if word:
+        return OUTER * (getattr(word, "rise", 0) if begins else 0) + word.value
+    if not begins or (after != ")" and JOINED.match(after)):
+        return insert(match, parameters)
+    value = inner_value(match, parameters)
+    number = str(int(value)) if value == int(value) and abs(value) < 1e15 else repr(value)
+    return f"({number})" if value < 0.0 else number
+
+
+def _outside(marks, first, rest, prefix, own):
+    if marks:
+        return marks[1:] + first + rest
+    if first in SECTIONS and rest and is_own(rest.split(".")[1], own):
+        return f"{first}.{prefix}{rest[1:]}"
+    return f"{prefix}{first}{rest}" if is_own(first, own) else first + rest
