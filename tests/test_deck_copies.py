@@ -451,3 +451,37 @@ def test_mistakes_in_copies_of_formulas(good, bad, message):
     with pytest.raises(DeckError) as error:
         deck_of_bytes(CONTROLLED.replace(good, bad, 1).encode(), "test.yaml")
     assert message in str(error.value)
+
+
+UNITS = """\
+mecano: 1
+gravity: none
+parameters: {long: 0.5 rpm, heavy: 5 m}
+templates:
+  part:
+    parameters: {k: 2 kN/m, inner_k: $k, at: 0}
+    nodes: {a: {position: [$at, 0, 0]}, b: {position: [1, 0, 0]}}
+    elements:
+      body: {type: rigid_body, node: a, mass: 1, inertia: [1, 1, 1]}
+      spring: {type: spring_damper, nodes: [a, b], law: {spring: $inner_k}}
+place:
+  p: {template: part}
+time: {end: 1, step: 0.1}
+"""
+
+
+@pytest.mark.parametrize(
+    ("good", "bad", "message"),
+    [
+        ("mass: 1", "mass: $heavy", "parameter $heavy is 5 m: a mass [kg] is expected, and 'm' is a length"),
+        ("{k: 2 kN/m", "{k: 2 kg", "parameter $inner_k is 2 kg: a stiffness [N/m] is expected, and 'kg' is a mass"),
+        ("template: part}", "template: part, with: {k: $heavy}}", "parameter $inner_k is 5 m: a stiffness"),
+        ("template: part}", "template: part, position: [$long, 0, 0]}", "parameter $long is 0.5 rpm: a length [m]"),
+        ("at: 0}", "at: 2 kg}", "parameter $at is 2 kg: a length [m] is expected"),
+    ],
+)  # fmt: skip
+def test_units_of_parameters_in_templates(good, bad, message):
+    assert deck_of_bytes(UNITS.encode(), "test.yaml") and good in UNITS
+    with pytest.raises(DeckError) as error:
+        deck_of_bytes(UNITS.replace(good, bad).encode(), "test.yaml")
+    assert message in str(error.value)

@@ -40,6 +40,17 @@ class Node:
         return self.source.mark(self.line, self.column)
 
 
+class Given(Node):
+    """The number of the parameter ``text``, "$name", that is ``given`` with a unit."""
+
+    __slots__ = ("text", "given")
+
+    def __init__(self, value, node, text, given):
+        super().__init__(value, node.source, node.line, node.column, f"{value} ({text})")
+        self.text = text
+        self.given = given
+
+
 class Frame:
     """A list or mapping that is still open."""
 

@@ -11,7 +11,7 @@ A template is a small deck with parameters of its own; ``place`` puts copies of 
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
-from mecano.deck.compose import Node
+from mecano.deck.compose import Given, Node
 from mecano.deck.containers import singular
 from mecano.deck.copied_formulas import filled_in, is_formula
 from mecano.deck.expressions import ExpressionError, has_inserts, inserted
@@ -168,7 +168,12 @@ class Copies:
         if value is INVALID:
             self.without_value = node
             return node
-        return Node(value, node.source, node.line, node.column, f"{value} ({text})")
+        given = scope.quantity_of(text)
+        return (
+            Given(value, node, text, given)
+            if given
+            else Node(value, node.source, node.line, node.column, f"{value} ({text})")
+        )
 
     def placed(self, name, key, node):
         """Return {section: {name: (key, node)}} of a copy of a template."""

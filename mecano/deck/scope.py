@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass, field
 
-from mecano.deck.compose import Node
+from mecano.deck.compose import Given, Node
 from mecano.deck.expressions import ExpressionError, evaluate, is_evaluated, is_expression, names_in
 from mecano.deck.parameters import Parameters, Refused
 from mecano.deck.similar_names import similar
@@ -146,7 +146,7 @@ class Scope:
             name = BARE.fullmatch(text)
             node = self.parameters.node(name[1]) if name else None
             if node is None or type(node.value) is not str:
-                return ""
+                return node.given if type(node) is Given else ""
             if is_quantity(node.value):
                 return node.value
             text = node.value

@@ -8,6 +8,7 @@ import math
 import re
 from dataclasses import replace
 
+from mecano.deck.compose import Given
 from mecano.deck.scalar import number as number_in
 from mecano.deck.scope import INVALID, Reference
 from mecano.deck.units import (
@@ -33,6 +34,8 @@ SIX = replace(NUMBERS, expects="six numbers")
 def plain_number(node, field, scope):
     """Return the int or float of a node, expression or quantity; None if it is no number, INVALID if it is wrong."""
     value = node.value
+    if type(node) is Given and _quantity(node, node.given, field, scope, node.text) is INVALID:
+        return INVALID
     if type(value) is str and (quoted_number := number_in(value)) is not None:
         return quoted_number
     if type(value) is str and is_quantity(value):
@@ -119,7 +122,8 @@ def items(node, field, scope, item_type):
     """Return a list of values of one type."""
     if type(node.value) is not list:
         return scope.refuse_value(node, field)
-    if item_type is NUMBER and all(type(i.value) in (int, float) and in_range(i.value) for i in node.value):
+    plain = (type(i.value) in (int, float) and type(i) is not Given and in_range(i.value) for i in node.value)
+    if item_type is NUMBER and all(plain):
         return [float(item.value) for item in node.value]  # most of a large deck: fast path without a Field for each
     check = scope.checks[item_type.name]
     own = item_type is NUMBER  # each number of a list may have a unit of its own; nested lists share one
