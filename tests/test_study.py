@@ -200,8 +200,10 @@ class TestDecks:
             ("csv: rows.csv", "rows.csv:2:1", "'mass' must be greater than"),
             ("latin_hypercube: {ranges: {time.step: [-2, -1]}, number: 3}", "study.yaml:3:39", "'time.step' must be"),
             ("seeds: {path: elements.ball.mass, number: 1, first: 0}", "study.yaml:3:15", "'mass' must be greater"),
+            ("grid: {elements.ball.mass: {from: 1 s, to: 2 s, number: 2}}", "study.yaml:3:28", "a mass [kg]"),
+            ("latin_hypercube: {ranges: {elements.ball.mass: [1 N, 2 N]}, number: 3}", "study.yaml:3:48", "a mass"),
         ],
-        ids=["set", "grid", "key", "span", "list", "csv", "hypercube", "seeds"],
+        ids=["set", "grid", "key", "span", "list", "csv", "hypercube", "seeds", "unit of span", "unit of range"],
     )  # fmt: skip
     def test_a_value_that_no_deck_can_have_is_reported_where_it_stands(self, folder, text, place, message):
         (folder / "rows.csv").write_text("time.end, elements.ball.mass\n1, -3\n")

@@ -8,7 +8,7 @@ from mecano.deck.compose import MAX_DEPTH, Node
 from mecano.deck.json_schema import mapping_schema
 from mecano.deck.limits import at_least_one, not_empty
 from mecano.deck.scope import INVALID
-from mecano.deck.units import ANY, UnitError, converted, is_quantity
+from mecano.deck.units import ANY, UnitError, converted, is_quantity, si_unit
 from mecano.deck.wording import quoted
 from mecano.schema import INTEGER, NUMBER, TEXT, Field, Type, choice, list_of, mapping, named
 
@@ -147,7 +147,7 @@ def _span(node, name, scope):
         return INVALID
     first, last, steps = span["from"], span["to"], max(span["number"] - 1, 1)
     raw = node.value["from"][1].raw
-    return here(node, [here(node, first + (last - first) * i / steps, raw) for i in range(span["number"])])
+    return here(node, [between(node, first + (last - first) * i / steps, raw) for i in range(span["number"])])
 
 
 def _range(node, name, scope):
@@ -164,6 +164,11 @@ def _range(node, name, scope):
 def here(node, value, raw=""):
     """Return the node of another value at the position of ``node``; ``raw``: the written text, with its unit."""
     return Node(value, node.source, node.line, node.column, raw)
+
+
+def between(node, value, raw):
+    """Return the node of a value [SI] of a range whose end is written as ``raw``: with its SI unit, if it has one."""
+    return here(node, f"{value!r} {si_unit(raw)}" if is_quantity(raw) and si_unit(raw) else value, raw)
 
 
 def plain(node):

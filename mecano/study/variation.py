@@ -8,7 +8,7 @@ import numpy as np
 from mecano.deck.compose import Node
 from mecano.deck.scalar import resolved
 from mecano.deck.wording import quoted
-from mecano.study.grammar import Entry, here, path_of
+from mecano.study.grammar import Entry, between, here, path_of
 
 MOST = 100_000  # cases
 
@@ -55,7 +55,7 @@ def _hypercube(cube):
     for path, (key, node) in cube["ranges"].items():
         low, high = node.value
         places = (random.permutation(number) + random.random(number)) / number
-        columns[path] = [Entry(key, here(node, value, node.raw)) for value in (low + (high - low) * places).tolist()]
+        columns[path] = [Entry(key, between(node, value, node.raw)) for value in (low + (high - low) * places).tolist()]
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
