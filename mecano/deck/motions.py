@@ -4,7 +4,7 @@ import re
 
 from mecano.deck.wording import quoted
 from mecano.laws.formula import FormulaError, read_formula
-from mecano.laws.formula_rate import LONGEST, with_rates
+from mecano.laws.formula_rate import LONGEST, TOO_LONG, with_rates
 
 INSTEAD = (
     "a prescribed motion needs the second rate of its value; use a spring or a law of the joint with this set point, a "
@@ -28,7 +28,7 @@ def motion_of(text, signals):
     try:
         with_rates(found)
     except FormulaError as error:
-        raise NotAMotion(f"{error.message}; {INSTEAD}") from None
+        raise NotAMotion(TOO_LONG if error.message == TOO_LONG else f"{error.message}; {INSTEAD}") from None
     return found
 
 
@@ -39,11 +39,16 @@ def _of_time(text, signals, outer):
         d = signals.get(signal)
         if signal in outer:
             raise NotAMotion(f"the signal {quoted(signal)} depends on itself")
+        if d is not None and d["type"] == "curve" and d["input"].strip() == "time":
+            raise NotAMotion(
+                f"the curve {quoted(name)} can be the whole value, but no part of a formula: write its law as a "
+                "formula of the time there"
+            )
         if d is None or d["type"] != "formula":
             what = f"{quoted(name)} depends on the motion" if d is None else f"{quoted(name)} is a {d['type']}"
             raise NotAMotion(f"it is no function of the time alone: {what}; {INSTEAD}")
         inner = _of_time(d["value"], signals, (*outer, signal))
         text = re.sub(rf"(?<![\w.]){re.escape(name)}(?![\w.])", lambda _, inner=inner: f"({inner})", text)
         if len(text) > LONGEST:
-            raise NotAMotion(f"with the signals that it reads it has more than {LONGEST} characters; {INSTEAD}")
+            raise NotAMotion(TOO_LONG)
     return text

@@ -6,6 +6,10 @@ from mecano.laws.formula import BINARY, FormulaError, read_formula
 
 LONGEST = 100_000  # characters of a formula in which signals are inserted, and of its rates
 
+TOO_LONG = (
+    "with its two rates it is too long a formula: give a table of its values with 'interpolation: spline', or "
+    "prescribe the motion from which it follows, as that of the tool of an arm for its angles"
+)
 SMOOTH = {  # function: its derivative, a formula of the argument {0}
     "sin": "cos({0})", "cos": "-sin({0})", "tan": "1 + tan({0})**2", "asin": "1/sqrt(1 - ({0})**2)",
     "acos": "-1/sqrt(1 - ({0})**2)", "atan": "1/(1 + ({0})**2)", "sqrt": "1/(2*sqrt({0}))", "exp": "exp({0})",
@@ -25,8 +29,7 @@ def with_rates(text):
         try:
             found.append(read_formula(text, LONGEST))
         except FormulaError:
-            too_long = "with its two rates it is too long a formula: simplify it, or give a law of time"
-            raise FormulaError(too_long) from None
+            raise FormulaError(TOO_LONG) from None
     return found
 
 
