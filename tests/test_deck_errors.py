@@ -127,6 +127,8 @@ STRUCTURE = [
      "spring 'absorber': 'law' must be the name of a law, or a law written in place [N], got 7"),
     ("damper: {", "dampr: {", 24, "dampr",
      "law 'oleo': unknown term 'dampr' of a law; did you mean 'damper'?"),
+    ("damper: {", "damping: {", 24, "damping",
+     "law 'oleo': unknown term 'damping' of a law; write {damper: ...}"),
     ("damper: {coefficient: 1.19e4}", "damper: {}", 24, "damper",
      "law 'oleo': missing 'damper.coefficient', a number [N s/m or N m s/rad]: force per rate"),
     ("damper: {coefficient: 1.19e4}", "damper: soft", 24, "soft",

@@ -16,6 +16,11 @@ from mecano.schema import NUMBER, TIME_CURVE, Field, Type
 TERM = Type("mapping", "a mapping")
 HOW = "{term: {field: value, ...}, another: {...}}, such as {linear: {slope: 2.0}}"
 FORCES = {"m": "N", "rad": "N m"}  # values of laws of extension and of angle, in the order of "N/m or N m/rad"
+MEANT = {  # terms of forces, by other names
+    "stiffness": "spring", "damping": "damper", "viscous": "damper", "friction": "dry_friction",
+    "coulomb": "dry_friction", "gap": "dead_band", "free_play": "dead_band", "backlash": "dead_band",
+    "force": "preload",
+}  # fmt: skip
 POINT_NUMBER = re.compile(r"\bpoint (\d+)\b")  # number of the faulty point in the text of a check
 
 
@@ -61,7 +66,8 @@ def law(node, field, scope):
 def _term(name, key, node, field, scope):
     term = scope.terms.get(name)
     if term is None:
-        hint = scope.suggest(name, scope.terms)
+        meant = MEANT.get(name)
+        hint = f"write {{{meant}: ...}}" if meant in scope.terms else scope.suggest(name, scope.terms)
         return scope.refuse(key, f"unknown term {quoted(scope.name_of(name))} of a law", hint)
     if not fits(term, field.type.name):
         return scope.refuse(
