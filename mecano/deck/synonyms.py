@@ -123,6 +123,26 @@ NOTES = {  # words with the same meaning: (targets, note)
     "closed cable loop, cable loop": (
         "belt coupler reeved_cable", "a belt is a closed loop; a coupler relates two angles"
     ),
+    "wishbone, suspension, control arm, knuckle, kingpin, tie rod, track rod": (
+        "rigid_body hinge spherical rigid_rod spring_damper place",
+        "an arm is a body on a hinge, with a spherical joint at the upright; a tie rod is a rigid_rod between nodes "
+        "'attached' to bodies; a template describes one corner",
+    ),
+    "anti roll bar, antiroll bar, sway bar, stabilizer, stabilizer bar": (
+        "torsion_spring_damper rigid_rod", "two arms on hinges, a torsion_spring_damper between them, a rod from each"
+    ),
+    "harmonic drive, strain wave gear, gear ratio, reducer, speed reducer": (
+        "coupler torsion_spring_damper gear_pair",
+        "a coupler relates the angles of the motor and of its output, a torsion_spring_damper makes the output elastic",
+    ),
+    "tool path, trajectory": (
+        "prescribed_position curve table",
+        "a formula or a table of time of each coordinate of the tool; a curve of time is a command of a controller",
+    ),
+    "helicopter, rotor blade, flap, lag, lead lag, campbell, campbell diagram, ground resonance, whirl": (
+        "beam hinge",
+        "run the rotor until it is steady; `mecano modes --at FILE:TIME --frame HUB` finds its modes at that speed",
+    ),
     "hexapod, stewart platform": (
         "line_force prescribed_length pid universal spherical", "the deck stewart.yaml is an example"
     ),
