@@ -160,9 +160,7 @@ class Radau:
         of = self.system.numbering
         consistent = Consistent(self.system, self.linear, s, self.compliance)
         change = consistent.change(-self.stages.gap(s))
-        increment = s.z.copy()
         s = displaced(s, change, of)
-        s.z[of.rotation_dof] = increment[of.rotation_dof]
         consistent.project_velocity(s)
         consistent.accelerate(s)
         return s, largest(change, of.kind, of.n_q, self.length)
