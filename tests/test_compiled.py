@@ -20,7 +20,7 @@ from llvmlite.binding import get_host_cpu_features as host_features
 
 from mecano.errors import ResultsError
 from mecano.jit import compiler, shipped, store, trust
-from mecano.jit.closure import digest
+from mecano.jit.closure import digest, is_digested
 from mecano.jit.entry import Indices, Matrices, Matrix, Records, Short, Table, Vector, entry
 from mecano.jit.kernel import kernel
 
@@ -454,9 +454,15 @@ class TestDigest:
             digests.append(digest(take))
         assert len(set(digests)) == 2
 
-    def test_values_of_unknown_influence_are_refused(self):
-        with pytest.raises(TypeError, match="uses a global set"):
-            self.digest(self.HEAD.replace("FACTOR = 2.0", "FACTOR = {2.0}"))
+    def test_values_of_unknown_influence_are_refused_each_time(self):
+        def outer(x):
+            return values
+
+        values = {2.0}
+        for _ in range(2):
+            with pytest.raises(TypeError, match="uses a global set"):
+                digest(outer)
+        assert not is_digested(outer)
 
     def test_two_kinds_have_loops_of_their_own(self):
         from mecano.elements import KINDS

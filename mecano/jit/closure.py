@@ -31,7 +31,11 @@ def digest(function):
     known = _digests.get(function)
     if known is None:
         _digests[function] = "recursive"
-        known = _digests[function] = _hash(_describe_function(function))
+        try:
+            known = _digests[function] = _hash(_describe_function(function))
+        except BaseException:
+            del _digests[function]
+            raise
     return known
 
 
