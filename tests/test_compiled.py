@@ -349,6 +349,21 @@ class TestStore:
         monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "file"))
         assert trust.secret() != trust.secret()
 
+    def test_a_secret_that_another_process_creates_at_the_same_time_is_used(self, tmp_path, monkeypatch):
+        """It is there after this process has found none and before it makes one of its own."""
+        monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+        read, others = trust._read, []
+
+        def late(path):
+            found = read(path)
+            if not others:
+                others.append(b"")
+                others[0] = trust._made(path)
+            return found
+
+        monkeypatch.setattr(trust, "_read", late)
+        assert trust.secret() == others[0] == trust.secret()
+
     def test_compiling_is_announced_once_and_only_where_something_is_compiled(self, tmp_path):
         script = "from mecano.jit import store; store.while_compiling(lambda done, n: print('compiling'))\n"
         script += textwrap.dedent(SCRIPT)

@@ -103,7 +103,7 @@ def _read(path):
 def _made(path):
     """Create a secret; if two processes do so at the same time, both get the one that was stored."""
     path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-    if path.exists():  # not usable
+    if path.exists() and _read(path) is None:  # not usable; another process may have just created a good one
         path.unlink()
     own = path.with_name(f"{path.name}.{secrets.token_hex(8)}")
     with open(os.open(own, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
