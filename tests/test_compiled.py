@@ -364,6 +364,22 @@ class TestStore:
         monkeypatch.setattr(trust, "_read", late)
         assert trust.secret() == others[0] == trust.secret()
 
+    def test_files_that_another_process_removes_do_not_count(self, tmp_path, monkeypatch):
+        """A lock is listed with the other files, and gone when its size is read."""
+        monkeypatch.setattr(store, "folder", lambda: tmp_path)
+        for name in ("a.o", "b.o", "a.o.lock"):
+            (tmp_path / name).write_bytes(b"1234")
+        is_file = Path.is_file
+
+        def late(path):
+            found = is_file(path)
+            if path.suffix == ".lock":
+                path.unlink()
+            return found
+
+        monkeypatch.setattr(Path, "is_file", late)
+        assert store.size() == 8
+
     def test_compiling_is_announced_once_and_only_where_something_is_compiled(self, tmp_path):
         script = "from mecano.jit import store; store.while_compiling(lambda done, n: print('compiling'))\n"
         script += textwrap.dedent(SCRIPT)

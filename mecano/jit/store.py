@@ -232,7 +232,16 @@ def _locked(file):
 
 def size():
     """Return the size of the store on disk in bytes."""
-    return sum(path.stat().st_size for path in folder().iterdir() if path.is_file())
+    return _size(folder())
+
+
+def _size(of):
+    """Return the size of the files in a folder in bytes; other processes may remove some meanwhile."""
+    total = 0
+    for path in of.iterdir():
+        with suppress(FileNotFoundError):
+            total += path.stat().st_size if path.is_file() else 0
+    return total
 
 
 def put(path, data):
@@ -324,7 +333,7 @@ def _copy_to(target):
         if data is not None:
             _write(target / path.name, b"", data)
             (target / path.name).chmod(0o644)
-    return sum(path.stat().st_size for path in target.iterdir())
+    return _size(target)
 
 
 @cache
