@@ -60,6 +60,26 @@ def test_what_a_process_cannot_compile_is_left_to_its_first_use(empty_store, mon
         store.address(bad)
 
 
+def test_fewer_processes_than_wanted_do_the_work(empty_store, monkeypatch):
+    """The system refuses the second process; all pipes are closed, and no process is left."""
+    monkeypatch.setattr(ahead, "cores", lambda: 2)
+    fork, forked = os.fork, []
+
+    def once():
+        if forked:
+            raise BlockingIOError("Resource temporarily unavailable")
+        forked.append(True)
+        return fork()
+
+    monkeypatch.setattr(os, "fork", once)
+    codes, opened = [made(name, empty_store) for name in ("a", "b", "c")], os.listdir("/proc/self/fd")
+    ahead.compile_ahead(codes)
+    assert all(store.holds(code.file) for code in codes)
+    assert os.listdir("/proc/self/fd") == opened
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
+
+
 def test_a_file_is_compiled_by_one_process_at_a_time(empty_store):
     code = made("once", empty_store, 0.3)
     child = os.fork()

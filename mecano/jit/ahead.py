@@ -21,7 +21,7 @@ def compile_ahead(codes):
     missing = list({code.file: code for code in codes if not store.holds(code.file)}.values())
     processes = min(cores(), MOST, len(missing))
     if processes > 1:
-        with suppress(OSError):  # no process, or no pipe, is left: each code is compiled when it is needed
+        with suppress(OSError):  # no pipe is left: each code is compiled when it is needed
             _compile(missing, processes)
 
 
@@ -36,7 +36,10 @@ def _compile(codes, processes):
         alive, held = os.pipe()
         os.write(given, b"".join(map(INDEX.pack, range(len(codes)))))
         os.close(given)
-        children = [_start(codes, tasks, done, alive, held) for _ in range(processes)]
+        children = []
+        with suppress(OSError):  # no further process is left: those that have begun do the work
+            while len(children) < processes:
+                children.append(_start(codes, tasks, done, alive, held))
         for end in (tasks, done, alive):
             os.close(end)
         while os.read(results, INDEX.size):
