@@ -460,6 +460,16 @@ class TestInterruption:
             abandonable(sleep, 60)
         assert error.value.exit_code == 129 and time.monotonic() - begun < 30.0  # that of the first signal
 
+    def test_a_thread_that_cannot_start_leaves_the_stack_of_others(self, listening, monkeypatch):
+        def refuse(thread):
+            raise RuntimeError("can't start new thread")
+
+        usual = threading.stack_size()
+        with monkeypatch.context() as patched, pytest.raises(RuntimeError, match="can't start"):
+            patched.setattr(threading.Thread, "start", refuse)
+            abandonable(divmod, 7, 2)
+        assert threading.stack_size() == usual
+
     def test_a_call_that_may_be_abandoned_is_one_like_others(self, listening):
         assert abandonable(divmod, 7, 2) == (3, 1)
         assert abandonable(lambda: abandonable(threading.current_thread)) is not threading.main_thread()

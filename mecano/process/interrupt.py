@@ -139,8 +139,10 @@ def abandonable(call, *arguments):
     _abandonable = True
     try:
         usual = threading.stack_size(STACK)
-        threading.Thread(target=_keep_outcome, args=(outcome, done, call, arguments), daemon=True).start()
-        threading.stack_size(usual)
+        try:
+            threading.Thread(target=_keep_outcome, args=(outcome, done, call, arguments), daemon=True).start()
+        finally:
+            threading.stack_size(usual)
         done.wait()
     finally:
         _abandonable = False
