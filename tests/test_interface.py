@@ -309,6 +309,23 @@ class TestSimulation:
             mecano.Simulation(INPUTS / "princeton_beam.yaml")
 
 
+@pytest.mark.parametrize(
+    ("call", "options", "message"),
+    [
+        (mecano.run, {"checkpoint": -1.0}, "checkpoint=-1.0: write a time"),
+        (mecano.run, {"checkpoint": float("nan")}, "checkpoint=nan: write a time"),
+        (mecano.modes, {"number": 0}, "number=0: write 1 or more"),
+        (mecano.modes, {"solver": "lapack"}, "solver='lapack': write 'automatic' or 'dense' or 'sparse'"),
+        (mecano.sweep, {"jobs": 0}, "jobs=0: write 1 or more"),
+    ],
+)
+def test_invalid_options_are_refused(folder, call, options, message):
+    """As by the commands; no file is read or written."""
+    with pytest.raises(UsageError, match=message):
+        call("none.yaml", **options)
+    assert sorted(path.name for path in folder.iterdir()) == ["pendulum.yaml"]
+
+
 class TestCheckAndModes:
     def test_check_is_what_the_command_prints(self, folder):
         found = mecano.check("pendulum.yaml")

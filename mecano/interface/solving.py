@@ -18,6 +18,8 @@ from mecano.interface.solve import solve
 from mecano.process.cores import cores
 from mecano.process.interrupt import Interruption
 
+SOLVERS = ("automatic", "dense", "sparse")
+
 
 def run(
     deck: AnyDeck, path: AnyPath | None = None, *, set: Values | None = None, force: bool = False, resume: bool = False,
@@ -64,6 +66,7 @@ def run(
     """
     if resume and force:
         raise UsageError("resume=True continues a results file, force=True replaces it")
+    _require(checkpoint is None or checkpoint >= 0.0, "checkpoint", checkpoint, "a time [s] of zero or more")
     checked = checked_deck(deck, set)
     path = os.fspath(path or f"{name_of(deck)}.h5")
     interruption = Interruption(again=resuming(deck, path, set))
@@ -143,6 +146,10 @@ def modes(
     -------
     Modes
 
+    Raises
+    ------
+    DeckError, UsageError, AssemblyError, ConvergenceError, NonFiniteError, ResultsError
+
     Examples
     --------
     >>> found = mecano.modes("pendulum.yaml", set={"initial": "static"})
@@ -151,6 +158,8 @@ def modes(
     """
     from mecano.analyses.modal import modes as find
 
+    _require(number >= 1, "number", number, "1 or more")
+    _require(solver in SOLVERS, "solver", solver, " or ".join(map(repr, SOLVERS)))
     checked = checked_deck(deck, set)
     where = None if path is None else os.fspath(path)
     text, found, about = find(
@@ -218,6 +227,7 @@ def sweep(
     from mecano.study.read import read_study, try_deck
     from mecano.study.units import units_of
 
+    _require(jobs is None or jobs >= 1, "jobs", jobs, "1 or more")
     with explained():
         checked = read_study(os.fspath(study))
         deck = try_deck(checked)
@@ -268,6 +278,12 @@ class Study:
         statuses, counts = np.unique(self["status"].astype(str), return_counts=True)
         ended = ", ".join(f"{count} {status}" for count, status in zip(counts, statuses, strict=True))
         return f"Study of {len(self['case'])} cases: {ended}"
+
+
+def _require(valid, option, value, wanted):
+    """Raise UsageError for an invalid value of an option."""
+    if not valid:
+        raise UsageError(f"{option}={value!r}: write {wanted}")
 
 
 @contextmanager
