@@ -104,6 +104,7 @@ class TestHelp:
         ("run", "deck.yaml", "--speed"),
         ("post",),
         ("post", "a.h5", "--format", "bmp"),
+        ("reduce", "deck.yaml", "--nodes", "a", "--modes", "²"),
     ],
 )
 def test_usage_errors(call, arguments):

@@ -19,7 +19,7 @@ from mecano.results import empty_file
 from mecano.results.checked import cut_short
 from mecano.results.layout import Layout, Series
 from mecano.results.lookup import Lookup
-from mecano.results.provenance import Source, lives
+from mecano.results.provenance import Source, lives, threads
 from mecano.results.reader import open_results
 from mecano.results.state import load_state, save_state
 from mecano.results.writer import Writer
@@ -67,6 +67,12 @@ def test_metadata(finished):
     assert metadata["threads"] == 1 and metadata["process"] == os.getpid() and metadata["format_version"] == 1
     assert metadata["command_line"] and metadata["host"] and metadata["started"] and metadata["processor"]
     assert 0 < metadata["wall_time"] < 60 and metadata["processor_time"] > 0
+
+
+@pytest.mark.parametrize(("given", "used"), [("3", 3), ("", os.cpu_count()), ("²", os.cpu_count())])
+def test_the_number_of_threads_is_that_of_the_environment_or_of_the_processors(monkeypatch, given, used):
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", given)
+    assert threads() == used
 
 
 def test_the_clock_of_the_run_leaves_compiling_out(tmp_path, monkeypatch):

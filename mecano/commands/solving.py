@@ -171,7 +171,7 @@ def reduce_(deck, elements, nodes, number, output, force, overrides):
     Method of Craig and Bampton: static shapes of the boundary nodes, and the modes of lowest frequency with these
     held, about the unstressed start of the deck, without loads and gravity. Axes are those of the first boundary node.
     """
-    if number != "all" and not number.isdigit():
+    if number != "all" and not number.isdecimal():
         raise click.BadParameter("must be a whole number or 'all'", param_hint="--modes")
     from mecano.deck.read import read_deck
 

@@ -23,7 +23,7 @@ def popen_options():
 def watch_parent():
     """Start a thread that terminates this process when the parent that started it with ``popen_options`` ends."""
     descriptor = os.environ.pop(VARIABLE, "")
-    if descriptor.isdigit():
+    if descriptor.isdecimal():
         threading.Thread(target=_end_with_parent, args=(int(descriptor),), daemon=True).start()
 
 

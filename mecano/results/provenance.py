@@ -142,7 +142,7 @@ def _listed(process):
 def threads():
     """Return the number of threads of NumPy's and SciPy's linear algebra, on which the last digits depend."""
     given = os.environ.get("OPENBLAS_NUM_THREADS", "")
-    return int(given) if given.isdigit() else os.cpu_count()
+    return int(given) if given.isdecimal() else os.cpu_count()
 
 
 def _version(package):

@@ -350,7 +350,7 @@ def _clear(path):
     """Remove hidden files left by runs that were killed before the file appeared."""
     for hidden in path.parent.glob(f"{glob.escape(hidden_name(path))}.*.part"):
         process = hidden.name.split(".")[-2]
-        if process.isdigit() and not lives(int(process)):
+        if process.isdecimal() and not lives(int(process)):
             hidden.unlink(missing_ok=True)
 
 
