@@ -14,6 +14,7 @@ from time_runs import deck, input_deck
 from mecano.analyses.modal import modes, operating_point
 from mecano.errors import ResultsError, UsageError
 from mecano.post.info import info
+from mecano.post.pictures import post
 from mecano.results.modes_file import read_modes
 from mecano.solve.modal.linearize import Linearization, linearize
 from mecano.solve.modal.modes import solve
@@ -599,6 +600,16 @@ def test_pictures(tmp_path):
     assert picture == tmp_path / "c.png" and picture.stat().st_size > 10_000
     with pytest.raises(ResultsError, match="is not a file of modes|is not a results file"):
         draw_modes(picture)
+
+
+@pytest.mark.parametrize(
+    ("options", "named"), [({"at": "1"}, "--at"), ({"columns": True, "title": "t"}, "--csv, --title")]
+)
+def test_options_of_runs_are_refused(tmp_path, options, named):
+    modes(deck(column(1.0)), tmp_path / "c.h5")
+    with pytest.raises(UsageError, match=f"c.h5 is a file of modes, of a sweep or of a study: {named} for results"):
+        list(post([tmp_path / "c.h5"], **options))
+    assert [path.name for path in tmp_path.iterdir()] == ["c.h5"]
 
 
 def test_released_joints_are_not_drawn(tmp_path):

@@ -29,7 +29,8 @@ def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False,
          force=False):  # fmt: skip
     """Draw pictures of results files, with several runs in one picture, and yield the Path of each file written.
 
-    Files of modes, sweeps and studies are drawn one by one.
+    Files of modes, sweeps and studies are drawn one by one; ``plots``, ``spectra``, ``columns``, ``title`` and ``at``
+    are for results of runs only.
 
     Parameters
     ----------
@@ -63,7 +64,9 @@ def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False,
     """
     others = [path for path in paths if format_of(path) in ALONE]
     if others:
-        yield from _alone(paths, others, [*plots, *spectra], output, kind, below, force)
+        of_runs = {"--plot": plots, "--spectrum": spectra, "--at": at, "--csv": columns, "--title": title}
+        _refuse_with_others(others, len(paths), [option for option, value in of_runs.items() if value])
+        yield from _alone(paths, output, kind, below, force)
         return
     if below is not None:
         raise UsageError("--below: only for files of `mecano modes --sweep`")
@@ -91,12 +94,17 @@ def asked_sheets(plots, spectra, runs):
     return plotted + [spectrum_sheet(text, runs) for text in spectra]
 
 
-def _alone(paths, others, plots, output, kind, below, force):
+def _refuse_with_others(others, count, options):
+    """Raise UsageError for files of modes, sweeps and studies among ``count`` files, or with ``options`` of runs."""
+    what = f"{others[0]} is a file of modes, of a sweep or of a study"
+    if len(others) < count:
+        raise UsageError(f"{what}: it is not drawn together with results of runs")
+    if options:
+        raise UsageError(f"{what}: {', '.join(options)} for results of runs only")
+
+
+def _alone(paths, output, kind, below, force):
     """Draw files of modes, sweeps and studies, and yield the Path of each picture."""
-    if plots or len(others) < len(paths):
-        raise UsageError(
-            f"{others[0]} is a file of modes or of a study: it is drawn alone, without --plot or --spectrum"
-        )
     if below is not None and any(format_of(path) != sweep_file.FORMAT for path in paths):
         raise UsageError("--below: only for files of `mecano modes --sweep`")
     folder = output and (os.path.isdir(output) or str(output).endswith(("/", os.sep)))
