@@ -2,7 +2,9 @@
 
 import csv
 import math
+from contextlib import suppress
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import every_kind
@@ -19,6 +21,7 @@ from mecano.elements import KINDS
 from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.model.extremes import Extremes
 from mecano.post import draw_panel, figure, plans, sheets, style, wire
+from mecano.post.animation import animate
 from mecano.post.draw_events import EventLegend
 from mecano.post.event_marks import EventMark, event_marks
 from mecano.post.extremes import telling
@@ -248,6 +251,20 @@ def test_all_default_pictures_are_drawn(path, tmp_path, shown, monkeypatch):
         if picture.suffix == ".png":
             pixels = matplotlib.image.imread(picture)
             assert min(pixels.shape[:2]) > 120 and 0.01 < np.mean(pixels[..., :3].min(axis=2) < 0.9) < 0.5
+
+
+@pytest.mark.parametrize("call", [
+    lambda path, folder: list(post([path], ["energy.total"], output=f"{folder}/")),
+    lambda path, folder: list(post([path, folder / "none.h5"])),
+    lambda path, folder: animate(path, folder / "page.html"),
+])  # fmt: skip
+def test_files_are_closed_when_they_are_drawn(tmp_path, call):
+    """By pictures, a page, and where another file cannot be opened."""
+    own = every_kind.write(tmp_path / "own.h5", kinds={"wheel": KINDS["wheel"]})
+    with suppress(ResultsError):
+        call(own, tmp_path)
+    links = [link for link in Path("/proc/self/fd").iterdir() if link.is_symlink()]
+    assert own.resolve() not in [link.resolve() for link in links]
 
 
 def test_every_axis_says_what_it_shows_and_its_unit(shown):

@@ -17,7 +17,7 @@ from mecano.post.deformation import quaternions
 from mecano.post.event_marks import event_marks
 from mecano.post.quantity import SAVED
 from mecano.post.request import Request, requested_sheet
-from mecano.post.runs import open_runs
+from mecano.post.runs import opened_runs
 from mecano.post.scene import scene_of
 from mecano.post.sheet import Panel
 from mecano.post.sheets import default_sheets, overview
@@ -58,8 +58,8 @@ def animate(path, page, plots=(), title=None):
         return film(path, page, title)
     if page.suffix not in (".html", ".htm"):
         raise UsageError(f"--animate {page}: the name ends with .html, {' or '.join(FILMS)}")
-    [run] = open_runs([path])
-    text = page_text(page_data(run, plots, title))
+    with opened_runs([path]) as [run]:
+        text = page_text(page_data(run, plots, title))
     make_folder(page.parent)
     with appearing(page) as hidden:
         hidden.write_text(text, encoding="utf-8")

@@ -7,7 +7,7 @@ from mecano.post.columns import columns_of
 from mecano.post.grid import grids_of
 from mecano.post.quantity import time_of
 from mecano.post.request import found
-from mecano.post.runs import open_runs
+from mecano.post.runs import opened_runs
 from mecano.post.sheet import Curve
 from mecano.results.disk import hdf5_appearing
 from mecano.results.lock import locked
@@ -44,8 +44,7 @@ def export(path, output=None, *, series=(), vtk=False, force=False):
     """
     target = _target(output, vtk)
     _check(target, series, vtk)
-    [run] = open_runs([path])
-    with run.results:
+    with opened_runs([path]) as [run]:
         if not len(run.results.time):
             raise ResultsError(f"{path}: no saved times yet")
         if target is None and vtk:

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from mecano.errors import ResultsError, UsageError
 from mecano.post.eye import projection
-from mecano.post.runs import open_runs
+from mecano.post.runs import opened_runs
 from mecano.post.scene import scene_of
 from mecano.post.shapes import BODY, CABLE, GEAR, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
 from mecano.post.style import GREY, INK, PALE, SETTINGS, shown_unit, with_unit
@@ -50,9 +50,8 @@ def film(path, target, title=None):
     writer = WRITERS[target.suffix]
     if not animation.writers.is_available(writer):
         raise UsageError(f"--animate {target}: {target.suffix} films need {writer}, which is not installed; .html does")
-    [run] = open_runs([path])
     make_folder(target.parent)
-    with matplotlib.rc_context(SETTINGS), appearing(target) as hidden:
+    with opened_runs([path]) as [run], matplotlib.rc_context(SETTINGS), appearing(target) as hidden:
         _write(scene_of(run, FRAMES), hidden, writer, title or run.title)
     return target
 

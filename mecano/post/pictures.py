@@ -10,7 +10,7 @@ from mecano.post.info import one_line
 from mecano.post.loci import draw_sweep
 from mecano.post.mode_shapes import draw_modes
 from mecano.post.request import Request, requested_sheet
-from mecano.post.runs import open_runs
+from mecano.post.runs import opened_runs
 from mecano.post.sheets import default_sheets, overview
 from mecano.post.spectrum import spectrum_sheet
 from mecano.post.study_plots import draw_study
@@ -70,12 +70,17 @@ def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False,
         return
     if below is not None:
         raise UsageError("--below: only for files of `mecano modes --sweep`")
-    runs = open_runs(paths)
-    if any(not len(run.results.time) for run in runs):
-        raise ResultsError(f"{', '.join(map(str, paths))}: no saved times yet")
-    title = title or " | ".join(dict.fromkeys(run.title for run in runs))
-    times, asked = times_of(at) if at else [], asked_sheets(plots, spectra, runs)
-    pictures = [(sheet, sheet_figure) for sheet in asked] if asked or times else _default_pictures(runs)
+    with opened_runs(paths) as runs:
+        if any(not len(run.results.time) for run in runs):
+            raise ResultsError(f"{', '.join(map(str, paths))}: no saved times yet")
+        title = title or " | ".join(dict.fromkeys(run.title for run in runs))
+        times, asked = times_of(at) if at else [], asked_sheets(plots, spectra, runs)
+        pictures = [(sheet, sheet_figure) for sheet in asked] if asked or times else _default_pictures(runs)
+        yield from _of_runs(runs, pictures, times, output, kind, columns, title, force)
+
+
+def _of_runs(runs, pictures, times, output, kind, columns, title, force):
+    """Draw ``pictures`` (Sheet, function that draws it) and configurations; yield the Path of each file."""
     names = [sheet.name for sheet, _ in pictures] + ["configurations"] * (len(runs) if times else 0)
     targets = _targets(names, output, kind, runs)
     for target in targets:

@@ -10,7 +10,7 @@ from pathlib import Path
 from mecano.errors import UsageError
 from mecano.post.figure import save
 from mecano.post.report import Picture, Table, report_of
-from mecano.post.runs import open_runs
+from mecano.post.runs import opened_runs
 from mecano.post.study_report import study_report
 from mecano.results import study_file
 from mecano.results.checked import format_of
@@ -44,8 +44,7 @@ def _report(path, title, plots, spectra):
         if plots or spectra:
             raise UsageError("--plot and --spectrum are of runs, not of the table of a study")
         return study_report(path, title)
-    [run] = open_runs([path])
-    with run.results:
+    with opened_runs([path]) as [run]:
         return report_of(run, title, plots, spectra)
 
 

@@ -1,5 +1,6 @@
 """Results files shown together, each with a label that distinguishes it."""
 
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -75,9 +76,22 @@ class Run:
         return self.results.metadata.get("title") or self.results.path.stem
 
 
+@contextmanager
+def opened_runs(paths):
+    """Open results files as ``open_runs`` does, and close them at the end of the block."""
+    runs = open_runs(paths)
+    try:
+        yield runs
+    finally:
+        for run in runs:
+            run.results.close()
+
+
 def open_runs(paths):
-    """Open results files and label them. Raises ResultsError."""
-    opened = [open_results(path) for path in paths]
+    """Open results files and label them. Raises ResultsError; then none stays open."""
+    with ExitStack() as until_all_are_open:
+        opened = [until_all_are_open.enter_context(open_results(path)) for path in paths]
+        until_all_are_open.pop_all()
     return [Run(results, label) for results, label in zip(opened, labels(opened), strict=True)]
 
 

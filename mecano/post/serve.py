@@ -15,7 +15,7 @@ from urllib.parse import parse_qs, urlsplit
 
 from mecano.errors import ResultsError
 from mecano.post.animation import page_data, page_text
-from mecano.post.runs import open_runs
+from mecano.post.runs import opened_runs
 
 LOOPBACK = "127.0.0.1"
 SHARE = 0.1  # largest share of one processor for data that change during a run
@@ -50,10 +50,9 @@ class Source:
 
     def _read(self):
         key = self._state()
-        [run] = open_runs([self.path])
-        with run.results as results:
+        with opened_runs([self.path]) as [run]:
             data = page_data(run, title=self.title)
-            status = results.status
+            status = run.results.status
         growing = status == "running"
         self._key, self._data = key, data | {"growing": growing, "key": "-".join(map(str, [*key, status]))}
         if self.status:
