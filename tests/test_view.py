@@ -5,6 +5,8 @@ import json
 import os
 import re
 import signal
+import socket
+import struct
 import subprocess
 import sys
 import threading
@@ -118,6 +120,30 @@ def test_two_pages_have_ports_and_tokens_of_their_own(model):
     with serving(model) as one, serving(model) as other:
         assert one.server_port != other.server_port and one.token != other.token
         assert get(one, f"/?token={other.token}")[0] == 403
+
+
+@pytest.mark.parametrize("error", [ConnectionResetError, ValueError])
+def test_a_browser_that_goes_away_is_no_error(model, monkeypatch, capsys, error):
+    """It resets the connection before the answer is written; other errors are reported."""
+    closed, done = threading.Event(), threading.Event()
+
+    def data(source):
+        assert closed.wait(60.0)
+        if error is ValueError:
+            raise ValueError("wrong")
+        return {"text": 10_000_000 * "x"}
+
+    monkeypatch.setattr(Source, "data", data)
+    with serving(model) as server:
+        close = server.shutdown_request
+        monkeypatch.setattr(server, "shutdown_request", lambda request: (close(request), done.set()))
+        with socket.create_connection((LOOPBACK, server.server_port)) as connection:
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+            request = f"GET /?token={server.token} HTTP/1.0\r\nHost: {LOOPBACK}:{server.server_port}\r\n\r\n"
+            connection.sendall(request.encode())
+        closed.set()
+        assert done.wait(60.0)
+    assert ("Traceback" in capsys.readouterr().err) == (error is ValueError)
 
 
 def test_data_come_again_when_the_file_has_changed(model, tmp_path):

@@ -7,6 +7,7 @@ other pages in the same browser, which may send requests here, know neither.
 import hmac
 import json
 import secrets
+import sys
 import time
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -77,6 +78,11 @@ class Server(ThreadingHTTPServer):
     def address(self):
         """Address of the page, with the token."""
         return f"http://{LOOPBACK}:{self.server_port}/?token={self.token}"
+
+    def handle_error(self, request, client_address):
+        """Ignore a connection that the browser has closed; report other errors on the terminal."""
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)
 
 
 class _Handler(BaseHTTPRequestHandler):
