@@ -7,9 +7,11 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import results_samples
 from click.testing import CliRunner
 
 import mecano
@@ -410,6 +412,17 @@ class TestResults:
         assert b"<svg" in (folder / "own.svg").read_bytes()
         with pytest.raises(UnknownNameError, match="hinge.angel"):
             results.plot("hinge.angel")
+
+    def test_a_run_without_saved_times_has_nothing_to_plot(self, folder, monkeypatch):
+        """A run that has just begun; its tables have no rows."""
+        results_samples.create("new.h5").close()
+        tables = SimpleNamespace(Index=lambda times, name: times, DataFrame=lambda c, index: SimpleNamespace(attrs={}))
+        monkeypatch.setitem(sys.modules, "pandas", tables)
+        with mecano.open_results("new.h5") as results:
+            for names in ((), ("knee.angle",)):
+                with pytest.raises(ResultsError, match="new.h5: no saved times yet"):
+                    results.plot(*names)
+            assert results.to_pandas("knee.*").attrs["units"]["joints.knee.angle"] == "rad"
 
     def test_a_notebook_shows_how_the_run_went(self, results):
         page = results._repr_html_()

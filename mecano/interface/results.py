@@ -7,7 +7,7 @@ from importlib import import_module
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
-from mecano.errors import UnknownNameError, UsageError
+from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.results import reader
 from mecano.results.layout import AXES
 
@@ -70,8 +70,8 @@ class Results(reader.Results):
         columns: dict[str, Any] = {}
         units: dict[str, str] = {}
         for trace in self._matching(pattern):
-            numbers = trace.values.reshape(len(self.time), -1).T
             names = [f"{_dotted(trace.path)}.{c}" for c in trace.components] or [_dotted(trace.path)]
+            numbers = trace.values.reshape(len(self.time), len(names)).T
             columns |= dict(zip(names, numbers, strict=True))
             units |= dict.fromkeys(names, trace.unit)
         frame = pandas.DataFrame(columns, index=pandas.Index(self.time, name=self.axis.path))
@@ -91,7 +91,8 @@ class Results(reader.Results):
     def plot(self, *names: str, title: str | None = None) -> "Plot":
         """Plot outputs over time or over another output: "hinge.angle", "a,b" in one panel, "force:stroke".
 
-        Without names, plot the overview of the model. Raises UnknownNameError, UsageError.
+        Without names, plot the overview of the model. Raises UnknownNameError, UsageError, and ResultsError without
+        saved times.
         """
         from mecano.post.figure import overview_figure, sheet_figure
         from mecano.post.info import one_line
@@ -100,6 +101,8 @@ class Results(reader.Results):
         from mecano.post.sheet import Panel
         from mecano.post.sheets import default_sheets, overview
 
+        if not len(self.time):
+            raise ResultsError(f"{self.path}: no saved times yet")
         run = Run(self)
         heading = title or run.title
         if not names:
