@@ -270,6 +270,15 @@ class TestFolder:
         with runs.held(), pytest.raises(UsageError, match="another process"), runs.held():
             pass
 
+    def test_one_that_runs_is_not_cleared(self, folder):
+        runs = Folder("runs", study(folder, "grid: {time.end: [1]}"))
+        with runs.held():
+            runs.write(runs.study.cases[0], Record(FAILED, 3))
+            for options in ({"force": True}, {"failed": True}):
+                with pytest.raises(UsageError, match="another process is running cases in runs"):
+                    due(runs, **options)
+            assert runs.begun()
+
 
 def test_a_study_from_its_beginning_to_its_table(folder):
     """One process after the other: x = v t and z = 1 - g t^2/2 in free fall; a case with another fault each."""

@@ -15,19 +15,27 @@ def due(folder, *, resume=False, failed=False, force=False):
     """Return the cases to run: all cases of a new study, the incomplete cases of one that has begun.
 
     Failed cases are included only with ``failed``; these and, with ``force``, all cases start again. Raises UsageError
-    if cases have been run and none of ``resume``, ``failed`` and ``force`` is given.
+    if cases have been run and none of ``resume``, ``failed`` and ``force`` is given, or if another process runs cases
+    that would start again.
     """
     cases = folder.study.cases
     if folder.begun() and not (resume or failed or force):
         raise UsageError(f"there are cases in {folder.path}: --resume continues them, --force starts again")
     if force:
-        folder.clear(cases)
+        _clear(folder, cases)
         return list(cases)
     records = {case.number: folder.record(case) for case in cases}
     if failed:
-        folder.clear([case for case in cases if records[case.number].status == FAILED])
+        _clear(folder, [case for case in cases if records[case.number].status == FAILED])
     done = (COMPLETE,) if failed else (COMPLETE, FAILED)
     return [case for case in cases if records[case.number].status not in done]
+
+
+def _clear(folder, cases):
+    """Remove all files of some cases, unless another process runs cases of the study."""
+    if cases and folder.begun():
+        with folder.held():
+            folder.clear(cases)
 
 
 def compile_first(deck, announce=lambda text: None):
