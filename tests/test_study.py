@@ -12,6 +12,7 @@ from textwrap import dedent
 
 import numpy as np
 import pytest
+import results_samples
 from click.testing import CliRunner
 from process import COMMAND, mecano_process, settings
 from time_runs import INPUTS
@@ -33,6 +34,7 @@ from mecano.study.perform import due
 from mecano.study.pool import Limits
 from mecano.study.read import read_study, try_deck
 from mecano.study.slurm import ranges, script
+from mecano.study.table import Table
 from mecano.study.units import units_of
 
 HEAD = "study: 1\ndeck: deck.yaml\n"
@@ -324,6 +326,24 @@ def test_a_study_from_its_beginning_to_its_table(folder):
     after = {path.name: path.stat().st_mtime_ns for path in (folder / "study_runs").glob("000*.h5")}
     assert all(after[name] == before[name] for name in ("0001.h5", "0003.h5", "0004.h5"))
     assert list(post(["study_runs/table.h5"], output="own.svg", kind="svg")) == [Path("own.svg")]
+
+
+def test_the_unit_of_an_impulse_is_that_of_the_cases_that_have_one(folder):
+    """The last case has none."""
+    found = study(folder, """\
+        grid: {time.end: [1, 2]}
+        set: {output.every: 0.1}
+        outputs: {hit: {event: ball closes, take: impulse}}
+        """)  # fmt: skip
+    table, runs = Table(Folder("runs", found), {}), Folder("runs", found)
+    runs.path.mkdir()
+    for case, impulses in zip(found.cases, ((2.0, -3.0), ()), strict=True):
+        with results_samples.create(runs.file(case, ".h5")) as writer:
+            for impulse in impulses:
+                writer.append_event(0.1, "ball", "closes", "open", "closed", impulse, "N s", 1.0)
+        table.take(case, Record(COMPLETE, 0))
+    np.testing.assert_equal(table.numbers, {1: {"hit": 3.0}, 2: {"hit": np.nan}})
+    assert table.units == {"hit": "N s"}
 
 
 def test_rounding_errors_are_displayed_as_zero():

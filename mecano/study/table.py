@@ -38,8 +38,9 @@ class Table:
         try:
             with open_results(self.folder.file(case, ".h5")) as results:
                 for output in self.study.outputs:
-                    value, self.units[output.name] = output.value(results)
+                    value, unit = output.value(results)
                     found[output.name] = float(value)
+                    self.units[output.name] = unit or self.units.get(output.name, "")  # none of a case without event
         except ResultsError:
             return {}
         return found
