@@ -184,11 +184,33 @@ def test_impulses_obey_coulombs_law(n, tolerance):
         assert np.concatenate([x, y]) @ (rates + after) < 1e-9
 
 
+def test_a_ball_begins_to_slide_down_a_slope():
+    """It touches the slope, along which it moves up to rounding, and is slowed by mu m g cos a.
+
+    x = v t + (g sin a - mu g cos a) t^2/2 along the slope, a parabola, which steps integrate without error.
+    """
+    mu, v, a, g, end = 0.13544662461964327, 3.8942930205229787, 0.8290324670139506, 9.81, 0.02
+    run = RecordedRun(deck(f"""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes: {{ball: {{position: [0.07372780612563244, 0.0, 0.06755894170205122]}}}}
+        elements:
+          b: {{type: rigid_body, node: ball, mass: 1.7219403105680948, inertia: [0.004, 0.004, 0.004]}}
+          c:
+            {{type: contact, nodes: [ground, ball], radius: 0.1, friction: {{coefficient: {mu}, regularization: 1e-3}},
+             plane: {{normal: [0.7372780612563243, 0.0, 0.6755894170205122], point: [0, 0, 0]}}}}
+        initial: {{velocities: [{{nodes: [ball], velocity: [2.630943151442169, 0.0, -2.871176808135217]}}]}}
+        time: {{end: {end}, step: 0.001}}
+        """))  # fmt: skip
+    moved = np.linalg.norm(np.ptp(run["nodes/ball/position"][[0, -1]], axis=0))
+    assert moved == pytest.approx(v * end + 0.5 * g * (math.sin(a) - mu * math.cos(a)) * end**2, rel=1e-8)
+
+
 def test_the_nearest_impulse_within_a_disc():
-    """Inside, where the minimum is; on the edge otherwise, with a gradient along the radius."""
+    """Inside, where the minimum is; on the edge otherwise, with a gradient along the radius; also in tiny discs."""
     rng = np.random.default_rng(5)
-    for _ in range(50):
-        root, c, radius = rng.normal(size=(2, 2)), rng.normal(size=2), rng.uniform(0.01, 2.0)
+    for size in 50 * [1.0] + 50 * [1e-17]:
+        root, c, radius = rng.normal(size=(2, 2)), rng.normal(size=2), size * rng.uniform(0.01, 2.0)
         A = root @ root.T
         x = within_disc(A, c, radius)
         gradient = A @ x + c

@@ -127,5 +127,10 @@ def within_disc(A, c, radius):
 
     high = np.linalg.norm(d) / radius
     low = max(high - of[1], MASSLESS * of[1])
-    s = low if size(low) <= radius else brentq(lambda s: size(s) - radius, low, high, xtol=1e-15 * high, rtol=1e-15)
+    if size(low) <= radius:
+        s = low
+    elif size(high) >= radius:  # of a disc so small that A x is rounding
+        s = high
+    else:
+        s = brentq(lambda s: size(s) - radius, low, high, xtol=1e-15 * high, rtol=1e-15)
     return -Q @ (d / (of + s))
