@@ -13,6 +13,7 @@ from time_runs import RecordedRun, deck, input_deck
 from mecano.analyses.dynamic import run
 from mecano.analyses.load_state import state_at
 from mecano.analyses.prepare import integrator_of, prepare
+from mecano.errors import AssemblyError
 from mecano.results.reader import open_results
 from mecano.results.state import load_state, save_state
 from mecano.solve.events.complementarity import solve_complementarity
@@ -565,6 +566,9 @@ def test_complementarity():
             assert abs(x @ z) <= 1e-9 * scale * max(x.max(), 1e-300)
     assert solve_complementarity(np.ones((3, 3)), -np.ones(3)) == pytest.approx([1 / 3] * 3, rel=1e-9)
     assert not solve_complementarity(np.eye(2), np.ones(2)).any()
+    for wrong in (2.0, np.nan):
+        with pytest.raises(AssemblyError, match="too near a singular position"):
+            solve_complementarity(np.array([[1.0, wrong], [wrong, 1.0]]), np.array([-1.0, 1.0]))
 
 
 CARTS = """

@@ -2,6 +2,8 @@ r"""The complementarity problem of frictionless shocks: :math:`0 \le \Lambda \pe
 
 import numpy as np
 
+from mecano.errors import AssemblyError, Failure
+
 ROUNDING = 1e-13  # of the diagonal of W: makes it definite if contacts are redundant
 NEGLIGIBLE = 1e-11  # of the largest reaction: a smaller one counts as zero
 FITS = 1e-9  # of the largest entry of b: residual up to which all contacts push
@@ -12,7 +14,8 @@ def solve_complementarity(W, b, unit=None):
 
     In most cases all contacts push. Otherwise the equivalent convex minimization is solved as a nonnegative least
     squares problem (Lawson & Hanson 1974) in a factor of W. If contacts are redundant, the reactions are those of least
-    norm, in units of ``unit`` (n,), among the contacts that push, so that equal contacts share equally.
+    norm, in units of ``unit`` (n,), among the contacts that push, so that equal contacts share equally. Raises
+    AssemblyError for a W that is not semidefinite, or not finite.
     """
     if b.min(initial=0.0) >= 0.0:
         return np.zeros(len(b))
@@ -21,12 +24,23 @@ def solve_complementarity(W, b, unit=None):
     size = np.where(size > 0.0, size, 1.0)
     scaled, right = W / np.outer(size, size), b / (size * largest)
     scaled = 0.5 * (scaled + scaled.T)
-    share = size if unit is None else unit * size
-    reactions = _least(scaled, right, share)
-    violation = np.abs(scaled @ reactions + right).max()
-    if reactions.min() <= NEGLIGIBLE * reactions.max() or violation > FITS * np.abs(right).max():
-        reactions = _of_some(scaled, right, share)
-    return reactions * largest / size
+    try:
+        return _reactions(scaled, right, size if unit is None else unit * size) * largest / size
+    except np.linalg.LinAlgError:
+        raise AssemblyError(
+            "the impulses of an impact cannot be found: the mechanism is too near a singular position for its response "
+            "to them to be known; give the contacts a 'law', which resolves the impact in time",
+            Failure.SINGULAR,
+        ) from None
+
+
+def _reactions(W, b, share):
+    """Return the reactions (n,) for a diagonal of W of ones."""
+    reactions = _least(W, b, share)
+    violation = np.abs(W @ reactions + b).max()
+    if reactions.min() <= NEGLIGIBLE * reactions.max() or violation > FITS * np.abs(b).max():
+        reactions = _of_some(W, b, share)
+    return reactions
 
 
 def _least(W, b, share):
