@@ -75,29 +75,35 @@ def analyse(n, rows, cols, groups, n_q, parts=None):
     """
     nodes = np.unique(groups, return_inverse=True)[1].reshape(-1)
     n_nodes = int(nodes.max()) + 1 if n_q else 0
+    position = _position(rows, cols, nodes, n_q, n_nodes, parts)
     ties = _ties(rows, cols, nodes, n_q, n_nodes)
-    own = (rows < n_q) & (cols < n_q)
-    neighbours = _neighbours(nodes[rows[own]], nodes[cols[own]], n_nodes)
-    if parts is None:
-        position, parts = least_degree(neighbours), np.zeros(n, np.int64)
-    else:
-        position = least_degree(_with_weights(neighbours, np.unique(nodes[parts[:n_q] == parts.max()])))
-        position = np.argsort(np.argsort(position[:n_nodes]))
+    parts = np.zeros(n, np.int64) if parts is None else parts
     block, part = _insert_multipliers(n, nodes, n_nodes, position, ties, parts)
     n_blocks, starts = len(part), np.searchsorted(part, np.arange(part[-1] + 1))
     structures, parent = _structures(_neighbours(block[rows], block[cols], n_blocks))
-    own_parent = np.where(part[parent] == part, parent, -1)  # roots have any part, and the parent -1
-    final = np.concatenate(
-        [
-            start + _postorder(np.maximum(own_parent[start:end] - start, -1))
-            for start, end in pairwise([*starts, n_blocks])
-        ]
-    )
+    final = _final_order(parent, part, [*starts, n_blocks])
     structures = [np.sort(final[structures[b]]) for b in np.argsort(final)]
     block = final[block]
     sizes = np.bincount(block, minlength=n_blocks)
     ends, borders = _join(structures, sizes, frozenset(starts.tolist()))
     return _tables(n, rows, cols, block, sizes, ends, borders, np.searchsorted(ends, [*starts[1:], n_blocks]) + 1)
+
+
+def _position(rows, cols, nodes, n_q, n_nodes, parts):
+    """Return the position (n_nodes,) of each node in the order of elimination, by minimum degree."""
+    own = (rows < n_q) & (cols < n_q)
+    neighbours = _neighbours(nodes[rows[own]], nodes[cols[own]], n_nodes)
+    if parts is None:
+        return least_degree(neighbours)
+    position = least_degree(_with_weights(neighbours, np.unique(nodes[parts[:n_q] == parts.max()])))
+    return np.argsort(np.argsort(position[:n_nodes]))
+
+
+def _final_order(parent, part, bounds):
+    """Return the rank of each block: a postorder of the elimination tree of each part, which ends at a bound."""
+    own_parent = np.where(part[parent] == part, parent, -1)  # roots have any part, and the parent -1
+    ranks = [start + _postorder(np.maximum(own_parent[start:end] - start, -1)) for start, end in pairwise(bounds)]
+    return np.concatenate(ranks)
 
 
 def _ties(rows, cols, nodes, n_q, n_nodes):
