@@ -210,15 +210,16 @@ def _locus(case, axis, other, reported):
     described = [_described(row, spectra, motions) for row in rows]
     found, unrefined = _criticals(case, axis, other, rows, spectra)
     least = np.array([spectrum.least if spectrum else 0.0 for spectrum in spectra])
-    own = [_along(row, spectra, name, none) for row in rows for name, none in (("families", -1), ("converged", True))]
-    kinds, sure = (np.array(own[i::2]).reshape(rows.shape) for i in (0, 1))
+    kinds = _along(rows, spectra, "families", -1)
+    sure = _along(rows, spectra, "converged", True)
     growth = _growth(spectra)
     return Locus(axis, values, described, kinds, sure, found, unrefined, *growth, least, np.array(variations))
 
 
-def _along(row, spectra, name, none):
-    """Return the attribute ``name`` of each mode of a branch, (n,); ``none`` where the branch has no mode."""
-    return [getattr(spectra[i], name)[mode] if mode >= 0 else none for i, mode in enumerate(row)]
+def _along(rows, spectra, name, none):
+    """Return the attribute ``name`` of each mode of branches, shaped as ``rows``; ``none`` where one has no mode."""
+    own = [[getattr(spectra[i], name)[mode] if mode >= 0 else none for i, mode in enumerate(row)] for row in rows]
+    return np.array(own).reshape(rows.shape)
 
 
 def _described(row, spectra, motions):
