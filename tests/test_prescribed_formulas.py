@@ -126,3 +126,29 @@ def test_what_prescribes_no_motion(value, signals, message):
     assert message in text
     remedied = message.startswith(("the signal", "the curve", "it is too long"))
     assert remedied or "use a spring or a law of the joint with this set point" in text
+
+
+def test_the_time_is_a_motion_and_a_load():
+    """The name "time" alone: a = t, and the force t on 1 kg, b = 2 + t^3/6; the impulse of the force is 1/2."""
+    loads = "loads: {push: {type: joint_force, joint: b, value: time}}"
+    text = MOTION.replace("PRESCRIBED", ANGLE.replace("VALUE", "time")).replace("SIGNALS", "x: 1")
+    m = RecordedRun(deck(text.replace("X", "[1, 0, 0]").replace("laws: {parabola: {polynomial: [0, 0, 1.5]}}", loads)))
+    np.testing.assert_allclose(m["joints/drive/angle"], m.time, atol=1e-12)
+    np.testing.assert_allclose(m["loads/push/force"], m.time, atol=1e-12)
+    assert m["joints/b/velocity"][-1] == pytest.approx(0.5, abs=1e-4)
+
+
+def test_a_law_of_the_name_time_is_that_law():
+    text = (
+        MOTION.replace("PRESCRIBED", ANGLE.replace("VALUE", "time"))
+        .replace("SIGNALS", "x: 1")
+        .replace("X", "[1, 0, 0]")
+    )
+    m = RecordedRun(deck(text.replace("parabola", "time")))
+    np.testing.assert_allclose(m["joints/drive/angle"], 1.5 * m.time**2, atol=1e-12)
+
+
+def test_the_time_is_no_unknown_name_among_other_errors():
+    with pytest.raises(DeckError) as error:
+        _deck(ANGLE.replace("axis", "axle"), "time")
+    assert not any("unknown law" in problem.message for problem in error.value.problems)

@@ -13,17 +13,18 @@ from mecano.schema import MOTION
 def resolve(values, scope):
     """Resolve every reference of the scope in the checked values, which are changed in place."""
     nodes = dict.fromkeys([*values["nodes"], *_nodes_of_members(values["elements"], scope.kinds)])
+    formulas = {*values["signals"], "time"}  # names that are formulas
     for reference in sorted(scope.references, key=_prescribes):
         scope.subject = reference.subject
         if reference.wanted == "motion":
             _put_motion(reference, values["signals"], scope)
             continue
         known = nodes if reference.section == "nodes" else values[reference.section]
-        if reference.wanted == "drive" and reference.name in values["signals"] and reference.name not in known:
+        if reference.wanted == "drive" and reference.name in formulas and reference.name not in known:
             if _prescribes(reference):
                 _put_motion(reference, values["signals"], scope)
                 continue
-            _put(reference, reference.name)  # the name of a signal is a formula
+            _put(reference, reference.name)
             note_continuous(read_formula(reference.name), reference.node, reference.options, scope)
             continue
         if reference.name not in known:
@@ -75,7 +76,8 @@ def unknown_names(root, scope):
         if reference.wanted == "drive":
             names = [*known.get("laws", ()), *known.get("signals", ())]
         inside = reference.section == "nodes" and "." in reference.name
-        if reference.name not in names and not inside:
+        time = reference.wanted == "drive" and reference.name == "time"
+        if reference.name not in names and not inside and not time:
             _unknown(reference, list(names), scope)
 
 
