@@ -498,6 +498,10 @@ class TestCatalogue:
         """No source files, nor reasons for their code."""
         assert not re.search(r"\.py|by hand|dual number|compil", explain(name))
 
+    def test_explain_separates_factors_by_one_blank(self):
+        assert "power kλ f\u0307 is supplied" in explain("prescribed_angle")
+        assert "V = 1/2 EA L ε²" in explain("bar")
+
     def test_explain_fields_and_words_of_fields(self, call):
         friction, of_hinge = call("explain", "friction")[1], call("explain", "hinge.friction")[1]
         assert "friction (in hinge)" in of_hinge and "collar_radius [m]" in of_hinge and of_hinge in friction

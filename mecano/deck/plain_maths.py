@@ -14,7 +14,8 @@ SIGNS = {
     "approx": "≈", "in": "∈", "to": "→", "int": "∫", "sum": "Σ", "dots": "...", "ldots": "...", "quad": "  ",
     "qquad": "    ", "left": "", "right": "", "big": "", "Big": "",
 }  # fmt: skip
-SPACES = {r"\,": " ", r"\;": " ", r"\:": " ", r"\!": "", r"\ ": " ", r"\|": "‖", r"\{": "{", r"\}": "}"}
+THIN = re.compile(r"\\[,;: ] *")
+MARKS = {r"\!": "", r"\|": "‖", r"\{": "{", r"\}": "}"}
 RAISED = dict(zip("0123456789+-Tn", "⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻ᵀⁿ", strict=True))
 ABOVE = {"dot": "\u0307", "ddot": "\u0308", "hat": "\u0302", "bar": "\u0304", "tilde": "\u0303"}
 INNER = r"\{([^{}]*)\}"
@@ -37,8 +38,8 @@ def _display(match):
 
 def plain_maths(tex):
     """Return one LaTeX formula as plain text."""
-    tex = MATRIX.sub(_matrix, tex)
-    for sign, plain in SPACES.items():
+    tex = THIN.sub(" ", MATRIX.sub(_matrix, tex))
+    for sign, plain in MARKS.items():
         tex = tex.replace(sign, plain)
     tex = re.sub(r"\\(?:mathrm|text|mathbf|operatorname)\{([^{}]*)\}", r"\1", tex)
     for name, letter in sorted(LETTERS.items(), key=lambda item: -len(item[0])):
