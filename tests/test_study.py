@@ -120,6 +120,11 @@ class TestCases:
         ("list: [{}]", "3:8", "'list[0]' must not be empty, got a mapping"),
         ("title: nothing", "1:1", "nothing is varied: a study has at least one of 'grid', 'list'"),
         ("grid: {a: {from: 1, to: 2, number: 90000}, b: [1, 2]}", "1:1", "180000 cases are more than 100000"),
+        (
+            "grid: {a: {from: 1, to: 2, number: 9000}, b: {from: 1, to: 2, number: 9000}, c: [1, 2, 3, 4]}",
+            "1:1",
+            "324000000 cases are more than 100000",
+        ),
         ("vary: {time.end: [1]}", "3:1", "unknown key 'vary'; here it is called 'grid'"),
         ("grid: {time.end: [1]}\noutputs: {a: max(x)}", "4:", "must be a mapping, such as {of: hinge.angle, ta"),
         ("grid: {time.end: [1]}\noutputs: {a: {take: max}}", "4:", "an output is 'of' a series, or of an 'event'"),

@@ -1,6 +1,7 @@
 """Cases of a study: rows of values from grids, lists, tables and random numbers; several sources are combined."""
 
 import csv
+import math
 from itertools import product
 
 import numpy as np
@@ -19,13 +20,13 @@ def rows_of(values, source, scope):
     ``source(name)`` returns the Source of a file, or None. Errors are reported to the scope.
     """
     ways = {
-        "grid": _grid(values["grid"]), "list": values["list"], "csv": _table(values["csv"], source, scope),
-        "latin_hypercube": _hypercube(values["latin_hypercube"]), "seeds": _seeds(values["seeds"], scope.owner),
+        "grid": _axes(values["grid"]), "list": [values["list"]], "csv": [_table(values["csv"], source, scope)],
+        "latin_hypercube": [_hypercube(values["latin_hypercube"])], "seeds": [_seeds(values["seeds"], scope.owner)],
     }  # fmt: skip
-    given = {name: rows for name, rows in ways.items() if values[name] is not None}
+    given = {name: tables for name, tables in ways.items() if values[name] is not None}
     seen = dict.fromkeys(values["set"], "set")
-    for name, rows in given.items():
-        for path in dict.fromkeys(path for row in rows for path in row):
+    for name, tables in given.items():
+        for path in dict.fromkeys(path for rows in tables for row in rows for path in row):
             if path in seen:
                 scope.refuse(scope.owner, f"{quoted(path)} is given by '{seen[path]}' and by '{name}'")
             seen[path] = name
@@ -34,16 +35,17 @@ def rows_of(values, source, scope):
         scope.refuse(scope.owner, f"nothing is varied: a study has at least one of '{ways}'")
     if scope.problems:
         return []
-    count = int(np.prod([len(rows) for rows in given.values()], dtype=float))
+    combined = [rows for tables in given.values() for rows in tables]
+    count = math.prod(map(len, combined))
     if count > MOST:
         scope.refuse(scope.owner, f"{count} cases are more than {MOST}")
         return []
-    return [{path: entry for row in rows for path, entry in row.items()} for rows in product(*given.values())]
+    return [{path: entry for row in rows for path, entry in row.items()} for rows in product(*combined)]
 
 
-def _grid(grid):
-    choices = [[Entry(entry.key, item) for item in entry.node.value] for entry in (grid or {}).values()]
-    return [dict(zip(grid, row, strict=True)) for row in product(*choices)] if grid else []
+def _axes(grid):
+    """Return the rows of each varied value of a grid, which are combined with those of all others."""
+    return [[{path: Entry(key, item)} for item in node.value] for path, (key, node) in (grid or {}).items()]
 
 
 def _hypercube(cube):
