@@ -3,6 +3,7 @@
 import csv
 import os
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -433,6 +434,14 @@ def test_a_task_without_progress_is_not_requeued(folder, monkeypatch, of_page, b
     done = subprocess.run(["bash"], input=text, text=True, env=own, capture_output=True)
     assert done.returncode == ended and (folder / "queue").exists() == requeued
     assert ("no step was made" in done.stderr) == (ended == 2)
+
+
+def test_the_output_of_tasks_is_one_word_of_the_script(folder):
+    """In a folder with blanks and a per cent sign, which begins a number in the patterns of Slurm."""
+    found = study(folder, "grid: {time.end: [1]}")
+    lines = script(Folder("5 % more", found), found.cases, Limits()).splitlines()
+    written = [shlex.split(line)[1:] for line in lines if line.startswith("#SBATCH --output")]
+    assert written == [[f"--output={Path.cwd()}/5 %% more/%4a.slurm"]]
 
 
 def test_the_cases_as_tasks_of_dask(folder):

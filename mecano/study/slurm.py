@@ -45,9 +45,10 @@ exit $code
 def script(folder, cases, limits):
     """Return the text of the script that runs these cases, one in each task."""
     command = shlex.join([*PROGRAM, *case_words(folder, limits)])
+    output = f"{folder.path.absolute()}/".replace("%", "%%") + "%4a.slurm"
     return SCRIPT.format(
         name=shlex.quote(folder.path.name), numbers=ranges([case.number for case in cases]), notice=NOTICE,
-        output=folder.path.absolute() / "%4a.slurm", directory=shlex.quote(os.getcwd()), command=command,
+        output=shlex.quote(output), directory=shlex.quote(os.getcwd()), command=command,
         info=shlex.join([*PROGRAM, "info"]), results=shlex.quote(folder.pattern(".h5")),
     )  # fmt: skip
 
