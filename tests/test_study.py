@@ -352,6 +352,17 @@ def test_the_unit_of_an_impulse_is_that_of_the_cases_that_have_one(folder):
     assert table.units == {"hit": "N s"}
 
 
+def test_an_output_that_a_case_lacks_leaves_the_others(folder):
+    outputs = "outputs: {way: {of: cube.position.x, take: max}, end: {of: knee.angle, take: final}}\n"
+    found = study(folder, "grid: {time.end: [1]}\n" + outputs)
+    table, runs = Table(Folder("runs", found), {}), Folder("runs", found)
+    runs.path.mkdir()
+    with results_samples.create(runs.file(found.cases[0], ".h5")) as writer:
+        results_samples.append(writer, 2)
+    table.take(found.cases[0], Record(COMPLETE, 0))
+    assert table.numbers == {1: {"end": results_samples.rows_of(2)[11]}} and table.units == {"end": "rad"}
+
+
 def test_rounding_errors_are_displayed_as_zero():
     """The side load of a symmetric landing beside that of a drift landing, as in the report and the picture."""
     values = {"left": ("N", [4.8e-5, -1e5]), "link": ("N m", [-3.7e-6, 2.0]), "gap": ("N m", [1e-9, np.nan])}

@@ -1,10 +1,11 @@
 """Table of a study: varied values, how each case ended, and its outputs."""
 
 from collections import Counter
+from contextlib import suppress
 
 import numpy as np
 
-from mecano.errors import ResultsError
+from mecano.errors import ResultsError, UnknownNameError
 from mecano.results.reader import open_results
 from mecano.results.study_file import StudyTable, column, write_columns, write_study
 from mecano.study.folder import COMPLETE, STATUSES
@@ -33,14 +34,15 @@ class Table:
             self.numbers[case.number] = self._outputs(case)
 
     def _outputs(self, case):
-        """Return {name: number} of a complete case; values missing in its file are nan."""
+        """Return {name: number} of a complete case, without outputs that its model lacks; {} without a file."""
         found = {}
         try:
             with open_results(self.folder.file(case, ".h5")) as results:
                 for output in self.study.outputs:
-                    value, unit = output.value(results)
-                    found[output.name] = float(value)
-                    self.units[output.name] = unit or self.units.get(output.name, "")  # none of a case without event
+                    with suppress(UnknownNameError):
+                        value, unit = output.value(results)
+                        found[output.name] = float(value)
+                        self.units[output.name] = unit or self.units.get(output.name, "")  # none without event
         except ResultsError:
             return {}
         return found
