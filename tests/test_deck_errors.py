@@ -15,6 +15,8 @@ STRUCTURE = [
      "this program reads decks of version 1, got true; write 'mecano: 1'"),
     ("mecano: 1\n", "", 1, "title",
      "missing 'mecano', the version of the deck; begin with 'mecano: 1'"),
+    ("mecano: 1", "study: 1", 1, "study",
+     "missing 'mecano', the version of the deck; this is a study: run it by `mecano sweep`"),
     ("title:", "titel:", 2, "titel",
      "unknown key 'titel'; did you mean 'title'?"),
     ("\"A wheel on a leg\"", "1.0", 2, "1.0",
@@ -255,7 +257,7 @@ def test_empty_sections():
 
 def test_all_problems_of_a_step_at_once():
     text, expected = VALID, set()
-    for old, new, line, _, problem in STRUCTURE[3:]:
+    for old, new, line, _, problem in STRUCTURE[4:]:
         if (
             text.count(old) == 1
             and "time: " not in problem

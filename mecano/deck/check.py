@@ -224,7 +224,8 @@ def _check_version(root, problems):
     if "mecano" not in root.value:
         key = next((node for key, (node, _) in root.value.items() if similar(key, ("mecano",))), None)
         text = f"unknown key {quoted(key.value)}" if key else "missing 'mecano', the version of the deck"
-        hint = "did you mean 'mecano'?" if key else "begin with 'mecano: 1'"
+        of_file = "this is a study: run it by `mecano sweep`" if "study" in root.value else "begin with 'mecano: 1'"
+        hint = "did you mean 'mecano'?" if key else of_file
         raise DeckError([*problems, Problem(text, (key or root).mark, hint)])
     node = root.value["mecano"][1]
     if type(node.value) is not int or node.value != VERSION:
