@@ -22,6 +22,7 @@ from mecano.results.lookup import Lookup
 from mecano.results.provenance import Source, lives, threads
 from mecano.results.reader import open_results
 from mecano.results.state import load_state, save_state
+from mecano.results.study_file import StudyTable, write_study
 from mecano.results.writer import Writer
 
 
@@ -289,6 +290,10 @@ def _other_hdf5(path):
         file["x"] = 1.0
 
 
+def _study(path):
+    write_study(path, StudyTable("", "", "deck.yaml", ()))
+
+
 def _newer(path):
     samples.create(path).close()
     with h5py.File(path, "r+") as file:
@@ -305,6 +310,7 @@ def _newer(path):
         (lambda path: path.write_text("time: 1\n" * 1000), "not a results file"),
         (lambda path: path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(10)), "cannot be read"),
         (_other_hdf5, "not a results file of mecano"),
+        (_study, "not a results file of a run, but of the format 'mecano study'"),
         (_newer, "format 99 of a newer mecano"),
     ],
 )

@@ -120,8 +120,10 @@ class Results:
             raise
 
     def _check_format(self):
-        if _as_text(self._file.h5.attrs.get("format")) != FORMAT:
-            raise ResultsError(f"{self.path} is an HDF5 file, but not a results file of mecano")
+        found = _as_text(self._file.h5.attrs.get("format"))
+        if found != FORMAT:
+            what = f"of a run, but of the format '{found}'" if found else "of mecano, but another HDF5 file"
+            raise ResultsError(f"{self.path} is not a results file {what}")
         if self.format_version > FORMAT_VERSION:
             raise ResultsError(
                 f"{self.path} has format {self.format_version} of a newer mecano; this one reads {FORMAT_VERSION}"
