@@ -51,7 +51,8 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
     each run (docs/studies.md). The folder receives a results file and a log for each case, table.csv and table.h5. A
     failed case does not stop the others. Exit code 0: all cases are complete, 3: some are not.
     """
-    _refuse_strays(executor, resume=resume, force=force, jobs=jobs, scheduler=scheduler, sbatch=options, wait=wait)
+    elsewhere = {"scheduler": scheduler, "sbatch": options, "wait": wait}
+    _refuse_strays(executor, resume=resume or again, force=force, jobs=jobs, **elsewhere)
     interruption = Interruption()
     interruption.listen()
     from mecano.study import perform
@@ -92,7 +93,7 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
 def _refuse_strays(executor, *, resume, force, jobs, scheduler, sbatch, wait):
     """Raise UsageError for options that exclude each other."""
     if resume and force:
-        raise click.UsageError("--resume continues the cases, --force runs all anew")
+        raise click.UsageError("--resume and --again continue the cases, --force runs all anew")
     if scheduler and executor != "dask":
         raise click.UsageError("--scheduler belongs to --executor dask")
     if (sbatch or wait) and executor != "slurm":
