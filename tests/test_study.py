@@ -491,11 +491,12 @@ def test_dask_that_is_not_there(folder, monkeypatch):
         (["--scheduler", "tcp://127.0.0.1:9"], "--scheduler belongs to --executor dask"),
         (["--wait"], "--sbatch and --wait belong to --executor slurm"),
         (["--executor", "slurm", "--jobs", "2"], "--jobs is for this machine"),
+        (["--executor", "slurm", "--sbatch", "--comment='two words"], "'--sbatch': no closing quotation"),
         (["--resume", "--force"], "--force runs all anew"),
         (["--again", "failed", "--force"], "--force runs all anew"),
     ],
 )
-def test_options_that_exclude_each_other_are_refused(folder, options, message):
+def test_options_that_are_wrong_or_exclude_each_other(folder, options, message):
     result = CliRunner().invoke(commands, ["sweep", "study.yaml", *options])
     assert result.exit_code == 2 and message in result.output
 

@@ -12,6 +12,14 @@ from mecano.process.cores import cores
 from mecano.process.interrupt import Interruption, seconds
 
 
+def _as_words(context, parameter, text):
+    """Return an option split into words as by a shell."""
+    try:
+        return shlex.split(text)
+    except ValueError as error:
+        raise click.BadParameter(str(error).lower(), context, parameter) from None
+
+
 @click.command(short_help="Run a deck many times with varied values.")
 @click.argument("study", type=click.Path())
 @click.option(
@@ -35,7 +43,12 @@ from mecano.process.interrupt import Interruption, seconds
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Scheduler of Dask; default: workers on this machine.")
 @click.option(
-    "--sbatch", "options", metavar="OPTIONS", default="", help="Passed to sbatch: '--partition=x --time=1:00:00'."
+    "--sbatch",
+    "options",
+    metavar="OPTIONS",
+    default="",
+    callback=_as_words,
+    help="Passed to sbatch: '--partition=x --time=1:00:00'.",
 )
 @click.option("--wait", is_flag=True, help="With Slurm: wait until all tasks have ended, then write the table.")
 @click.option("--collect", "only_table", is_flag=True, help="Run nothing; write the table of existing results.")
@@ -74,7 +87,7 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
     if executor == "slurm" and cases:
         from mecano.study.slurm import submit
 
-        show(submit(folder, cases, limits, shlex.split(options), wait))
+        show(submit(folder, cases, limits, options, wait))
         if not wait:
             return show(f"`mecano sweep {study} -o {folder.path} --collect` writes the table")
         return _finish(perform.collect(folder, units), plot)
