@@ -13,6 +13,7 @@ from beam_cases import (
     lateral_buckling,
     princeton,
     roll_up,
+    smallest_stiffness,
     stiffness,
     straight,
     torque_buckling,
@@ -211,6 +212,25 @@ def test_a_section_turns_about_its_shear_centre(verify, n):
     verify(REST, what + "tip under a torque [m]", found.position("tip"), tip, "rotation", absolute=1e-10)
     moment = found.output(f"elements/{name}/moment")
     verify(REST, what + "section moment [N m]", moment, [TORQUE, 0, 0], "rotation", absolute=1e-8)
+
+
+@pytest.mark.parametrize("n", [8, 16])
+def test_a_column_with_its_shear_centre_aside_bends_and_twists(verify, n):
+    """Axial load through the nodes of a cantilever: pi^2 EI/(2 L)^2 = P + P^2 c^2/GJ.
+
+    Of the rod of Cosserat without shear: stationary 1/2 int(GJ phi'^2 + EI theta'^2) - P int(c phi' theta + theta^2/2).
+    """
+    c, GJ, GA = 0.5, 0.5, 1e5
+    C = np.diag([1e6, 1e5, GA, GJ + GA * c**2, 1.0, 4.0])
+    C[2, 3] = C[3, 2] = GA * c
+    section = f"{{type: matrix, stiffness: {C.tolist()}, mass: {np.eye(6).tolist()}}}"
+    a = c**2 / GJ
+    exact = (np.sqrt(1.0 + np.pi**2 * a) - 1.0) / (2.0 * a)
+    smallest = lambda load: smallest_stiffness(straight(section, 1.0, n, dead_force(-load, 0, 0)))  # noqa: E731
+    found = brentq(smallest, 0.7 * exact, 1.2 * exact, xtol=1e-7)
+    verify(
+        REST, f"column that bends and twists, {n} elements: load [N]", found, exact, "rod of Cosserat", relative=5e-3
+    )
 
 
 def displaced_section(c):
