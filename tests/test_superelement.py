@@ -108,6 +108,7 @@ def test_a_part_of_a_frame_with_joints_inside():
     ("change", "nodes", "error", "text"),
     [
         ("", ["root", "top"], UsageError, "node 'top' does not belong to the part"),
+        ("joint", ["ground"], UsageError, "node 'ground' does not belong to the part; it has root, tip"),
         ("", ["root", "root"], UsageError, "share unknowns or are named twice"),
         ("fixed", ["root"], UsageError, "node 'tip' is fixed: it can only be a boundary node"),
         ("joint", ["root"], AssemblyError, "resists rigid motions|hold its boundary nodes"),

@@ -51,6 +51,7 @@ def part_of(deck, elements, boundary):
         raise UsageError(f"the deck has no element or joint '{unknown[0]}'; it has {', '.join(known[:12])}")
     parts = [element for element in parts if not elements or element.name in elements]
     used = {name for element in parts for name in element_nodes(KINDS[element.values["type"]], element.values)}
+    used.discard("ground")
     inside = {
         name for element in parts if "mesh" in element.values for name in inner_names(element.name, element.values)
     }
