@@ -133,6 +133,34 @@ def test_parts_that_cannot_be_reduced(change, nodes, error, text):
         reduced(text_of[change], nodes, 2)
 
 
+@pytest.mark.parametrize(
+    ("option", "message"),
+    [
+        ("natural_length: span", "reads 'span', which the part does not contain"),
+        ("natural_length: 1 + tip.position.z", "spring_damper 's' has a formula or a release"),
+        ("release: {time: 0.05}", "spring_damper 's' has a formula or a release"),
+    ],
+)
+def test_parts_that_are_not_constant(tmp_path, option, message):
+    spring = f"  s: {{type: spring_damper, nodes: [root, tip], law: {{spring: 1000}}, {option}}}\n"
+    text = BAR.replace("time:", f"{spring}signals: {{span: 1 + time}}\ntime:")
+    with pytest.raises(UsageError, match=message):
+        reduce_part(deck(text), tmp_path / "part.npz", nodes=["root", "tip"])
+
+
+def test_signals_and_loads_are_no_part():
+    """Also those that read one another, the motion and the part."""
+    more = (
+        "signals: {height: tip.position.z, push: 1 + height - pull.force, late: {type: lag, input: push, "
+        "time_constant: 0.1}}\n"
+        "loads: {pull: {type: line_force, nodes: [root, tip], value: height}}\n"
+    )
+    alone, among = reduced(BAR, ["root", "tip"], 2)[1], reduced(BAR + more, ["root", "tip"], 2)[1]
+    assert among.inner == alone.inner and among.content.keys() == alone.content.keys()
+    for key, values in alone.content.items():
+        assert np.array_equal(among.content[key], values), key
+
+
 def momentum(instance, motion):
     """Linear and angular momentum (6,): dT/dv = M v of the nodes, about the origin."""
     q, v, a, R = instance.local(motion)

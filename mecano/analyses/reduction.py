@@ -8,6 +8,7 @@ from mecano.deck.build import build
 from mecano.deck.physics import element_nodes
 from mecano.elements import KINDS
 from mecano.errors import ResultsError, UsageError
+from mecano.model.measured import UnknownQuantity
 from mecano.model.mesh import divided, inner_names
 from mecano.model.model import Model, Node
 from mecano.model.system import System
@@ -31,7 +32,7 @@ def reduce_part(deck, path, *, elements=(), nodes=(), number=None, force=False):
     if exists(path) and not force:
         raise ResultsError(f"{path} exists; --force replaces it")
     part = part_of(deck, elements, nodes)
-    system = System(part)
+    system = _system(part)
     result = reduce(system, list(nodes), number, length_scale(system.nodes))
     result.content.update(lines_of(part, [*nodes, *result.content.get("interior_names", ())]))
     write(path, result.content)
@@ -39,12 +40,12 @@ def reduce_part(deck, path, *, elements=(), nodes=(), number=None, force=False):
 
 
 def part_of(deck, elements, boundary):
-    """Return the Model of the chosen elements and joints, without loads and gravity, with free boundary nodes.
+    """Return the Model of the chosen elements and joints, without loads, signals and gravity, with free boundary nodes.
 
     Raises UsageError for unknown elements or nodes, and for a fixed node that is not on the boundary.
     """
     whole = build(deck)
-    parts = [element for element in whole.elements if KINDS[element.values["type"]].section != "loads"]
+    parts = [element for element in whole.elements if element.kind.section in ("elements", "joints")]
     known = [element.name for element in parts]
     unknown = [name for name in elements if name not in known]
     if unknown:
@@ -63,6 +64,19 @@ def part_of(deck, elements, boundary):
         raise UsageError(f"node '{held[0]}' is fixed: it can only be a boundary node of the part")
     free = [Node(node.name, node.x, node.R) for node in whole.nodes if node.name in used]
     return Model(free, parts, whole.laws, np.zeros(3))
+
+
+def _system(part):
+    """Return the System of a part. Raises UsageError if an element of it depends on a formula."""
+    try:
+        system = System(part)
+    except UnknownQuantity as error:
+        text = f"an element of the part reads '{error.word}', which the part does not contain: remove the formula"
+        raise UsageError(text) from None
+    for b in system.batches:
+        if b.kind.inputs and not b.kind.of_signals:
+            raise UsageError(f"{b.names[0]} has a formula or a release; the matrices of a part are constant: remove it")
+    return system
 
 
 def lines_of(part, names):
