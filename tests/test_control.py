@@ -100,6 +100,12 @@ def test_a_circle_of_one_signal_is_refused():
         prepare(deck(LOOP.replace("SIGNAL", '"first + 1"')))
 
 
+def test_a_circle_is_named_rather_than_what_is_not_finite_for_it():
+    """acos(2 + first) is no number, and would be none of the undetermined signal first = 0."""
+    with pytest.raises(AssemblyError, match="formula 'first' -> formula 'first'$"):
+        prepare(deck(LOOP.replace("SIGNAL", "first, angle: acos(2 + first)")))
+
+
 def ramp_response(t, w, d):
     """Response of 1/(s^2/w^2 + 2 d s/w + 1) to the ramp t."""
     damped, decay = w * np.sqrt(1.0 - d * d), np.exp(-d * w * t)

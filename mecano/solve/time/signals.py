@@ -127,13 +127,13 @@ def _refuse_undetermined(equations, s):
     """Raise an error for signals that are not determined; return True if signals depend on rates of those at once."""
     names, own = equations.system.numbering.name, equations.own
     J, r, reads_rates = equations.at(s)
-    if not np.all(known := _finite(J, r)):
+    if circle := _undetermined(equations, J, known := _finite(J, r)):  # it may be what makes others not finite
+        raise _error([names[own[i]].place for i in circle], f"at t = {s.t:.9g} s ")
+    if not np.all(known):
         name = names[own[np.argmin(known)]]
         error = NonFiniteError(f"at t = {s.t:.9g} s {name} is not finite")
         error.elements = (name.place,)
         raise error
-    if circle := _undetermined(equations, J):
-        raise _error([names[own[i]].place for i in circle], f"at t = {s.t:.9g} s ")
     return reads_rates
 
 
@@ -151,15 +151,24 @@ def refuse_circles(system, s):
     circles = []
     for state in (s.copy(), elsewhere):
         J, r, _ = equations.at(_solve(equations, state))
-        circles.append(_undetermined(equations, J) if np.all(_finite(J, r)) else [])
+        circles.append(_undetermined(equations, J, _finite(J, r)))
     if all(circles):
         raise _error([system.numbering.name[equations.own[i]].place for i in circles[0]])
 
 
-def _undetermined(equations, J):
-    """Return the signals (list of int) of a loop without a unique solution, in the order in which they read."""
+def _undetermined(equations, J, known):
+    """Return the signals (list of int) of a loop without a unique solution, in the order in which they read.
+
+    ``known`` (n,) are the signals with finite equations; the others are left out.
+    """
+    numbers = np.flatnonzero(known)
+    return [int(numbers[i]) for i in _circle(equations, J[np.ix_(known, known)])]
+
+
+def _circle(equations, J):
+    """Return the places (list of int) in J of the equations of such a loop."""
     _, (U, sigma, Vt) = equations.decomposed(J)
-    if sigma[-1] > SINGULAR * sigma[0]:
+    if not len(J) or sigma[-1] > SINGULAR * sigma[0]:
         return []
     taking_part = [np.abs(vector) > PART * np.abs(vector).max() for vector in (U[:, -1], Vt[-1])]
     members = np.flatnonzero(taking_part[0] & taking_part[1])
