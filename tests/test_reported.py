@@ -125,6 +125,26 @@ def test_rounding_of_initial_velocities_is_not_reported():
     assert not [text for text in base.warnings if "initial velocities" in text]
 
 
+FALLING = """
+mecano: 1
+gravity: [0, 0, -9.81]
+nodes: {top: {position: [0, 0, 1]}, low: {position: [0, 0, 0]}}
+elements:
+  ball: {type: point_mass, node: low, mass: 1}
+  strut: {type: spring_damper, nodes: [top, low], law: {spring: 1000}}
+initial: static
+time: {end: 1, step: 1 ms}
+"""
+
+
+def test_warnings_are_printed_before_a_start_that_fails(tmp_path):
+    """The upper end of the strut, which nothing holds, is why there is no equilibrium."""
+    (tmp_path / "falling.yaml").write_text(FALLING)
+    code, _, err = mecano_process("run", "falling.yaml", cwd=tmp_path)
+    warning, failure = err.find("node top: nothing gives mass"), err.find("no equilibrium was found")
+    assert code == 3 and 0 <= warning < failure
+
+
 def test_a_limit_that_was_exceeded_is_printed_and_stored(tmp_path):
     """The deformation of the tyre against the validity of its law; nothing is said where it holds."""
     name, short = "nose_gear_rigid", "time.end=0.1"

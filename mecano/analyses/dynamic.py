@@ -23,7 +23,7 @@ from mecano.analyses.diagnostics import (
 from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.prepare import chosen, integrator_of, model_facts, prepare, startup_warnings
 from mecano.analyses.recorder import Recorder
-from mecano.errors import ConvergenceError, NonFiniteError, ResultsError
+from mecano.errors import ConvergenceError, MecanoError, NonFiniteError, ResultsError
 from mecano.model.sampler import Sampler
 from mecano.process.interrupt import Interruption, abandonable
 from mecano.results.disk import undisturbed
@@ -84,10 +84,21 @@ def begun(deck, path, force, **supervision):
 
 
 @contextmanager
+def _warned_of(prepared, supervision):
+    """Announce the warnings about a model whose start fails: one of them may be the cause."""
+    try:
+        yield
+    except MecanoError:
+        for text in startup_warnings(prepared):
+            supervision.announce(text)
+        raise
+
+
+@contextmanager
 def _from_the_start(deck, path, force, supervision):
     """Run ``begun`` while no other process writes the file."""
     prepared = prepare(deck, partial(compile_time_integration, time=deck.values["time"]))
-    with with_places(deck):
+    with with_places(deck), _warned_of(prepared, supervision):
         found = abandonable(set_initial_state, prepared)
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
     with with_places(deck):
