@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from itertools import pairwise
 from pathlib import Path
 from textwrap import dedent
 
@@ -27,6 +28,7 @@ from mecano.errors import DeckError, UsageError
 from mecano.jit import store
 from mecano.post.pictures import post
 from mecano.post.study_outputs import displayed_outputs
+from mecano.post.study_plots import study_figure
 from mecano.results.study_file import Column, StudyTable
 from mecano.results.study_file import read_study as read_table
 from mecano.study import dask, slurm
@@ -361,6 +363,24 @@ def test_an_output_that_a_case_lacks_leaves_the_others(folder):
         results_samples.append(writer, 2)
     table.take(found.cases[0], Record(COMPLETE, 0))
     assert table.numbers == {1: {"end": results_samples.rows_of(2)[11]}} and table.units == {"end": "rad"}
+
+
+def test_varied_values_of_one_key_are_told_apart_in_pictures():
+    """And the numbers below a panel do not touch one another."""
+    values = {
+        "place.left.with.k": np.linspace(23043.5, 26988.0, 7),
+        "place.right.with.k": np.linspace(23043.5, 26988.0, 7),
+    }
+    varied = [Column("parameters", name, "N/m", "", found) for name, found in values.items()]
+    status = Column("case", "status", "", "", np.array(["complete"] * 7))
+    figure = study_figure(StudyTable("", "", "", (status, *varied, Column("outputs", "load", "N", "", np.arange(7.0)))))
+    assert [ax.get_xlabel() for ax in figure.axes] == ["left.with.k [N/m]", "right.with.k [N/m]"]
+    figure.draw_without_rendering()
+    for ax in figure.axes:
+        low, high = ax.get_xlim()
+        labels = [label for label in ax.get_xticklabels() if low <= label.get_position()[0] <= high]
+        boxes = [label.get_window_extent() for label in labels]
+        assert all(a.x1 < b.x0 for a, b in pairwise(boxes))
 
 
 def test_rounding_errors_are_displayed_as_zero():

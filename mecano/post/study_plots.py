@@ -14,6 +14,7 @@ from mecano.results.study_file import read_study
 
 PANEL = (3.4, 2.4)  # inches
 MOST_COLOURS = 8  # values of another parameter distinguished by colours
+MOST_TICKS = 5  # intervals between the numbers below a panel
 MOST_JOINED = 2  # parameters up to which dots that differ in one parameter are joined by lines
 
 
@@ -46,19 +47,23 @@ def _figure(table, parameters, outputs):
     size = len(parameters) * PANEL[0], len(outputs) * PANEL[1]
     figure = plain_figure(max(size[0], 5.0), size[1], table.title or Path(table.deck).stem, table.verdict)
     grid = figure.subplots(len(outputs), len(parameters), squeeze=False, sharex="col", sharey="row")
+    shown = _short_names([parameter.name for parameter in parameters])
     for i, output in enumerate(outputs):
         for j, parameter in enumerate(parameters):
             other = parameters[(j + 1) % len(parameters)] if len(parameters) > 1 else None
-            _panel(grid[i, j], output, parameter, other, joined=len(parameters) <= MOST_JOINED, named=i == 0)
+            title = with_unit(shown[other.name], other.unit) if other is not None and i == 0 else ""
+            _panel(grid[i, j], output, parameter, other, len(parameters) <= MOST_JOINED, title)
             if i == len(outputs) - 1:
-                grid[i, j].set_xlabel(with_unit(_short(parameter.name), parameter.unit))
+                grid[i, j].set_xlabel(with_unit(shown[parameter.name], parameter.unit))
+                if parameter.numeric:
+                    grid[i, j].locator_params(axis="x", nbins=MOST_TICKS)
         factor, unit = shown_unit(output.unit, output.values)
         grid[i, 0].set_ylabel(with_unit(output.name.replace("_", " "), unit))
     return figure
 
 
-def _panel(ax, output, parameter, other, joined, named):
-    """Plot dots, coloured by the values of the ``other`` parameter if these are few; ``named``: with a legend."""
+def _panel(ax, output, parameter, other, joined, title):
+    """Plot dots, coloured by the values of the ``other`` parameter if these are few; ``title`` of a legend, or ""."""
     factor, _ = shown_unit(output.unit, output.values)
     values = sorted(set(other.values)) if other is not None else []
     distinguished = 1 < len(values) <= MOST_COLOURS
@@ -78,14 +83,17 @@ def _panel(ax, output, parameter, other, joined, named):
         ax.plot(parameter.values[known], output.values[known] / factor, marker="o", markersize=3.5,
                 linestyle=DASHES[0] if joined else "none", linewidth=0.8, color=COLOURS[number], alpha=0.8,
                 label=label)  # fmt: skip
-    if distinguished and named:
-        title = with_unit(_short(other.name), other.unit)
+    if distinguished and title:
         ax.legend(title=title, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, fontsize=7, title_fontsize=7,
                   handlelength=0.8, columnspacing=0.8, borderaxespad=0.2, alignment="left",
                   labelcolor=GREY)  # fmt: skip
 
 
-def _short(path):
-    """Return the last two keys of a path, without 'parameters'."""
-    keys = path.removeprefix("parameters.").split(".")
-    return ".".join(keys[-2:])
+def _short_names(paths):
+    """Return {path: its last two keys, without 'parameters', or as many as distinguish it from the other ``paths``}."""
+    keys = {path: path.removeprefix("parameters.").split(".") for path in paths}
+    lengths = dict.fromkeys(paths, 2)
+    for path in paths:
+        while any(keys[path][-lengths[path] :] == keys[o][-lengths[path] :] for o in paths if o != path):
+            lengths[path] += 1
+    return {path: ".".join(keys[path][-lengths[path] :]) for path in paths}
