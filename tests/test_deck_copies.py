@@ -485,3 +485,12 @@ def test_units_of_parameters_in_templates(good, bad, message):
     with pytest.raises(DeckError) as error:
         deck_of_bytes(UNITS.replace(good, bad).encode(), "test.yaml")
     assert message in str(error.value)
+
+
+def test_what_a_missing_file_defines_is_not_reported(tmp_path):
+    (tmp_path / "deck.yaml").write_text("include: [lost.yaml]\nmecano: 1\nnodes: {a: {position: [$length, 0, 0]}}\n")
+    with pytest.raises(DeckError) as error:
+        read_deck(tmp_path / "deck.yaml")
+    text = deck_error_text(error.value)
+    assert "file 'lost.yaml' cannot be read" in text and "length" not in text.replace("[$length", "")
+    assert "the deck is checked once its files can be read" in text

@@ -32,6 +32,7 @@ class Inclusion:
         self.folder, self.problems = folder, problems
         self.named = {field.name for field in sections if field.type.name == "named"}
         self.sections, self.files, self.beside = {}, {}, {}
+        self.unread = False  # whether a file could not be read
         self._open = []  # paths of the files that are being read
 
     def merged(self, root):
@@ -77,6 +78,7 @@ class Inclusion:
         try:
             source, self.files[name] = read_source(path, os.path.join(self.folder, name))
         except Unreadable as error:
+            self.unread = True
             return self._refuse(node, f"file {quoted(node.value)} cannot be read: {error}")
         mark = replace(node.mark, role="included at", stack=())
         source = replace(source, stack=(*node.source.stack, mark))

@@ -48,6 +48,8 @@ def deck_of(source, digest="", overrides=(), kinds=KINDS, sections=SECTIONS, ter
     language = (*sections, *LANGUAGE)
     inclusion = Inclusion(folder, language, problems)
     root = inclusion.merged(root)
+    if inclusion.unread:
+        raise DeckError(problems, "the deck is checked once its files can be read")
     first = [text for text in overrides if BEFORE_COPIES.match(text)]
     root = overridden(root, first, language, problems)
     scope = scope_of(root, kinds, terms, folder, problems)
