@@ -217,3 +217,18 @@ def test_nothing_stands_beyond_the_edge(results, tmp_path, width):
     return [over, byId("view").getBoundingClientRect().width, parseFloat(getComputedStyle(document.body).fontSize)];
     """, width=width)  # fmt: skip
     assert over == [] and view >= 300 and texts >= 13
+
+
+@browser
+def test_legends_of_many_lines_stay_in_their_panels(results, tmp_path):
+    """Each curve of the plots is drawn four times more."""
+    page = animate(results / "wheel_drop.h5", tmp_path / "many.html")
+    data = data_of(page)
+    for panel in data["plots"]:
+        panel["curves"] = [[f"{name} number {i}", *rest] for i in range(5) for name, *rest in panel["curves"]]
+    page.write_text(re.sub(r"const data = \{.*\};", lambda _: f"const data = {json.dumps(data)};", page.read_text()))
+    beyond = asked(page, """
+    return [...document.querySelectorAll(".plot")].map(panel =>
+      panel.querySelector(".u-legend").getBoundingClientRect().bottom - panel.getBoundingClientRect().bottom);
+    """)  # fmt: skip
+    assert beyond and max(beyond) <= 1.0

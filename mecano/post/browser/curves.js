@@ -22,6 +22,7 @@ class Curves {
 
   sizeOf(box, plot) {
     const legend = plot ? plot.root.querySelector(".u-legend").offsetHeight : 26 + 8 * (box.childCount || 0);
+    box.style.minHeight = `${Math.max(170, legend + 26 + 90)}px`; // a legend of many lines makes its panel higher
     return { width: Math.max(box.clientWidth, 120), height: Math.max(box.clientHeight - legend - 26, 90) };
   }
 
