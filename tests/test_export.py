@@ -14,6 +14,7 @@ from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.post import grid
 from mecano.post.export import export
 from mecano.post.runs import open_runs
+from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.reader import open_results
 from mecano.results.verify import verify
@@ -65,6 +66,18 @@ def test_chosen_columns_with_the_steps_in_columns_of_their_own(path, tmp_path):
     assert header[:2] == ["time [s]", "elements.one_wheel.contact_force.magnitude [N]"]
     assert header[-2:] == ["solver.time [s]", "solver.step_size [s]"] and "joints.one_hinge.angle [rad]" in header
     assert np.isfinite(numbers[:-1]).all() and np.isnan(numbers[-1, -2:]).all()  # one step fewer than saved times
+
+
+def test_formulas_that_are_products_have_columns(tmp_path):
+    """Their names have the * of a pattern; each is written once."""
+    paths = ["formulas/2*hinge.angle/value", "formulas/2*3*hinge.angle/value"]
+    layout = Layout([Series(path, "SI", "value of the signal") for path in paths])
+    with Writer.create(tmp_path / "r.h5", layout, Source("", {}, "deck.yaml", "")) as writer:
+        writer.append(0.0, np.array([2.0, 6.0]))
+    for series in ((), ["formulas.*"], [path.replace("/", ".") for path in paths]):
+        header, numbers = table(export(tmp_path / "r.h5", series=series, force=True))
+        assert header == ["time [s]", "formulas.2*hinge.angle.value [SI]", "formulas.2*3*hinge.angle.value [SI]"]
+        assert numbers.tolist() == [[0.0, 2.0, 6.0]]
 
 
 def test_a_file_beside_the_results_which_is_not_overwritten(own):

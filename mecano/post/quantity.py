@@ -123,7 +123,7 @@ def _found(results, name):
         paths = results.names(name)
         if not paths:
             raise UsageError(f"no output of {results.path} matches '{name}'; `mecano info --names` lists them")
-        return [q for path in paths for q in find(results, path)]
+        return [q for path in paths for q in _components(results.find(path))]
     if inner := recovered.named(results, name):
         return _recovered(results, *inner)
     if name.endswith(MAGNITUDE):
