@@ -493,4 +493,4 @@ def test_what_a_missing_file_defines_is_not_reported(tmp_path):
         read_deck(tmp_path / "deck.yaml")
     text = deck_error_text(error.value)
     assert "file 'lost.yaml' cannot be read" in text and "length" not in text.replace("[$length", "")
-    assert "the deck is checked once its files can be read" in text
+    assert UNCHECKED in text

@@ -3,7 +3,7 @@
 import os
 import re
 
-from mecano.deck.check import checked_values, scope_of, written_out
+from mecano.deck.check import UNCHECKED, checked_values, scope_of, written_out
 from mecano.deck.compose import Node, compose
 from mecano.deck.deck import Deck
 from mecano.deck.include import Inclusion
@@ -49,7 +49,7 @@ def deck_of(source, digest="", overrides=(), kinds=KINDS, sections=SECTIONS, ter
     inclusion = Inclusion(folder, language, problems)
     root = inclusion.merged(root)
     if inclusion.unread:
-        raise DeckError(problems, "the deck is checked once its files can be read")
+        raise DeckError(problems, UNCHECKED)
     first = [text for text in overrides if BEFORE_COPIES.match(text)]
     root = overridden(root, first, language, problems)
     scope = scope_of(root, kinds, terms, folder, problems)
