@@ -97,6 +97,14 @@ def test_derivatives_of_curves(name, values, corners):
         assert h == pytest.approx(second, rel=1e-7, abs=1e-7)
 
 
+def test_the_slope_of_a_ramp_at_its_corners_is_that_behind_them():
+    """As that of a table: a motion that begins there has this velocity."""
+    values = {"start": 0.0, "end": 2.0, "from": 1.0, "to": 5.0}
+    table = {"points": [[0.0, 1.0], [2.0, 5.0]], "interpolation": "linear", "beyond": "hold"}
+    for s, slope in ((0.0, 2.0), (2.0, 0.0)):
+        assert curve_at((("ramp", values),), s)[1] == curve_at((("table", table),), s)[1] == slope
+
+
 def test_a_spline_has_no_jumps_of_its_second_derivative():
     """A prescribed motion through samples of a sine: its acceleration to the order of the spacing squared."""
     t = np.linspace(0, 2, 41)

@@ -27,8 +27,8 @@ def sine_integral(a, i, s):
 
 @kernel
 def ramp(a, i, s):
-    """Evaluate the term; numbers: start, end, from, to."""
-    if s <= a[i]:
+    """Evaluate the term; numbers: start, end, from, to; at its corners the slope is that behind them."""
+    if s < a[i]:
         return a[i + 2], 0.0, 0.0
     if s >= a[i + 1]:
         return a[i + 3], 0.0, 0.0

@@ -320,7 +320,8 @@ class GeneralizedAlpha:
         if text := self.contradictions.at_the_end(s, h, slips):
             return s, history, StepInfo(False, iterations, reached, np.nan, history, text, Failure.CONTRADICTION)
         new = w.new_history(TRIAL, self._no_shift, self.linear.label)
-        error = max(self.coefficients.error * h * h * change, turning)
+        error = self.coefficients.error * h * h * change
+        error = error if error > turning else turning
         info = StepInfo(True, iterations, reached, error, history, lag=lag, signalled=signalled, plain=error)
         info.forces = self.assembly.forces.copy()
         return s, new, info

@@ -33,9 +33,9 @@ def counted(error, least, duration, h):
 @kernel
 def factor(error, share):
     """Return the change of the step size for which the ``error`` becomes its ``share``; 0 for nan."""
-    if math.isnan(error):
-        return 0.0
-    return SAFETY * math.sqrt(share / error) if error > 0.0 and share < math.inf else GROWTH
+    if error > 0.0 and share < math.inf:
+        return SAFETY * math.sqrt(share / error)
+    return GROWTH if error >= 0.0 else 0.0
 
 
 @kernel
