@@ -100,7 +100,8 @@ def test_derivatives_of_curves(name, values, corners):
 def test_the_slope_of_a_ramp_at_its_corners_is_that_behind_them():
     """As that of a table: a motion that begins there has this velocity."""
     values = {"start": 0.0, "end": 2.0, "from": 1.0, "to": 5.0}
-    table = {"points": [[0.0, 1.0], [2.0, 5.0]], "interpolation": "linear", "beyond": "hold"}
+    points = [[-1.0, 1.0], [0.0, 1.0], [2.0, 5.0], [3.0, 5.0]]
+    table = {"points": points, "interpolation": "linear", "beyond": "hold"}
     for s, slope in ((0.0, 2.0), (2.0, 0.0)):
         assert curve_at((("ramp", values),), s)[1] == curve_at((("table", table),), s)[1] == slope
 

@@ -48,11 +48,11 @@ def piece(a, i, s):
 
 @kernel
 def end(a, i, s):
-    """Return (is s outside, x, y, slope beyond, integral) at the end of the table nearest to s; the last is outside."""
+    """Return (is s outside, x, y, slope beyond, integral) at the end of the table nearest to s."""
     n = int(a[i + 2])
     x = i + HEAD
     j = n - 1 if s > a[x] else 0
-    outside = s < a[x] or s >= a[x + n - 1]
+    outside = s < a[x] or s > a[x + n - 1]
     slope = 0.0 if a[i + 1] == 1.0 else a[x + 2 * n + j]
     return outside, a[x + j], a[x + n + j], slope, a[x + 3 * n + j]
 
