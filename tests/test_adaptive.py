@@ -189,3 +189,26 @@ def test_a_steered_wheel_takes_no_steps_for_an_error_that_its_axle_prevents():
     assert np.abs(recorded["joints/axle/angle"] - 65.0 * recorded.time).max() < 1e-4
     moment = np.linalg.norm(recorded["joints/axle/moment"], axis=1)
     assert np.abs(moment / (0.9 * 65.0 * 0.5) - 1.0).max() < 1e-2
+
+
+DRIVEN = """
+mecano: 1
+gravity: [0, 0, -9.81]
+nodes: {arm: {position: [0, 0, 0]}}
+elements:
+  bar: {type: rigid_body, node: arm, mass: 1, center_of_mass: [0.5, 0, 0], inertia: [0.01, 0.1, 0.1]}
+joints:
+  motor: {type: prescribed_angle, nodes: [ground, arm], axis: [0, 1, 0], value: LAW}
+  turn: {type: hinge, nodes: [ground, arm], axis: [0, 1, 0]}
+time: {end: 1, step: 1 ms, adaptive: {tolerance: 1.0e-4}}
+"""
+
+
+@pytest.mark.parametrize(
+    "law", ["{ramp: {start: 0.2, end: 0.5, from: 0, to: 1}}", "{table: {points: [[0.2, 0], [0.5, 1]], beyond: hold}}"]
+)
+def test_corners_of_a_motion_that_is_prescribed_wholly(law):
+    """No step size resolves a jump of its velocity, of which the constraints leave nothing."""
+    recorded = RecordedRun(deck(DRIVEN.replace("LAW", law)))
+    expected = np.interp(recorded.time, [0.2, 0.5], [0.0, 1.0])
+    assert np.abs(recorded["joints/motor/angle"] - expected).max() < 1e-9

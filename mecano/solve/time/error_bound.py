@@ -7,6 +7,7 @@ mode of circular frequency omega this may be too much: it can be off by no more 
 .. math:: \tau^2 |P^2 \Delta a| + |P (1 - P) a| / \omega_c^2, \qquad P = \omega_c^2 (K + \omega_c^2 M)^{-1} M
 
 along the constraints (modal_filter.py); but all of :math:`\Delta a` where the motion is unstable (docs/theory.md, 2.2).
+Where the constraints leave nothing of it, as of a motion that they prescribe, the errors do not add up.
 
 The error of bodies that spin (turning_error.py) is a change of the angular velocities. The constraints undo what would
 violate them: with no stiffness in P, what remains is its part along the constraints in the metric of the masses.
@@ -28,6 +29,7 @@ from mecano.solve.time.modal_filter import (
     negative_pivots,
     resolve,
 )
+from mecano.solve.time.step_control import FORGOTTEN, counted
 from mecano.solve.time.turning_error import turning_error
 from mecano.solve.time.workspace import BEGIN, STEP, TRIAL, history_of, state_of
 
@@ -62,11 +64,10 @@ def bound_error(bound: Records(BOUND), work: Records(STEP)):
         b.turning = min(turning, size(w, b, part))
     resolve(w, b, change, part)
     whole = size(w, b, part)
-    if (
-        not (whole > NOTHING * all_of_it and whole < np.inf)
-        or not factor_filter(w, b, limit)
-        or negative_pivots(w, b) != stable
-    ):
+    if whole <= NOTHING * all_of_it:
+        b.bounded = counted(plain, FORGOTTEN, w.duration, w.h)
+        return
+    if not whole < np.inf or not factor_filter(w, b, limit) or negative_pivots(w, b) != stable:
         return
     oscillation = max(filtered_twice(w, b, began), filtered_twice(w, b, ended))
     resolve(w, b, change, part)
