@@ -22,7 +22,20 @@ BINARY = {
 _methods = {}  # function -> {argument types: code}
 _attributes = {}  # (type, name) -> function of the value
 _records = {}  # names of fields -> type that records with these fields represent
-_known_codes = []  # tables by which plain Python, where kernels ask most of the time, finds the code for some types
+_known_codes = []  # all tables _Codes
+
+
+class _Codes(dict):
+    """Codes by the types of arguments, found when first asked for: plain Python would search most of the time."""
+
+    def __init__(self, find):
+        super().__init__()
+        self._find = find
+        _known_codes.append(self)
+
+    def __missing__(self, types):
+        code = self[types] = self._find(types)
+        return code
 
 
 class Generic:
@@ -36,15 +49,11 @@ class Generic:
     def __init__(self, function):
         self.__wrapped__, self.__name__, self.__doc__ = function, function.__name__, function.__doc__
         self.__module__ = function.__module__
-        self._codes = _new_codes()
+        self._codes = _Codes(self._code_for)
         _methods[self] = {}
 
     def __call__(self, *arguments):  # noqa: D102
-        types = tuple(map(type, arguments))
-        code = self._codes.get(types)
-        if code is None:
-            code = self._codes[types] = self._code_for(types)
-        return code(*arguments)
+        return self._codes[tuple(map(type, arguments))](*arguments)
 
     def _code_for(self, types):
         """Return the code for arguments of these types of Python."""
@@ -134,35 +143,13 @@ def _applied_alone(kind, function):
 
 
 def _applied(kind, function):
-    codes = _new_codes()
-
-    def apply(a, b):
-        of = type(b)
-        code = codes.get(of)
-        if code is None:
-            code = codes[of] = _code_for_types(function, (kind, of)) or _no_code
-        return code(a, b)
-
-    return apply
+    codes = _Codes(lambda of: _code_for_types(function, (kind, of)) or _no_code)
+    return lambda a, b: codes[type(b)](a, b)
 
 
 def _applied_reflected(kind, function):
-    codes = _new_codes()
-
-    def apply(b, a):
-        of = type(a)
-        code = codes.get(of)
-        if code is None:
-            code = codes[of] = _code_for_types(function, (of, kind)) or _no_code
-        return code(a, b)
-
-    return apply
-
-
-def _new_codes():
-    """Return a table {types of arguments: code}, which is emptied when methods are added."""
-    _known_codes.append({})
-    return _known_codes[-1]
+    codes = _Codes(lambda of: _code_for_types(function, (of, kind)) or _no_code)
+    return lambda b, a: codes[type(a)](a, b)
 
 
 def _no_code(*_):

@@ -143,7 +143,7 @@ def mat(A):
 @Generic
 def dot(a, b):
     """Return a . b"""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return _dot(a, b)
 
 
 @Generic
