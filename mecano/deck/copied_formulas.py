@@ -7,7 +7,7 @@ names of the template have their prefix.
 
 import re
 
-from mecano.deck.expressions import INSERT, WORDS, inner_value, insert
+from mecano.deck.expressions import INSERT, WORDS, inner_text, inner_value, insert
 from mecano.element_interface import SECTIONS
 
 OUTER = "^"  # before a name from outside, once for each template around it; no formula contains it
@@ -22,7 +22,7 @@ def is_formula(text, parameters):
     """Return whether a text with a $ has operands besides numbers and ``parameters``, and is no name with inserts."""
     if text.startswith("=") or not SIGNS.search(INSERT.sub("", text).strip()):
         return False
-    shown = INSERT.sub(lambda match: "x" if parameters.word(_name(match)) else "0", text)
+    shown = INSERT.sub(lambda match: "x" if parameters.word(inner_text(match)) else "0", text)
     return not QUANTITY.search(shown) and OPERAND.search(shown) is not None
 
 
@@ -41,14 +41,10 @@ def is_own(name, own):
     return any(name in own.get(section, ()) for section in (*SECTIONS, "nodes", "laws"))
 
 
-def _name(match):
-    return (match[1] if match[2] is None else match[2]).strip()
-
-
 def _value(match, text, parameters):
     before, after = text[: match.start()][-1:], text[match.end() :][:1]
     begins = before == "(" or not JOINED.match(before)
-    word = parameters.word(_name(match))
+    word = parameters.word(inner_text(match))
     if word:
         return OUTER * (getattr(word, "rise", 0) if begins else 0) + word.value
     if not begins or (after != ")" and JOINED.match(after)):

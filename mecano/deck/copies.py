@@ -169,11 +169,9 @@ class Copies:
             self.without_value = node
             return node
         given = scope.quantity_of(text)
-        return (
-            Given(value, node, text, given)
-            if given
-            else Node(value, node.source, node.line, node.column, f"{value} ({text})")
-        )
+        if given:
+            return Given(value, node, text, given)
+        return Node(value, node.source, node.line, node.column, f"{value} ({text})")
 
     def placed(self, name, key, node):
         """Return {section: {name: (key, node)}} of a copy of a template."""

@@ -90,11 +90,15 @@ def inserted(text, parameters):
     return "".join(parts)
 
 
+def inner_text(match):
+    """Return the name or expression of a match of INSERT."""
+    return (match[1] if match[2] is None else match[2]).strip()
+
+
 def inner_value(match, parameters):
     """Return the number of a match of INSERT; raises the errors of ``evaluate``, at their characters in the text."""
-    name = (match[1] if match[2] is None else match[2]).strip()
     try:
-        return evaluate(f"={name}", parameters, bare=True)
+        return evaluate(f"={inner_text(match)}", parameters, bare=True)
     except ExpressionError as error:
         column = match.start() + (1 + error.column if match[2] is None else 0)
         raise type(error)(error.message, column, error.near) from None
@@ -102,7 +106,7 @@ def inner_value(match, parameters):
 
 def insert(match, parameters):
     """Return the word or whole number of a match of INSERT, as part of a name."""
-    word = parameters.word((match[1] if match[2] is None else match[2]).strip())
+    word = parameters.word(inner_text(match))
     if word:
         return word.value
     value = inner_value(match, parameters)
