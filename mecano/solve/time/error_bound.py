@@ -10,7 +10,7 @@ along the constraints (modal_filter.py); but all of :math:`\Delta a` where the m
 Where the constraints leave nothing of it, as of a motion that they prescribe, the errors do not add up.
 
 The error of bodies that spin (turning_error.py) is a change of the angular velocities. The constraints undo what would
-violate them: with no stiffness in P, what remains is its part along the constraints in the metric of the masses.
+violate them: with no stiffness in P, what remains is its part along the constraints, projected with the masses.
 """
 
 import numpy as np
