@@ -3,6 +3,7 @@
 Also the fixture by which tests report their results to the verification manual.
 """
 
+import gc
 import hashlib
 import os
 from pathlib import Path
@@ -14,6 +15,7 @@ import mecano  # noqa: E402
 from mecano.jit import ahead  # noqa: E402
 from mecano.jit.store import folder  # noqa: E402
 
+gc.set_threshold(50_000)  # thousands of tests stay in memory, and each collection would visit them
 ahead.cores = lambda: 1  # the tests run in parallel, and a process that compiles all compiles shared functions once
 
 SOURCES = sorted(Path(mecano.__file__).parent.rglob("*.py"))

@@ -15,7 +15,11 @@ from mecano.results.reader import open_results
 
 DECKS = sorted(path.stem for path in (Path(__file__).parent.parent / "inputs").glob("*.yaml"))
 ENDS = {  # [s] of decks of many steps, of which a beginning with events is enough
-    "reflector": 1.2, "reflector_template": 1.2, "shimmy_freeplay": 0.7, "solar_array": 5.0, "trailing_wheel_bump": 0.4,
+    "andrews": 0.01, "anti_skid": 1.5, "ball_on_turntable": 3.0, "crosswind_landing": 0.8, "flexible_ring": 0.1,
+    "flexible_slider_crank": 0.02, "four_bar": 1.0, "friction_pendulum": 2.0, "n_four_bar": 2.0,
+    "nose_gear_rigid": 2.0, "nose_landing_gear": 1.5, "reflector": 1.2, "reflector_template": 1.2,
+    "shimmy_freeplay": 0.7, "sleigh": 2.0, "solar_array": 5.0, "superelement_arm": 4.0, "trailing_wheel_bump": 0.3,
+    "twin_wheel_gear": 0.8, "two_bodies": 1.0,
 }  # fmt: skip
 
 
