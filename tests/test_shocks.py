@@ -178,6 +178,17 @@ def test_a_winder_pays_out_and_is_fully_uncoiled():
     assert recorded["nodes/mass/position"][-1, 0] == pytest.approx(2.0, abs=1e-7)
 
 
+def test_a_winder_of_a_heavy_mass_pays_out_at_a_small_strain():
+    """All masses and forces a thousand times those of the deck: the same motion, at the same strain of 1e-8."""
+    heavier = {"mass.mass": 4e3, "cable.axial_stiffness": 6e11, "cable.payout_tension": 6e3}
+    changes = [f"elements.{key}={value}" for key, value in heavier.items()]
+    recorded = RecordedRun(input_deck("winder", *changes, "loads.pull.value=2e3"))
+    assert [h.name for h in recorded.event_records] == ["goes taut", "pays out", "is fully uncoiled"]
+    end = recorded.event_records[-1]
+    assert end.t == pytest.approx(2 - math.sqrt(2), abs=1e-7)
+    assert end.impulse == pytest.approx(4e3 * math.sqrt(2), rel=1e-7)
+
+
 def test_a_line_that_holds_keeps_the_energy_of_its_strain():
     """Paid out with 6 N at EA = 200 N it is strained by 0.03, 0.18 J of 2 m; they are dissipated while it shortens."""
     pull = "loads.pull.value={linear: {slope: -4.0, offset: 4.0}}"  # drives the mass back in the end

@@ -48,6 +48,7 @@ class ImpactCandidates:
         self.system, self.all = system, list(_impact_candidates(system))
         self.events = np.array([candidate.event for candidate in self.all], np.int64)
         self.opening = [candidate for candidate in self.all if candidate.opens >= 0]
+        self.held = [c for c in self.opening if not c.opening.elastic]  # that open where their reaction vanishes
 
     def __iter__(self):
         return iter(self.all)

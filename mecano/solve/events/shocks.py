@@ -94,8 +94,8 @@ class Shocks:
         found, candidates = np.zeros(len(g0), bool), self.impact_candidates.opening
         if not candidates:
             return found
-        g = self.monitor.values(s)
-        opens, leads = np.array([(c.opens, c.lead) for c in candidates]).T
+        g, held = self.monitor.values(s), self.impact_candidates.held
+        opens, leads = np.array([(c.opens, c.lead) for c in held], np.int64).reshape(-1, 2).T
         found[opens] = np.abs(g[opens]) <= self._no_force(s, k) * self.unit[leads]
         touching = [c for c in candidates if max(-g0[c.event], abs(g[c.event])) <= self.near[c.lead]]
         if touching:
