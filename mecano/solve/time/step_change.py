@@ -40,6 +40,7 @@ from mecano.solve.time.workspace import (
 )
 
 DIFFERENCE = 0.02  # of a step, for differences along the motion
+JUMP = 3.0  # ratio of two such differences from which on one of them includes a jump
 METRIC = 1e-3  # of a step: for steps so much shorter the tangent is that of the masses, where there are any
 TOO_FAST = 0.1  # of the accelerations lost to the filter: below, its error is all that it would bring
 HERE, NEXT, AFTER, TURNING, ALGORITHMIC = range(5)  # rows of ``derivatives``
@@ -145,9 +146,19 @@ def derivatives(w, row):
 
 @kernel
 def jerk_rate(w, i):
-    """Return d = -B q''', the change of the second rate of a constraint along the motion at constant accelerations."""
+    """Return d = -B q''', the change of the second rate of a constraint along the motion at constant accelerations.
+
+    The difference of second order, or, where a jump of the second rate makes one of two differences much the greater,
+    such as that of the curvature of a profile, the other one.
+    """
     here, next_, after = derivatives(w, HERE), derivatives(w, NEXT), derivatives(w, AFTER)
-    return (4.0 * next_[i, 2] - 3.0 * here[i, 2] - after[i, 2]) / (2.0 * DIFFERENCE * w.h)
+    first, second = next_[i, 2] - here[i, 2], after[i, 2] - next_[i, 2]
+    change = 1.5 * first - 0.5 * second
+    if abs(first) > JUMP * abs(second):
+        change = second
+    elif abs(second) > JUMP * abs(first):
+        change = first
+    return change / (DIFFERENCE * w.h)
 
 
 @kernel
