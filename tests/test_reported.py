@@ -125,6 +125,15 @@ def test_rounding_of_initial_velocities_is_not_reported():
     assert not [text for text in base.warnings if "initial velocities" in text]
 
 
+def test_rounding_of_the_velocity_of_a_body_that_turns_in_place_is_not_reported():
+    """A rotor out of balance in a bearing along [2, 3, 7] that is elastic across its axis: 1e-20 m/s."""
+    soft = "{along_1: {spring: 1.0e+5}, along_2: {spring: 1.0e+5}}"
+    bearing = f"{{type: hinge, nodes: [ground, shaft], axis: [2, 3, 7], compliance: {soft}}}"
+    turning = "initial.velocities=[{nodes: [shaft], angular_velocity: [2, 3, 7]}]"
+    base = operating_point(input_deck("elastic_bearing", f"joints={{bearing: {bearing}}}", turning))
+    assert not [text for text in base.warnings if "initial velocities" in text]
+
+
 FALLING = """
 mecano: 1
 gravity: [0, 0, -9.81]

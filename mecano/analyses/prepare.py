@@ -20,6 +20,7 @@ from mecano.solve.diagnostics.joint_redundancy import by_same_joints, redundant_
 from mecano.solve.diagnostics.mobility import DENSE_ROWS, analyse
 from mecano.solve.diagnostics.scales import Tolerances, length_scale
 from mecano.solve.events.compliance import compliance
+from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.linear.sparse import LinearSolver
 from mecano.solve.time.generalized_alpha import Coefficients, GeneralizedAlpha
 from mecano.solve.time.initial import assemble_start, most_off
@@ -250,15 +251,19 @@ def _changed_velocities(prepared, motion):
     entries = [entry for entry in deck.values["initial"]["velocities"] if entry["nodes"] != "all"]
     named = {name for entry in entries for name in entry["nodes"]}
     turned = {name for entry in entries if any(entry["angular_velocity"]) for name in entry["nodes"]}
-    for names, first, asked, before, reached, unit in zip(
-        (named, turned), (of.x, of.r), asked_velocities(deck, system), _rates(system, prepared.state),
-        _rates(system, motion), ("m/s", "rad/s"), strict=False,
-    ):  # fmt: skip
-        asked = np.where((first < of.n_q)[:, None], before, asked)  # fixed nodes did not receive the velocities asked
+    motions = [  # fixed nodes did not receive the velocities asked
+        (names, np.where((first < of.n_q)[:, None], before, asked), reached, unit)
+        for names, first, asked, before, reached, unit in zip(
+            (named, turned), (of.x, of.r), asked_velocities(deck, system), _rates(system, prepared.state),
+            _rates(system, motion), ("m/s", "rad/s"), strict=False,
+        )
+    ]  # fmt: skip
+    fastest = [np.linalg.norm(np.concatenate([asked, now]), axis=1).max(initial=0.0) for _, asked, now, _ in motions]
+    rounding = ROUNDING * fastest[1] * prepared.length, ROUNDING * fastest[0] / prepared.length  # of one by the other
+    for (names, asked, reached, unit), speed, least in zip(motions, fastest, rounding, strict=True):
         rows = [i for i, node in enumerate(system.nodes) if node.name in names]
         change = np.linalg.norm((reached - asked)[rows], axis=1)
-        fastest = np.linalg.norm(np.concatenate([asked, reached]), axis=1).max(initial=0.0)
-        if change.max(initial=0.0) > 1e-6 * fastest:
+        if change.max(initial=0.0) > max(1e-6 * speed, least):
             i = rows[int(np.argmax(change))]
             was, is_ = (", ".join(f"{c + 0.0:.4g}" for c in vector) for vector in (asked[i], reached[i]))
             return [
