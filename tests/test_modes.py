@@ -778,3 +778,31 @@ def test_feedback_through_a_delay_is_reported_as_missing():
     text, found, _ = modes(deck(f"{HANGING}{LATE}\n{BACK}"), None)
     assert "delay 'late': modes take the values of earlier times as constant" in text
     assert found.values[-1] == pytest.approx(2.0j, rel=1e-9)
+
+
+@pytest.mark.parametrize("method", ["dense", "sparse"])
+def test_a_slender_boom_that_is_not_parallel_to_an_axis_bends(method):
+    """First mode of a cantilever of slenderness 5000, 3.51602 r c/(2 L^2) of a round rod; it was called free."""
+    rod = "{type: circle, diameter: 4 mm, E: 70 GPa, nu: 0.3, density: 2700}"
+    found = values_of(
+        f"""
+        mecano: 1
+        gravity: none
+        sections: {{rod: {rod}}}
+        nodes: {{root: {{position: [0, 0, 0], fixed: true}}, tip: {{position: [3, 4, 5]}}}}
+        elements: {{boom: {{type: beam, nodes: [root, tip], section: rod, mesh: 20}}}}
+        {TIME}
+        """,
+        number=2,
+        method=method,
+    )
+    expected = 3.51602 * 2e-3 * np.sqrt(70e9 / 2700) / (2 * 50.0)
+    np.testing.assert_allclose(found, 1j * expected, rtol=1e-5)
+
+
+def test_a_buckled_blade_diverges_in_any_direction():
+    """Beyond its critical load, turned about the vertical; the rate of growth is that along x."""
+    tips = [1, 0, 0], [0.6, 0.8, 0]
+    along, turned = (modes(input_deck("lateral_buckling", f"nodes.tip.position={tip}"), None)[1] for tip in tips)
+    assert along.kinds.count("divergence") == turned.kinds.count("divergence") == 1
+    assert max(turned.values.real) == pytest.approx(max(along.values.real), rel=1e-5)

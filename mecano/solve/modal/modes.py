@@ -17,6 +17,8 @@ from mecano.solve.modal.small_motions import SmallMotions
 
 DENSE = 400  # motions up to which all eigenvalues are computed
 FREE = 1e-9  # of the magnitudes of its terms: K y up to which a motion has no stiffness
+ROUNDED = 1e-12  # of the same: forces of inertia and damping that are rounding, as K y is where stiff forces cancel
+EIGENVALUES = 1e-14  # of the largest squared eigenvalue: rounding of all of a dense matrix
 LEAST = 1e-6  # of the largest stiffness: lower bound of these magnitudes; FREE of it is rounding
 REAL = 1e-9  # of an eigenvalue: imaginary part up to which it is real
 CONVERGED = 1e-6  # residual up to which a mode is converged
@@ -127,7 +129,10 @@ def _is_free(scaled, value, y, largest):
     size = max(np.linalg.norm(abs(scaled.K) @ abs(y)), LEAST * scaled.size[2] * np.linalg.norm(y))
     if not size:
         return abs(value) <= 1e-7 * largest
-    if max(np.linalg.norm(value**2 * (scaled.M @ y)), np.linalg.norm(value * (scaled.C @ y))) > FREE * size:
+    inertia = scaled.M @ y
+    rounding = max(ROUNDED * size, EIGENVALUES * largest**2 * np.linalg.norm(inertia))
+    forces = max(np.linalg.norm(value**2 * inertia), np.linalg.norm(value * (scaled.C @ y)))
+    if forces > min(rounding, FREE * size):
         return False
     r = scaled.K @ y
     if scaled.D.shape[1]:
