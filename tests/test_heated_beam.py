@@ -45,6 +45,14 @@ def test_heating_is_by_formulas_or_by_laws():
         heated("{curvature_2: 0.8*time, strain: {linear: {slope: 1}}}")
 
 
+def test_the_direction_of_a_thermal_curvature_is_not_left_to_the_inertial_axes():
+    """A round boom that is placed in other axes would bend in another direction of its own."""
+    straight = "elements.boom={type: beam, nodes: [satellite, tip], section: tube, thermal: {strain: 1.0e-4}}"
+    input_deck("boom_in_sun", "elements.boom.up=null", straight)
+    with pytest.raises(DeckError, match="missing 'up': the direction of axis 3, towards which 'thermal' bends"):
+        input_deck("boom_in_sun", "elements.boom.up=null")
+
+
 def test_a_held_beam_is_pressed():
     """N = -EA alpha dT, below the buckling strain 4 pi^2 EI/(EA L^2) = 1.5e-3."""
     end = Equilibrium(MEMBER.format(thermal="{strain: 1.0e-3}", fixed=", fixed: true") + "    loads: {}\n")

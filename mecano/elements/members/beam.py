@@ -21,7 +21,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.demand import as_formula, check_alike, is_formula
+from mecano.constraints.along_coordinate.demand import as_formula, is_formula
 from mecano.constraints.elastic_line import STRAIN_OF_STEEL
 from mecano.constraints.joint_frame import norm
 from mecano.element_interface import Display, Kind, Output, record
@@ -42,6 +42,7 @@ from mecano.elements.members.cross_section import MOST_POINTS, constants
 from mecano.elements.members.heated_beam import (
     CURVES,
     THERMAL,
+    check_heating,
     force_by_laws,
     force_by_signals,
     heating,
@@ -225,7 +226,7 @@ def check(d, nodes):
     """Return errors for an impossible line (beam_line.py) and for elements whose stiffness is lost in rounding."""
     section = constants(d["section"])
     texts = check_line(d, nodes, section.is_round) or _too_slender(d, nodes, section)
-    return texts if d["thermal"] is None else texts + check_alike("thermal", heating(d))
+    return texts if d["thermal"] is None or texts else check_heating(d)
 
 
 def _slenderness(section, x_1, x_2):
@@ -343,7 +344,7 @@ BEAM = Kind(
         Field("nodes", NODE_PAIR, "-", "its ends"),
         Field("section", SECTION, "-", "cross section"),
         Field("mesh", INTEGER, "-", "number of elements", 1, check_mesh),
-        Field("up", DIRECTION, "-", "towards axis 3 of the section at the start; not needed if it is round", None),
+        Field("up", DIRECTION, "-", "towards axis 3 of the section at the start; if round, needed by 'thermal' only", None),
         Field("via", POINT, "m", "point through which it bends as a circular arc; straight when absent", None),
         Field("twist", NUMBER, "rad", "angle by which the section turns about axis 1 from start to end", 0.0),
         THERMAL,

@@ -14,7 +14,7 @@ a signal: a ``lag`` whose input is the illumination of the beam makes it depend 
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.demand import law_of
+from mecano.constraints.along_coordinate.demand import check_alike, law_of
 from mecano.element_interface import record
 from mecano.elements.members.beam_elastic import add_elastic, add_free_derivative
 from mecano.elements.members.beam_inertia import add_inertia
@@ -24,6 +24,7 @@ from mecano.maths.vector import Vec3, dot, mat, vec
 from mecano.schema import CONTINUOUS_DRIVE, Field, mapping
 
 CURVES = ("strain", "curvature_2", "curvature_3")
+NONE = 0.0, (("constant", {"value": 0.0}),)  # as a default is given, or read from a deck
 INPUT = 12  # local index of the first signal
 THERMAL = Field(
     "thermal",
@@ -46,6 +47,13 @@ THERMAL = Field(
 def heating(d):
     """Return the three values of ``thermal`` in the order of CURVES."""
     return [d["thermal"][name] for name in CURVES]
+
+
+def check_heating(d):
+    """Return errors in the values of a beam with ``thermal``."""
+    bends = any(value not in NONE for value in heating(d)[1:])
+    lost = ["missing 'up': the direction of axis 3, towards which 'thermal' bends the beam"]
+    return [*check_alike("thermal", heating(d)), *(lost if bends and d["up"] is None else [])]
 
 
 def thermal_record(dtype):
