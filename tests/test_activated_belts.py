@@ -77,7 +77,7 @@ def test_a_drive_is_engaged(verify, trigger):
         m = RecordedRun(drive(activate, 0.31, step))
         first, second, *_ = m.event_records
         assert [(e.name, e.before) for e in (first, second)] == [("activates", "inactive")] * 2
-        assert {first.after, second.after} == {"taut", "slack"}  # by damping one span would push
+        assert {first.after, second.after} == {"taut", "relaxing"}  # by damping one span would push
         assert first.t == pytest.approx(0.3, abs=1e-9)
         assert [first.lost, second.lost] == pytest.approx([-0.5 * 200.0**2 / STIFFNESS] * 2, rel=1e-9)
         found.append(np.array([m[f"joints/{name}/rate"][-1] for name in ("motor", "machine")]))

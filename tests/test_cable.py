@@ -96,7 +96,7 @@ def test_a_damped_cable_never_pushes_and_keeps_the_balance_of_energy(damping):
         recorded = RecordedRun(deck(BOUNCE.format(length=1.2, damping=damping, step=step)))
         tension, strain = recorded["elements/rope/tension"], recorded["elements/rope/strain"]
         assert tension.min() == 0.0
-        assert {h.name for h in recorded.event_records} == {"goes taut", "goes slack"}
+        assert {h.name for h in recorded.event_records} == {"goes taut", "goes slack", "is relaxed"}
         left = strain[
             [np.argmin(np.abs(recorded.time - h.t)) for h in recorded.event_records if h.name == "goes slack"]
         ]
@@ -104,6 +104,19 @@ def test_a_damped_cable_never_pushes_and_keeps_the_balance_of_energy(damping):
         drift.append(np.ptp(recorded["energy/balance"]) / np.ptp(recorded["energy/dissipated"]))
     assert drift[1] < 2e-3 and drift[1] < 0.5 * drift[0]
     assert np.all(np.diff(recorded["energy/dissipated"]) >= -1e-12)
+
+
+def test_a_cable_relaxes_for_its_damping_time():
+    """It goes slack where eps + tau deps/dt = 0, and flies freely: its strain vanishes after tau, and energy balances.
+
+    The relative error of the balance is of the order of the tolerance of Radau IIA.
+    """
+    lines = BOUNCE.format(length=0.95, damping=2e-2, step="1 ms, method: radau, adaptive: {tolerance: 1e-8}")
+    recorded = RecordedRun(deck(lines.replace("[0, 0, -9.81]", "none").replace("end: 2.0", "end: 0.2")))
+    slack, relaxed = recorded.event_records
+    assert (slack.name, relaxed.name) == ("goes slack", "is relaxed")
+    assert relaxed.t - slack.t == pytest.approx(2e-2, abs=1e-10)
+    assert np.ptp(recorded["energy/balance"]) < 1e-8 * recorded["energy/potential"][0]
 
 
 def test_stiffness_and_length_are_checked():

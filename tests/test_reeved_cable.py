@@ -90,7 +90,7 @@ def test_a_slack_cable_goes_taut():
     taut = next(event.t for event in recorded.event_records if event.name == "goes taut")
     assert taut == pytest.approx(2 / g, abs=1e-4)
     assert np.all(recorded["elements/rope/tension"][recorded.time < taut] == 0.0)
-    assert {event.name for event in recorded.event_records} == {"goes taut", "goes slack"}
+    assert {event.name for event in recorded.event_records} == {"goes taut", "goes slack", "is relaxed"}
 
 
 def test_a_rope_brake(verify):

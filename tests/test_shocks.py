@@ -204,6 +204,15 @@ def test_a_line_that_holds_keeps_the_energy_of_its_strain():
     assert np.ptp(recorded["energy/balance"][recorded.time > 0.5]) < 1e-6 * recorded["energy/total"][0]
 
 
+def test_a_damped_line_relaxes_behind_its_full_length():
+    """Taut after the shock it throws the mass back; slack with strain left, it is relaxed after its damping time."""
+    line = "elements.cable.at_full_length=shock", "elements.cable.axial_stiffness=200", "elements.cable.damping=0.05"
+    recorded = RecordedRun(input_deck("winder", *line, "loads.pull.value=0", "time.end=1.5"))
+    *_, full, slack, relaxed = recorded.event_records
+    assert [full.name, slack.name, relaxed.name] == ["is fully uncoiled", "goes slack", "is relaxed"]
+    assert relaxed.t - slack.t == pytest.approx(0.05, abs=1e-9)
+
+
 def test_a_winder_that_is_too_strong_holds():
     """A pull of 2 N does not move a brake of 6 N: the cable stretches, and the mass oscillates on it."""
     recorded = RecordedRun(

@@ -16,9 +16,10 @@ since the start, where it has the tension :math:`T_0`. With the stiffness k and 
 .. math::  T = k\,(\Delta + \tau \dot\Delta), \qquad f = T\,\partial \lambda/\partial q, \qquad
            V = \tfrac12 k \Delta^2
 
-while it is taut, where both :math:`\Delta` and :math:`\Delta + \tau\dot\Delta` are positive. L and the angles are exact
-for parallel axes and pulleys in one plane; small inclinations are allowed. That of a belt that is activated stress-free
-has the tension :math:`T_0` then; before, and after a release, its nodes may leave no tangent.
+while it is taut, where both :math:`\Delta` and :math:`\Delta + \tau\dot\Delta` are positive. Energy that remains when
+it goes slack is dissipated until :math:`\Delta = 0`. L and the angles are exact for parallel axes and
+pulleys in one plane; small inclinations are allowed. That of a belt that is activated stress-free has the tension
+:math:`T_0` then; before, and after a release, its nodes may leave no tangent.
 """
 
 import math
@@ -30,19 +31,14 @@ import numpy as np
 from mecano.constraints.activation import SHIFT, activated
 from mecano.constraints.body_fixed import wrap
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
+from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, SLACK, TAUT, put_line_events
 from mecano.constraints.release import detached
-from mecano.element_interface import Event, Kind, Output, record
+from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import atan2, select, sqrt, value
 from mecano.maths.vector import Vec3, cross, dot, mat, vec
 
-TAUT, SLACK = 0, 1
 INCLINATION = 0.2  # of the distance: largest offset along the axis
-PHASES = ("taut", "slack")
-EVENTS = (
-    Event("goes taut", "slack", "taut", "the span becomes longer than the belt in it", elastic=True),
-    Event("goes slack", "taut", "slack", "the tension falls to zero", elastic=True),
-)
 OUTPUTS = (
     Output("tension", "N", "tension of the span; zero while it is slack"),
     Output("stretch", "m", "elongation of the belt in the span, negative while it is slack"),
@@ -134,7 +130,7 @@ def _functions(geometry, angles, always):
         rate = rate_of(along, at.v)
         if not always and _lost(at, rate):
             return
-        elastic = select(at.phase == TAUT or stretch > 0.0, p.stiffness * stretch, 0.0)
+        elastic = select(at.phase <= RELAXING, p.stiffness * stretch, 0.0)
         T = select(at.phase == TAUT, p.stiffness * (stretch + p.damping * rate), 0.0)
         y[0], y[1], y[2] = T, stretch, L
         e[1] = 0.5 * elastic * stretch
@@ -143,8 +139,7 @@ def _functions(geometry, angles, always):
     @kernel
     def event_values(p, at, g):
         stretch, along, _, _, _ = geometry(p, at)
-        tautness = min(stretch, stretch + p.damping * rate_of(along, at.v))
-        g[0], g[1] = tautness, -tautness
+        put_line_events(g, stretch, rate_of(along, at.v), p.damping)
 
     @kernel
     def commit(p, at, m_out):

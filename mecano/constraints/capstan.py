@@ -30,9 +30,8 @@ from functools import cache
 
 from mecano.constraints.activation import keeping
 from mecano.constraints.body_fixed import follow
+from mecano.constraints.line_phases import PHASES, TAUT
 from mecano.constraints.reeved_path import (
-    PHASES,
-    TAUT,
     of_law,
     of_signal,
     path_record,

@@ -2,7 +2,7 @@ r"""Path of a cable over pulleys: its spans, arcs and strain (equations in eleme
 
 The record p of its users has the fields of ``path_record``; the local unknowns are the position of the first node,
 position and rotation of each pulley, the position of the last node, and the payout if that is a signal. Beyond the
-phases taut and slack the nodes may leave no path: then its length is not a number, nor is its rate.
+phases of a line the nodes may leave no path: then its length is not a number, nor is its rate.
 """
 
 import math
@@ -11,13 +11,11 @@ from mecano.constraints.activation import SHIFT, since_activation
 from mecano.constraints.belt_span import tangent_direction
 from mecano.constraints.body_fixed import follow
 from mecano.constraints.elastic_line import strained
+from mecano.constraints.line_phases import SLACK
 from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve
 from mecano.maths.dual import number, sqrt, value
 from mecano.maths.vector import add_vec, cross, dot, mat, vec
-
-TAUT, SLACK = 0, 1
-PHASES = ("taut", "slack")  # and "released" or "inactive" of a cable with a release or an activation
 
 
 def path_record(n):

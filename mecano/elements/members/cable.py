@@ -8,14 +8,15 @@ With the length :math:`\ell`, the natural length :math:`L(t)`, the axial stiffne
 
 A cable is taut as long as both :math:`\varepsilon` and :math:`\varepsilon + \tau \dot\varepsilon` are positive: it
 never pushes, even with damping. The changes from slack to taut and back are events. If elastic energy remains when it
-goes slack with :math:`\varepsilon > 0`, it is dissipated while the cable shortens to its natural length. A ``release``
+goes slack with :math:`\varepsilon > 0`, it is dissipated while the cable is relaxing: while it shortens to its natural
+length, where an event says that it is relaxed. A ``release``
 cuts the cable: it carries no force from then on, its elastic energy is lost at that instant, and its mass stays;
 ``release: {when: rope.tension > 5000}`` breaks it. With ``activate`` it carries no force before, and the energy that it
 has then is given.
 
 A varying natural length, a law of time or a formula of signals, does work, which is supplied by the surroundings (a
 winder). With
-:math:`N_d = N - EA\varepsilon` (:math:`-EA\varepsilon` in a slack cable that is still longer than L) the powers are
+:math:`N_d = N - EA\varepsilon` (:math:`-EA\varepsilon` while it is relaxing) the powers are
 
 .. math::  P_{dissipated} = N_d L \dot\varepsilon, \qquad
    P_{given} = -[EA\,\varepsilon\,(1 + \varepsilon/2) + N_d\,(1 + \varepsilon)]\, \dot L
@@ -50,9 +51,10 @@ from mecano.constraints.elastic_line import (
 )
 from mecano.constraints.joint_frame import at_one_place
 from mecano.constraints.line import add_line_force, line
+from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, TAUT, put_line_events
 from mecano.constraints.release import SAMPLE, check_release, cut, elastic_release
 from mecano.constraints.wound_line import CATCHES
-from mecano.element_interface import Display, Event, Kind, Measured, Output, record
+from mecano.element_interface import Display, Kind, Measured, Output, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.laws.table import evaluate_curve, terms_of
@@ -61,9 +63,6 @@ from mecano.schema import CONTINUOUS_DRIVE, CURVE, NODE_PAIR, NUMBER, Field, cho
 
 RECORD = record(**LINE_RECORD)
 INPUT = 6  # local index of a natural length that is a signal
-TAUT = 0  # a bar is always in this phase
-CABLE_PHASES = ("taut", "slack")
-SLACK = 1  # in all further phases, "released" and "inactive", it does not exist
 
 
 @kernel
@@ -109,8 +108,7 @@ def _functions(natural):
         length, rate, _ = line(at.q, at.v)
         L, L_rate = natural(p, at)
         strain, strain_rate = strained(length, rate, L, L_rate)
-        pulls = at.phase == TAUT or (strain > 0.0 and at.phase == SLACK)
-        elastic = select(pulls, p.EA * strain, 0.0)
+        elastic = select(at.phase <= RELAXING, p.EA * strain, 0.0)
         N = select(at.phase == TAUT, _tension(p, strain, strain_rate), 0.0)
         viscous = N - elastic
         put_line(p, y, length, L, strain, strain_rate, N)
@@ -122,10 +120,7 @@ def _functions(natural):
     @kernel
     def event_values(p, at, g):
         length, rate, _ = line(at.q, at.v)
-        strain, strain_rate = strained(length, rate, *natural(p, at))
-        tautness = min(strain, strain + p.damping * strain_rate)  # the tension follows the smaller one
-        g[0] = tautness
-        g[1] = -tautness
+        put_line_events(g, *strained(length, rate, *natural(p, at)), p.damping)
 
     return residual, observe, event_values
 
@@ -219,7 +214,7 @@ def sample_cable(rng):
     wound = (("linear", {"slope": -0.3, "offset": 1.5}),)
     winder = {"payout_tension": (("linear", {"slope": 4.0, "offset": 0.03}),), "at_full_length": "shock"}
     return [
-        ({**d, "natural_length": wound}, _apart(rng, 2.0), "taut"),
+        *(({**d, "natural_length": wound}, _apart(rng, 2.0), phase) for phase in ("taut", "relaxing")),
         ({**d, "natural_length": 3.0}, _apart(rng, 2.0), "slack"),
         *(({**d, **SAMPLE, "natural_length": 1.5}, _apart(rng, 2.0), phase) for phase in ("taut", "released")),
         ({**d, **SAMPLE, "natural_length": 3.0}, _apart(rng, 2.0), "slack"),
@@ -307,12 +302,9 @@ ELASTIC_CABLE = Kind(
     dtype=RECORD,
     layout=("x0", "x1"),
     fields=(*FIELDS, *WINDER_FIELDS, elastic_release("cable")),
-    outputs=(*OUTPUTS, Output("state", "-", "0 slack or released, 1 taut, 2 paying out")),
-    phases=CABLE_PHASES,
-    events=(
-        Event("goes taut", "slack", "taut", "the length rises to the natural length", elastic=True),
-        Event("goes slack", "taut", "slack", "the tension falls to zero", elastic=True),
-    ),
+    outputs=(*OUTPUTS, Output("state", "-", "0 relaxing, slack or released, 1 taut, 2 paying out")),
+    phases=PHASES,
+    events=EVENTS,
     prepare=prepare,
     variant=variant,
     check=check_cable,

@@ -43,9 +43,8 @@ from mecano.constraints.along_coordinate.demand import is_formula, law_of
 from mecano.constraints.belt_span import INCLINATION, check_tangent, span_record
 from mecano.constraints.capstan import CAPSTAN, capstan, friction_field
 from mecano.constraints.joint_frame import triad
+from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, TAUT, put_line_events
 from mecano.constraints.reeved_path import (
-    PHASES,
-    TAUT,
     arc,
     lost,
     of_law,
@@ -58,7 +57,7 @@ from mecano.constraints.reeved_path import (
     strain_by,
 )
 from mecano.constraints.release import SAMPLE, check_release, detached, elastic_release
-from mecano.element_interface import Display, Event, Kind, Output, Part, record
+from mecano.element_interface import Display, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.maths.dual import at_least, number, select, value
@@ -100,7 +99,7 @@ def _functions(strain_of):
         if not math.isfinite(value(strain_rate)):  # there is no path
             y[8] = at_least(number(y[8]), 1.0)
             return
-        elastic = select(at.phase == TAUT or strain > 0.0, p.EA * strain, 0.0)
+        elastic = select(at.phase <= RELAXING, p.EA * strain, 0.0)
         N = select(at.phase == TAUT, p.EA * (strain + p.damping * strain_rate), 0.0)
         viscous = N - elastic
         y[0], y[1], y[2], y[3], y[4] = length, L, strain, strain_rate, at_least(N, 0.0)
@@ -120,10 +119,10 @@ def _functions(strain_of):
 
     @kernel
     def event_values(p, at, g):
-        """Write the tautness: the smaller of the elastic and the total strain, which the tension follows."""
         _, _, strain, strain_rate, _, _ = strain_of(p, at)
-        tautness = -1.0 if lost(p, at) else min(strain, strain + p.damping * strain_rate)
-        g[0], g[1] = tautness, -tautness
+        if lost(p, at):
+            strain, strain_rate = -1.0, 0.0
+        put_line_events(g, strain, strain_rate, p.damping)
 
     return {"residual": residual, "observe": observe, "event_values": event_values}
 
@@ -244,7 +243,7 @@ def sample(rng):
     }  # fmt: skip
     single = {**d, "nodes": ["a", "b", "d"], "radii": [0.0, 0.2, 0.0]}
     rough = [{**d, "friction": {"coefficients": [0.3, 0.1], "regularization": u}} for u in (0.01, 30.0)]
-    released = [({**one, **SAMPLE}, nodes, phase) for one in (d, rough[0]) for phase in ("taut", "slack", "released")]
+    released = [({**one, **SAMPLE}, nodes, phase) for one in (d, rough[0]) for phase in (*PHASES, "released")]
     taken = {"time": 0.3, "when": None, "stress_free": True}
     activated = [({**one, "activate": taken}, nodes, at) for one in (d, rough[0]) for at in ("taut", "inactive")]
     return [
@@ -273,7 +272,7 @@ OUTPUTS = (
     Output("strain", "-", "extension over natural length"),
     Output("strain_rate", "1/s", "rate of the strain"),
     Output("tension", "N", "tension of the whole cable, with friction its mean; zero while it is slack"),
-    Output("state", "-", "0 slack or released, 1 taut"),
+    Output("state", "-", "0 relaxing, slack or released, 1 taut"),
     Output("inclination", "-", "sine of the largest angle of a span to the plane of its pulleys"),
     Output("lift_off", "rad", "angle by which the cable has left a pulley"),
     Output("closeness", "-", "largest difference of radii over distance of neighbours; 1 where a span vanishes"),
@@ -286,10 +285,7 @@ _ALWAYS_ACTIVE = Kind(
     fields=FIELDS,
     outputs=(*OUTPUTS, Output("wrap_1", "rad", "angle of the arc on pulley 1; and so on")),
     phases=PHASES,
-    events=(
-        Event("goes taut", "slack", "taut", "the length of the path rises to the natural length", elastic=True),
-        Event("goes slack", "taut", "slack", "the tension falls to zero", elastic=True),
-    ),
+    events=EVENTS,
     dtype=record(**path_record(1)),
     **path_unknowns(1),
     optional=(("friction", CAPSTAN, ""),),

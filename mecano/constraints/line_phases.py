@@ -1,0 +1,35 @@
+"""Phases and events shared by lines that only pull: taut, relaxing and slack.
+
+A line with damping goes slack, where it would push, while it is still longer than its natural length. Until it has this
+length it is relaxing: the elastic energy that remained is dissipated. The dissipated power vanishes there with a
+corner, so the end is an event, at which a time step ends.
+"""
+
+from mecano.constraints.stop_phases import FAR
+from mecano.element_interface import Event
+from mecano.jit.kernel import kernel
+
+TAUT, RELAXING, SLACK = range(3)
+PHASES = ("taut", "relaxing", "slack")
+EVENTS = (
+    Event("goes taut", "slack", "taut", "the length rises to the natural length", elastic=True),
+    Event("goes taut", "relaxing", "taut", "the damped tension rises from zero again", elastic=True),
+    Event("goes slack", "taut", "slack", "the tension falls to zero", elastic=True),
+    Event("goes slack", "taut", "relaxing", "the same, with damping, above the natural length", elastic=True),
+    Event("is relaxed", "relaxing", "slack", "the length falls to the natural length", elastic=True),
+)
+
+
+@kernel
+def tautness(strain, strain_rate, damping):
+    """Return the smaller of the elastic and the total strain, which the tension follows."""
+    return min(strain, strain + damping * strain_rate)
+
+
+@kernel
+def put_line_events(g, strain, strain_rate, damping):
+    """Write the values of ``EVENTS`` [the unit of the strain] to g (5,)."""
+    taut = tautness(strain, strain_rate, damping)
+    g[0] = g[1] = taut
+    g[2], g[3] = (-taut, -FAR) if damping == 0.0 else (-FAR, -taut)
+    g[4] = -strain
