@@ -72,6 +72,32 @@ def test_reactions_at_the_end_of_a_very_short_step_are_no_rounding(rise):
     np.testing.assert_allclose(extremes[1], extremes[0], rtol=1e-5)
 
 
+@pytest.mark.parametrize(
+    ("control", "error"), [("step: 5.0e-3", 2e-5), ("step: 5.0e-3, method: radau, adaptive: {tolerance: 1e-6}", 1e-6)]
+)
+def test_a_motion_stops_where_its_table_ends(control, error):
+    """A mass on a spring of 10 rad/s runs at 0.2 m/s behind the first, and swings by 0.2/10 m once that stops."""
+    law = "{table: {points: [[0, 0], [0.5, 0.1]], interpolation: linear}}"
+    m = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: none
+        nodes: {{a: {{position: [0, 0, 0]}}, b: {{position: [1, 0, 0]}}}}
+        elements:
+          b: {{type: point_mass, node: b, mass: 1}}
+          s: {{type: spring_damper, nodes: [a, b], law: {{spring: {{stiffness: 100}}}}}}
+        joints:
+          x: {{type: prescribed_position, node: a, direction: [1, 0, 0], value: {law}}}
+          y: {{type: prescribed_position, node: a, direction: [0, 1, 0], value: 0}}
+          z: {{type: prescribed_position, node: a, direction: [0, 0, 1], value: 0}}
+        initial: {{velocities: [{{nodes: [a, b], velocity: [0.2, 0, 0]}}]}}
+        time: {{end: 1, {control}}}
+    """)
+    )
+    assert m["nodes/a/velocity"][m.time > 0.5001, 0] == pytest.approx(0.0, abs=1e-9)
+    assert m["nodes/b/position"][-1][0] == pytest.approx(1.1 + 0.02 * np.sin(5.0), abs=error)
+
+
 def test_reactions_of_a_prescribed_motion_are_of_second_order_across_its_corners():
     errors = []
     for h in (1e-3, 5e-4, 2.5e-4):

@@ -119,7 +119,7 @@ class TimeIntegrator:
             self.method.use(run.compliance)
         self._before, self.method.pause = run, lambda: self.pause(self._before)
         if run.motion.t in self._is_corner and run.history.known:  # the last call ended there, before the corner
-            run = self._start_again(run, run.motion)
+            run = self._start_behind_corner(run)
         for corner in self._corners[bisect_right(self._corners, end) :][:1]:
             end = corner if corner - end < self._shortest(corner) else end  # rounding is no step
         between = slice(bisect_right(self._corners, run.motion.t), bisect_left(self._corners, end))
@@ -133,7 +133,7 @@ class TimeIntegrator:
                 for report in self.reporters:
                     report(run)
             if stop < end:
-                run = self._start_again(run, run.motion)
+                run = self._start_behind_corner(run)
         return run
 
     def _shortest(self, stop):
@@ -375,6 +375,13 @@ class TimeIntegrator:
         if self.recorder is not None:
             self.recorder.restarted(new, passing=self._passes(s))  # forces may jump
         return new
+
+    def _start_behind_corner(self, run):
+        """Return the run started again just behind the corner at its end, with the slopes of the laws there.
+
+        At the corner itself a table that holds its last value has the slope before it.
+        """
+        return self._start_again(run, replace(run.motion, t=np.nextafter(run.motion.t, math.inf)))
 
     def _passes(self, s):
         """Return whether the state after an event is left at once, by another event at the same instant."""
