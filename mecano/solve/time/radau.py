@@ -14,11 +14,11 @@ from mecano.model.assembly import Assembly
 from mecano.model.numbering import ROTATION
 from mecano.model.state import RadauHistory
 from mecano.solve.diagnostics.scales import SIGNALS, SMALL, Tolerances, balance
-from mecano.solve.linear.newton import DIVERGES, FAILURES, MESSAGES, NOT_FINITE, SINGULAR, TOO_MANY
+from mecano.solve.linear.newton import FAILURES, MESSAGES, NOT_FINITE, SINGULAR, TOO_MANY
 from mecano.solve.linear.rounding import at_rounding
 from mecano.solve.time.consistent import Consistent, consistent_state
 from mecano.solve.time.contradictions import Contradictions
-from mecano.solve.time.increments import displaced, largest, reach_of
+from mecano.solve.time.increments import displaced, largest, moved, reach_of
 from mecano.solve.time.radau_stages import Stages
 from mecano.solve.time.radau_tableau import ERROR, REAL, TO_CUBIC, A
 from mecano.solve.time.radau_tangent import StageTangent
@@ -30,7 +30,8 @@ SHARE = 0.01  # of the allowed error of a step: a correction that leaves less en
 LEAST = 1e-17  # of the length scale, or rad: increments are known to more digits than positions
 CAUTION = 8.0  # times the estimate: errors of velocities add up to more than themselves
 TURN = 1.0  # rad in a step: with more, the frozen tangent converges slowly
-SLOW = 0.9  # ratio of two corrections above which the iteration diverges
+SLOW = 0.9  # ratio of two corrections above which the last one is not made, and the tangent is renewed
+MIDDLE = 1  # stage at which it is then evaluated
 
 
 class Radau:
@@ -94,16 +95,17 @@ class Radau:
     def step(self, s0, history, h):
         """Make a step of size h from ``s0`` with its ``history``; return (state, history, StepInfo). Pure."""
         stages = self.stages
-        code, iterations, size = SINGULAR, 0, np.inf
+        code, iterations, size, most = SINGULAR, 0, np.inf, self.tolerances.max_iterations
         goal, reach = self._goal(h), reach_of(s0.z, self.system.numbering, self.length)
         stages.begin(s0, h, history, self.control.duration, min(goal / self._accuracy(), 1.0))
-        if self.tangent.prepare(s0, history.k, h):
+        if self.tangent.prepare(moved(s0, 0.5 * h, self.system.numbering), history.k, h):
             code = TOO_MANY
         elif not self.tangent.finite:
             code = NOT_FINITE
-        while code == TOO_MANY and iterations < self.tolerances.max_iterations:
+        while code == TOO_MANY and iterations < most:
             self.pause()
             correction = self.tangent.solve(stages.residuals(history.k))
+            before = stages.increments.copy(), stages.reactions.copy()
             last, size = size, stages.correct(correction, self.tangent.turn)
             iterations += 1
             ratio = size / last if iterations > 1 else 1.0
@@ -113,8 +115,11 @@ class Radau:
                 size < goal or size * ratio < goal * (1.0 - ratio) or at_rounding(size, ratio, ratio != 1.0, reach, 0.0)
             ):
                 return self._finished(s0, history, h, iterations, size / goal)
-            elif iterations > 2 and ratio > SLOW:
-                code = DIVERGES
+            elif iterations > 1 and (ratio > SLOW or size * ratio ** (most - iterations) > goal):
+                if ratio > SLOW:
+                    (stages.increments[:], stages.reactions[:]), size = before, last
+                if not self.tangent.prepare(stages.states()[MIDDLE], history.k, h):
+                    code = SINGULAR
         message = MESSAGES[code].format(iterations)
         info = StepInfo(False, iterations, (0.0, 0.0, size / goal), np.nan, history, message, FAILURES[code])
         return s0, history, info

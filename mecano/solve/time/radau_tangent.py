@@ -147,13 +147,12 @@ class StageTangent:
         found[start < 0] = -1
         return found
 
-    def prepare(self, s0, k, h):
-        """Evaluate and factor the tangent in the middle of a step of size h from ``s0``; return whether it is regular.
+    def prepare(self, s, k, h):
+        """Evaluate and factor the tangent at the state ``s`` within a step of size h; return whether it is regular.
 
-        Afterwards ``turn`` (n_all,) holds the rotation increments from ``s0`` to there.
+        ``s.z`` holds the rotation increments since the beginning of the step, afterwards also ``turn`` (n_all,).
         """
         of, dt = self.system.numbering, DIFFERENCE * h
-        s = moved(s0, 0.5 * h, of)
         self.k, self.turn, real, other = k, s.z.copy(), REAL / h, COMPLEX / h
         for part, weights in zip((K, C, M), np.eye(3), strict=True):
             self._assemble(part, s, *weights)
