@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from static_solution import Equilibrium
 from time_runs import RecordedRun, input_deck
 
-from mecano.errors import DeckError
+from mecano.errors import ConvergenceError, DeckError
 
 EA, LENGTH = 2e6, 2.0
 PEAK = 0.04747  # m, of the tip in linear theory
@@ -38,6 +38,17 @@ def test_a_free_beam_bends_to_an_arc():
     angle = 0.8 * LENGTH
     x, z = np.sin(angle) / 0.8, -(1 - np.cos(angle)) / 0.8  # about axis 2 = y: x turns to -z
     np.testing.assert_allclose(path.positions("right")[-1], [x, 0, z], atol=1e-9)
+
+
+def test_a_hot_beam_that_buckles_on_its_path_is_to_be_heated_slowly():
+    """The forces that fade press the beam with EA eps = 20 kN, a hundred times its buckling load, though it is free."""
+    with pytest.raises(ConvergenceError, match="; over: time, with heating, .* that grow by laws of time"):
+        heated("{strain: 0.01, curvature_2: 0.6, curvature_3: -0.8}")
+    path = heated("{strain: 0.01*time, curvature_2: 0.6*time, curvature_3: -0.8*time}")
+    angle = 1.0 * LENGTH  # of an arc with the curvature 1/m, towards -(0.8, 0.6) in the section
+    side = 1 - np.cos(angle)
+    end = 1.01 * np.array([np.sin(angle), -0.8 * side, -0.6 * side])
+    np.testing.assert_allclose(path.positions("right")[-1], end, atol=1e-9)
 
 
 def test_heating_is_by_formulas_or_by_laws():

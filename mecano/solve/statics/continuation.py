@@ -132,7 +132,8 @@ class Follower:
         if found.failure is Failure.NOT_FINITE:
             return of_equations(NonFiniteError(head + equations), system, bad)
         free = freedom(system, last, self.stability(last, last_p), statics.length)
-        return ConvergenceError(f"{head}at {of.name} {last_p:.6g}{of.unit}: {free}\n{equations}\nwhat to try: {hint}")
+        free = f"at {of.name} {last_p:.6g}{of.unit}: {free}"
+        return ConvergenceError(f"{head}{free}\n{equations}\nwhat to try: {hint}{of.hint}")
 
 
 @dataclass

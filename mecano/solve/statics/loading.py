@@ -13,11 +13,17 @@ without loads is removed in proportion. Gravity is scaled by the principle of eq
 
 import numpy as np
 
+ROUNDING = 1e-9  # of the largest force: a smaller imbalance is none
+STRESSED = (
+    "; over: time, with heating, preload or natural lengths that grow by laws of time: over the load factor they act "
+    "in full from the start, where forces that fade hold the model"
+)
+
 
 class LoadFactor:
     """Load factor mu of all loads and of gravity; laws of time are evaluated at the time of the state."""
 
-    name, unit = "load factor", ""
+    name, unit, hint = "load factor", "", ""
 
     def __init__(self, system, start):
         """Take ``start`` as the configuration whose imbalance without loads is removed along the path."""
@@ -27,7 +33,10 @@ class LoadFactor:
         self.imbalance = np.zeros(system.n_q)
         s = start.copy()
         s.v[:] = 0.0
-        self.imbalance = self.assemble(s, 0.0, 1.0, 0.0).residual[: system.n_q]
+        assembly = self.assemble(s, 0.0, 1.0, 0.0)
+        self.imbalance = assembly.residual[: system.n_q]
+        if np.abs(self.imbalance).max(initial=0.0) > ROUNDING * assembly.size.max(initial=0.0):
+            self.hint = STRESSED
 
     def assemble(self, s, mu, k, penalty, cK=0.0, cC=0.0, cM=0.0, T=None, into=None):
         """Assemble ``system`` at the load factor mu; sets the accelerations of ``s``, which replace gravity."""
@@ -51,7 +60,7 @@ class LoadFactor:
 class Clock:
     """Time [s] in the laws of the loads; all loads act in full."""
 
-    name, unit = "t", " s"
+    name, unit, hint = "t", " s", ""
 
     def __init__(self, system):
         self.system = system
