@@ -233,6 +233,38 @@ def test_a_column_with_its_shear_centre_aside_bends_and_twists(verify, n):
     )
 
 
+@pytest.mark.parametrize("n", [1, 2])
+def test_the_middle_of_a_section_that_couples_shear_and_bending(verify, n):
+    """A small force P: N_1 = -P theta, theta = P (F_35 x - F_55 (L x - x^2/2)), x the middle of the first element."""
+    P, C = 1e-3, np.diag([1e6, 1e5, 100.0, 1.0, 1.0, 4.0])
+    C[2, 4] = C[4, 2] = 5.0
+    F, x = np.linalg.inv(C), 0.5 / n
+    section = f"{{type: matrix, stiffness: {C.tolist()}, mass: {np.eye(6).tolist()}}}"
+    found = Equilibrium(straight(section, 1.0, n, dead_force(0, 0, P))).output(
+        f"elements/{'leg' if n == 1 else 'leg.1'}/force"
+    )
+    exact = -P * P * (F[2, 4] * x - F[4, 4] * (x - x * x / 2))
+    what = f"section that couples shear and bending, {n} elements: axial force in the middle [N]"
+    verify(REST, what, found[0], exact, "linear theory", relative=1e-3)
+
+
+def moments_of_an_arc(n):
+    """Return the section moments (n, 3) in the middle of elements and at their first nodes; the section is coupled."""
+    C = np.diag([1e5, 4e4, 5e4, 60.0, 80.0, 120.0])
+    C[1, 5] = C[5, 1] = 600.0
+    C[3, 4] = C[4, 3] = 20.0
+    section = f"{{type: matrix, stiffness: {C.tolist()}, mass: {np.eye(6).tolist()}}}"
+    found = Equilibrium(straight(section, 2.0, n, dead_force(5, 10, 20), ", via: [1, 0.8, 0.3]"))
+    names = [f"elements/leg.{i + 1}/moment" for i in range(n)]
+    return tuple(np.array([found.output(name + end) for name in names]) for end in ("", "_start"))
+
+
+def test_the_moment_in_the_middle_is_as_accurate_as_that_at_the_nodes():
+    """Of a curved beam that bends in space: with half the elements, compared with the nodes of all."""
+    (middle, start), (_, finer) = moments_of_an_arc(8), moments_of_an_arc(16)
+    assert np.abs(middle - finer[1::2]).max() < 2.0 * np.abs(start - finer[::2]).max()  # measured 1.1
+
+
 def displaced_section(c):
     """Return the section forces about the mass centre, its nodes displaced by -c from there, under 30 N and 20 N m."""
     C, back, offset = np.diag([1e5, 4e4, 5e4, 60.0, 80.0, 120.0]), np.eye(6), np.array([0.0, *c])

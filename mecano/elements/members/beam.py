@@ -54,7 +54,7 @@ from mecano.elements.members.heated_beam import (
 )
 from mecano.jit.kernel import kernel
 from mecano.maths.so3 import exp, tangent
-from mecano.maths.vector import Vec3, cross, dot, mat, put, vec
+from mecano.maths.vector import EYE, Vec3, cross, cross_columns, dot, mat, put, skew, vec
 from mecano.schema import DIRECTION, INTEGER, NODE_PAIR, NUMBER, POINT, SECTION, Field
 
 MOST_RECORDS = 1000  # of a section that are kept
@@ -66,7 +66,7 @@ RECORD = record(
     S=(3, 3), K_uu=(3, 3), K_up=(3, 3), K_pp=(3, 3), D=(3, 3), shift=(3, 3), along=3, u0=3, phi0=3,
     damping=(), gravity=3,
     mass=(), eccentric="i", J1=(3, 3), J2=(3, 3), J12=(3, 3), c1=3, t1=3, c2=3, t2=3,
-    axes=(3, 3), bending=2, F_uu=(3, 3), F_up=(3, 3), F_pp=(3, 3),
+    axes=(3, 3), F_uu=(3, 3), F_up=(3, 3), F_pp=(3, 3),
     E=(), G=(), radius=(), torsion_radius=(), points=(MOST_POINTS, 2),
 )  # fmt: skip
 
@@ -88,15 +88,58 @@ def _at_ends(p, s, g, e_u, e_phi):
 
 
 @kernel
-def _middle(p, s, e_u, length):
+def _local_strains(p, N, M):
+    """Return the strains and curvatures of a section force and moment."""
+    F_up = mat(p.F_up)
+    return mat(p.F_uu) @ N + F_up @ M, F_up.T @ N + mat(p.F_pp) @ M
+
+
+@kernel
+def _middle(p, s, ends, length):
     """Return the rotation from the axes of the middle section to those of the first one.
 
-    In an S shape the middle section of a cubic turns against that of the helix by 3/2 of the tilt by bending.
+    Along the line of shear centres, with the curvature k in section axes, the wrench changes by N' = N x k, M' = M x k
+    + N x e_1, and the strain of curvature by kappa'. In such an S shape the middle section turns against that of the
+    helix by -kappa' L^2/8. N and M are those in its own axes: with X = T L^2/(8 EI), for a tension T, the turn follows
+    from (X + X^2/6) instead of X, the first terms of cosh(sqrt(2 X)) - 1 in the solution of M'' = T M/EI.
     """
-    axes = mat(p.axes)
-    strain = axes.T @ e_u
-    turn = (0.0, -1.5 * p.bending[1] * strain[2] / length, 1.5 * p.bending[0] * strain[1] / length)
-    return exp(0.5 * s.phi) @ exp(axes @ vec(turn, 0))
+    axes, half, c, F_pp = mat(p.axes), exp(0.5 * s.phi), skew(_shear_center(p)), mat(p.F_pp)
+    force, moment = _carried(s, half, *ends)
+    N, k = axes.T @ force, skew(axes.T @ s.phi)
+    M = axes.T @ moment - c @ N
+    by_force = mat(p.F_up).T @ k + F_pp @ (skew(Vec3(length, 0.0, 0.0)) + c @ k)
+    by_moment, eighth = F_pp @ k, 0.125 * length
+    X = -eighth * (cross_columns(by_force, N) + cross_columns(by_moment, M))
+    more = EYE + (1.0 / 6.0) * X
+    turn = _solution(EYE + X @ more, more @ (eighth * (by_force @ N + by_moment @ M)))
+    return half @ exp(axes @ turn)
+
+
+@kernel
+def _solution(A, b):
+    """Return x with A x = b, by Cramer's rule."""
+    u, v, w = A.T[0], A.T[1], A.T[2]
+    v_w = cross(v, w)
+    return (1.0 / dot(u, v_w)) * Vec3(dot(b, v_w), dot(b, cross(w, u)), dot(b, cross(u, v)))
+
+
+@kernel
+def _shear_center(p):
+    """Return the shear centre from the node, in section axes."""
+    return mat(p.axes).T @ Vec3(p.shift[1, 2], p.shift[2, 0], p.shift[0, 1])
+
+
+@kernel
+def _carried(s, middle, force, first):
+    """Return force and moment in the middle of the helix, in the axes ``middle``; the arguments as of _at_ends."""
+    first_force = exp(s.phi) @ force
+    return middle.T @ first_force, middle.T @ (first - cross(_ahead(s), first_force))
+
+
+@kernel
+def _ahead(s):
+    """Return the vector from the first end to the middle of the helix, in the axes of the first end."""
+    return 0.5 * (tangent(0.5 * s.phi).T @ (s.H @ s.y))
 
 
 @kernel
@@ -105,9 +148,9 @@ def _section_forces(p, s, middle, force, first, second):
 
     The middle section is turned about its shear centre, at c from the nodes.
     """
-    axes, c = mat(p.axes), Vec3(p.shift[1, 2], p.shift[2, 0], p.shift[0, 1])
-    ahead = 0.5 * (tangent(0.5 * s.phi).T @ (s.H @ s.y))  # from the first end to the middle, in its axes
-    ahead = ahead + exp(0.5 * s.phi) @ c - middle @ c
+    axes = mat(p.axes)
+    c = axes @ _shear_center(p)
+    ahead = _ahead(s) + exp(0.5 * s.phi) @ c - middle @ c
     first_force = exp(s.phi) @ force
     moment = first - cross(ahead, first_force)
     middle_force, middle_moment = middle.T @ first_force, middle.T @ moment
@@ -115,13 +158,6 @@ def _section_forces(p, s, middle, force, first, second):
         axes.T @ middle_force, axes.T @ middle_moment, axes.T @ first_force, axes.T @ force,
         axes.T @ first, axes.T @ second,
     )  # fmt: skip
-
-
-@kernel
-def _local_strains(p, N, M):
-    """Return the strains and curvatures of a section force and moment."""
-    F_up = mat(p.F_up)
-    return mat(p.F_uu) @ N + F_up @ M, F_up.T @ N + mat(p.F_pp) @ M
 
 
 @kernel
@@ -147,7 +183,6 @@ def observe_from(p, at, u0, phi0, y, e):
     """Write outputs and energies for the strain-free screw (u0, phi0); return its generalized forces."""
     s, e_u, e_phi = strains(p, at, u0, phi0)
     line = bent_line(p, s.u, e_u)
-    middle = _middle(p, s, e_u, line.length)
     u_rate, phi_rate, _ = strain_rates(p, at, s)
     e_u, u_rate = e_u + line.more * vec(p.along, 0), rate_along(p, u_rate, line.g)
     p_u, p_phi = stresses(p, e_u, e_phi)
@@ -155,6 +190,7 @@ def observe_from(p, at, u0, phi0, y, e):
     elastic = 0.5 * (dot(e_u, p_u) + dot(e_phi, p_phi))
     dissipated = p.damping * (dot(u_rate, rate_u) + dot(phi_rate, rate_phi))
     N, first, second = _at_ends(p, s, line.g, e_u, e_phi)
+    middle = _middle(p, s, (N, first), line.length)
     N, M, N_1, N_2, M_1, M_2 = _section_forces(p, s, middle, N, first, second)
     strain, curvature = _local_strains(p, N, M)
     normal, shear, equivalent = _stress(p, N, M)
@@ -199,7 +235,7 @@ def prepare(d, nodes, context):
 def _record(section, damping, gravity, S_1, S_2, h0):
     """Return the record of an element; S_i: section to node axes, h0 (6,): strain-free screw in section axes."""
     c, u, phi = section.center, h0[:3], h0[3:]
-    K_uu, K_up, K_pp, D, shift, bending, F = elastic_constants(section.C, h0)
+    K_uu, K_up, K_pp, D, shift, F = elastic_constants(section.C, h0)
     length, tangent = np.linalg.norm(u), u + hat(phi) @ c
     points = np.zeros((MOST_POINTS, 2))
     points[: len(section.points)] = np.reshape(section.points, (-1, 2))
@@ -209,7 +245,7 @@ def _record(section, damping, gravity, S_1, S_2, h0):
         "along": S_2[:, 0], "u0": S_2 @ (u + shift @ phi), "phi0": S_2 @ phi,
         "damping": damping, "gravity": gravity,
         **inertia_record(section.mass * length, section.J * length, S_1, S_2, c, tangent),
-        "axes": S_2, "bending": bending, "F_uu": F[:3, :3], "F_up": F[:3, 3:], "F_pp": F[3:, 3:],
+        "axes": S_2, "F_uu": F[:3, :3], "F_up": F[:3, 3:], "F_pp": F[3:, 3:],
         "E": section.E, "G": section.G,
         "radius": section.radius, "torsion_radius": section.torsion_radius, "points": points,
     }  # fmt: skip

@@ -37,7 +37,7 @@ def adjoint(h):
 
 
 def elastic_constants(C, h0):
-    """Return K_uu, K_up, K_pp, D, shift (3, 3), shares of bending (2,) and section flexibility F (6, 6), in end axes.
+    """Return K_uu, K_up, K_pp, D, shift (3, 3) and section flexibility F (6, 6), in end axes.
 
     C (6, 6): section stiffness, h0 (6,): strain-free screw, both of the line of nodes, as is F; the others belong to
     that of shear centres, u + shift phi. Cached, since many elements of a model are equal.
@@ -54,7 +54,7 @@ def _elastic_constants(C, h0):
     back[:3, 3:] = -shift
     K, C = back.T @ element_stiffness(C, h0) @ back, back.T @ C @ back
     bending = bending_shares(C, K, np.linalg.norm(h0[:3]))
-    return K[:3, :3], K[:3, 3:], K[3:, 3:], line_form(bending), shift, bending, F
+    return K[:3, :3], K[:3, 3:], K[3:, 3:], line_form(bending), shift, F
 
 
 def shear_center(F):
