@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from time_runs import RecordedRun, deck, input_deck
 
+from mecano.analyses.dynamic import run
 from mecano.deck.format import deck_error_text
 from mecano.deck.read import deck_of_bytes
-from mecano.errors import DeckError
+from mecano.errors import ConvergenceError, DeckError
 
 S, g = "Belts and cables over pulleys", 9.81
 
@@ -93,3 +94,21 @@ def test_errors(change, message):
         deck_of_bytes(text.replace(*change).replace("\n    ", "\n").strip().encode(), "deck.yaml")
     found = deck_error_text(info.value)
     assert found.startswith("deck.yaml:") and message in found
+
+
+@pytest.mark.parametrize("control", ["step: 1.0e-3", "step: 1.0e-3, method: radau"])
+def test_pulleys_that_touch_end_the_run(control, tmp_path):
+    """At the distance of the difference of the radii the belt has no free span."""
+    text = f"""
+        mecano: 1
+        gravity: none
+        nodes: {{a: {{position: [0, 0, 0], fixed: true}}, b: {{position: [1, 0, 0]}}}}
+        elements:
+          wheel: {{type: rigid_body, node: b, mass: 1, inertia: [1, 1, 1]}}
+          loop: {{type: belt, nodes: [a, b], radii: [0.1, 0.3], axis: [0, 0, 1], axial_stiffness: 500}}
+        joints: {{slide: {{type: prismatic, nodes: [ground, b], axis: [1, 0, 0]}}}}
+        initial: {{velocities: [{{nodes: [b], velocity: [-2, 0, 0]}}]}}
+        time: {{end: 1, {control}}}
+    """
+    with pytest.raises(ConvergenceError, match="belt 'loop' has no free span left between 'a' and 'b': they are too"):
+        run(deck(text), tmp_path / "closing.h5")

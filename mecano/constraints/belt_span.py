@@ -36,13 +36,16 @@ from mecano.constraints.release import detached
 from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import atan2, select, sqrt, value
-from mecano.maths.vector import Vec3, cross, dot, mat, vec
+from mecano.maths.vector import Vec3, cross, dot, mat, norm, vec
 
+CLOSENESS = 3  # index of this output
+CLOSEST = 0.999  # difference of the radii of neighbours over their distance
 INCLINATION = 0.2  # of the distance: largest offset along the axis
 OUTPUTS = (
     Output("tension", "N", "tension of the span; zero while it is slack"),
     Output("stretch", "m", "elongation of the belt in the span, negative while it is slack"),
     Output("span", "m", "free length between the pulleys"),
+    Output("closeness", "-", "difference of the radii over the distance of the nodes; 1 where the span vanishes"),
 )
 RECORD = record(
     radius_0=(), axes_0=(3, 3), angle_0=(), radius_1=(), axes_1=(3, 3), angle_1=(), length=(), stretch=(), stiffness=(),
@@ -125,10 +128,11 @@ def _functions(geometry, angles, always):
 
     @kernel
     def observe(p, at, F, y, e):
-        """Write tension, stretch, length, energy and dissipated power."""
+        """Write tension, stretch, length, closeness, energy and dissipated power."""
         stretch, along, L, _, _ = geometry(p, at)
         rate = rate_of(along, at.v)
-        if not always and _lost(at, rate):
+        y[3] = abs(p.radius_1 - p.radius_0) / norm(vec(at.q, 6) - vec(at.q, 0))
+        if not math.isfinite(value(rate)):  # there is no tangent
             return
         elastic = select(at.phase <= RELAXING, p.stiffness * stretch, 0.0)
         T = select(at.phase == TAUT, p.stiffness * (stretch + p.damping * rate), 0.0)
@@ -200,9 +204,9 @@ def span_kind(at_a_point, released, activation):
     kind = replace(plain, **_functions(geometry, len(plain.memory), False))
     kind = _stress_free(kind, geometry) if activation else kind
     if released:
-        kind = detached(kind, "belt", (0,))
+        kind = detached(kind, "belt", (0, CLOSENESS))
     if activation is not None:
-        kind = activated(kind, "belt", (0, 1) if activation else (0,))
+        kind = activated(kind, "belt", (0, 1, CLOSENESS) if activation else (0, CLOSENESS))
     return replace(kind, name=plain.name, sample=_samples(radii, kind.phases))
 
 

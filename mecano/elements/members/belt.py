@@ -24,7 +24,7 @@ import numpy as np
 
 from mecano.constraints.activation import activate_field, is_stress_free
 from mecano.constraints.along_coordinate.trigger import check_trigger, trigger_of
-from mecano.constraints.belt_span import BELT_END, BELT_SPAN, check_tangent, span_kind, span_record
+from mecano.constraints.belt_span import BELT_END, BELT_SPAN, CLOSEST, check_tangent, span_kind, span_record
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.release import check_release, elastic_release
 from mecano.element_interface import Display, Kind, Part
@@ -77,6 +77,13 @@ def check(d, nodes):
     return texts
 
 
+def ends(d):
+    """Return the end conditions of two neighbours that leave no span between them."""
+    text = "has no free span left between {!r} and {!r}: they are too close"
+    names = [[d["nodes"][k] for k in pair[:2]] for pair in _spans(d)]
+    return [(f"closeness_{i}", CLOSEST, text.format(*pair)) for i, pair in enumerate(names, 1)]
+
+
 def sample(rng):
     """Return a hoist over two pulleys, and a crossed belt drive."""
     turn = [np.linalg.qr(rng.normal(size=(3, 3)))[0] for _ in range(4)]
@@ -115,5 +122,6 @@ BELT = Kind(
     optional=(("nodes", BELT_SPAN, "_1"), ("nodes", BELT_END, "_1")),
     parts=parts,
     check=check,
+    ends=ends,
     sample=sample,
 )

@@ -40,7 +40,7 @@ import numpy as np
 
 from mecano.constraints.activation import is_stress_free, with_activation
 from mecano.constraints.along_coordinate.demand import is_formula, law_of
-from mecano.constraints.belt_span import INCLINATION, check_tangent, span_record
+from mecano.constraints.belt_span import CLOSEST, INCLINATION, check_tangent, span_record
 from mecano.constraints.capstan import CAPSTAN, capstan, friction_field
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, TAUT, put_line_events
@@ -65,7 +65,6 @@ from mecano.maths.vector import add_vec, dot, mat, norm
 from mecano.schema import BOOLEAN, CONTINUOUS_DRIVE, DIRECTION, NODES, NUMBER, NUMBERS, Field, not_negative, positive
 
 LIFTED = 0.01  # [rad]: the length of a path off a pulley by this angle is in error by less than its square
-CLOSEST = 0.999  # difference of the radii of neighbours over their distance
 TURN = 2.0 * np.pi
 
 
