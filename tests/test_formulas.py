@@ -56,6 +56,8 @@ def test_slopes(text):
         ("2*a) + 1", "a bracket is closed that was not opened", 3),
         ("100 rpm - a", "at '100 r': formulas contain no units", 4),
         ("a1 2", "cannot be understood$", 3),
+        ("in + 1", "understood at 'in', which is no name in formulas: give what it means another name", 0),
+        ("2*lambda", "understood at 'lambda', which is no name in formulas", 2),
         ("a if b else c", "numbers, names", 0),
         ("2*sinus(a)", "no function 'sinus'; known: sin, cos", 2),
         ("sin(a, b)", "'sin' has the wrong number of arguments", 0),

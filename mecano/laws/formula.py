@@ -6,6 +6,7 @@ programs of all formulas, so a new formula compiles nothing.
 """
 
 import ast
+import keyword
 import math
 import re
 from typing import NamedTuple
@@ -30,6 +31,7 @@ FUNCTIONS = (*UNARY, *BINARY, *SEVERAL)
 OPERATORS = {ast.Add: ADD, ast.Sub: SUBTRACT, ast.Mult: MULTIPLY, ast.Div: DIVIDE, ast.Pow: POWER}
 CONSTANTS = {"pi": math.pi}
 UNIT = re.compile(r"(?<![\w.$])[0-9.]+(?:[eE][-+]?[0-9]+)? ?(?![eE][-+0-9])[A-Za-z°%]")  # 100 rpm
+WORD = re.compile(r"(?<![\w.$])[A-Za-z_]\w*")
 COMPARISON = re.compile(r"(>=|<=|>|<)")
 
 
@@ -88,6 +90,8 @@ def _cause(body):
         return "a bracket is closed that was not opened"
     if unit := UNIT.search(body):
         return f"it cannot be understood at '{unit[0]}': formulas contain no units, give them to a parameter"
+    if word := next((match[0] for match in WORD.finditer(body) if keyword.iskeyword(match[0])), ""):
+        return f"it cannot be understood at '{word}', which is no name in formulas: give what it means another name"
     return "it cannot be understood"
 
 
