@@ -11,7 +11,7 @@ def similar(word, known):
     """Return at most ``MOST`` names of ``known`` that are nearest to ``word``; none if no name is similar."""
     limit, word = LIMITS[len(word)] if len(word) < len(LIMITS) else 2, word.lower()
     letters, found = Counter(word), {}
-    for name in known:
+    for name in dict.fromkeys(known):
         lower = name.lower()
         if abs(len(lower) - len(word)) > limit or (letters - Counter(lower)).total() > limit:
             continue
