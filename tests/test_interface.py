@@ -222,6 +222,12 @@ class TestDeck:
             mecano.Deck.read("broken.yaml")
         with pytest.raises(TypeError, match="not complex"):
             _ = mecano.Deck({"time": {"end": 1j}}).text
+        with pytest.raises(TypeError, match="of a mapping of sections, not of str; Deck.read reads a file"):
+            mecano.Deck("pendulum.yaml")
+        deck = mecano.Deck.read("pendulum.yaml")
+        deck["end"] = 1
+        with pytest.raises(mecano.DeckError, match="^\n<pendulum>:.*unknown key 'end'"):
+            mecano.check(deck)
 
 
 class TestSimulation:

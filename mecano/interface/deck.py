@@ -36,6 +36,11 @@ class Deck(MutableMapping[str, Any]):
     name : str
         Stem of the default name of results files.
 
+    Raises
+    ------
+    TypeError
+        If ``sections`` is no mapping.
+
     Examples
     --------
     >>> deck = mecano.Deck.read("pendulum.yaml")
@@ -46,6 +51,9 @@ class Deck(MutableMapping[str, Any]):
     """
 
     def __init__(self, sections: Mapping[str, Any], *, folder: "AnyPath" = "", name: str = "deck"):
+        if not isinstance(sections, Mapping):
+            given = type(sections).__name__
+            raise TypeError(f"a Deck is made of a mapping of sections, not of {given}; Deck.read reads a file")
         self.folder, self.name = os.fspath(folder), name
         self._sections = {"mecano": VERSION, **dict(sections)}
 
@@ -118,7 +126,7 @@ def checked_deck(deck, overrides):
         deck = Deck(deck)
     with explained():
         if isinstance(deck, Deck):
-            file = os.path.join(deck.folder, f"<{deck.name}>")
+            file = os.path.join("" if deck.folder == os.curdir else deck.folder, f"<{deck.name}>")
             return deck_of_bytes(deck.text.encode(), file, overrides=texts)
         return read_deck(os.fspath(deck), texts)
 
