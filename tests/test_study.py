@@ -116,6 +116,11 @@ class TestCases:
         ("grid: {time..end: [1]}", "3:8", "'time..end' is not a path of keys separated by dots"),
         ("latin_hypercube: {ranges: {time.end: [2, 1]}, number: 3}", "3:38", "must be ascending, got [2, 1]"),
         ("latin_hypercube: {ranges: {time.end: [1, 2]}, number: 0}", "3:", "must be at least 1, got 0"),
+        (
+            "latin_hypercube: {ranges: {a.b: [1 m, 2 kg]}, number: 3}", "3:",
+            "'a.b': 1 m and 2 kg are different quantities",
+        ),
+        ("grid: {a.b: {from: 1 N m, to: 2 kg, number: 3}}", "3:", "'a.b': 1 N m and 2 kg are different quantities"),
         ("csv: rows.csv", "3:6", "the table rows.csv cannot be read: No such file or directory"),
         ("grid: {time.end: [1]}\nlist: [{time.end: 2}]", "1:1", "'time.end' is given by 'grid' and by 'list'"),
         ("grid: {}", "3:1", "grid: must not be empty"),

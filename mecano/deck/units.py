@@ -74,6 +74,12 @@ def converted(text, declared):
     return float(match[1]) * factor_of(match[2], declared)
 
 
+def alike(first, second):
+    """Return True if two quantities (texts) are of one kind, such as 1 m and 2 mm."""
+    powers = [parsed(QUANTITY.fullmatch(text)[2])[1][:3] for text in (first, second)]  # radians are numbers
+    return powers[0] == powers[1]
+
+
 def go_together(coefficients):
     """Return True if quantities {power: text} can be the coefficients of one polynomial."""
     powers = {n: parsed(QUANTITY.fullmatch(text)[2])[1][:3] for n, text in coefficients.items()}  # radians are numbers

@@ -8,7 +8,7 @@ from mecano.deck.compose import MAX_DEPTH, Node
 from mecano.deck.json_schema import mapping_schema
 from mecano.deck.limits import at_least_one, not_empty
 from mecano.deck.scope import INVALID
-from mecano.deck.units import ANY, UnitError, converted, is_quantity, si_unit
+from mecano.deck.units import ANY, UnitError, alike, converted, is_quantity, si_unit
 from mecano.deck.wording import quoted
 from mecano.schema import INTEGER, NUMBER, TEXT, Field, Type, choice, list_of, mapping, named
 
@@ -145,6 +145,8 @@ def _span(node, name, scope):
     span = scope.checks["mapping"](node, Field(name, mapping(*SPAN_FIELDS), "-", ""), scope)
     if span is INVALID:
         return INVALID
+    if text := _unlike(*(node.value[end][1].raw for end in ("from", "to"))):
+        return scope.refuse(node, f"{quoted(name)}: {text}")
     first, last, steps = span["from"], span["to"], max(span["number"] - 1, 1)
     raw = node.value["from"][1].raw
     return here(node, [between(node, first + (last - first) * i / steps, raw) for i in range(span["number"])])
@@ -157,8 +159,16 @@ def _range(node, name, scope):
     found = scope.checks["numbers"](node, pair, scope)
     if found is INVALID:
         return INVALID
+    if text := _unlike(*(end.raw for end in node.value)):
+        return scope.refuse(node, f"{quoted(name)}: {text}")
     raw = node.value[0].raw
     return here(node, found, raw) if found[0] < found[1] else scope.refuse_value(node, pair, "must be ascending")
+
+
+def _unlike(first, last):
+    """Return an error text for ends of a range that are written as different quantities, or ""."""
+    both = is_quantity(first) and is_quantity(last)
+    return f"{first} and {last} are different quantities" if both and not alike(first, last) else ""
 
 
 def here(node, value, raw=""):
