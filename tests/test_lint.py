@@ -58,7 +58,9 @@ def test_negative_stiffness_and_damping():
         ("speed", "2*pin.angle", "'value' is the formula 'speed'; a moment or an energy [N m] is expected, and"),
         ("2 - pin.rate", "0", "'value' is the formula '2 - pin.rate'; a moment or an energy [N m] is expected"),
         ("2", "min(bob.position.x, 1)", "'natural_angle' is the formula 'min(bob.position.x, 1)'; an angle [rad] is"),
-        ("torque", "pin.angle", ""), ("3*speed", "tanh(speed)", ""), ("2 + time", "1 + time", ""),
+        ("pin.angle + speed", "0", "the formula 'pin.angle + speed' adds or compares rad and rad/s"),
+        ("torque", "min(pin.angle, 2*pin.rate)", ""), ("torque", "pin.angle + sin(pin.angle)", ""),
+        ("torque", "pin.angle",  ""), ("3*speed", "tanh(speed)", ""), ("2 + time", "1 + time", ""),
     ],
 )  # fmt: skip
 def test_formulas_in_other_units_than_their_fields(value, angle, said):

@@ -7,14 +7,14 @@ import numpy as np
 from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.deck.limits import AUTOMATIC
 from mecano.deck.physics import element_nodes
-from mecano.deck.units import UnitError, factor_of
+from mecano.deck.units import UnitError, alike, factor_of
 from mecano.element_interface import NodeAtStart, nothing
 from mecano.elements import KINDS
 from mecano.errors import Problem
 from mecano.laws.probe import curve_at
 from mecano.model.model import title_of
 from mecano.model.numbering import ROTATION
-from mecano.model.signal_units import drives_with_units
+from mecano.model.signal_units import drives_with_units, unlike_sums
 from mecano.solve.diagnostics.scales import extent
 from mecano.solve.time.massless import massless_unknowns
 
@@ -28,7 +28,8 @@ def suspicious_model(deck, system, s, length):
     massless = _massless(deck, system, s, length)
     placed = [*_far(deck, system, s, length), *_one_point(deck, system)]
     firsts = [*_first(strained, "elements"), *_first(massless, "nodes"), *_first(suspicious, "elements")]
-    return [*firsts, *_first([*_other_units(deck, system.model)], "formulas"), *placed]
+    units = [*_other_units(deck, system.model), *_unlike(deck, system.model)]
+    return [*firsts, *_first(units, "formulas"), *placed]
 
 
 def _other_units(deck, model):
@@ -40,6 +41,13 @@ def _other_units(deck, model):
             where = f"{title_of(element.kind.name, element.name)}: '{field.name}' is the formula '{text}'"
             mark = deck.formulas.get(text) or deck.mark(element.kind.section, element.name)
             yield Problem(f"{where}; {error}", mark)
+
+
+def _unlike(deck, model):
+    """Yield warnings about formulas that add or compare different quantities."""
+    for text, first, second in unlike_sums(model, deck.formulas):
+        if "-" not in (first, second) and not alike(f"1 {first}", f"1 {second}"):
+            yield Problem(f"the formula '{text}' adds or compares {first} and {second}", deck.formulas[text])
 
 
 def _first(problems, what):

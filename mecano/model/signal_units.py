@@ -58,6 +58,14 @@ def drives_with_units(model):
                 yield element, field, text, unit
 
 
+def unlike_sums(model, formulas):
+    """Yield (formula, unit, other unit) of the ``formulas`` (texts) that add or compare quantities of two units."""
+    units = _Units(model)
+    for text in formulas:
+        units.of_formula(text)
+        yield from ((text, *pair) for pair in units.unlike[text])
+
+
 def _signals(model):
     return [element for element in model.elements if element.kind.section == "signals"]
 
@@ -78,7 +86,7 @@ class _Units:
     def __init__(self, model):
         self.nodes = {node.name for node in model.nodes}
         self.entries = {(e.kind.section, e.name): (e.kind, e.values) for e in model.elements}
-        self.found = {}
+        self.found, self.unlike = {}, {}  # units by signal; pairs of units that a formula adds or compares
 
     def of_output(self, element, output):
         """Return the unit of an output of a signal: that of its value or of its input."""
@@ -96,7 +104,7 @@ class _Units:
 
     def of_formula(self, text):
         """Return the unit of a formula whose operations do not change the unit of its quantities."""
-        formula, stack = read_formula(text), []
+        formula, stack, self.unlike[text] = read_formula(text), [], []
         for code, x in formula.program:
             if code in (NUMBER, INPUT, TIME):
                 stack.append({NUMBER: ANY, TIME: "s"}.get(code) or self._of_input(code, formula, x))
@@ -106,6 +114,8 @@ class _Units:
             else:
                 second, first = stack.pop(), stack.pop()
                 stack.append(_of_two(code, first, second))
+                if code in LIKE and first != second and not {ANY, UNKNOWN} & {first, second}:
+                    self.unlike[text].append((first, second))
         return stack[0] or UNKNOWN
 
     def _of_input(self, code, formula, x):
