@@ -42,6 +42,7 @@ FORCE, GAP, CHANGE = 1e-9, 1e-10, 1e-9  # tolerances: of the force scale; of len
 ROUGHLY = 1e-4  # of the force scale: residual at which relaxation ends and Newton's method continues
 LEAST_GAIN, SMALLEST_SHARE = 1e-4, 2.0**-20  # required relative decrease of the residual by a full step; least share
 FIRST_CREEP, FADES = 0.01, (0.1, 2.0)  # first displacement in length scales; limits of the change of the drag per step
+LESS, HOPELESS = 0.9, 60  # relaxation ends if the force does not fall by this factor in so many steps
 MOST_GROWTH, HARDER = 1.5, 4.0  # largest growth of the force in a relaxation step; factor on the drag beyond it
 STEADY = 1e-6  # largest relative change of forces per radian or length scale; of constraints relative to the speed
 ROUNDED = 1e-12  # of the speed, or of speed over length scale: smaller velocities are set to zero
@@ -136,8 +137,10 @@ class Steady:
         """Return the state after relaxation by implicit Euler steps against a drag, close to an equilibrium if any."""
         s, N, at = self._spun(s)
         drag = at.force / (FIRST_CREEP * self.length)
-        for _ in range(CREEPS):
-            if at.excess <= ROUGHLY / FORCE:
+        least, since = at.force, 0
+        for i in range(CREEPS):
+            least, since = (at.force, i) if at.force < LESS * least else (least, since)
+            if at.excess <= ROUGHLY / FORCE or i - since > HOPELESS:
                 break
             step, change = self._step(at, N, drag)
             if not np.isfinite(change):
