@@ -154,6 +154,13 @@ def test_where_there_is_no_steady_running(tow, parameters, text):
     assert text in str(info.value)
 
 
+def test_a_rim_whose_principal_axis_is_not_its_axle_is_named():
+    """Set by 0.01 rad about the vertical, axle and wheel; the inertia is still that about y."""
+    text = TROLLEY.format(tow=TOW).replace("axis: [0, 1, 0]", "axis: [-0.01, 1, 0]")
+    with pytest.raises(ConvergenceError, match="wheel 'tire' wobbles as it spins: its 'axis' is no principal axis of"):
+        operating_point(deck(text))
+
+
 def test_cornering_tyre():
     """At the slip angle alpha: F = K y = psi/C but for the drag; the rest creeps, V sin(alpha - atan psi) = u eps."""
     base = operating_point(input_deck("step_steer", "nodes.hub.orientation=[0, 0, 0.02]",

@@ -2,6 +2,11 @@
 
 import numpy as np
 
+from mecano.analyses.lint import node_at_start
+from mecano.errors import ConvergenceError
+
+WOBBLE = 1e-6  # of the inertia: a smaller product of inertia is rounding
+
 
 def set_initial_state(prepared, disturbed=True):
     """Set ``prepared.state`` to the equilibrium or steady motion of ``initial`` in the deck, and return warnings.
@@ -19,10 +24,29 @@ def set_initial_state(prepared, disturbed=True):
     from mecano.solve.modal.steady import Steady  # takes 0.2 s to import, and is not needed by other decks
 
     asked, before = prepared.state.v.copy(), prepared.state
-    prepared.state = Steady(prepared.system, prepared.length, initial["steady"]["velocity"]).find(before)
+    steady = Steady(prepared.system, prepared.length, initial["steady"]["velocity"])
+    try:
+        prepared.state = steady.find(before)
+    except ConvergenceError as error:
+        raise ConvergenceError("".join([str(error), *_wobbling(prepared)])) from None
     if disturbed:
         prepared.state.v += asked
     return tuple(_reshaped(prepared, before))
+
+
+def _wobbling(prepared):
+    """Yield a text for each wheel whose axle, in the axes of its node, is no principal axis of inertia."""
+    system, at = prepared.system, {node.name: i for i, node in enumerate(prepared.system.nodes)}
+    for name, d in prepared.deck.values["elements"].items():
+        if "tire_law" not in d or "node" not in d:
+            continue
+        node = node_at_start(system, prepared.state, at[d["node"]])
+        axle, J = node.orientation.T @ d["axis"], node.inertia()
+        if np.linalg.norm(np.cross(axle, J @ axle)) > WOBBLE * np.linalg.norm(J) * (axle @ axle):
+            yield (
+                f"\n{d['type']} '{name}' wobbles as it spins: its 'axis' is no principal axis of the inertia of node "
+                f"'{d['node']}'"
+            )
 
 
 def describe(deck):

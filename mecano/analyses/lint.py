@@ -123,12 +123,13 @@ def _suspicious(deck, system, s):
     for name, d in deck.values["elements"].items():
         kind = KINDS[d["type"]]
         if kind.suspicious is not nothing:
-            nodes = [_at_start(system, s, at[node]) if node in at else ground for node in element_nodes(kind, d)]
+            nodes = [node_at_start(system, s, at[node]) if node in at else ground for node in element_nodes(kind, d)]
             for text in kind.suspicious(d, nodes):
                 yield Problem(f"{d['type']} '{name}': {text}", deck.mark("elements", name))
 
 
-def _at_start(system, s, i):
+def node_at_start(system, s, i):
+    """Return the NodeAtStart of the node ``i`` at the state ``s``."""
     of = system.numbering
     x = slice(of.x[i], of.x[i] + 3)
     inertia = partial(_inertia, system, s, i)
