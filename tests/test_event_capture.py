@@ -63,7 +63,6 @@ def test_the_carriage_moves_as_one_body_with_what_rattles(verify):
 
 
 def test_steps_of_adaptive_size_are_as_accurate_as_their_tolerance():
-    """Locating every event ends with one that recurs 21 times while time stands still."""
     recorded = RecordedRun(rattling("step: 5 ms, adaptive: {tolerance: 1.0e-3}", end=0.2))
     assert recorded.integrator.capture.steps > 10
     assert np.abs(errors(recorded)).max() < 1e-3 * 0.2  # of the length scale, the distance of the nodes

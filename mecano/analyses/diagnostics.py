@@ -44,9 +44,9 @@ def captured(values, capture):
     smaller = "'time.adaptive.tolerance'" if values["adaptive"] else "'time.step'"
     yield (
         f"{sum(capture.by_element.values())} events of {name_list(names, MOST_NAMED, '; ')} were taken at the ends of "
-        f"{capture.steps} steps instead of located, first after t = {capture.first:.4g} s: there were more than "
-        f"time.located_events = {capture.most} instants with events beyond one in each step. Motions from one such "
-        f"event to the next are not resolved: compare with a run with a smaller {smaller}"
+        f"{capture.steps} steps instead of located, first after t = {capture.first:.4g} s: they happened at more than "
+        f"time.located_events = {capture.most} instants beyond one in each step, or again and again at one instant. "
+        f"Motions from one such event to the next are not resolved: compare with a run with a smaller {smaller}"
     )
 
 

@@ -58,7 +58,7 @@ class EventApplication:
         if not self.shocks.impact_candidates.among(hit):
             before, compliance, consistent = s.phases, self.method.compliance, None
             s, event_records = self.monitor.apply(s, hit)
-            self._guard(run, event_records)
+            self._guard(run, hit, event_records)
             if compliance and len(compliance.released) and not np.array_equal(before, s.phases):
                 consistent, compliance, redundant = self.shocks.consistent(s, compliance)
                 self._soften(compliance, s.t, event_records, redundant)
@@ -66,7 +66,7 @@ class EventApplication:
         hit = self.shocks.together(s, hit, run.h)
         shock = self.shocks.solve_impact(s, hit, self.method.compliance, run.h, at_once, run.history.k)
         impossible = [] if shock.event_records else self.monitor.apply(s, hit)[1]  # a contact would pull
-        self._guard(run, shock.event_records or impossible)
+        self._guard(run, hit, shock.event_records or impossible)
         self._soften(shock.compliance, s.t, shock.event_records, shock.redundant)
         work = {"dissipated": run.dissipated + shock.lost, "given": run.given + shock.given}
         return replace(run, compliance=shock.compliance, **work), shock.state, shock.event_records, shock.consistent
@@ -77,17 +77,22 @@ class EventApplication:
             self.method.use(compliance)
         self.warnings += [_redundant(t, event_records, group) for group in redundant]
 
-    def _guard(self, run, event_records):
-        """Raise ConvergenceError if one event occurs again and again while time stands still."""
+    def _guard(self, run, hit, event_records):
+        """Capture elastic events if one of those that ``hit`` occurs again and again while time stands still.
+
+        If it is none, or events are captured already, raise ConvergenceError.
+        """
         t = run.motion.t
         if t - self.since > STANDSTILL * run.h:
             self.since = t
             self.repeats.clear()
-        for event in {(event.element, event.name): event for event in event_records}.values():  # of parts only once
-            self.repeats[event.element, event.name] += 1
-            count = self.repeats[event.element, event.name]
-            if count > MOST_AT_ONCE:
-                raise failure.standstill(event, count, t)
+        once = {(event.element, event.name): event for event in event_records}  # of parts only once
+        self.repeats.update(once.keys())
+        often = [event for key, event in once.items() if self.repeats[key] > MOST_AT_ONCE]
+        if often and not self.capture.begun(hit, run):
+            raise failure.standstill(often[0], MOST_AT_ONCE + 1, t)
+        if often:
+            self.repeats.clear()
         self._suppress_rebound()
 
     def _suppress_rebound(self):

@@ -38,8 +38,15 @@ class EventCapture:
         between = max(run.steps - self.counted - 1, 0)
         self.excess, self.counted = max(self.excess - between, 0) + 1, run.steps
         if self.excess > self.most:
+            self.begun(hit, run)
+
+    def begun(self, hit, run):
+        """Begin to capture events at the end of ``run``; return whether events that ``hit`` were located until now."""
+        begins = not self.monitor.captures and bool(np.any(hit & self.monitor.elastic))
+        if begins:
             self.monitor.captures = True
             self.first = min(self.first, run.motion.t)
+        return begins
 
     def accepted(self, event_records, whole):
         """Note the events captured in an accepted step; end the capture if there are none in a ``whole`` step."""
