@@ -2,23 +2,25 @@ r"""Brush tyre in steady slip (Fiala): force and aligning moment from slip stiff
 
 Elastic bristles on a contact of length 2a carry a parabolic pressure and slide where their shear exceeds mu times the
 pressure (Fiala 1954; Pacejka, Tire and Vehicle Dynamics, 3rd ed. 2012, section 3.2). With the slip velocity
-v = (v_t, v_l), the rolling velocity V_r = u.t - v_0.t, the slip stiffnesses C_t, C_l and the camber stiffness C_g, the
-force without sliding is
+v = (v_t, v_l), the rolling velocity V_r, the slip stiffnesses C_t, C_l and the camber stiffness C_g, the force without
+sliding is
 
     G = -(C_t v_t, C_l v_l)/V - (0, C_g gamma) (V_r/V)^2,   V = sqrt(V_r^2 + v_0^2),   x = |G|/(3 mu N)
 
-and the force of the bristles is (3.11), in combined slip (3.45), here for two stiffnesses:
+V_r is the velocity of the axle along t less the slip velocity, the spin times the rolling radius: v/V_r is the
+theoretical slip, which under braking is larger than the slip relative to the velocity of the axle. The force of the
+bristles is (3.11), in combined slip (3.45), here for two stiffnesses:
 
     F = G (1 - x + x^2/3) for x < 1,   mu N G/|G| beyond (the whole contact slides)
     M = (a/3) C_l (v_l V_r/V^2) (1 - x)^3 n for x < 1, else 0
 
 with the trail (a/3) (1 - x)^3/(1 - x + x^2/3) in pure side slip; in reverse the other edge of the contact leads. In
-pure side slip the rolling velocity is u.t and tan alpha = v_l/|u.t|. With v_0 = ``least_speed`` the slip is finite at
-rest, where the tyre therefore creeps. A tyre with the camber angle gamma, sin gamma = n.a, is pushed to the side to
-which its top leans, by C_g gamma for small angles, within the same limit of friction; this camber thrust has no
-aligning moment. The force dissipates -F.v where it opposes the slip; the moment exchanges the power M.omega with the
-rolling, and so does the camber thrust the power with which it drives the slip. The friction mu is a curve of the slip
-speed.
+pure side slip V_r is the velocity of the axle along t, and tan alpha = v_l/|V_r|. With v_0 = ``least_speed`` the slip
+is finite at rest, where the tyre therefore creeps. A tyre with the camber angle gamma, sin gamma = n.a, is pushed to
+the side to which its top leans, by C_g gamma for small angles, within the same limit of friction; this camber thrust
+has no aligning moment. The force dissipates -F.v where it opposes the slip; the moment exchanges the power M.omega with
+the rolling, and so does the camber thrust the power with which it drives the slip. The friction mu is a curve of the
+slip speed.
 """
 
 from mecano.elements.wheels.slip_law import Carcass, SlipForces, SlipLaw
