@@ -112,3 +112,20 @@ def test_pulleys_that_touch_end_the_run(control, tmp_path):
     """
     with pytest.raises(ConvergenceError, match="belt 'loop' has no free span left between 'a' and 'b': they are too"):
         run(deck(text), tmp_path / "closing.h5")
+
+
+def test_a_satellite_is_stopped_by_a_yo_yo(verify):
+    """Energy and angular momentum are conserved while the cords unwind; they are cut when the spin has vanished."""
+    recorded = RecordedRun(input_deck("yo_yo_despin"))
+    radius, inertia, mass, start, spin = 0.5, 4.0, 0.2, 0.05, 2 * np.pi
+    C = radius**2 + inertia / (2 * mass)
+    free, rate = recorded["elements/cord_1/span_1"], recorded["joints/axle/rate"]
+    taut = free < np.sqrt(C)
+    length = free[taut]
+    # C W + l^2 u = (C + l_0^2) W_0 and C W^2 + l^2 u^2 = (C + l_0^2) W_0^2, with u the rate of the cords' direction
+    total = (C + start**2) * spin
+    root = np.sqrt(C * np.maximum(length**2 - start**2, 0.0) * (C + start**2)) / length
+    u = (total + spin * root) / (C + length**2)
+    exact = (total - length**2 * u) / C
+    verify(S, "yo-yo despin: spin while the cords unwind [rad/s]", rate[taut], exact, "Fedor 1961", absolute=1e-4)
+    verify(S, "yo-yo despin: spin at the end [rad/s]", rate[-1], 0.0, "Fedor 1961", absolute=1e-3)

@@ -48,6 +48,7 @@ PLOTS = {
     "step_slip": "*.lateral_force",
     "step_steer": "*.lateral_force",
     "swept_sine": "mount.extension",
+    "yo_yo_despin": "axle.rate",
 }
 FILMS = ("deployment_lock", "four_bar", "nose_gear_rigid", "reflector", "rolling_disc")
 SIZE, DOTS = (3.6, 2.7), 160  # inches, per inch
