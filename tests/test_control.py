@@ -296,6 +296,47 @@ def test_a_servo_valve_moves_a_cylinder(verify):
     verify(CONTROL, "servo valve: pressure [Pa]", pressure, exact[2], "SciPy", relative=1e-5)
 
 
+LUGRE = """
+    mecano: 1
+    gravity: none
+    nodes:
+      block: {position: [0, 0, 0]}
+    elements:
+      block: {type: point_mass, node: block, mass: 1}
+    joints:
+      rail:
+        type: prismatic
+        nodes: [ground, block]
+        axis: [1, 0, 0]
+        sliding_law: {spring: 2}
+        natural_displacement: 1*time
+    parameters: {stiffness: 1.0e4, damping: 100, viscous: 0.4, coulomb: 1, static: 1.5, stribeck: 0.01}
+    signals:
+      steady: ($coulomb + ($static - $coulomb)*exp(-(rail.velocity/$stribeck)**2))/$stiffness
+      rate: rail.velocity - abs(rail.velocity)*bristle/steady
+      bristle: {type: integrator, input: rate, unit: m}
+      friction: $stiffness*bristle + $damping*rate + $viscous*rail.velocity
+    loads:
+      friction: {type: joint_force, joint: rail, value: -friction}
+    time: {end: 4, step: 1 ms, adaptive: {tolerance: 1.0e-5, length_scale: 1}}
+"""
+
+
+def test_a_friction_with_bristles(verify):
+    """A spring drags a block in stick and slip; the bristles' deflection is an integrator of its own rate."""
+    times = np.linspace(0.4, 4.0, 10)
+
+    def rates(t, state):
+        x, v, z = state
+        dz = v - abs(v) * z * 1e4 / (1 + 0.5 * np.exp(-((v / 0.01) ** 2)))
+        return [v, 2 * (t - x) - 1e4 * z - 100 * dz - 0.4 * v, dz]
+
+    exact = solve_ivp(rates, (0, 4), [0, 0, 0], "LSODA", times, rtol=1e-8, atol=1e-10).y[0]
+    recorded = RecordedRun(deck(LUGRE))
+    found = np.interp(times, recorded.time, recorded["joints/rail/displacement"])
+    verify(CONTROL, "friction of LuGre: displacement over 4 s [m]", found, exact, "SciPy", absolute=1e-4)
+
+
 def test_two_bodies_attract_one_another(verify):
     """Ellipses of Kepler, closed after two periods, with the largest distance after half of one."""
     m = RecordedRun(input_deck("two_bodies"))
