@@ -113,7 +113,10 @@ REFUSED = [
     (SPLINE | {"center": [0, 0, 0]}, "'center' and 'points' exclude one another"),
     (SPLINE | {"points": [[0, 0, 0]]}, "'points' must contain at least 2 points"),
     (SPLINE | {"points": [[0, 0, 0], [0, 0, 0]]}, "consecutive 'points' must not coincide"),
-    (SPLINE | {"points": [[0, 0, 0], [1, 0, 0], [2, 0, 0]], "across": "free"}, "does not define a unique plane"),
+    (
+        SPLINE | {"points": [[0, 0, 0], [1, 0, 0], [2, 0, 0]], "across": "free"},
+        "for a pin in a straight slot use a generic joint",
+    ),
 ]
 
 

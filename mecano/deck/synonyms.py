@@ -73,7 +73,9 @@ NOTES = {  # words with the same meaning: (targets, note)
         "a node stays in a plane with a prescribed_position along its normal and 'value: 0', or with a generic joint",
     ),
     "inline, in line, point on line, pin in slot, slotted link, geneva, scotch yoke": (
-        "point_on_curve prismatic generic", "a point of one body slides along a straight or curved line of another"
+        "point_on_curve prismatic generic",
+        "a point of one body slides along a curve of another; in a straight slot it is a generic joint with all axes "
+        "free but one of the translations",
     ),
     "support, ground joint, fixation, boundary condition, constraint": (
         "nodes fixed prescribed_position held_rotation",
@@ -177,7 +179,19 @@ NOTES = {  # words with the same meaning: (targets, note)
     "ellipsoid, spheroid, egg, rattleback, celt": ("contact", "an 'ellipsoid' in place of the ball touches a plane"),
     "coulomb, stick slip, dry friction": ("friction dry_friction", ""),
     "friction": ("dry_friction", ""),
-    "brake disc, disc brake, clutch, anti skid, abs": ("brake", ""),
+    "brake disc, disc brake, anti skid, abs": ("brake", ""),
+    "clutch, friction clutch, slip clutch, torque limiter": (
+        "torsion_spring_damper dry_friction grip",
+        "between two shafts, a torsion_spring_damper whose law is dry_friction; a dog clutch is a grip",
+    ),
+    "lugre, dahl, bristle, presliding": (
+        "integrator dry_friction",
+        "the state is an integrator whose input is its rate: docs/signals.md, States of your own",
+    ),
+    "hydraulics, hydraulic actuator, hydraulic accumulator, pneumatic cylinder, winding": (
+        "integrator line_force joint_force joint_moment",
+        "pressures and currents are integrators whose inputs are their rates; see servo_valve.yaml and docs/signals.md",
+    ),
     "tyre, tire, pneumatic, pacejka, brush": (
         "wheel transient_wheel flexible_wheel adhesive_wheel tire_laws fiala magic_formula", "",
     ),

@@ -124,7 +124,10 @@ def check(d, nodes):
     """Check the curve, and that a profile is planar."""
     texts = check_curve(d)
     if not texts and d["across"] == "free" and normal_of(d) is None:
-        return ["'across' cannot be free: the curve does not define a unique plane"]
+        return [
+            "'across' cannot be free: the curve is straight or not plane; for a pin in a straight slot use a generic "
+            "joint, with all axes free but the one across the slot"
+        ]
     return texts
 
 
