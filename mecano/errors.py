@@ -103,7 +103,7 @@ class UsageError(MecanoError):
 
 
 class UnknownNameError(ResultsError):
-    """A results file has no output of that name, or more than one."""
+    """A results file or study has nothing of that name, or more than one."""
 
     exit_code = 2
 

@@ -265,6 +265,7 @@ class TestSimulation:
             assert s["pin.position.x"] == position[0] and position.shape == (3,)
             with pytest.raises(UnknownNameError, match="did you mean|similar|no output"):
                 _ = s["hinge.angel"]
+            assert "hinge.angle" in s and "hinge.angel" not in s and s.names("*.angle") == ["joints/hinge/angle"]
         with s.results() as results:
             assert results["hinge.angle"].values[-1] == angle and results.time[-1] == pytest.approx(0.1)
             assert results.status == "stopped" and results.resumable
@@ -359,7 +360,9 @@ class TestSweep:
             (1.0, 2.0), found["swing"], strict=True
         ):  # m g c t^2 / (2 (J + m c^2)), first order in t^2
             assert swing == pytest.approx(mass * 9.81 * 0.75 * 0.1**2 / 2 / (0.1875 + mass * 0.75**2), rel=1e-3)
-        assert found.units["swing"] == "rad" and "case" in found.columns
+        assert found.units["swing"] == "rad" and "case" in found and tuple(found) == found.columns
+        with pytest.raises(UnknownNameError, match=r"no column 'swung' in this study: there are case, .*swing"):
+            _ = found["swung"]
         with pytest.raises(UsageError, match="there are cases in study_runs"):
             mecano.sweep("study.yaml")
         with pytest.raises(mecano.DeckError, match="unknown key"):

@@ -217,6 +217,17 @@ def test_a_name_of_several_series_is_refused(tmp_path):
         assert results.find("joints.leg.force").doc == "b"
 
 
+def test_results_are_asked_for_names(finished):
+    with open_results(finished) as results:
+        assert "wheel.radial_force" in results and "solver.step_size" in results and "wheel.force" not in results
+        assert list(results) == results.names()
+        assert results.extremes["axle.position.z"] == results.extremes["nodes/axle/position.z"]
+        with pytest.raises(UnknownNameError, match=r"'axle.position' has .*: write nodes/axle/position.x or"):
+            results.extremes["axle.position"]
+        with pytest.raises(UnknownNameError, match="did you mean wheel.radial_force"):
+            results.extremes["wheel.radial_fors"]
+
+
 def test_names_by_pattern(finished):
     with open_results(finished) as results:
         assert results.names() == [one.path for one in samples.LAYOUT.series]

@@ -27,7 +27,9 @@ class Results(reader.Results):
     >>> angle = results["hinge.angle"]
     >>> angle.unit, len(angle.time)
     ('rad', 201)
-    >>> round(results.extremes["joints/hinge/angle"].maximum, 4)
+    >>> "hinge.torque" in results
+    False
+    >>> round(results.extremes["hinge.angle"].maximum, 4)
     3.1416
     """
 

@@ -12,10 +12,10 @@ from mecano.interface.deck import AnyDeck, AnyPath, Values, checked_deck, name_o
 from mecano.interface.results import Results
 from mecano.interface.solving import interruptible, resuming
 from mecano.process.interrupt import Interruption
-from mecano.results.lookup import Lookup
+from mecano.results.lookup import ByName, Lookup
 
 
-class Simulation:
+class Simulation(ByName):
     """A dynamic run advanced step by step in a ``with`` block; it writes the results file of ``mecano.run``.
 
     Every ``advance`` ends with a step, which is shortened if the duration is not a multiple of a fixed step size. At

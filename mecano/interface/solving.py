@@ -4,14 +4,14 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
 
-from mecano.errors import UsageError
+from mecano.errors import UnknownNameError, UsageError
 from mecano.interface.deck import AnyDeck, AnyPath, Values, checked_deck, explained, name_of
 from mecano.interface.results import Results
 from mecano.interface.solve import solve
@@ -263,7 +263,12 @@ class Study:
         """Unit of each column: name -> unit, empty if it has none."""
         return {name: one.unit for name, one in self._columns.items()}
 
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
     def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self._columns:
+            raise UnknownNameError(f"no column '{name}' in this study: there are {', '.join(self._columns)}")
         return self._columns[name].values
 
     def to_pandas(self):

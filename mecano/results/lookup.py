@@ -7,6 +7,24 @@ from fnmatch import fnmatchcase
 from mecano.errors import UnknownNameError
 
 
+class ByName:
+    """Names of outputs, for classes with ``_lookup``, a ``Lookup``, and ``[name]``."""
+
+    def names(self, pattern="*"):
+        """Return the paths of all series, or of those that match a pattern such as "joints/*" or "wheel.*"."""
+        return self._lookup.match(pattern)
+
+    def __iter__(self):
+        return iter(self.names())
+
+    def __contains__(self, name):
+        try:
+            self[name]
+        except UnknownNameError:
+            return False
+        return True
+
+
 class Lookup:
     """Series by any ending of their paths, with dots or slashes, followed by a component for vectors.
 

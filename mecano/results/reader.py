@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from mecano.element_interface import SECTIONS
-from mecano.errors import ResultsError
+from mecano.errors import ResultsError, UnknownNameError
 from mecano.model.mesh import piece_names
 from mecano.model.model import title_of
 from mecano.results.checkpoints import latest
 from mecano.results.layout import EVENT_NUMBERS, EVENT_TEXTS, EXTREMES, FORMAT, FORMAT_VERSION, Layout
-from mecano.results.lookup import Lookup
+from mecano.results.lookup import ByName, Lookup
 from mecano.results.opened_file import OpenedFile
 from mecano.results.provenance import began, lives, read_displays
 from mecano.results.reason import parted
@@ -82,6 +82,20 @@ class Extreme:
     unit: str
 
 
+class Extremes(dict):
+    """Extremes of numbers by path with component; ``[name]`` takes any ending of a path, as ``Results`` does."""
+
+    def __init__(self, extremes, lookup):
+        super().__init__(extremes)
+        self._lookup = lookup
+
+    def __missing__(self, name):
+        series, component = self._lookup.find(name)
+        if series.shape and component is None:
+            raise UnknownNameError(f"'{name}' has several components: write {' or '.join(series.scalars)}")
+        return self[series.scalars[component or 0]]
+
+
 def open_results(path):
     """Open a results file for reading.
 
@@ -93,7 +107,7 @@ def open_results(path):
     return Results(path)
 
 
-class Results:
+class Results(ByName):
     """Content of a results file, as acknowledged when the file was opened; a context manager."""
 
     def __init__(self, path):
@@ -178,10 +192,6 @@ class Results:
     def _lookup(self):
         return Lookup(self._layout.series)
 
-    def names(self, pattern="*"):
-        """Return the paths of all series, or of those that match a pattern such as "joints/*" or "wheel.*"."""
-        return self._lookup.match(pattern)
-
     @property
     def series(self):
         """Declarations of all series: path -> Series with unit, description and shape."""
@@ -261,13 +271,14 @@ class Results:
 
     @cached_property
     def extremes(self):
-        """Extremes of every number over all accepted steps: path with component -> Extreme."""
+        """Extremes of every number over all accepted steps: name of an output, with its component -> Extreme."""
         if not self._layout.size:
             return {}
         rows = [self._file.read(f"extremes/{name}", self._slot) for name in EXTREMES]
         units = [one.unit for one in self._layout.series for _ in one.scalars]
         columns = (row.tolist() for row in rows)
-        return {name: Extreme(*values) for name, *values in zip(self._layout.scalars, *columns, units, strict=True)}
+        table = zip(self._layout.scalars, *columns, units, strict=True)
+        return Extremes({name: Extreme(*values) for name, *values in table}, self._lookup)
 
     @cached_property
     def metadata(self):
