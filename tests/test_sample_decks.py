@@ -55,6 +55,13 @@ def test_new_lists_writes_and_replaces_nothing(tmp_path, monkeypatch):
         CliRunner().invoke(commands, ["new", "beam", "none/a.yaml"], catch_exceptions=False)
 
 
+def test_decks_are_written_into_a_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for words in (["new", "beam", str(tmp_path)], ["example", "superelement_arm", "."]):
+        assert CliRunner().invoke(commands, words, catch_exceptions=False).exit_code == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"beam.yaml", "superelement_arm.yaml", "superelement_arm.npz"}
+
+
 def test_schema_is_written(tmp_path):
     path = tmp_path / "mecano.schema.json"
     printed = CliRunner().invoke(commands, ["schema"], catch_exceptions=False).output

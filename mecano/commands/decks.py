@@ -1,5 +1,7 @@
 """Commands about decks and their possible content."""
 
+import os
+
 import click
 
 from mecano.commands import overrides, plugins, show
@@ -109,16 +111,24 @@ def _starters(context, parameter, begun):
 @click.argument("deck", required=False, type=click.Path())
 @click.option("--list", "every", is_flag=True, help="List starter decks and examples.")
 def new(template, deck, every):
-    """Write a commented starter deck, by default to TEMPLATE.yaml in this folder; without TEMPLATE, list them."""
+    """Write a commented starter deck, by default to TEMPLATE.yaml in this folder; without TEMPLATE, list them.
+
+    DECK is a file, or a folder for TEMPLATE.yaml.
+    """
     from mecano.deck.new_file import write_text
     from mecano.deck.sample_decks import list_of_examples, list_of_starters, starter
 
     if every or template is None:
         show("\n\n".join([list_of_starters(), list_of_examples()] if every else [list_of_starters()]))
         return
-    path = deck or f"{template}.yaml"
+    path = _written_at(deck, template)
     write_text(path, starter(template))
     show(f"{path}: try `mecano check {path}`, then `mecano run {path}`")
+
+
+def _written_at(deck, name):
+    """Return the path of a deck that is written: ``deck``, or NAME.yaml in this folder or in the folder ``deck``."""
+    return os.path.join(deck or "", f"{name}.yaml") if not deck or os.path.isdir(deck) else deck
 
 
 def _examples(context, parameter, begun):
@@ -131,12 +141,15 @@ def _examples(context, parameter, begun):
 @click.argument("name", required=False, shell_complete=_examples)
 @click.argument("deck", required=False, type=click.Path())
 def example(name, deck):
-    """Write an example deck and the files it reads, by default to NAME.yaml in this folder; without NAME, list them."""
+    """Write an example deck and the files it reads, by default to NAME.yaml in this folder; without NAME, list them.
+
+    DECK is a file, or a folder for NAME.yaml.
+    """
     from mecano.deck.sample_decks import list_of_examples, write_example
 
     if name is None:
         show(list_of_examples())
         return
-    path = deck or f"{name}.yaml"
+    path = _written_at(deck, name)
     beside = write_example(name, path)
     show(f"{' and '.join([path, *beside])}: try `mecano check {path}`, then `mecano run {path}`")
