@@ -660,6 +660,26 @@ def test_poles_of_a_control_loop_do_not_depend_on_the_units_of_its_signals(scale
     assert found.converged.all()
 
 
+def test_filters_of_a_mechanism_that_is_driven_have_poles():
+    """Nothing has inertia but what is held or driven: poles of lags are -1/T, of an integrator 0."""
+    found = values_of("""
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {crank: {position: [0, 0, 0]}}
+    elements: {body: {type: rigid_body, node: crank, mass: 1, center_of_mass: [1, 0, 0], inertia: [1, 1, 1]}}
+    joints:
+      pin: {type: hinge, nodes: [ground, crank], axis: [0, 1, 0]}
+      motor: {type: prescribed_angle, nodes: [ground, crank], axis: [0, 1, 0], value: 2*time}
+    signals:
+      measured: {type: lag, input: motor.moment, time_constant: 0.1}
+      smooth: {type: lag, input: measured, time_constant: 0.2}
+      sum: {type: integrator, input: measured}
+    time: {end: 1, step: 0.01}
+    """)
+    np.testing.assert_allclose(np.sort(found.real), [-10, -5, 0], atol=1e-12)
+    assert not found.imag.any()
+
+
 ROTOR = """
     mecano: 1
     gravity: none

@@ -93,7 +93,7 @@ def _condensed(M, C, K):
 def _first_order(M, C, K):
     """Return the eigenvalues (m,) and the position parts (m, r) of the eigenvectors of M y'' + C y' + K y = 0."""
     r = len(M)
-    rate = np.sqrt(np.abs(K).max() / np.abs(M).max()) or 1.0  # makes positions and velocities comparable
+    rate = _pace(M, C, K)
     M, C, K = M * rate**2, C * rate, K
     w, U = la.eigh(0.5 * (M + M.T))
     U1, U2 = U[:, w > MASSLESS * w[-1]], U[:, w <= MASSLESS * w[-1]]
@@ -112,9 +112,15 @@ def _first_order(M, C, K):
     return values * rate, (T @ vectors)[:r].T
 
 
+def _pace(M, C, K):
+    """Return a rate [1/s] that makes positions and velocities comparable; of filters alone, nothing has inertia."""
+    m, c, k = (np.abs(A).max() for A in (M, C, K))
+    return (np.sqrt(k / m) if m else k / c) or 1.0
+
+
 def _general(M, C, K):
     """Return the same as ``_first_order`` for any M."""
-    rate = np.sqrt(np.abs(K).max() / np.abs(M).max()) or 1.0
+    rate = _pace(M, C, K)
     values, vectors = _of_blocks(M * rate**2, C * rate, K)
     return values * rate, vectors
 
