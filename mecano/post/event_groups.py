@@ -122,7 +122,8 @@ def _count(found):
     for _, _, of_run in found:
         if of_run:
             lost = sum(group.lost for group in of_run)
-            reported.append(f"{sum(len(g.events) for g in of_run)} in {len(of_run)} groups, {lost:.3g} J")
+            count = sum(len(group.events) for group in of_run)
+            reported.append(f"{count} shock{'s' if count > 1 else ''}, {lost:.3g} J")
     return "; ".join(reported)
 
 

@@ -46,12 +46,12 @@ SETTINGS = {
 }
 
 LARGE = {"N": "kM", "N m": "kM", "J": "kM", "W": "kM", "Pa": "kM"}
-SMALL = {"m": "m", "s": "m"}
-FACTORS = {"k": 1e3, "M": 1e6, "m": 1e-3}
+SMALL = {"m": "nµm", "s": "nµm"}
+FACTORS = {"k": 1e3, "M": 1e6, "m": 1e-3, "µ": 1e-6, "n": 1e-9}
 
 
 def shown_unit(unit, values):
-    """Return factor and unit for the display of values: kN from 2000 N, mm below 0.1 m, otherwise powers of 1000."""
+    """Return factor and unit for the display of values: kN from 2000 N, mm below 0.1 m, µm below 0.1 mm, and so on."""
     unit = "" if unit == "-" else unit
     largest = float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))
     for prefix in reversed(LARGE.get(unit, "")):
