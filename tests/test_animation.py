@@ -220,15 +220,17 @@ def test_nothing_stands_beyond_the_edge(results, tmp_path, width):
 
 
 @browser
-def test_legends_of_many_lines_stay_in_their_panels(results, tmp_path):
-    """Each curve of the plots is drawn four times more."""
+def test_plots_have_room_for_legends_and_numbers_at_their_axes(results, tmp_path):
+    """Each curve of the plots is drawn four times more; numbers at axes have up to six digits, small ones a power."""
     page = animate(results / "wheel_drop.h5", tmp_path / "many.html")
     data = data_of(page)
     for panel in data["plots"]:
         panel["curves"] = [[f"{name} number {i}", *rest] for i in range(5) for name, *rest in panel["curves"]]
     page.write_text(re.sub(r"const data = \{.*\};", lambda _: f"const data = {json.dumps(data)};", page.read_text()))
-    beyond = asked(page, """
-    return [...document.querySelectorAll(".plot")].map(panel =>
-      panel.querySelector(".u-legend").getBoundingClientRect().bottom - panel.getBoundingClientRect().bottom);
+    beyond, numbers = asked(page, """
+    return [[...document.querySelectorAll(".plot")].map(panel =>
+      panel.querySelector(".u-legend").getBoundingClientRect().bottom - panel.getBoundingClientRect().bottom),
+      [0, 2e-9, 0.1 + 0.2, 63.1765, -25000].map(atAxis)];
     """)  # fmt: skip
     assert beyond and max(beyond) <= 1.0
+    assert numbers == ["0", "2e-9", "0.3", "63.1765", "-25000"]

@@ -36,7 +36,7 @@ class Curves {
     label.className = "label";
     box.append(label);
     const columns = values.map(one => Array.from(one, v => (Number.isFinite(v) ? v / factor : null)));
-    const axis = { stroke: styled("--faint"), grid: { stroke: styled("--line"), width: 1 }, ticks: { stroke: styled("--line"), width: 1 }, font: "12px system-ui" };
+    const axis = { stroke: styled("--faint"), grid: { stroke: styled("--line"), width: 1 }, ticks: { stroke: styled("--line"), width: 1 }, font: "12px system-ui", values: (_, places) => places.map(atAxis) };
     const [named, of] = this.data.axis;
     const options = {
       ...this.sizeOf(box), padding: [6, 10, 0, 0], cursor: { y: false, drag: { x: false, y: false } }, legend: { live: true },
@@ -89,6 +89,12 @@ class Curves {
   point(plot) {
     plot.setCursor({ left: plot.valToPos(this.motion.times[this.frame], "x"), top: 0 });
   }
+}
+
+// The number at a place of an axis.
+function atAxis(x) {
+  const rounded = Number(x.toPrecision(6));
+  return rounded && Math.abs(rounded) < 1e-3 ? rounded.toExponential() : rounded.toString();
 }
 
 // Ends of an axis for values between two.
