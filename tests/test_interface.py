@@ -191,6 +191,17 @@ class TestDeck:
         assert mecano.check(deck).mass == 1.0 and len(mecano.modes(deck).frequency) > 0
         assert mecano.run(deck, set={"time.end": 0.01}, quiet=True).path == Path("deck.h5")
 
+    def test_objects_that_a_deck_cannot_hold_are_refused(self, folder):
+        deck = mecano.Deck.read(PENDULUM)
+        for call in (
+            lambda: mecano.check(deck, set={"time.end": object()}),
+            lambda: mecano.Deck({"time": object()}).text,
+        ):
+            with pytest.raises(TypeError, match="a deck holds dicts, lists, numbers and strings, not object"):
+                call()
+        with pytest.raises(TypeError, match="expected str"):
+            deck.save(1)  # the number of an open file
+
     def test_a_copy_is_changed_by_itself(self):
         deck = mecano.Deck.read(PENDULUM)
         other = deck.copy()

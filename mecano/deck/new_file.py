@@ -13,7 +13,7 @@ def write_text(path, text, replace=False):
 def write_bytes(path, data, replace=False):
     """Write a file; raises UsageError if it exists and ``replace`` is False, ResultsError if it cannot be written."""
     try:
-        with open(path, "wb" if replace else "xb") as stream:
+        with open(os.fspath(path), "wb" if replace else "xb") as stream:
             stream.write(data)
     except FileExistsError:
         raise UsageError(f"{os.fspath(path)} already exists and is not replaced") from None

@@ -96,15 +96,7 @@ class Deck(MutableMapping[str, Any]):
     @property
     def text(self) -> str:
         """The deck as YAML. Raises TypeError for objects that a deck cannot hold."""
-        try:
-            return yaml.dump(
-                self._sections, Dumper=_Dumper, sort_keys=False, default_flow_style=None, width=WIDTH,
-                allow_unicode=True,
-            )  # fmt: skip
-        except yaml.representer.RepresenterError as error:
-            raise TypeError(
-                f"a deck holds dicts, lists, numbers and strings, not {type(error.args[-1]).__name__}"
-            ) from None
+        return _yaml(self._sections, flow=None, width=WIDTH)
 
     def save(self, path: "AnyPath", *, replace: bool = False) -> None:
         """Write the text to a file. Raises UsageError if the file exists, unless ``replace``, and ResultsError."""
@@ -137,8 +129,20 @@ def _override_texts(overrides):
 
 
 def _in_one_line(value):
-    text = yaml.dump(value, Dumper=_Dumper, default_flow_style=True, width=np.inf, allow_unicode=True)
+    text = _yaml(value, flow=True, width=np.inf)
     return text.removesuffix("...\n").strip()  # the end mark of a document after a scalar
+
+
+def _yaml(value, flow, width):
+    """Return a value as YAML. Raises TypeError for objects that a deck cannot hold."""
+    try:
+        return yaml.dump(
+            value, Dumper=_Dumper, sort_keys=False, default_flow_style=flow, width=width, allow_unicode=True
+        )
+    except yaml.representer.RepresenterError as error:
+        raise TypeError(
+            f"a deck holds dicts, lists, numbers and strings, not {type(error.args[-1]).__name__}"
+        ) from None
 
 
 def name_of(deck):
