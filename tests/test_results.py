@@ -228,6 +228,17 @@ def test_results_are_asked_for_names(finished):
             results.extremes["wheel.radial_fors"]
 
 
+def test_closed_results_are_refused_until_they_are_opened_again(finished):
+    with open_results(finished) as results:
+        pass
+    for read in (lambda: results["wheel.slip"], lambda: results.extremes, lambda: results.status):
+        with pytest.raises(ResultsError, match="have been closed: read them before, or open the file again"):
+            read()
+    results.refresh()
+    assert results["wheel.slip"].unit
+    results.close()
+
+
 def test_names_by_pattern(finished):
     with open_results(finished) as results:
         assert results.names() == [one.path for one in samples.LAYOUT.series]

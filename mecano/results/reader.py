@@ -115,11 +115,11 @@ class Results(ByName):
         self._open()
 
     def _open(self):
-        self._file = None
+        self._opened = None
         for name in _KEPT:
             self.__dict__.pop(name, None)
         try:
-            self._file = OpenedFile(self.path)
+            self._opened = OpenedFile(self.path)
             with self._file.reading("format"):
                 self._check_format()
             self._status = self._file.text("run/status")  # before the counters: those of a complete run are the last
@@ -168,9 +168,16 @@ class Results(ByName):
 
     def close(self):
         """Close the file."""
-        if self._file is not None:
-            self._file.close()
-            self._file = None
+        if self._opened is not None:
+            self._opened.close()
+            self._opened = None
+
+    @property
+    def _file(self):
+        """The opened file. Raises ResultsError after ``close``."""
+        if self._opened is None:
+            raise ResultsError(f"the results of {self.path} have been closed: read them before, or open the file again")
+        return self._opened
 
     def __enter__(self):
         return self
