@@ -121,7 +121,7 @@ class Case:
     about: str = ""
     error: Exception | None = None  # of the last state that was not found
     variation: float = 0.0  # of the Linearizations, largest of all states
-    residual: float = 0.0  # largest of all modes
+    residuals: dict = field(default_factory=dict)  # settings -> largest of all modes but free ones
 
     def deck(self, settings=()):
         """Return the checked deck with ``settings``, pairs (path, value), applied."""
@@ -150,7 +150,7 @@ class Case:
         found = abandonable(solve, lin, self.number, self.method)
         self.about = base.words.partition(" at [")[0]
         self.variation = max(self.variation, lin.variation)
-        self.residual = max(self.residual, float(found.residuals.max(initial=0.0)))
+        self.residuals[settings] = float(found.residuals[found.values != 0.0].max(initial=0.0))
         for text in (*base.warnings, *unbalanced(base, turning)):
             self.warn(text, settings)
 
@@ -183,9 +183,8 @@ def sweep(path, overrides, texts, *, number=None, frame="inertial", method="auto
     if all(np.all(locus.count < 0) for locus in found):
         raise case.error
     states = {(*other, (first.path, float(value))) for other in others for value in first.values}
-    return Sweep(
-        axes, found, [*case.counted_warnings(states), *doubts(case.variation, case.residual)], case.about, deck
-    )
+    residuals = [case.residuals[state] for state in states if state in case.residuals]
+    return Sweep(axes, found, [*case.counted_warnings(states), *doubts(case.variation, residuals)], case.about, deck)
 
 
 def _share(count):
