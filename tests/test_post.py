@@ -504,8 +504,11 @@ def test_configurations_show_bodies_with_more_than_two_points_as_outlines():
     np.testing.assert_array_equal(wire._line(Shape(CABLE, "rope", square[None]), square), square)
 
 
-def test_configurations_of_several_runs_say_whose_they_are(runs):
+def test_configurations_show_ground_and_axes_and_say_whose_they_are(runs):
     drawn = wire_figure(replace(runs[0], label="speed = 40"), [0.5], "")
+    assert drawn.axes[0].patches and {"x", "y", "z"} <= {
+        text.get_text() for text in drawn.axes[0].texts
+    }  # ground, axes
     assert any(text.get_text().startswith("configurations of speed = 40, all on one scale") for text in drawn.texts)
 
 

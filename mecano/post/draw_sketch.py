@@ -25,7 +25,7 @@ def draw_sketch(ax, sketch, title="", named=True):
     """
     colours = _colours(sketch)
     for line in sketch.grounds:
-        _draw_ground(ax, line) if sketch.axes else _draw_patch(ax, line)
+        _draw_ground(ax, line) if sketch.axes else draw_patch(ax, line)
     for path in sketch.paths:
         ax.plot(*path.T, color=PALE, linewidth=0.8, zorder=1)
     count = len(sketch.times)
@@ -42,7 +42,7 @@ def draw_sketch(ax, sketch, title="", named=True):
     if sketch.axes:
         ax.set_ylabel(f"{LETTERS[sketch.axes[1]]} [m]")
     else:
-        _draw_compass(ax, sketch.projection)
+        draw_compass(ax, sketch.projection)
     taken = _name(ax, colours, sketch) if named else 0.0
     ax.set_title(title, loc="left", pad=4 + taken)
     if sketch.in_place:
@@ -86,12 +86,13 @@ def _label_instants(ax, sketch):
     ax.spines["bottom"].set_visible(False)
 
 
-def _draw_patch(ax, outline):
+def draw_patch(ax, outline):
+    """Draw a piece of ground with an ``outline`` (k, 2) in a view in space."""
     ax.fill(*outline.T, color="#efe9dd", zorder=0.5, linewidth=0)
     ax.plot(*outline.T, color="#d8cdb8", zorder=0.6, linewidth=0.7)
 
 
-def _draw_compass(ax, projection):
+def draw_compass(ax, projection):
     """Draw the inertial axes in the corner of a view in space, which has no coordinates of its own."""
     ax.set_axis_off()
     for letter, end in zip(LETTERS, projection.T, strict=True):

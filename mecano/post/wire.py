@@ -7,8 +7,9 @@ import numpy as np
 from matplotlib.collections import LineCollection
 
 from mecano.errors import UsageError
-from mecano.post.draw_sketch import hull
+from mecano.post.draw_sketch import draw_compass, draw_patch, hull
 from mecano.post.figure import plain_figure
+from mecano.post.ground import ground_patch
 from mecano.post.shapes import BODY, CABLE, JOINT, MASS, SUPPORT, Motion, shapes
 from mecano.post.style import GREY, INK, PALE, SETTINGS
 
@@ -48,7 +49,8 @@ def wire_figure(run, times, title):
     lines = [(shape, shape.points @ projection.T) for shape in shown]
     fixed = [name for name, node in run.deck.get("nodes", {}).items() if node.get("fixed")]
     supports = [run.results.find(f"nodes/{name}/position").values[rows] @ projection.T for name in fixed]
-    shift, low, high = _frame(np.concatenate([points for _, points in lines], axis=1))
+    patches = [_patches(run, shown, projection, i) for i in range(len(rows))]
+    shift, low, high = _frame(np.concatenate([*(points for _, points in lines), *zip(*patches, strict=True)], axis=1))
     room = MARGIN * (high - low).max()
     with matplotlib.rc_context(SETTINGS):
         columns = min(COLUMNS, len(rows))
@@ -61,14 +63,23 @@ def wire_figure(run, times, title):
             ax = figure.add_subplot(grid[i // columns, i % columns])
             seen = [(shape.style == CABLE, _line(shape, p[i])) for shape, p in lines if shape.is_shown(i)]
             _draw(ax, [(thin, line - shift[i]) for thin, line in seen])
+            for outline in patches[i]:
+                draw_patch(ax, outline - shift[i])
             for place in supports:
                 ax.plot(*(place[i] - shift[i]), "o", color=INK, markersize=SUPPORT_SIZE, markerfacecolor=PALE)
             ax.set_xlim(low[0] - room, high[0] + room)
             ax.set_ylim(low[1] - room, high[1] + room)
             ax.set_aspect("equal")
-            ax.set_axis_off()
+            draw_compass(ax, projection)
             ax.set_title(_named(saved[row], times[i]), color=INK, fontsize=10)
     return figure
+
+
+def _patches(run, shown, projection, i):
+    """Return the outlines (k, 2) of all grounds around the configuration ``i``."""
+    points = np.concatenate([shape.points[i] for shape in shown])
+    names = dict.fromkeys(d["ground"] for d in run.deck.get("elements", {}).values() if "ground" in d)
+    return [ground_patch(run.deck, run.deck["grounds"][name], points) @ projection.T for name in names]
 
 
 def _frame(points):
