@@ -545,6 +545,29 @@ PUSHED = """
 """
 
 
+def test_a_damped_cable_that_goes_slack_beyond_its_full_length_stays_slack():
+    """Its tension, of strain and rate, falls to zero while it is longer: pushed on, it has one shock and no other."""
+    recorded = RecordedRun(deck("""
+    mecano: 1
+    gravity: none
+    nodes: {top: {position: [0, 0, 0], fixed: true}, m: {position: [0, 0, -0.99]}}
+    elements:
+      mass: {type: point_mass, node: m, mass: 1}
+      rope:
+        {type: cable, nodes: [top, m], axial_stiffness: 1000, natural_length: 1, damping: 0.05, at_full_length: shock}
+    loads:
+      pull: {type: force, node: m, direction: [0, 0, 1], value: {step: {time: 0.5, rise: 0.01, from: -10, to: 30}}}
+    time: {end: 0.6, step: 1 ms}
+    output: {every: step}
+    """))  # fmt: skip
+    taut, slack = recorded.event_records
+    assert (taut.name, slack.name) == ("becomes taut at full length", "goes slack")
+    assert taut.impulse == pytest.approx(np.sqrt(2 * 10 * 0.01), rel=1e-9)  # the momentum after 10 mm under 10 N
+    row = np.argmin(np.abs(recorded.time - slack.t))
+    strain, rate = (recorded[f"elements/rope/{name}"][row] for name in ("strain", "strain_rate"))
+    assert strain > 1e-3 and abs(strain + 0.05 * rate) < 1e-9
+
+
 @pytest.mark.parametrize(
     "apart, cable, joint",
     [
