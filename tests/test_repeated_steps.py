@@ -52,6 +52,13 @@ def test_the_same_steps_give_the_same_bits(steps):
     assert ends[0] == ends[1]
 
 
+def test_a_step_that_is_lost_in_the_rounding_of_the_time_gives_no_slope(steps):
+    repeated, nearest = steps.repeated(), 0.1 * steps.method.tolerances.constraint * steps.length
+    for h in (1e-17, SIZES[0]):
+        found, right = repeated(h)[0], steps.single(h)[0]
+        assert np.abs(found.z - right.z)[: steps.method.system.n_q].max() < nearest
+
+
 def test_similar_steps_factor_nothing(steps, monkeypatch):
     method, factored, found = steps.method, [], []
     repeated = steps.repeated()

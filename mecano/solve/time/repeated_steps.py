@@ -49,7 +49,7 @@ class RepeatedSteps:
         if self.last is not None:
             history = self._from_the_last(history, h, similar)
         trial = self.method.step(self.s0, history, h)
-        self.last = trial[0] if trial[2].ok else None
+        self.last = trial[0] if trial[2].ok and trial[0].t > self.s0.t else None  # h may be lost in the rounding of t
         return trial
 
     def _changed(self, h, similar):
