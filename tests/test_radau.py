@@ -68,7 +68,8 @@ def test_saved_motion_has_the_accuracy_of_the_steps(tmp_path):
     found = []
     for tolerance in (1e-8, 1e-10):
         path = tmp_path / f"{tolerance}.h5"
-        run(input_deck("four_bar", RADAU, f"time.adaptive.tolerance={tolerance}", "time.end=1", "output.every=1e-3"), path)
+        control = f"time.adaptive.tolerance={tolerance}", "time.end=1"
+        run(input_deck("four_bar", RADAU, *control, "output.every=1e-3"), path)
         with open_results(path) as results:
             names = ("joints/hinge_a/angle", "joints/hinge_a/rate", "nodes/coupler_end/position")
             found.append([results[name].values for name in names])

@@ -87,7 +87,8 @@ CASES = {
 def adaptive(name, tolerance, method="generalized_alpha", end=None):
     """Return (march, error) of a deck with error control, up to ``end`` [s] if it is given."""
     case = CASES[name]
-    control = f"time={{end: {end or case.end}, step: {case.step}, method: {method}, adaptive: {{tolerance: {tolerance}}}}}"
+    end = end or case.end
+    control = f"time={{end: {end}, step: {case.step}, method: {method}, adaptive: {{tolerance: {tolerance}}}}}"
     recorded = RecordedRun(input_deck(name, control))
     return recorded, case.error(recorded)
 
