@@ -14,6 +14,8 @@ Its natural length L is the length paid out, at most the full one, :math:`L_f(t)
 
 At the full length it becomes an elastic line without a shock (``stretch``), or exchanges momentum as if it were
 held and is then elastic (``shock``) or held (``hold``). The winder dissipates :math:`T \dot\ell - \dot V`.
+With damping a tension as large as that of the winder belongs to a smaller strain than the line has while it is paid
+out, which it has at once: this energy is given with the event.
 """
 
 from mecano.constraints.augmented_lagrangian import add_reaction
@@ -43,7 +45,8 @@ FULLY = "is fully uncoiled"
 EVENTS = (
     Event("goes taut", "slack", "taut", "the length rises to the natural length", elastic=True),
     Event("goes slack", "taut", "slack", "the tension falls to zero", elastic=True),
-    Event("pays out", "taut", "paying out", "the tension rises to that of the winder", elastic=True),
+    Event("pays out", "taut", "paying out", "the tension rises to that of the winder", elastic=True,
+          changes_energy=True),
     Event("stops paying out", "paying out", "taut", "the distance stops growing", elastic=True),
     Event(FULLY, "paying out", "taut", "the natural length rises to the full one"),
     Event(FULLY, "paying out", "taut", "the same, with a shock", CONTACT, through="held"),
