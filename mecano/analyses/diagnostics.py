@@ -21,6 +21,9 @@ ROUNDED = 1e-9  # of the kinetic energy over the length scale: smaller forces ar
 NOTED = 0.01  # failed trials per step above which a fixed step is reported as too large
 EXCHANGED = ("kinetic", "potential", "dissipated", "given")
 UNBALANCED = 0.01  # of the largest change of an energy, above which an error of the balance is reported
+SPUN = 0.2  # [rad] turned in a fixed step by a node whose axis turns too, above which it is reported
+GYROSCOPIC = 0.22  # error of a gyroscopic moment over the square of this angle, measured at rho_inf = 0.8
+AXIS_TURNS = 0.1  # of the angular velocity: its change across its mean direction, above which the axis turns
 NOISE = 1e-5  # of the largest energy, below which an error of the balance is never reported
 
 
@@ -78,6 +81,40 @@ def unbalanced(values, sampler, extremes):
         f"it is highest at t = {first:.4g} s and lowest at t = {last:.4g} s. {what}: compare with a run with a smaller "
         f"'time.{'adaptive.tolerance' if values['adaptive'] else 'step'}'"
     )
+
+
+def spun(values, sampler, extremes):
+    """Yield a warning if a node turns far in each fixed step, about an axis that turns too.
+
+    The change of the angular velocity is judged by the ``extremes`` of its components. Of a body that spins about an
+    axis fixed in space the motion is exact.
+    """
+    if values["adaptive"] or values["method"] == "radau":
+        return
+    fastest = max(((_turn(column, extremes) * values["step"], column.path) for column in _spins(sampler)), default=None)
+    if fastest is None or fastest[0] <= SPUN:
+        return
+    angle, path = fastest
+    yield (
+        f"node '{path.split('/')[1]}' turns by {angle:.2g} rad in a step of {values['step']:g} s, about an axis that "
+        f"turns too: its gyroscopic moment is wrong by some {100 * GYROSCOPIC * angle**2:.2g} %; use a smaller "
+        "'time.step', 'time.adaptive', or 'method: radau'"
+    )
+
+
+def _spins(sampler):
+    """Return the columns of the angular velocities of nodes."""
+    return [c for c in sampler.columns if c.path.startswith("nodes/") and c.path.endswith("/angular_velocity")]
+
+
+def _turn(column, extremes):
+    """Return the largest component of a node's angular velocity [rad/s], or zero if its axis keeps its direction."""
+    at = slice(column.start, column.start + 3)
+    low, high = extremes.low[at], extremes.high[at]
+    largest, mean = float(np.maximum(np.abs(low), np.abs(high)).max()), low + high
+    change, direction = (high - low) * np.where(mean < 0.0, -1.0, 1.0), mean / max(float(np.linalg.norm(mean)), 1e-300)
+    across = np.linalg.norm(change - direction * (direction @ change))
+    return largest if across > AXIS_TURNS * largest else 0.0
 
 
 def unresolved(values, sampler, ringing, extremes, length):

@@ -14,6 +14,7 @@ from mecano.analyses.diagnostics import (
     exceeded,
     explained,
     open_latches,
+    spun,
     still_waiting,
     unbalanced,
     unresolved,
@@ -243,6 +244,7 @@ class Ongoing:
         warnings += still_waiting(integrator.system, self.state.motion.phases)
         warnings += untouched(deck, sampler, writer.extremes)
         warnings += unbalanced(values, sampler, writer.extremes)
+        warnings += spun(values, sampler, writer.extremes)
         warnings += unresolved(values, sampler, self.recorder.ringing, writer.extremes, integrator.method.length)
         for text in warnings:
             self._announce(text)
