@@ -213,6 +213,8 @@ def test_massless_nodes(more, expected):
     assert len(said) == len(expected)
     for line, start in zip(said, expected, strict=True):
         assert line.startswith("test.yaml:5:") and line.partition(": ")[2].startswith(start)
+        missing = "point_mass or a rigid_body" if "displacement" in start else "rigid_body or a held_rotation"
+        assert line.endswith(f"or is a {missing} missing?")
 
 
 def test_a_model_without_mass():

@@ -158,8 +158,9 @@ def _massless(deck, system, s, length):
 
 
 def _no_mass(deck, place, nodes, sorts):
+    missing = "point_mass or a rigid_body" if "displacement" in sorts else "rigid_body or a held_rotation"
     text = (
         f"{place}: nothing gives mass to its {' and '.join(sorts)}, which follows forces without inertia; is this "
-        "intended, or is a point_mass or a rigid_body missing?"
+        f"intended, or is a {missing} missing?"
     )
     return Problem(text, next((mark for name in nodes if (mark := deck.mark("nodes", name))), None))
