@@ -184,6 +184,14 @@ NOTES = {  # words with the same meaning: (targets, note)
         "torsion_spring_damper dry_friction grip",
         "between two shafts, a torsion_spring_damper whose law is dry_friction; a dog clutch is a grip",
     ),
+    "railway, wheelset, conicity, hunting, creep force": (
+        "force moment formula",
+        "contact of wheel and rail is not available; linear creep forces are loads that are formulas of the velocities",
+    ),
+    "variable mass, rocket, propellant": ("follower_force", "a thrust; bodies whose mass varies are not available"),
+    "box contact, polyhedron, stacked boxes": (
+        "contact", "corners are balls of radius 0 that touch planes of other bodies; edges that touch are not available"
+    ),
     "lugre, dahl, bristle, presliding": (
         "integrator dry_friction",
         "the state is an integrator whose input is its rate: docs/signals.md, States of your own",
