@@ -137,3 +137,15 @@ def test_errors(change, message):
     with pytest.raises(DeckError) as info:
         input_deck("snap_pin", change)
     assert message in deck_error_text(info.value)
+
+
+def test_an_impact_just_after_a_step_opens_no_contact_that_it_does_not_reach():
+    """The flying pin strikes 1e-11 s after a step ends: the ball stays on the profile, pressed with 20 N.
+
+    Steps keep velocities off the constraints by O(h^2), here 2e-7 m/s along the normal of the profile.
+    """
+    speeds = "[{nodes: [shaft], velocity: [0, 0, -0.5]}, {nodes: [flying], velocity: [0.0999999999, 0, 0]}]"
+    recorded = RecordedRun(input_deck("snap_pin", f"initial.velocities={speeds}", "time.end=0.011"))
+    met = [h.name for h in recorded.event_records if h.element == "contact 'hole_of_flying'"]
+    assert met == ["closes", "closes"]
+    assert [h.name for h in recorded.event_records if h.element == "contact 'detent'"] == ["closes"]

@@ -316,8 +316,11 @@ class TimeIntegrator:
         return new
 
     def _change_phases(self, run, info, found, rejected):
-        """Apply events at the beginning of a step, without advancing time."""
-        run, s, event_records, consistent = self.events.apply(run, run.motion, found.hit, at_once=True)
+        """Apply events at the beginning of a step, without advancing time; impacts at consistent velocities."""
+        s = run.motion
+        if self.shocks.impact_candidates.among(found.hit):
+            s = self._consistent(s, run.h, impact=True)
+        run, s, event_records, consistent = self.events.apply(run, s, found.hit, at_once=True)
         new = self._start_again(run, s, consistent)
         self._notify(Accepted(run.motion, new, info, 0.0, rejected, tuple(event_records)))
         return new
