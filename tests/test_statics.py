@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from equilibria import G, Path, arm, chain, truss, truss_force
 from scipy.optimize import brentq, fsolve, minimize_scalar
+from scipy.spatial.transform import Rotation
 from scipy.special import ellipe, ellipk
 from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.equilibria import equilibrium
+from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.prepare import integrator_of, prepare
 from mecano.analyses.static import run
 from mecano.deck.read import deck_of_bytes
@@ -520,3 +522,22 @@ def test_an_output_that_is_not_finite_ends_the_path(tmp_path, monkeypatch):
     with open_results(tmp_path / "r.h5") as results:
         assert results.status == "failed" and "moment is not finite" in results.reason
         np.testing.assert_array_equal(results.time, [0.0, 0.25])
+
+
+@pytest.mark.parametrize("turn", [[1.3, 0.5, -0.9], [0.3, 0.2, 0.1], [1.0, 2.0, 0.5]])
+def test_a_free_motion_in_any_direction_leaves_an_equilibrium(turn):
+    """A load of 3 kg on 1200 N/m that turns freely about the vertical, all of it turned: m g/k below its place.
+
+    Rounding keeps the tangent from being singular, and Newton's method from settling along the free motion.
+    """
+    Q = Rotation.from_rotvec(turn).as_matrix()
+    first, _, up = Q.T.tolist()
+    body = f"nodes.body={{position: {(0.2 * Q[:, 2]).tolist()}, orientation: {turn}}}"
+    axes = f"joints.table.axis={up}", f"joints.table.axis_1={first}"
+    prepared = prepare(
+        input_deck("shaker_table", f"gravity={(-9.81 * Q[:, 2]).tolist()}", *axes, body, "initial={static: true}")
+    )
+    (warning,) = set_initial_state(prepared)
+    assert "neutral: it may lie anywhere along a free motion; 1 direction" in warning
+    place = prepared.state.z[prepared.system.numbering.x[0] :][:3]
+    np.testing.assert_allclose(place, (0.2 - 3.0 * 9.81 / 1200.0) * Q[:, 2], rtol=0, atol=1e-9)

@@ -105,9 +105,14 @@ class Follower:
     def find(self, s0, p):
         """Return (state, Found) of the equilibrium at the parameter p near ``s0``, also for singular tangents."""
         s, found = self.statics.correct(s0, p)
-        return (
-            self.statics.correct_singular(s0, p) if found.failure is Failure.SINGULAR and not found.ok else (s, found)
-        )
+        if found.ok or found.failure is not Failure.SINGULAR and not self._balanced(s0, p):
+            return s, found
+        return self.statics.correct_singular(s0, p)
+
+    def _balanced(self, s, p):
+        """Return whether ``s`` is an equilibrium, which Newton's method leaves if only rounding makes K regular."""
+        k, _ = self.statics.scales(self.statics.begin(s))
+        return max(self.statics.evaluate(self.statics.begin(s), p, k, 0.0, False)) <= 1.0
 
     def start(self, s, p):
         """Return the first Point, at the parameter p: ``s`` or an equilibrium near it. Raises ConvergenceError."""
