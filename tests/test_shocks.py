@@ -532,21 +532,6 @@ def test_a_run_goes_on_across_shocks_with_the_same_bits(name, times, tmp_path):
         assert np.array_equal(other.motion.v, whole.motion.v) and other.dissipated == whole.dissipated
 
 
-PUSHED = """
-    mecano: 1
-    gravity: [0, 0, 0]
-    nodes: {{a: {{position: [0, 0, 0]}}, m: {{position: [{apart}, 0, 0]}}, b: {{position: [{far}, 0, 0]}}}}
-    elements:
-      A: {{type: rigid_body, node: a, mass: 2, inertia: [1, 1, 1]}}
-      B: {{type: point_mass, node: b, mass: 3}}
-      spring: {{type: spring_damper, nodes: [m, b], law: {{spring: {{stiffness: 1000}}}}, natural_length: 1}}
-      {cable}
-    joints: {{{joint}}}
-    initial: {{velocities: [{{nodes: [a], velocity: [-1, 0, 0]}}, {{nodes: [b, m], velocity: [0.5, 0, 0]}}]}}
-    time: {{end: 0.15, step: 1.0e-3}}
-"""
-
-
 def test_a_damped_cable_that_goes_slack_beyond_its_full_length_stays_slack():
     """Its tension, of strain and rate, falls to zero while it is longer: pushed on, it has one shock and no other."""
     recorded = RecordedRun(deck("""
@@ -562,12 +547,28 @@ def test_a_damped_cable_that_goes_slack_beyond_its_full_length_stays_slack():
     time: {end: 0.6, step: 1 ms}
     output: {every: step}
     """))  # fmt: skip
-    taut, slack = recorded.event_records
+    taut, slack, *relaxed = recorded.event_records
     assert (taut.name, slack.name) == ("becomes taut at full length", "goes slack")
+    assert [event.name for event in relaxed] == ["is relaxed"]
     assert taut.impulse == pytest.approx(np.sqrt(2 * 10 * 0.01), rel=1e-9)  # the momentum after 10 mm under 10 N
     row = np.argmin(np.abs(recorded.time - slack.t))
     strain, rate = (recorded[f"elements/rope/{name}"][row] for name in ("strain", "strain_rate"))
     assert strain > 1e-3 and abs(strain + 0.05 * rate) < 1e-9
+
+
+PUSHED = """
+    mecano: 1
+    gravity: [0, 0, 0]
+    nodes: {{a: {{position: [0, 0, 0]}}, m: {{position: [{apart}, 0, 0]}}, b: {{position: [{far}, 0, 0]}}}}
+    elements:
+      A: {{type: rigid_body, node: a, mass: 2, inertia: [1, 1, 1]}}
+      B: {{type: point_mass, node: b, mass: 3}}
+      spring: {{type: spring_damper, nodes: [m, b], law: {{spring: {{stiffness: 1000}}}}, natural_length: 1}}
+      {cable}
+    joints: {{{joint}}}
+    initial: {{velocities: [{{nodes: [a], velocity: [-1, 0, 0]}}, {{nodes: [b, m], velocity: [0.5, 0, 0]}}]}}
+    time: {{end: 0.15, step: 1.0e-3}}
+"""
 
 
 @pytest.mark.parametrize(

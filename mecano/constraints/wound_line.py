@@ -2,7 +2,7 @@ r"""Wound line: a cable that is paid out by a winder, that is stopped with a sho
 
 Its natural length L is the length paid out, at most the full one, :math:`L_f(t)`. It is
 
-- slack: shorter than L, or damped and shortening so fast that its tension has fallen to zero;
+- slack: shorter than L;
 - taut: elastic, :math:`N = EA (\varepsilon + \tau \dot\varepsilon) > 0`;
 - relaxing: without tension after it was taut, by damping, and still longer than L;
 - paying out, once the tension has risen to that of the winder, :math:`N = T(\dot\ell)` for the rate of the distance,
@@ -160,11 +160,7 @@ def event_values(p, at, g):
     taut = tautness(strain, strain_rate, p.damping)
     if at.phase == SLACK:
         if full and p.catch != STRETCH:
-            beyond = length - L
-            if p.catch == SHOCK:  # damped, it goes slack while longer than L
-                g[7] = min(beyond - at.m[2], beyond + p.damping * strain_rate * L)
-            else:
-                g[8] = beyond - at.m[2]
+            g[7 if p.catch == SHOCK else 8] = length - L - at.m[2]
         else:
             g[0] = taut
     elif at.phase == TAUT:

@@ -380,7 +380,7 @@ BEAM = Kind(
         Field("nodes", NODE_PAIR, "-", "its ends"),
         Field("section", SECTION, "-", "cross section"),
         Field("mesh", INTEGER, "-", "number of elements", 1, check_mesh),
-        Field("up", DIRECTION, "-", "towards axis 3 of the first section; if round, for 'thermal' only", None),
+        Field("up", DIRECTION, "-", "towards axis 3 of the section at the start; if round, only for 'thermal'", None),
         Field("via", POINT, "m", "point through which it bends as a circular arc; straight when absent", None),
         Field("twist", NUMBER, "rad", "angle by which the section turns about axis 1 from start to end", 0.0),
         THERMAL,
