@@ -26,6 +26,7 @@ MOST_TURN = 2.4  # rad in one step, so that angles of joints are followed
 PHASE_CHANGES = 10  # rounds of phase changes at one point
 CLOSED = 1e-9  # of the length scale, or rad: an event value below it does not count as crossed
 POLISH = 4  # iterations beyond the tolerance while the residual falls
+FARTHEST = 1e3  # length scales in one step: a greater change is that along a free motion by rounding
 LEAN, LEANS, FARTHEST_LEAN = 1e-7, 8, 0.3  # drag over the mean stiffness; steps; of the length scale, or rad
 TOLERANCES = Tolerances(force=1e-9, constraint=1e-11, increment=1e-8)
 
@@ -152,9 +153,11 @@ class Statics:
         else:
             names = ", ".join(dict.fromkeys(f"{h.element} ({h.name})" for h in event_records))
             return s, Found(False, iterations, found.norms, message=f"contacts do not settle: {names}")
-        return s, Found(
-            found.ok, iterations, found.norms, found.change, first, found.message, tuple(reported), found.failure
-        )
+        ok, message, failure = found.ok, found.message, found.failure
+        if ok and found.change > FARTHEST:
+            ok, failure = False, Failure.NOT_CONVERGED
+            message = f"a node moves by more than {FARTHEST:g} times the size of the mechanism in one step"
+        return s, Found(ok, iterations, found.norms, found.change, first, message, tuple(reported), failure)
 
     def correct_singular(self, s0, p):
         """Return (state, Found) of an equilibrium near ``s0`` with a singular tangent, by steps with a negligible drag.
@@ -231,9 +234,9 @@ class Statics:
             x = self.factor(-self.assembly.residual[: self.system.n])
             if x is None:
                 break
-            self.move(trial, s0, x, k)
+            far = self.move(trial, s0, x, k) * self.tolerances.increment > FARTHEST_LEAN  # along a free motion
             size = max(self.evaluate(trial, p, k, penalty, True, step))
-            if not size < least:
+            if far or not size < least:
                 break
             least, best = size, trial.copy()
         return best
