@@ -502,3 +502,25 @@ def test_bodies_that_attract_one_another_are_no_controller():
     """Their orbits are stable; the linearized attraction of bodies at rest would not be."""
     prepared = prepare(input_deck("two_bodies"))
     assert not list(destabilized(prepared, integrator_of(prepared).begin(prepared.state, 0.01)))
+
+
+def test_a_signal_has_its_value_however_much_its_rate_has_grown():
+    """Rates of signals may grow in steps of alternating size; a prediction of 1e11 has lost the digits of the value."""
+    prepared = prepare(
+        deck("""
+    mecano: 1
+    gravity: none
+    nodes: {b: {position: [0, 0, 0]}}
+    elements: {m: {type: point_mass, node: b, mass: 1}}
+    signals: {command: time - 0.4}
+    loads: {push: {type: force, node: b, direction: [1, 0, 0], value: command}}
+    time: {end: 1, step: 1.0e-7}
+    """)
+    )
+    integrator = integrator_of(prepared)
+    run = integrator.begin(prepared.state, 1e-7)
+    signal = prepared.system.signals
+    for rates, size in ((run.motion.v, 1e18), (run.motion.a, 1e25), (run.history.a, -1e25)):
+        rates[: len(signal)][signal] = size
+    state, _, info = integrator.method.step(run.motion, run.history, 1e-7)
+    assert info.ok and abs(state.z[: len(signal)][signal][0] - (1e-7 - 0.4)) < 1e-8

@@ -10,7 +10,10 @@ from mecano.maths.so3 import exp, tangent
 from mecano.maths.vector import mat, vec
 from mecano.model.numbering import MASSLESS, ROTATION, SCALAR, SIGNAL, TRANSLATION, Unknowns
 from mecano.model.state import Motion
+from mecano.solve.diagnostics.scales import SMALL
 from mecano.solve.time.turning_error import turning_error
+
+WILD = 1e6  # times a signal: a larger change in a step is no prediction, and its rounding would be lost from the value
 
 
 @kernel
@@ -48,8 +51,8 @@ def predict(w, of, start, history, s_out):
 
     ``w`` is the record STEP (workspace.py) with coefficients and step size. ``start`` and ``s_out`` are the Motion at
     the beginning; ``s_out`` is moved. ``history``: algorithmic acceleration (n_all,) there, slope and bend (n,), the
-    differences of the true ones and of the multipliers, and v_shift (n_all,). Returns the largest coordinate [m] and
-    the largest signal.
+    differences of the true ones and of the multipliers, and v_shift (n_all,). A signal whose rates have grown beyond
+    use keeps its value. Returns the largest coordinate [m] and the largest signal.
     """
     a0, slope, bend, v_shift = history
     am, af, beta, gamma, h = w.am, w.af, w.beta, w.gamma, w.h  # which loops that write arrays would read again
@@ -59,8 +62,11 @@ def predict(w, of, start, history, s_out):
         a1 = ((1.0 - af) * guess + af * start.a[i] - am * a0[i]) / (1.0 - am)
         v0 = s_out.v[i] + v_shift[i]
         increment = h * v0 + h * h * ((0.5 - beta) * a0[i] + beta * a1)
+        rate = v0 + h * ((1.0 - gamma) * a0[i] + gamma * a1)
+        if kind[i] == SIGNAL and abs(increment) > WILD * max(abs(s_out.z[i]), SMALL):
+            increment = rate = guess = 0.0
         s_out.z[i] = increment if kind[i] == ROTATION else s_out.z[i] + increment
-        s_out.v[i] = v0 + h * ((1.0 - gamma) * a0[i] + gamma * a1)
+        s_out.v[i] = rate
         s_out.a[i] = guess
         if kind[i] >= SIGNAL:
             loudest = max(loudest, abs(s_out.z[i]))
