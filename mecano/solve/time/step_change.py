@@ -40,7 +40,7 @@ from mecano.solve.time.workspace import (
 )
 
 DIFFERENCE = 0.02  # of a step, for differences along the motion
-JUMP = 3.0  # ratio of two such differences from which on one of them includes a jump
+JUMP = 10.0  # ratio of two such differences from which on one includes a jump; of t^2, t^3 from rest it is 3 and 7
 METRIC = 1e-3  # of a step: for steps so much shorter the tangent is that of the masses, where there are any
 TOO_FAST = 0.1  # of the accelerations lost to the filter: below, its error is all that it would bring
 HERE, NEXT, AFTER, TURNING, ALGORITHMIC = range(5)  # rows of ``derivatives``
@@ -148,8 +148,8 @@ def derivatives(w, row):
 def jerk_rate(w, i):
     """Return d = -B q''', the change of the second rate of a constraint along the motion at constant accelerations.
 
-    The difference of second order, or, where a jump of the second rate makes one of two differences much the greater,
-    such as that of the curvature of a profile, the other one.
+    The difference of second order, or, where one of two differences is more than ten times the other, the smaller one:
+    the second rate jumps within the other, as with the curvature of a profile.
     """
     here, next_, after = derivatives(w, HERE), derivatives(w, NEXT), derivatives(w, AFTER)
     first, second = next_[i, 2] - here[i, 2], after[i, 2] - next_[i, 2]
