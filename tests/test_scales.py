@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from time_runs import RecordedRun, input_deck
+from time_runs import RecordedRun, deck, input_deck
 
 from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, SCALAR, TRANSLATION, Unknowns
 from mecano.model.state import Motion
@@ -84,3 +84,40 @@ def test_a_gear_lands_far_from_the_origin_as_at_it():
         runs.append(RecordedRun(input_deck("nose_gear_rigid", *places, *times)))
     at_origin, away = (run["elements/wheel/spin_rate"] for run in runs)
     np.testing.assert_allclose(away, at_origin, rtol=0, atol=4.0 * 1.5e-11 / (0.3225 * step))
+
+
+@pytest.mark.parametrize("size", [1e-3, 1e3])
+def test_the_unit_of_length_does_not_change_the_steps(size):
+    """With lengths times ``size``, and masses and times as they are, moments are times size^2 and forces times size."""
+    as_it_is, sized = (RecordedRun(deck(ELLIPSOIDS.replace("SIZE", str(s)))) for s in (1.0, size))
+    assert [len(sized.time), len(sized.event_records)] == [len(as_it_is.time), len(as_it_is.event_records)]
+    iterations = [sum(info.iterations for info in run.infos) for run in (as_it_is, sized)]
+    assert iterations[1] == pytest.approx(iterations[0], rel=0.01)
+    for path in ("nodes/rolling/position", "nodes/falling/position"):
+        np.testing.assert_allclose(sized[path] / size, as_it_is[path], rtol=0, atol=1e-9)
+
+
+# two solid ellipsoids on a plane, as in inputs/ellipsoids.yaml
+ELLIPSOIDS = """
+    mecano: 1
+    parameters: {size: SIZE, a: 0.06*$size, b: 0.04*$size, c: 0.03*$size, height: 0.038995*$size}
+    gravity: [0, 0, -9.81*$size]
+    nodes:
+      rolling: {position: [0, 0, $height], orientation: [0, 0.5, 0]}
+      falling: {position: [0, 0.8*$size, $height + 0.1*$size], orientation: [0, 0.5, 0]}
+    elements:
+      $body:
+        repeat: [{body: rolling}, {body: falling}]
+        type: rigid_body
+        node: $body
+        mass: 1
+        inertia: [($b**2 + $c**2)/5, ($a**2 + $c**2)/5, ($a**2 + $b**2)/5]
+      on_rolling:
+        type: contact
+        nodes: [ground, rolling]
+        plane: &floor {normal: [0, 0, 1], point: [0, 0, 0]}
+        ellipsoid: &shape {semi_axes: [$a, $b, $c]}
+        friction: {coefficient: 0.9, regularization: 1.0e-4*$size}
+      on_falling: {type: contact, nodes: [ground, falling], plane: *floor, ellipsoid: *shape, restitution: 0.5}
+    time: {end: 0.2, step: 1.0e-3}
+"""

@@ -56,14 +56,16 @@ def constraint_scale(system, length):
     return np.where(system.numbering.kind[system.n_q : system.n] == LENGTH_CONSTRAINT, length, 1.0)
 
 
-def balance(system, s, cK, cC, cM, into=None):
+def balance(system, s, length, cK, cC, cM, into=None):
     """Return k = penalty, the mean stiffness of the tangent cK K + cC C + cM M at ``s`` (theory.md, section 1).
 
-    It is 1 N/m without stiffness: as the scale of reactions that are rounding, the stiffness that these cause would
-    decrease by the factor of rounding in every step. ``into`` is an Assembly for this tangent, by default a new one.
+    Stiffnesses of rotations [N m] are divided by the square of the ``length`` scale [m] of the mechanism. The mean is
+    1 N/m without stiffness: as the scale of reactions that are rounding, the stiffness that these cause would decrease
+    by the factor of rounding in every step. ``into`` is an Assembly for this tangent, by default a new one.
     """
     assembly = system.assemble(s, 1.0, 0.0, cK, cC, cM, into=into)
     diagonal = np.abs(assembly.data[system.diagonal[: system.n_q]])
+    diagonal[system.numbering.kind[: system.n_q] == ROTATION] /= length**2
     diagonal = diagonal[diagonal > 0]
     mean = float(diagonal.mean()) if len(diagonal) else 0.0
     return mean if mean > NO_STIFFNESS else 1.0

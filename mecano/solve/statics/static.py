@@ -64,7 +64,7 @@ class Statics:
 
     def scales(self, s):
         """Return k and penalty of the constraints [N/m] at ``s``: as given, or the mean stiffness of the tangent."""
-        mean = balance(self.system, s, 1.0, 0.0, 0.0, self.assembly)
+        mean = balance(self.system, s, self.length, 1.0, 0.0, 0.0, self.assembly)
         k = self.given_k or mean
         penalty = mean if self.given_penalty is None else self.given_penalty
         if self.compliance is None:

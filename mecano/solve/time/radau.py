@@ -90,7 +90,7 @@ class Radau:
         return info.plain
 
     def _stiffness(self, s, h):
-        return self.k or balance(self.system, s, 1.0, REAL / h, (REAL / h) ** 2)
+        return self.k or balance(self.system, s, self.length, 1.0, REAL / h, (REAL / h) ** 2)
 
     def step(self, s0, history, h):
         """Make a step of size h from ``s0`` with its ``history``; return (state, history, StepInfo). Pure."""

@@ -238,14 +238,14 @@ def set_compliances(w):
 
 @kernel
 def mean_stiffness(w):
-    """Return the mean of the diagonal of the assembled tangent (scales.balance)."""
+    """Return the mean stiffness [N/m] of the assembled tangent (scales.balance)."""
     s = system_of(w)[0]
-    data, diagonal = floats(s.data, s.n_data), integers(w.diagonal, w.n)
+    data, diagonal, kind = floats(s.data, s.n_data), integers(w.diagonal, w.n), integers(w.kind, w.n_all)
     total, number = 0.0, 0
     for i in range(w.n_q):
         size = abs(data[diagonal[i]])
         if size > 0.0:
-            total += size
+            total += size / (w.length * w.length) if kind[i] == ROTATION else size
             number += 1
     return total / number if number else 1.0
 
