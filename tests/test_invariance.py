@@ -7,6 +7,7 @@ import pytest
 from instances import KINDS
 from scipy.spatial.transform import Rotation
 from time_runs import RecordedRun, input_deck
+from time_runs import deck as text_deck
 
 from mecano.analyses.kind_trial import turned_values
 from mecano.element_interface import SECTIONS
@@ -105,3 +106,48 @@ def test_turned_and_moved(name):
     np.testing.assert_allclose(there.time, here.time, rtol=0, atol=1e-9 * CASES[name])
     assert compare(here, there) >= 4 * len(deck.values["nodes"]) + 6
     assert np.ptp(here["energy/kinetic"]) > 0.0  # it moves
+
+
+MOVING_BASE = """
+    mecano: 1
+    gravity: {gravity}
+    nodes:
+      base: {{position: [0, 0, 0]}}
+      weight: {{position: [0.3, 0.2, 0.9]}}
+      arm: {{position: [0, 0, 0]}}
+    elements:
+      plate: {{type: rigid_body, node: base, mass: 1, inertia: [1, 1, 1]}}
+      weight: {{type: point_mass, node: weight, mass: 1.3}}
+      arm: {{type: rigid_body, node: arm, mass: 2, inertia: [0.1, 0.12, 0.2], center_of_mass: [0.4, 0.1, 0.2]}}
+      first: {{type: spring_damper, nodes: [base, weight], law: {{spring: 300, damper: 2}}}}
+      second: {{type: spring_damper, nodes: [arm, weight], law: {{spring: 200, damper: 1}}}}
+    joints:
+      hinge: {{type: hinge, nodes: [base, arm], axis: [0.2, 1, 0.3], turning_law: {{spring: 5, damper: 0.1}}}}
+      level: {{type: held_rotation, nodes: [ground, base]}}
+      x: {{type: prescribed_position, node: base, direction: [1, 0, 0], value: {values[0]}}}
+      y: {{type: prescribed_position, node: base, direction: [0, 1, 0], value: {values[1]}}}
+      z: {{type: prescribed_position, node: base, direction: [0, 0, 1], value: {values[2]}}}
+    time: {{end: 0.5, step: 1 ms, newton: {{force_tolerance: 1.0e-12, constraint_tolerance: 1.0e-13}}}}
+"""
+
+
+@pytest.mark.parametrize(
+    "value",
+    ["{{polynomial: [0, 0, {half}]}}", "{{acceleration: {{points: [[0, {a}], [1, {a}]]}}}}", "{half}*time**2"],
+    ids=["polynomial", "acceleration", "formula"],
+)
+def test_a_base_with_an_acceleration_is_a_change_of_gravity(value):
+    """Relative to a base with the acceleration a, all moves as on a base at rest with the gravity g - a.
+
+    Steps are exact at a constant acceleration: what remains are the tolerances of the iterations.
+    """
+    a, g = np.array([1.5, -0.7, 2.0]), np.array([0.0, 0.0, -9.81])
+    values = [value.format(a=x, half=x / 2) for x in a.tolist()]
+    moving = RecordedRun(text_deck(MOVING_BASE.format(gravity=g.tolist(), values=values)))
+    at_rest = RecordedRun(text_deck(MOVING_BASE.format(gravity=(g - a).tolist(), values=[0, 0, 0])))
+    along = 0.5 * np.outer(moving.time**2, a)
+    for node in ("weight", "arm"):
+        position, spin = f"nodes/{node}/position", f"nodes/{node}/angular_velocity"
+        np.testing.assert_allclose(moving[position] - along, at_rest[position], rtol=0, atol=1e-10)
+        np.testing.assert_allclose(moving[spin], at_rest[spin], rtol=0, atol=1e-9)
+    assert np.ptp(at_rest["nodes/arm/angular_velocity"], axis=0).max() > 1.0
