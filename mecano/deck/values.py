@@ -103,7 +103,7 @@ def unit(node, field, scope):
     if type(node.value) is not str:
         return scope.refuse_value(node, field)
     try:
-        return written_in_si(node.value)
+        return node.value if node.value == "-" else written_in_si(node.value)  # "-" of a resolved deck
     except UnitError as error:
         return scope.refuse(node, f"{quoted(scope.name_of(field.name))}: {error}")
 
