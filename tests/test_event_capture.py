@@ -1,12 +1,13 @@
 """Events that accumulate are captured at the ends of steps: masses that rattle between cables in a carriage."""
 
+from collections import Counter
+
 import numpy as np
 import pytest
 from surviving import check_same, contents
 from time_runs import RecordedRun, deck
 
 from mecano.analyses.dynamic import begun, resume
-from mecano.errors import ConvergenceError
 from mecano.results.reader import open_results
 
 MASSES, STIFFNESS, AMPLITUDE = 4, 100.0, 0.01  # of 1 g, in a carriage of 1 kg; [N/m], [m]
@@ -68,13 +69,18 @@ def test_steps_of_adaptive_size_are_as_accurate_as_their_tolerance():
     assert np.abs(errors(recorded)).max() < 1e-3 * 0.2  # of the length scale, the distance of the nodes
 
 
-def test_forces_that_jump_create_no_energy():
-    """With much damping no phases fit the ends of steps; then events are located, which may not end."""
-    with pytest.raises(ConvergenceError, match="time does not advance") as stopped:
-        RecordedRun(rattling("step: 2.5 ms", end=0.33, damping=2.0e-4))
-    assert "cable" in str(stopped.value)
-    energy = RecordedRun(rattling("step: 2.5 ms", end=0.33, damping=3.0e-7))["energy/total"]
+@pytest.mark.parametrize("damping", [3.0e-7, 1.0e-5, 2.0e-4])  # zeta = 0.005 to 3
+def test_strongly_damped_lines_leave_their_events_behind(damping):
+    """Where no phases fit the ends of steps, events are located: no line takes its phases in turn at one instant.
+
+    Steps far longer than m/c, which is 5 us of the strongest, overshoot: a line goes slack where its force would grow.
+    """
+    recorded = RecordedRun(rattling("step: 2.5 ms", end=0.33, damping=damping))
+    at_once = Counter((event.t, event.element, event.name) for event in recorded.event_records)
+    assert max(at_once.values()) == 1
+    energy = recorded["energy/total"]
     assert energy.max() < 1.001 * energy[0]
+    assert np.abs(errors(recorded)).max() < AMPLITUDE * (OMEGA * 2.5e-3) ** 2
 
 
 def test_a_resumed_run_has_the_same_bits_and_the_results_name_what_was_captured(tmp_path):

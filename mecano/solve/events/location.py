@@ -1,7 +1,8 @@
 """Location of the first event in a step.
 
 A step has no side effects, so it is repeated with the size with which it ends at the event: where the motion between
-two trial steps, interpolated, crosses zero. Two repetitions do where the event value is smooth.
+two trial steps, interpolated, crosses zero. Two repetitions do where the event value is smooth. An elastic event that
+the motion leaves behind at the beginning of the step is sought later (``look_ahead``).
 """
 
 from typing import NamedTuple
@@ -9,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mecano.solve.events.events import some_happened
+from mecano.solve.time.increments import moved
 from mecano.solve.time.interpolate import interpolate
 
 TIME_TOLERANCE = 1e-10  # of the step in which the event lies
@@ -56,10 +58,14 @@ def locate(monitor, step, s0, g0, trial, h):
     g1 = monitor.values(trial[0])
     if not some_happened(g0, g1):
         return None
+    later, ahead = look_ahead(monitor, s0, g0, h)
+    g0 = np.where(ahead < 0.0, ahead, g0)
     if np.any((g0 > 0) & (g1 > 0)):  # already crossed at the start of the step
         return Located(0.0, None, (g0 > 0) & (g1 > 0))
     crossed = ((g0 < 0) & (g1 >= 0)) | ((g0 == 0) & (g1 > 0))
-    search = Search(monitor, step, crossed, s0, g0, trial, h)
+    behind, largest = np.all((monitor.elastic & (ahead < 0.0))[crossed]), float(g0[crossed].max())
+    early = Point(AT_ONCE * h, largest, (later,)) if behind else Point(0.0, largest, (s0,))
+    search = Search(monitor, step, crossed, early, trial, h)
     if not search.succeeds():
         return Located(search.failed[0].t - s0.t, search.failed, crossed)
     late, hit = search.late, crossed.copy()
@@ -71,16 +77,30 @@ def locate(monitor, step, s0, g0, trial, h):
     return Located(0.0, None, hit) if at_once else Located(late.h, late.trial, hit)
 
 
+def look_ahead(monitor, s, g, h):
+    """Return a state behind the beginning ``s`` of a step of size h, and its event values; ``g``: those at ``s``.
+
+    Rounding decides the sign of an event value where the event has been located. So the values of elastic events are
+    those of the motion that continues with the velocities and accelerations of ``s`` for as long as events happen at
+    the beginning of a step: if they are negative, the motion leaves the event behind. Others keep their values.
+    """
+    elastic = monitor.elastic & np.isfinite(g)
+    if not elastic.any():
+        return s, g
+    later = moved(s, AT_ONCE * h, monitor.system.numbering)
+    return later, np.where(elastic, monitor.values(later), g)
+
+
 class Search:
     """Search for the step size at whose end the largest event value is zero, between the Points early and late.
 
     ``failed`` is a trial in which Newton's iteration failed, which ends the search.
     """
 
-    def __init__(self, monitor, step, crossed, s0, g0, trial, h):
+    def __init__(self, monitor, step, crossed, early, trial, h):
         self.monitor, self.step, self.crossed, self.failed = monitor, step, crossed, None
         self.tolerance, self.at_once = TIME_TOLERANCE * h, AT_ONCE * h
-        self.early, self.late = Point(0.0, float(g0[crossed].max()), (s0,)), self._point(h, trial)
+        self.early, self.late = early, self._point(h, trial)
         self.last = self.early, self.late
 
     def succeeds(self):

@@ -12,7 +12,7 @@ from mecano.solve.diagnostics import failure
 from mecano.solve.events.application import EventApplication
 from mecano.solve.events.capture import EventCapture
 from mecano.solve.events.events import EventMonitor, some_happened
-from mecano.solve.events.location import locate
+from mecano.solve.events.location import locate, look_ahead
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.consistent import consistent_state
 from mecano.solve.time.ordinary_steps import OrdinarySteps
@@ -376,7 +376,7 @@ class TimeIntegrator:
         s, history = self.method.start(s, run.h, consistent)
         new = replace(run, motion=s, history=history, powers=self._observe(s).powers)
         if self.recorder is not None:
-            self.recorder.restarted(new, passing=self._passes(s))  # forces may jump
+            self.recorder.restarted(new, passing=self._passes(s, run.h))  # forces may jump
         return new
 
     def _start_behind_corner(self, run):
@@ -386,10 +386,10 @@ class TimeIntegrator:
         """
         return self._start_again(run, replace(run.motion, t=np.nextafter(run.motion.t, math.inf)))
 
-    def _passes(self, s):
+    def _passes(self, s, h):
         """Return whether the state after an event is left at once, by another event at the same instant."""
-        values = self.monitor.values(s)
-        return len(values) > 0 and bool(np.any(self.shocks.departing(s, values) > 0.0))
+        values = self.shocks.departing(s, self.monitor.values(s))
+        return bool(np.any((values > 0.0) & (look_ahead(self.monitor, s, values, h)[1] >= 0.0)))
 
     def _powers_before(self, run, s, h):
         """Return the powers at the end of a step of size h to an event, before the accelerations jump there."""
