@@ -524,3 +524,9 @@ def test_a_signal_has_its_value_however_much_its_rate_has_grown():
         rates[: len(signal)][signal] = size
     state, _, info = integrator.method.step(run.motion, run.history, 1e-7)
     assert info.ok and abs(state.z[: len(signal)][signal][0] - (1e-7 - 0.4)) < 1e-8
+
+
+def test_the_resolved_form_of_a_controller_is_a_deck():
+    """Its signals without a unit have the unit '-' there."""
+    given = input_deck("nose_wheel_steering")
+    assert deck(given.resolved_text()).resolved() == given.resolved()
