@@ -29,7 +29,7 @@ CASES = {  # deck: end [s] of 100 steps
     "cable_snatch": 0.8,
     "friction_pendulum": 0.3,
     "bushing": 0.3,
-    "moving_load": 0.9,
+    "moving_load": 0.47,  # no step ends where the load passes a node
 }
 
 
