@@ -69,7 +69,8 @@ def locate(monitor, step, s0, g0, trial, h):
     if not search.succeeds():
         return Located(search.failed[0].t - s0.t, search.failed, crossed)
     late, hit = search.late, crossed.copy()
-    if np.any((g0 < 0.0) & (monitor.values(late.state) > 0.0) & ~crossed):  # earlier, not at the end
+    unseen = monitor.elastic & ~crossed  # other values are reactions, which rounding dominates in very short steps
+    if np.any(unseen & (g0 < 0.0) & (monitor.values(late.state) > 0.0)):
         return locate(monitor, step, s0, g0, late.trial, late.h)
     rise = g1[crossed] - np.maximum(g0[crossed], -g1[crossed])
     level = np.where(monitor.within[crossed], 0.0, -TOGETHER * rise)
