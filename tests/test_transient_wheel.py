@@ -119,7 +119,8 @@ def test_the_car_tyre_of_the_examples_relaxes(verify):
         input_deck(
             "magic_formula_sweep", "elements.tire.type=transient_wheel", "joints.steer.value=0.0",
             "initial.velocities=[{nodes: all, velocity: [20, 0, 0]}, {nodes: [hub], angular_velocity: [0, 64.4, 0]}]",
-            "joints.track.value={ramp: {start: 0, end: 0.6, from: 0, to: 0.0420}}", "time.end=0.6", "time.step=2e-4", "time.adaptive=null",
+            "joints.track.value={ramp: {start: 0, end: 0.6, from: 0, to: 0.0420}}", "time.end=0.6",
+            "time.step=2e-4", "time.adaptive=null",
         )
     )  # fmt: skip
     force, way = recorded["elements/tire/lateral_force"].ravel(), 20.0 * recorded.time
