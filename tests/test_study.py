@@ -400,7 +400,7 @@ def test_rounding_errors_are_displayed_as_zero():
 def test_limits_and_signals(folder):
     """A case that would never end is stopped by its time, taken up again, stopped by Ctrl-C, and killed for memory."""
     (folder / "study.yaml").write_text(HEAD + "list: [{time.end: 1.0e5}]\n")
-    code, out, _ = mecano_process("sweep", "study.yaml", "--time-limit", "5")
+    code, out, _ = mecano_process("sweep", "study.yaml", "--time-limit", "3")
     assert code == 3 and "1 cases: 1 stopped\n  1 x exit code 75: stopped by the limit of wall-clock time" in out
     file = folder / "study_runs" / "0001.h5"
     before = file.exists() and file.stat().st_ino
