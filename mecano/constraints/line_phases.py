@@ -21,15 +21,9 @@ EVENTS = (
 
 
 @kernel
-def tautness(strain, strain_rate, damping):
-    """Return the smaller of the elastic and the total strain, which the tension follows."""
-    return min(strain, strain + damping * strain_rate)
-
-
-@kernel
 def put_line_events(g, strain, strain_rate, damping):
-    """Write the values of ``EVENTS`` [the unit of the strain] to g (5,)."""
-    taut = tautness(strain, strain_rate, damping)
+    """Write the values of ``EVENTS`` [the unit of the strain] to g: the tension follows the smaller of two strains."""
+    taut = min(strain, strain + damping * strain_rate)
     g[0] = g[1] = taut
     g[2], g[3] = (-taut, -FAR) if damping == 0.0 else (-FAR, -taut)
     g[4] = -strain

@@ -18,6 +18,7 @@ With damping a tension as large as that of the winder belongs to a smaller strai
 out, which it has at once: this energy is given with the event.
 """
 
+from mecano.constraints import line_phases
 from mecano.constraints.augmented_lagrangian import add_reaction
 from mecano.constraints.elastic_line import (
     LINE_RECORD,
@@ -29,7 +30,7 @@ from mecano.constraints.elastic_line import (
     strained,
 )
 from mecano.constraints.line import add_line_force, line
-from mecano.constraints.line_phases import tautness
+from mecano.constraints.line_phases import put_line_events
 from mecano.constraints.stop_phases import FAR
 from mecano.element_interface import CONTACT, Event, Kind, Part, Row, record
 from mecano.jit.kernel import kernel
@@ -39,12 +40,11 @@ from mecano.maths.dual import chain, number, select, value
 RECORD = record(payout="i", wound=(), start=(), catch="i", **LINE_RECORD)
 STRETCH, SHOCK, HOLD = 0, 1, 2
 CATCHES = ("stretch", "shock", "hold")
-SLACK, TAUT, PAYING, HELD, RELAXING = range(5)
-PHASES = ("slack", "taut", "paying out", "held", "relaxing")
+SLACK, TAUT, RELAXING, PAYING, HELD = range(5)
+PHASES = ("slack", "taut", "relaxing", "paying out", "held")
 FULLY = "is fully uncoiled"
 EVENTS = (
-    Event("goes taut", "slack", "taut", "the length rises to the natural length", elastic=True),
-    Event("goes slack", "taut", "slack", "the tension falls to zero", elastic=True),
+    *line_phases.EVENTS,
     Event("pays out", "taut", "paying out", "the tension rises to that of the winder", elastic=True,
           changes_energy=True),
     Event("stops paying out", "paying out", "taut", "the distance stops growing", elastic=True),
@@ -55,9 +55,6 @@ EVENTS = (
           through="held", elastic=True),
     Event("becomes taut at full length", "slack", "held", "the distance rises to the full length; a shock", CONTACT),
     Event("goes slack", "held", "slack", "the tension falls to zero"),
-    Event("goes slack", "taut", "relaxing", "the same, with damping, above the natural length", elastic=True),
-    Event("goes taut", "relaxing", "taut", "the damped tension rises from zero again", elastic=True),
-    Event("is relaxed", "relaxing", "slack", "the length falls to the natural length", elastic=True),
 )  # fmt: skip
 # [m] natural length; distance minus full length at the last step in which it was not held, and when last held
 MEMORY = ("paid_out", "excess", "held")
@@ -147,7 +144,7 @@ def observe(p, at, F, y, e):
         e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
     put_line(p, y, length, L, strain, strain_rate, N)
     put_no_push(y)
-    y[6] = 2.0 if at.phase == PAYING else 0.0 if at.phase in (SLACK, RELAXING) else 1.0
+    y[6] = 2.0 if at.phase == PAYING else 1.0 if at.phase in (TAUT, HELD) else 0.0
 
 
 @kernel
@@ -157,23 +154,17 @@ def event_values(p, at, g):
     length, rate, _ = line(at.q, at.v)
     L, L_rate, full = _paid_out(p, at.m, at.laws, at.t)
     strain, strain_rate = strained(length, rate, L, L_rate)
-    taut = tautness(strain, strain_rate, p.damping)
-    if at.phase == SLACK:
-        if full and p.catch != STRETCH:
-            g[7 if p.catch == SHOCK else 8] = length - L - at.m[2]
-        else:
-            g[0] = taut
-    elif at.phase == TAUT:
-        g[10 if p.damping > 0.0 else 1] = -taut
-        if not full:
-            g[2] = strain + p.damping * strain_rate - MORE * _tension(p, at.laws, 0.0)[1]
+    if at.phase <= RELAXING:
+        put_line_events(g, strain, strain_rate, p.damping)
+    if at.phase == SLACK and full and p.catch != STRETCH:
+        g[0], g[10 if p.catch == SHOCK else 11] = -FAR, length - L - at.m[2]
+    elif at.phase == TAUT and not full:
+        g[5] = strain + p.damping * strain_rate - MORE * _tension(p, at.laws, 0.0)[1]
     elif at.phase == PAYING:
-        g[3] = -rate
-        g[4 + p.catch] = length / (1.0 + _tension(p, at.laws, 0.0)[1]) - _full(p, at.laws, at.t)[0]
-    elif at.phase == RELAXING:
-        g[11], g[12] = taut, -strain
-    else:
-        g[9] = -at.q[MULTIPLIER]
+        g[6] = -rate
+        g[7 + p.catch] = length / (1.0 + _tension(p, at.laws, 0.0)[1]) - _full(p, at.laws, at.t)[0]
+    elif at.phase == HELD:
+        g[12] = -at.q[MULTIPLIER]
 
 
 @kernel
