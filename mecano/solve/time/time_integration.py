@@ -389,7 +389,8 @@ class TimeIntegrator:
     def _passes(self, s, h):
         """Return whether the state after an event is left at once, by another event at the same instant."""
         values = self.shocks.departing(s, self.monitor.values(s))
-        return bool(np.any((values > 0.0) & (look_ahead(self.monitor, s, values, h)[1] >= 0.0)))
+        due = values > 0.0
+        return bool(due.any()) and bool(np.any(due & (look_ahead(self.monitor, s, values, h)[1] >= 0.0)))
 
     def _powers_before(self, run, s, h):
         """Return the powers at the end of a step of size h to an event, before the accelerations jump there."""
