@@ -89,7 +89,7 @@ class EventApplication:
         once = {(event.element, event.name): event for event in event_records}  # of parts only once
         self.repeats.update(once.keys())
         often = [event for key, event in once.items() if self.repeats[key] > MOST_AT_ONCE]
-        if often and not self.capture.begun(hit, run):
+        if often and not self.capture.begin(hit, run):
             raise failure.standstill(often[0], MOST_AT_ONCE + 1, t)
         if often:
             self.repeats.clear()

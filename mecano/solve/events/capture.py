@@ -38,9 +38,9 @@ class EventCapture:
         between = max(run.steps - self.counted - 1, 0)
         self.excess, self.counted = max(self.excess - between, 0) + 1, run.steps
         if self.excess > self.most:
-            self.begun(hit, run)
+            self.begin(hit, run)
 
-    def begun(self, hit, run):
+    def begin(self, hit, run):
         """Begin to capture events at the end of ``run``; return whether events that ``hit`` were located until now."""
         begins = not self.monitor.captures and bool(np.any(hit & self.monitor.elastic))
         if begins:
