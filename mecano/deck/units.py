@@ -76,13 +76,17 @@ def converted(text, declared):
 
 def alike(first, second):
     """Return True if two quantities (texts) are of one kind, such as 1 m and 2 mm."""
-    powers = [parsed(QUANTITY.fullmatch(text)[2])[1][:3] for text in (first, second)]  # radians are numbers
-    return powers[0] == powers[1]
+    return _powers(first) == _powers(second)
+
+
+def _powers(text):
+    """Return the powers of length, mass and time of a quantity; radians are numbers."""
+    return parsed(QUANTITY.fullmatch(text)[2])[1][:3]
 
 
 def go_together(coefficients):
     """Return True if quantities {power: text} can be the coefficients of one polynomial."""
-    powers = {n: parsed(QUANTITY.fullmatch(text)[2])[1][:3] for n, text in coefficients.items()}  # radians are numbers
+    powers = {n: _powers(text) for n, text in coefficients.items()}
     for argument in (NONE, LENGTH, TIME, FORCE, (1, 0, -1, 0), PER_TIME):
         values = {tuple(a + n * b for a, b in zip(own, argument, strict=False)) for n, own in powers.items()}
         if len(values) <= 1:
