@@ -114,3 +114,17 @@ def _endings(path):
 def _split(dotted, parts):
     pieces = dotted.rsplit(".", parts)
     return pieces[0], ".".join(pieces[1:])
+
+
+class Extremes(dict):
+    """Extremes of numbers by path with component; ``[name]`` takes any ending of a path, as ``Results`` does."""
+
+    def __init__(self, extremes, lookup):
+        super().__init__(extremes)
+        self._lookup = lookup
+
+    def __missing__(self, name):
+        series, component = self._lookup.find(name)
+        if series.shape and component is None:
+            raise UnknownNameError(f"'{name}' has several components: write {' or '.join(series.scalars)}")
+        return self[series.scalars[component or 0]]

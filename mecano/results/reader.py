@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from mecano.element_interface import SECTIONS
-from mecano.errors import ResultsError, UnknownNameError
+from mecano.errors import ResultsError
 from mecano.model.mesh import piece_names
 from mecano.model.model import title_of
 from mecano.results.checkpoints import latest
 from mecano.results.layout import EVENT_NUMBERS, EVENT_TEXTS, EXTREMES, FORMAT, FORMAT_VERSION, Layout
-from mecano.results.lookup import ByName, Lookup
+from mecano.results.lookup import ByName, Extremes, Lookup
 from mecano.results.opened_file import OpenedFile
 from mecano.results.provenance import began, lives, read_displays
 from mecano.results.reason import parted
@@ -80,20 +80,6 @@ class Extreme:
     minimum: float
     minimum_time: float
     unit: str
-
-
-class Extremes(dict):
-    """Extremes of numbers by path with component; ``[name]`` takes any ending of a path, as ``Results`` does."""
-
-    def __init__(self, extremes, lookup):
-        super().__init__(extremes)
-        self._lookup = lookup
-
-    def __missing__(self, name):
-        series, component = self._lookup.find(name)
-        if series.shape and component is None:
-            raise UnknownNameError(f"'{name}' has several components: write {' or '.join(series.scalars)}")
-        return self[series.scalars[component or 0]]
 
 
 def open_results(path):
