@@ -121,19 +121,9 @@ def check_purity(kind):
                 assert array.tobytes() == old.tobytes()
 
 
-FREE = {
-    "air",
-    "open",
-    "released",
-    "inactive",
-    "overlapping",
-    "free",
-    "between",
-    "slack",
-    "taut",
-    "relaxing",
-    "paying out",
-}  # phases in which constraints do not hold
+FREE = {  # phases in which constraints do not hold
+    "air", "open", "released", "inactive", "overlapping", "free", "between", "slack", "taut", "relaxing", "paying out",
+}  # fmt: skip
 
 
 def lets_go(instance):
