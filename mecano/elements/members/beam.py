@@ -38,6 +38,7 @@ from mecano.elements.members.beam_elastic import (
 from mecano.elements.members.beam_flexibility import elastic_constants, hat
 from mecano.elements.members.beam_inertia import add_inertia, energies, inertia_record
 from mecano.elements.members.beam_line import check_line, screw, stations
+from mecano.elements.members.beam_section_forces import largest_stresses, local_strains, middle_rotation, section_forces
 from mecano.elements.members.cross_section import MOST_POINTS, constants
 from mecano.elements.members.heated_beam import (
     CURVES,
@@ -53,8 +54,7 @@ from mecano.elements.members.heated_beam import (
     thermal_values,
 )
 from mecano.jit.kernel import kernel
-from mecano.maths.so3 import exp, tangent
-from mecano.maths.vector import EYE, Vec3, cross, cross_columns, dot, mat, put, skew, vec
+from mecano.maths.vector import dot, mat, put, vec
 from mecano.schema import DIRECTION, INTEGER, NODE_PAIR, NUMBER, POINT, SECTION, Field
 
 MOST_RECORDS = 1000  # of a section that are kept
@@ -88,91 +88,6 @@ def _at_ends(p, s, g, e_u, e_phi):
 
 
 @kernel
-def _local_strains(p, N, M):
-    """Return the strains and curvatures of a section force and moment."""
-    F_up = mat(p.F_up)
-    return mat(p.F_uu) @ N + F_up @ M, F_up.T @ N + mat(p.F_pp) @ M
-
-
-@kernel
-def _middle(p, s, ends, length):
-    """Return the rotation from the axes of the middle section to those of the first one.
-
-    Along the line of shear centres, with the curvature k in section axes, the wrench changes by N' = N x k, M' = M x k
-    + N x e_1, and the strain of curvature by kappa'. In such an S shape the middle section turns against that of the
-    helix by -kappa' L^2/8. N and M are those in its own axes: with X = T L^2/(8 EI), for a tension T, the turn follows
-    from (X + X^2/6) instead of X, the first terms of cosh(sqrt(2 X)) - 1 in the solution of M'' = T M/EI.
-    """
-    axes, half, c, F_pp = mat(p.axes), exp(0.5 * s.phi), skew(_shear_center(p)), mat(p.F_pp)
-    force, moment = _carried(s, half, *ends)
-    N, k = axes.T @ force, skew(axes.T @ s.phi)
-    M = axes.T @ moment - c @ N
-    by_force = mat(p.F_up).T @ k + F_pp @ (skew(Vec3(length, 0.0, 0.0)) + c @ k)
-    by_moment, eighth = F_pp @ k, 0.125 * length
-    X = -eighth * (cross_columns(by_force, N) + cross_columns(by_moment, M))
-    more = EYE + (1.0 / 6.0) * X
-    turn = _solution(EYE + X @ more, more @ (eighth * (by_force @ N + by_moment @ M)))
-    return half @ exp(axes @ turn)
-
-
-@kernel
-def _solution(A, b):
-    """Return x with A x = b, by Cramer's rule."""
-    u, v, w = A.T[0], A.T[1], A.T[2]
-    v_w = cross(v, w)
-    return (1.0 / dot(u, v_w)) * Vec3(dot(b, v_w), dot(b, cross(w, u)), dot(b, cross(u, v)))
-
-
-@kernel
-def _shear_center(p):
-    """Return the shear centre from the node, in section axes."""
-    return mat(p.axes).T @ Vec3(p.shift[1, 2], p.shift[2, 0], p.shift[0, 1])
-
-
-@kernel
-def _carried(s, middle, force, first):
-    """Return force and moment in the middle of the helix, in the axes ``middle``; the arguments as of _at_ends."""
-    first_force = exp(s.phi) @ force
-    return middle.T @ first_force, middle.T @ (first - cross(_ahead(s), first_force))
-
-
-@kernel
-def _ahead(s):
-    """Return the vector from the first end to the middle of the helix, in the axes of the first end."""
-    return 0.5 * (tangent(0.5 * s.phi).T @ (s.H @ s.y))
-
-
-@kernel
-def _section_forces(p, s, middle, force, first, second):
-    """Return force and moment in the middle, force and moment at both ends, in the section axes of each place.
-
-    The middle section is turned about its shear centre, at c from the nodes.
-    """
-    axes = mat(p.axes)
-    c = axes @ _shear_center(p)
-    ahead = _ahead(s) + exp(0.5 * s.phi) @ c - middle @ c
-    first_force = exp(s.phi) @ force
-    moment = first - cross(ahead, first_force)
-    middle_force, middle_moment = middle.T @ first_force, middle.T @ moment
-    return (
-        axes.T @ middle_force, axes.T @ middle_moment, axes.T @ first_force, axes.T @ force,
-        axes.T @ first, axes.T @ second,
-    )  # fmt: skip
-
-
-@kernel
-def _stress(p, N, M):
-    """Return the largest normal stress of the fibres, shear stress of torsion, equivalent stress [Pa]."""
-    strain, curvature = _local_strains(p, N, M)
-    largest = abs(strain[0]) + p.radius * math.sqrt(curvature[1] ** 2 + curvature[2] ** 2)
-    for i in range(p.points.shape[0]):
-        fibre = strain[0] + curvature[1] * p.points[i, 1] - curvature[2] * p.points[i, 0]
-        largest = max(largest, abs(fibre))
-    normal, shear = p.E * largest, p.G * p.torsion_radius * abs(curvature[0])
-    return normal, shear, math.sqrt(normal * normal + 3.0 * shear * shear)
-
-
-@kernel
 def observe(p, at, F, y, e):
     """Write section forces, strains, stress, energies."""
     observe_from(p, at, vec(p.u0, 0), vec(p.phi0, 0), y, e)
@@ -190,16 +105,16 @@ def observe_from(p, at, u0, phi0, y, e):
     elastic = 0.5 * (dot(e_u, p_u) + dot(e_phi, p_phi))
     dissipated = p.damping * (dot(u_rate, rate_u) + dot(phi_rate, rate_phi))
     N, first, second = _at_ends(p, s, line.g, e_u, e_phi)
-    middle = _middle(p, s, (N, first), line.length)
-    N, M, N_1, N_2, M_1, M_2 = _section_forces(p, s, middle, N, first, second)
-    strain, curvature = _local_strains(p, N, M)
-    normal, shear, equivalent = _stress(p, N, M)
+    middle = middle_rotation(p, s, (N, first), line.length)
+    N, M, N_1, N_2, M_1, M_2 = section_forces(p, s, middle, N, first, second)
+    strain, curvature = local_strains(p, N, M)
+    normal, shear, equivalent = largest_stresses(p, N, M)
     for N_end, M_end in ((N_1, M_1), (N_2, M_2)):
-        n_end, s_end, e_end = _stress(p, N_end, M_end)
+        n_end, s_end, e_end = largest_stresses(p, N_end, M_end)
         normal, shear, equivalent = max(normal, n_end), max(shear, s_end), max(equivalent, e_end)
     total_u, total_phi = e_u + p.damping * u_rate, e_phi + p.damping * phi_rate
     N, first, second = _at_ends(p, s, line.g, total_u, total_phi)
-    N, M, N_1, N_2, M_1, M_2 = _section_forces(p, s, middle, N, first, second)
+    N, M, N_1, N_2, M_1, M_2 = section_forces(p, s, middle, N, first, second)
     for i, value in ((0, N), (3, M), (6, M_1), (9, M_2), (12, strain), (15, curvature)):
         put(y, i, value)
     kinetic, weight = energies(p, at.q, at.v, mat(at.R[0]), mat(at.R[1]))
