@@ -9,14 +9,12 @@ With the length :math:`\ell`, the natural length :math:`L(t)`, the axial stiffne
 A cable is taut as long as both :math:`\varepsilon` and :math:`\varepsilon + \tau \dot\varepsilon` are positive: it
 never pushes, even with damping. The changes from slack to taut and back are events. If elastic energy remains when it
 goes slack with :math:`\varepsilon > 0`, it is dissipated while the cable is relaxing: while it shortens to its natural
-length, where an event says that it is relaxed. A ``release``
-cuts the cable: it carries no force from then on, its elastic energy is lost at that instant, and its mass stays;
-``release: {when: rope.tension > 5000}`` breaks it. With ``activate`` it carries no force before, and the energy that it
-has then is given.
+length, where an event says that it is relaxed. A ``release`` cuts the cable: it carries no force from then on, its
+elastic energy is lost at that instant, and its mass stays; ``release: {when: rope.tension > 5000}`` breaks it. With
+``activate`` it carries no force before, and the energy that it has then is given.
 
 A varying natural length, a law of time or a formula of signals, does work, which is supplied by the surroundings (a
-winder). With
-:math:`N_d = N - EA\varepsilon` (:math:`-EA\varepsilon` while it is relaxing) the powers are
+winder). With :math:`N_d = N - EA\varepsilon` (:math:`-EA\varepsilon` while it is relaxing) the powers are
 
 .. math::  P_{dissipated} = N_d L \dot\varepsilon, \qquad
    P_{given} = -[EA\,\varepsilon\,(1 + \varepsilon/2) + N_d\,(1 + \varepsilon)]\, \dot L
