@@ -46,7 +46,8 @@ from these are ``hidden``. The energies of an element are those of its own ``obs
 outputs are written next to its own.
 
 ``event_values(p, at, g)`` writes one number per event; an event that is monitored in the current phase occurs when its
-number rises through zero. For a kind without ``force``, ``q`` is that of ``observe``.
+number rises through zero. For a kind without ``force``, ``q`` is that of ``observe``. The number of an event by command
+(``Event.command``) is the value of an input, which the loops write.
 
 An event may involve a *shock* (``Event.shock``): constraints of the element, or of the parts that share its phase,
 become active, and momentum is exchanged at fixed positions (docs/shocks.md). The number of such an event is -Phi, or
@@ -143,6 +144,11 @@ class Event:
     elastic: bool = False
     """True if no constraint holds before or after, so that the event may be captured (solve/events/capture.py): the
     phase at the end of a step follows from the motion there, without the shock that the event may have"""
+    command: str = ""
+    """input whose value is its number"""
+    beyond: int = -1
+    """index of an event: by command, this one replaces the first of the same command if that event would follow at
+    once, its number being positive"""
 
 
 @dataclass(frozen=True)
@@ -338,6 +344,10 @@ class Mechanics:
         last = len(self.scalars) if self.senses else 0
         return self.n_local - len(self.multipliers) - len(self.coupled_multipliers) - last
 
+    def place_of(self, name):
+        """Return the index of an input among the local unknowns."""
+        return 3 * len(self.layout) + len(self.scalars) + self.inputs.index(name)
+
     @property
     def n_local(self):
         """Number of local unknowns, including inputs and coupled multipliers."""
@@ -356,6 +366,8 @@ class Events:
     """record -> index of the initial phase, where the deck specifies it; by default the first of ``phases``"""
     memory: tuple = ()  # names of the values kept from step to step
     commit: Callable | None = None
+    kept: dict = field(default_factory=dict, compare=False)
+    """{phase: indices of values of the memory that ``commit`` does not change in it}"""
     times: Callable = nothing
     """(deck values, start, end) -> [time]: times between start and end of a run at which a step must end"""
 

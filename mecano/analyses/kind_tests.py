@@ -210,7 +210,7 @@ def check_power(kind):
 def leaves_at_once(instance, motion):
     """Return whether an event of an instance leads out of its phase at this motion."""
     events = instance.kind.events
-    if not events:
+    if instance.kind.event_values is None:
         return False
     values = instance.written("event_values", len(events), motion.t, instance.local(motion))
     phase = instance.kind.phases[instance.phase]
@@ -319,7 +319,7 @@ def check_declarations(kind):
     assert bool(kind.multipliers) == ((kind.constraint_derivatives or kind.constraints) is not None)
     assert bool(kind.outputs) <= (kind.observe is not None)
     assert bool(kind.memory) == (kind.commit is not None)
-    assert bool(kind.events) == (kind.event_values is not None)
+    assert any(not event.command for event in kind.events) == (kind.event_values is not None)
     assert kind.acts or kind.observe is not None or kind.optional  # or all is in its parts
     for event in kind.events:
         assert event.before in kind.phases and event.after in kind.phases

@@ -15,7 +15,7 @@ from mecano.jit.kernel import kernel
 from mecano.schema import BOOLEAN, Field, mapping
 
 INACTIVE = "inactive"
-NEVER = -1.0  # number of an event that does not occur
+COMMAND = "activate"
 SHIFT = "shift"  # beginning of the names of the memory of a set point
 STRESS_FREE = Field("stress_free", BOOLEAN, "-", "its set point is shifted so that it is without force then", False)
 
@@ -72,64 +72,30 @@ def with_activation(kind, what, forces, stress_free=None, free=STRESS_FREE):
 
 
 def activated(kind, what, forces):
-    """Return the ``kind`` with the phase "inactive", its last, in which it begins; see ``with_activation``."""
+    """Return the ``kind`` with the phase "inactive", its last, in which it begins; see ``with_activation``.
+
+    The activation leads to the first of its phases that is not left at once: of a spring beyond a stop, of a contact
+    that overlaps already, it is that after the first of its events whose number is positive.
+    """
     inactive, phases = len(kind.phases), kind.phases if kind.events else (ATTACHED_PHASE,)
     engaged = "between" if "between" in phases else phases[0]
     leaving = tuple(k for k, event in enumerate(kind.events) if event.before == engaged)
     begins = tuple(
-        Event("activates", INACTIVE, after, f"the {what} begins to act", changes_energy=True)
-        for after in (engaged, *(kind.events[k].after for k in leaving))
+        Event("activates", INACTIVE, after, f"the {what} begins to act", changes_energy=True, command=COMMAND, beyond=k)
+        for after, k in ((engaged, -1), *((kind.events[k].after, k) for k in leaving))
     )
     return replace(
         kind, name=f"{kind.name}_activate", phases=(*phases, INACTIVE), events=(*kind.events, *begins),
-        event_values=_event_values(kind, leaving), at_start=lambda p: inactive, inputs=(*kind.inputs, "activate"),
-        reads=lambda d: [*kind.read(d), trigger_of(d["activate"])], commit=keeping(kind, inactive), variant=None,
+        at_start=lambda p: inactive, inputs=(*kind.inputs, COMMAND), variant=None,
+        reads=lambda d: [*kind.read(d), trigger_of(d[COMMAND])], kept=kept_shifts(kind.memory, phases),
         idle=kind.idle if forces is None else {**kind.idle, INACTIVE: forces},
     )  # fmt: skip
 
 
-def _event_values(kind, leaving):
-    """Return ``event_values`` of an activated kind: its own, and those of the activation.
-
-    The activation leads to the first of its phases that is not left at once: of a spring beyond a stop, of a contact
-    that overlaps already, it is that after the first of the events ``leaving`` (indices) whose number is positive.
-    """
-    trigger, n, put = kind.n_local, len(kind.events), kind.event_values
-
-    @kernel
-    def of_one_phase(p, at, g):
-        g[0] = at.q[trigger]
-
-    @kernel
-    def event_values(p, at, g):
-        """Write the own values, and the trigger to the activation whose phase is not left at once."""
-        put(p, at, g)
-        due, i = at.q[trigger], n
-        g[n] = due
-        for k in leaving:
-            i += 1
-            g[i] = NEVER
-            if g[k] > 0.0 and g[n] == due:
-                g[n], g[i] = NEVER, due
-
-    return event_values if leaving else of_one_phase
-
-
-def keeping(kind, inactive):
-    """Return ``commit`` of a kind, which no longer changes the shift of its set points once it is active."""
-    put, n = kind.commit, len(kind.memory)
-    first = n - sum(name.startswith(SHIFT) for name in kind.memory)
-    if first == n:
-        return put
-
-    @kernel
-    def commit(p, at, m_out):
-        put(p, at, m_out)
-        if at.phase != inactive:
-            for i in range(first, n):
-                m_out[i] = at.m[i]
-
-    return commit
+def kept_shifts(memory, phases):
+    """Return {phase: indices} of a ``memory`` that does not change: the shifts of set points do while inactive only."""
+    shifts = tuple(i for i, name in enumerate(memory) if name.startswith(SHIFT))
+    return {phase: shifts for phase in phases if phase != INACTIVE}
 
 
 def _with_samples(found, stress_free):

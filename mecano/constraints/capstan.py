@@ -28,7 +28,7 @@ equilibrium nothing slides, and there is no friction.
 from dataclasses import replace
 from functools import cache
 
-from mecano.constraints.activation import keeping
+from mecano.constraints.activation import kept_shifts
 from mecano.constraints.body_fixed import follow
 from mecano.constraints.line_phases import PHASES, TAUT
 from mecano.constraints.reeved_path import (
@@ -199,7 +199,7 @@ def capstan(n, by_signal=False, phases=PHASES, stress_free=False):
         inputs=("payout",) if by_signal else (),
         **_functions(strain_of),
     )
-    return replace(found, commit=keeping(found, len(phases) - 1))
+    return replace(found, kept=kept_shifts(found.memory, phases))
 
 
 CAPSTAN = capstan(1)

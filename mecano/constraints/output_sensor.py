@@ -47,7 +47,7 @@ def _sensor(kind, n_multipliers):
     return Kind(
         name=f"sensor_of_{kind.name}", doc=f"Sensor of an output of {kind.name}.", dtype=_with_index(kind.dtype),
         layout=kind.layout, inputs=(*kind.scalars, *kind.inputs), phases=kind.phases, memory=kind.memory,
-        commit=kind.commit, residual=residual, senses=kind, **SIGNAL,
+        commit=kind.commit, kept=kind.kept, residual=residual, senses=kind, **SIGNAL,
         coupled_multipliers=tuple(Row(f"multiplier {i + 1}", "-", "-") for i in range(n_multipliers)),
     )  # fmt: skip
 

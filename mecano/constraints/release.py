@@ -10,18 +10,13 @@ from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.trigger import TRIGGER, check_trigger, trigger_of
 from mecano.constraints.of_coordinates import RELEASED
 from mecano.element_interface import RELEASES, Event
-from mecano.jit.kernel import kernel
 from mecano.schema import Field
 
 INPUT = 12  # local index of the trigger, after the positions and rotations of two nodes
 FIRST_ROW = INPUT + 1
-EVENT = Event(RELEASES, "held", "free", "the joint is released")
+COMMAND = "release"
+EVENT = Event(RELEASES, "held", "free", "the joint is released", command=COMMAND)
 RELEASE = Field("release", TRIGGER, "-", "release of the joint: {time: ...} or {when: ...}", None)
-
-
-@kernel
-def _no_events(p, at, g):
-    pass
 
 
 def elastic_release(what):
@@ -34,12 +29,6 @@ ATTACHED_PHASE, RELEASED_PHASE = "attached", "released"
 SAMPLE = {"release": {"time": 0.3, "when": None}}
 
 
-@kernel
-def event_values(p, at, g):
-    """Write the trigger."""
-    g[0] = at.q[INPUT]
-
-
 def releasable(kind, parts):
     """Return the ``kind`` of a joint, all of whose axes are held by ``parts``, with a release; see FIRST_ROW."""
 
@@ -47,8 +36,8 @@ def releasable(kind, parts):
         return [replace(part, kind=RELEASED[part.kind]) for part in parts(d, nodes, context)]
 
     return replace(
-        kind, name=f"{kind.name}_release", phases=RELEASE_PHASES, events=(EVENT,), event_values=event_values,
-        inputs=("release",), reads=lambda d: [trigger_of(d["release"])], parts=held, variant=None,
+        kind, name=f"{kind.name}_release", phases=RELEASE_PHASES, events=(EVENT,), inputs=(COMMAND,), parts=held,
+        reads=lambda d: [trigger_of(d[COMMAND])], variant=None,
     )  # fmt: skip
 
 
@@ -57,22 +46,14 @@ def cut(kind, what):
 
     In this additional phase its forces must vanish, and its ``observe`` must give neither force nor elastic energy.
     """
-    trigger, n_events, n_phases, put = kind.n_local, len(kind.events), len(kind.phases), kind.event_values or _no_events
-
-    @kernel
-    def event_values(p, at, g):
-        put(p, at, g)
-        for i in range(n_phases):
-            g[n_events + i] = at.q[trigger]
-
     phases = kind.phases if kind.events else (ATTACHED_PHASE,)
     releases = tuple(
-        Event(RELEASES, phase, RELEASED_PHASE, f"the {what} is released", changes_energy=True) for phase in phases
+        Event(RELEASES, phase, RELEASED_PHASE, f"the {what} is released", changes_energy=True, command=COMMAND)
+        for phase in phases
     )
     return replace(
         kind, name=f"{kind.name}_release", phases=(*phases, RELEASED_PHASE), events=(*kind.events, *releases),
-        event_values=event_values, inputs=(*kind.inputs, "release"), variant=None,
-        reads=lambda d: [*kind.read(d), trigger_of(d["release"])],
+        inputs=(*kind.inputs, COMMAND), variant=None, reads=lambda d: [*kind.read(d), trigger_of(d[COMMAND])],
     )  # fmt: skip
 
 

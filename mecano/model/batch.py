@@ -54,6 +54,12 @@ class Batch:
         for phase, outputs in kind.idle.items():
             self.idle[kind.phases.index(phase), [0, *(1 + i for i in outputs)]] = 1
         self.before = np.array([kind.phases.index(event.before) for event in kind.events], np.int64)
+        self.commands = np.array(  # (n_events, 2): local unknown of its command, event behind which it begins; or -1
+            [(kind.place_of(event.command) if event.command else -1, event.beyond) for event in kind.events], np.int64
+        ).reshape(-1, 2)
+        self.kept = np.zeros((len(kind.phases), len(kind.memory)), np.int64)  # flags
+        for phase, values in kind.kept.items():
+            self.kept[kind.phases.index(phase), list(values)] = 1
 
     @property
     def phases(self):

@@ -14,6 +14,7 @@ from mecano.maths.dual import DUAL, Dual
 from mecano.maths.vector import Vec3, mat, skew, vec
 
 SIZE = DUAL.itemsize
+NEVER = -1.0  # number of an event that does not occur
 
 
 @kernel
@@ -284,6 +285,22 @@ def event_values_of(b, s, e):
 
 
 @kernel
+def put_commands(b, s, e):
+    """Write the numbers of the events by command: the value of the input, or NEVER of those that do not replace one."""
+    commands, q, g_out, first = integers(b.commands, (b.n_events, 2)), work(b)[0], event_values_of(b, s, e), 0
+    for i in range(b.n_events):
+        command, beyond = commands[i, 0], commands[i, 1]
+        if command >= 0:
+            g_out[i] = q[command]
+            if beyond < 0:
+                first = i
+            elif g_out[beyond] > 0.0 and g_out[first] == q[command]:
+                g_out[first] = NEVER
+            else:
+                g_out[i] = NEVER
+
+
+@kernel
 def clear_other_events(b, s, e):
     """Set the values of events that are not monitored in the phase of an element to -inf."""
     phase, before, g_out = phase_of(b, s, e), integers(b.before, b.n_events), event_values_of(b, s, e)
@@ -296,6 +313,16 @@ def clear_other_events(b, s, e):
 def new_memory_of(b, s, e):
     """Return the array (n_memory,) to which an element writes its memory."""
     return floats(s.memory_out + 8 * b.first_memory, (b.n, b.n_memory))[e]
+
+
+@kernel
+def keep_memory(b, s, e):
+    """Undo what an element wrote to the values of its memory that are kept in its phase."""
+    kept, old, m_out = integers(b.kept, (b.n_phases, b.n_memory)), memory_of(b, s, e), new_memory_of(b, s, e)
+    phase = phase_of(b, s, e)
+    for i in range(b.n_memory):
+        if kept[phase, i]:
+            m_out[i] = old[i]
 
 
 @kernel

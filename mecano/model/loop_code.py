@@ -3,6 +3,7 @@
 import types
 from functools import cache
 
+from mecano.element_interface import UNUSED, record
 from mecano.jit.closure import digest
 from mecano.jit.store import Code, address
 from mecano.model.loops import (
@@ -11,6 +12,7 @@ from mecano.model.loops import (
     dual_constraint_derivatives,
     dual_tangent,
     event_values,
+    no_event_values,
     no_inertia,
     observe,
     plain_residual,
@@ -18,6 +20,7 @@ from mecano.model.loops import (
     tangent,
 )  # fmt: skip
 
+NO_PARAMETERS = record(**{UNUSED: ()})
 # The function of a kind that each loop calls.
 PURPOSES = {
     tangent: "force", residual: "force", dual_tangent: "residual", plain_residual: "residual",
@@ -39,6 +42,8 @@ def code_of(kind, template):
     if kind.constraints is not None and template is constraint_derivatives:
         template = dual_constraint_derivatives
     function = getattr(kind, PURPOSES[template])
+    if template is event_values and function is None and kind.events:
+        return _code(template, no_event_values, None, NO_PARAMETERS, False)
     inertia = kind.inertia if template is dual_tangent else None
     return None if function is None else _code(template, function, inertia, kind.dtype, kind.of_rates)
 

@@ -15,7 +15,7 @@ def fields(floats="", words=""):
 BATCH = fields(
     words="n n_local n_rotations n_multipliers first_reaction n_reactions n_output_dofs n_forces n_outputs n_phases "
     "n_events n_memory p dofs rots slots columns entries multipliers output_dofs output_slots "
-    "q v a R f K C M seeded F g idle before first_phase first_memory first_output first_event"
+    "q v a R f K C M seeded F g idle before commands kept first_phase first_memory first_output first_event"
 )
 # Addresses of the arrays of the system, of the state on which the loops work, and of the values that they write.
 SYSTEM = fields(

@@ -29,11 +29,13 @@ from mecano.model.gather_scatter import (
     given,
     idle_phases,
     is_idle,
+    keep_memory,
     masses,
     moving_place,
     new_memory_of,
     observation,
     place,
+    put_commands,
     put_derivatives,
     put_dual_derivatives,
     seed,
@@ -45,6 +47,11 @@ from mecano.model.loop_records import batch_at, system_at
 @kernel
 def no_inertia(p, at, m):
     """Write no masses."""
+
+
+@kernel
+def no_event_values(p, at, g):
+    """Write no numbers: all events are by command."""
 
 
 def tangent(batch, system):
@@ -202,6 +209,7 @@ def event_values(batch, system):
     for e in range(b.n):
         gather_observed(b, s, e)
         function(p[e], place(b, s, e), event_values_of(b, s, e))  # noqa: F821
+        put_commands(b, s, e)
         clear_other_events(b, s, e)
 
 
@@ -212,3 +220,4 @@ def commit(batch, system):
     for e in range(b.n):
         gather_observed(b, s, e)
         function(p[e], place(b, s, e), new_memory_of(b, s, e))  # noqa: F821
+        keep_memory(b, s, e)
