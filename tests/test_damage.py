@@ -18,7 +18,7 @@ from mecano.errors import ResultsError
 from mecano.post.info import info
 from mecano.results import checked, global_heap, layout
 
-TRIALS = 30
+TRIALS = 15
 
 
 @pytest.fixture(scope="module")

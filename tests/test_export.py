@@ -6,9 +6,10 @@ import every_kind
 import h5py
 import numpy as np
 import pytest
-from process import mecano_process, settings
-from time_runs import INPUTS
+from process import mecano_process
+from time_runs import input_deck
 
+from mecano.analyses.dynamic import run
 from mecano.elements import KINDS
 from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.post import grid
@@ -36,8 +37,7 @@ def own(tmp_path):
 def wheel(tmp_path_factory):
     """A wheel that flies before it touches down."""
     file = tmp_path_factory.mktemp("rolling") / "wheel.h5"
-    overrides = settings("time.end=0.02", "output.every=1e-3", "time.adaptive=null", "time.step=1e-3")
-    assert mecano_process("run", INPUTS / "wheel_drop.yaml", "-q", "-o", file, *overrides)[0] == 0
+    run(input_deck("wheel_drop", "time.end=0.02", "output.every=1e-3", "time.adaptive=null", "time.step=1e-3"), file)
     return file
 
 
@@ -246,7 +246,7 @@ def test_the_command(own, tmp_path):
 def test_released_joints_are_hidden(tmp_path):
     """The clamp of the deck is released at 0.3 s."""
     path = tmp_path / "r.h5"
-    assert mecano_process("run", INPUTS / "release.yaml", "-q", "-o", path, *settings("time.end=0.36"))[0] == 0
+    run(input_deck("release", "time.end=0.36"), path)
     export(path, vtk=True)
     with h5py.File(path) as file:
         group, times = file["VTKHDF"], file["time"][:]

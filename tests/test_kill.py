@@ -99,7 +99,7 @@ def check_killed(path, said, run):
     return 0 < said[0] <= count < len(run.times)
 
 
-@pytest.mark.parametrize("kills", [12, pytest.param(30, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kills", [6, pytest.param(30, marks=pytest.mark.slow)])
 def test_acknowledged_steps_survive_a_kill(kills, whole, tmp_path):
     """A third of the processes dies after the first flush and before the end; on a loaded machine more are tried."""
     run, duration = whole
