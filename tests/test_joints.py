@@ -329,7 +329,7 @@ REFUSED = [
     ("fixed", {}, TURNED, "the same rotation; they differ by 180 degrees"),
     ("prismatic", {}, TURNED, "the same rotation"),
     ("held_rotation", {}, TURNED, "the same rotation"),
-    ("rigid_rod", {}, HERE, "must not be at the same place"),
+    ("rigid_rod", {}, HERE, "must not be at the same place ('ground' is at the place of the other node; "),
 ]
 
 

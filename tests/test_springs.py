@@ -104,7 +104,7 @@ def test_a_negative_natural_length_is_refused(natural):
 
 def test_a_spring_of_no_length_is_refused_and_survives_a_trial():
     kind, d = KINDS["spring_damper"], {"law": LINEAR, "natural_length": None, "activate": None, "release": None}
-    assert kind.check(d, at([1, 2, 3], [1, 2, 3])) == ["its nodes must not be at the same place"]
+    assert "must not be at the same place" in kind.check(d, at([1, 2, 3], [1, 2, 3]))[0]
     assert kind.check(d, at([1, 2, 3], [1, 2, 4])) == []
     spring = One(kind, {"law": LINEAR, "natural_length": 1.0}, at([0, 0, 0], [1, 0, 0]))
     for array in spring.force(np.ones(6), np.ones(6), NONE):

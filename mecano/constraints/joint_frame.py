@@ -9,6 +9,7 @@ from mecano.schema import NODE_PAIR, Field
 PLACE = 1e-6  # tolerance for nodes that share a position in the deck [m]
 ANGLE = 1e-6  # tolerance for nodes that share a rotation in the deck [rad]
 NODES = Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground")
+ENDS = Field("nodes", NODE_PAIR, "-", "nodes a and b, not at the same place")
 
 
 def one_position(d, nodes):
@@ -95,4 +96,7 @@ def not_parallel(nodes):
 def at_one_place(nodes):
     """Return errors if two nodes whose distance must not vanish coincide initially."""
     gap = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
-    return ["its nodes must not be at the same place"] if gap <= PLACE else []
+    if gap > PLACE:
+        return []
+    how = "'ground' is at the place of the other node; elsewhere use a node with 'fixed: true'"
+    return [f"its nodes must not be at the same place ({how})"]

@@ -10,7 +10,7 @@ surroundings.
 import numpy as np
 
 from mecano.constraints.along_coordinate.hold import motion_values, with_motion
-from mecano.constraints.joint_frame import NODES, at_one_place
+from mecano.constraints.joint_frame import ENDS, at_one_place
 from mecano.constraints.of_coordinates import DISTANCE, drive_part
 from mecano.element_interface import Display, Kind, Output, record
 from mecano.jit.kernel import kernel
@@ -66,7 +66,7 @@ def _kind(motion):
         dtype=record(**motion.fields),
         layout=("x0", "x1"),
         fields=(
-            NODES,
+            ENDS,
             Field("value", MOTION, "m", "change of the distance since the start, a law or a formula of time [s]", None),
             Field(
                 "length", MOTION, "m", "the distance itself, a law or a formula of time [s], instead of 'value'", None

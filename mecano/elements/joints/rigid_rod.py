@@ -2,7 +2,7 @@ r"""Rigid rod: two nodes keep their distance, :math:`|x_b - x_a| = L`; both ends
 
 import numpy as np
 
-from mecano.constraints.joint_frame import NODES, at_one_place
+from mecano.constraints.joint_frame import ENDS, at_one_place
 from mecano.constraints.of_coordinates import DISTANCE
 from mecano.element_interface import Display, Kind, Output, Part
 from mecano.jit.kernel import kernel
@@ -40,7 +40,7 @@ RIGID_ROD = Kind(
     display=Display("line"),
     layout=("x0", "x1"),
     fields=(
-        NODES,
+        ENDS,
         Field("length", NUMBER, "m", "length; the distance at the start when not given", None, check=positive),
     ),
     outputs=(
