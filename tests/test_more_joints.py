@@ -136,6 +136,16 @@ def test_planet_on_a_fixed_sun():
     np.testing.assert_allclose(recorded["joints/mesh/force"][-1], 1.0, rtol=0, atol=1e-3)
 
 
+@pytest.mark.parametrize("nodes", ["[arm, ground, planet]", "[arm, planet, ground]"])
+def test_a_gear_on_the_ground_is_centred_at_the_carrier(nodes):
+    """The planet turns as on a sun of its own node, whichever of both gears it is."""
+    text = PLANET.replace("[arm, sun, planet]", nodes).replace("1.0, step: STEP", "0.1, step: 4.0e-3")
+    recorded = RecordedRun(deck(text))
+    turned = recorded["joints/pivot/angle"]
+    assert 0.03 < turned[-1] < 0.07
+    np.testing.assert_allclose(recorded["joints/bearing/angle"], turned, rtol=0, atol=1e-9)
+
+
 def test_pinion_pulls_a_rack():
     """2 N m on J + m r^2 = 0.035 kg m2; the hinge of the pinion feels the teeth."""
     recorded = RecordedRun(input_deck("rack"))

@@ -11,7 +11,7 @@ from mecano.deck.scope import place_of
 from mecano.deck.wording import quoted
 from mecano.element_interface import BY_COMMAND, FREELY, SECTIONS
 from mecano.model.mesh import divides, place_members
-from mecano.model.model import Element
+from mecano.model.model import GROUND, Element, beside_ground
 
 OTHER_AXIS = 1e-3  # rad
 
@@ -133,8 +133,8 @@ def _check_element(kind, element, names, at, entry, root, scope, noted):
     if twice:
         scope.refuse(entry[0], f"node {quoted(twice[0])} is named twice")
         return False
-    held = next((name for name in names if name != "ground"), None)
-    given = [at[held if name == "ground" else name] for name in names]  # the ground is where the other node is
+    beside = [names[beside_ground(i, len(names))] if name == GROUND else name for i, name in enumerate(names)]
+    given = [at[name] for name in beside]
     texts = _texts(kind, element, given)
     for text in texts:
         place = pointed_at(text, kind, entry, root)

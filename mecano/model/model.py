@@ -53,13 +53,18 @@ def with_ground(model):
         grounds = [i for i, name in enumerate(names) if name == GROUND]
         for number, i in enumerate(grounds, start=1):
             title = f"{GROUND}{number if len(grounds) > 1 else ''} of {element.kind.name} {element.name}"
-            other = by_name[names[_neighbour(i, len(names))]]
+            other = by_name[names[beside_ground(i, len(names))]]
             nodes.append(Node(title, other.x.copy(), other.R.copy(), fixed=True, internal=True))
             names[i] = title
         elements.append(Element(element.name, element.kind, tuple(names), element.values))
     return Model(nodes, elements, model.laws, model.gravity)
 
 
-def _neighbour(i, n):
-    """Return the index of the other node of a pair; the last of an odd number of nodes has the one before it."""
-    return i + 1 if i % 2 == 0 and i + 1 < n else i - 1
+def beside_ground(i, n):
+    """Return the index of the node at whose place the ground stands, which is node ``i`` of ``n``.
+
+    It is the other node of the pair; a gear on the ground, the last of three nodes, has its centre at the carrier.
+    """
+    if i % 2:
+        return i - 1
+    return i + 1 if i + 1 < n else 0

@@ -139,7 +139,12 @@ _PAIR = Kind(
     doc=__doc__,
     display=Display(shape="gears", support=False, pictures=("gears",)),
     fields=(
-        Field("nodes", TRIPLE, "-", "the carrier of both gears, the centres of the gears a and b; one may be ground"),
+        Field(
+            "nodes",
+            TRIPLE,
+            "-",
+            "the carrier, and the centres of the gears a and b; one may be ground, a gear then at the carrier",
+        ),
         Field("axis_a", DIRECTION, "-", "axis of a at the start, inertial; fixed in the carrier and in a"),
         Field("axis_b", DIRECTION, "-", "axis of b at the start, inertial; when absent, that of a", None),
         Field("radius_a", NUMBER, "m", "radius of the pitch circle of a", check=positive),
