@@ -100,6 +100,36 @@ def test_newtons_cradle(verify):
     np.testing.assert_allclose(run["energy/balance"], run["energy/balance"][0], atol=1e-4 * momentum)
 
 
+def test_a_row_of_masses_on_rods_keeps_its_energy():
+    """Spheres around point masses, on nodes whose rotations have no mass: the first passes its speed to the last.
+
+    Its speed is that of a fall from 0.5 rad on rods of 1 m; the impulses have no lever arm, up to rounding.
+    """
+    nodes, elements, joints = "", "", ""
+    for i in range(5):
+        x, z = (0.1 * i, 0.0) if i else (-math.sin(0.5), 1.0 - math.cos(0.5))
+        nodes += f"p{i}: {{position: [{0.1 * i}, 0, 1], fixed: true}}, b{i}: {{position: [{x}, 0, {z}]}}, "
+        elements += f"m{i}: {{type: point_mass, node: b{i}, mass: 1}}, "
+        joints += f"r{i}: {{type: rigid_rod, nodes: [p{i}, b{i}]}}, "
+    for i in range(4):
+        ball = "sphere: {radius: 0.05}, radius: 0.05, restitution: 1"
+        elements += f"c{i}: {{type: contact, nodes: [b{i}, b{i + 1}], {ball}}}, "
+    run = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: [0, 0, {-g}]
+        nodes: {{{nodes}}}
+        elements: {{{elements}}}
+        joints: {{{joints}}}
+        time: {{end: 0.511, step: 1 ms}}
+    """)
+    )
+    speed = math.sqrt(2 * g * (1 - math.cos(0.5)))
+    assert [event.element for event in run.event_records] == [f"contact 'c{i}'" for i in range(4)]
+    np.testing.assert_allclose([event.impulse for event in run.event_records], speed, rtol=1e-5)
+    np.testing.assert_allclose([run[f"nodes/b{i}/velocity"][-1, 0] for i in range(5)], [0, 0, 0, 0, speed], atol=2e-4)
+
+
 def test_a_light_ball_leaves_a_heavy_plate():
     """It leaves where 0.1 w^2 cos(w t) falls to -g, up to (w h)^2; its force is 1e-7 of those that drive the plate."""
     w = 12.0

@@ -27,6 +27,7 @@ TOGETHER = 1e-6  # of a step: impacts closer in time than this are simultaneous
 NEAR = 10.0  # times the tolerance of constraints: so are impacts of contacts with a smaller gap
 STILL = 1e-10  # of the largest approach: a rate below this is zero
 MASSLESS = 1e-14  # of the largest: a contact with a smaller response moves no mass
+LEVER = 1e-12  # of the largest entry of a gradient: a smaller lever arm is rounding
 ADHESIVE = 1e-9  # of the largest: an impulse below minus this is adhesive
 STANDS = 1e-4  # of the gap within which contacts touch: less, in a step, by an acceleration, is rounding
 DEPARTING = -1e-300  # event value of a contact that is touching and separating
@@ -251,7 +252,7 @@ class _Solution:
         gradient = np.zeros((n_q, len(distinct)))
         gradient[system.rows[at], np.searchsorted(distinct, system.cols[at])] = -data[at]
         gradient = gradient[:, which]
-        self.light = gradient[self.consistent.loose].any(axis=0)
+        self.light = (np.abs(gradient[self.consistent.loose]) > LEVER * np.abs(gradient).max(axis=0)).any(axis=0)
         gradient = np.concatenate([gradient.T, *(contact.forces(n_q) for contact in self.rough)])
         answers = [self.consistent.respond(force) for force in gradient]
         self.responses = np.array([change for change, _ in answers]).T
