@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from time_runs import RecordedRun, deck, input_deck
 
 from mecano.solve.events.complementarity import solve_complementarity
-from mecano.solve.events.impact_friction import ACCEPTED, solve_with_friction, within_disc
+from mecano.solve.events.impact_friction import solve_with_friction, within_disc
 
 S = "Contact"
 BALL = """
@@ -162,8 +162,8 @@ def box(rng, n):
     return gradients @ inverse @ gradients.T, gradients @ v, contacts
 
 
-@pytest.mark.parametrize(("n", "tolerance"), [(1, 1e-9), (2, 1e-3), (4, ACCEPTED)])
-def test_impulses_obey_coulombs_law(n, tolerance):
+@pytest.mark.parametrize("n", [1, 2, 4])
+def test_impulses_obey_coulombs_law(n):
     """Contacts push or separate, and stick or slide against the impulse; plastic impacts lose energy."""
     rng = np.random.default_rng(n)
     for _ in range(15):
@@ -178,9 +178,9 @@ def test_impulses_obey_coulombs_law(n, tolerance):
         assert x.min() >= 0.0 and after[:n].min() >= -1e-9 and np.abs(x * after[:n]).max() < 1e-9
         for contact, P, u in zip(contacts, y.reshape(-1, 2), after[n:].reshape(-1, 2), strict=True):
             bound = contact.mu * x[contact.contact]
-            assert np.linalg.norm(P) <= bound + tolerance * size
+            assert np.linalg.norm(P) <= bound + 1e-9 * size
             unstuck = P * np.linalg.norm(u) + u * min(np.linalg.norm(P), bound)
-            assert np.linalg.norm(u) <= 10 * tolerance or np.linalg.norm(unstuck) <= 10 * tolerance * size
+            assert np.linalg.norm(u) <= 1e-8 or np.linalg.norm(unstuck) <= 1e-8 * size
         assert np.concatenate([x, y]) @ (rates + after) < 1e-9
 
 

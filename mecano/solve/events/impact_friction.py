@@ -15,6 +15,7 @@ import numpy as np
 from mecano.element_interface import Place
 from mecano.errors import AssemblyError, Failure
 
+ACCELERATED = 60  # sweeps at first, from each of which the next is extrapolated
 SHARES = 1.0, 0.3, 0.1  # of the change of a sweep that is made, one after the other
 SWEEPS = 300  # with each of these, at most
 ROUNDING = 1e-13  # of the largest impulse: a sweep that changes less has converged
@@ -68,8 +69,9 @@ def solve_with_friction(normal, W_nt, W_tt, b, u, contacts):
 
     ``normal(b)`` solves the problem of the normals for rates b (n,) without their impulses; W_nt (n, 2 m) and
     W_tt (2 m, 2 m) are responses to impulses along the surfaces, u (2 m,) the velocities of sliding without impulses.
-    Alternates between normals and surfaces (block Gauss-Seidel), more slowly if that does not converge. Raises
-    AssemblyError if the impulses along the surfaces stay undetermined by more than ``ACCEPTED``.
+    Alternates between normals and surfaces (block Gauss-Seidel), at first with Anderson acceleration, then without it,
+    more slowly if that does not converge. Raises AssemblyError if the impulses along the surfaces stay undetermined by
+    more than ``ACCEPTED``.
     """
     bound_of, mu = [contact.contact for contact in contacts], np.array([contact.mu for contact in contacts])
 
@@ -78,7 +80,14 @@ def solve_with_friction(normal, W_nt, W_tt, b, u, contacts):
         change = _along_surfaces(W_tt, u + W_nt.T @ pushes, mu * pushes[bound_of], along) - along
         return np.abs(change).max() / max(pushes.max(initial=0.0), TINY), change, pushes, along
 
-    best = sweep(np.zeros(len(u)))
+    best = last = sweep(np.zeros(len(u)))
+    points, changes = [], []
+    for _ in range(ACCELERATED):
+        if best[0] <= ROUNDING or last[0] > DIVERGED:
+            break
+        points, changes = [*points, last[3]][-len(u) - 1 :], [*changes, last[1]][-len(u) - 1 :]
+        last = sweep(_extrapolated(points, changes))
+        best = min(best, last, key=lambda found: found[0])
     for share in SHARES:
         last = best
         for _ in range(SWEEPS):
@@ -93,6 +102,16 @@ def solve_with_friction(normal, W_nt, W_tt, b, u, contacts):
             Failure.NOT_CONVERGED,
         )
     return best[2:]
+
+
+def _extrapolated(points, changes):
+    """Return the point (k,) at which the change vanishes if it is linear in the last points (n, k).
+
+    Anderson acceleration of the iteration x + change(x) (Walker & Ni 2011); with one point it is this iteration.
+    """
+    steps, differences = np.diff(points, axis=0), np.diff(changes, axis=0)
+    shares = np.linalg.lstsq(differences.T, changes[-1], rcond=1e-12)[0] if len(points) > 1 else np.zeros(0)
+    return points[-1] + changes[-1] - shares @ (steps + differences)
 
 
 def _along_surfaces(W, u, bounds, start):
