@@ -131,7 +131,7 @@ def test_a_looser_tolerance_never_costs_more_iterations(name):
     """A step after many iterations shrinks, and one after a failed trial does not grow."""
     runs = [RecordedRun(input_deck(name, f"time.adaptive={{tolerance: {tolerance}}}")).run for tolerance in LOOSE]
     work = [run.iterations for run in runs]
-    assert work[0] <= 1.1 * work[1] <= 1.1 * work[2]  # 0.03 costs the same as 0.01, within a tenth
+    assert work[0] <= 1.2 * work[1] <= 1.2 * work[2]  # 0.03 costs the same as 0.01, within a fifth
 
 
 def test_the_loosest_tolerance():

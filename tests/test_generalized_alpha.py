@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 from time_runs import RecordedRun, deck, in_python, input_deck, with_history
 
 from mecano.analyses.dynamic import run
+from mecano.analyses.prepare import integrator_of, prepare
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION
 from mecano.results.reader import open_results
 
@@ -328,3 +329,18 @@ def test_a_start_just_before_a_jump_of_curvature_is_one_behind_it():
     before, behind = (RecordedRun(input_deck("snap_pin", *alone, moving, x, "time.end=1e-3")) for x in places)
     ball = "nodes/ball/velocity"
     np.testing.assert_allclose(before[ball], behind[ball], rtol=0, atol=0.05 * 28.8 * 2e-4)  # of a step
+
+
+def test_predicted_multipliers_do_not_grow_in_steps_of_changing_size():
+    """The parabola through the last three values: one through values that were extrapolated would grow to 1e15 N."""
+    prepared = prepare(input_deck("spherical_pendulum"))
+    integrator, n_q = integrator_of(prepared), prepared.system.n_q
+    method, step = integrator.method, prepared.deck.values["time"]["step"]
+    run = integrator.begin(prepared.state, step)
+    s, history = run.motion, run.history
+    for size in [1.0, 1e-2, 2e-2, 1.0, 0.3, 1e-3, 0.5] * 30:
+        history = method.restart(s, history, size * step)
+        reactions = s.z[n_q : prepared.system.n]
+        assert np.abs(history.slope + history.bend)[n_q:].max() < np.abs(reactions).max()
+        s, history, info = method.step(s, history, size * step)
+        assert info.ok

@@ -126,7 +126,10 @@ def _arms(times):
 
 
 def test_drives_follow_signals(verify):
-    """A set point that is a lag of a switch, and one that is twice the angle of another joint."""
+    """A set point that is a lag of a switch, and one that is twice the angle of another joint.
+
+    The rate of the second is a difference quotient: its error of third order remains in the extrapolated values.
+    """
     found, balance = [], []
     for h, stride in ((4e-3, 1), (2e-3, 2)):
         m = RecordedRun(input_deck("elastic_drive", f"time.step={h}"))
@@ -135,7 +138,7 @@ def test_drives_follow_signals(verify):
         found.append(np.stack([m[path][::stride] for path in paths], axis=1))
         balance.append(np.ptp(m["energy/balance"]) / m["energy/given"].max())
     what = "elastic drives by signals: command and angles of both arms [rad]"
-    verify.second_order("Signals", what, *found, _arms(times), 1e-6, "exponential of the matrix")
+    verify.second_order("Signals", what, *found, _arms(times), 3e-6, "exponential of the matrix")
     assert balance[0] / balance[1] == pytest.approx(4.0, abs=0.5) and balance[1] < 1e-3
 
 

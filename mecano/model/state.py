@@ -58,7 +58,7 @@ class History:
 
     a: np.ndarray  # (n_all,) algorithmic acceleration
     h: float  # step size to which the history belongs [s]
-    slope: np.ndarray  # (n,) backward difference of accelerations and multipliers over the last step
+    slope: np.ndarray  # (n,) backward difference of accelerations, multipliers and signals at once over the last step
     bend: np.ndarray  # (n,) second backward difference
     known: int  # number of differences that are known: 0 at a start
     v_shift: np.ndarray  # (n_all,) correction of the velocities after a start or a change of step size
@@ -66,6 +66,7 @@ class History:
     tangent: object = None  # State whose tangent the next step may reuse, or None if it must evaluate a new one
     age: int = 0  # accepted steps since that state
     drift: float = 0.0  # fraction of the residual that an iteration with an old tangent leaves, per step of its age
+    taken: float = 0.0  # size of the last step [s]; 0 at a start
 
 
 @dataclass

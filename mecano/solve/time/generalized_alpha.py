@@ -20,7 +20,7 @@ import numpy as np
 from mecano.errors import Failure
 from mecano.model.assembly import Assembly
 from mecano.model.loops import constraint_derivatives, residual, tangent
-from mecano.model.numbering import MASSLESS, RELEASED, ROTATION
+from mecano.model.numbering import MASSLESS, RELEASED, ROTATION, SIGNAL
 from mecano.model.state import History
 from mecano.solve.diagnostics.scales import Tolerances
 from mecano.solve.events.compliance import NO_ROWS, compliances_of_a_step, soften
@@ -173,8 +173,9 @@ class GeneralizedAlpha:
         oscillates much faster would give it the velocity h q''_0 in the first step, with (omega h)^2 times its energy.
         """
         s, _ = consistent_state(self.system, self.linear, s, h, self.contradictions, self.compliance, consistent)
-        none = np.zeros(self.system.n)
-        return s, self.restart(s, History(s.a, h, none, none, 0, self._no_shift, 1.0), h)
+        none, at_once = np.zeros(self.system.n), self.system.numbering.kind[: self.system.n] == SIGNAL
+        slope = np.where(at_once, h * s.v[: self.system.n], none)
+        return s, self.restart(s, History(s.a, h, slope, none, 0, self._no_shift, 1.0), h)
 
     @cached_property
     def change_step(self):

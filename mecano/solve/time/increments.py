@@ -10,10 +10,7 @@ from mecano.maths.so3 import exp, tangent
 from mecano.maths.vector import mat, vec
 from mecano.model.numbering import MASSLESS, ROTATION, SCALAR, SIGNAL, TRANSLATION, Unknowns
 from mecano.model.state import Motion
-from mecano.solve.diagnostics.scales import SMALL
 from mecano.solve.time.turning_error import turning_error
-
-WILD = 1e6  # times a signal: a larger change in a step is no prediction, and its rounding would be lost from the value
 
 
 @kernel
@@ -51,20 +48,24 @@ def predict(w, of, start, history, s_out):
 
     ``w`` is the record STEP (workspace.py) with coefficients and step size. ``start`` and ``s_out`` are the Motion at
     the beginning; ``s_out`` is moved. ``history``: algorithmic acceleration (n_all,) there, slope and bend (n,), the
-    differences of the true ones and of the multipliers, and v_shift (n_all,). A signal whose rates have grown beyond
-    use keeps its value. Returns the largest coordinate [m] and the largest signal.
+    differences of the true ones, of the multipliers and of the signals that follow at once, and v_shift (n_all,).
+    The rates of such a signal are difference quotients of its values: those of a recursion, as for a motion, would
+    grow in steps that are cut again and again. Returns the largest coordinate [m] and the largest signal.
     """
     a0, slope, bend, v_shift = history
     am, af, beta, gamma, h = w.am, w.af, w.beta, w.gamma, w.h  # which loops that write arrays would read again
     kind, farthest, loudest = of.kind, 0.0, 0.0
     for i in range(of.n_q):
-        guess = start.a[i] + slope[i] + bend[i]
-        a1 = ((1.0 - af) * guess + af * start.a[i] - am * a0[i]) / (1.0 - am)
-        v0 = s_out.v[i] + v_shift[i]
-        increment = h * v0 + h * h * ((0.5 - beta) * a0[i] + beta * a1)
-        rate = v0 + h * ((1.0 - gamma) * a0[i] + gamma * a1)
-        if kind[i] == SIGNAL and abs(increment) > WILD * max(abs(s_out.z[i]), SMALL):
-            increment = rate = guess = 0.0
+        if kind[i] == SIGNAL:
+            increment = slope[i] + bend[i]
+            rate = (slope[i] + 1.5 * bend[i]) / h
+            guess = bend[i] / (h * h)
+        else:
+            guess = start.a[i] + slope[i] + bend[i]
+            a1 = ((1.0 - af) * guess + af * start.a[i] - am * a0[i]) / (1.0 - am)
+            v0 = s_out.v[i] + v_shift[i]
+            increment = h * v0 + h * h * ((0.5 - beta) * a0[i] + beta * a1)
+            rate = v0 + h * ((1.0 - gamma) * a0[i] + gamma * a1)
         s_out.z[i] = increment if kind[i] == ROTATION else s_out.z[i] + increment
         s_out.v[i] = rate
         s_out.a[i] = guess
@@ -120,7 +121,7 @@ def largest(dz: Vector, kind: Indices, n_q: int, length: float) -> float:
 
 @kernel
 def finish(w, of, start, s, before, after_out):
-    """Compute the algorithmic acceleration (n_all,), differences of accelerations and multipliers (n,) of a step.
+    """Compute the algorithmic acceleration (n_all,), and the differences (n,) of ``predict`` over a step.
 
     ``w`` is the record STEP (workspace.py); ``start`` and ``s`` are the Motion, ``before`` and ``after_out`` the
     history (``history_of``) at both ends.
@@ -129,18 +130,19 @@ def finish(w, of, start, s, before, after_out):
     scale for displacements, or of a scalar with inertia; the largest component of a rotation increment [rad]; and the
     error of bodies that spin [rad] (turning_error.py) in a run.
     """
-    a0, slope, _ = before
+    a0, slope, bend = before
     a, slope_out, bend_out = after_out
-    am, af, known, turn = w.am, w.af, w.known, 0.0
+    am, af, known, last, turn = w.am, w.af, w.known, w.taken / w.h, 0.0
     for i in range(of.n_q):
         a[i] = ((1.0 - af) * s.a[i] + af * start.a[i] - am * a0[i]) / (1.0 - am)
         if of.kind[i] == ROTATION:
             turn = max(turn, abs(s.z[i]))
-        slope_out[i] = s.a[i] - start.a[i]
+        slope_out[i] = s.z[i] - start.z[i] if of.kind[i] == SIGNAL else s.a[i] - start.a[i]
     for i in range(of.n_q, of.n):
         slope_out[i] = s.z[i] - start.z[i]
-    for i in range(of.n):
-        bend_out[i] = slope_out[i] - slope[i] if known else 0.0
+    for i in range(of.n):  # the parabola through both ends of this step and the beginning of the last one
+        bent = 2.0 / (1.0 + last) * (slope_out[i] - slope[i] - 0.5 * (1.0 - last) * bend[i])
+        bend_out[i] = bent if known or of.kind[i] == SIGNAL else 0.0
     turning = turning_error(w.h, w.duration, of.rotation_dof, of.n_q, s.v, a0, a, a[:0])
     return largest_change(a0, a, of.kind, of.n_q, w.length), turn, turning
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from mecano.model.numbering import SIGNAL
 from mecano.solve.linear.newton import CONVERGED
 from mecano.solve.time.step_change import change_step
 from mecano.solve.time.workspace import BEGIN
@@ -93,7 +94,9 @@ class RepeatedSteps:
 
     def _from_the_last(self, history, h, similar):
         """Return the ``history`` whose prediction ends on the line from the beginning to the last state."""
-        s0, s1, n_q, n = self.s0, self.last, self.method.system.n_q, self.method.system.n
-        slope = np.concatenate([(s1.a - s0.a)[:n_q], (s1.z - s0.z)[n_q:n]]) * (h / (s1.t - s0.t))
+        s0, s1, n_q, of = self.s0, self.last, self.method.system.n_q, self.method.system.numbering
+        slope = np.concatenate([(s1.a - s0.a)[:n_q], (s1.z - s0.z)[n_q : of.n]]) * (h / (s1.t - s0.t))
+        signals = of.kind[: of.n] == SIGNAL  # whose rates follow from their own differences
+        slope, bend = (np.where(signals, *both) for both in ((history.slope, slope), (history.bend, 0.0)))
         tangent = self.method.linear.label if similar else None
-        return replace(history, slope=slope, bend=np.zeros(n), tangent=tangent, age=1, drift=0.0)
+        return replace(history, slope=slope, bend=bend, tangent=tangent, age=1, drift=0.0)

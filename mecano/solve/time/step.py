@@ -3,6 +3,7 @@
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats, integers
+from mecano.model.numbering import SIGNAL
 from mecano.solve.diagnostics.scales import state_size
 from mecano.solve.linear.newton import CONVERGED, newton
 from mecano.solve.linear.refactorization import choose_tangent
@@ -42,10 +43,13 @@ def begin(w):
     before, slope, bend = history_of(w, BEGIN)
     if w.by_velocity:
         # after a sudden load on stiff and light members the accelerations say little of displacements in a long step
+        known, known_bend, kind = slope, bend, integers(w.kind, w.n_all)
         slope, bend = floats(w.guess, w.n), floats(w.guess + 8 * w.n, w.n)
         for i in range(w.n_q):
             a1 = (1.0 - 0.5 / w.beta) * before[i]
             slope[i] = ((1.0 - w.am) * a1 + w.am * before[i] - w.af * start.a[i]) / (1.0 - w.af) - start.a[i]
+            if kind[i] == SIGNAL:
+                slope[i], bend[i] = known[i], known_bend[i]
     history = before, slope, bend, floats(w.v_shift, w.n_all)
     farthest, w.loudest = predict(w, unknowns_of(w), start, history, state_of(w, TRIAL))
     w.farthest = max(farthest / w.length, w.farthest_fixed)

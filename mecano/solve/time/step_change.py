@@ -292,9 +292,10 @@ def shift_velocities(w):
 def shift_accelerations(w, longer):
     """Move the algorithmic accelerations along their slope; what a longer step may not resolve is left in ``added``."""
     a, slope, _ = history_of(w, BEGIN)
-    true, more = state_of(w, BEGIN).a, floats(w.added, w.n_all)
+    true, more, kind = state_of(w, BEGIN).a, floats(w.added, w.n_all), integers(w.kind, w.n_all)
     for i in range(w.n_all):
-        added = (w.am - w.af) * (w.h / w.last_h - 1.0) * slope[i] if i < w.n_q else 0.0
+        shifts = i < w.n_q and kind[i] != SIGNAL
+        added = (w.am - w.af) * (w.h / w.last_h - 1.0) * slope[i] if shifts else 0.0
         if w.known == 0:  # no step has been made: as at a start
             a[i], added = 0.0, true[i]
         elif not longer:

@@ -262,7 +262,7 @@ def move_on(m, w):
     """Make TRIAL the beginning of the next step."""
     copy_state(w, TRIAL, BEGIN)
     copy_history(w, TRIAL, BEGIN)
-    w.changed = 0
+    w.changed, w.taken = 0, w.h
     floats(w.v_shift, w.n_all)[:] = 0.0
     if w.renewed:
         copy_state(w, RENEWED, TANGENT)

@@ -23,7 +23,7 @@ UNCHANGED = 2  # row of ``history``: that at BEGIN before the step size was chan
 # Numbers and addresses of a step; the lengths of the arrays stand in the model's numbering (n_...).
 STEP = fields(
     floats="due am af beta gamma error length duration force_tolerance constraint_tolerance increment_tolerance "
-    "h k penalty cC cM stiffness reach farthest farthest_fixed loudest motion last_motion "
+    "h taken k penalty cC cM stiffness reach farthest farthest_fixed loudest motion last_motion "
     "change lag turn turning signalled drift next_drift "
     "next_h last_h last_stiffness metric_k similar_stiffness fixed_k fixed_penalty "
     "largest_penalty largest_penalty_share",
@@ -172,6 +172,7 @@ class Workspace:
         self.v_shift[:] = history.v_shift
         r = self.record
         r["known"], r["stiffness"], r["h"], r["changed"] = history.known, history.k, history.h, False
+        r["taken"] = history.taken
         r["has"], r["age"], r["drift"] = history.tangent is not None, history.age, history.drift
 
     def put_unchanged(self, history):
@@ -198,7 +199,7 @@ class Workspace:
         return History(
             row[: -2 * n].copy(), float(r["h"]), row[-2 * n : -n].copy(), row[-n:].copy(), int(r[f"{now}known"]),
             v_shift, float(r["stiffness"]), tangent if r[f"{now}has"] else None, int(r[f"{now}age"]),
-            float(r[f"{now}drift"]),
+            float(r[f"{now}drift"]), float(r["h"] if now else r["taken"]),
         )  # fmt: skip
 
 
