@@ -278,6 +278,14 @@ def test_a_balance_is_judged_by_what_comes_first(low_at, rho, reported):
     assert not list(unbalanced(values, sampler, extremes))
 
 
+def test_an_error_of_a_conserved_kinetic_energy_is_compared_with_it(tmp_path):
+    """A free body spins about changing axes: all that changes its energy is the error of the steps."""
+    err, results = run_of(tmp_path, "free_body", "time.step=0.5", "output.every=step")
+    energy, balance = results.extremes["energy/kinetic"], results.extremes["energy/balance"]
+    share = (balance.maximum - balance.minimum) / energy.maximum
+    assert share > 0.01 and f"J, {100 * share:.3g} % of the kinetic energy" in results.reason
+
+
 GIMBAL = """
     mecano: 1
     gravity: none
