@@ -6,7 +6,7 @@ import textwrap
 import numpy as np
 import pytest
 from magic_formula import forces, read, rolling_radius
-from time_runs import INPUTS, RecordedRun, input_deck
+from time_runs import INPUTS, RecordedRun, deck, input_deck
 
 from mecano.analyses.law_tests import Tyre
 from mecano.deck.deck import Deck
@@ -120,6 +120,31 @@ def test_a_slow_sweep_of_the_slip_angle():
     drag = (My - 0.4 * np.gradient(omega, recorded.time)) / 0.301  # rolling resistance and the spin, over the height
     settled = recorded.time > 0.5
     np.testing.assert_allclose(tire["longitudinal_force"].ravel()[settled], drag[settled], rtol=1e-3)
+
+
+def test_a_tyre_at_rest_is_in_equilibrium():
+    """Conicity and ply steer come from rolling: at rest they push no wheel forward, and the weight alone acts."""
+    text = f"""
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {{carriage: {{position: [0, 0, 0.31]}}, hub: {{position: [0, 0, 0.31]}}}}
+    elements:
+      load: {{type: rigid_body, node: carriage, mass: 390.0, inertia: [10, 10, 10]}}
+      rim: {{type: rigid_body, node: hub, mass: 10.0, inertia: [0.2, 0.4, 0.2]}}
+      tire: {{type: wheel, node: hub, axis: [0, 1, 0], tire_law: car, ground: road}}
+    joints:
+      level: {{type: held_rotation, nodes: [ground, carriage]}}
+      track: {{type: prescribed_position, node: carriage, direction: [0, 1, 0], value: 0.0}}
+      bearing: {{type: hinge, nodes: [carriage, hub], axis: [0, 1, 0]}}
+    tire_laws: {{car: {{magic_formula: {{coefficients: {CAR}}}}}}}
+    grounds: {{road: {{plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}}}}}
+    initial: static
+    time: {{end: 0.2, step: 0.005}}
+    """
+    recorded = RecordedRun(deck(text))
+    np.testing.assert_allclose(recorded["elements/tire/normal_force"], 400.0 * 9.81, rtol=1e-9)
+    for name in ("longitudinal_force", "lateral_force", "spin_rate"):
+        np.testing.assert_allclose(recorded[f"elements/tire/{name}"], 0.0, atol=1e-6)
 
 
 DECK = """

@@ -23,6 +23,7 @@ class Slips(NamedTuple):
     kappa: float
     alpha: float
     gamma: float
+    rolls: float  # V_x/V: share of the shifts, which a tyre at rest has not
 
 
 @kernel
@@ -57,11 +58,11 @@ def longitudinal(p, s, mu):
     camber = p.LGAX * s.gamma
     by_pressure = 1.0 + p.PPX3 * s.dp + p.PPX4 * s.dp * s.dp
     D = (p.PDX1 + p.PDX2 * s.df) * by_pressure * (1.0 - p.PDX3 * camber * camber) * p.LMUX * mu * s.N
-    x = s.kappa + (p.PHX1 + p.PHX2 * s.df) * p.LHX
+    x = s.kappa + s.rolls * (p.PHX1 + p.PHX2 * s.df) * p.LHX
     E = (p.PEX1 + p.PEX2 * s.df + p.PEX3 * s.df * s.df) * (1.0 - p.PEX4 * sign(x)) * p.LEX
     K = s.N * (p.PKX1 + p.PKX2 * s.df) * exp(p.PKX3 * s.df) * (1.0 + p.PPX1 * s.dp + p.PPX2 * s.dp * s.dp) * p.LKX
     C = p.PCX1 * p.LCX
-    shift = s.N * (p.PVX1 + p.PVX2 * s.df) * p.LVX * p.LMUX * mu
+    shift = s.rolls * s.N * (p.PVX1 + p.PVX2 * s.df) * p.LVX * p.LMUX * mu
     return D * sin(curved(K / (C * D + EPSILON), C, E, x)) + shift, K
 
 
@@ -88,8 +89,8 @@ def lateral(p, s, mu, gamma):
     thrust = s.N * (p.PVY3 + p.PVY4 * s.df) * g * p.LKYC * friction
     by_camber = s.N * (p.PKY6 + p.PKY7 * s.df) * (1.0 + p.PPY5 * s.dp) * p.LKYC * g
     turned = select(old, p.PHY3 * g, (by_camber - thrust) / (K + EPSILON * sign(K)))
-    S_H = (p.PHY1 + p.PHY2 * s.df) * p.LHY + turned
-    S_V = s.N * (p.PVY1 + p.PVY2 * s.df) * p.LVY * friction + thrust
+    S_H = s.rolls * ((p.PHY1 + p.PHY2 * s.df) * p.LHY + turned)
+    S_V = s.rolls * (s.N * (p.PVY1 + p.PVY2 * s.df) * p.LVY * friction + thrust)
     x, C = s.alpha + S_H, p.PCY1 * p.LCY
     by_pressure = 1.0 + p.PPY3 * s.dp + p.PPY4 * s.dp * s.dp
     D = (p.PDY1 + p.PDY2 * s.df) * by_pressure * (1.0 - p.PDY3 * g * g) * friction * s.N

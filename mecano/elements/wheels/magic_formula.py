@@ -12,9 +12,10 @@ rolling radius R_e, the slip velocity of the contact and V = sqrt(V_x^2 + v_0^2)
     F_x = G(alpha) F_x0(kappa),   F_y = G(kappa) F_y0(alpha, gamma) + S_Vyk,   M_z = -t F_y' + M_zr + s F_x
 
 in the axes (t, l, n), which are the axes of ISO 8855 used in such files. Turn slip and rolling backward are not
-implemented. The formula is a fit: near zero slip its shifts (conicity, ply steer, camber) may drive the wheel. The
-power that the force takes from the slip, and rolling resistance from the spin, counts as dissipated; the rest is
-exchanged with the rolling.
+implemented. M_y, M_z and the shifts S_H, S_V of F_x0 and F_y0 (conicity, ply steer, camber) come from rolling: they
+have the factor V_x/V, so that a tyre at rest is without force. The formula is a fit: near zero slip its shifts may
+drive the wheel. The power that the force takes from the slip, and rolling resistance from the spin, counts as
+dissipated; the rest is exchanged with the rolling.
 """
 
 import math
@@ -177,9 +178,10 @@ def forces(p, laws, k):
     lean = atan2(k.lean, sqrt(1.0 - k.lean * k.lean))
     mu = at_least(k.grip, LEAST_GRIP) / (1.0 + p.LMUV * sqrt(V_sx * V_sx + V_sy * V_sy) / p.LONGVL)
     df, dp = N / (p.LFZO * p.FNOMIN) - 1.0, p.pressure / p.NOMPRES - 1.0
-    s = Slips(N, df, dp, -V_sx / V, p.side * atan(V_sy / V), p.side * lean)
+    forward = V_x / V
+    s = Slips(N, df, dp, -V_sx / V, p.side * atan(V_sy / V), p.side * lean, forward)
     F_x, F_y, M_x, M_y, M_z = formula(p, s, mu, V_x)
-    share, forward = at_least(at_most(k.N / least, 1.0), 0.0), V_x / V
+    share = at_least(at_most(k.N / least, 1.0), 0.0)
     F_t, F_l = share * F_x, share * p.side * F_y
     M = (share * p.side * M_x) * k.t + (share * forward * M_y) * k.l + (share * p.side * forward * M_z) * k.n
     F = F_t * k.t + F_l * k.l
