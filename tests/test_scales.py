@@ -4,9 +4,12 @@ import numpy as np
 import pytest
 from time_runs import RecordedRun, deck, input_deck
 
-from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, SCALAR, TRANSLATION, Unknowns
+from mecano.analyses.equilibria import loaded
+from mecano.analyses.prepare import integrator_of, prepare
+from mecano.model.numbering import LENGTH_CONSTRAINT, MASSLESS, ROTATION, SCALAR, TRANSLATION, Unknowns
 from mecano.model.state import Motion
 from mecano.solve.diagnostics.scales import TINY, Limits, Scales, norms
+from mecano.solve.statics.continuation import Follower
 
 TIGHT = ("time.newton.constraint_tolerance=1e-12",)  # forces are met to 1e-7
 DECKS = {"double_pendulum": 0.5, "slider_crank": 0.05, "four_bar": 0.5, "wheel_drop": 0.3}
@@ -95,6 +98,71 @@ def test_the_unit_of_length_does_not_change_the_steps(size):
     assert iterations[1] == pytest.approx(iterations[0], rel=0.01)
     for path in ("nodes/rolling/position", "nodes/falling/position"):
         np.testing.assert_allclose(sized[path] / size, as_it_is[path], rtol=0, atol=1e-9)
+
+
+BARS = range(8)
+CHAIN = """
+    mecano: 1
+    parameters: {{s: {size}}}
+    gravity: [0, 0, {gravity}*$s]
+    nodes:
+{nodes}
+    elements:
+{elements}
+    joints:
+{joints}
+    {process}
+"""
+PLACES = "\n".join(
+    f"      b{i}: {{position: [{i}*$s, 0, 0]}}\n      e{i}: {{position: [{i + 1}*$s, 0, 0]}}" for i in BARS
+)
+BODIES = "\n".join(
+    f"      b{i}: {{type: rigid_body, node: b{i}, mass: 1, inertia: [$s**2/9, $s**2/9, $s**2/9], attached: [e{i}]}}"
+    for i in BARS
+)
+HINGES = "\n".join(
+    f"      h{i}: {{type: hinge, nodes: [{f'e{i - 1}' if i else 'ground'}, b{i}], axis: [0, 1, 0]}}" for i in BARS
+)
+COILS = "\n".join(
+    f"      c{i}: {{type: torsion_spring_damper, nodes: [{f'b{i - 1}' if i else 'ground'}, b{i}], axis: [0, 1, 0], "
+    "law: {spring: 100*$s**2}}"
+    for i in BARS
+)
+
+
+@pytest.mark.parametrize("closed", [False, True])
+@pytest.mark.parametrize("size", [1e-6, 1e3, 1e6])
+def test_the_unit_of_length_does_not_change_initial_accelerations(size, closed):
+    """Of bars that hang between hinges, to rounding: masses and inertias are compared at the length scale."""
+    last = "\n      last: {type: hinge, nodes: [ground, e7], axis: [0, 1, 0]}" if closed else ""
+    found = []
+    for s in (1.0, size):
+        text = CHAIN.format(size=s, gravity=-9.81, nodes=PLACES, elements=BODIES, joints=HINGES + last, process=RUN)
+        prepared = prepare(deck(text))
+        a = integrator_of(prepared).begin(prepared.state, 1e-3).motion.a[: prepared.system.n_q]
+        turning = prepared.system.numbering.kind[: prepared.system.n_q] == ROTATION
+        found.append(np.where(turning, a, a / s))
+    np.testing.assert_allclose(found[1], found[0], rtol=0, atol=1e-13 * np.abs(found[0]).max())
+
+
+RUN = "time: {end: 1, step: 0.001}"
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize(("load", "unstable"), [(1.0, 0), (4.0, 1), (40.0, 2)])
+def test_the_unit_of_length_does_not_change_the_stability(size, load, unstable):
+    """Of a column of bars on springs, by the pivots of the sparse tangent and by the eigenvalues of the dense one."""
+    push = f"loads: {{push: {{type: force, node: e7, direction: [-1, 0, 0], value: {load}*$s}}}}\n    static: {{}}"
+    parts = {"nodes": PLACES, "elements": f"{BODIES}\n{COILS}", "joints": HINGES}
+    prepared = prepare(deck(CHAIN.format(size=size, gravity=0, process=push, **parts)))
+    follower = Follower(loaded(prepared, prepared.deck.values["static"]))
+    s, _ = follower.find(follower.statics.begin(prepared.state), 1.0)
+    dense = follower.stability(s, 1.0)
+    follower.judge.dense = False
+    sparse = follower.stability(s, 1.0)
+    assert (sparse.unstable, sparse.neutral) == (dense.unstable, dense.neutral) == (unstable, 0)
+    if unstable:
+        assert sparse.stiffness == pytest.approx(dense.stiffness, rel=1e-3)
 
 
 # two solid ellipsoids on a plane, as in inputs/ellipsoids.yaml

@@ -64,11 +64,19 @@ def balance(system, s, length, cK, cC, cM, into=None):
     by the factor of rounding in every step. ``into`` is an Assembly for this tangent, by default a new one.
     """
     assembly = system.assemble(s, 1.0, 0.0, cK, cC, cM, into=into)
-    diagonal = np.abs(assembly.data[system.diagonal[: system.n_q]])
-    diagonal[system.numbering.kind[: system.n_q] == ROTATION] /= length**2
-    diagonal = diagonal[diagonal > 0]
-    mean = float(diagonal.mean()) if len(diagonal) else 0.0
+    n_q = system.n_q
+    mean = mean_diagonal(assembly.data[system.diagonal[:n_q]], system.numbering.kind[:n_q], length)
     return mean if mean > NO_STIFFNESS else 1.0
+
+
+def mean_diagonal(diagonal, kind, length):
+    """Return the mean size of the entries (n,) of a ``diagonal`` that are not zero; 0 if all are.
+
+    Those of rotations, by their ``kind`` (n,), are divided by the square of the ``length`` scale [m].
+    """
+    sizes = np.abs(diagonal) / np.where(kind == ROTATION, length**2, 1.0)
+    sizes = sizes[sizes > 0]
+    return float(sizes.mean()) if len(sizes) else 0.0
 
 
 class Scales(NamedTuple):

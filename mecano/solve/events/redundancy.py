@@ -23,7 +23,7 @@ def reanalyse_redundancy(system, linear, s, soft, length):
     added = np.zeros(0, np.int64) if soft is None else np.flatnonzero(gradient(system, s, length)[2] & ~soft.active)
     consistent, repeats = None, True
     try:
-        consistent = Consistent(system, linear, s, soft)
+        consistent = Consistent(system, linear, s, length, soft)
         repeats = consistent.repeats()
     except AssemblyError:
         pass
@@ -36,7 +36,7 @@ def reanalyse_redundancy(system, linear, s, soft, length):
     found = redundant_groups(system, s, length, analysis) if repeats or len(added) else ()
     if len(added):
         found = _with_any(found, system, added)
-    return Consistent(system, linear, s, new), new, by_same_joints(found)
+    return Consistent(system, linear, s, length, new), new, by_same_joints(found)
 
 
 def _missed(soft, analysis):

@@ -17,7 +17,8 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from mecano.errors import name_list
-from mecano.model.numbering import ROTATION
+from mecano.model.numbering import ANGLE_CONSTRAINT, ROTATION
+from mecano.solve.diagnostics.scales import mean_diagonal
 from mecano.solve.linear.sparse import LinearSolver
 
 DENSE = 400  # unknowns up to which all eigenvalues are computed
@@ -28,6 +29,7 @@ SYMMETRIC = 1e-7  # of the largest entry: largest asymmetry of a symmetric tange
 ROUNDED = 1e-11  # of the largest entry: asymmetry that is rounding, also beside a softer direction
 RANK = 1e-9  # singular value of normalized rows below which it counts as zero
 UNKNOWN = -1
+SHIFT = 1e-9  # of the mean stiffness: by which that of all directions is raised to find the softest
 FARTHER = 4.0  # factor by which the shift to the most negative stiffness grows
 NAMED = 2  # nodes named in the description of a motion
 SMALL = 0.2  # of the largest displacement: nodes that move less are not named
@@ -127,15 +129,21 @@ class Judge:
 
     def _penalized(self, data):
         """Return the tangent with k and penalty equal to its mean stiffness, to avoid zero pivots."""
-        n_q = self.system.n_q
+        n_q, n = self.system.n_q, self.system.n
         if not self.system.n_l:
             return data
-        diagonal = np.abs(data[self.system.diagonal[:n_q]])
-        k = float(diagonal[diagonal > 0].mean()) if np.any(diagonal) else 1.0
+        of_angles = self.system.numbering.kind[n_q:n] == ANGLE_CONSTRAINT
+        k = sp.diags(self._mean_stiffness(data) * np.where(of_angles, self.length**2, 1.0))
         full = self._matrix(data)
         B = full[n_q:, :n_q]
-        matrix = full + sp.bmat([[k * (B.T @ B), (1 - k) * -B.T], [(1 - k) * -B, None]])
+        scaled = k @ B
+        matrix = full + sp.bmat([[B.T @ scaled, (scaled - B).T], [scaled - B, None]])
         return np.asarray(matrix[self.system.rows, self.system.cols]).ravel()
+
+    def _mean_stiffness(self, data):
+        """Return the mean stiffness [N/m] of the tangent, or 1 N/m if it has none."""
+        own = np.flatnonzero(~self.system.signals)
+        return mean_diagonal(data[self.system.diagonal[own]], self.system.numbering.kind[own], self.length) or 1.0
 
     def _softest(self, data, unstable=0):
         """Return (stiffness nearest to zero, or most negative one if ``unstable``, its motion); (nan, None) on failure.
@@ -145,7 +153,7 @@ class Judge:
         n, n_q = self.system.n, self.system.n_q
         metric = sp.diags(np.concatenate([self.metric, np.zeros(n - n_q)])).tocsc()
         matrix = self._matrix(data).tocsc()
-        shift = 1e-9 * (np.abs(data[self.system.diagonal[:n_q]]).mean() or 1.0)
+        shift = SHIFT * self._mean_stiffness(data)
         while unstable > 0:
             shift *= FARTHER
             unstable = self._negative(self._dragged(data, shift))[0]

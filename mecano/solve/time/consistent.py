@@ -15,6 +15,7 @@ import numpy as np
 from mecano.errors import AssemblyError, Failure
 from mecano.model.numbering import SCALAR
 from mecano.solve.diagnostics.failure import not_finite
+from mecano.solve.diagnostics.scales import mean_diagonal
 from mecano.solve.time.increments import displaced, moved
 from mecano.solve.time.signals import settle_signals
 
@@ -34,8 +35,11 @@ ROUNDING = 1e-12  # of the largest multiplier, value or rate: an iteration on th
 class Consistent:
     """The factored matrix above at one configuration, and the problems solved with it."""
 
-    def __init__(self, system, linear, s, compliance=None):
-        """Factor at the positions of ``s`` (its a and multipliers are not used); raises AssemblyError if singular."""
+    def __init__(self, system, linear, s, length, compliance=None):
+        """Factor at the positions of ``s`` (its a and multipliers are not used), of a mechanism of the ``length`` [m].
+
+        Raises AssemblyError if the matrix is singular.
+        """
         self.system, self.linear = system, linear
         bare = s.copy()
         bare.a[:] = 0.0
@@ -43,7 +47,7 @@ class Consistent:
         data = system.assemble(bare, 1.0, 0.0, 0.0, 0.0, 1.0).data
         diagonal = data[system.diagonal[: system.n_q]]
         loose = (diagonal <= 0.0) | system.signals  # signals may not be known yet
-        self.k = float(diagonal[~loose].mean()) if np.any(~loose) else 1.0
+        self.k = mean_diagonal(diagonal[~loose], system.numbering.kind[: system.n_q][~loose], length) or 1.0
         system.add_constraints(bare, self.k, self.k, data)
         diagonal = data[system.diagonal[: system.n_q]]
         # neither mass nor constraint: stays at rest; scalars without mass move as their own equations say
@@ -287,7 +291,7 @@ def consistent_state(system, linear, s, h, contradictions, compliance=None, cons
     ``consistent``, if given, is factored for ``s``. Raises AssemblyError where constraints contradict one another.
     """
     s = s.copy()
-    consistent = consistent or Consistent(system, linear, s, compliance)
+    consistent = consistent or Consistent(system, linear, s, contradictions.length, compliance)
     consistent.project_velocity(s)
     contradictions.refuse(s, h)
     consistent.settle(s, h)

@@ -163,7 +163,7 @@ class Radau:
     def _projected(self, s):
         """Return ``s`` projected on the constraints, with its accelerations and multipliers, and the way there."""
         of = self.system.numbering
-        consistent = Consistent(self.system, self.linear, s, self.compliance)
+        consistent = Consistent(self.system, self.linear, s, self.length, self.compliance)
         change = consistent.change(-self.stages.gap(s))
         s = displaced(s, change, of)
         consistent.project_velocity(s)
