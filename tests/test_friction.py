@@ -109,10 +109,36 @@ def test_a_guide_that_inertia_presses(mu):
     np.testing.assert_allclose(recorded["joints/rail/normal_force"], -2 * 10 * exact * 0.3 / 0.1, rtol=1e-6)
 
 
-def test_a_guide_that_no_acceleration_satisfies_is_reported():
-    """Beyond mu = b/(2 a) that equation has no solution: the run ends, naming the guide."""
-    with pytest.raises(ConvergenceError, match="prismatic 'rail'"):
-        RecordedRun(deck(BRAKED.format(mu=0.18)))
+@pytest.mark.parametrize("how", ["", ", adaptive: {tolerance: 1.0e-4, length_scale: 1}", ", method: radau"])
+def test_a_guide_that_no_acceleration_satisfies_is_reported(how):
+    """Beyond mu = b/(2 a) that equation has no solution: the run ends, and says that the guide binds."""
+    text = BRAKED.format(mu=0.18).replace("step: 1.0e-3", f"step: 1.0e-3{how}")
+    with pytest.raises(ConvergenceError, match="prismatic 'rail' binds: its friction grows faster"):
+        RecordedRun(deck(text))
+
+
+def test_a_guide_with_several_accelerations_is_reported():
+    """Its friction jumped from one solution to another, in some hundred thousand steps of 1e-7 s."""
+    text = """
+    mecano: 1
+    gravity: none
+    nodes:
+      body: {position: [0.1088, 1.1997, -0.3723], orientation: [2.2618, -0.4679, 0.1225]}
+      slider: {position: [0.3019, 0.9454, -0.2998]}
+    elements:
+      body: {type: rigid_body, node: body, mass: 1.522, inertia: [0.21, 0.23, 0.26], attached: [slider]}
+    joints:
+      rail:
+        type: prismatic
+        nodes: [ground, slider]
+        axis: [-0.1913, 0.4394, -0.8777]
+        sliding_law: {spring: 315, damper: 0.165}
+        friction: {coefficient: 0.361, regularization: 0.0014, length: 0.13}
+    initial: {velocities: [{nodes: all, velocity: [-0.27, 0.51, -0.98]}]}
+    time: {end: 0.6, step: 0.002}
+    """
+    with pytest.raises(ConvergenceError, match="prismatic 'rail' binds"):
+        RecordedRun(deck(text))
 
 
 SPIN = """

@@ -169,6 +169,19 @@ def minimum_step(system, before, after, error, t, h):
     return of_equations(failed, system, [worst])
 
 
+def binds(system, i, t):
+    """Return the error of a joint or contact whose friction binds at ``t`` [s], by the number ``i`` of a reaction."""
+    place = system.numbering.name[i].place
+    error = ConvergenceError(
+        f"cannot continue from t = {t:.9g} s: {place} binds: its friction grows faster with its reactions than the "
+        "motion relieves them, so that rigid bodies have no acceleration, or several\n"
+        "what to try: a smaller coefficient of friction; a longer guide; elasticity: a small body between guide and "
+        "load, held by an elastic joint or a bushing; a law instead of a rigid contact"
+    )
+    error.elements = (place,)
+    return error
+
+
 def standstill(event, count, t):
     """Return the error of an ``event`` that recurs ``count`` times while time does not advance."""
     return ConvergenceError(

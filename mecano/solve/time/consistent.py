@@ -11,6 +11,7 @@ p makes it regular for nodes without mass; the compliances c are zero unless con
 from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 
 from mecano.errors import AssemblyError, Failure
 from mecano.model.numbering import SCALAR
@@ -249,6 +250,20 @@ class Consistent:
             if np.abs(self.k * change[n_q:]).max() <= ROUNDING * np.abs(s.z[n_q:n]).max():
                 break
         self._factor()
+
+    def friction_on_itself(self, s):
+        """Return W (m, m): the reactions at ``s`` by which the friction of unit coupled multipliers changes them.
+
+        The reactions keep the constraints; without friction the change is zero.
+        """
+        system, n_q, n, data = self.system, self.system.n_q, self.system.n, np.zeros(len(self.data))
+        coupled = n_q + system.coupled_multipliers
+        here = _with(self.bare, s.v, s.a)
+        here.z[n_q:n] = s.z[n_q:n]
+        system.add_coupled_multipliers(here, self.k, data)
+        of_all = sp.csc_matrix((data[: system.nnz], (system.rows, system.cols)), shape=(n, n))
+        columns = of_all[:, coupled].toarray().T
+        return np.array([self._solution(column[:n_q], column[n_q:])[coupled] for column in columns]).T
 
     def _couple_signals(self, s, signals, data):
         """Put the equations of ``signals`` (n_q,) bool and their columns at ``s`` in data; return the residual there.

@@ -14,6 +14,7 @@ from mecano.solve.events.capture import EventCapture
 from mecano.solve.events.events import EventMonitor, some_happened
 from mecano.solve.events.location import locate, look_ahead
 from mecano.solve.events.shocks import Shocks
+from mecano.solve.time.binding import refuse_binding
 from mecano.solve.time.consistent import consistent_state
 from mecano.solve.time.ordinary_steps import OrdinarySteps
 from mecano.solve.time.run_state import RunState
@@ -212,7 +213,7 @@ class TimeIntegrator:
                 found = self._locate(run, g0, trial, h)
                 if found is None or found.ok:
                     return h, trial, found, rejected, iterations
-                smaller = self._smaller(found.trial[2], run.motion.t, h, cuts)
+                smaller = self._smaller(found.trial[2], run.motion, h, cuts)
             h, rejected = smaller, rejected + 1
 
     def _locate(self, run, g0, trial, h):
@@ -243,7 +244,7 @@ class TimeIntegrator:
         """Return the step size to try instead of h, or None if the trial is accepted; add failures to ``cuts``."""
         _, history, info = trial
         if not info.ok:
-            return self._smaller(info, run.motion.t, h, cuts)
+            return self._smaller(info, run.motion, h, cuts)
         info.error = self._judged(trial, h)
         if self.control.accept(info.error, h):
             return None
@@ -408,7 +409,10 @@ class TimeIntegrator:
         for observer in self.observers:
             observer(accepted)
 
-    def _smaller(self, info, t, h, cuts):
+    def _smaller(self, info, s, h, cuts):
+        t = s.t
+        if h <= SHORT * self.control.maximum:
+            refuse_binding(self.method, s)
         if h * AFTER_FAILURE >= self.control.minimum:
             cuts.append((t, h * AFTER_FAILURE))
             return h * AFTER_FAILURE
