@@ -298,3 +298,38 @@ def test_friction_in_an_elastic_impact(verify):
         what = f"elastic impact with friction, a ball that {ball}: velocity [m/s]"
         verify(S, what, v, [speed, 0.0, 1.0], "Coulomb's law in the impact", absolute=1e-4)
         assert spin == pytest.approx(2.0 * (2.0 - speed) / 8e-3 * 0.1, abs=1e-3)
+
+
+PAIR = """
+    mecano: 1
+    gravity: none
+    nodes: {one: {position: [0, 0, 0]}, other: {position: [0.3, 0.05, 0]}}
+    elements:
+      one: {type: rigid_body, node: one, mass: 1, inertia: [0.004, 0.004, 0.004]}
+      other: {type: rigid_body, node: other, mass: 2, inertia: [0.02, 0.02, 0.02]}
+      hit:
+        type: contact
+        nodes: NODES
+        sphere: {radius: R_A}
+        radius: R_B
+        law: {linear: {slope: 300}}
+        friction: {coefficient: 0.4, regularization: 0.01}
+    initial: {velocities: [{nodes: [one], velocity: [2, 0, 0], angular_velocity: [0, 0, 9]}]}
+    time: {end: 0.4, step: 0.001}
+"""
+
+
+def test_either_of_two_balls_may_carry_the_surface():
+    """They overlap by a quarter of a radius; the force divides the distance of the centres as the radii."""
+    runs = []
+    for nodes, a, b in (("[one, other]", 0.1, 0.15), ("[other, one]", 0.15, 0.1)):
+        text = PAIR.replace("NODES", nodes).replace("R_A", str(a)).replace("R_B", str(b))
+        runs.append(RecordedRun(deck(text)))
+    assert runs[0]["elements/hit/gap"].min() < -0.02
+    for path in (
+        "nodes/one/position",
+        "nodes/other/position",
+        "nodes/one/angular_velocity",
+        "elements/hit/normal_force",
+    ):
+        np.testing.assert_allclose(runs[1][path], runs[0][path], rtol=0, atol=1e-9, err_msg=path)

@@ -9,7 +9,9 @@ gap is
 for the surface at the distance :math:`\rho` from a point (sphere, :math:`t_0 = t_1 = 0`), a line (cylinder) or a part
 of a line (capsule). s is 1 outside of it and -1 inside (a ball in a bowl, a pin in a hole). The normal n, alpha or
 :math:`s\,e/|e|`, points from the surface to the centre of the ball. Forces act at the point
-:math:`x_b - r\,n` of the ball. The rate of the gap is
+:math:`x_b - r\,n` of the ball, or, where a ball and a convex surface overlap, at the point that divides the distance of
+their centres in the ratio of the radii, :math:`x_b - r\,(1 + \min(g, 0)/(r + \rho))\,n`: either of two balls may be the
+surface. The rate of the gap is
 
 .. math::  \dot g = n \cdot (v_b - v_a - \omega_a \times (x_b - x_a))
 """
@@ -98,13 +100,22 @@ def touch(p, at):
     R, from_a = mat(at.R[0]), vec(at.q, 6) - vec(at.q, 0)
     d, axis = from_a - R @ vec(p.origin, 0), R @ vec(p.axis, 0)
     along = dot(axis, d)
+    share = 0.0
     if p.planar > 0.0:
         gap, n = along - p.radius, axis
     else:
         e = d - at_least(at_most(along, p.last), p.first) * axis
         away = norm(e)
         gap, n = p.side * (away - p.distance) - p.radius, p.side / at_least(away, CENTRED) * e
-    return Touch(gap, n, from_a - p.radius * n, -p.radius * n)
+        share = 1.0 / (p.radius + p.distance) if p.side > 0.0 else 0.0
+    b = -arm_of_b(p.radius, gap, share) * n
+    return Touch(gap, n, from_a + b, b)
+
+
+@kernel
+def arm_of_b(radius, gap, share):
+    """Return the distance [m] of the contact from the centre of b; ``share``: of an overlap over that of b's radius."""
+    return radius * (1.0 + share * at_most(gap, 0.0))
 
 
 @kernel

@@ -18,6 +18,7 @@ from mecano.constraints.touching import (
     SURFACE_RECORD,
     Touch,
     approach_of_turning,
+    arm_of_b,
     check_place_on_b,
     given,
     origin_on_b,
@@ -65,8 +66,9 @@ def touch(p, at):
     d = r + t * beta - s * alpha
     distance = norm(d)
     n = 1.0 / at_least(distance, SHORTEST) * d
-    b = o_b + t * beta - p.radius * n
-    return Touch(distance - p.distance - p.radius, n, from_a + b, b)
+    gap = distance - p.distance - p.radius
+    b = o_b + t * beta - arm_of_b(p.radius, gap, 1.0 / (p.distance + p.radius)) * n
+    return Touch(gap, n, from_a + b, b)
 
 
 RODS = Shapes(touch, approach_of_turning, True)
