@@ -8,6 +8,7 @@ from surviving import check_same, contents
 from time_runs import RecordedRun, deck
 
 from mecano.analyses.dynamic import begun, resume
+from mecano.errors import ConvergenceError
 from mecano.results.reader import open_results
 
 MASSES, STIFFNESS, AMPLITUDE = 4, 100.0, 0.01  # of 1 g, in a carriage of 1 kg; [N/m], [m]
@@ -15,7 +16,7 @@ OMEGA = np.sqrt(STIFFNESS / (1.0 + 0.001 * MASSES))
 TIMES = np.arange(0.1, 0.65, 0.1)  # in the first period
 
 
-def rattling(time, end=0.63, damping=0.0):
+def rattling(time, end=0.63, damping=0.0, located=10):
     """A carriage on a spring; each mass lies slack between two cables, 1 to 2 um longer than its distances."""
     masses = "".join(
         f"""
@@ -39,7 +40,7 @@ def rattling(time, end=0.63, damping=0.0):
         joints:
           guide: {{type: prismatic, nodes: [ground, c], axis: [1, 0, 0], natural_displacement: {-AMPLITUDE},
                    sliding_law: {{spring: {{stiffness: {STIFFNESS}}}}}}}
-        time: {{end: {end}, {time}, located_events: 10}}
+        time: {{end: {end}, {time}, located_events: {located}}}
     """)
 
 
@@ -81,6 +82,14 @@ def test_strongly_damped_lines_leave_their_events_behind(damping):
     energy = recorded["energy/total"]
     assert energy.max() < 1.001 * energy[0]
     assert np.abs(errors(recorded)).max() < AMPLITUDE * (OMEGA * 2.5e-3) ** 2
+
+
+def test_a_run_ends_where_no_phases_fit_any_step():
+    """Located events recur at one instant, as steps of a thousand m/c overshoot; captured, no phases fit the end."""
+    with pytest.raises(
+        ConvergenceError, match=r"time does not advance beyond t = 0\.00195.*cable 'left1' had the event"
+    ):
+        RecordedRun(rattling("step: 20 ms", end=0.1, damping=2.0e-3, located=100000))
 
 
 def test_events_that_the_end_of_a_trial_does_not_show_are_located_before_later_ones():

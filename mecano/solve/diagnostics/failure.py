@@ -187,7 +187,8 @@ def standstill(event, count, t):
     return ConvergenceError(
         f"time does not advance beyond t = {t:.9g} s: {event.element} had the event '{event.name}' ({event.before} -> "
         f"{event.after}) {count} times there\n"
-        "what to try: laws of this element without jumps; two levels of a switch; some damping at its stops; nodes a "
-        "little farther from the boundary between two of its phases; for a wheel that cannot slip, a flexible one: "
-        "without slip it may be able neither to stay on the ground nor to leave it"
+        "what to try: a smaller time.step, if it has much damping; laws of this element without jumps; two levels of a "
+        "switch; some damping at its stops; nodes a little farther from the boundary between two of its phases; for a "
+        "wheel that cannot slip, a flexible one: without slip it may be able neither to stay on the ground nor to "
+        "leave it"
     )

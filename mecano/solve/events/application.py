@@ -80,7 +80,8 @@ class EventApplication:
     def _guard(self, run, hit, event_records):
         """Capture elastic events if one of those that ``hit`` occurs again and again while time stands still.
 
-        If it is none, or events are captured already, raise ConvergenceError.
+        If it is none, or it occurs as often once more because no phases fit the end of a step (capture.py), raise
+        ConvergenceError.
         """
         t = run.motion.t
         if t - self.since > STANDSTILL * run.h:
@@ -89,10 +90,9 @@ class EventApplication:
         once = {(event.element, event.name): event for event in event_records}  # of parts only once
         self.repeats.update(once.keys())
         often = [event for key, event in once.items() if self.repeats[key] > MOST_AT_ONCE]
-        if often and not self.capture.begin(hit, run):
-            raise failure.standstill(often[0], MOST_AT_ONCE + 1, t)
-        if often:
-            self.repeats.clear()
+        most = max((self.repeats[key] for key in once), default=0)
+        if often and (most > 2 * MOST_AT_ONCE or not self.capture.begin(hit, run)):
+            raise failure.standstill(often[0], most, t)
         self._suppress_rebound()
 
     def _suppress_rebound(self):
