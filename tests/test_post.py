@@ -14,6 +14,7 @@ import matplotlib.figure
 import matplotlib.image
 import numpy as np
 import pytest
+from time_runs import INPUTS
 
 import mecano
 from mecano.cli import commands
@@ -375,6 +376,16 @@ def test_a_moment_that_is_nothing_beside_the_forces_is_not_shown(runs):
     for size, shown in ((1e-13, 1), (1e-3, 2)):
         moment = replace(force, unit="N m", values=size * force.values)
         assert len(worth_showing([*panels, Panel("moment", (Curve(force, moment, 0, "a"),))], runs)) == shown
+
+
+def test_a_moment_below_the_tolerance_of_forces_is_not_shown(tmp_path):
+    """Between two spacecraft that turn as one body acts a force of 7 mN; the moment is 5e-9 N m, 6e-7 of it."""
+    mecano.run(INPUTS / "docking.yaml", tmp_path / "docking.h5", quiet=True).close()
+    (run,) = open_runs([tmp_path / "docking.h5"])
+    assert 0.0 < run.results.extremes["joints/port/moment.z"].maximum < 1e-8
+    panels = [panel for sheet in sheets.default_sheets([run]) for panel in sheet.panels if isinstance(panel, Panel)]
+    shown = [curve.y.path for panel in panels for curve in panel.curves]
+    assert any("port/force" in path for path in shown) and not any("port/moment" in path for path in shown)
 
 
 def test_panels_show_the_events_of_their_own_elements(tmp_path):

@@ -54,9 +54,11 @@ def worth_showing(panels, runs):
     if "m" in scale:  # moments are compared with forces times the size of the mechanism, and vice versa
         size, force, moment = scale["m"], scale.get("N", 0.0), scale.get("N m", 0.0)
         scale |= {"N m": max(moment, force * size), "N": max(force, moment / size if size else 0.0)}
+    left = max((run.left_of_forces for run in runs), default=0.0)
+    least = {unit: max(NOTHING, left if unit in ("N", "N m") else 0.0) * size for unit, size in scale.items()}
     kept = []
     for panel in panels:
-        curves = tuple(c for c in panel.curves if _size(c.y.values) > NOTHING * scale[c.y.unit])
+        curves = tuple(c for c in panel.curves if _size(c.y.values) > least[c.y.unit])
         if any(not curve.reference for curve in curves):
             kept.append(replace(panel, curves=curves))
     return kept

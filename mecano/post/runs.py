@@ -13,6 +13,7 @@ from mecano.model.mesh import piece_names
 from mecano.results.reader import Results, open_results
 
 LONGEST = 80  # characters of a label: the width of the narrowest picture
+LEFT = 10.0  # times its tolerance: forces that Newton's iteration may leave, as errors of steps add to them
 HEADED = ("title",)  # overrides shown in the heading of pictures
 
 
@@ -69,6 +70,12 @@ class Run:
         length = max(filter(np.isfinite, lengths), default=0.0)
         duration = float(np.ptp(self.results.time)) or 1.0
         return {"m": length, "m/s": length / duration, "rad": 1.0, "rad/s": 1.0 / duration}
+
+    @cached_property
+    def left_of_forces(self):
+        """Share of the largest force or moment below which another is what Newton's iteration has left of it."""
+        newton = (self.deck.get("time") or self.deck.get("static") or {}).get("newton", {})
+        return LEFT * newton.get("force_tolerance", 0.0)
 
     @property
     def title(self):
