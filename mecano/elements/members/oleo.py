@@ -10,10 +10,12 @@ the fully extended length, and the piston speed u at which oil passes the orific
   reaches its pressure :math:`p_2`; from there both have the same pressure, as one chamber of their volumes.
 * oil: the orifice area :math:`A_o` is a curve of the stroke (a metering pin). The rebound has an orifice of its own (a
   recoil valve) and, with a recoil chamber, its area in place of :math:`A_h`; without one the oil is sucked back.
-  :math:`u_0` = 1 mm/s makes the flow laminar near rest, where the orifices blend: with the factors
+  Below the ``laminar_speed`` :math:`u_0` the flow is laminar, and the orifices blend: with the factors
   :math:`r_c, r_r` of compression and rebound the laminar part is
   :math:`u_0 (\frac{r_c + r_r}{2} u + \frac{r_c - r_r}{2} (\sqrt{u^2 + u_0^2} - u_0))`. So small motions about rest have
-  the mean of both, and not one of them by the sign of a rounded speed.
+  the mean of both, and not one of them by the sign of a rounded speed. Of a sharp-edged round orifice, whose pressure
+  drop at slow flow is :math:`50.4\,\mu Q/(\pi d^3)` (Wuest, in Merritt, Hydraulic Control Systems, 1967),
+  :math:`u_0 = 22\,C_d^2\,\nu \sqrt{A_o}/A_h`, with the kinematic viscosity :math:`\nu`: 0.1 to 1 mm/s in landing gears.
 * the oil in the chamber is compressed by c, the unknown of the element: :math:`u = \dot s - \dot c` and
   :math:`F_h = k c` with :math:`k = K A_h^2/V`.
 
@@ -38,10 +40,9 @@ from mecano.maths.dual import chain, number, select, sqrt, value
 from mecano.schema import CURVE, LAW, NODE_PAIR, NUMBER, Field, mapping, positive
 
 OIL = 6  # local unknown: compression c of the oil [m], measured along the stroke
-LAMINAR = 1e-3  # u_0 [m/s]
 RECORD = record(
     **LAW_RECORD, push=2, column=2, exponent=(), second=(), gas_area=(), ambient=(), oil_stiffness=(),
-    orifice="i", rebound_orifice="i", drag=2, pressing=2,
+    orifice="i", rebound_orifice="i", drag=2, pressing=2, laminar=(),
 )  # fmt: skip
 
 
@@ -69,8 +70,8 @@ def through_orifice(p, at, e, u):
     inwards, outwards = curve(at.laws, p.orifice, -e), curve(at.laws, p.rebound_orifice, -e)
     compression, rebound = p.drag[0] / (inwards * inwards), p.drag[1] / (outwards * outwards)
     turbulent = select(u > 0.0, compression * u, -(rebound * u)) * u
-    smooth = sqrt(u * u + LAMINAR * LAMINAR) - LAMINAR
-    return turbulent + 0.5 * LAMINAR * ((compression + rebound) * u + (compression - rebound) * smooth)
+    smooth = sqrt(u * u + p.laminar * p.laminar) - p.laminar
+    return turbulent + 0.5 * p.laminar * ((compression + rebound) * u + (compression - rebound) * smooth)
 
 
 @kernel
@@ -122,6 +123,7 @@ def prepare(d, nodes, context):
         **law_values({}, d["law"], extended(d, nodes), context), **_chambers(gas, d["second_gas"]),
         "exponent": gas["exponent"], "gas_area": gas["area"], "ambient": gas["ambient_pressure"],
         "oil_stiffness": k, "drag": drag, "pressing": pressing,
+        "laminar": oil["laminar_speed"],
         "orifice": context.laws.add(oil["orifice"]), "rebound_orifice": context.laws.add(rebound),
     }  # fmt: skip
 
@@ -191,6 +193,7 @@ def sample(rng):
     oil = {
         "area": 1.1, "orifice": (("polynomial", {"coefficients": [1.2, -0.1]}),), "rebound_orifice": None,
         "recoil_area": None, "discharge_coefficient": 0.8, "density": 1.5, "bulk_modulus": 20.0, "volume": 2.0,
+        "laminar_speed": 1e-3,
     }  # fmt: skip
     one = {"gas": gas, "oil": oil, "second_gas": None, "law": None, "extended_length": 2.5}
     valve, both = {**oil, "rebound_orifice": 0.7, "recoil_area": 0.9}, {"pressure": 3.6, "volume": 2.0}
@@ -252,6 +255,7 @@ OIL_FIELDS = (
     Field("discharge_coefficient", NUMBER, "-", "C_d of the orifice", 0.7, positive),
     Field("density", NUMBER, "kg/m3", "density rho", 860.0, positive),
     Field("bulk_modulus", NUMBER, "Pa", "bulk modulus K, with the air dissolved in the oil", 1.4e9, positive),
+    Field("laminar_speed", NUMBER, "m/s", "piston speed u_0 below which the flow is laminar", 1e-3, positive),
 )
 OLEO = Kind(
     name="oleo",
