@@ -25,6 +25,7 @@ from mecano.solve.time.stride import PROBE, STRETCH
 NEGLIGIBLE_TIME = 1e-6  # of a step: no step is made for a remaining time below
 LEAST_ULPS = 1e4  # spacings of floating-point numbers of time in a step: a shorter step has too much rounding
 MOST_STEPS = 2**62  # in one call of compiled code: any number
+MOST_CUTS = 1000  # while time advances by less than the largest step: then the run crawls
 SHORT = 1e-3  # of a step: the reactions of a shorter one are dominated by rounding
 
 
@@ -410,10 +411,11 @@ class TimeIntegrator:
             observer(accepted)
 
     def _smaller(self, info, s, h, cuts):
-        t = s.t
-        if h <= SHORT * self.control.maximum:
+        smaller = h * AFTER_FAILURE
+        crawls = len(self.cuts) >= MOST_CUTS and s.t - self.cuts[-MOST_CUTS][0] < self.control.maximum
+        if crawls or smaller < self.control.minimum:
             refuse_binding(self.method, s)
-        if h * AFTER_FAILURE >= self.control.minimum:
-            cuts.append((t, h * AFTER_FAILURE))
-            return h * AFTER_FAILURE
-        raise failure.no_step(self.system, self.method.assembly, info, t, h)
+        if smaller < self.control.minimum:
+            raise failure.no_step(self.system, self.method.assembly, info, s.t, h)
+        cuts.append((s.t, smaller))
+        return smaller
