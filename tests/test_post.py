@@ -113,7 +113,7 @@ def test_slip_has_gaps_where_the_wheel_is_in_the_air(shown, runs):
     assert np.isfinite(find(runs[0].results, "one_wheel.longitudinal_slip")[0].values).all()
 
 
-def test_each_event_of_each_element_has_a_mark_of_its_own_or_each_event_where_these_are_too_many(runs):
+def test_events_have_a_mark_for_each_element_or_for_all_at_the_same_times_or_for_all_where_these_are_too_many(runs):
     (force,) = find(runs[0].results, "one_wheel.normal_force")
     panel = Panel("force", (Curve(time_of(force), force, 0, "a"),))
 
@@ -126,7 +126,9 @@ def test_each_event_of_each_element_has_a_mark_of_its_own_or_each_event_where_th
 
     assert legend((0.5, "left", "lands"), (0.1, "right", "lands")) == ["right: lands", "left: lands"]
     assert legend((0.5, "left", "lands"), (9.0, "right", "lands")) == ["left: lands"]  # beyond the panel
-    assert legend(*((0.1, f"e{i}", "locks") for i in range(20)), (0.2, "e1", "opens")) == ["locks", "opens"]
+    assert legend(*((0.1, e, "locks") for e in "bc"), (0.2, "b", "opens")) == ["b, c: locks", "b: opens"]
+    assert legend(*((0.1, e, "locks") for e in "bc"), (0.2, "b", "locks")) == ["b: locks", "c: locks"]
+    assert legend(*((i / 50, f"e{i}", "locks") for i in range(20)), (0.2, "e1", "opens")) == ["locks", "opens"]
     assert legend(*((0.1, "e", f"event {i}") for i in range(14)))[-1] == "2 other events"
 
 

@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+from mecano.errors import name_list
+
+MOST_NAMES = 4  # elements named in an entry of the legend
 MARKERS = "v^sDoPX*<>pH"
 OTHERS = "|"  # common mark of all further events
 
@@ -21,15 +24,16 @@ class EventMark:
 def event_marks(runs):
     """Return an EventMark for each event of all runs.
 
-    Each event of each element has a marker, or each event alone where these are too many; of still more, the others
-    share one. Markers are assigned in order of time.
+    Each event of each element has a marker, shared by elements for which it occurs at the same times; or each event
+    alone where these are too many; of still more, the others share one. Markers are assigned in order of time.
     """
     found = [
         (event.time, *_named(run, event), number) for number, run in enumerate(runs) for event in run.results.events
     ]
     found.sort(key=lambda event: event[0])
-    apart = len({(element, text) for _, element, text, _ in found}) <= len(MARKERS)
-    keys = [f"{element}: {text}" if apart else text for _, element, text, _ in found]
+    names = _simultaneous(found)
+    apart = len(set(names.values())) <= len(MARKERS)
+    keys = [names[element, text] if apart else text for _, element, text, _ in found]
     markers = dict(zip(dict.fromkeys(keys), MARKERS, strict=False))
     return tuple(EventMark(*event, markers.get(key, OTHERS), key) for event, key in zip(found, keys, strict=True))
 
@@ -37,3 +41,13 @@ def event_marks(runs):
 def _named(run, event):
     _, name = run.results.subject(event)
     return name, event.name.replace("_", " ")
+
+
+def _simultaneous(found):
+    """Return {(element, text): "elements: text"} with all elements for which an event occurs at the same times."""
+    times, alike = {}, {}
+    for time, element, text, run in found:
+        times.setdefault((element, text), []).append((run, f"{time:.6g}"))
+    for (element, text), own in times.items():
+        alike.setdefault((text, *own), []).append(element)
+    return {one: f"{name_list(alike[one[1], *own], MOST_NAMES)}: {one[1]}" for one, own in times.items()}
