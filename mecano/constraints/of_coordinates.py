@@ -61,10 +61,10 @@ OF_SIGNAL = {
 """The laws whose set point is a signal, by those whose set point is a law of time."""
 
 SLIDE_LATCH = latch_kind("slide_latch", "Latch of the sliding.", SLIDE)
-SLIDE_LATCH_RELEASE = releasable_latch_kind("slide_latch_release", "Latch of the sliding, with a release.", SLIDE)
+SLIDE_LATCH_RELEASE = releasable_latch_kind("slide_latch_release", "Latch of the sliding.", SLIDE)
 SLIDE_STOP = stop_kind("slide_stop", "Stops of the sliding.", SLIDE)
 ANGLE_LATCH = latch_kind("angle_latch", "Latch of the twist, over any turns.", TWIST)
-ANGLE_LATCH_RELEASE = releasable_latch_kind("angle_latch_release", "Latch of the twist, with a release.", TWIST)
+ANGLE_LATCH_RELEASE = releasable_latch_kind("angle_latch_release", "Latch of the twist, over any turns.", TWIST)
 ANGLE_STOP = stop_kind("angle_stop", "Stops of the twist, over any turns.", TWIST)
 
 BOTH = (0, 1)

@@ -7,7 +7,7 @@ from mecano.deck.units import is_quantity
 
 NUMERIC = ("number", "integer", "curve", "drive", "either")  # types whose values may be numbers
 MAX_SHOWN = 60
-MAX_LISTED = 12
+MAX_LISTED = 16
 
 
 def quoted(text):
