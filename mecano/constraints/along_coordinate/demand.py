@@ -48,10 +48,11 @@ def check_alike(name, values):
     return []
 
 
-def on_demand(make, field, i):
+def on_demand(make, field, i, of_time=of_time, of_input=of_input):
     """Return the Kind ``make(demand)`` for a function of time, whose variant reads a formula in the deck's ``field``.
 
-    ``i``: local index of the input, which follows the slots and the scalars.
+    ``i``: local index of the input, which follows the slots and the scalars. ``of_time`` and ``of_input(i)`` are the
+    demands of both.
     """
     by_law, by_signal = make(of_time), replace(make(of_input(i)), inputs=(field,))
     return replace(by_law, variant=lambda d: by_signal if is_formula(d[field]) else by_law)

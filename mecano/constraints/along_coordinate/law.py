@@ -7,7 +7,6 @@ An angle is continued over whole turns with the memory of the last accepted step
 
 from dataclasses import replace
 
-from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.constraints.body_fixed import follow
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.stop_phases import EVENTS, PHASES, law_record, put_stop_events
@@ -60,15 +59,6 @@ def of_signal(i):
         return number(at.q[i]), number(at.v[i])
 
     return read
-
-
-def with_set_point(make, field, i):
-    """Return the Kind ``make(of_time)``, whose variant reads a formula in the deck's ``field``.
-
-    ``i``: local index of the input, which follows the slots and the scalars.
-    """
-    by_law, by_signal = make(of_time), replace(make(of_signal(i)), inputs=(field,))
-    return replace(by_law, variant=lambda d: by_signal if is_formula(d[field]) else by_law)
 
 
 @kernel
