@@ -19,19 +19,20 @@ the load. The force acts at the undeflected contact. Stiffnesses are those at th
 In the phase "air" both deflections decay in 1 ms.
 """
 
+from functools import partial
+
 import numpy as np
 
-from mecano.constraints.ground import GROUND_RECORD, ends
-from mecano.element_interface import Kind, Output, record
+from mecano.constraints.ground import GROUND_RECORD
+from mecano.element_interface import Output
 from mecano.elements.wheels.at_start import odd_start
-from mecano.elements.wheels.by_slip_law import by_slip_law
+from mecano.elements.wheels.by_slip_law import by_slip_law, wheel_with
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import (
     FIRST,
     add_ground,
     event_values,
     law_samples,
-    limits,
     put_rolling,
     rolling,
     with_slip,
@@ -40,14 +41,12 @@ from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
 from mecano.elements.wheels.rolling_tyre import with_rolling
 from mecano.elements.wheels.slip_law import Slip, given_law
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
-from mecano.elements.wheels.tire_law import RADIAL_RECORD, slip_law_of
+from mecano.elements.wheels.tire_law import slip_law_of
 from mecano.elements.wheels.tire_wheel import (
     AIR,
     CONTACT,
-    EVENTS,
     FIELDS,
     OUTPUTS,
-    PHASES,
     TYRE_DISPLAY,
     check_wheel,
     prepare_wheel,
@@ -159,38 +158,32 @@ def sample(rng):
     return [*found, with_rolling(found[0])]
 
 
-def with_law(law):
-    """Return the Kind of a wheel with a SlipLaw that has a carcass."""
-    residual, observe = compiled(law)
-
-    def prepare(d, nodes, context):
-        carcass = law.carcass(d["tire_law"])
-        own = {"stiffness": np.array(carcass.stiffness), "creep": np.array(carcass.creep)}
-        return {**prepare_wheel(d, nodes, context), **law.prepare(d["tire_law"], context), **own}
-
-    return Kind(
-        name="transient_wheel",
-        section="elements",
-        doc=__doc__,
-        display=TYRE_DISPLAY,
-        dtype=record(axis=3, **CARCASS_RECORD, **GROUND_RECORD, **SURFACE_RECORD, **RADIAL_RECORD, **law.record),
-        layout=("x0", "R0"),
-        scalars=SCALARS,
-        massless=SCALARS,
-        fields=FIELDS,
-        outputs=(*OUTPUTS, *ROLLING_OUTPUTS, *CARCASS_OUTPUTS),
-        phases=PHASES,
-        events=EVENTS,
-        prepare=prepare,
-        check=check,
-        limits=limits,
-        suspicious=odd_start,
-        ends=ends,
-        residual=residual,
-        observe=observe,
-        event_values=event_values,
-        sample=sample,
-    )
+def prepare(d, nodes, context):
+    """Return the values of the record; see element_interface.py."""
+    carcass = slip_law_of(d["tire_law"]).carcass(d["tire_law"])
+    return {
+        **prepare_wheel(d, nodes, context),
+        "stiffness": np.array(carcass.stiffness),
+        "creep": np.array(carcass.creep),
+    }
 
 
+with_law = partial(
+    wheel_with,
+    compiled=compiled,
+    own_record={**CARCASS_RECORD, **GROUND_RECORD, **SURFACE_RECORD},
+    prepare=prepare,
+    name="transient_wheel",
+    doc=__doc__,
+    display=TYRE_DISPLAY,
+    layout=("x0", "R0"),
+    scalars=SCALARS,
+    massless=SCALARS,
+    fields=FIELDS,
+    outputs=(*OUTPUTS, *ROLLING_OUTPUTS, *CARCASS_OUTPUTS),
+    check=check,
+    suspicious=odd_start,
+    event_values=event_values,
+    sample=sample,
+)
 TRANSIENT_WHEEL = by_slip_law(with_law, SLIP_LAWS["fiala"])

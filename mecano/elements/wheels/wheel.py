@@ -26,31 +26,28 @@ flat (q > 0: checked initially, finite at all times). The node is that of the wh
 of the wheel.
 """
 
-from mecano.constraints.ground import GROUND_RECORD, ends
-from mecano.element_interface import Kind, record
+from functools import partial
+
+from mecano.constraints.ground import GROUND_RECORD
 from mecano.elements.wheels.at_start import odd_start
-from mecano.elements.wheels.by_slip_law import by_slip_law
+from mecano.elements.wheels.by_slip_law import by_slip_law, wheel_with
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
 from mecano.elements.wheels.rolling_contact import (
     add_ground,
     event_values,
     law_samples,
-    limits,
     put_rolling,
     rolling,
     with_slip,
 )
 from mecano.elements.wheels.rolling_tyre import with_rolling
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
-from mecano.elements.wheels.tire_law import RADIAL_RECORD
 from mecano.elements.wheels.tire_wheel import (
     AIR,
     CONTACT,
-    EVENTS,
     FIELDS,
     OUTPUTS,
-    PHASES,
     TYRE_DISPLAY,
     check_wheel,
     large_wheel,
@@ -95,34 +92,20 @@ def sample(rng):
     return [*found, *(with_rolling(found[i]) for i in (0, 3))]
 
 
-def with_law(law):
-    """Return the Kind of a wheel with a SlipLaw."""
-    residual, observe = compiled(law)
-
-    def prepare(d, nodes, context):
-        return {**prepare_wheel(d, nodes, context), **law.prepare(d["tire_law"], context)}
-
-    return Kind(
-        name="wheel",
-        section="elements",
-        doc=__doc__,
-        display=TYRE_DISPLAY,
-        dtype=record(axis=3, **GROUND_RECORD, **SURFACE_RECORD, **RADIAL_RECORD, **law.record),
-        layout=("x0", "R0"),
-        fields=FIELDS,
-        outputs=(*OUTPUTS, *ROLLING_OUTPUTS),
-        phases=PHASES,
-        events=EVENTS,
-        prepare=prepare,
-        check=check_wheel,
-        limits=limits,
-        suspicious=odd_start,
-        ends=ends,
-        residual=residual,
-        observe=observe,
-        event_values=event_values,
-        sample=sample,
-    )
-
-
+with_law = partial(
+    wheel_with,
+    compiled=compiled,
+    own_record={**GROUND_RECORD, **SURFACE_RECORD},
+    prepare=prepare_wheel,
+    name="wheel",
+    doc=__doc__,
+    display=TYRE_DISPLAY,
+    layout=("x0", "R0"),
+    fields=FIELDS,
+    outputs=(*OUTPUTS, *ROLLING_OUTPUTS),
+    check=check_wheel,
+    suspicious=odd_start,
+    event_values=event_values,
+    sample=sample,
+)
 WHEEL = by_slip_law(with_law, SLIP_LAWS["friction"])

@@ -17,6 +17,7 @@ Validity: as the kind ``wheel``; inside a drum, its radius must exceed that of t
 tyre law is not corrected for its curvature.
 """
 
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -32,22 +33,20 @@ from mecano.constraints.carried_surface import (
     touch_carried,
 )
 from mecano.constraints.disc import carried_axis
-from mecano.constraints.ground import LEAST_Q, ends, too_low
-from mecano.element_interface import Display, Kind, record
+from mecano.constraints.ground import LEAST_Q, too_low
+from mecano.element_interface import Display
 from mecano.elements.wheels.at_start import odd_start_on_body
-from mecano.elements.wheels.by_slip_law import by_slip_law
+from mecano.elements.wheels.by_slip_law import by_slip_law, wheel_with
 from mecano.elements.wheels.ground_surface import Surface
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
-from mecano.elements.wheels.rolling_contact import add_ground, law_samples, limits, put_rolling, rolling_on, with_slip
+from mecano.elements.wheels.rolling_contact import add_ground, law_samples, put_rolling, rolling_on, with_slip
 from mecano.elements.wheels.rolling_tyre import with_rolling
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
-from mecano.elements.wheels.tire_law import RADIAL_RECORD, check_tire_law, prepare_radial
+from mecano.elements.wheels.tire_law import check_tire_law, prepare_radial
 from mecano.elements.wheels.tire_wheel import (
     AIR,
     CONTACT,
-    EVENTS,
     OUTPUTS,
-    PHASES,
     deepest,
     large_wheel,
 )
@@ -165,42 +164,31 @@ def _on_body(rng, wheel, number):
     return {**own, **surface, "nodes": ["drum", "hub"]}, nodes
 
 
-def with_law(law):
-    """Return the Kind of a wheel with a SlipLaw."""
-    residual, observe = compiled(law)
-
-    def prepare(d, nodes, context):
-        own = {"axis": carried_axis(d, nodes[1:]), **carried_record(d, nodes)}
-        return {**own, **prepare_radial(d["tire_law"], context), **law.prepare(d["tire_law"], context)}
-
-    return Kind(
-        name="wheel_on_body",
-        section="elements",
-        doc=__doc__,
-        display=Display("wheel_on_body", pictures=("wheels",), force="contact_force", force_at="contact_point"),
-        dtype=record(axis=3, **CARRIED_RECORD, **RADIAL_RECORD, **law.record),
-        layout=("x1", "R1", "x0", "R0"),
-        fields=(
-            Field(
-                "nodes", NODE_PAIR, "-", "the body that carries the surface, and the hub, which turns with the wheel"
-            ),
-            Field("axis", DIRECTION, "-", "spin axis at the start, inertial; rolling forward turns right-handed"),
-            *FIELDS,
-            Field("tire_law", TIRE_LAW, "-", "law of the tyre: radius, forces, friction"),
-        ),
-        outputs=(*OUTPUTS, *ROLLING_OUTPUTS),
-        phases=PHASES,
-        events=EVENTS,
-        prepare=prepare,
-        check=check,
-        limits=limits,
-        suspicious=odd_start_on_body,
-        ends=ends,
-        residual=residual,
-        observe=observe,
-        event_values=event_values,
-        sample=sample,
-    )
+def prepare(d, nodes, context):
+    """Return the values of the record; see element_interface.py."""
+    own = {"axis": carried_axis(d, nodes[1:]), **carried_record(d, nodes)}
+    return {**own, **prepare_radial(d["tire_law"], context)}
 
 
+with_law = partial(
+    wheel_with,
+    compiled=compiled,
+    own_record=CARRIED_RECORD,
+    prepare=prepare,
+    name="wheel_on_body",
+    doc=__doc__,
+    display=Display("wheel_on_body", pictures=("wheels",), force="contact_force", force_at="contact_point"),
+    layout=("x1", "R1", "x0", "R0"),
+    fields=(
+        Field("nodes", NODE_PAIR, "-", "the body that carries the surface, and the hub, which turns with the wheel"),
+        Field("axis", DIRECTION, "-", "spin axis at the start, inertial; rolling forward turns right-handed"),
+        *FIELDS,
+        Field("tire_law", TIRE_LAW, "-", "law of the tyre: radius, forces, friction"),
+    ),
+    outputs=(*OUTPUTS, *ROLLING_OUTPUTS),
+    check=check,
+    suspicious=odd_start_on_body,
+    event_values=event_values,
+    sample=sample,
+)
 WHEEL_ON_BODY = by_slip_law(with_law, SLIP_LAWS["friction"])
