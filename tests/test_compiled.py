@@ -381,8 +381,8 @@ class TestStore:
         assert store.size() == 8
 
     def test_compiling_is_announced_once_and_only_where_something_is_compiled(self, tmp_path):
-        script = "from mecano.jit import store; store.while_compiling(lambda done, n: print('compiling'))\n"
-        script += textwrap.dedent(SCRIPT)
+        script = "from mecano.jit import store\nwith store.while_compiling(lambda done, n: print('compiling')):\n"
+        script += textwrap.indent(textwrap.dedent(SCRIPT), "    ")
         assert run_script(script, tmp_path).stdout.split()[0] == "compiling"
         assert "compiling" not in run_script(script, tmp_path).stdout
 

@@ -26,9 +26,9 @@ class Progress:
         self.compiled = compile_time()
         self.tenths, self.integrating, self.announced = 0, None, False
 
-    def announce_compiling(self):
-        """Print a note before the first function is compiled, if any has to be, and show how many are ready."""
-        while_compiling(self._show_compiling)
+    def announcing_compiling(self):
+        """Within the block, print a note before the first function is compiled, and show how many are ready."""
+        return while_compiling(self._show_compiling)
 
     def _show_compiling(self, done, n):
         if not self.announced:

@@ -117,11 +117,10 @@ def modes(deck, at, at_rest, number, sweeps, frame, solver, output, plot, below,
     from mecano.analyses.modal import modes as find
     from mecano.analyses.progress import SweepProgress
 
-    SweepProgress(quiet, path).announce_compiling()
-
-    text, found, _ = find(
-        checked, path, at=at, at_rest=at_rest, number=number or 10, frame=frame, method=solver, force=force
-    )
+    with SweepProgress(quiet, path).announcing_compiling():
+        text, found, _ = find(
+            checked, path, at=at, at_rest=at_rest, number=number or 10, frame=frame, method=solver, force=force
+        )
     show(text)
     if plot:
         from mecano.post.mode_shapes import NO_SHAPES, draw_modes
@@ -140,12 +139,12 @@ def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, below, 
 
     path = output or os.path.splitext(os.path.basename(deck))[0] + "_sweep.h5"
     progress = SweepProgress(quiet, path)
-    progress.announce_compiling()
     Interruption().listen()
-    text, total = sweep_into(
-        path, deck, overrides, sweeps, number=number, frame=frame, method=solver, columns=columns, force=force,
-        progress=progress,
-    )  # fmt: skip
+    with progress.announcing_compiling():
+        text, total = sweep_into(
+            path, deck, overrides, sweeps, number=number, frame=frame, method=solver, columns=columns, force=force,
+            progress=progress,
+        )  # fmt: skip
     progress.done(total)
     show(text)
     if plot:

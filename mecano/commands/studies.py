@@ -152,8 +152,8 @@ def warmup(decks, overrides, share):
     from mecano.analyses.warmup import share as copy_to
     from mecano.analyses.warmup import warmup as compile_all
 
-    SweepProgress(False, "").announce_compiling()
-    for text in compile_all(decks, overrides):
-        show(text)
+    with SweepProgress(False, "").announcing_compiling():
+        for text in compile_all(decks, overrides):
+            show(text)
     if share:
         show(copy_to(share))

@@ -60,10 +60,10 @@ def _view_deck(file, overrides):
     from mecano.analyses.preview import ASSEMBLED, preview
     from mecano.analyses.progress import SweepProgress
 
-    SweepProgress(False, file).announce_compiling()
     with TemporaryDirectory(prefix="mecano-") as folder:
         path = os.path.join(folder, "model.h5")
-        preview(checked, path)
+        with SweepProgress(False, file).announcing_compiling():
+            preview(checked, path)
         _serve(path, checked.values["title"] or os.path.basename(file), ASSEMBLED)
 
 

@@ -13,12 +13,12 @@ def solve(checked, path, *, force=False, resume=False, checkpoint=None, quiet=Fa
     if static and checkpoint is not None:
         raise UsageError("checkpoint: this deck asks for equilibria ('static'), which have no checkpoints")
     progress = StaticProgress(static, quiet, path) if static else Progress(checked.values["time"], quiet, path)
-    progress.announce_compiling()
     runs = import_module("mecano.analyses.static" if static else "mecano.analyses.dynamic")
     begin = runs.resume if resume else partial(runs.run, force=force)
     options = {"observers": (progress,)} if static else {"reporters": (progress,), "interruption": interruption}
     if checkpoint is not None:
         options["interval"] = checkpoint
-    final = begin(checked, path, announce=progress.note, **options)
+    with progress.announcing_compiling():
+        final = begin(checked, path, announce=progress.note, **options)
     if final is not None:
         progress.done(final)

@@ -182,7 +182,7 @@ def holds(file):
 def compiling(n):
     """Count the wall-clock time of the block as compile time, and report the compilation of ``n`` codes.
 
-    Yields a function to be called after each of them. A listener gets (0, n) before and (done, n) after each.
+    Yields a function to be called after each of them. Listeners get (0, n) before and (done, n) after each.
     """
     begun, done = time.monotonic(), 0
 
@@ -200,9 +200,14 @@ def compiling(n):
         _times.append(time.monotonic() - begun)
 
 
+@contextmanager
 def while_compiling(listener):
-    """Call ``listener(done, n)`` before this process compiles ``n`` functions at once, and after each of them."""
-    _listeners[:] = [listener]
+    """Within the block, call ``listener(done, n)`` before ``n`` functions are compiled at once, and after each."""
+    _listeners.append(listener)
+    try:
+        yield
+    finally:
+        _listeners.remove(listener)
 
 
 def compile_time():
