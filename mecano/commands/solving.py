@@ -7,6 +7,7 @@ import click
 from mecano.commands import BELOW, overrides, plugins, show
 from mecano.commands.viewing import live as shown
 from mecano.process.interrupt import Interruption, again, seconds
+from mecano.solve.modal import SOLVERS
 
 
 @click.command()
@@ -71,8 +72,8 @@ def run(deck, output, force, resume, limit, interval, threads, live, quiet, over
 )  # fmt: skip
 @click.option(
     "--solver",
-    type=click.Choice(["automatic", "dense", "sparse"]),
-    default="automatic",
+    type=click.Choice(SOLVERS),
+    default=SOLVERS[0],
     show_default=True,
     help="dense: all modes; sparse: those of lowest frequency, of large models; automatic: by the size.",
 )

@@ -17,8 +17,7 @@ from mecano.interface.results import Results
 from mecano.interface.solve import solve
 from mecano.process.cores import cores
 from mecano.process.interrupt import Interruption
-
-SOLVERS = ("automatic", "dense", "sparse")
+from mecano.solve.modal import SOLVERS
 
 
 def run(

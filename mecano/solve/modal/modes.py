@@ -74,7 +74,7 @@ def _kind(value):
 def solve(lin, number=10, method="automatic"):
     """Return the ``number`` Modes of lowest natural frequency of a Linearization, and all computed unstable ones.
 
-    ``method``: dense, sparse or automatic (by size). Shapes are scaled so that their largest component is 1 (rotations
+    ``method``: one of SOLVERS. Shapes are scaled so that their largest component is 1 (rotations
     times the length scale). Raises ConvergenceError if ARPACK fails.
     """
     if method == "automatic":
