@@ -159,7 +159,7 @@ class Pattern:
 
 def with_pattern(factors):
     def change(integrator, run):
-        integrator.control = Pattern(run.h, factors)
+        integrator.control = integrator.trials.control = Pattern(run.h, factors)
         return in_python(integrator, run)
 
     return change

@@ -119,28 +119,31 @@ def test_a_step_that_is_left_among_its_trials_leaves_the_method_as_it_was():
     assert sizes == [1e-3, 0.25e-3] and not integrator.method.workspace.record["strict"][0]
 
 
-class EveryThird(TimeIntegrator):
-    """A time integration that rejects every third acceptable trial, and repeats it with the same size."""
+def reject_every_third(integrator):
+    """Let a time integration reject every third acceptable trial, and repeat it with the same size."""
+    judge, accepted = integrator.trials._size_to_retry, [0]
 
-    accepted = 0
+    def instead(run, trial, h, cuts):
+        smaller = judge(run, trial, h, cuts)
+        accepted[0] += smaller is None
+        return h if smaller is None and accepted[0] % 3 == 0 else smaller
 
-    def _size_to_retry(self, run, trial, h, cuts):
-        smaller = super()._size_to_retry(run, trial, h, cuts)
-        self.accepted += smaller is None
-        return h if smaller is None and self.accepted % 3 == 0 else smaller
+    integrator.trials._size_to_retry = instead
+    in_python(integrator)
 
 
 @pytest.mark.parametrize("name", surviving.decks())
 def test_every_third_trial_rejected_changes_no_bit(name):
     """With adaptive steps and fixed ones, across events, shocks and corners of laws of time."""
     checked, ends = surviving.decks()[name], []
-    for kind in (TimeIntegrator, EveryThird):
+    for disturb in (lambda integrator: None, reject_every_third):
         prepared, happened = prepare(checked), []
         tell = lambda accepted, happened=happened: happened.extend(accepted.event_records)  # noqa: E731
         usual = integrator_of(prepared)
-        integrator = kind(prepared.system, usual.method, usual.control, (tell,), usual.breakpoints, usual.rest)
-        if kind is EveryThird:
-            in_python(integrator)
+        integrator = TimeIntegrator(
+            prepared.system, usual.method, usual.control, (tell,), usual.breakpoints, usual.rest
+        )
+        disturb(integrator)
         start = integrator.begin(prepared.state, checked.values["time"]["step"])
         ends.append((integrator.to(checked.values["time"]["end"], start), happened))
     (plain, events), (disturbed, same) = ends

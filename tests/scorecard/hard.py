@@ -120,17 +120,18 @@ def rejected(folder):
 
 def reject(integrator, every):
     """Let a run reject every ``every``-th step, try another size in between, and repeat the step."""
-    judge, count = integrator._size_to_retry, [0]
+    trials, count = integrator.trials, [0]
+    judge = trials._size_to_retry
 
     def instead(run, trial, h, *more):
         smaller = judge(run, trial, h, *more)
         count[0] += smaller is None
         if every and smaller is None and count[0] % every == 0:
-            integrator._step(run, 0.3 * h)
+            trials._step(run, 0.3 * h)
             return h
         return smaller
 
-    integrator._size_to_retry = instead
+    trials._size_to_retry = instead
     integrator.ordinary = lambda run, stop: (run, None, True)  # every step is one of Python's, which asks
 
 

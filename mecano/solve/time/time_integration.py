@@ -12,17 +12,17 @@ from mecano.solve.diagnostics import failure
 from mecano.solve.events.application import EventApplication
 from mecano.solve.events.capture import EventCapture
 from mecano.solve.events.events import EventMonitor
-from mecano.solve.events.location import locate, look_ahead
+from mecano.solve.events.location import look_ahead
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.binding import refuse_binding
 from mecano.solve.time.consistent import consistent_state
 from mecano.solve.time.ordinary_steps import OrdinarySteps
 from mecano.solve.time.run_state import RunState
 from mecano.solve.time.signals import solve_signals
-from mecano.solve.time.step_control import AFTER_FAILURE, HOLD
-from mecano.solve.time.stride import PROBE, STRETCH
+from mecano.solve.time.step_control import HOLD
+from mecano.solve.time.stride import PROBE
+from mecano.solve.time.trials import NEGLIGIBLE_TIME, Trials
 
-NEGLIGIBLE_TIME = 1e-6  # of a step: no step is made for a remaining time below
 LEAST_ULPS = 1e4  # spacings of floating-point numbers of time in a step: a shorter step has too much rounding
 MOST_STEPS = 2**62  # in one call of compiled code: any number
 MOST_CUTS = 1000  # while time advances by less than the largest step: then the run crawls
@@ -62,6 +62,7 @@ class TimeIntegrator:
     capture: EventCapture = field(init=False)
     shocks: Shocks = field(init=False)
     events: EventApplication = field(init=False)
+    trials: Trials = field(init=False)
     start_events: list = field(init=False, default_factory=list)  # [EventRecord] before the first step
     cuts: list = field(init=False, default_factory=list)  # (time, step size) of trials that failed and were cut
     _ordinary_steps: OrdinarySteps = field(init=False, default=None)
@@ -74,6 +75,9 @@ class TimeIntegrator:
         self.capture = EventCapture(self.monitor, self.most_located)
         self.shocks = Shocks(self.system, self.method, self.monitor, self.rest)
         self.events = EventApplication(self.system, self.method, self.monitor, self.capture, self.shocks)
+        self.trials = Trials(
+            self.system, self.method, self.control, self.monitor, self.capture, self.shocks, self._is_corner
+        )
 
     @property
     def warnings(self):
@@ -181,11 +185,13 @@ class TimeIntegrator:
         """Make one accepted step towards ``stop``, or an event at its beginning, from its first ``trial`` if made."""
         cuts = []
         try:
-            h, trial, found, rejected, iterations = self._acceptable(run, stop, trial, cuts)
+            h, trial, found, rejected, iterations = self.trials.acceptable(run, stop, trial, cuts)
         finally:
             if cuts:
                 self.method.insist(False)  # also for a caller that catches what ``pause`` raises, and continues
         self.cuts += cuts  # only now: ``pause`` may raise during the trials, and the resumed run repeats them
+        if cuts and len(self.cuts) > MOST_CUTS and cuts[-1][0] - self.cuts[-MOST_CUTS][0] < self.control.maximum:
+            refuse_binding(self.method, run.motion)
         counted = run.tried(rejected, iterations)
         if found is None:
             return self._accept(counted, trial, h, rejected, stop, failed=bool(cuts))
@@ -193,110 +199,10 @@ class TimeIntegrator:
             return self._change_phases(counted, trial[2], found, rejected)
         return self._accept_event(replace(counted, h=h) if rejected else counted, found, rejected)
 
-    def _acceptable(self, run, stop, trial, cuts):
-        """Return the first acceptable step towards ``stop``: (h, trial, first event in it, rejected, iterations).
-
-        Failed trials are added to ``cuts``, after which the method insists.
-        """
-        h, rejected, iterations = self._clip(run, stop), 0, 0
-        while True:
-            if cuts:
-                self.method.insist(True)  # in a shorter step any correction is rounding
-            trial = trial if trial and not rejected else self._step(run, h)
-            iterations += trial[2].iterations
-            smaller = self._size_to_retry(run, trial, h, cuts)
-            if smaller is None:
-                g0 = self.shocks.departing(run.motion, self.monitor.values(run.motion))
-                within = self._event_within(run, g0, trial)
-                if within is not None and h > self.control.minimum:
-                    smaller = max(within.t - run.motion.t, self.control.minimum)
-            if smaller is None:
-                found = self._locate(run, g0, trial, h)
-                if found is None or found.ok:
-                    return h, trial, found, rejected, iterations
-                smaller = self._smaller(found.trial[2], run.motion, h, cuts)
-            h, rejected = smaller, rejected + 1
-
-    def _locate(self, run, g0, trial, h):
-        """Return the first event in a ``trial`` step as Located, or None."""
-        if not len(g0):
-            return None
-        g0 = self._decided(run, g0, trial[0])
-        if self.monitor.captures:
-            return locate(self.monitor, lambda d: self._step(run, d), run.motion, g0, trial, h)
-        step = self.method.repeated(run.motion, run.history, trial[0])
-        return locate(self.monitor, lambda d: self._with_error(step(d), d), run.motion, g0, trial, h)
-
-    def _decided(self, run, g0, s):
-        """Return the event values ``g0`` with nan for those that rounding decides in a step to ``s``: no event."""
-        return np.where(self.shocks.undecided(g0, s, run.history.k, s.t - run.motion.t), np.nan, g0)
-
-    def _event_within(self, run, g0, trial):
-        """Return the first stage of a trial at which an event has happened that its end does not show, or None."""
-        s, _, info = trial
-        if not len(g0) or not info.stages or np.any(self.monitor.values(s) > 0.0):
-            return None
-        for stage in info.stages:
-            if np.any((self._decided(run, g0, stage) < 0.0) & (self.monitor.values(stage) >= 0.0)):
-                return stage
-        return None
-
-    def _size_to_retry(self, run, trial, h, cuts):
-        """Return the step size to try instead of h, or None if the trial is accepted; add failures to ``cuts``."""
-        _, history, info = trial
-        if not info.ok:
-            return self._smaller(info, run.motion, h, cuts)
-        info.error = self._judged(trial, h)
-        if self.control.accept(info.error, h):
-            return None
-        if h <= self.control.minimum:
-            share = info.error / self.control.allowed(h)
-            raise failure.minimum_step(self.system, run.history.a, history.a, share, run.motion.t, h)
-        return self.control.retry(info.plain, h)  # the bounded one falls only once steps resolve oscillations
-
-    def _judged(self, trial, h):
-        """Return the error of the ``trial``, with that of oscillations bounded if the plain estimate is too large."""
-        plain = trial[2].plain
-        return plain if self.control.accept(plain, h) else self._bounded(trial, h)
-
-    def _bounded(self, trial, h):
-        info = trial[2]
-        return max(self.method.bounded_error(*trial), self.control.forgotten(info.lag, h), info.signalled)
-
-    def _step(self, run, h):
-        history = self._history_for(run, h)
-        if not self.monitor.captures:
-            return self._with_error(self.method.step(run.motion, history, h), h)
-        trial = self.capture.step(lambda s: self.method.step(s, history, h), run.motion)
-        if trial is None:
-            self.monitor.captures = False  # the events of this step are located
-            trial = self.method.step(run.motion, history, h)
-        return self._with_error(trial, h)
-
-    def _with_error(self, trial, h):
-        """Return a ``trial`` step of size h with all its errors."""
-        info = trial[2]
-        info.error = info.plain = max(info.error, self.control.forgotten(info.lag, h), info.signalled)
-        return trial
-
-    def _history_for(self, run, h):
-        """Return the history of the run for the step size h."""
-        return run.history if run.history.h == h else self.method.restart(run.motion, run.history, h)
-
-    def _clip(self, run, stop):
-        """Return the step size to try: the planned one, or the remaining time to ``stop``."""
-        remaining = stop - run.motion.t
-        if remaining >= STRETCH * run.h:
-            return run.h
-        if stop not in self._is_corner:
-            return remaining if NEGLIGIBLE_TIME * run.h < abs(remaining - run.h) else run.h
-        remaining = np.nextafter(stop, run.motion.t) - run.motion.t  # the step ends before a jump of a law
-        return remaining if run.motion.t + remaining < stop else np.nextafter(remaining, 0.0)  # the sum was rounded up
-
     def _accept(self, run, trial, h, rejected, stop, failed):
         s, history, info = trial
         if run.steps % PROBE == PROBE - 1 and self.control.holds(info.error, h):
-            info.error = self._bounded(trial, h)
+            info.error = self.trials.bounded(trial, h)
         planned = self.control.after(info.error, h, info.iterations)
         if not rejected and h < run.h:
             planned = max(planned, run.h)  # a step shortened to end at a given time does not shorten the next
@@ -330,7 +236,7 @@ class TimeIntegrator:
     def _accept_event(self, run, found, rejected):
         h, trial, hit = found
         s, history, info = trial
-        info.error = self._judged(trial, h)
+        info.error = self.trials.judged(trial, h)
         reached = self._powers_before(run, s, h)
         s = self._consistent(s, run.h, impact=self.shocks.impact_candidates.among(hit))
         info = replace(info, forces=None)
@@ -409,13 +315,3 @@ class TimeIntegrator:
     def _observed(self, accepted):
         for observer in self.observers:
             observer(accepted)
-
-    def _smaller(self, info, s, h, cuts):
-        smaller = h * AFTER_FAILURE
-        crawls = len(self.cuts) >= MOST_CUTS and s.t - self.cuts[-MOST_CUTS][0] < self.control.maximum
-        if crawls or smaller < self.control.minimum:
-            refuse_binding(self.method, s)
-        if smaller < self.control.minimum:
-            raise failure.no_step(self.system, self.method.assembly, info, s.t, h)
-        cuts.append((s.t, smaller))
-        return smaller

@@ -1,0 +1,141 @@
+"""Trial steps: the first from a state whose error is allowed and in which no event is passed over."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mecano.solve.diagnostics import failure
+from mecano.solve.events.capture import EventCapture
+from mecano.solve.events.events import EventMonitor
+from mecano.solve.events.location import locate
+from mecano.solve.events.shocks import Shocks
+from mecano.solve.time.binding import refuse_binding
+from mecano.solve.time.step_control import AFTER_FAILURE
+from mecano.solve.time.stride import STRETCH
+
+NEGLIGIBLE_TIME = 1e-6  # of a step: no step is made for a remaining time below
+
+
+@dataclass
+class Trials:
+    """Trial steps of ``system`` by ``method``, judged by ``control``; steps end at ``corners`` of laws of time.
+
+    A trial is (state at its end, history there, StepInfo).
+    """
+
+    system: object
+    method: object
+    control: object
+    monitor: EventMonitor
+    capture: EventCapture
+    shocks: Shocks
+    corners: frozenset
+
+    def acceptable(self, run, stop, trial, cuts):
+        """Return the first acceptable step towards ``stop``: (h, trial, first event in it, rejected, iterations).
+
+        Failed trials are added to ``cuts``, after which the method insists.
+        """
+        h, rejected, iterations = self._clip(run, stop), 0, 0
+        while True:
+            if cuts:
+                self.method.insist(True)  # in a shorter step any correction is rounding
+            trial = trial if trial and not rejected else self._step(run, h)
+            iterations += trial[2].iterations
+            smaller = self._size_to_retry(run, trial, h, cuts)
+            if smaller is None:
+                g0 = self.shocks.departing(run.motion, self.monitor.values(run.motion))
+                within = self._event_within(run, g0, trial)
+                if within is not None and h > self.control.minimum:
+                    smaller = max(within.t - run.motion.t, self.control.minimum)
+            if smaller is None:
+                found = self._locate(run, g0, trial, h)
+                if found is None or found.ok:
+                    return h, trial, found, rejected, iterations
+                smaller = self._smaller(found.trial[2], run.motion, h, cuts)
+            h, rejected = smaller, rejected + 1
+
+    def _locate(self, run, g0, trial, h):
+        """Return the first event in a ``trial`` step as Located, or None."""
+        if not len(g0):
+            return None
+        g0 = self._decided(run, g0, trial[0])
+        if self.monitor.captures:
+            return locate(self.monitor, lambda d: self._step(run, d), run.motion, g0, trial, h)
+        step = self.method.repeated(run.motion, run.history, trial[0])
+        return locate(self.monitor, lambda d: self._with_error(step(d), d), run.motion, g0, trial, h)
+
+    def _decided(self, run, g0, s):
+        """Return the event values ``g0`` with nan for those that rounding decides in a step to ``s``: no event."""
+        return np.where(self.shocks.undecided(g0, s, run.history.k, s.t - run.motion.t), np.nan, g0)
+
+    def _event_within(self, run, g0, trial):
+        """Return the first stage of a trial at which an event has happened that its end does not show, or None."""
+        s, _, info = trial
+        if not len(g0) or not info.stages or np.any(self.monitor.values(s) > 0.0):
+            return None
+        for stage in info.stages:
+            if np.any((self._decided(run, g0, stage) < 0.0) & (self.monitor.values(stage) >= 0.0)):
+                return stage
+        return None
+
+    def _size_to_retry(self, run, trial, h, cuts):
+        """Return the step size to try instead of h, or None if the trial is accepted; add failures to ``cuts``."""
+        _, history, info = trial
+        if not info.ok:
+            return self._smaller(info, run.motion, h, cuts)
+        info.error = self.judged(trial, h)
+        if self.control.accept(info.error, h):
+            return None
+        if h <= self.control.minimum:
+            share = info.error / self.control.allowed(h)
+            raise failure.minimum_step(self.system, run.history.a, history.a, share, run.motion.t, h)
+        return self.control.retry(info.plain, h)  # the bounded one falls only once steps resolve oscillations
+
+    def judged(self, trial, h):
+        """Return the error of the ``trial``, with that of oscillations bounded if the plain estimate is too large."""
+        plain = trial[2].plain
+        return plain if self.control.accept(plain, h) else self.bounded(trial, h)
+
+    def bounded(self, trial, h):
+        """Return the error of the ``trial``, with that of oscillations bounded."""
+        info = trial[2]
+        return max(self.method.bounded_error(*trial), self.control.forgotten(info.lag, h), info.signalled)
+
+    def _step(self, run, h):
+        history = self._history_for(run, h)
+        if not self.monitor.captures:
+            return self._with_error(self.method.step(run.motion, history, h), h)
+        trial = self.capture.step(lambda s: self.method.step(s, history, h), run.motion)
+        if trial is None:
+            self.monitor.captures = False  # the events of this step are located
+            trial = self.method.step(run.motion, history, h)
+        return self._with_error(trial, h)
+
+    def _with_error(self, trial, h):
+        """Return a ``trial`` step of size h with all its errors."""
+        info = trial[2]
+        info.error = info.plain = max(info.error, self.control.forgotten(info.lag, h), info.signalled)
+        return trial
+
+    def _history_for(self, run, h):
+        """Return the history of the run for the step size h."""
+        return run.history if run.history.h == h else self.method.restart(run.motion, run.history, h)
+
+    def _clip(self, run, stop):
+        """Return the step size to try: the planned one, or the remaining time to ``stop``."""
+        remaining = stop - run.motion.t
+        if remaining >= STRETCH * run.h:
+            return run.h
+        if stop not in self.corners:
+            return remaining if NEGLIGIBLE_TIME * run.h < abs(remaining - run.h) else run.h
+        remaining = np.nextafter(stop, run.motion.t) - run.motion.t  # the step ends before a jump of a law
+        return remaining if run.motion.t + remaining < stop else np.nextafter(remaining, 0.0)  # the sum was rounded up
+
+    def _smaller(self, info, s, h, cuts):
+        smaller = h * AFTER_FAILURE
+        if smaller < self.control.minimum:
+            refuse_binding(self.method, s)
+            raise failure.no_step(self.system, self.method.assembly, info, s.t, h)
+        cuts.append((s.t, smaller))
+        return smaller
