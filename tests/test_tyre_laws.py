@@ -6,38 +6,19 @@ from scipy.integrate import quad
 from time_runs import RecordedRun, input_deck
 
 from mecano.analyses.kind_trial import GRAVITY, samples, seed_of
-from mecano.element_interface import Context, record
+from mecano.analyses.law_tests import Tyre
+from mecano.element_interface import Context
 from mecano.elements.wheels.fiala import FIALA
 from mecano.elements.wheels.flexible_wheel import FLEXIBLE_WHEEL
 from mecano.elements.wheels.rolling_contact import law_samples
-from mecano.elements.wheels.slip_law import Slip, default_values
+from mecano.elements.wheels.slip_law import default_values
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.laws.table import LawTable
-from mecano.maths.vector import Vec3
 
-T, L, N = Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, 1.0)
 FRICTION = {
     "friction": (("exponential", {"start": 0.8, "limit": 0.3, "rate": 0.1, "origin": 0.0}),),
     "friction_by_speed": 1.0, "slip_regularization": 0.5,
 }  # fmt: skip
-
-
-class Tyre:
-    """A slip law with its record."""
-
-    def __init__(self, law, values):
-        table = LawTable()
-        prepared = law.prepare(values, Context(table, GRAVITY))
-        self.p = np.zeros(1, record(**law.record, radius=())).view(np.recarray)
-        for name, value in {**prepared, "radius": values.get("radius", 0.3)}.items():
-            self.p[name][0] = value
-        self.law, self.laws = law, table.array()
-
-    def forces(self, load, v, u=(20.0, 0.0), omega=(0.0, 0.0, 0.0), lean=0.0, spin=None):
-        """SlipForces of a wheel that slips with v (2,) and moves with u (2,) over a level ground."""
-        spin = (u[0] - v[0]) / 0.3 if spin is None else spin
-        v, u = Vec3(v[0], v[1], 0.0), Vec3(u[0], u[1], 0.0)
-        return self.law.forces(self.p[0], self.laws, Slip(load, 0.02, 1.0, v, v, u, Vec3(*omega), spin, lean, T, L, N))
 
 
 def tyres():

@@ -13,13 +13,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from mecano.deck.compose import Node
-from mecano.deck.include import confined
+from mecano.deck.named_file import source_of
 from mecano.deck.scalar import number
-from mecano.deck.source import Unreadable, read_source
 from mecano.deck.units import UnitError, factor_of, parsed, unit_of
 from mecano.deck.values import in_range
 from mecano.deck.wording import quoted
-from mecano.errors import DeckError
 
 HEADER = re.compile(r"(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?")
 MOST_COLUMNS = 10_000
@@ -66,17 +64,9 @@ def table(name, node, wanted, scope):
     name = os.path.normpath(os.path.join(scope.included.get(node.source.file, ""), name)) if name else name
     key = (name, wanted.key())
     if key not in scope.tables:
-        source = _source(name, node, scope)
+        source = source_of(name, node, scope)
         scope.tables[key] = _read(source, wanted, scope) if source else None
     return scope.tables[key]
-
-
-def within(name, node, scope):
-    """Return the path of a file in the folder of the deck or below it; None after reporting one elsewhere."""
-    path = confined(scope.folder, name)
-    if path is None:
-        scope.refuse(node, f"file {quoted(name)} must lie in the folder of the deck")
-    return path
 
 
 def factor(unit, declared, place, scope):
@@ -87,22 +77,6 @@ def factor(unit, declared, place, scope):
         in_deck = place.value is not None
         scope.refuse(place, f"unit of a column: {error}", "" if in_deck else "or give 'units: [.., ..]'")
         return None
-
-
-def _source(name, node, scope):
-    path = within(name, node, scope)
-    if path is None:
-        return None
-    try:
-        source, digest = read_source(path, os.path.join(scope.folder, name))
-    except Unreadable as error:
-        scope.refuse(node, f"file {quoted(name)} cannot be read: {error}")
-        return None
-    except DeckError as error:
-        scope.problems.extend(error.problems)
-        return None
-    scope.files[name] = digest
-    return source
 
 
 def _read(source, wanted, scope):

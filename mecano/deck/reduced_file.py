@@ -16,7 +16,7 @@ import numpy as np
 
 from mecano.deck.compose import Node, compose
 from mecano.deck.containers import filled
-from mecano.deck.csv_tables import within
+from mecano.deck.named_file import within
 from mecano.deck.scope import INVALID
 from mecano.deck.source import MAX_BYTES, decoded
 from mecano.deck.values import LARGEST

@@ -1,15 +1,12 @@
 """Read .tir files of tyres: keys and numbers in sections, converted from the units of the file to SI units."""
 
 import math
-import os
 import re
 
-from mecano.deck.csv_tables import within
+from mecano.deck.named_file import source_of
 from mecano.deck.scalar import number
-from mecano.deck.source import Unreadable, read_source
 from mecano.deck.wording import quoted
 from mecano.elements.wheels.magic_formula import KNOWN
-from mecano.errors import DeckError
 
 LINE = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_]*)\s*=\s*('[^']*'|\"[^\"]*\"|[^\s$!]+)")
 UNITS = {  # key of the section [UNITS]: {word: its size in SI units}
@@ -36,18 +33,9 @@ def read_tyre(name, node, scope):
 
     Return None, with errors noted, if it cannot be read, is for another formula or contains an invalid number.
     """
-    path = within(name, node, scope)
-    if path is None:
+    source = source_of(name, node, scope)
+    if source is None:
         return None
-    try:
-        source, digest = read_source(path, os.path.join(scope.folder, name))
-    except Unreadable as error:
-        scope.refuse(node, f"file {quoted(name)} cannot be read: {error}")
-        return None
-    except DeckError as error:
-        scope.problems.extend(error.problems)
-        return None
-    scope.files[name] = digest
     return _Reading(source, node, name, scope).coefficients()
 
 

@@ -1,0 +1,33 @@
+"""Files that a deck names: they lie in its folder or below it."""
+
+import os
+
+from mecano.deck.include import confined
+from mecano.deck.source import Unreadable, read_source
+from mecano.deck.wording import quoted
+from mecano.errors import DeckError
+
+
+def within(name, node, scope):
+    """Return the path of a file in the folder of the deck or below it; None after reporting one elsewhere."""
+    path = confined(scope.folder, name)
+    if path is None:
+        scope.refuse(node, f"file {quoted(name)} must lie in the folder of the deck")
+    return path
+
+
+def source_of(name, node, scope):
+    """Return the Source of a file in the folder of the deck or below it; None after reporting what is wrong with it."""
+    path = within(name, node, scope)
+    if path is None:
+        return None
+    try:
+        source, digest = read_source(path, os.path.join(scope.folder, name))
+    except Unreadable as error:
+        scope.refuse(node, f"file {quoted(name)} cannot be read: {error}")
+        return None
+    except DeckError as error:
+        scope.problems.extend(error.problems)
+        return None
+    scope.files[name] = digest
+    return source
