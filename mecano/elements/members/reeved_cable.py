@@ -68,33 +68,57 @@ LIFTED = 0.01  # [rad]: the length of a path off a pulley by this angle is in er
 TURN = 2.0 * np.pi
 
 
+@kernel
+def _add_tension(p, at, f, N):
+    """Add the tension N along each span, and its moment at each pulley."""
+    for i in range(len(p.radii) - 1):
+        d, _, free = span(p, at.q, i)
+        pull(f, i, (N / free) * d)
+    for i in range(1, len(p.radii) - 1):
+        _, before, behind, turning = arc(p, at, i)
+        couple = N * p.radii[i]
+        pull(f, i - 1, couple * before)
+        pull(f, i, couple * behind)
+        add_vec(f, 6 * i, couple, turning)
+
+
+@kernel
+def _put_closeness(p, at, y):
+    """Write how close neighbours are."""
+    for i in range(len(p.radii) - 1):
+        d, delta, _ = span(p, at.q, i)
+        y[8] = at_least(number(y[8]), abs(delta) / norm(d))
+
+
+@kernel
+def _put_arcs(p, at, y):
+    """Write how the path lies on the pulleys: the angles of the arcs, the largest inclination and lift-off."""
+    for i in range(1, len(p.radii) - 1):
+        angle, _, _, _ = arc(p, at, i)
+        wrap = select(p.radii[i] > 0.0, angle, -angle)
+        axis = mat(at.R[i - 1]) @ mat(p.axes[i - 1]).z
+        for k in (i - 1, i):
+            d, _, _ = span(p, at.q, k)
+            y[6] = at_least(number(y[6]), abs(dot(axis, d)) / norm(d))
+        y[7] = at_least(number(y[7]), -wrap)
+        y[8 + i] = wrap
+
+
 def _functions(strain_of):
     """Return ``residual``, ``observe`` and ``event_values`` for the strain of reeved_path.strain_by."""
 
     @kernel
     def residual(p, at, f):
-        """Add the tension along each span, and its moment at each pulley."""
         if at.phase != TAUT:
             return
         _, _, strain, strain_rate, _, _ = strain_of(p, at)
-        N = p.EA * (strain + p.damping * strain_rate)
-        for i in range(len(p.radii) - 1):
-            d, _, free = span(p, at.q, i)
-            pull(f, i, (N / free) * d)
-        for i in range(1, len(p.radii) - 1):
-            _, before, behind, turning = arc(p, at, i)
-            couple = N * p.radii[i]
-            pull(f, i - 1, couple * before)
-            pull(f, i, couple * behind)
-            add_vec(f, 6 * i, couple, turning)
+        _add_tension(p, at, f, p.EA * (strain + p.damping * strain_rate))
 
     @kernel
     def observe(p, at, F, y, e):
         """Write lengths, strains, tension, state, how the path lies on the pulleys; energies."""
         length, _, strain, strain_rate, L, L_rate = strain_of(p, at)
-        for i in range(len(p.radii) - 1):
-            d, delta, _ = span(p, at.q, i)
-            y[8] = at_least(number(y[8]), abs(delta) / norm(d))
+        _put_closeness(p, at, y)
         if not math.isfinite(value(strain_rate)):  # there is no path
             y[8] = at_least(number(y[8]), 1.0)
             return
@@ -103,15 +127,7 @@ def _functions(strain_of):
         viscous = N - elastic
         y[0], y[1], y[2], y[3], y[4] = length, L, strain, strain_rate, at_least(N, 0.0)
         y[5] = 1.0 if at.phase == TAUT else 0.0
-        for i in range(1, len(p.radii) - 1):
-            angle, _, _, _ = arc(p, at, i)
-            wrap = select(p.radii[i] > 0.0, angle, -angle)
-            axis = mat(at.R[i - 1]) @ mat(p.axes[i - 1]).z
-            for k in (i - 1, i):
-                d, _, _ = span(p, at.q, k)
-                y[6] = at_least(number(y[6]), abs(dot(axis, d)) / norm(d))
-            y[7] = at_least(number(y[7]), -wrap)
-            y[8 + i] = wrap
+        _put_arcs(p, at, y)
         e[1] = 0.5 * elastic * strain * L
         e[2] = viscous * L * strain_rate
         e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
