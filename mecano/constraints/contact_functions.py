@@ -138,25 +138,23 @@ def elastic(shapes, rubs):
             _add_forces(f, at, touched, N * touched.n + _friction(p, at, touched, N)[0])
 
     @kernel
-    def put_energies(p, at, touched, N, e):
-        w = -touched.gap
-        e[1] = elastic_energy(at.laws, p.law, at_least(value(w), 0.0))
-        e[2] = (N - elastic_force(at.laws, p.law, w)) * approach(touched, at)
+    def observed_force(p, at, touched, e):
+        """Return the normal force; write the elastic energy and the power that the contact dissipates."""
+        w, N = -touched.gap, select(at.phase == CLOSED, normal_force(p, at, touched), 0.0)
+        if at.phase == CLOSED:
+            e[1] = elastic_energy(at.laws, p.law, at_least(value(w), 0.0))
+            e[2] = (N - elastic_force(at.laws, p.law, w)) * approach(touched, at)
+        return N
 
     @kernel
     def observe_smooth(p, at, F, y, e):
         touched = touch(p, at)
-        N = select(at.phase == CLOSED, normal_force(p, at, touched), 0.0)
-        if at.phase == CLOSED:
-            put_energies(p, at, touched, N, e)
-        _put(at, touched, N, ZERO, ZERO, y)
+        _put(at, touched, observed_force(p, at, touched, e), ZERO, ZERO, y)
 
     @kernel
     def observe_rough(p, at, F, y, e):
         touched = touch(p, at)
-        N = select(at.phase == CLOSED, normal_force(p, at, touched), 0.0)
-        if at.phase == CLOSED:
-            put_energies(p, at, touched, N, e)
+        N = observed_force(p, at, touched, e)
         F_t, u = _friction(p, at, touched, N)
         e[2] -= dot(F_t, u)
         _put(at, touched, N, F_t, u, y)
