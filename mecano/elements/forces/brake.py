@@ -167,6 +167,37 @@ ANTI_SKID = mapping(
     Field("width", NUMBER, "-", "further slip over which it falls to zero", 0.1, positive),
     Field("least_speed", NUMBER, "m/s", "v_0 of the slip ratio, which fades at lower speeds", LEAST_SPEED, positive),
 )
+FIELDS = (
+    Field("nodes", NODE_PAIR, "-", "reference node (leg, arm) and node of the wheel"),
+    Field("axis", DIRECTION, "-", "axle at the start, inertial"),
+    Field("torque", DRIVE, "N m", "a function of time [s], or a formula of signals; zero where negative"),
+    Field(
+        "bound",
+        CURVE,
+        "N m",
+        "upper bound of the torque, a curve of the speed [m/s] of the wheel",
+        None,
+        argument="m/s",
+    ),
+    Field("wheel", WHEEL, "-", "the wheel that is braked, for 'adhesion' and 'anti_skid'", None),
+    Field(
+        "adhesion",
+        CURVE,
+        "-",
+        "upper bound of the torque: this curve of the speed [m/s] times radial force and loaded radius",
+        None,
+        argument="m/s",
+    ),
+    Field("anti_skid", ANTI_SKID, "-", "releases the brake while the slip ratio of the wheel is large", None),
+    Field("rate_regularization", NUMBER, "rad/s", "rate eps below which the torque falls to zero", 0.1, positive),
+)
+OUTPUTS = (
+    Output("torque", "N m", "torque on the reference node about the axis; the opposite on the wheel"),
+    Output("bound", "N m", "current upper bound, without the anti-skid; zero without one"),
+    Output("rate", "rad/s", "angular velocity of the wheel about its axis, relative to the reference node"),
+    Output("power", "W", "power taken from the wheel"),
+    Output("slip_ratio", "-", "slip ratio as used by the anti-skid; zero without 'wheel'"),
+)
 
 
 def _kind(demand):
@@ -177,39 +208,8 @@ def _kind(demand):
         doc=__doc__,
         dtype=RECORD,
         layout=("R0", "x1", "R1"),
-        fields=(
-            Field("nodes", NODE_PAIR, "-", "reference node (leg, arm) and node of the wheel"),
-            Field("axis", DIRECTION, "-", "axle at the start, inertial"),
-            Field("torque", DRIVE, "N m", "a function of time [s], or a formula of signals; zero where negative"),
-            Field(
-                "bound",
-                CURVE,
-                "N m",
-                "upper bound of the torque, a curve of the speed [m/s] of the wheel",
-                None,
-                argument="m/s",
-            ),
-            Field("wheel", WHEEL, "-", "the wheel that is braked, for 'adhesion' and 'anti_skid'", None),
-            Field(
-                "adhesion",
-                CURVE,
-                "-",
-                "upper bound of the torque: this curve of the speed [m/s] times radial force and loaded radius",
-                None,
-                argument="m/s",
-            ),
-            Field("anti_skid", ANTI_SKID, "-", "releases the brake while the slip ratio of the wheel is large", None),
-            Field(
-                "rate_regularization", NUMBER, "rad/s", "rate eps below which the torque falls to zero", 0.1, positive
-            ),
-        ),
-        outputs=(
-            Output("torque", "N m", "torque on the reference node about the axis; the opposite on the wheel"),
-            Output("bound", "N m", "current upper bound, without the anti-skid; zero without one"),
-            Output("rate", "rad/s", "angular velocity of the wheel about its axis, relative to the reference node"),
-            Output("power", "W", "power taken from the wheel"),
-            Output("slip_ratio", "-", "slip ratio as used by the anti-skid; zero without 'wheel'"),
-        ),
+        fields=FIELDS,
+        outputs=OUTPUTS,
         prepare=prepare,
         check=check,
         residual=residual,
