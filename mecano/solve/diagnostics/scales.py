@@ -114,8 +114,7 @@ def norms(
     The equation y - c = 0 of a signal is measured by its value in z, up to the rounding of the loudest signal; that of
     one with a rate, in v, by what its residual makes of it in a run.
     """
-    length, k, stiffness, share, most = scales.length, scales.k, scales.stiffness, limits.share, limits.most
-    kind, duration = of.kind, scales.duration
+    length, k, stiffness, duration, kind = scales.length, scales.k, scales.stiffness, scales.duration, of.kind
     force = moment = scalar = distance = angle = shared = signal = 0.0
     force_size = moment_size = scalar_size = TINY
     for i in range(r.shape[0]):
@@ -142,14 +141,17 @@ def norms(
     m = max(moment_size, ANGULAR_SHARE * force_size * length)
     g = max(scalar_size, ANGULAR_SHARE * f) * limits.force
     f, m, hidden = f * limits.force, m * limits.force, ROUNDING * limits.reach * stiffness * length
-    force = max(force, stiffness * distance, stiffness / RELEASED_COMPLIANCE * shared) / max(
-        f * share, min(f * most, hidden)
-    )
-    moment = max(moment, stiffness * length * length * angle) / max(m * share, min(m * most, hidden * length))
-    scalar /= max(g * share, min(g * most, hidden))
-    constraint = max(distance / length, angle)
-    constraint /= max(limits.constraint * share, min(limits.constraint * most, ROUNDING * limits.reach))
+    force = max(force, stiffness * distance, stiffness / RELEASED_COMPLIANCE * shared) / _allowed(f, limits, hidden)
+    moment = max(moment, stiffness * length * length * angle) / _allowed(m, limits, hidden * length)
+    scalar /= _allowed(g, limits, hidden)
+    constraint = max(distance / length, angle) / _allowed(limits.constraint, limits, ROUNDING * limits.reach)
     return max(force, moment, scalar), constraint, signal / SIGNALS
+
+
+@kernel
+def _allowed(tolerance, limits, rounding):
+    """Return the residual that is allowed: the share of a tolerance, or its rounding if that is more."""
+    return max(tolerance * limits.share, min(tolerance * limits.most, rounding))
 
 
 @kernel
