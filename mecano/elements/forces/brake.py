@@ -1,19 +1,23 @@
 r"""Brake: a torque about the axle of a wheel against a reference node, the leg or arm that carries the wheel.
 
-With the axis a fixed in the wheel, the relative rate W = a.(omega_wheel - omega_reference) and the speed u of the
-wheel's node, the torque that opposes W is
+With the axis a fixed in the wheel, the relative rate :math:`W = a \cdot (\omega_w - \omega_r)` of the wheel against the
+reference node, and the speed u of the wheel's node, the torque that opposes W is
 
-    tau = min(T, B) phi(|W|/eps) sign W,      phi(x) = x (2 - x) for x < 1, else 1.
+.. math::  \tau = \min(T, B)\, \varphi(|W|/\epsilon)\, \mathrm{sign}\, W
 
-T is a function of time or a formula of signals, such as the output of an anti-skid controller. A bound B keeps the
-wheel from skidding. For friction mu_0 exp(-kappa u), of which a fraction sigma <= 1 is used, it is
+with :math:`\varphi(x) = x (2 - x)` for x < 1, else 1. T is a function of time or a formula of signals, such as the
+output of an anti-skid controller. A bound B keeps the wheel from skidding: ``bound`` is a curve B(u), and ``adhesion``
+a curve of the coefficient of friction that is used at the speed u, with the radial force and the loaded radius of the
+``wheel``,
 
-    B(u) = sigma mu_0 F_ref r exp(-kappa u)    F_ref constant: ``bound: {exponential: {start: ..., rate: kappa}}``
-    B = sigma mu_0 exp(-kappa u) F_r r         F_r, r of the tyre now: ``wheel: ..., adhesion: {exponential: ...}``
+.. math::  B = \mu(u)\, F_r\, r
 
-and ``anti_skid`` releases the brake while the slip ratio of the ``wheel`` is large. The minimum of T and B is smoothed
-and never exceeds either: (T + B - sqrt((T - B)^2 + (s^2) 4 T B))/2 with s = 0.02. A stopped wheel is held: under a
-moment m < T it creeps at about eps m/(2 T).
+For a friction :math:`\mu_0 \exp(-\kappa u)`, of which the share :math:`\sigma \le 1` is used, write
+``adhesion: {exponential: {start: ..., rate: ...}}`` with the start :math:`\sigma \mu_0` and the rate :math:`\kappa`.
+``anti_skid`` releases the brake while the slip ratio of the ``wheel`` is large.
+
+The minimum of T and B is smoothed and never exceeds either: :math:`(T + B - \sqrt{(T - B)^2 + 4 s^2 T B})/2` with
+s = 0.02. A stopped wheel is held: under a moment m < T it creeps at about :math:`\epsilon m/(2 T)`.
 """
 
 import numpy as np
