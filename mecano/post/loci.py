@@ -6,18 +6,17 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 from matplotlib.colors import TwoSlopeNorm
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from mecano.deck.unit_of import parameters_of, unit_of
 from mecano.errors import ResultsError, UsageError
-from mecano.post.figure import save
+from mecano.post.figure import plain_figure, save
 from mecano.post.style import COLOURS, DASHES, GREY, INK, SETTINGS, note_below, with_unit
 from mecano.results.checked import open_checked
 from mecano.results.sweep_file import read_sweep
 
-SIZE, MAP_SIZE = (9.6, 7.6), (6.8, 5.0)  # inches
+SIZE, MAP_SIZE = (9.6, 7.2), (6.8, 4.6)  # inches
 WIDTH, NUMBERS = 3.7, 7.5  # inches of axes; points, size of the numbers of critical values
 LETTER, ROW = 0.7 * NUMBERS / 72, NUMBERS + 1.5  # inches, width of a letter with its space; points
 UNSTABLE = "#d55e00"
@@ -67,11 +66,8 @@ def _units(file):
 
 
 def _headed(file, size):
-    figure = Figure(figsize=size)
-    figure.suptitle(f"{file.title or file.path.stem}\n", x=0.01, ha="left", fontsize=12, fontweight="bold")
-    figure.text(0.01, 1.0 - 0.36 / size[1], f"modes over {' and '.join(file.names)}; about: {file.about}", va="top",
-                color=GREY)  # fmt: skip
-    return figure
+    heading = f"modes over {' and '.join(file.names)}; about: {file.about}"
+    return plain_figure(*size, file.title or file.path.stem, heading)
 
 
 def shown_modes(modes, below=None):

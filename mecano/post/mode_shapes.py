@@ -8,22 +8,20 @@ from types import SimpleNamespace
 
 import matplotlib
 import numpy as np
-from matplotlib.figure import Figure
 
 from mecano.errors import ResultsError
 from mecano.post.draw_sketch import draw_sketch
-from mecano.post.figure import save
+from mecano.post.figure import plain_figure, save
 from mecano.post.runs import SECTIONS
 from mecano.post.shapes import apart, shapes
 from mecano.post.sketch import Sketch
-from mecano.post.style import GREY, SETTINGS
+from mecano.post.style import SETTINGS
 from mecano.results.modes_file import read_modes
 
 AMPLITUDE = 0.12  # of the size of the mechanism
 PHASES = np.radians((180.0, 135.0, 90.0, 45.0, 0.0))  # the last one, drawn darkest, is the real part
 MOTION_COUNTS = 4.0  # weight of motion over extent in the choice of the plane
 COLUMNS, PANEL = 3, (4.2, 3.2)  # inches
-ROOM = 0.7
 NO_SHAPES = "nothing moves, so there are no shapes to draw"
 
 
@@ -135,10 +133,8 @@ def _figure(file, sketches):
     columns = min(COLUMNS, max(len(sketches), 1))
     rows = math.ceil(len(sketches) / columns)
     with matplotlib.rc_context(SETTINGS):
-        figure = Figure(figsize=(columns * PANEL[0], rows * PANEL[1] + ROOM))
-        title = file.title or file.path.stem
-        figure.suptitle(f"{title}\n", x=0.01, ha="left", fontsize=12, fontweight="bold")
-        figure.text(0.01, 1.0 - 0.33 / (rows * PANEL[1] + ROOM), f"modes about: {file.about}", va="top", color=GREY)
+        title, heading = file.title or file.path.stem, f"modes about: {file.about}"
+        figure = plain_figure(columns * PANEL[0], rows * PANEL[1], title, heading)
         grid = figure.add_gridspec(rows, columns)
         for i, sketch in enumerate(sketches):
             ax = figure.add_subplot(grid[i // columns, i % columns])
