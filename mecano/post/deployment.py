@@ -38,7 +38,7 @@ def deployment_sheet(runs):
             if resists.any():
                 margins.append(curve.of("margin", "-", margin))
                 reported.append(margin_text(angle, margin))
-    panels = [Panel("torque of a motor", tuple(torques))] if torques else []
+    panels = [Panel("mean torque", tuple(torques))] if torques else []
     panels += [Panel("deployment margin", tuple(margins), note="\n".join(reported))] if margins else []
     return Sheet("deployment", "Deployment: torque of motors and resistance, to the first lock", tuple(panels))
 
