@@ -111,7 +111,7 @@ def test_what_cannot_be_exported_is_reported(path, tmp_path):
     for options in ({"output": tmp_path / "a.txt"}, {"vtk": True, "output": tmp_path / "a.csv"}):
         with pytest.raises(UsageError, match=".vtkhdf"):
             export(path, **options)
-    with pytest.raises(UsageError, match="chooses columns"):
+    with pytest.raises(UsageError, match="selects columns"):
         export(path, tmp_path / "a.vtkhdf", series=["one_hinge.angle"])
     with pytest.raises(UnknownNameError, match="each.h5.*did you mean"):
         export(path, tmp_path / "a.csv", series=["one_hinge.angel"])

@@ -241,6 +241,7 @@ class TestDecks:
     @pytest.mark.parametrize(
         "output,message",
         [
+            ("of: 'ball*.position.z', take: max", "'ball*.position.z' is a pattern, but an output is of one series"),
             ("of: ball.positon.z, take: max", "no output 'ball.positon.z' in the results; did you mean"),
             ("of: ball.position, take: max", "'ball.position' is not one number; add one of x, y, z, or magnitude"),
             ("event: bal touch_down, take: first", "nothing named 'bal' has events"),

@@ -75,7 +75,7 @@ def _placed(prepared, results, row):
     scalars, unknown = scalars_in(system, results)
     if unknown:
         owner, name = unknown[0]
-        raise ResultsError(f"{results.path} does not hold the unknowns of {owner}: {name}")
+        raise ResultsError(f"{results.path} does not belong to this deck: it has no unknown '{name}' of {owner}")
     near = gaps_at_start(prepared.deck, system, prepared.length)
     return replayed(system, prepared.state, results, row, nodes, scalars, near)
 

@@ -75,7 +75,7 @@ def _check(target, series, vtk):
     if target and vtk and target.suffix == OF_COLUMNS:
         raise UsageError(f"-o {target}: --vtk writes {OF_CELLS} files, or into the results file without -o")
     if series and (vtk or (target and target.suffix == OF_CELLS)):
-        raise UsageError("--series chooses columns; cells always have all forces, moments and stresses")
+        raise UsageError("--series selects columns of a .csv file; cells always have all forces, moments and stresses")
 
 
 def _refuse(run, target, force):

@@ -105,7 +105,7 @@ def read_modes(path):
     """Read a file of modes. Raises ResultsError."""
     with open_checked(path) as file:
         if file.attrs.get("format") != FORMAT:
-            raise ResultsError(f"{path} is not a file of modes")
+            raise ResultsError(f"{path} is not a file of modes; `mecano modes` writes them")
         numbers = {name: file[name][:] for name, _, _ in NUMBERS}
         nodes = {name: _places(group, PLACES, SHAPES) for name, group in _groups(file, "nodes")}
         inner = {name: _places(group, ("position",), ("translation",)) for name, group in _groups(file, "inner")}

@@ -103,6 +103,10 @@ def _check_series(name, lookup, node, scope):
     try:
         series, component = lookup.find(name.removesuffix(MAGNITUDE))
     except UnknownNameError as error:
+        if set(name) & set("*?"):
+            hint = "for the largest of several, define a signal, such as max(a.force, b.force)"
+            scope.refuse(node, f"{quoted(name)} is a pattern, but an output is of one series", hint)
+            return
         stem, _, last = name.rpartition(".")
         if last in ONLY_IN_PLOTS:
             other, hint = ONLY_IN_PLOTS[last]

@@ -20,7 +20,7 @@ def due(folder, *, resume=False, failed=False, force=False):
     """
     cases = folder.study.cases
     if folder.begun() and not (resume or failed or force):
-        raise UsageError(f"there are cases in {folder.path}: --resume continues them, --force starts again")
+        raise UsageError(f"{folder.path} has cases: --resume continues them, --force deletes them and runs all")
     if force:
         _clear(folder, cases)
         return list(cases)

@@ -28,7 +28,7 @@ def rows_of(values, source, scope):
     for name, tables in given.items():
         for path in dict.fromkeys(path for rows in tables for row in rows for path in row):
             if path in seen:
-                scope.refuse(scope.owner, f"{quoted(path)} is given by '{seen[path]}' and by '{name}'")
+                scope.refuse(scope.owner, f"{quoted(path)} is given by '{seen[path]}' and by '{name}': keep one")
             seen[path] = name
     if not given:
         ways = "', '".join(ways)
