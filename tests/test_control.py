@@ -1,5 +1,7 @@
 """Signals that drive loads: motions with control against independent integrations and closed forms."""
 
+import json
+
 import numpy as np
 import pytest
 from convergence import at_times
@@ -529,4 +531,4 @@ def test_rates_of_signals_do_not_grow_in_steps_of_changing_size():
 def test_the_resolved_form_of_a_controller_is_a_deck():
     """Its signals without a unit have the unit '-' there."""
     given = input_deck("nose_wheel_steering")
-    assert deck(given.resolved_text()).resolved() == given.resolved()
+    assert deck(json.dumps(given.resolved())).resolved() == given.resolved()

@@ -1,7 +1,6 @@
 """Tables from CSV files beside the deck."""
 
 import hashlib
-import json
 import os
 import tracemalloc
 
@@ -39,7 +38,7 @@ def test_tables_are_read(tmp_path, data):
     assert term == "table" and values["points"].tolist() == [[0.0, 0.0], [1.0, 1000.0]] and values["file"] is None
     assert deck.files == {"tables/push.csv": hashlib.sha256(data.encode()).hexdigest()}
     assert deck.sha256 == hashlib.sha256(DECK.encode()).hexdigest()
-    assert json.loads(deck.resolved_text())["loads"]["push"]["value"]["table"]["points"] == [[0.0, 0.0], [1.0, 1000.0]]
+    assert deck.resolved()["loads"]["push"]["value"]["table"]["points"] == [[0.0, 0.0], [1.0, 1000.0]]
 
 
 def test_a_long_table_takes_little_memory(tmp_path):

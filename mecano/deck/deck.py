@@ -1,6 +1,5 @@
 """A deck that has been read and checked."""
 
-import json
 import math
 from dataclasses import dataclass, field
 
@@ -49,18 +48,6 @@ class Deck:
         for section in ("laws", "grounds", "tire_laws", "sections", "elements", "joints"):
             names |= {id(value): name for name, value in self.values[section].items()}
         return {key: _plain_section(value, names) for key, value in self.values.items() if value is not None}
-
-    def resolved_text(self):
-        """Return the resolved deck as JSON, one line for each named entry."""
-        sections = []
-        for key, value in self.resolved().items():
-            if isinstance(value, dict) and value:
-                inner = [f"  {json.dumps(name)}: {json.dumps(item, allow_nan=False)}" for name, item in value.items()]
-                text = "{\n" + ",\n".join(inner) + "\n }"
-            else:
-                text = json.dumps(value, allow_nan=False)
-            sections.append(f" {json.dumps(key)}: {text}")
-        return "{\n" + ",\n".join(sections) + "\n}\n"
 
 
 def _plain_section(value, names):

@@ -135,11 +135,6 @@ class Results(ByName):
         with self._file.reading("format_version"):
             return int(self._file.h5.attrs["format_version"])
 
-    @property
-    def has_sums(self):
-        """Whether the file has checksums, so that changed bytes are never read."""
-        return self._file.source.sums is not None
-
     def _clip(self):
         """Limit the numbers of rows to those present."""
         self._rows = self._file.rows_present("storage/output", self._rows)
