@@ -14,7 +14,8 @@ from mecano.errors import UsageError
 ASKED = """motor, actuator, pulley, revolute, ball joint, slider, translational joint, bushing, damper, spring, contact,
     modes, eigenvalues, tyre, tire, oleo, shock absorber, latch, stop, cable, rope, winch, truss, rod, link, weld,
     gimbal, cardan, rail, friction, brake, runway, initial conditions, output, units, parameters, sweep, gear, belt,
-    strut, backlash, superelement, roller, point on plane, outputs, tires, Revolute_Joint, ball-joint"""
+    strut, backlash, superelement, roller, point on plane, outputs, tires, Revolute_Joint, ball-joint,
+    stewart, bogie, gust"""
 
 
 def explained(name):
@@ -45,6 +46,10 @@ def test_all_targets_exist(words):
 
 def test_every_word_stands_once():
     assert len(SYNONYMS) == sum(len(words.split(", ")) for words in NOTES)
+
+
+def test_names_of_mecano_with_spaces_or_hyphens():
+    assert explain("metering pin") == explain("metering-pin") == explain("metering_pin")
 
 
 def test_forms_of_a_word():

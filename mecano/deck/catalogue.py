@@ -102,6 +102,8 @@ def explain(name):
     similar ones.
     """
     texts, known = _called(name)
+    if not texts:
+        texts, _ = _called(re.sub("[ -]", "_", name))
     meant = synonym(name)
     if not texts and not meant:
         raise UsageError(f"there is no kind, law or section {quoted(name)}; {_nearest(name, known)}")

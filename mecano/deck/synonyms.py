@@ -105,9 +105,10 @@ NOTES = {  # words with the same meaning: (targets, note)
         "oleo takes pressures, volumes and areas; a spring_damper a law: gas spring, oil damper, stop"
     ),
     "gas, air spring, nitrogen": ("gas_spring", ""),
-    "landing gear, drag brace, side stay, spin up, crosswind": (
-        "oleo wheel steady place",
-        "see docs/struts.md; a brace is a bar or a rigid_rod; a crosswind is a lateral velocity in 'initial.steady'",
+    "landing gear, undercarriage, bogie, drag brace, side stay, spin up, crosswind": (
+        "oleo wheel drag steady place",
+        "see docs/struts.md; a brace is a bar or a rigid_rod; a bogie is a beam or a body with a wheel at "
+        "each axle; in a crosswind give a lateral velocity in 'initial', and a drag to the airframe",
     ),
     "torque link, torque arm, scissors": (
         "cylindrical torsion_spring_damper",
@@ -118,8 +119,8 @@ NOTES = {  # words with the same meaning: (targets, note)
         "wheel tire_laws",
         "`mecano modes` finds shimmy as flutter; a tyre law with 'lateral' gives the side force of a drifting wheel",
     ),
-    "hold down, tie down, deployment, deploy, unfold, panel, solar array": (
-        "hinge.latch release turning_law rigid_body beam superelement",
+    "hold down, tie down, deployment, deploy, unfold, panel, solar array, solar panel, yoke, latch up": (
+        "hinge.latch release turning_law coupler rigid_body beam superelement",
         "hinges with a 'turning_law' and a 'latch'; a 'release' ends the hold-down; see docs/shocks.md",
     ),
     "closed cable loop, cable loop": (
@@ -145,8 +146,8 @@ NOTES = {  # words with the same meaning: (targets, note)
         "beam hinge",
         "run the rotor until it is steady; `mecano modes --at FILE:TIME --frame HUB` finds its modes at that speed",
     ),
-    "hexapod, stewart platform": (
-        "line_force prescribed_length pid universal spherical", "the deck stewart.yaml is an example"
+    "hexapod, stewart, stewart platform, gough platform": (
+        "line_force prescribed_length pid universal spherical", "`mecano example stewart` copies a deck"
     ),
     "length sensor, displacement sensor": (
         "spring_damper signals",
@@ -179,7 +180,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     "ellipsoid, spheroid, egg, rattleback, celt": ("contact", "an 'ellipsoid' in place of the ball touches a plane"),
     "coulomb, stick slip, dry friction": ("friction dry_friction", ""),
     "friction": ("dry_friction", ""),
-    "brake disc, disc brake, anti skid, abs": ("brake", ""),
+    "brake disc, disc brake, anti skid, antiskid, abs": ("brake", ""),
     "clutch, friction clutch, slip clutch, torque limiter": (
         "torsion_spring_damper dry_friction grip",
         "between two shafts, a torsion_spring_damper whose law is dry_friction; a dog clutch is a grip",
@@ -223,7 +224,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     "hydrostatic pressure, fluid pressure, water pressure": ("pressure", ""),
     "distributed load, line force, uniformly distributed load": ("line_load pressure line_moment", ""),
     "distributed moment, distributed torque": ("line_moment", ""),
-    "wind, wind load, rotor, current, morison": (
+    "wind, wind load, gust, rotor, current, morison": (
         "drag line_load", "a 'drag' on each node of a member (docs/beams.md); a 'line_load' for a given force"
     ),
     "aerodynamics, air resistance, parachute, fluid": (
