@@ -19,6 +19,7 @@ def lines(sweep):
         yield from _states(first, sweep.loci[0])
         yield from _modes(first.name, sweep.loci[0])
         yield from _families(first.name, sweep.loci[0])
+        yield _stretches(first, sweep.loci[0])
         yield from _critical(first.name, sweep.loci[0])
         return
     for value, locus in zip(sweep.axes[1].values, sweep.loci, strict=True):
@@ -90,8 +91,6 @@ def _aligned(rows):
 
 def _critical(name, locus):
     """Yield a line for each critical value, at which a mode becomes unstable or stable, and for each not refined."""
-    if not (locus.critical or locus.unrefined):
-        yield "no mode becomes unstable or stable in between"
     for c in locus.critical:
         digits = INSTANT_DIGITS if locus.of_instant(c) else 6
         what = f"oscillates at {c.value.imag / (2 * np.pi):.{digits}g} Hz" if c.value.imag else "diverges"
@@ -117,5 +116,6 @@ def _stretches(axis, locus):
     """Return a text on the ranges of values in which some mode grows."""
     grows = locus.count > 0
     edges = np.flatnonzero(np.diff(np.concatenate([[False], grows, [False]]).astype(int)))
-    parts = [f"{axis.values[a]:.6g} to {axis.values[b - 1]:.6g}" for a, b in edges.reshape(-1, 2)]
+    ends = [dict.fromkeys((f"{axis.values[a]:.6g}", f"{axis.values[b - 1]:.6g}")) for a, b in edges.reshape(-1, 2)]
+    parts = [" to ".join(one) for one in ends]
     return f"unstable at {axis.name} {', '.join(parts)}" if parts else f"stable at all values of {axis.name}"
