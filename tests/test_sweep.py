@@ -393,6 +393,13 @@ def test_pictures_show_what_is_near_the_limit_of_stability():
     assert -10.0 < low < -3.0 and 0.5 < high < 0.8 and beyond == [1]
 
 
+def test_pictures_of_a_stable_gear_show_its_shimmy_mode_beside_a_slow_decay():
+    real, imaginary = np.array([[-0.3, -0.2], [-15.0, -13.0]]), np.array([[0.0, 0.0], [73.0, 80.0]])
+    ratio = -real / np.hypot(real, imaginary)
+    low, _, beyond = real_range({"real_part": real, "imaginary_part": imaginary, "damping_ratio": ratio})
+    assert -20.0 < low < -15.0 and not beyond
+
+
 def test_numbers_of_close_critical_values_do_not_overlap():
     """Measured in the drawn picture, of axes as wide as those of the sheet."""
     speeds = np.array([4.01, 4.2, 4.22, 9.0, 4.6, 4.25, 5.1])

@@ -199,7 +199,8 @@ def real_range(modes):
     """Return limits for real parts, and the modes partly beyond them, which decay much faster.
 
     Growing modes, the least stable mode at each value, and modes lightly damped at some value are within the limits,
-    unless they are DEEPEST times as far from the limit of stability as the fastest growth or the least decay.
+    unless they are DEEPEST times as far from the limit of stability as the fastest growth, the least decay, or the
+    least decay of a lightly damped oscillation.
     """
     real, ratio = modes["real_part"], modes["damping_ratio"]
     if not np.any(np.isfinite(real)):
@@ -209,7 +210,8 @@ def real_range(modes):
     lightly = np.any(oscillates & (ratio < LITTLE), axis=1, keepdims=True)  # damped, at some value
     near = np.concatenate([real[oscillates & lightly], least[np.isfinite(least)], [0.0]])
     size = np.abs(modes["imaginary_part"][oscillates]).min(initial=np.inf) * SLIGHT if oscillates.any() else 0.0
-    size = max(size, near.max(), -np.max(least, where=np.isfinite(least), initial=-np.inf))
+    decays = least[np.isfinite(least)], real[oscillates & lightly]
+    size = max(size, near.max(), *(-one.max() for one in decays if one.size))
     low, high = min(max(near.min(), -DEEPEST * size), -0.5 * near.max()), near.max()
     if np.nanmin(real) > FAR * low:
         low = np.nanmin(real)
