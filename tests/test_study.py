@@ -371,6 +371,16 @@ def test_an_output_that_a_case_lacks_leaves_the_others(folder):
     assert table.numbers == {1: {"end": results_samples.rows_of(2)[11]}} and table.units == {"end": "rad"}
 
 
+def test_counts_have_whole_ticks():
+    status, varied = (
+        Column("case", "status", "", "", ["complete"] * 3),
+        Column("parameters", "a", "", "", np.arange(3.0)),
+    )
+    count = Column("outputs", "latches", "", "", np.array([4.0, 4.0, 4.0]))
+    [ax] = study_figure(StudyTable("", "", "", (status, varied, count))).axes
+    assert [tick for tick in ax.get_yticks() if np.prod(np.array(ax.get_ylim()) - tick) <= 0.0] == [4.0]
+
+
 def test_varied_values_of_one_key_are_told_apart_in_pictures():
     """And the numbers below a panel do not touch one another."""
     values = {

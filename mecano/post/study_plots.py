@@ -57,7 +57,9 @@ def _figure(table, parameters, outputs):
                 grid[i, j].set_xlabel(with_unit(shown[parameter.name], parameter.unit))
                 if parameter.numeric:
                     grid[i, j].locator_params(axis="x", nbins=MOST_TICKS)
-        factor, unit = shown_unit(output.unit, output.values)
+        if not output.unit:  # a count
+            grid[i, 0].locator_params(axis="y", integer=True, min_n_ticks=1)
+        _, unit = shown_unit(output.unit, output.values)
         grid[i, 0].set_ylabel(with_unit(output.name.replace("_", " "), unit))
     return figure
 
@@ -73,13 +75,9 @@ def _panel(ax, output, parameter, other, joined, title):
         if not len(known):
             continue
         known = known[np.argsort(parameter.values[known], kind="stable")]
-        label = (
-            f"{values[number]:.5g}"
-            if distinguished and other.numeric
-            else str(values[number])
-            if distinguished
-            else None
-        )
+        label = None
+        if distinguished:
+            label = f"{values[number]:.5g}" if other.numeric else str(values[number])
         ax.plot(parameter.values[known], output.values[known] / factor, marker="o", markersize=3.5,
                 linestyle=DASHES[0] if joined else "none", linewidth=0.8, color=COLOURS[number], alpha=0.8,
                 label=label)  # fmt: skip
