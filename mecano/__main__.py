@@ -1,4 +1,4 @@
-"""The program `mecano`, also as `python -m mecano`: until it listens to signals, the operating system ends it."""
+"""The program `mecano`, also as `python -m mecano`; Ctrl-C ends it silently until a command handles signals."""
 
 import signal
 

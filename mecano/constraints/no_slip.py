@@ -10,7 +10,7 @@ import numpy as np
 
 from mecano.constraints.ground import normal_and_level
 from mecano.jit.kernel import kernel
-from mecano.maths.contact_force import add_force
+from mecano.maths.force_at_point import add_force
 from mecano.maths.surface import directions, disc_contact
 from mecano.maths.vector import ZERO, cross, dot, mat, vec
 

@@ -17,7 +17,7 @@ from mecano.constraints.no_slip import MULTIPLIERS, put_slip
 from mecano.constraints.rolling_radius import AIR, leaning_discs
 from mecano.element_interface import Kind, Row, record
 from mecano.jit.kernel import kernel
-from mecano.maths.contact_force import add_force, add_multiplier_column, add_position_tangent, add_velocity_tangent
+from mecano.maths.force_at_point import add_force, add_multiplier_column, add_position_tangent, add_velocity_tangent
 from mecano.maths.surface import directions, directions_variation, disc_variation
 from mecano.maths.vector import NO_MATRIX, ZERO, add_row, cross, dot, mat, outer, skew, vec
 

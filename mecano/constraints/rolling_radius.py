@@ -12,7 +12,7 @@ from mecano.constraints.augmented_lagrangian import deactivate
 from mecano.constraints.ground import GROUND_RECORD, normal_and_level, touch
 from mecano.element_interface import Kind, Row, record
 from mecano.jit.kernel import kernel
-from mecano.maths.contact_force import add_force, add_multiplier_column, add_position_tangent
+from mecano.maths.force_at_point import add_force, add_multiplier_column, add_position_tangent
 from mecano.maths.surface import disc_variation
 from mecano.maths.vector import add_row, cross, dot, mat, outer, vec
 

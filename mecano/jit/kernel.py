@@ -1,4 +1,4 @@
-"""Functions for compiled code.
+"""Kernels: functions that compiled functions can call, marked by ``@kernel``.
 
 A kernel is compiled into the loops and entries that call it; called from Python, it runs as a Python function. numba is
 imported only when something must be compiled: most processes find all they need in the store.

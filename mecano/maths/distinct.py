@@ -1,4 +1,4 @@
-"""Unique integers."""
+"""Distinct numbers of an array, by sorting it in place."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Interpolation within a step from the values at its ends."""
+"""Hermite interpolation within a step, from the values and rates at its ends."""
 
 from mecano.jit.kernel import kernel
 

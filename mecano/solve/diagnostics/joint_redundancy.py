@@ -1,10 +1,11 @@
-r"""Redundant groups that name all joints involved, including those that share unknowns.
+r"""Redundant constraints by joint, including joints whose nodes share unknowns.
 
 Joints identify unknowns of their nodes (Boolean identification), and the forces that they transmit through these have
-no multipliers. Here every node has unknowns of its own, and each identification is replaced by an equivalent
-constraint, :math:`x_i - x_j = 0` or :math:`R_0 (\delta\Theta_i - \delta\Theta_j) = 0`, where :math:`R_0` is the
-orientation of both nodes in the deck, so that axes are those of the deck, carried along. The number of redundancies is
-that of the model, plus the number of identifications of unknowns that are already identified.
+no multipliers, so redundant constraints would not name these joints. Here every node has unknowns of its own, and each
+identification is replaced by an equivalent constraint, :math:`x_i - x_j = 0` or :math:`R_0 (\delta\Theta_i -
+\delta\Theta_j) = 0`, where :math:`R_0` is the orientation of both nodes in the deck, so that axes are those of the
+deck, carried along. The number of redundancies is that of the model, plus the number of identifications of unknowns
+that are already identified.
 """
 
 from dataclasses import replace
