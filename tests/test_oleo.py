@@ -102,6 +102,7 @@ def test_what_is_refused(change, text):
         ("elements.strut.gas.pressure=0.9 bar", "'gas.pressure' is 90000 Pa, less than the 101325 Pa of the air"),
         ("elements.strut.gas.volume=0.5e-3", "the stop is at a stroke of 0.3 m, but all gas is used up at"),
         ("elements.strut.oil.rebound_orifice=60", "an orifice has 60 m2, not less than"),
+        ("elements.strut.extended_length=0.6", "it starts 0.201 m longer than its 'extended_length', 0.6 m: beyond"),
         ("elements.strut.oil.discharge_coefficient=0.8", ""),
     ],
 )

@@ -40,6 +40,7 @@ from mecano.maths.dual import chain, number, select, sqrt, value
 from mecano.schema import CURVE, LAW, NODE_PAIR, NUMBER, Field, mapping, positive
 
 OIL = 6  # local unknown: compression c of the oil [m], measured along the stroke
+LONGER = 0.01  # of the extended length: beyond it the deformation of a stop is improbable
 RECORD = record(
     **LAW_RECORD, push=2, column=2, exponent=(), second=(), gas_area=(), ambient=(), oil_stiffness=(),
     orifice="i", rebound_orifice="i", drag=2, pressing=2, laminar=(),
@@ -164,8 +165,14 @@ def _areas(area):
 
 
 def suspicious(d, nodes):
-    """Return warnings about a gas below the ambient pressure, or used up before the stop, and too large orifices."""
+    """Return warnings about the gas, a strut that starts beyond its full extension, and too large orifices."""
     gas, second, texts = d["gas"], d["second_gas"], []
+    full, length = d["extended_length"], float(np.linalg.norm(nodes[1].x - nodes[0].x))
+    if full is not None and length > (1.0 + LONGER) * full:
+        texts.append(
+            f"it starts {length - full:.3g} m longer than its 'extended_length', {full:g} m: beyond the stop of the "
+            "extended strut; is the length right?"
+        )
     if gas["pressure"] < gas["ambient_pressure"]:
         texts.append(
             f"'gas.pressure' is {gas['pressure']:g} Pa, less than the {gas['ambient_pressure']:g} Pa of the air: "
