@@ -15,7 +15,7 @@ import mecano  # noqa: E402
 from mecano.jit import ahead  # noqa: E402
 from mecano.jit.store import folder  # noqa: E402
 
-gc.set_threshold(50_000)  # thousands of tests stay in memory, and each collection would visit them
+gc.set_threshold(50_000)  # as many objects are made between two collections, which take their time
 ahead.cores = lambda: 1  # the tests run in parallel, and a process that compiles all compiles shared functions once
 
 SOURCES = sorted(Path(mecano.__file__).parent.rglob("*.py"))
@@ -35,6 +35,10 @@ def pytest_configure(config):
         from verification import Manual
 
         config.pluginmanager.register(Manual(path))
+
+
+def pytest_collection_finish():
+    gc.freeze()  # thousands of tests stay in memory, and each collection would visit them
 
 
 @pytest.fixture
