@@ -10,6 +10,7 @@ from time_runs import RecordedRun, deck, input_deck
 
 from mecano.solve.events.complementarity import solve_complementarity
 from mecano.solve.events.impact_friction import solve_with_friction, within_disc
+from mecano.solve.time.consistent import Consistent
 
 S = "Contact"
 BALL = """
@@ -204,6 +205,25 @@ def test_a_ball_begins_to_slide_down_a_slope():
         """))  # fmt: skip
     moved = np.linalg.norm(np.ptp(run["nodes/ball/position"][[0, -1]], axis=0))
     assert moved == pytest.approx(v * end + 0.5 * g * (math.sin(a) - mu * math.cos(a)) * end**2, rel=1e-8)
+
+
+def test_a_box_in_flight_needs_no_iterations_on_friction(monkeypatch):
+    """Its reactions are rounding, beside its weight: one correction of Newton at the start is enough."""
+    corrections = []
+    solve = Consistent._couple_signals
+    monkeypatch.setattr(Consistent, "_couple_signals", lambda *given: corrections.append(given) or solve(*given))
+    RecordedRun(deck("""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes: {box: {position: [0, 0, 1], orientation: [0.3, 0.5, 0.2]}, corner: {position: [0.1, 0.05, 0.9]}}
+        elements:
+          box: {type: rigid_body, node: box, mass: 0.5, inertia: [1.0e-3, 1.0e-3, 1.0e-3], attached: [corner]}
+          floor: {type: contact, nodes: [ground, corner], plane: {normal: [0, 0, 1], point: [0, 0, 0]},
+                  friction: {coefficient: 0.5, regularization: 1.0e-3}}
+        initial: {velocities: [{nodes: all, velocity: [1, 0, 0], angular_velocity: [3, 8, 2], about: [0, 0, 1]}]}
+        time: {end: 2.0e-3, step: 1.0e-3}
+        """))  # fmt: skip
+    assert len(corrections) == 1
 
 
 def test_the_nearest_impulse_within_a_disc():

@@ -223,13 +223,14 @@ class Consistent:
         s.a[: system.n_q] = np.where(system.signals, s.a[: system.n_q], a)
         s.z[system.n_q : system.n] = reaction + self.k * gamma
         if len(system.coupled_multipliers) or len(system.sensed_multipliers):
-            self._apply_multipliers(s)
+            self._apply_multipliers(s, np.abs(top).max(initial=0.0))
 
-    def _apply_multipliers(self, s):
+    def _apply_multipliers(self, s, applied):
         """Solve for accelerations, multipliers and signals of ``s``, where forces or signals depend on multipliers.
 
         Newton's method; forces are those of friction. The accelerations stay on the constraints. An iteration that does
-        not converge, where friction locks, leaves it to the first step to find the motion.
+        not converge, where friction locks, leaves it to the first step to find the motion. Multipliers that are small
+        beside the largest ``applied`` force, as in free flight, are rounding.
         """
         system, n_q, n = self.system, self.system.n_q, self.system.n
         signals = system.signals if len(system.sensed_multipliers) else np.zeros(n_q, bool)
@@ -247,7 +248,7 @@ class Consistent:
             s.v[:n_q] += np.where(system.states, of_signals, 0.0)
             s.z[:n_q] += np.where(system.states, 0.0, of_signals)
             s.z[n_q:n] += self.k * change[n_q:]
-            if np.abs(self.k * change[n_q:]).max() <= ROUNDING * np.abs(s.z[n_q:n]).max():
+            if np.abs(self.k * change[n_q:]).max() <= ROUNDING * max(applied, np.abs(s.z[n_q:n]).max()):
                 break
         self._factor()
 
