@@ -72,7 +72,7 @@ NODE_PAIR = pair_of(NODE)
 
 def joint_with(output):
     """Return the type of the name of a joint with this output; its checked value is the values of the joint."""
-    return Type("joint", f"the name of a joint with the output '{output}'", (output,))
+    return Type("joint", "the name of a joint", (output,))
 
 
 def choice(*names):

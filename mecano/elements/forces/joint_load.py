@@ -90,16 +90,18 @@ def _line_sample(rng):
     return [({"value": d["value"]}, nodes, phase) for d, nodes, phase in _sample(rng)]
 
 
-def _joint(output):
-    return Field("joint", joint_with(output), "-", f"joint with the output '{output}', along which the load acts")
+def _joint(output, kinds):
+    return Field("joint", joint_with(output), "-", f"{kinds}, along whose {output} the load acts")
 
 
 JOINT_MOMENT = _load(
-    "joint_moment", "Moment about the axis of a joint, such as that of a motor", TWIST, _joint("angle"),
+    "joint_moment", "Moment about the axis of a joint, such as that of a motor", TWIST,
+    _joint("angle", "hinge, cylindrical, planar or screw joint"),
     _along_joint("angle"), nothing, _sample,
 )  # fmt: skip
 JOINT_FORCE = _load(
-    "joint_force", "Force along the axis of a joint, such as that of a linear motor", SLIDE, _joint("displacement"),
+    "joint_force", "Force along the axis of a joint, such as that of a linear motor", SLIDE,
+    _joint("displacement", "prismatic, cylindrical or screw joint"),
     _along_joint("displacement"), nothing, _sample,
 )  # fmt: skip
 LINE_FORCE = _load(
