@@ -39,6 +39,13 @@ def test_margin_is_torque_over_weight(panel):
     assert margin.curves[0].y.unit == "-"
 
 
+def test_the_summary_lists_no_instants_of_releases(tmp_path):
+    """Which are formulas like those of signals, and have names."""
+    run(input_deck("release", "time.end=0.01"), tmp_path / "release.h5")
+    assert "formulas: " not in info(tmp_path / "release.h5")
+    assert "formulas.time - (" in info(tmp_path / "release.h5", "*")
+
+
 def test_friction_and_dampers_of_motors_resist(tmp_path):
     """Without weight, the friction of 0.5 N m resists the 2 (pi/2 - angle) N m of the spring."""
     law = "joints.hinge.turning_law={spring: {stiffness: 2}, dry_friction: {force: 0.5, regularization: 1.0e-4}}"

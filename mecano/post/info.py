@@ -166,7 +166,8 @@ def _holds(results):
     owners = {}
     for path in results.names():
         owner, _, name = path.rpartition("/")
-        owners.setdefault((owner.partition("/")[0], kinds.get(owner, ""), owner), []).append(name)
+        if not owner.startswith("formulas/"):  # those written in place, such as the instant of a release
+            owners.setdefault((owner.partition("/")[0], kinds.get(owner, ""), owner), []).append(name)
     groups = {}
     for (section, kind, owner), names in owners.items():
         groups.setdefault((section, kind, tuple(names)), []).append(owner.rpartition("/")[2])
