@@ -297,6 +297,8 @@ def test_map_files_and_pictures(tmp_path):
     (border,) = file.critical["parameter"]
     assert abs(caster_roots(border, c=24.0).real.max()) < 1e-8 and file.critical["other"][0] == 24.0
     assert f"critical speed {border:.11g}: mode 1 (oscillates at 11.3053 Hz) grows below it" in text
+    shown = [label.get_text() for label in sweep_figure(file).legends[0].get_texts()]
+    assert shown == ["border: unstable below"]
     with open(path.with_suffix(".csv"), newline="") as table:
         rows = list(csv.reader(table))
     assert rows[0][:3] == ["damping", "speed", "growth [1/s]"] and len(rows) == 7

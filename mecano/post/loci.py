@@ -259,6 +259,8 @@ def _map(file, units):
         ax.contour(file.parameter, file.other, growth, levels=[0.0], colors=GREY, linewidths=0.8)
     for grows, marker in ((1.0, ">"), (0.0, "<")):
         own = file.critical["destabilizes"] == grows
+        if not own.any():
+            continue
         ax.plot(file.critical["parameter"][own], file.critical["other"][own], marker, color=INK, markersize=4,
                 label=f"border: unstable {'above' if grows else 'below'}")  # fmt: skip
     ax.set(xlabel=with_unit(file.names[0], units[0]), ylabel=with_unit(file.names[1], units[1]))
