@@ -152,7 +152,9 @@ def test_momentum_is_conserved_but_for_the_impulses_of_the_ground(case, struck):
             for p, dofs, rows in zip(b.p, b.dofs, b.multipliers, strict=True):
                 push = p["normal"] * one.shock.impulses[rows[0]]
                 given += np.concatenate([push, np.cross(one.before.z[dofs[:3]], push)])
-    assert one.shock.event_records
+    assert (
+        one.shock.event_records or np.abs(one.shock.impulses).max() <= 1e-12 * size
+    )  # rounding opens a contact, or not
     assert (not case[1]) <= (not given.any())
     np.testing.assert_allclose(after - before, given, atol=1e-12 * size, rtol=0.0)
 
