@@ -178,3 +178,23 @@ def test_before_its_activation_a_rope_may_have_no_path(tmp_path):
         np.testing.assert_array_equal(m["nodes/right/velocity"][-1], [-1, 0, 0])
     with pytest.raises(MecanoError, match="reeved_cable 'rope' has no free span left"):
         run(deck(PASSING.replace("TIME", "1.0").replace("HEIGHT", "-0.1")), tmp_path / "within.h5")
+
+
+LINE = """
+    mecano: 1
+    gravity: [0, 0, -1]
+    nodes: {top: {position: [0, 0, 0], fixed: true}, b: {position: [0, 0, -1]}}
+    elements:
+      b: {type: point_mass, node: b, mass: 1}
+      line: {type: cable, nodes: [top, b], axial_stiffness: 100, natural_length: 1.5, MORE}
+    time: {end: 0.2, step: 0.01}
+"""
+
+
+@pytest.mark.parametrize("text", [LINE, WEIGHTS.replace("MORE", "payout: 0.5, MORE").replace("STEP", "0.01")])
+def test_a_damped_line_that_is_activated_slack_has_no_energy(text):
+    """Nothing is given with its activation: shorter than its natural length, it is slack and not relaxing."""
+    recorded = RecordedRun(deck(text.replace("MORE", "damping: 0.01, activate: {time: 0.1}")))
+    event = recorded.event_records[0]
+    assert (event.name, event.after, event.lost) == ("activates", "slack", 0.0)
+    np.testing.assert_array_equal(recorded["energy/given"][recorded.time <= 0.15], 0.0)

@@ -143,7 +143,7 @@ def _functions(geometry, angles, always):
     @kernel
     def event_values(p, at, g):
         stretch, along, _, _, _ = geometry(p, at)
-        put_line_events(g, stretch, rate_of(along, at.v), p.damping)
+        put_line_events(g, at.phase == TAUT, stretch, rate_of(along, at.v), p.damping)
 
     @kernel
     def commit(p, at, m_out):

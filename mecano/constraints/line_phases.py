@@ -21,9 +21,13 @@ EVENTS = (
 
 
 @kernel
-def put_line_events(g, strain, strain_rate, damping):
-    """Write the values of ``EVENTS`` [the unit of the strain] to g: the tension follows the smaller of two strains."""
+def put_line_events(g, is_taut, strain, strain_rate, damping):
+    """Write the values of ``EVENTS`` [the unit of the strain] to g: the tension follows the smaller of two strains.
+
+    A line that was not taut, and is activated shorter than its natural length, is slack at once.
+    """
     taut = min(strain, strain + damping * strain_rate)
     g[0] = g[1] = taut
-    g[2], g[3] = (-taut, -FAR) if damping == 0.0 else (-FAR, -taut)
+    relaxes = damping != 0.0 and (is_taut or strain > 0.0)
+    g[2], g[3] = (-FAR, -taut) if relaxes else (-taut, -FAR)
     g[4] = -strain

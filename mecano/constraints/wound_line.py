@@ -155,7 +155,7 @@ def event_values(p, at, g):
     L, L_rate, full = _paid_out(p, at.m, at.laws, at.t)
     strain, strain_rate = strained(length, rate, L, L_rate)
     if at.phase <= RELAXING:
-        put_line_events(g, strain, strain_rate, p.damping)
+        put_line_events(g, at.phase == TAUT, strain, strain_rate, p.damping)
     if at.phase == SLACK and full and p.catch != STRETCH:
         g[0], g[10 if p.catch == SHOCK else 11] = -FAR, length - L - at.m[2]
     elif at.phase == TAUT and not full:

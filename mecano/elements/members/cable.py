@@ -118,7 +118,7 @@ def _functions(natural):
     @kernel
     def event_values(p, at, g):
         length, rate, _ = line(at.q, at.v)
-        put_line_events(g, *strained(length, rate, *natural(p, at)), p.damping)
+        put_line_events(g, at.phase == TAUT, *strained(length, rate, *natural(p, at)), p.damping)
 
     return residual, observe, event_values
 

@@ -137,7 +137,7 @@ def _functions(strain_of):
         _, _, strain, strain_rate, _, _ = strain_of(p, at)
         if lost(p, at):
             strain, strain_rate = -1.0, 0.0
-        put_line_events(g, strain, strain_rate, p.damping)
+        put_line_events(g, at.phase == TAUT, strain, strain_rate, p.damping)
 
     return {"residual": residual, "observe": observe, "event_values": event_values}
 
