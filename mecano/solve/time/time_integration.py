@@ -25,7 +25,7 @@ from mecano.solve.time.trials import NEGLIGIBLE_TIME, Trials
 
 LEAST_ULPS = 1e4  # spacings of floating-point numbers of time in a step: a shorter step has too much rounding
 MOST_STEPS = 2**62  # in one call of compiled code: any number
-MOST_CUTS = 1000  # while time advances by less than the largest step: then the run crawls
+MOST_CUTS = 500  # while time advances by less than the largest step: then the run crawls
 SHORT = 1e-3  # of a step: the reactions of a shorter one are dominated by rounding
 
 
