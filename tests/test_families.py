@@ -127,12 +127,13 @@ def test_sweep_lists_modes_by_family(tmp_path):
     assert [row[0] for row in listed] == ["1", "2", "3"] and all("node" in row for row in listed)
     file = read_sweep(tmp_path / "b.h5")
     ratios = file.modes["damping_ratio"]
-    for family, mode, _, ratio, speed in (line.split() for line in lines[last + 2 : -1] if "critical" not in line):
+    for family, mode, _, ratio, speed in (line.split() for line in lines[last + 2 : -2]):
         own = np.array(file.families) == family
         b, i = int(mode) - 1, list(file.parameter).index(float(speed))
         assert own[b, i] and ratios[b, i] == pytest.approx(float(ratio), abs=1e-5)
         assert ratios[b, i] <= ratios[own].min() + 1e-9
     assert {"lateral"} <= {name for row in file.families for name in row} <= set(FAMILIES)
+    assert lines[-2] == "unstable at speed 6.5" and lines[-1].startswith("critical speed 6.02")
     head, row, *_ = (tmp_path / "b.csv").read_text().splitlines()
     assert row.split(",")[head.split(",").index("mode 2 family")] == file.families[1][0]
     with h5py.File(tmp_path / "b.h5", "a") as older:
