@@ -374,7 +374,7 @@ class TestSweep:
         assert found.units["swing"] == "rad" and "case" in found and tuple(found) == found.columns
         with pytest.raises(UnknownNameError, match=r"no column 'swung' in this study: there are case, .*swing"):
             _ = found["swung"]
-        with pytest.raises(UsageError, match="there are cases in study_runs"):
+        with pytest.raises(UsageError, match="study_runs has cases"):
             mecano.sweep("study.yaml")
         with pytest.raises(mecano.DeckError, match="unknown key"):
             (folder / "wrong.yaml").write_text(STUDY.replace("grid", "gird"))

@@ -20,7 +20,8 @@ def similar(word, known):
             found.setdefault(distance, []).append(name)
     if found:
         nearest = found[min(found)]
-        return difflib.get_close_matches(word, nearest, n=MOST, cutoff=0.0)
+        likeness = {name: difflib.SequenceMatcher(None, word, name.lower()).ratio() for name in nearest}
+        return sorted(nearest, key=likeness.get, reverse=True)[:MOST]  # equal ones in their order
     return difflib.get_close_matches(word, known, n=1, cutoff=0.6)
 
 
