@@ -11,7 +11,6 @@ p makes it regular for nodes without mass; the compliances c are zero unless con
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
 
 from mecano.errors import AssemblyError, Failure
 from mecano.model.numbering import SCALAR
@@ -257,6 +256,8 @@ class Consistent:
 
         The reactions keep the constraints; without friction the change is zero.
         """
+        import scipy.sparse as sp  # no ordinary run needs it
+
         system, n_q, n, data = self.system, self.system.n_q, self.system.n, np.zeros(len(self.data))
         coupled = n_q + system.coupled_multipliers
         here = _with(self.bare, s.v, s.a)
