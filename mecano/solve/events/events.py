@@ -7,7 +7,6 @@ import numpy as np
 from mecano.jit.entry import Vector, entry
 from mecano.solve.time.signals import solve_signals
 
-AT_ONCE = 1e-7  # of a step: an event before this happens at its beginning
 EQUAL = 1e-6  # of its value at the beginning of the step: values that differ by less are equal
 
 
@@ -129,11 +128,8 @@ class NoEvents(EventMonitor):
 
 @entry
 def some_happened(g0: Vector, g1: Vector) -> bool:
-    """Return whether an event value crosses zero from g0 to g1 (n_events,), or is positive at one of both ends.
-
-    At the beginning it counts only if it remains so for longer than rounding would have it.
-    """
+    """Return whether an event value crosses zero from g0 to g1 (n_events,), or is positive at one of both ends."""
     for i in range(g0.shape[0]):
-        if g1[i] > 0.0 or (g0[i] < 0.0 and g1[i] == 0.0) or g0[i] > AT_ONCE * abs(g1[i]):
+        if g0[i] > 0.0 or g1[i] > 0.0 or (g0[i] < 0.0 and g1[i] == 0.0):
             return True
     return False

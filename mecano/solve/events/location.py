@@ -9,11 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.solve.events.events import AT_ONCE, some_happened
+from mecano.solve.events.events import some_happened
 from mecano.solve.time.increments import moved
 from mecano.solve.time.interpolate import interpolate
 
 TIME_TOLERANCE = 1e-10  # of the step in which the event lies
+AT_ONCE = 1e-7  # of a step: an event before this happens at its beginning
 PAST = 0.01  # of the tolerance: beside a step that just misses the event, one aims so far past it
 TOGETHER = 1e-6  # of its change in the step: event values nearer to zero cross with the located one
 NEAR = 0.01  # of the interval: the first point tried is no nearer to its ends
