@@ -128,8 +128,8 @@ class NoEvents(EventMonitor):
 
 @entry
 def some_happened(g0: Vector, g1: Vector) -> bool:
-    """Return whether an event value crosses zero from g0 to g1 (n_events,), or is positive at one of both ends."""
+    """Return whether an event value crosses zero from g0 to g1 (n_events,) or stays nonnegative, ending positive."""
     for i in range(g0.shape[0]):
-        if g0[i] > 0.0 or g1[i] > 0.0 or (g0[i] < 0.0 and g1[i] == 0.0):
+        if (g0[i] < 0.0 and g1[i] >= 0.0) or (g0[i] >= 0.0 and g1[i] > 0.0):
             return True
     return False

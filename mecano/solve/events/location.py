@@ -60,12 +60,9 @@ def locate(monitor, step, s0, g0, trial, h):
         return None
     later, ahead = look_ahead(monitor, s0, g0, h)
     g0 = np.where(ahead < 0.0, ahead, g0)
-    before = (g0 > 0) & ((g1 > 0) | monitor.elastic)  # already crossed at the start of the step
-    if np.any(before):
-        return Located(0.0, None, before)
+    if np.any((g0 > 0) & (g1 > 0)):  # already crossed at the start of the step
+        return Located(0.0, None, (g0 > 0) & (g1 > 0))
     crossed = ((g0 < 0) & (g1 >= 0)) | ((g0 == 0) & (g1 > 0))
-    if not np.any(crossed):
-        return None
     behind, largest = np.all((monitor.elastic & (ahead < 0.0))[crossed]), float(g0[crossed].max())
     early = Point(AT_ONCE * h, largest, (later,)) if behind else Point(0.0, largest, (s0,))
     search = Search(monitor, step, crossed, early, trial, h)
