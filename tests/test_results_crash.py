@@ -101,7 +101,7 @@ def record(path, monkeypatch):
 def test_every_instant_of_a_run_leaves_a_readable_file(tmp_path, monkeypatch):
     """Kill after changes of the file, and between the pages of each.
 
-    After each change at first, near checkpoints and at the end, and after every 67th of the others, which repeat.
+    After each change at first, near checkpoints and at the end, and after every 43rd of the others, which repeat.
     """
     path = tmp_path / "r.h5"
     log, start, acknowledged, kept = record(path, monkeypatch)
@@ -113,7 +113,7 @@ def test_every_instant_of_a_run_leaves_a_readable_file(tmp_path, monkeypatch):
         torn = list(Recorder.torn(content, offset, data)) if done > start else []
         Recorder.apply(content, offset, data)
         near_checkpoint = any(changes - 8 < done < changes + 3 for changes, _ in kept)
-        if done < start or not (done < start + 100 or near_checkpoint or done > len(log) - 50 or done % 67 == 0):
+        if done < start or not (done < start + 100 or near_checkpoint or done > len(log) - 50 or done % 43 == 0):
             continue
         for state in (*torn, content):
             path.write_bytes(state)

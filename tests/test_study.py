@@ -266,7 +266,7 @@ class TestFolder:
         with runs.held():
             for case, status in zip(found.cases[:2], (COMPLETE, FAILED), strict=True):
                 runs.write(case, Record(status, 0, 1.0))
-        with pytest.raises(UsageError, match="there are cases in runs: --resume"):
+        with pytest.raises(UsageError, match="runs has cases: --resume"):
             due(runs)
         assert [case.number for case in due(runs, resume=True)] == [3]
         assert [case.number for case in due(runs, failed=True)] == [2, 3]
