@@ -184,15 +184,15 @@ def test_rejected_steps_that_leave_something_are_seen(tmp_path, monkeypatch):
         "elements: {m: {type: point_mass, node: a, mass: 1}}\ntime: {end: 0.1, step: 1e-2}\n"
     )
     assert hard.rejected(tmp_path) == ""
-    from mecano.solve.time.time_integration import TimeIntegrator
+    from mecano.solve.time.trials import Trials
 
-    step = TimeIntegrator._step
+    step = Trials._step
 
-    def forgetful(integrator, run, h):
+    def forgetful(trials, run, h):
         run.motion.z[0] += 1e-3 * (h < 5e-3)  # of the trial that is thrown away
-        return step(integrator, run, h)
+        return step(trials, run, h)
 
-    monkeypatch.setattr(TimeIntegrator, "_step", forgetful)
+    monkeypatch.setattr(Trials, "_step", forgetful)
     assert "rejected steps move the end" in hard.rejected(tmp_path)
 
 

@@ -89,7 +89,9 @@ def assemble(
     to.lag = cK / cC if cK * cC != 0.0 else 1.0
     floats(to.mass, to.n_slots)[:] = 0.0
     floats(to.data, to.n_data)[:] = 0.0
+    to.columns = 1
     residual(loops, system, k, penalty)
+    to.columns = 0
 
 
 @entry
@@ -98,7 +100,9 @@ def add(loops: Loops, system: System, s: Instant, T: Matrices, k: float, penalty
     bind_state(system, s)
     to = system[0]
     to.T, to.cK, to.cC, to.cM, to.k, to.penalty, to.lag = T.ctypes.data, cK, cC, 0.0, k, penalty, 1.0
+    to.columns = 1
     run(loops, system)
+    to.columns = 0
 
 
 @entry
@@ -112,7 +116,9 @@ def add_scaled(
     own_force, own_size, own_mass = to.force, to.size, to.mass
     work[:, :] = 0.0
     to.force, to.size, to.mass = force.ctypes.data, size.ctypes.data, size.ctypes.data
+    to.columns = 1
     run(loops, system)
+    to.columns = 0
     to.force, to.size, to.mass = own_force, own_size, own_mass
     force_out, size_out = floats(own_force, to.n_slots), floats(own_size, to.n_slots)
     for i in range(to.n_slots):

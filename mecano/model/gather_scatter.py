@@ -145,11 +145,16 @@ def gather_duals(b, s, e):
 
 @kernel
 def seed(b, s, e, j):
-    """Set the slopes along the local unknown j: q_j varies by cK, v_j by cC, a_j by cM, a rotation by R hat(cK T_j)."""
+    """Set forces to zero, and the slopes along the local unknown j if columns are wanted.
+
+    q_j varies by cK, v_j by cC, a_j by cM, a rotation by R hat(cK T_j).
+    """
     q_1, v_1, a_1, R_1 = seeded(b)
     columns, f_1 = integers(b.columns, b.n_rotations), dual_forces(b)
     for i in range(b.n_local):
         f_1[i] = 0.0
+    if not s.columns:
+        return
     r = rotation_of(j, columns)
     if r < 0:
         reaction = b.first_reaction <= j < b.first_reaction + b.n_reactions
@@ -165,7 +170,9 @@ def seed(b, s, e, j):
 
 @kernel
 def add_column(b, s, e, j, lag):
-    """Add the column j of the tangent of an element, the slopes of its forces, and clear the seeds."""
+    """Add the column j of the tangent of an element, the slopes of its forces, if it is wanted; clear the seeds."""
+    if not s.columns:
+        return
     n, data_out, entries = b.n_local, floats(s.data, s.n_data), integers(b.entries, (b.n, b.n_local, b.n_local))
     columns, f_1, first_row = integers(b.columns, b.n_rotations), dual_forces(b), n - b.n_multipliers
     for i in range(n):

@@ -38,7 +38,8 @@ def loop_of(kind, template):
 def code_of(kind, template):
     """Return the Code of the loop ``template`` for a kind, or None if the kind has no such function."""
     if kind.residual is not None:
-        template = {tangent: dual_tangent, residual: plain_residual}.get(template, template)
+        alone = dual_tangent if kind.senses else plain_residual  # a sensor takes longer, but is compiled once
+        template = {tangent: dual_tangent, residual: alone}.get(template, template)
     if kind.constraints is not None and template is constraint_derivatives:
         template = dual_constraint_derivatives
     function = getattr(kind, PURPOSES[template])

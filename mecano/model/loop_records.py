@@ -23,7 +23,7 @@ SYSTEM = fields(
     words="n_all n_rotations z v a R T phases memory memory_out "
     "n_states states n_laws laws n_slots force size mass slot_dof residual scale n_data data "
     "n_transmitted partition_starts partition_members partition_weights transmitted "
-    "outputs energies energy event_values n_constraints constraint_derivatives",
+    "outputs energies energy event_values n_constraints constraint_derivatives columns",
 )
 
 

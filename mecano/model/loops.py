@@ -105,7 +105,7 @@ def tangent(batch, system):
 def dual_tangent(batch, system):
     """Compute forces, their magnitudes, masses, and the tangent cK K + cC C + cM M of a kind with a residual only.
 
-    One pass per local unknown j gives column j.
+    One pass per local unknown j gives column j. If no columns are wanted, one pass gives the forces alone.
     """
     b, s = batch_at(batch), system_at(system)
     p, lag = items(b.p, b.n, parameters), s.lag if of_rates else 1.0  # noqa: F821
@@ -113,12 +113,12 @@ def dual_tangent(batch, system):
         if is_idle(b, s, e):
             continue
         gather_duals(b, s, e)
-        for j in range(b.n_local):
+        for j in range(b.n_local if s.columns else 1):
             seed(b, s, e, j)
             function(p[e], dual_place(b, s, e, lag), dual_forces(b))  # noqa: F821
             add_column(b, s, e, j, lag)
         add_dual_force(b, s, e, lag)
-        if has_inertia:  # noqa: F821
+        if has_inertia and s.columns:  # noqa: F821
             inertia(p[e], place(b, s, e), masses(b))  # noqa: F821
             add_masses(b, s, e)
 
