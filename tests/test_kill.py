@@ -14,6 +14,7 @@ from time_runs import INPUTS
 import mecano
 from mecano.errors import ResultsError
 
+KILLS = 30
 ATTEMPTS = 3
 # `mecano run` that reports, as soon as each flush has returned, the acknowledged data: saved times, steps, events
 WITNESS = """
@@ -99,17 +100,17 @@ def check_killed(path, said, run):
     return 0 < said[0] <= count < len(run.times)
 
 
-@pytest.mark.parametrize("kills", [6, pytest.param(30, marks=pytest.mark.slow)])
-def test_acknowledged_steps_survive_a_kill(kills, whole, tmp_path):
+@pytest.mark.slow  # of fewer kills, test_results_crash.py
+def test_acknowledged_steps_survive_a_kill(whole, tmp_path):
     """A third of the processes dies after the first flush and before the end; on a loaded machine more are tried."""
     run, duration = whole
     assert run.status == "complete" and (len(run.times), len(run.steps)) == (14001, 28000)
     rng, within = random.Random(0), 0
     for attempt in range(ATTEMPTS):
-        plans = [(tmp_path / f"{attempt}_{i}.h5", rng.uniform(0.0, 1.0) * duration) for i in range(kills)]
+        plans = [(tmp_path / f"{attempt}_{i}.h5", rng.uniform(0.0, 1.0) * duration) for i in range(KILLS)]
         with ThreadPoolExecutor(2) as pool:
             acknowledged = list(pool.map(lambda plan: killed(*plan), plans))
         within += sum(check_killed(path, said, run) for (path, _), said in zip(plans, acknowledged, strict=True))
-        if within >= kills // 3:
+        if within >= KILLS // 3:
             break
-    assert within >= kills // 3
+    assert within >= KILLS // 3

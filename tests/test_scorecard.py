@@ -313,6 +313,7 @@ def test_rows_are_written_beside_those_of_other_lines(tmp_path, monkeypatch):
     ]
 
 
+@pytest.mark.slow
 def test_quick_trials_are_held(tmp_path):
     """Decks, numbers and models of the scorecard; the other lines take longer, and have tests of their own."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)

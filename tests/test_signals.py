@@ -24,6 +24,8 @@ from mecano.study.pool import Limits, Pool
 from mecano.study.read import read_study
 
 ALL = tuple(number for number in EXIT_CODES if number != CLOCK)
+SLOW = pytest.mark.slow
+FEW = "nose_gear_rigid", "four_feet"
 ANSWER = 2.0  # s of processor time after a signal: what others take of the machine is none of the program's
 STUDY = "study: 1\ndeck: deck.yaml\nlist: [{time.end: 1.0e5}, {time.end: 2.0e5}]\n"
 
@@ -112,7 +114,7 @@ def wait_until(true, seconds=120.0):
         time.sleep(0.02)
 
 
-@pytest.mark.parametrize("name", decks())
+@pytest.mark.parametrize("name", [name if name in FEW else pytest.param(name, marks=SLOW) for name in decks()])
 def test_at_any_instant_of_a_run(name, tmp_path):
     """From before the process listens to after the end, with checkpoints every 5 ms; then on to the same bits."""
     deck, path, rng = decks()[name], tmp_path / "r.h5", random.Random(name)
@@ -134,7 +136,10 @@ def test_at_any_instant_of_a_run(name, tmp_path):
     check_same(contents(path), contents(tmp_path / "whole.h5"))
 
 
-@pytest.mark.parametrize("wanted", [one for one in ALL if one != signal.SIGINT])
+@pytest.mark.parametrize(
+    "wanted",
+    [signal.SIGTERM, *(pytest.param(one, marks=SLOW) for one in ALL if one not in (signal.SIGINT, signal.SIGTERM))],
+)
 def test_while_the_process_begins(folder, started, wanted):
     """Until it listens the system ends it, with the same code but for SIGUSR1: 138 in a shell.
 
@@ -257,7 +262,7 @@ def test_a_study_that_is_killed_while_it_compiles_leaves_no_orphans(folder, star
     wait_until(lambda: not alive(compiling), 30.0)
 
 
-@pytest.mark.parametrize(("wanted", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(("wanted", "code"), [(signal.SIGINT, 130), pytest.param(signal.SIGTERM, 143, marks=SLOW)])
 def test_a_study_that_is_stopped_while_it_compiles_ends_after_what_it_has_begun(folder, started, wanted, code):
     process = started("sweep", "study.yaml", env={**os.environ, "MECANO_CACHE_DIR": str(folder / "cache")})
     wait_until(lambda: list((folder / "cache").rglob("*.o")))
@@ -289,7 +294,7 @@ def test_an_error_in_a_study_leaves_no_orphans(folder, monkeypatch):
             assert results.status == "stopped"
 
 
-@pytest.mark.parametrize(("wanted", "code"), [(signal.SIGHUP, 129), (signal.SIGXCPU, 152)])
+@pytest.mark.parametrize(("wanted", "code"), [(signal.SIGHUP, 129), pytest.param(signal.SIGXCPU, 152, marks=SLOW)])
 def test_of_a_study(folder, started, wanted, code):
     process = started("sweep", "study.yaml", "--jobs", "2")
     files = [folder / "study_runs" / name for name in ("0001.h5", "0002.h5")]

@@ -1,7 +1,7 @@
 """The reliability scorecard: trials of mecano as software, made anew from a seed; prints trials and points by line.
 
     python tests/scorecard/run.py                 all trials of all lines; many hours
-    python tests/scorecard/run.py --quick         a few of the trials, for continuous integration
+    python tests/scorecard/run.py --quick         a few of the trials, in minutes
     python tests/scorecard/run.py --line 4 --line 5 --seed 7 --keep FOLDER
     python tests/scorecard/run.py --write         and write the rows that were made into docs/reliability.md
 
@@ -77,7 +77,7 @@ def main(arguments=None):
 def parsed(arguments):
     """The options."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--quick", action="store_true", help="a few of the trials, for continuous integration")
+    parser.add_argument("--quick", action="store_true", help="a few of the trials, in minutes")
     parser.add_argument("--seed", type=int, help="of all random choices; default: a new one, which is printed")
     parser.add_argument("--line", type=int, action="append", default=[], help="only this line; may be repeated")
     parser.add_argument("--keep", metavar="FOLDER", help="folder for the files of trials that were not held")
