@@ -26,7 +26,7 @@ BETWEEN, LOWER, UPPER = 0, 1, 2
 LATCH_PHASES = ("free", "locked")
 STOP_PHASES = ("between", "lower stop", "upper stop")
 LATCH_EVENTS = (Event("locks", "free", "locked", "it reaches the latch; a shock", LOCK),)
-UNLOCKS = Event("unlocks", "locked", "released", "the latch is released, for good")
+UNLOCKS = Event("unlocks", "locked", "released", "the latch is released, for good", command="release")
 STOP_EVENTS = (
     Event("meets lower stop", "between", "lower stop", "it rests on the stop or rebounds; a shock", CONTACT,
           "restitution"),
@@ -78,18 +78,10 @@ def latch_kind(name, doc, coordinate):
 
 def releasable_latch_kind(name, doc, coordinate):
     """Return the Kind of a latch of a coordinate that a trigger, its input, releases."""
-    latch, trigger = latch_kind(name, doc, replace(coordinate, inputs=1)), coordinate.row
-    put = latch.event_values
-
-    @kernel
-    def event_values(p, at, g):
-        put(p, at, g)
-        g[1] = at.q[trigger]
-
     phases = (*LATCH_PHASES, UNLOCKS.after)
     return replace(
-        latch, inputs=("release",), phases=phases, events=(*LATCH_EVENTS, UNLOCKS), event_values=event_values,
-        sample=_samples(coordinate, phases),
+        latch_kind(name, doc, replace(coordinate, inputs=1)), inputs=(UNLOCKS.command,), phases=phases,
+        events=(*LATCH_EVENTS, UNLOCKS), sample=_samples(coordinate, phases),
     )  # fmt: skip
 
 
