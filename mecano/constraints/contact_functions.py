@@ -91,7 +91,7 @@ def _event_values(shapes, row, inputs=0):
     """Return ``event_values``: the depth [m]; then -N [N] of the multiplier at ``row``, or the gap without one.
 
     Of a rigid contact with two ``inputs``, before its multiplier, there follow the trigger of activation while nothing
-    overlaps, the same while the bodies overlap, the end of the overlap [m], and the trigger of release.
+    overlaps, the same while the bodies overlap, and the end of the overlap [m].
     """
     touch = shapes.touch
 
@@ -109,8 +109,6 @@ def _event_values(shapes, row, inputs=0):
         of_rigid(p, at, g)
         apart, due = ROUNDING - g[0], at.q[row - 2]
         g[2], g[3], g[4] = min(due, apart), min(due, -apart), apart
-        for i in range(5, 9):
-            g[i] = at.q[row - 1]
 
     return of_elastic if row is None else of_switched if inputs else of_rigid
 

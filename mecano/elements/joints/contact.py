@@ -43,7 +43,7 @@ from mecano.constraints.contact_functions import (
     rubbing,
     rubs,
 )
-from mecano.constraints.release import SAMPLE, with_release
+from mecano.constraints.release import COMMAND, SAMPLE, with_release
 from mecano.constraints.touching import (
     FIELDS,
     SURFACE_RECORD,
@@ -295,9 +295,12 @@ SWITCHES = {
         CLOSES, OPENS, ACTIVATES,
         Event(WAITS, INACTIVE, OVERLAPPING, "it is due, and acts as soon as the bodies no longer overlap"),
         Event("activates", OVERLAPPING, "open", ACTIVATES.doc),
-        *(Event(RELEASES, phase, RELEASED, "the contact is released") for phase in (*PHASES, INACTIVE, OVERLAPPING)),
+        *(
+            Event(RELEASES, phase, RELEASED, "the contact is released", command=COMMAND)
+            for phase in (*PHASES, INACTIVE, OVERLAPPING)
+        ),
     ),
-    "inputs": ("activate", "release"),
+    "inputs": ("activate", COMMAND),
     "reads": lambda d: [
         f"{trigger_of(d['activate'])} + {ROUNDING}" if d["activate"] else "1",  # at once if due at the start
         trigger_of(d["release"]) if d["release"] else "-1",
