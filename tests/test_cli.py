@@ -19,7 +19,7 @@ from mecano.cli import commands, main
 from mecano.deck.catalogue import explain
 from mecano.deck.language import LANGUAGE, REPEAT
 from mecano.deck.sections import SECTIONS
-from mecano.elements import KINDS
+from mecano.elements import KINDS, MODULES
 from mecano.elements.members.cross_section import SHAPES
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.laws import TERMS
@@ -160,13 +160,15 @@ class TestRun:
             raise AssertionError(times)
 
     @pytest.mark.parametrize("words", [("run", "deck.yaml", "-q"), ("check", "deck.yaml")])
-    def test_a_warm_one_imports_neither_compiler_nor_scipy(self, call, folder, words):
+    def test_a_warm_one_imports_neither_compiler_nor_scipy_nor_other_kinds(self, call, folder, words):
         call(*words)  # compiles, if need be
         code = "import sys, mecano.cli; mecano.cli.commands(standalone_mode=False); print(*sys.modules)"
         again = [*words, "-o", "warm.h5"] if words[0] == "run" else words
         loaded = subprocess.run([sys.executable, "-c", code, *again], capture_output=True, text=True, check=True)
         loaded = set(loaded.stdout.split())
         assert "mecano.solve.time.time_integration" in loaded and not {"numba", "scipy", "matplotlib"} & loaded
+        kinds = set(MODULES.values()) & {name.removeprefix("mecano.elements.") for name in loaded}
+        assert kinds == {"bodies.rigid_body", "joints.hinge", "signals.formula"}  # any deck may contain the last
 
     def test_quiet(self, call, folder):
         assert call("run", "deck.yaml", "-q", "-o", "quiet.h5") == (0, "", "")

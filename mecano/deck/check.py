@@ -1,6 +1,7 @@
 """Tree of nodes -> checked values: version, structure, names, physics."""
 
 import math
+from collections import ChainMap
 from dataclasses import replace
 
 from mecano.deck import values
@@ -89,8 +90,8 @@ CHECKS = {
 def scope_of(root, kinds, terms, folder, problems):
     """Return the Scope of the check of a deck; ``problems`` were found before. Raises DeckError for another version."""
     _check_version(root, problems)
-    kinds = {**kinds, **SHAPES}
-    return Scope(CHECKS, kinds, terms, folder, problems, parameters=Parameters(_written_parameters(root)))
+    parameters = Parameters(_written_parameters(root))
+    return Scope(CHECKS, ChainMap(SHAPES, kinds), terms, folder, problems, parameters=parameters)
 
 
 def written_out(root, sections, scope):

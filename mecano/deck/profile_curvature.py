@@ -15,14 +15,14 @@ def check_profile_curvature(values, at, sound, root, scope):
 
     Wheels with other errors, whose ("elements", name) is not in ``sound``, are skipped.
     """
-    wheels = {kind.name for kind in scope.kinds.values() if any(field.type is GROUND for field in kind.fields)}
     noted, way = set(), _way(values)
     for name, d in values["elements"].items():
-        if d["type"] not in wheels or ("elements", name) not in sound:
+        kind = scope.kinds[d["type"]]
+        if ("elements", name) not in sound or not any(field.type is GROUND for field in kind.fields):
             continue
         if not d["ground"]["profile"] or id(d["ground"]) in noted:
             continue
-        kind, radius = scope.kinds[d["type"]], d.get("tire_law", d)["radius"]
+        radius = d.get("tire_law", d)["radius"]
         with np.errstate(all="ignore"):
             stretch = tightest_concave_stretch(d["ground"], at[d["node"]][0], d["axis"], radius, way)
         if stretch:

@@ -1,80 +1,105 @@
-"""The registry of kinds: one line for each element, joint and load."""
+"""The registry of kinds: the module of each element, joint, load and signal, imported when the kind is first needed."""
 
-from mecano.elements.bodies.point_mass import POINT_MASS
-from mecano.elements.bodies.rigid_body import RIGID_BODY
-from mecano.elements.bodies.rigid_link import RIGID_LINK
-from mecano.elements.bodies.superelement import SUPERELEMENT
-from mecano.elements.forces.brake import BRAKE
-from mecano.elements.forces.couple import COUPLE
-from mecano.elements.forces.drag import DRAG
-from mecano.elements.forces.gravity_gradient import GRAVITY_GRADIENT
-from mecano.elements.forces.joint_load import JOINT_FORCE, JOINT_MOMENT, LINE_FORCE
-from mecano.elements.forces.line_load import LINE_LOAD, LINE_MOMENT
-from mecano.elements.forces.nodal_load import FOLLOWER_FORCE, FOLLOWER_MOMENT, FORCE, MOMENT
-from mecano.elements.forces.pressure import PRESSURE
-from mecano.elements.joints.contact import CONTACT
-from mecano.elements.joints.coupler import COUPLER
-from mecano.elements.joints.cylindrical import CYLINDRICAL
-from mecano.elements.joints.fixed import FIXED
-from mecano.elements.joints.gear_pair import GEAR_PAIR
-from mecano.elements.joints.generic import GENERIC_JOINT
-from mecano.elements.joints.grip import GRIP
-from mecano.elements.joints.held_rotation import HELD_ROTATION
-from mecano.elements.joints.hinge import HINGE
-from mecano.elements.joints.planar import PLANAR
-from mecano.elements.joints.plane_contact import PLANE_CONTACT
-from mecano.elements.joints.point_on_curve import POINT_ON_CURVE
-from mecano.elements.joints.prescribed_angle import PRESCRIBED_ANGLE
-from mecano.elements.joints.prescribed_length import PRESCRIBED_LENGTH
-from mecano.elements.joints.prescribed_position import PRESCRIBED_POSITION
-from mecano.elements.joints.prismatic import PRISMATIC
-from mecano.elements.joints.rack_and_pinion import RACK_AND_PINION
-from mecano.elements.joints.rigid_rod import RIGID_ROD
-from mecano.elements.joints.screw import SCREW
-from mecano.elements.joints.slider_on_beam import SLIDER_ON_BEAM
-from mecano.elements.joints.spherical import SPHERICAL
-from mecano.elements.joints.universal import UNIVERSAL
-from mecano.elements.members.beam import BEAM
-from mecano.elements.members.belt import BELT
-from mecano.elements.members.bushing import BUSHING
-from mecano.elements.members.cable import BAR, CABLE
-from mecano.elements.members.oleo import OLEO
-from mecano.elements.members.reeved_cable import REEVED_CABLE
-from mecano.elements.members.spring_damper import SPRING_DAMPER
-from mecano.elements.members.torsion_spring_damper import TORSION_SPRING_DAMPER
-from mecano.elements.signals.curve import CURVE
-from mecano.elements.signals.delay import DELAY
-from mecano.elements.signals.formula import FORMULA
-from mecano.elements.signals.integrator import INTEGRATOR
-from mecano.elements.signals.lag import LAG
-from mecano.elements.signals.pid import PID
-from mecano.elements.signals.sample_and_hold import SAMPLE_AND_HOLD
-from mecano.elements.signals.state_space import STATE_SPACE, TRANSFER_FUNCTION
-from mecano.elements.signals.switch import SWITCH
-from mecano.elements.signals.washout import WASHOUT
-from mecano.elements.wheels.adhesive_wheel import ADHESIVE_WHEEL
-from mecano.elements.wheels.cardona_wheel import CARDONA_WHEEL
-from mecano.elements.wheels.flexible_wheel import FLEXIBLE_WHEEL
-from mecano.elements.wheels.rigid_wheel import RIGID_WHEEL
-from mecano.elements.wheels.skate import SKATE
-from mecano.elements.wheels.transient_wheel import TRANSIENT_WHEEL
-from mecano.elements.wheels.wheel import WHEEL
-from mecano.elements.wheels.wheel_on_body import WHEEL_ON_BODY
+from collections.abc import MutableMapping
+from importlib import import_module
 
-KINDS = {
-    kind.name: kind
-    for kind in (
-        POINT_MASS, RIGID_BODY, RIGID_LINK,
-        HINGE, SPHERICAL, UNIVERSAL, CYLINDRICAL, PRISMATIC, PLANAR, SCREW, FIXED, GRIP, GENERIC_JOINT, RIGID_ROD,
-        GEAR_PAIR, COUPLER, RACK_AND_PINION, POINT_ON_CURVE, SLIDER_ON_BEAM,
-        PRESCRIBED_POSITION, PRESCRIBED_ANGLE, PRESCRIBED_LENGTH, HELD_ROTATION,
-        BEAM, SUPERELEMENT, BAR, CABLE, SPRING_DAMPER, OLEO, TORSION_SPRING_DAMPER, BELT, REEVED_CABLE,
-        BUSHING, PLANE_CONTACT, CONTACT,
-        FORCE, FOLLOWER_FORCE, MOMENT, FOLLOWER_MOMENT, COUPLE, JOINT_MOMENT, JOINT_FORCE, LINE_FORCE,
-        LINE_LOAD, LINE_MOMENT, PRESSURE, DRAG, GRAVITY_GRADIENT, BRAKE,
-        RIGID_WHEEL, CARDONA_WHEEL, SKATE, WHEEL, TRANSIENT_WHEEL, FLEXIBLE_WHEEL, ADHESIVE_WHEEL,
-        WHEEL_ON_BODY,
-        FORMULA, CURVE, LAG, INTEGRATOR, WASHOUT, PID, TRANSFER_FUNCTION, STATE_SPACE, SWITCH,
-        SAMPLE_AND_HOLD, DELAY,
-    )
-}  # fmt: skip
+MODULES = {
+    "point_mass": "bodies.point_mass",
+    "rigid_body": "bodies.rigid_body",
+    "rigid_link": "bodies.rigid_link",
+    "hinge": "joints.hinge",
+    "spherical": "joints.spherical",
+    "universal": "joints.universal",
+    "cylindrical": "joints.cylindrical",
+    "prismatic": "joints.prismatic",
+    "planar": "joints.planar",
+    "screw": "joints.screw",
+    "fixed": "joints.fixed",
+    "grip": "joints.grip",
+    "generic": "joints.generic",
+    "rigid_rod": "joints.rigid_rod",
+    "gear_pair": "joints.gear_pair",
+    "coupler": "joints.coupler",
+    "rack_and_pinion": "joints.rack_and_pinion",
+    "point_on_curve": "joints.point_on_curve",
+    "slider_on_beam": "joints.slider_on_beam",
+    "prescribed_position": "joints.prescribed_position",
+    "prescribed_angle": "joints.prescribed_angle",
+    "prescribed_length": "joints.prescribed_length",
+    "held_rotation": "joints.held_rotation",
+    "beam": "members.beam",
+    "superelement": "bodies.superelement",
+    "bar": "members.cable",
+    "cable": "members.cable",
+    "spring_damper": "members.spring_damper",
+    "oleo": "members.oleo",
+    "torsion_spring_damper": "members.torsion_spring_damper",
+    "belt": "members.belt",
+    "reeved_cable": "members.reeved_cable",
+    "bushing": "members.bushing",
+    "plane_contact": "joints.plane_contact",
+    "contact": "joints.contact",
+    "force": "forces.nodal_load",
+    "follower_force": "forces.nodal_load",
+    "moment": "forces.nodal_load",
+    "follower_moment": "forces.nodal_load",
+    "couple": "forces.couple",
+    "joint_moment": "forces.joint_load",
+    "joint_force": "forces.joint_load",
+    "line_force": "forces.joint_load",
+    "line_load": "forces.line_load",
+    "line_moment": "forces.line_load",
+    "pressure": "forces.pressure",
+    "drag": "forces.drag",
+    "gravity_gradient": "forces.gravity_gradient",
+    "brake": "forces.brake",
+    "rigid_wheel": "wheels.rigid_wheel",
+    "cardona_wheel": "wheels.cardona_wheel",
+    "skate": "wheels.skate",
+    "wheel": "wheels.wheel",
+    "transient_wheel": "wheels.transient_wheel",
+    "flexible_wheel": "wheels.flexible_wheel",
+    "adhesive_wheel": "wheels.adhesive_wheel",
+    "wheel_on_body": "wheels.wheel_on_body",
+    "formula": "signals.formula",
+    "curve": "signals.curve",
+    "lag": "signals.lag",
+    "integrator": "signals.integrator",
+    "washout": "signals.washout",
+    "pid": "signals.pid",
+    "transfer_function": "signals.state_space",
+    "state_space": "signals.state_space",
+    "switch": "signals.switch",
+    "sample_and_hold": "signals.sample_and_hold",
+    "delay": "signals.delay",
+}  # in mecano/elements; each holds the kind under its name in capitals
+
+
+class Kinds(MutableMapping):
+    """Kinds by name; those of mecano are imported when they are first asked for, since few are needed for a deck."""
+
+    def __init__(self, modules):
+        self._found = dict.fromkeys(modules)
+
+    def __getitem__(self, name):
+        if self._found[name] is None:
+            self._found[name] = getattr(import_module(f"{__name__}.{MODULES[name]}"), name.upper())
+        return self._found[name]
+
+    def __setitem__(self, name, kind):
+        self._found[name] = kind
+
+    def __delitem__(self, name):
+        del self._found[name]
+
+    def __iter__(self):
+        return iter(self._found)
+
+    def __len__(self):
+        return len(self._found)
+
+    def __contains__(self, name):
+        return name in self._found
+
+
+KINDS = Kinds(MODULES)

@@ -159,7 +159,7 @@ def sample(rng):
     ]  # fmt: skip
 
 
-GENERIC_JOINT = Kind(
+GENERIC = Kind(
     name="generic",
     section="joints",
     doc=__doc__,
@@ -186,8 +186,8 @@ GENERIC_JOINT = Kind(
     parts=parts,
     check=check,
     observe=_observed(_rate_of_law),
-    variant=lambda d: BY_FORMULA if _by_formula(d) else GENERIC_JOINT,
+    variant=lambda d: BY_FORMULA if _by_formula(d) else GENERIC,
     admissible=admissible,
     sample=sample,
 )  # fmt: skip
-BY_FORMULA = replace(GENERIC_JOINT, dtype=RECORD_BY_FORMULA, observe=_observed(_rate_of_any))
+BY_FORMULA = replace(GENERIC, dtype=RECORD_BY_FORMULA, observe=_observed(_rate_of_any))
