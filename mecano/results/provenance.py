@@ -146,7 +146,12 @@ def threads():
 
 
 def _version(package):
-    """Return the version of a package from the name of its .dist-info folder; importlib.metadata takes 20 ms."""
+    """Return the version of a package: its own if it is imported, else that in the name of its .dist-info folder.
+
+    importlib.metadata takes 20 ms.
+    """
+    if package in sys.modules:
+        return sys.modules[package].__version__
     for folder in sys.path:
         for found in glob(f"{package}-*.dist-info", root_dir=folder or "."):
             return found.removeprefix(f"{package}-").removesuffix(".dist-info")
