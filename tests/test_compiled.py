@@ -247,8 +247,9 @@ SCRIPT = """
     z, out = np.array([0.3, -0.2, 0.7]), np.zeros((1, 3, 3))
     tangents(np.array([0]), 3, z, out)
     np.testing.assert_allclose(out[0], np.array(tangent(tuple(z))), rtol=0, atol=1e-15)
-    print("numba" in sys.modules, out.tobytes().hex())
+    print(bool(sys.modules.get("numba")), out.tobytes().hex())
 """
+WITHOUT_NUMBA = "import sys\nsys.modules['numba'] = None\n"  # as if it were not installed
 
 
 FAILING = """
@@ -300,10 +301,11 @@ class TestStore:
         ship = f"{head}print(*store.ship('x86-64-v2'))"
         folder = run_script(ship, tmp_path / "a", **level).stdout.split()[0]
         assert "this process compiles for" in run_script(ship, tmp_path / "a", check=False).stderr
-        assert run_script(script, tmp_path / "b").stdout.split() == ["False", first]
+        assert run_script(WITHOUT_NUMBA + script, tmp_path / "b").stdout.split() == ["False", first]
         assert not list((tmp_path / "b").rglob("*.o"))
         Path(folder).chmod(0o777)
         assert run_script(script, tmp_path / "c").stdout.split()[0] == "True"
+        assert "is missing: pip install numba" in run_script(WITHOUT_NUMBA + script, tmp_path / "d", check=False).stderr
 
     def test_folders_are_private_and_those_of_others_are_refused(self, tmp_path, monkeypatch):
         monkeypatch.setenv(store.FOLDER, str(tmp_path / "new" / "base"))

@@ -28,9 +28,7 @@ def compile_ahead(codes):
 def _compile(codes, processes):
     """Compile ``codes`` in ``processes``, which end with this one."""
     with store.compiling(len(codes)) as report:
-        from mecano.jit import compiler
-
-        compiler.get_ready()  # once, for all processes
+        store.imported_compiler().get_ready()  # once, for all processes
         tasks, given = os.pipe()
         results, done = os.pipe()
         alive, held = os.pipe()

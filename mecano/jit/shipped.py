@@ -1,4 +1,4 @@
-"""Machine code that comes with an installed package, for all processors of one level of x86-64.
+"""Machine code that comes with an installed package, for all processors of one level.
 
 Such code needs neither numba nor its version: only mecano's own modules, Python, and the instructions of the processor.
 It is trusted as a shared store is: nobody but those who installed the package could have written it (trust.py).
@@ -15,8 +15,10 @@ OBJECTS = Path(__file__).with_name("objects")  # of the package; empty in a clon
 LEVELS = {
     "x86-64-v3": "avx avx2 bmi bmi2 f16c fma lzcnt movbe xsave cx16 sahf popcnt sse3 sse4.1 sse4.2 ssse3",
     "x86-64-v2": "cx16 sahf popcnt sse3 sse4.1 sse4.2 ssse3",
+    "generic": "",
 }
-"""Instructions that a processor of a level has (System V ABI for x86-64), best level first."""
+"""Instructions that a processor of a level has (System V ABI for x86-64), best level first; "generic", the name of LLVM
+for any processor of an architecture, is the level of those that are no x86-64."""
 
 
 @cache

@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 import llvmlite
 
+from mecano.errors import UsageError
 from mecano.jit import shipped, trust
 from mecano.jit.llvm import llvm
 from mecano.process.memory import require_memory
@@ -103,7 +104,8 @@ def _secret():
 @cache
 def _key():
     """Return a key that identifies compiler, processor and Python."""
-    numba = Path(find_spec("numba").origin).with_name("_version.py").read_bytes()
+    found = find_spec("numba")  # an installation that holds machine code can do without
+    numba = Path(found.origin).with_name("_version.py").read_bytes() if found else b""
     versions = [llvmlite.__version__, sys.implementation.cache_tag, getattr(sys, "abiflags", "")]
     depends = " ".join([_sources(), *versions, llvm.get_process_triple(), *processor()])
     return hashlib.sha256(numba + depends.encode()).hexdigest()[:16]
@@ -162,15 +164,27 @@ def compile_code(code):
     with _locked(code.file):
         found = read(code.file)
         if found is None:
-            from mecano.jit import compiler
+            require_memory(TO_COMPILE)
+            compiler = imported_compiler()
             from mecano.jit.compilation_error import compilation_errors
 
-            require_memory(TO_COMPILE)
             with compilation_errors():
                 symbol, machine_code = code.generate(compiler)
             found = symbol.encode() + b"\n" + machine_code
             write(code.file, found)
     return found
+
+
+def imported_compiler():
+    """Return the module compiler.py; raises UsageError without numba, which only compilation needs."""
+    try:
+        from mecano.jit import compiler
+    except ModuleNotFoundError as error:
+        if error.name != "numba":
+            raise
+        text = "the model needs machine code that is not installed, and numba, which compiles it, is missing"
+        raise UsageError(f"{text}: pip install numba") from None
+    return compiler
 
 
 def holds(file):
