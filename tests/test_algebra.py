@@ -6,7 +6,7 @@ import operator
 import numpy as np
 import pytest
 
-from mecano.jit import closure
+from mecano.jit import digest
 from mecano.jit.entry import Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.methods import code_for, method
@@ -94,21 +94,21 @@ def test_what_is_not_defined_is_an_error():
 def test_a_changed_method_changes_the_code_of_what_uses_it():
     """An object is found in the store by a digest of all it is made of, operators among it."""
     key, add = (Vec3, Vec3), code_for(operator.add, (Vec3, Vec3))
-    before = closure.digest(expression.__wrapped__)
+    before = digest.digest(expression.__wrapped__)
 
     def forget():
-        closure._digests.clear()
-        closure._describe_methods.cache_clear()
+        digest._digests.clear()
+        digest._describe_methods.cache_clear()
 
     forget()
-    assert closure.digest(expression.__wrapped__) == before
+    assert digest.digest(expression.__wrapped__) == before
     try:
         other = method(operator.add, *key)(lambda a, b: Vec3(a[0] + b[1], a[1] + b[0], a[2] + b[2]))
         other.__module__ = add.__module__
         forget()
-        assert closure.digest(expression.__wrapped__) != before
+        assert digest.digest(expression.__wrapped__) != before
     finally:
         method(operator.add, *key)(add)
         forget()
-    assert closure.digest(expression.__wrapped__) == before
+    assert digest.digest(expression.__wrapped__) == before
     assert isinstance(mat(A), Mat3) and math.isfinite(expression(vec(X, 0), vec(Y, 0)))

@@ -17,7 +17,7 @@ from time_runs import INPUTS
 import mecano
 from mecano.cli import commands, main
 from mecano.deck.catalogue import explain
-from mecano.deck.language import LANGUAGE, REPEAT
+from mecano.deck.expanded_sections import EXPANDED_SECTIONS, REPEAT
 from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS, MODULES
 from mecano.elements.members.cross_section import SHAPES
@@ -464,7 +464,7 @@ class TestCatalogue:
         code, out, _ = call("list")
         listed = {line.split()[0] for line in out.splitlines() if line.startswith("  ") and line[2] != " "}
         assert code == 0 and listed == {
-            *KINDS, *TERMS, *SHAPES, *SLIP_LAWS, *(field.name for field in (*SECTIONS, *LANGUAGE, REPEAT))
+            *KINDS, *TERMS, *SHAPES, *SLIP_LAWS, *(field.name for field in (*SECTIONS, *EXPANDED_SECTIONS, REPEAT))
         }  # fmt: skip
 
     @pytest.mark.parametrize("name", [*KINDS, *TERMS, *(section.name for section in SECTIONS)])

@@ -8,7 +8,7 @@ import pytest
 import mecano
 from mecano.cli import commands
 from mecano.deck.describe import inner_fields
-from mecano.deck.language import LANGUAGE
+from mecano.deck.expanded_sections import EXPANDED_SECTIONS
 from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS
 from mecano.laws import TERMS
@@ -64,7 +64,7 @@ def names_of(sections):
 
 def test_names_of_mecano_exist():
     fields = {name for kind in KINDS.values() for name in names_of(kind.fields)}
-    known = {*KINDS, *TERMS, *fields, *names_of(SECTIONS), *(item.name for item in LANGUAGE), *VALUES}
+    known = {*KINDS, *TERMS, *fields, *names_of(SECTIONS), *(item.name for item in EXPANDED_SECTIONS), *VALUES}
     rows = [line.strip("| ").split(" | ") for line in TEXT.splitlines() if re.match(r"\| (?!mecano|---)", line)]
     rows = [row for row in rows if row[1] not in ("mecano", "---")]
     assert len(rows) > 60

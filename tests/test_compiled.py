@@ -20,7 +20,7 @@ from llvmlite.binding import get_host_cpu_features as host_features
 
 from mecano.errors import ResultsError
 from mecano.jit import compiler, shipped, store, trust
-from mecano.jit.closure import digest, is_digested
+from mecano.jit.digest import digest, is_digested
 from mecano.jit.entry import Indices, Matrices, Matrix, Records, Short, Table, Vector, entry
 from mecano.jit.kernel import kernel
 

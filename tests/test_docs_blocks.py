@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from mecano.cli import commands
-from mecano.deck.language import REPEAT
+from mecano.deck.expanded_sections import REPEAT
 from mecano.elements import KINDS
 
 ROOT = Path(__file__).parent.parent

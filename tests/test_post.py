@@ -21,13 +21,14 @@ from mecano.cli import commands
 from mecano.elements import KINDS
 from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.model.extremes import Extremes
-from mecano.post import draw_panel, figure, plans, sheets, style, wire
+from mecano.post import configurations, draw_panel, figure, plans, sheets, style
 from mecano.post.animation import animate
+from mecano.post.configurations import configurations_figure
+from mecano.post.curve_styles import CurveStyles
 from mecano.post.draw_events import EventLegend
 from mecano.post.event_marks import EventMark, event_marks
 from mecano.post.extremes import telling
 from mecano.post.info import info
-from mecano.post.look import Look
 from mecano.post.panels import planned_panels, worth_showing
 from mecano.post.pictures import post
 from mecano.post.plans import Plan, View
@@ -36,7 +37,6 @@ from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import labels, open_runs
 from mecano.post.shapes import BODY, CABLE, Shape
 from mecano.post.sheet import Curve, Panel, Sheet
-from mecano.post.wire import wire_figure
 from mecano.results.reader import Extreme
 
 
@@ -119,7 +119,7 @@ def test_events_have_a_mark_for_each_element_or_for_all_at_the_same_times_or_for
 
     def legend(*events):
         sheet = Sheet("s", "", (panel,), marks_of(*events))
-        handles = EventLegend(sheet, Look(sheet)).handles()
+        handles = EventLegend(sheet, CurveStyles(sheet)).handles()
         shown = {handle.get_marker() for handle in handles}
         assert len(shown) == len(handles) and all(mark.marker in shown for mark in sheet.events if mark.time < 1.0)
         return [handle.get_label() for handle in handles]
@@ -146,7 +146,7 @@ def test_an_event_has_the_same_mark_in_all_pictures(tmp_path):
     for name in ("one_hinge.angle", "one_wheel.normal_force", "energy.total"):
         (y,) = find(runs[0].results, name)
         sheet = Sheet("s", "", (Panel("", (Curve(time_of(y), y, 0, y.subject),)),), marks)
-        handles = EventLegend(sheet, Look(sheet)).handles()
+        handles = EventLegend(sheet, CurveStyles(sheet)).handles()
         drawn[name] = {handle.get_label(): handle.get_marker() for handle in handles}
     assert [len(of_one) for of_one in drawn.values()] == [1, 1, 2]
     hinge, wheel, both = drawn.values()
@@ -344,11 +344,11 @@ def test_equal_curves_are_drawn_once_with_all_names(runs):
     assert [text.get_text() for text in drawn.legends[0].get_texts()] == ["a = b = d", "c"]
     assert len(drawn.axes[0].lines) == 2
     second = Panel("one more", tuple(replace(c, y=other) if c.subject == "b" else c for c in panel.curves))
-    assert [h.get_label() for h in Look(Sheet("s", "", (panel, second))).handles()] == ["a = d", "b", "c"]
-    overview = Look(Sheet("s", "", (panel, second)), panel_by_panel=True)
+    assert [h.get_label() for h in CurveStyles(Sheet("s", "", (panel, second))).handles()] == ["a = d", "b", "c"]
+    overview = CurveStyles(Sheet("s", "", (panel, second)), panel_by_panel=True)
     assert [h.get_label() for h in overview.legend(second)] == ["a = d", "b = c"]
     two = Panel("force", tuple(Curve(time_of(force), force, run, "a") for run in (0, 1)))
-    assert len(Look(Sheet("s", "", (two,), (), ("x", "y"))).drawn(two)) == 2
+    assert len(CurveStyles(Sheet("s", "", (two,), (), ("x", "y"))).drawn(two)) == 2
 
 
 def test_legends_and_names_of_events_take_no_room_from_the_panels(runs):
@@ -497,28 +497,28 @@ def test_columns_of_several_files_of_different_length(path, tmp_path, monkeypatc
 
 def test_configurations_say_their_times_where_others_were_asked_for(runs):
     """A file has its times every 0.05 s."""
-    titles = [ax.get_title() for ax in wire_figure(runs[0], [0.5, 0.51, 9.0], "").axes]
+    titles = [ax.get_title() for ax in configurations_figure(runs[0], [0.5, 0.51, 9.0], "").axes]
     assert titles == ["t = 0.5 s", "t = 0.5 s, saved nearest to 0.51 s", "t = 2 s, saved nearest to 9 s"]
 
 
 def test_configurations_that_travel_far_are_drawn_about_their_middle():
     """A square of size 1 that goes three sizes away keeps its size in the picture; half a size away it is there."""
     square = np.array([[0.0, 0.0], [1.0, 1.0]])
-    shift, low, high = wire._frame(np.stack([square, square + (3.0, 0.0)]))
+    shift, low, high = configurations._frame(np.stack([square, square + (3.0, 0.0)]))
     assert shift.tolist() == [[0.5, 0.5], [3.5, 0.5]] and low.tolist() == [-0.5, -0.5] and high.tolist() == [0.5, 0.5]
-    shift, low, high = wire._frame(np.stack([square, square + (0.5, 0.0)]))
+    shift, low, high = configurations._frame(np.stack([square, square + (0.5, 0.0)]))
     assert not shift.any() and low.tolist() == [0.0, 0.0] and high.tolist() == [1.5, 1.0]
 
 
 def test_configurations_show_bodies_with_more_than_two_points_as_outlines():
     square = np.array([[0.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.6, 0.5], [1.0, 0.0]])
-    line = wire._line(Shape(BODY, "plate", square[None]), square)
+    line = configurations._line(Shape(BODY, "plate", square[None]), square)
     assert line.tolist() == [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]
-    np.testing.assert_array_equal(wire._line(Shape(CABLE, "rope", square[None]), square), square)
+    np.testing.assert_array_equal(configurations._line(Shape(CABLE, "rope", square[None]), square), square)
 
 
 def test_configurations_show_ground_and_axes_and_say_whose_they_are(runs):
-    drawn = wire_figure(replace(runs[0], label="speed = 40"), [0.5], "")
+    drawn = configurations_figure(replace(runs[0], label="speed = 40"), [0.5], "")
     assert drawn.axes[0].patches and {"x", "y", "z"} <= {
         text.get_text() for text in drawn.axes[0].texts
     }  # ground, axes
@@ -548,8 +548,8 @@ def test_several_runs_share_pictures_in_colours_of_their_own(path, tmp_path):
     wheels = next(sheet for sheet in shown if sheet.name == "wheels")
     drawn = figure.sheet_figure(wheels, "title")
     assert [text.get_text() for text in drawn.legends[0].get_texts()][:2] == [run.label for run in runs]
-    look = Look(wheels)
-    colours = [look.style(curve, wheels.panels[0])["color"] for curve in wheels.panels[0].curves]
+    styles = CurveStyles(wheels)
+    colours = [styles.style(curve, wheels.panels[0])["color"] for curve in wheels.panels[0].curves]
     assert colours == list(style.COLOURS[:2])
     (mechanism,) = (sheet for sheet in shown if sheet.name == "mechanism")
     assert len(mechanism.panels) == 2
@@ -571,14 +571,14 @@ def test_no_two_curves_look_the_same(runs, names, whats, labels):
         curves.append(Curve(time_of(force), y, run, f"e{i}"))
     panel = Panel("force", tuple(curves))
     sheet = Sheet("s", "", (panel,), (), labels)
-    for look in (Look(sheet), Look(sheet, panel_by_panel=True)):
-        looks = [look.style(curve, panel) for curve in curves]
-        reported = [(one["color"], str(one["linestyle"])) for one in looks if one["color"] != style.PALE]
+    for styles in (CurveStyles(sheet), CurveStyles(sheet, panel_by_panel=True)):
+        found = [styles.style(curve, panel) for curve in curves]
+        reported = [(one["color"], str(one["linestyle"])) for one in found if one["color"] != style.PALE]
         assert len(set(reported)) == len(reported) >= min(len(curves), 6)
-        pale = {curve.subject for curve, one in zip(curves, looks, strict=True) if one["color"] == style.PALE}
+        pale = {curve.subject for curve, one in zip(curves, found, strict=True) if one["color"] == style.PALE}
         if whats <= len(style.DASHES):
             assert pale == {f"e{i}" for i in range(len(pale))}
-        texts = [handle.get_label() for handle in (*look.handles(), *look.legend(panel))]
+        texts = [handle.get_label() for handle in (*styles.handles(), *styles.legend(panel))]
         assert any(text.endswith("others") for text in texts) == bool(pale)
 
 

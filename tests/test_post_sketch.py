@@ -6,11 +6,11 @@ import pytest
 
 from mecano.elements import KINDS
 from mecano.post.draw_sketch import hull, zigzag
-from mecano.post.eye import direction, projection
 from mecano.post.ground import ground_patch
 from mecano.post.runs import open_runs
 from mecano.post.shapes import BODY, JOINT, SPRING, SUPPORT, WHEEL, Shape
 from mecano.post.sketch import _axes, _instants, _shift, sketch
+from mecano.post.view_direction import direction, projection
 
 
 @pytest.fixture(scope="module")

@@ -7,11 +7,11 @@ from time_runs import INPUTS
 
 from mecano.post.animation import FILES, page_text
 from mecano.post.deformation import flexible_parts, quaternions, rigid_fit
-from mecano.post.eye import direction, eye, projection
 from mecano.post.forces import arrows
 from mecano.post.runs import open_runs
 from mecano.post.scene import scene_of
 from mecano.post.shapes import ROD, Motion, Shape, shapes, vertical
+from mecano.post.view_direction import direction, eye, projection
 
 
 def run(folder, name, *overrides):

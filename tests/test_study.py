@@ -32,8 +32,8 @@ from mecano.post.study_plots import study_figure
 from mecano.results.study_file import Column, StudyTable
 from mecano.results.study_file import read_study as read_table
 from mecano.study import dask, slurm
+from mecano.study.execution import due
 from mecano.study.folder import COMPLETE, FAILED, Folder, Record
-from mecano.study.perform import due
 from mecano.study.pool import Limits
 from mecano.study.read import read_study, try_deck
 from mecano.study.slurm import ranges, script

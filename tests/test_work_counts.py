@@ -11,7 +11,7 @@ from mecano.analyses import dynamic
 from mecano.analyses.compilation import TIME_INTEGRATION
 from mecano.analyses.prepare import prepare
 from mecano.deck.read import deck_of_bytes
-from mecano.jit import closure
+from mecano.jit import digest
 from mecano.model import loop_code
 from mecano.solve.linear.sparse import LinearSolver
 
@@ -87,13 +87,13 @@ def test_events_of_seven_modules_cost_no_more(end, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("name", COMPILED)
 def test_a_first_run_compiles_no_more_lines(name, monkeypatch):
-    monkeypatch.setattr(closure, "_digests", {})
+    monkeypatch.setattr(digest, "_digests", {})
     loop_code._code.cache_clear()
     system = prepare(input_deck(name)).system
     loop_code._code.cache_clear()
-    closure._digests.clear()
+    digest._digests.clear()
     objects = {code.file for code in (*(entry.code for entry in TIME_INTEGRATION), *system.codes())}
-    found = len(objects), sum(map(_lines, closure._digests))
+    found = len(objects), sum(map(_lines, digest._digests))
     for what, now, before in zip(("objects", "lines"), found, COMPILED[name], strict=True):
         assert now <= GROWTH * before, f"{what}: {now}, were {before}; both counts: {found}"
         assert now >= before / GROWTH, f"{what}: {now}, were {before}: enter the better counts {found}"

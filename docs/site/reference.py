@@ -8,7 +8,7 @@ from formulas import markdown_of
 from mecano.deck.catalogue import ROLES, UNITS_TEXT, WRITTEN
 from mecano.deck.describe import default_text, inner_fields
 from mecano.deck.examples import example_lines
-from mecano.deck.language import LANGUAGE, REPEAT
+from mecano.deck.expanded_sections import EXPANDED_SECTIONS, REPEAT
 from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS
 from mecano.elements.members.cross_section import SHAPES
@@ -84,7 +84,7 @@ def _option(field, found):
 
 def _deck_page():
     lines = ["# Sections of a deck", "", "A deck is a mapping of these; how they are written: [decks](../../decks.md)."]
-    for section in (*SECTIONS, *LANGUAGE, REPEAT):
+    for section in (*SECTIONS, *EXPANDED_SECTIONS, REPEAT):
         lines += ["", f"## {section.name}", "", _declaration(section)]
         if section.name in GROUPS or section.name in ("laws", "sections"):
             lines += ["", _where(section.name)]

@@ -8,9 +8,9 @@ from mecano.deck.build import build
 from mecano.deck.physics import element_nodes
 from mecano.elements import KINDS
 from mecano.errors import ResultsError, UsageError
-from mecano.model.measured import UnknownQuantity
 from mecano.model.mesh import divided, inner_names
 from mecano.model.model import Model, Node
+from mecano.model.quantity_names import UnknownQuantity
 from mecano.model.system import System
 from mecano.results.whole_file import appearing, exists, refuse_other_than_file
 from mecano.solve.diagnostics.scales import length_scale

@@ -43,7 +43,7 @@ def run(deck, output, force, resume, limit, interval, threads, live, quiet, over
     interruption = Interruption(seconds(limit) if limit else None, again())
     interruption.listen()
     from mecano.deck.read import read_deck
-    from mecano.interface.solve import solve
+    from mecano.interface.run_with_progress import run_with_progress
     from mecano.jit import thread_pool
 
     if threads:
@@ -51,7 +51,9 @@ def run(deck, output, force, resume, limit, interval, threads, live, quiet, over
     checked = read_deck(deck, overrides)
     path = output or os.path.splitext(os.path.basename(deck))[0] + ".h5"
     with shown(path, live):
-        solve(checked, path, force=force, resume=resume, checkpoint=interval, quiet=quiet, interruption=interruption)
+        run_with_progress(
+            checked, path, force=force, resume=resume, checkpoint=interval, quiet=quiet, interruption=interruption
+        )
 
 
 @click.command(short_help="Compute modes, root loci and critical values.")

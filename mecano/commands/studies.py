@@ -68,7 +68,7 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
     _refuse_strays(executor, resume=resume or again, force=force, jobs=jobs, **elsewhere)
     interruption = Interruption()
     interruption.listen()
-    from mecano.study import perform
+    from mecano.study import execution
     from mecano.study.folder import Folder
     from mecano.study.pool import Limits
     from mecano.study.read import read_study, try_deck
@@ -78,27 +78,27 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
     checked = read_study(study)
     folder = Folder(output or os.path.splitext(os.path.basename(study))[0] + "_runs", checked)
     if number is not None:
-        sys.exit(perform.one_case(folder, number, limits))
+        sys.exit(execution.one_case(folder, number, limits))
     deck = try_deck(checked)
     units = units_of(checked, deck)
     if only_table:
-        return _finish(perform.collect(folder, units), plot)
-    cases = perform.due(folder, resume=resume, failed=again == "failed", force=force)
+        return _finish(execution.collect(folder, units), plot)
+    cases = execution.due(folder, resume=resume, failed=again == "failed", force=force)
     if executor == "slurm" and cases:
         from mecano.study.slurm import submit
 
         show(submit(folder, cases, limits, options, wait))
         if not wait:
             return show(f"`mecano sweep {study} -o {folder.path} --collect` writes the table")
-        return _finish(perform.collect(folder, units), plot)
+        return _finish(execution.collect(folder, units), plot)
     from mecano.analyses.progress import StudyProgress
 
     progress = StudyProgress(quiet, folder.path)
     run_cases = partial(_runner(executor, scheduler), limits=limits, jobs=jobs or cores())
     if cases:
-        perform.compile_first(deck, progress.note)
+        execution.compile_first(deck, progress.note)
     interruption.raise_if_asked("before the cases started")
-    table = perform.perform(folder, units, cases, run_cases, progress)
+    table = execution.execute(folder, units, cases, run_cases, progress)
     progress.done(len(cases))
     _finish(table, plot)
 
@@ -116,7 +116,7 @@ def _refuse_strays(executor, *, resume, force, jobs, scheduler, sbatch, wait):
 
 
 def _runner(executor, scheduler):
-    """Return the function that runs cases for ``perform``."""
+    """Return the function that runs cases for ``execution.execute``."""
     if executor == "dask":
         from mecano.study.dask import run_in_tasks
 
@@ -128,7 +128,7 @@ def _runner(executor, scheduler):
 
 def _finish(table, plot):
     """Print a summary of the study, and draw it if ``plot``. Raises IncompleteStudyError unless all are complete."""
-    from mecano.study.perform import judge
+    from mecano.study.execution import judge
 
     show(table.summary())
     if plot:

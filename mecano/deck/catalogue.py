@@ -12,7 +12,7 @@ from mecano.deck.describe import (
     describe_term,
     field_lines,
 )  # fmt: skip
-from mecano.deck.language import LANGUAGE, REPEAT
+from mecano.deck.expanded_sections import EXPANDED_SECTIONS, REPEAT
 from mecano.deck.plain_maths import plain_text
 from mecano.deck.sections import SECTIONS
 from mecano.deck.synonyms import SYNONYMS, synonym
@@ -83,7 +83,7 @@ def catalogue():
     groups["slip laws of tyres, fields of tire_laws:"] = [(law.name, law.doc) for law in SLIP_LAWS.values()]
     groups["cross sections of beams:"] = [(shape.name, shape.doc) for shape in SHAPES.values()]
     groups["sections of a deck:"] = [(section.name, section.doc) for section in SECTIONS]
-    groups["to compose decks:"] = [(field.name, field.doc) for field in (*LANGUAGE, REPEAT)]
+    groups["to compose decks:"] = [(field.name, field.doc) for field in (*EXPANDED_SECTIONS, REPEAT)]
     width = max(len(name) for entries in groups.values() for name, _ in entries)
     lines = []
     for title, entries in groups.items():
@@ -116,7 +116,7 @@ def _called(name):
     """Return the texts on everything with this name, and the names of kinds, shapes, terms and sections."""
     if name == "units":
         return [UNITS_TEXT], ()
-    sections = {section.name: section for section in (*SECTIONS, *LANGUAGE, REPEAT)}
+    sections = {section.name: section for section in (*SECTIONS, *EXPANDED_SECTIONS, REPEAT)}
     section = f"{name.replace(' ', '_')}s"  # ground, tire law: an entry of a section
     name = section if section in sections else name
     slip_laws = {key: law for key, law in SLIP_LAWS.items() if law.type.name == "mapping"}  # friction is of many
@@ -147,7 +147,7 @@ def _for_synonym(name, targets, note, known):
 
 def _first_words(target):
     """Return the first sentence on a target of a synonym."""
-    sections = {section.name: section for section in (*SECTIONS, *LANGUAGE, REPEAT)}
+    sections = {section.name: section for section in (*SECTIONS, *EXPANDED_SECTIONS, REPEAT)}
     for known in (KINDS, SHAPES, TERMS, SLIP_LAWS, sections):
         if target in known:
             return _sentence(known[target].doc)

@@ -7,8 +7,8 @@ from dataclasses import replace
 from mecano.deck import values
 from mecano.deck.containers import either, filled, kind, list_, mapping, named, shorthand
 from mecano.deck.copies import Copies
+from mecano.deck.expanded_sections import EXPANDED_SECTIONS
 from mecano.deck.formulas import check_continuous, check_formulas, condition, drive, formula, signal_entry
-from mecano.deck.language import LANGUAGE
 from mecano.deck.law_units import check_named_laws
 from mecano.deck.laws import law_in_place, law_or_name
 from mecano.deck.parameters import Parameters
@@ -99,7 +99,7 @@ def written_out(root, sections, scope):
     copies = Copies(root, sections, scope)
     root = copies.written_out(root)
     if copies.incomplete:
-        known = dict.fromkeys(f.name for f in (*sections, *LANGUAGE))
+        known = dict.fromkeys(f.name for f in (*sections, *EXPANDED_SECTIONS))
         filled(root, Field("", TEXT, "-", ""), [f for f in sections if f.name == "parameters"], scope, known)
         if not scope.problems:
             scope.refuse(

@@ -14,7 +14,7 @@ from mecano.deck.wording import quoted, unit_text
 from mecano.schema import Field
 
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
-LANGUAGE_KEYS = ("include", "templates", "place", "repeat")  # of a deck or of an entry, removed by the expansion
+EXPANDED_KEYS = ("include", "templates", "place", "repeat")  # of a deck or of an entry, removed by the expansion
 ELSEWHERE = dict.fromkeys(
     ("velocity", "velocities", "angular_velocity"),
     "give it in 'initial': velocities: [{nodes: [...], velocity: [...], angular_velocity: [...]}]",
@@ -105,13 +105,13 @@ def _meant(key, known, fields, field, scope):
         return "write a space after ':'"
     if key == "include" and not field.name:  # files were included before: this is of --set
         return f"{quoted(key)} is allowed in the file of the deck only"
-    allowed = known if field.name else known.union(LANGUAGE_KEYS)
+    allowed = known if field.name else known.union(EXPANDED_KEYS)
     here = [quoted(name) for name in keys_meant(key) if name in allowed]
     if here:
         return f"here it is called {' or '.join(here)}"
     if key in ELSEWHERE and "position" in known:
         return ELSEWHERE[key]
-    near = similar(key, [*sorted(known), *(() if field.name else LANGUAGE_KEYS)])
+    near = similar(key, [*sorted(known), *(() if field.name else EXPANDED_KEYS)])
     inside = () if near else [f"{outer.name}.{key}" for outer in fields if key in _keys_of(outer)]
     return f"did you mean {quoted(inside[0])}?" if inside else scope.suggest(key, near or sorted(known))
 

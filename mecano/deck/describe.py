@@ -7,7 +7,7 @@ from textwrap import wrap
 import numpy as np
 
 from mecano.deck.examples import example_lines
-from mecano.model.measured import measurable
+from mecano.model.quantity_names import measurable
 from mecano.schema import Field
 
 WIDTH = 100

@@ -15,7 +15,7 @@ from mecano.element_interface import SECTIONS
 from mecano.elements.signals.formula import FORMULA
 from mecano.laws.formula import NUMBER as NUMBER_STEP
 from mecano.laws.formula import SIGN, FormulaError, difference_of, read_formula
-from mecano.model.measured import UnknownQuantity, meaning
+from mecano.model.quantity_names import UnknownQuantity, meaning
 from mecano.schema import CONTINUOUS_DRIVE, MOTION, NUMBER
 
 

@@ -6,7 +6,7 @@ It describes keys and types; names, physics and dimensions are left to `mecano c
 import json
 import math
 
-from mecano.deck.language import LANGUAGE, REPEAT
+from mecano.deck.expanded_sections import EXPANDED_SECTIONS, REPEAT
 from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS
 from mecano.elements.members.cross_section import SHAPES
@@ -31,7 +31,7 @@ def deck_schema():
         **{f"kind {kind.name}": _kind(kind) for kind in (*KINDS.values(), *SHAPES.values())},
         "template": _template(),
     }
-    return file_schema("deck", (*SECTIONS, *LANGUAGE), ["mecano"], definitions)  # an included file has no more
+    return file_schema("deck", (*SECTIONS, *EXPANDED_SECTIONS), ["mecano"], definitions)  # an included file has no more
 
 
 def schema_text(schema):
@@ -158,7 +158,9 @@ def _repeat():
 
 
 def _template():
-    parts = [field for field in (*SECTIONS, *LANGUAGE) if field.type.name == "named" and field.name != "templates"]
+    parts = [
+        field for field in (*SECTIONS, *EXPANDED_SECTIONS) if field.type.name == "named" and field.name != "templates"
+    ]
     properties = {field.name: _property(field) for field in parts}
     value = {"type": ["number", "string", "null"]}
     properties["parameters"] = {

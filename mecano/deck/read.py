@@ -6,8 +6,8 @@ import re
 from mecano.deck.check import UNCHECKED, checked_values, scope_of, written_out
 from mecano.deck.compose import Node, compose
 from mecano.deck.deck import Deck
+from mecano.deck.expanded_sections import EXPANDED_SECTIONS
 from mecano.deck.include import Inclusion
-from mecano.deck.language import LANGUAGE
 from mecano.deck.lint import suspicious
 from mecano.deck.overrides import overridden
 from mecano.deck.sections import SECTIONS
@@ -45,13 +45,13 @@ def deck_of(source, digest="", overrides=(), kinds=KINDS, sections=SECTIONS, ter
         what = "the deck is empty" if root is None or root.value is None else "a deck is a mapping of sections"
         raise DeckError([*problems, Problem(what, (root or Node(None, source)).mark, "begin with 'mecano: 1'")])
     folder = os.path.dirname(source.file)
-    language = (*sections, *LANGUAGE)
-    inclusion = Inclusion(folder, language, problems)
+    known_sections = (*sections, *EXPANDED_SECTIONS)
+    inclusion = Inclusion(folder, known_sections, problems)
     root = inclusion.merged(root)
     if inclusion.unread:
         raise DeckError(problems, UNCHECKED)
     first = [text for text in overrides if BEFORE_COPIES.match(text)]
-    root = overridden(root, first, language, problems)
+    root = overridden(root, first, known_sections, problems)
     scope = scope_of(root, kinds, terms, folder, problems)
     scope.files, scope.included = inclusion.files, inclusion.beside
     root = written_out(root, sections, scope)

@@ -20,7 +20,7 @@ from mecano.elements.wheels.slip_law import SlipLaw
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.elements.wheels.tire_law import register as register_slip_law
 from mecano.errors import UsageError
-from mecano.jit.closure import is_digested
+from mecano.jit.digest import is_digested
 from mecano.laws import TERMS
 from mecano.laws.table import evaluate_curve, number_terms
 from mecano.laws.term import Term

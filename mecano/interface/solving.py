@@ -14,7 +14,7 @@ import numpy as np
 from mecano.errors import UnknownNameError, UsageError
 from mecano.interface.deck import AnyDeck, AnyPath, Values, checked_deck, explained, name_of
 from mecano.interface.results import Results
-from mecano.interface.solve import solve
+from mecano.interface.run_with_progress import run_with_progress
 from mecano.process.cores import cores
 from mecano.process.interrupt import Interruption
 from mecano.solve.modal import SOLVERS
@@ -70,7 +70,9 @@ def run(
     path = os.fspath(path or f"{name_of(deck)}.h5")
     interruption = Interruption(again=resuming(deck, path, set))
     with interruptible(interruption):
-        solve(checked, path, force=force, resume=resume, checkpoint=checkpoint, quiet=quiet, interruption=interruption)
+        run_with_progress(
+            checked, path, force=force, resume=resume, checkpoint=checkpoint, quiet=quiet, interruption=interruption
+        )
     return Results(path)
 
 
@@ -220,7 +222,7 @@ def sweep(
     from mecano.analyses.progress import StudyProgress
     from mecano.deck.source import is_utf8
     from mecano.results.study_file import read_study as read_table
-    from mecano.study import perform
+    from mecano.study import execution
     from mecano.study.folder import Folder
     from mecano.study.pool import Limits, run_here
     from mecano.study.read import read_study, try_deck
@@ -236,12 +238,12 @@ def sweep(
     progress = StudyProgress(quiet, place.path)
     interruption = Interruption(again=f"mecano.sweep({os.fspath(study)!r}, {str(place.path)!r}, resume=True)")
     with interruptible(interruption):
-        cases = perform.due(place, resume=resume, force=force)
+        cases = execution.due(place, resume=resume, force=force)
         if cases:
-            perform.compile_first(deck, progress.note)
+            execution.compile_first(deck, progress.note)
         interruption.raise_if_asked("before the cases started")
         run_cases = partial(run_here, limits=Limits(), jobs=jobs or cores())
-        perform.perform(place, units_of(checked, deck), cases, run_cases, progress, interruption.again)
+        execution.execute(place, units_of(checked, deck), cases, run_cases, progress, interruption.again)
     progress.done(len(cases))
     return Study(read_table(place.table))
 

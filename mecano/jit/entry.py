@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.jit.closure import digest
+from mecano.jit.digest import digest
 from mecano.jit.kernel import Kernel
 from mecano.jit.named_tuple import leaves, spread
 from mecano.jit.store import Code, address

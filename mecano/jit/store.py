@@ -1,7 +1,7 @@
 """Machine code on disk, and its functions in memory.
 
 There is one file per function, named by the function and by a digest of everything that its code depends on
-(closure.py), in a folder named by a hash of the compiler, the processor and Python. Files are signed (trust.py). A
+(digest.py), in a folder named by a hash of the compiler, the processor and Python. Files are signed (trust.py). A
 process that finds all its functions there imports neither numba nor LLVM's compiler.
 """
 

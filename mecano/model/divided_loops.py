@@ -7,7 +7,7 @@ those that touch anything else. Elements of different halves add to different fo
 import numpy as np
 
 from mecano.jit import thread_pool
-from mecano.jit.closure import digest
+from mecano.jit.digest import digest
 from mecano.jit.memory import call, floats, integers, items
 from mecano.jit.store import Code, address
 from mecano.jit.thread_pool import PARTS, run_parts

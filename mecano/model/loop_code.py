@@ -4,7 +4,7 @@ import types
 from functools import cache
 
 from mecano.element_interface import UNUSED, record
-from mecano.jit.closure import digest
+from mecano.jit.digest import digest
 from mecano.jit.store import Code, address
 from mecano.model.loops import (
     commit,

@@ -1,4 +1,4 @@
-"""Units of signals: as the deck gives them, or as they follow from the quantities of which signals are made."""
+"""Units of signals: given by the deck, or derived from the quantities in the formulas of the signals."""
 
 from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.constraints.along_coordinate.signal import OF_INPUT, OF_VALUE, VALUE
@@ -24,7 +24,7 @@ from mecano.laws.formula import (
     TIME,
     read_formula,
 )
-from mecano.model.measured import meaning, measured_outputs, quantities
+from mecano.model.quantity_names import meaning, measured_outputs, quantities
 from mecano.model.sampler import NODE_OUTPUTS
 
 UNKNOWN = VALUE.unit

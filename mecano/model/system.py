@@ -10,8 +10,8 @@ from mecano.model import assembly_driver, loops
 from mecano.model.assembly import Assembly, Observation
 from mecano.model.assembly_driver import Loops
 from mecano.model.batch import batches
+from mecano.model.expansion import expand
 from mecano.model.halves import halves
-from mecano.model.instances import expand
 from mecano.model.loop_code import PURPOSES, code_of, loop_of
 from mecano.model.loop_records import SYSTEM, record
 from mecano.model.mesh import divided

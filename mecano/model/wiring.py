@@ -6,8 +6,8 @@ from mecano.constraints.output_sensor import output_sensor
 from mecano.elements.signals.formula import FORMULA
 from mecano.laws.formula import read_formula
 from mecano.model.instance import Instance
-from mecano.model.measured import MAGNITUDE, index_of, magnitude_of, meaning, sensor_of_node, sensor_of_output
 from mecano.model.model import title_of
+from mecano.model.quantity_names import MAGNITUDE, index_of, magnitude_of, meaning, sensor_of_node, sensor_of_output
 
 DIVISION = "\N{DIVISION SLASH}"  # in the name of a formula, since / separates groups of the results file
 

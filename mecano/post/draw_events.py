@@ -17,15 +17,15 @@ SIZE = 4.5  # points
 class EventLegend:
     """The events that the panels of a sheet show, and what their marks mean."""
 
-    def __init__(self, sheet, look):
-        self._look = look
+    def __init__(self, sheet, styles):
+        self._styles = styles
         marks = [mark for panel in sheet.panels if _over_time(panel) for mark in self.of(panel, sheet.events)]
         self._markers = {mark.key: mark.marker for mark in sorted(marks, key=lambda mark: mark.time)}
 
     def of(self, panel, events):
         """Return the events within the time of a panel: those of its elements, or of all if these have none."""
         times = np.concatenate([curve.x.values for curve in panel.curves])
-        own = [mark for mark in events if mark.element in self._look.owners(panel)] or events
+        own = [mark for mark in events if mark.element in self._styles.owners(panel)] or events
         return [mark for mark in own if times.min() <= mark.time <= times.max()]
 
     def handles(self):
@@ -35,19 +35,19 @@ class EventLegend:
         return handles + [_handle(OTHERS, f"{n_others} other events")] * (n_others > 0)
 
 
-def draw_events(ax, marks, factor, look):
+def draw_events(ax, marks, factor, styles):
     """Draw lines and marks at the times over ``factor``; short lines at the axis for many events or several runs."""
     low, high = ax.get_xlim()
     for run in dict.fromkeys(mark.run for mark in marks):
         own = [mark for mark in marks if mark.run == run and low <= mark.time / factor <= high]
         lines = thinned(own, LINE_ROOM * (high - low) * factor if len(own) > MANY else 0.0)
-        rug = bool(look.runs) or len(lines) > MOST_LINES
+        rug = bool(styles.runs) or len(lines) > MOST_LINES
         if rug:
             lines = thinned(own, RUG_ROOM * (high - low) * factor)
-        colour = COLOURS[run % len(COLOURS)] if look.runs else GREY
+        colour = COLOURS[run % len(COLOURS)] if styles.runs else GREY
         for mark in lines:
             ax.axvline(mark.time / factor, ymax=RUG if rug else 1.0, color=colour if rug else PALE, linewidth=0.7,
-                       alpha=0.4 if look.runs else 1.0, zorder=1)  # fmt: skip
+                       alpha=0.4 if styles.runs else 1.0, zorder=1)  # fmt: skip
         for marker in dict.fromkeys(mark.marker for mark in own):
             alike = [mark for mark in own if mark.marker == marker]
             times = [mark.time / factor for mark in thinned(alike, MARK_ROOM * (high - low) * factor)]

@@ -28,18 +28,18 @@ WIDTH = 3.7  # inches, of most axes
 MANY = 500  # with more values, steps are drawn with thinner lines
 
 
-def draw_panel(ax, panel, look, events, legend):
+def draw_panel(ax, panel, styles, events, legend):
     """Draw the curves with their extremes, their legend, the events with the marks of an EventLegend."""
     unit = panel.curves[0].y.unit
     x_factor, x_unit = shown_unit(panel.curves[0].x.unit, _all(panel, "x"))
     y_factor, y_unit = (1.0, unit) if panel.logarithmic else shown_unit(unit, _all(panel, "y"))
     spans = _spans(panel)
-    drawn = [equal[0] for equal in look.drawn(panel)]
+    drawn = [equal[0] for equal in styles.drawn(panel)]
     for i, curve in enumerate(drawn):
         y = curve.y.values / y_factor
         if panel.logarithmic:
             y = np.where(y > TINY, y, np.nan)
-        style = look.style(curve, panel) | _steps(panel, y)
+        style = styles.style(curve, panel) | _steps(panel, y)
         if style["linestyle"] == "-":
             style.setdefault("linewidth", _width(curve, drawn[i + 1 :], spans))
         ax.plot(curve.x.values / x_factor, y, **style)
@@ -49,10 +49,10 @@ def draw_panel(ax, panel, look, events, legend):
     _scales(ax, panel, x_factor, y_factor)
     ax.set_ylabel(with_unit(panel.label, y_unit))
     ax.set_xlabel(with_unit(panel.curves[0].x.what, x_unit))
-    legend_above(ax, look.legend(panel), WIDTH)
+    legend_above(ax, styles.legend(panel), WIDTH)
     _note(ax, panel, y_factor, y_unit)
     if panel.over_time:
-        draw_events(ax, legend.of(panel, events), x_factor, look)
+        draw_events(ax, legend.of(panel, events), x_factor, styles)
 
 
 def _all(panel, side):
@@ -128,7 +128,7 @@ def _note(ax, panel, factor, unit):
         note_below(ax, text)
 
 
-def room_above(panel, look):
+def room_above(panel, styles):
     """Return the height of the legend of a panel [inch]."""
-    handles = look.legend(panel)
+    handles = styles.legend(panel)
     return LINE_OF_TEXT / 72 * -(-len(handles) // legend_columns(handles, WIDTH)) if handles else 0.0

@@ -5,10 +5,10 @@ import math
 import matplotlib
 from matplotlib.figure import Figure
 
+from mecano.post.curve_styles import CurveStyles
 from mecano.post.draw_events import EventLegend
 from mecano.post.draw_panel import draw_panel, room_above
 from mecano.post.draw_sketch import draw_sketch
-from mecano.post.look import Look
 from mecano.post.sheet import Panel
 from mecano.post.style import GREY, LEGEND, LINE_OF_TEXT, SETTINGS, legend_columns
 
@@ -30,12 +30,12 @@ def sheet_figure(sheet, title):
     columns = 1 if len(sheet.panels) < 2 else 2
     rows = math.ceil(len(sheet.panels) / columns)
     width, height = (6.4, 3.6) if len(sheet.panels) == 1 else PANEL
-    look, cells = Look(sheet), [(i // columns, i % columns) for i in range(len(sheet.panels))]
+    styles, cells = CurveStyles(sheet), [(i // columns, i % columns) for i in range(len(sheet.panels))]
     with matplotlib.rc_context(SETTINGS):
-        room = _room(sheet, look, cells, columns * width)
+        room = _room(sheet, styles, cells, columns * width)
         figure = plain_figure(columns * width, rows * height + room, title, sheet.heading)
         grid = figure.add_gridspec(rows, columns)
-        _fill(figure, sheet, [grid[cell] for cell in cells], look)
+        _fill(figure, sheet, [grid[cell] for cell in cells], styles)
     return figure
 
 
@@ -47,13 +47,13 @@ def overview_figure(sheet, title, facts):
     taken = [(0, c) for c in range(COLUMNS if wide else sketched)]
     free = [cell for cell in cells if cell not in taken][: len(sheet.panels) - sketched]
     rows = 1 + max(r for r, _ in [*taken, *free])
-    look, width = Look(sheet, panel_by_panel=True), COLUMNS * PANEL[0]
+    styles, width = CurveStyles(sheet, panel_by_panel=True), COLUMNS * PANEL[0]
     with matplotlib.rc_context(SETTINGS):
-        room = _room(sheet, look, [(0, 0)] * sketched + free, width)
+        room = _room(sheet, styles, [(0, 0)] * sketched + free, width)
         figure = plain_figure(width, rows * PANEL[1] + room, title, facts)
         grid = figure.add_gridspec(rows, COLUMNS)
         places = ([grid[0, :] if wide else grid[0, 0]] if sketched else []) + [grid[cell] for cell in free]
-        _fill(figure, sheet, places, look)
+        _fill(figure, sheet, places, styles)
     return figure
 
 
@@ -70,18 +70,18 @@ def save(figure, target, kind=""):
         figure.savefig(target, format=kind, metadata=METADATA[kind])
 
 
-def _room(sheet, look, cells, width):
+def _room(sheet, styles, cells, width):
     """Return the heights [inch] of the legends above each row of panels, and of the common legend below."""
     rows = {}
     for (row, _), panel in zip(cells, sheet.panels, strict=True):
         if isinstance(panel, Panel):
-            rows[row] = max(rows.get(row, 0.0), room_above(panel, look))
-    return sum(rows.values()) + LINE_OF_TEXT / 72 * sum(_lines(some, width) for some in _legends(sheet, look))
+            rows[row] = max(rows.get(row, 0.0), room_above(panel, styles))
+    return sum(rows.values()) + LINE_OF_TEXT / 72 * sum(_lines(some, width) for some in _legends(sheet, styles))
 
 
-def _legends(sheet, look):
+def _legends(sheet, styles):
     """Return the lists of entries of the common legends: of curves, and of events."""
-    return [handles for handles in (look.handles(), EventLegend(sheet, look).handles()) if handles]
+    return [handles for handles in (styles.handles(), EventLegend(sheet, styles).handles()) if handles]
 
 
 def _lines(handles, width):
@@ -122,16 +122,16 @@ def _fit(text, inches):
         text.set_text("\n".join([line[:kept].rstrip() + CUT, *below]))
 
 
-def _fill(figure, sheet, places, look):
+def _fill(figure, sheet, places, styles):
     """Draw the panels, and the legends below them all."""
-    legend = EventLegend(sheet, look)
+    legend = EventLegend(sheet, styles)
     for place, panel in zip(places, sheet.panels, strict=True):
         ax = figure.add_subplot(place)
         if isinstance(panel, Panel):
-            draw_panel(ax, panel, look, sheet.events, legend)
+            draw_panel(ax, panel, styles, sheet.events, legend)
         else:
             draw_sketch(ax, panel, panel.label if sheet.run_labels else "")
-    handles = [handle for some in _legends(sheet, look) for handle in some]
+    handles = [handle for some in _legends(sheet, styles) for handle in some]
     if handles:
         columns = min(legend_columns(handles, figure.get_figwidth()), MOST_COLUMNS)
         figure.legend(handles=handles, loc="outside lower center", ncols=columns, **LEGEND)

@@ -11,11 +11,11 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from mecano.errors import ResultsError, UsageError
-from mecano.post.eye import projection
 from mecano.post.runs import opened_runs
 from mecano.post.scene import scene_of
 from mecano.post.shapes import BODY, CABLE, GEAR, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
 from mecano.post.style import GREY, INK, PALE, SETTINGS, shown_unit, with_unit
+from mecano.post.view_direction import projection
 from mecano.results.whole_file import appearing, make_folder
 
 WRITERS = {".gif": "pillow", ".webp": "pillow", ".mp4": "ffmpeg"}

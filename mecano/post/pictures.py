@@ -5,6 +5,7 @@ from pathlib import Path
 
 from mecano.errors import ResultsError, UsageError
 from mecano.post.columns import columns_of
+from mecano.post.configurations import configurations_figure, times_of
 from mecano.post.figure import overview_figure, save, sheet_figure
 from mecano.post.info import one_line
 from mecano.post.loci import draw_sweep
@@ -14,7 +15,6 @@ from mecano.post.runs import opened_runs
 from mecano.post.sheets import default_sheets, overview
 from mecano.post.spectrum import spectrum_sheet
 from mecano.post.study_plots import draw_study
-from mecano.post.wire import times_of, wire_figure
 from mecano.results import modes_file, study_file, sweep_file
 from mecano.results.checked import format_of
 from mecano.results.whole_file import make_folder, refuse_foreign, write_csv
@@ -86,7 +86,7 @@ def _of_runs(runs, pictures, times, output, kind, columns, title, force):
     for target in targets:
         refuse_foreign(target, force)
     for run, target in zip(runs if times else [], targets[len(pictures) :], strict=True):
-        yield _save(wire_figure(run, times, title), target)
+        yield _save(configurations_figure(run, times, title), target)
     for (sheet, draw), target in zip(pictures, targets, strict=False):
         yield _save(draw(sheet, title), target)
         if sheet.table or (columns and sheet.curves and draw is sheet_figure):

@@ -7,7 +7,6 @@ import numpy as np
 from mecano.errors import ResultsError
 from mecano.model.mesh import piece_names
 from mecano.post.deformation import flexible_parts
-from mecano.post.eye import eye
 from mecano.post.forces import arrows
 from mecano.post.ground import ground_path
 from mecano.post.shapes import (
@@ -25,6 +24,7 @@ from mecano.post.shapes import (
     vertical,
     wheel_of,
 )
+from mecano.post.view_direction import eye
 
 FAR = 3.0  # sizes: the view follows a mechanism that travels farther
 STRESS, AXIAL = ("stress", "Pa"), ("axial force", "N")

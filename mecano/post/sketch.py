@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.post.eye import eye, projection
 from mecano.post.ground import ground_line, ground_patch
 from mecano.post.shapes import GUIDE, WHEEL, Motion, shapes, vertical, wheel_of
+from mecano.post.view_direction import eye, projection
 
 MOST_ROWS = 300  # saved times considered
 INSTANTS = 7

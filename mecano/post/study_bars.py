@@ -1,4 +1,4 @@
-"""Picture of a study whose cases have names: a bar for each case, the largest magnitude of each output in colour."""
+"""Bar charts of a study with named cases: a panel for each output, a bar for each case, the largest in full colour."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Readable rows: how many rows of a dataset are complete in a truncated file, as left by an interrupted copy."""
+"""Count the rows of a dataset that are complete in a truncated file, such as that of an interrupted copy."""
 
 
 def rows_within(dataset, rows, size):

@@ -1,4 +1,4 @@
-"""Configurations: the mechanism as lines in space, seen along one direction at several times, side by side."""
+"""Configurations of the mechanism at several times, side by side: lines in space, seen along one direction."""
 
 import math
 
@@ -38,7 +38,7 @@ def times_of(text):
     return times
 
 
-def wire_figure(run, times, title):
+def configurations_figure(run, times, title):
     """Return the figure of the saved configurations nearest to ``times`` [s], on one scale. Raises UsageError."""
     saved = run.results.time
     rows = np.array([int(np.abs(saved - t).argmin()) for t in times])

@@ -60,7 +60,7 @@ def compile_first(deck, announce=lambda text: None):
             raise
 
 
-def perform(folder, units, cases, run_cases, progress=lambda done, total, text: None, resume_by=""):
+def execute(folder, units, cases, run_cases, progress=lambda done, total, text: None, resume_by=""):
     """Run cases by ``run_cases(folder, cases, ended)`` (see ``run_here``), write the table, and return the Table.
 
     ``units`` are the units of the varied values (units.py). ``progress(done, total, text)`` is called for every case.

@@ -1,4 +1,4 @@
-"""Sections that are expanded before the check; the deck that is checked and solved no longer contains them."""
+"""Sections and keys that are expanded before the check: ``include``, ``templates``, ``place``, ``repeat``."""
 
 from mecano.deck.templates import PLACE
 from mecano.schema import Field, Type, named
@@ -9,7 +9,7 @@ REPEAT = Field(
     "repeat", Type("repeat", "names with ranges or lists, or a list of rows"), "-",
     "in any named entry: one copy for each value, inserted into its name: post$i, post$(i+1)", None,
 )  # fmt: skip
-LANGUAGE = (
+EXPANDED_SECTIONS = (
     Field(
         "include", FILES, "-", "files in the folder of the deck, or below it, whose sections are added to the deck", ()
     ),

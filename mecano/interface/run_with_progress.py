@@ -7,7 +7,7 @@ from mecano.analyses.progress import Progress, StaticProgress
 from mecano.errors import UsageError
 
 
-def solve(checked, path, *, force=False, resume=False, checkpoint=None, quiet=False, interruption=None):
+def run_with_progress(checked, path, *, force=False, resume=False, checkpoint=None, quiet=False, interruption=None):
     """Solve a checked deck and write the results file ``path``; options and errors as in ``mecano.run``."""
     static = checked.values["static"]
     if static and checkpoint is not None:

@@ -12,7 +12,7 @@ OTHERS = {"color": PALE, "linestyle": "-", "linewidth": 0.8, "zorder": 1.2}
 MOST_REPORTED = 16  # elements with a style of their own: more could not be identified in the legend
 
 
-class Look:
+class CurveStyles:
     """The styles of the curves of a sheet, no two of them alike.
 
     Colours distinguish runs, otherwise elements, otherwise quantities; dashes distinguish the rest. Elements have the
