@@ -74,7 +74,7 @@ class Instance:
     lenders: list = value_of(default_factory=list)  # instances whose multipliers it sees: borrowed, or of its parts
 
     def local(self, motion):
-        """Return (q, v, a, R) as defined in element_interface.py."""
+        """Return (q, v, a, R) as defined in element_interface."""
         constraint_derivatives, R = [], []
         for slot in self.kind.layout:
             node = self.nodes[int(slot[1:])]

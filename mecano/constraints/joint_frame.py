@@ -75,7 +75,7 @@ def turned_onto(a, b):
 
 
 def not_at_one_place(nodes):
-    """Return errors if two nodes that share a position do not coincide initially; nodes as in element_interface.py."""
+    """Return errors if two nodes that share a position do not coincide initially; nodes as in element_interface."""
     gap = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
     if gap <= PLACE:
         return []

@@ -233,7 +233,7 @@ class System:
 
         data = cK K T + cC C + cM M, unchanged if all three are zero. T (n_rotations, 3, 3) maps derivatives with
         respect to material variations of the rotations to those with respect to other increments; the default is the
-        identity. ``k`` and ``penalty`` scale the constraints (element_interface.py). ``size`` sums the absolute
+        identity. ``k`` and ``penalty`` scale the constraints (element_interface). ``size`` sums the absolute
         contributions of the elements and of their inertia (with the masses of the last tangent in the Assembly): the
         scale against which a residual is judged.
         """

@@ -27,7 +27,7 @@ RECORD = record(mass=(), c=3, J=(3, 3), J_C=(3, 3), gravity=3)
 # nose_gear_rigid 2 to 4 % longer, and a pendulum compiles 8 % longer.
 @kernel
 def force(p, at, f, K, C, M):
-    """Add inertia and weight of one body; see element_interface.py for the arguments."""
+    """Add inertia and weight of one body; see element_interface for the arguments."""
     c, J, A = vec(p.c, 0), mat(p.J), mat(at.R[0])
     omega, alpha = vec(at.v, 3), vec(at.a, 3)
     u = vec(at.a, 0) - vec(p.gravity, 0)

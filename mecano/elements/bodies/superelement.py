@@ -54,7 +54,7 @@ MODE_OUTPUTS = (
 
 @kernel
 def force(p, at, f, K, C, M):
-    """Add elastic forces, damping, weight and inertia; see element_interface.py for the arguments."""
+    """Add elastic forces, damping, weight and inertia; see element_interface for the arguments."""
     n = 6 * p.n_nodes + p.n_modes
     work, turns = take_zeros((TANGENT_ROWS if wanted(K) else ROWS, n)), take_zeros((p.n_nodes, 2, 3, 3))
     s = state_of(p, at, work, turns)

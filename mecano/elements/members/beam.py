@@ -74,7 +74,7 @@ RECORD = record(
 # The tangents are written by hand: with dual numbers a step of the deck flexible_pendulum takes 2.5 times as long.
 @kernel
 def force(p, at, f, K, C, M):
-    """Add elastic forces, damping, inertia and weight; see element_interface.py for the arguments."""
+    """Add elastic forces, damping, inertia and weight; see element_interface for the arguments."""
     add_elastic(p, at, vec(p.u0, 0), vec(p.phi0, 0), f, K, C)
     add_inertia(p, at, f, K, C, M)
 

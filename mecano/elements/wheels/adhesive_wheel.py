@@ -30,7 +30,7 @@ MULTIPLIERS = 9  # driving, lateral
 
 @kernel
 def residual(p, at, f):
-    """Add the forces of ground and tyre law, and the constraints; see element_interface.py."""
+    """Add the forces of ground and tyre law, and the constraints; see element_interface."""
     if at.phase == AIR:
         relax(p, at, f)
         for row in range(MULTIPLIERS, MULTIPLIERS + 2):
@@ -57,7 +57,7 @@ def constraints(p, at, g):
 
 @kernel
 def observe(p, at, F, y, e):
-    """Write outputs and energies; see OUTPUTS and element_interface.py."""
+    """Write outputs and energies; see OUTPUTS and element_interface."""
     k = patch(p, at)
     load = load_of(p, at, k)
     t, l = directions(k.a, k.g)

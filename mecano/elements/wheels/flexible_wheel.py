@@ -48,7 +48,7 @@ def compiled(law):
 
     @kernel
     def residual(p, at, f):
-        """Add the forces of ground and tyre law; see element_interface.py."""
+        """Add the forces of ground and tyre law; see element_interface."""
         if at.phase == AIR:
             relax(p, at, f)
             return
@@ -60,7 +60,7 @@ def compiled(law):
 
     @kernel
     def observe(p, at, F, y, e):
-        """Write outputs and energies; see OUTPUTS and element_interface.py."""
+        """Write outputs and energies; see OUTPUTS and element_interface."""
         k = patch(p, at)
         load = load_of(p, at, k)
         seen = slip(p, load.slip)

@@ -103,7 +103,7 @@ def compiled(law):
 
     @kernel
     def residual(p, at, f):
-        """Add the forces of ground and carcass; see element_interface.py."""
+        """Add the forces of ground and carcass; see element_interface."""
         x, y, x1, y1 = number(at.q[X]), number(at.q[Y]), number(at.v[X]), number(at.v[Y])
         if at.phase == AIR:
             f[X] += p.stiffness[0] * (x + DECAY * x1)
@@ -159,7 +159,7 @@ def sample(rng):
 
 
 def prepare(d, nodes, context):
-    """Return the values of the record; see element_interface.py."""
+    """Return the values of the record; see element_interface."""
     carcass = slip_law_of(d["tire_law"]).carcass(d["tire_law"])
     return {
         **prepare_wheel(d, nodes, context),

@@ -62,7 +62,7 @@ def compiled(law):
 
     @kernel
     def residual(p, at, f):
-        """Add force and material moment of the ground; see element_interface.py."""
+        """Add force and material moment of the ground; see element_interface."""
         if at.phase == AIR:
             return
         k = rolling(p, at, True)

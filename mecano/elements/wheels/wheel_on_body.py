@@ -83,7 +83,7 @@ def compiled(law):
 
     @kernel
     def residual(p, at, f):
-        """Add force and material moment of the wheel and of the body that carries it; see element_interface.py."""
+        """Add force and material moment of the wheel and of the body that carries it; see element_interface."""
         if at.phase == AIR:
             return
         k, arm = _rolling(p, at, True)
@@ -165,7 +165,7 @@ def _on_body(rng, wheel, number):
 
 
 def prepare(d, nodes, context):
-    """Return the values of the record; see element_interface.py."""
+    """Return the values of the record; see element_interface."""
     own = {"axis": carried_axis(d, nodes[1:]), **carried_record(d, nodes)}
     return {**own, **prepare_radial(d["tire_law"], context)}
 

@@ -1,7 +1,7 @@
 r"""Equations of small motions about a state, at rest or moving, with their constraints.
 
 The elements give the derivatives K, C, M of the residual with respect to displacements and material rotations,
-velocities and accelerations (element_interface.py). Small motions are measured in a frame that rotates with a constant
+velocities and accelerations (element_interface). Small motions are measured in a frame that rotates with a constant
 angular velocity w (zero: inertial axes): displacements :math:`\delta x = Q \xi`, rotations
 :math:`\delta R = \widehat{Q \varphi}\, R`, with
 :math:`\dot Q = \hat w Q` and Q = 1 now. With the angular velocity :math:`\omega = R \Omega` of a node,

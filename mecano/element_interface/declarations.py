@@ -1,0 +1,107 @@
+"""What a Kind declares: outputs, constraint equations, events, measured coordinates, and how it is drawn."""
+
+from dataclasses import dataclass
+
+LOCK, CONTACT, GRIP = "lock", "contact", "grip"  # kinds of shocks
+RELEASES = "releases"  # name of the events after which an element is no longer there
+WAITS = "waits"  # name of the events after which an element that is due does not act yet
+
+
+@dataclass(frozen=True)
+class Output:
+    """An output of each element: unit and meaning; ``shape`` is (3,) for vectors, (4,) for quaternions.
+
+    A coordinate names the output that is its ``rate``: between two steps, both are interpolated by a cubic. All other
+    outputs are interpolated linearly.
+    """
+
+    name: str
+    unit: str
+    doc: str
+    shape: tuple = ()
+    rate: str = ""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A constraint equation: name of its multiplier, units of the multiplier and of the constraint."""
+
+    name: str
+    unit: str  # of k*lambda: N or N m
+    constraint_unit: str  # of Phi: m or rad; m/s or rad/s for a constraint on velocities
+    unilateral: bool = False  # a contact, whose reaction is never negative; the first row of its element
+
+
+@dataclass(frozen=True)
+class Event:
+    """A zero crossing, monitored in the phase ``before``; after the event the phase is ``after``."""
+
+    name: str
+    before: str
+    after: str
+    doc: str
+    shock: str = ""
+    """LOCK: constraints hold from now on; CONTACT: they may push and open again; GRIP: they hold until another event;
+    "": no shock"""
+    restitution: str = ""
+    """for a CONTACT: field of the record with its coefficient of restitution; a negative value means that the contact
+    never opens. Without a name the coefficient is 0"""
+    changes_energy: bool = False
+    """True if potential energy that the element loses by the change of phase is lost to the model, and what it gains is
+    given by the surroundings"""
+    through: str = ""
+    """phase whose constraints hold during the shock, if they are not those of ``after``"""
+    elastic: bool = False
+    """True if no constraint holds before or after, so that the event may be captured (solve/events/capture.py): the
+    phase at the end of a step follows from the motion there, without the shock that the event may have"""
+    command: str = ""
+    """input whose value is its number"""
+    beyond: int = -1
+    """index of an event: by command, this one replaces the first of the same command if that event would follow at
+    once, its number being positive"""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A coordinate of an element that sensors measure: its nodes and its axes.
+
+    The measured value is that of the coordinate minus ``zero``.
+    """
+
+    coordinate: object  # constraints.coordinates.Coordinate
+    nodes: tuple  # indices into the nodes of the element
+    axes: dict  # values of the ``axes`` of the coordinate
+    zero: float = 0.0
+
+
+@dataclass(frozen=True)
+class Display:
+    """How a kind is drawn and to which of the standard pictures its outputs belong; stored in results files.
+
+    Attributes
+    ----------
+    shape : str
+        One of post/shapes.py: body, mass, line, cable, beam, superelement, spring, wheel, wheel_on_body, curve,
+        contact, gears, belt, joint, nothing.
+        By default an element is a line between its nodes, a joint a dot at its last node.
+    support : bool
+        True if a joint with the ground holds a point and is drawn as a support.
+    pictures : tuple of str
+        Names of pictures of post/plans.py; if empty, the kind has a picture of its own with all its outputs.
+    force : str
+        Name of the output, a vector [N], that is drawn as an arrow.
+    along_axes : bool
+        True if the components of that vector are along mu_1, mu_2 and the axis of the joint, False if inertial.
+    force_at : str
+        Name of the output with its point of application, inertial [m]; the last node by default.
+    axial : str
+        Name of the output with the axial force, > 0 in tension; for a vector, its first component.
+    """
+
+    shape: str = ""
+    support: bool = True
+    pictures: tuple = ()
+    force: str = ""
+    along_axes: bool = False
+    force_at: str = ""
+    axial: str = ""

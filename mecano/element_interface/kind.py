@@ -1,0 +1,250 @@
+"""A kind of element, joint, load, signal or basic constraint: its entry in a deck, its mechanics, its events."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from mecano.element_interface.declarations import Display
+from mecano.element_interface.records import UNUSED, record, recorded, recorded_values
+
+SECTIONS = ("elements", "joints", "loads", "signals")  # of a deck; each entry belongs to a kind
+FREELY, BY_COMMAND = "freely", "by command"  # how the nodes of a joint may turn about its axis
+NODES = ("node", "nodes")  # types of fields that name nodes
+RANDOM = {
+    "number": lambda rng: rng.uniform(0.5, 1.0),
+    "vector": lambda rng: rng.normal(size=3),
+    "direction": lambda rng: rng.normal(size=3),
+    "formula": lambda rng: "a",
+}  # values of samples, by type of field
+
+
+def nothing(*_):
+    """Return an empty list: no shares, no parts."""
+    return []
+
+
+def never(_):
+    """Return False."""
+    return False
+
+
+class NodeAtStart(NamedTuple):
+    """A node in the assembled state at the start of an analysis."""
+
+    orientation: np.ndarray  # (3, 3) of the deck
+    x: np.ndarray  # (3,) position [m]
+    R: np.ndarray  # (3, 3) after the assembly
+    v: np.ndarray  # (3,) velocity [m/s]
+    inertia: Callable  # () -> (3, 3) of all that is attached, material [kg m2]
+    gravity: np.ndarray  # (3,) [m/s2] of the deck
+
+
+@dataclass(frozen=True)
+class Part:
+    """A basic constraint or element of which a kind is composed: its nodes and its parameters.
+
+    A part that has the phases of its owner is always in the phase of its owner.
+    """
+
+    kind: "Kind"
+    nodes: tuple  # indices into the nodes of the owner
+    parameters: dict
+    coupled_to: tuple = ()  # indices of the parts of the owner to whose multipliers it is coupled
+    label: str = ""  # suffix of the names of its outputs
+    reads: tuple = ()  # formulas of the inputs of its kind, in their order
+
+
+@dataclass(frozen=True)
+class Context:
+    """Data available to ``prepare`` and ``parts`` besides their own deck values."""
+
+    laws: object  # LawTable: laws.add(law) -> start of the packed law in the flat table
+    gravity: np.ndarray  # (3,) [m/s2]
+    kinds: dict = field(default_factory=dict)  # kinds of the model by name, for loads along coordinates of another one
+
+
+@dataclass(frozen=True, kw_only=True)
+class DeckEntry:
+    """The entry of a kind in a deck: its fields, their checks, and the conversion of the values."""
+
+    section: str = ""  # one of SECTIONS; "" for a basic constraint, which cannot be used in a deck
+    doc: str  # its page of the reference
+    fields: tuple = ()  # schema.Field, the node fields first
+    optional: tuple = ()
+    """(field, Kind of a part, label): outputs that are added to its own when the deck gives the field"""
+    check: Callable = nothing
+    """(deck values, nodes) -> [text]: errors in the combination of the values"""
+    prepare: Callable | None = None
+    """(deck values, [(x (3,), R (3, 3)) of each node], Context) -> values of the record; by default the deck values of
+    the same names, of a law its start in the table, and the gravity"""
+    parts: Callable = nothing
+    """(deck values, nodes, Context) -> [Part]"""
+    shares: Callable = nothing
+    """(deck values, nodes) -> [("x" or "R", i, j)]: node j shares that unknown of node i"""
+    divide: Callable | None = None
+    """(deck values, nodes) -> ([(x, R)] of the intermediate nodes, [values of each element]): division of a member into
+    ``mesh`` elements of the kind"""
+    variant: Callable | None = None
+    """deck values -> the Kind that replaces it in the model for these values. It has the same fields and outputs, but
+    as many numbered outputs (force_1, force_2) as the values require, where this kind has only the first"""
+    reads: Callable | None = None
+    """deck values -> formulas (texts) of its ``inputs``; by default the fields of these names"""
+    turns: str = ""
+    """FREELY, for a joint that leaves free only the angle about its 'axis'; BY_COMMAND, for one that prescribes the
+    angle about its 'axis': two between the same nodes must have the same axis"""
+    limits: Callable = nothing
+    """deck values -> [(output, value, text)]: a warning with the text when |output| exceeds the value in a run"""
+    ends: Callable = nothing
+    """deck values -> [(output, value, text)]: the run fails with the text if |output| exceeds the value"""
+    strains: tuple = ()
+    """(lowest, highest) strain at the start that needs no warning, relative to 'natural_length' or, without it, to the
+    distance of the two nodes in the deck"""
+    suspicious: Callable = nothing
+    """(deck values, [NodeAtStart]) -> [text]: warnings about the state at the start"""
+    remedies: Callable = nothing
+    """deck values -> [text]: what to try, with actual values, when the solution of the equations fails"""
+    sample: Callable | None = None
+    """rng -> list of (values, nodes, phase): valid samples for the generic tests, covering every phase. values: deck
+    values without defaults (for a basic constraint: the record); nodes: their number, or [(x (3,), R (3, 3))]. By
+    default numbers from 0.5 to 1 and random vectors in every phase, for a kind that has no other fields"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mechanics:
+    """The equations of a kind: unknowns, record of parameters, compiled functions of one element, outputs."""
+
+    dtype: np.dtype | None = None
+    """of its record; by default, without ``prepare``, all fields that are numbers, vectors or laws"""
+    layout: tuple = ()  # slots: "x0", "R0", "x1", ...
+    flexible: bool = False  # its nodes, each with a position and a rotation, belong to one deformable body
+    scalars: tuple = ()  # names of its scalar unknowns
+    massless: tuple = ()  # massless scalars, whose rates follow from their own equations alone
+    states: tuple = ()  # names of the scalars whose rates are determined by their equations
+    of_signals: bool = False  # its scalars are signals
+    jumps: bool = False  # the value of a signal may jump although its inputs do not
+    smooths: Callable = never
+    """deck values of a signal -> True if its value does not jump with its inputs"""
+    like: Callable = never
+    """deck values of a signal -> formula (text) of the same unit as its value; "" if there is none"""
+    inputs: tuple = ()  # names of the signals that it reads
+    multipliers: tuple = ()  # Row
+    coupled_multipliers: tuple = ()  # Row: coupled multipliers, of other parts of the same owner
+    outputs: tuple = ()  # Output
+    measures: dict = field(default_factory=dict, compare=False)
+    """{output: (deck values, nodes, Context) -> Measured}: coordinates, whose sensors need no other unknowns than those
+    of the nodes; they also measure the output that is declared as the rate. Other outputs are measured by ``observe``,
+    called with Duals"""
+    hidden: dict = field(default_factory=dict, compare=False)
+    """{output: text, what to do instead}: outputs that signals cannot read, because ``observe`` has them from F, from
+    accelerations, or not from Duals"""
+    revealed: "Kind | None" = None  # variant without shared unknowns, in which nothing is hidden
+    senses: "Kind | None" = None  # the kind of which it measures an output; see constraints/output_sensor.py
+    start: Callable | None = None
+    """record -> initial values (n_scalars,) of its scalars; zeros by default"""
+    idle: dict = field(default_factory=dict, compare=False)
+    """{phase: indices of outputs}: phases in which an element with a ``residual`` has no force, energy or power, and
+    these outputs are zero; its ``residual`` is not called then"""
+    residual: Callable | None = None
+    inertia: Callable | None = None
+    force: Callable | None = None
+    constraints: Callable | None = None
+    constraint_derivatives: Callable | None = None
+    observe: Callable | None = None
+    rubs: Callable | None = None
+    """(record, Place) -> (coefficient of friction, gradients (2, n_local) of the velocities of sliding along two
+    perpendicular directions): friction in impacts of the contact to whose multiplier it is coupled; called from
+    Python"""
+    admissible: Callable | None = None
+    """(record, q, R) -> text: why an assembled configuration is unacceptable although it satisfies the equations, or
+    ""; q and R as passed to ``observe``; called from Python after the assembly"""
+
+    @property
+    def acts(self):
+        """True if the kind has a residual of its own, not only parts."""
+        return self.residual is not None or self.force is not None
+
+    @property
+    def of_rates(self):
+        """True if its constraints are on velocities."""
+        return any(row.constraint_unit.endswith("/s") for row in self.multipliers)
+
+    @property
+    def first_reaction(self):
+        """Index of the first multiplier, own or coupled, among the local unknowns; the value of a sensor follows."""
+        last = len(self.scalars) if self.senses else 0
+        return self.n_local - len(self.multipliers) - len(self.coupled_multipliers) - last
+
+    def place_of(self, name):
+        """Return the index of an input among the local unknowns."""
+        return 3 * len(self.layout) + len(self.scalars) + self.inputs.index(name)
+
+    @property
+    def n_local(self):
+        """Number of local unknowns, including inputs and coupled multipliers."""
+        own = len(self.scalars) + len(self.inputs) + len(self.multipliers)
+        return 3 * len(self.layout) + own + len(self.coupled_multipliers)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Events:
+    """The discrete behaviour of a kind: phases, events that change them, memory, times at which steps must end."""
+
+    phases: tuple = ("",)
+    events: tuple = ()  # Event
+    event_values: Callable | None = None
+    at_start: Callable | None = None
+    """record -> index of the initial phase, where the deck specifies it; by default the first of ``phases``"""
+    memory: tuple = ()  # names of the values kept from step to step
+    commit: Callable | None = None
+    kept: dict = field(default_factory=dict, compare=False)
+    """{phase: indices of values of the memory that ``commit`` does not change in it}"""
+    times: Callable = nothing
+    """(deck values, start, end) -> [time]: times between start and end of a run at which a step must end"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Kind(DeckEntry, Mechanics, Events):
+    """A kind of element: everything that the rest of mecano may know about it.
+
+    A name, four groups of declarations (``DeckEntry``, ``Mechanics``, ``Events``, and ``Display`` as one value), and
+    the methods that combine them. What a kind does not need keeps its default: most have no events.
+    """
+
+    name: str
+    display: Display = Display()
+
+    def __post_init__(self):
+        """Declare the record by the fields if it is not given."""
+        if self.dtype is None:
+            own = recorded(self.fields) if self.acts and not self.prepare else {}
+            object.__setattr__(self, "dtype", record(**own or {UNUSED: ()}))
+
+    def record_values(self, values, nodes, context):
+        """Return the values of the record of an element; the arguments are those of ``prepare``."""
+        if self.prepare:
+            return self.prepare(values, nodes, context)
+        names = [name for name in self.dtype.names if name != UNUSED]
+        return recorded_values(names, self.fields, {"gravity": context.gravity, **values}, context)
+
+    def samples(self, rng):
+        """Return the samples of the kind; see ``sample``."""
+        if self.sample:
+            return self.sample(rng)
+        values = {}
+        for given in self.fields:
+            if given.type.name in RANDOM and given.default is not None:
+                values[given.name] = RANDOM[given.type.name](rng)
+            elif given.required and given.type.name not in NODES:
+                raise ValueError(f"{self.name} needs 'sample': the field {given.name!r} has no random values")
+        nodes = 1 + max((int(slot[1:]) for slot in self.layout), default=0)
+        return [(values, nodes, phase) for phase in self.phases]
+
+    def read(self, values):
+        """Return the formulas (texts) of its inputs."""
+        return tuple(self.reads(values) if self.reads else (values[name] for name in self.inputs))
+
+    def chosen(self, values):
+        """Return the kind itself, or its variant for these deck values."""
+        return self.variant(values) if self.variant else self
