@@ -39,9 +39,26 @@ def bind_state(system, s):
 
 @kernel
 def run(loops, system):
-    """Call all loops."""
+    """Call all loops; those of the tangent then compute forces alone."""
     for i in range(loops.addresses.shape[0]):
         call(loops.addresses[i], loops.batches[i : i + 1].ctypes.data, system.ctypes.data)
+
+
+@kernel
+def run_with_columns(loops, system):
+    """Call all loops of the tangent, which compute forces and the columns of the tangent."""
+    system[0].columns = 1
+    run(loops, system)
+    system[0].columns = 0
+
+
+@kernel
+def clear_forces(system, k, penalty):
+    """Set the forces and their sizes to zero before the loops, and the scales of the constraints."""
+    s = system[0]
+    s.k, s.penalty = k, penalty
+    floats(s.force, s.n_slots)[:] = 0.0
+    floats(s.size, s.n_slots)[:] = 0.0
 
 
 @kernel
@@ -62,10 +79,7 @@ def collect(system):
 @kernel
 def residual(loops, system, k, penalty):
     """Compute the residual and its scale, with the masses of the last tangent, at the bound state."""
-    s = system[0]
-    s.k, s.penalty = k, penalty
-    floats(s.force, s.n_slots)[:] = 0.0
-    floats(s.size, s.n_slots)[:] = 0.0
+    clear_forces(system, k, penalty)
     run(loops, system)
     collect(system)
 
@@ -89,9 +103,9 @@ def assemble(
     to.lag = cK / cC if cK * cC != 0.0 else 1.0
     floats(to.mass, to.n_slots)[:] = 0.0
     floats(to.data, to.n_data)[:] = 0.0
-    to.columns = 1
-    residual(loops, system, k, penalty)
-    to.columns = 0
+    clear_forces(system, k, penalty)
+    run_with_columns(loops, system)
+    collect(system)
 
 
 @entry
@@ -100,9 +114,7 @@ def add(loops: Loops, system: System, s: Instant, T: Matrices, k: float, penalty
     bind_state(system, s)
     to = system[0]
     to.T, to.cK, to.cC, to.cM, to.k, to.penalty, to.lag = T.ctypes.data, cK, cC, 0.0, k, penalty, 1.0
-    to.columns = 1
-    run(loops, system)
-    to.columns = 0
+    run_with_columns(loops, system)
 
 
 @entry
@@ -116,9 +128,7 @@ def add_scaled(
     own_force, own_size, own_mass = to.force, to.size, to.mass
     work[:, :] = 0.0
     to.force, to.size, to.mass = force.ctypes.data, size.ctypes.data, size.ctypes.data
-    to.columns = 1
-    run(loops, system)
-    to.columns = 0
+    run_with_columns(loops, system)
     to.force, to.size, to.mass = own_force, own_size, own_mass
     force_out, size_out = floats(own_force, to.n_slots), floats(own_size, to.n_slots)
     for i in range(to.n_slots):

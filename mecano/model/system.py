@@ -71,8 +71,7 @@ class System:
     def _slots(self, n_nodes):
         """Assign one force slot to each unknown of each node, shared or not; then to scalars, then to multipliers."""
         of = self.numbering
-        three = np.arange(3)
-        nodes = np.concatenate([np.stack([of.x, of.r], 1).reshape(-1, 1) + three], axis=1).ravel()
+        nodes = (np.stack([of.x, of.r], 1).reshape(-1, 1) + np.arange(3)).ravel()
         rest = np.arange(of.n_q - of.n_scalars, of.n)
         self.slot_dof = np.concatenate([nodes, rest]) if n_nodes else rest
         self.n_slots = len(self.slot_dof)
@@ -148,9 +147,9 @@ class System:
         found = self._divided_loops[template]
         return Loops(found.loops, found.batches)
 
-    def _driver(self, assembly_driver, template, chosen=None):
-        """Bind the driver ``assembly_driver`` to the loops of one purpose for the batches ``chosen``."""
-        return assembly_driver.bind(self.loops(template, chosen))
+    def _bind(self, driver, template, chosen=None):
+        """Bind a ``driver`` of assembly_driver.py to the loops of one purpose for the batches ``chosen``."""
+        return driver.bind(self.loops(template, chosen))
 
     @cached_property
     def signal_units(self):
@@ -159,11 +158,11 @@ class System:
 
     @cached_property
     def _assemble(self):
-        return self._driver(assembly_driver.assemble, loops.tangent)
+        return self._bind(assembly_driver.assemble, loops.tangent)
 
     @cached_property
     def _assemble_residual(self):
-        return self._driver(assembly_driver.assemble_residual, loops.residual)
+        return self._bind(assembly_driver.assemble_residual, loops.residual)
 
     @cached_property
     def _add_constraints(self):
@@ -174,11 +173,11 @@ class System:
         return self._adding(lambda batch: batch.kind.of_rates)
 
     def _adding(self, chosen):
-        return self._driver(assembly_driver.add, loops.tangent, chosen)
+        return self._bind(assembly_driver.add, loops.tangent, chosen)
 
     @cached_property
     def _add_scaled_loads(self):
-        return self._driver(assembly_driver.add_scaled, loops.tangent, is_scaled)
+        return self._bind(assembly_driver.add_scaled, loops.tangent, is_scaled)
 
     @cached_property
     def _add_coupled_multipliers(self):
@@ -192,19 +191,19 @@ class System:
 
     @cached_property
     def _constraint_derivatives(self):
-        return self._driver(assembly_driver.constraint_derivatives, loops.constraint_derivatives)
+        return self._bind(assembly_driver.constraint_derivatives, loops.constraint_derivatives)
 
     @cached_property
     def _observe(self):
-        return self._driver(assembly_driver.observe, loops.observe)
+        return self._bind(assembly_driver.observe, loops.observe)
 
     @cached_property
     def _write_event_values(self):
-        return self._driver(assembly_driver.event_values, loops.event_values)
+        return self._bind(assembly_driver.event_values, loops.event_values)
 
     @cached_property
     def _commit(self):
-        return self._driver(assembly_driver.commit, loops.commit)
+        return self._bind(assembly_driver.commit, loops.commit)
 
     def initial_state(self, t=0.0):
         """Return the state at rest in the configuration of the deck, with every element in its initial phase."""
