@@ -1,17 +1,13 @@
 """Compiled functions of a contact of two bodies, for any pair of shapes; equations in elements/joints/contact.py.
 
-A pair of shapes is a ``Shapes``: where they touch, and how fast they approach. Local unknowns: x0, R0, x1, and R1 where
-the shape on b turns with its node or friction turns it; then the inputs and the multiplier of a rigid contact, held at
-the gap m[0].
+Local unknowns: x0, R0, x1, and R1 where the shape on b turns with its node or friction turns it; then the inputs and
+the multiplier of a rigid contact, held at the gap m[0]. ``shapes`` are Shapes (touching.py).
 """
-
-from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 
 from mecano.constraints.augmented_lagrangian import add_reaction
-from mecano.constraints.touching import sliding
+from mecano.constraints.touching import ROUNDING, sliding
 from mecano.jit.kernel import kernel
 from mecano.laws.contact_force import contact_force, elastic_energy, elastic_force
 from mecano.laws.friction import friction
@@ -20,21 +16,7 @@ from mecano.maths.dual import at_least, number, select, value
 from mecano.maths.vector import ZERO, add_vec, cross, dot, mat, norm, put, vec
 
 OPEN, CLOSED = 0, 1
-ROUNDING = 1e-9  # [m]: bodies that overlap by less touch
 TURNING = 12  # number of local unknowns of two nodes with rotations
-
-
-class Shapes(NamedTuple):
-    """Two shapes that may touch."""
-
-    touch: Callable  # (p, at) -> Touch
-    approach: Callable  # (Touch, at) -> rate [m/s] at which the gap closes
-    turning: bool  # the shape on b turns with its node
-
-    @property
-    def layout(self):
-        """Slots of a contact without friction."""
-        return ("x0", "R0", "x1", "R1") if self.turning else ("x0", "R0", "x1")
 
 
 @kernel

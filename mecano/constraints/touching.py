@@ -16,6 +16,7 @@ surface. The rate of the gap is
 .. math::  \dot g = n \cdot (v_b - v_a - \omega_a \times (x_b - x_a))
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -26,17 +27,11 @@ from mecano.maths.dual import at_least, at_most
 from mecano.maths.vector import Vec3, cross, dot, mat, norm, vec
 from mecano.schema import BOOLEAN, CURVE, DIRECTION, NUMBER, POINT, Field, mapping, not_negative, positive
 
+ROUNDING = 1e-9  # [m]: bodies that overlap by less touch
 CENTRED = 1e-100  # [m] of the middle of a hole, where there is no normal and no contact
 SURFACE_RECORD = {
-    "axis": 3,
-    "origin": 3,
-    "planar": (),
-    "side": (),
-    "distance": (),
-    "first": (),
-    "last": (),
-    "radius": (),
-}
+    "axis": 3, "origin": 3, "planar": (), "side": (), "distance": (), "first": (), "last": (), "radius": ()
+}  # fmt: skip
 RADIUS = Field("radius", NUMBER, "m", "of the surface", check=positive)
 INSIDE = Field("inside", BOOLEAN, "-", "whether the ball touches it from inside", False)
 
@@ -94,6 +89,24 @@ class Touch(NamedTuple):
     b: Vec3
 
 
+class Shapes(NamedTuple):
+    """Two shapes that may touch: their compiled functions, and those that read them from a deck."""
+
+    name: str  # prefix of the names of their kinds
+    touch: Callable  # (p, at) -> Touch
+    approach: Callable  # (Touch, at) -> rate [m/s] at which the gap closes
+    turning: bool  # the shape on b turns with its node
+    record: dict  # fields of the record
+    values: Callable  # (d, nodes, context) -> their values
+    check: Callable  # (d, nodes) -> errors
+    gap_at_start: Callable  # (d, nodes) -> gap [m], a place
+
+    @property
+    def layout(self):
+        """Slots of a contact without friction."""
+        return ("x0", "R0", "x1", "R1") if self.turning else ("x0", "R0", "x1")
+
+
 @kernel
 def touch(p, at):
     """Return the Touch of nodes with x0, R0, x1 first among the local unknowns."""
@@ -127,7 +140,7 @@ def approach(touched, at):
 
 @kernel
 def approach_of_turning(touched, at):
-    """Return the same for a shape that turns with node b."""
+    """Return the rate [m/s] at which the gap of a shape that turns with node b closes."""
     return -dot(touched.n, _relative_velocity(touched, at))
 
 
@@ -170,7 +183,7 @@ def check_place_on_b(d, name):
     return []
 
 
-def surface_record(d, nodes):
+def surface_record(d, nodes, context=None):
     """Return the values of SURFACE_RECORD."""
     (name, values), (x_a, R_a) = given(d), nodes[0]
     axis = np.array(values.get("normal", values.get("axis", (0.0, 0.0, 1.0))), float)
@@ -220,3 +233,6 @@ def check_side(d, nodes):
     return [
         f"node b is {away:.3g} m from the middle of the {name}, inside it: move it outside, or write 'inside: true'"
     ]
+
+
+BALL = Shapes("", touch, approach, False, SURFACE_RECORD, surface_record, check_side, gap_at_start)

@@ -13,8 +13,8 @@ of the points of the bodies, :math:`\dot g = n \cdot (v_b + \omega_b \times b - 
 
 import numpy as np
 
-from mecano.constraints.contact_functions import Shapes
 from mecano.constraints.touching import (
+    Shapes,
     Touch,
     approach_of_turning,
     check_place_on_b,
@@ -62,10 +62,7 @@ def _times(semi_axes, m):
     return Vec3(semi_axes[0] * m.x, semi_axes[1] * m.y, semi_axes[2] * m.z)
 
 
-ELLIPSOIDS = Shapes(touch, approach_of_turning, True)
-
-
-def ellipsoid_record(d, nodes):
+def ellipsoid_record(d, nodes, context=None):
     """Return the values of ELLIPSOID_RECORD."""
     of_a, ellipsoid = surface_record(d, nodes), d["ellipsoid"]
     of_b = {"origin_b": origin_on_b(ellipsoid, nodes), "semi_axes": ellipsoid["semi_axes"]}
@@ -87,3 +84,9 @@ def check_ellipsoid(d, nodes):
     if d["radius"]:
         return ["'radius' is that of a ball or rod; an 'ellipsoid' has 'semi_axes' only"]
     return check_place_on_b(d, "ellipsoid")
+
+
+ELLIPSOIDS = Shapes(
+    "ellipsoid_", touch, approach_of_turning, True, ELLIPSOID_RECORD, ellipsoid_record, check_ellipsoid,
+    ellipsoid_gap_at_start,
+)  # fmt: skip

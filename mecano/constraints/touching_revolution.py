@@ -18,8 +18,7 @@ import math
 
 import numpy as np
 
-from mecano.constraints.contact_functions import Shapes
-from mecano.constraints.touching import CENTRED, Touch, approach, origin
+from mecano.constraints.touching import CENTRED, Shapes, Touch, approach, origin
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import corners, curve_at, shape_of_curve
 from mecano.laws.table import LawTable, curve_and_slope, evaluate_curve
@@ -71,9 +70,6 @@ def touch(p, at):
     gap = shrink * (away - rho - slope * (along - z)) - p.radius
     n = shrink * (1.0 / at_least(away, CENTRED) * outwards - slope * axis)
     return Touch(gap, n, from_a - p.radius * n, -p.radius * n)
-
-
-REVOLUTION = Shapes(touch, approach, False)
 
 
 def revolution_record(d, nodes, context):
@@ -136,3 +132,9 @@ def _too_narrow(d, z, beside):
 
 def _side(values):
     return -1.0 if values["inside"] else 1.0
+
+
+REVOLUTIONS = Shapes(
+    "revolution_", touch, approach, False, REVOLUTION_RECORD, revolution_record, check_revolution,
+    revolution_gap_at_start,
+)  # fmt: skip

@@ -13,9 +13,9 @@ Detection, 2005, section 5.1.9).
 
 import numpy as np
 
-from mecano.constraints.contact_functions import Shapes
 from mecano.constraints.touching import (
     SURFACE_RECORD,
+    Shapes,
     Touch,
     approach_of_turning,
     arm_of_b,
@@ -71,10 +71,7 @@ def touch(p, at):
     return Touch(gap, n, from_a + b, b)
 
 
-RODS = Shapes(touch, approach_of_turning, True)
-
-
-def rod_record(d, nodes):
+def rod_record(d, nodes, context=None):
     """Return the values of ROD_RECORD."""
     rod, (_, R_b) = d["rod"], nodes[1]
     axis = np.array(rod["axis"], float)
@@ -116,3 +113,6 @@ def check_rod(d, nodes):
     gap, distance = rod_gap_at_start(d, nodes)
     apart = distance > 0.5 * (distance - gap)
     return [] if apart else [f"the axes of the rod and of the {name} are {distance:.3g} m apart: move them apart"]
+
+
+RODS = Shapes("rod_", touch, approach_of_turning, True, ROD_RECORD, rod_record, check_rod, rod_gap_at_start)

@@ -24,110 +24,48 @@ With ``activate`` a contact has no force before, with ``release`` none after it.
 is activated begins to act where it no longer does, whether or not the condition still holds there.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from mecano.constraints.activation import with_activation
 from mecano.constraints.along_coordinate.friction import check_friction, friction_fields
 from mecano.constraints.along_coordinate.trigger import trigger_of
-from mecano.constraints.contact_functions import (
-    ROUNDING,
-    Shapes,
-    elastic,
-    observed_rigid,
-    observed_rubbing,
-    rigid,
-    rubbing,
-    rubs,
-)
+from mecano.constraints.contact_functions import elastic, observed_rigid, observed_rubbing, rigid, rubbing, rubs
 from mecano.constraints.release import COMMAND, SAMPLE, with_release
-from mecano.constraints.touching import (
-    FIELDS,
-    SURFACE_RECORD,
-    approach,
-    check_given,
-    check_side,
-    gap_at_start,
-    surface_record,
-    touch,
-)
-from mecano.constraints.touching_ellipsoid import (
-    ELLIPSOID,
-    ELLIPSOID_RECORD,
-    ELLIPSOIDS,
-    check_ellipsoid,
-    ellipsoid_gap_at_start,
-    ellipsoid_record,
-)
-from mecano.constraints.touching_revolution import (
-    REVOLUTION,
-    REVOLUTION_RECORD,
-    check_revolution,
-    revolution_gap_at_start,
-    revolution_record,
-)
-from mecano.constraints.touching_rods import (
-    ROD,
-    ROD_RECORD,
-    RODS,
-    check_rod,
-    rod_gap_at_start,
-    rod_record,
-)
+from mecano.constraints.touching import BALL, FIELDS, ROUNDING, check_given
+from mecano.constraints.touching_ellipsoid import ELLIPSOID, ELLIPSOIDS
+from mecano.constraints.touching_revolution import REVOLUTIONS
+from mecano.constraints.touching_rods import ROD, RODS
 from mecano.element_interface import CONTACT as SHOCK
 from mecano.element_interface import RELEASES, WAITS, Display, Event, Kind, Output, Part, Row, record
 from mecano.laws.probe import curve_at
 from mecano.schema import CURVE, NODE_PAIR, NUMBER, Field, not_negative, share
 
 MATERIAL = {"law": "i", "damping": (), "restitution": (), "coefficient": "i", "regularization": ()}
-BALL = Shapes(touch, approach, False)
-RECORD = record(**MATERIAL, **SURFACE_RECORD)
 PHASES = ("open", "closed")
 NORMAL = Row("normal force of the contact", "N", "m", unilateral=True)
 CLOSES = Event("closes", "open", "closed", "the ball reaches the surface; a shock if it is rigid", SHOCK, "restitution")
 OPENS = Event("opens", "closed", "open", "the normal force falls to zero")
 
 
-class Pair(NamedTuple):
-    """Two shapes as the deck gives them: how they touch, and how they are read and checked."""
-
-    name: str
-    shapes: Shapes
-    dtype: np.dtype
-    record: Callable  # (d, nodes, context) -> values of the record
-    check: Callable  # (d, nodes) -> errors
-    gap_at_start: Callable  # (d, nodes) -> gap [m], a place
+SHAPES = {"rod": RODS, "ellipsoid": ELLIPSOIDS, "revolution": REVOLUTIONS, "ball": BALL}  # by fields of the deck
 
 
-PAIRS = {
-    "ball": Pair("", BALL, RECORD, lambda d, nodes, context: surface_record(d, nodes), check_side, gap_at_start),
-    "rod": Pair(
-        "rod_", RODS, record(**MATERIAL, **ROD_RECORD), lambda d, nodes, context: rod_record(d, nodes), check_rod,
-        rod_gap_at_start,
-    ),
-    "ellipsoid": Pair(
-        "ellipsoid_", ELLIPSOIDS, record(**MATERIAL, **ELLIPSOID_RECORD),
-        lambda d, nodes, context: ellipsoid_record(d, nodes), check_ellipsoid, ellipsoid_gap_at_start,
-    ),
-    "revolution": Pair(
-        "revolution_", REVOLUTION, record(**MATERIAL, **REVOLUTION_RECORD), revolution_record, check_revolution,
-        revolution_gap_at_start,
-    ),
-}  # fmt: skip
+def _record(shapes):
+    """Return the dtype of the record of a contact of two Shapes."""
+    return record(**MATERIAL, **shapes.record)
 
 
-def _pair(d):
-    """Return the key of the Pair that the deck describes."""
-    return next((name for name in ("rod", "ellipsoid", "revolution") if d[name] is not None), "ball")
+def _shapes(d):
+    """Return the name of the Shapes that the deck describes."""
+    return next((name for name in SHAPES if d.get(name) is not None), "ball")
 
 
 def prepare(d, nodes, context):
     """Return the record of one contact."""
     values = {"damping": d["damping"], "restitution": d["restitution"]}
-    values |= PAIRS[_pair(d)].record(d, nodes, context)
+    values |= SHAPES[_shapes(d)].values(d, nodes, context)
     if d["law"] is not None:
         values["law"] = context.laws.add(d["law"])
     if d["friction"] is not None:
@@ -138,24 +76,24 @@ def prepare(d, nodes, context):
 
 def variant(d):
     """Return the kind of a rigid or elastic contact of two shapes, with or without friction."""
-    return KINDS[_pair(d)]["rigid" if d["law"] is None else "elastic"][d["friction"] is not None]
+    return KINDS[_shapes(d)]["rigid" if d["law"] is None else "elastic"][d["friction"] is not None]
 
 
 def variant_in_time(d):
     """Return the same kind, of a contact that is activated or released if the deck says so."""
     if d["law"] is None and (d["activate"] is not None or d["release"] is not None):
-        return KINDS[_pair(d)]["switched"][d["friction"] is not None]
+        return KINDS[_shapes(d)]["switched"][d["friction"] is not None]
     return ELASTIC_CONTACT.chosen(d)
 
 
 def check(d, nodes):
     """Return errors in the surface, in the law, and for values that have no effect on this contact."""
-    pair = PAIRS[_pair(d)]
-    texts = check_given(d) or _check_shape_of_b(d) or pair.check(d, nodes)
+    shapes = SHAPES[_shapes(d)]
+    texts = check_given(d) or _check_shape_of_b(d) or shapes.check(d, nodes)
     if d["law"] is None:
         texts += ["'damping' needs 'law': a rigid contact has none"] if d["damping"] else []
         texts += check_friction(d)
-        if not texts and not d["activate"] and (gap := pair.gap_at_start(d, nodes)[0]) < -ROUNDING:
+        if not texts and not d["activate"] and (gap := shapes.gap_at_start(d, nodes)[0]) < -ROUNDING:
             texts.append(f"the {_shape_of_b(d)} starts {-gap:.6g} m within the surface, which is rigid without 'law'")
         return texts
     if d["restitution"]:
@@ -237,7 +175,7 @@ _ALWAYS_ACTIVE = Kind(
     section="elements",
     doc=__doc__,
     display=Display("contact", force="force", force_at="point"),
-    dtype=RECORD,
+    dtype=_record(BALL),
     layout=BALL.layout,
     fields=(
         Field("nodes", NODE_PAIR, "-", "node a, which carries the surface, and node b, of the ball, rod or ellipsoid"),
@@ -320,51 +258,50 @@ def _parts(held, friction):
     return parts
 
 
-def _elastic_kinds(name, shapes, dtype):
+def _elastic_kinds(shapes):
     """Return {rough: Kind} of the elastic contacts of two shapes."""
     smooth = replace(
-        _ALWAYS_ACTIVE, name=f"smooth_{name}contact", dtype=dtype, layout=shapes.layout, variant=None,
+        _ALWAYS_ACTIVE, name=f"smooth_{shapes.name}contact", dtype=_record(shapes), layout=shapes.layout, variant=None,
         **ELASTIC | elastic(shapes, False),
     )  # fmt: skip
-    rough = replace(smooth, name=f"rough_{name}contact", layout=ROUGH_LAYOUT, **elastic(shapes, True))
+    rough = replace(smooth, name=f"rough_{shapes.name}contact", layout=ROUGH_LAYOUT, **elastic(shapes, True))
     return {False: smooth, True: rough}
 
 
-def _friction_kind(name, shapes, dtype):
+def _friction_kind(shapes):
     """Return the Kind of the friction of the rigid contacts of two shapes, a part of them."""
     return Kind(
-        name=f"{name}contact_friction", doc="Friction of a rigid contact.", dtype=dtype,
+        name=f"{shapes.name}contact_friction", doc="Friction of a rigid contact.", dtype=_record(shapes),
         layout=ROUGH_LAYOUT, coupled_multipliers=(NORMAL,), residual=rubbing(shapes), rubs=rubs(shapes),
     )  # fmt: skip
 
 
-def _rigid_kinds(name, shapes, dtype, friction, switches):
+def _rigid_kinds(shapes, friction, switches):
     """Return {rough: Kind} of the rigid contacts of two shapes; ``switches`` are those of SWITCHES or none."""
-    inputs, phases = len(switches.get("inputs", ())), switches.get("phases", PHASES)
+    inputs, phases, dtype = len(switches.get("inputs", ())), switches.get("phases", PHASES), _record(shapes)
     held = replace(
-        _ALWAYS_ACTIVE, name=f"{name}contact", dtype=dtype, layout=shapes.layout, variant=None,
+        _ALWAYS_ACTIVE, name=f"{shapes.name}contact", dtype=dtype, layout=shapes.layout, variant=None,
         **rigid(shapes, inputs), **observed_rigid(shapes, inputs), **switches,
     )  # fmt: skip
     constraint = Kind(
-        name=f"rigid_{name}contact_part", doc="Constraint of a rigid contact with friction.", dtype=dtype,
+        name=f"rigid_{shapes.name}contact_part", doc="Constraint of a rigid contact with friction.", dtype=dtype,
         layout=shapes.layout, multipliers=(NORMAL,), phases=phases, memory=_ALWAYS_ACTIVE.memory, **rigid(shapes),
     )  # fmt: skip
     rubbed = replace(
-        held, name=f"rigid_rough_{name}contact", layout=ROUGH_LAYOUT, multipliers=(), memory=(), commit=None,
+        held, name=f"rigid_rough_{shapes.name}contact", layout=ROUGH_LAYOUT, multipliers=(), memory=(), commit=None,
         constraints=None, residual=None, parts=_parts(constraint, friction), **observed_rubbing(shapes, inputs),
     )  # fmt: skip
     return {False: held, True: rubbed}
 
 
-def _kinds(pair):
-    """Return {"elastic", "rigid" or "switched": {rough: Kind}} of the contacts of a Pair."""
-    of = pair.name, pair.shapes, pair.dtype
-    friction = _friction_kind(*of)
-    rigid_ones = {name: _rigid_kinds(*of, friction, given) for name, given in (("rigid", {}), ("switched", SWITCHES))}
-    return {"elastic": _elastic_kinds(*of), **rigid_ones}
+def _kinds(shapes):
+    """Return {"elastic", "rigid" or "switched": {rough: Kind}} of the contacts of two Shapes."""
+    friction = _friction_kind(shapes)
+    found = {name: _rigid_kinds(shapes, friction, given) for name, given in (("rigid", {}), ("switched", SWITCHES))}
+    return {"elastic": _elastic_kinds(shapes), **found}
 
 
-KINDS = {name: _kinds(pair) for name, pair in PAIRS.items()}
+KINDS = {name: _kinds(shapes) for name, shapes in SHAPES.items()}
 FORCES = (1, 3, 10)  # outputs of an elastic contact that are zero while it does not act
 ELASTIC_CONTACT = with_activation(with_release(_ALWAYS_ACTIVE, "contact", FORCES), "contact", FORCES)
 CONTACT = replace(ELASTIC_CONTACT, variant=variant_in_time, sample=sample_in_time)
