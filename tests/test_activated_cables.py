@@ -86,7 +86,7 @@ def test_a_rope_takes_hold_of_two_falling_weights(verify, trigger, pretension, s
     np.testing.assert_allclose(m["elements/rope/natural_length"][~before], natural, rtol=1e-9)
 
 
-def test_modes_about_a_saved_time_are_those_of_the_rope_that_was_taken(tmp_path):
+def test_modes_about_a_saved_time_use_the_natural_length_of_its_replay(tmp_path):
     """The weights oscillate against each other at the frequency of the natural length that follows from the replay."""
     model = weights("{time: 0.3, stress_free: true}", 40.0)
     run(model, tmp_path / "r.h5")

@@ -53,7 +53,7 @@ def test_processes_share_the_work(empty_store, monkeypatch):
     assert all(store.read(code.file) == b"%s\nmachine code" % code.name.encode() for code in codes[1:])
 
 
-def test_what_a_process_cannot_compile_is_left_to_its_first_use(empty_store, monkeypatch):
+def test_code_that_fails_to_compile_ahead_is_compiled_at_its_first_use(empty_store, monkeypatch):
     monkeypatch.setattr(ahead, "cores", lambda: 2)
     bad, good = made("bad", empty_store), [made(name, empty_store) for name in ("a", "b")]
     ahead.compile_ahead([bad, *good])

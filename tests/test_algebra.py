@@ -91,7 +91,7 @@ def test_what_is_not_defined_is_an_error():
         mat(A) * vec(X, 0)
 
 
-def test_a_changed_method_changes_the_code_of_what_uses_it():
+def test_a_changed_method_changes_the_digests_of_its_callers():
     """An object is found in the store by a digest of all it is made of, operators among it."""
     key, add = (Vec3, Vec3), code_for(operator.add, (Vec3, Vec3))
     before = digest.digest(expression.__wrapped__)

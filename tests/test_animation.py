@@ -69,7 +69,7 @@ def test_a_wheel_has_its_ground_and_its_events(results):
     assert len(floats(data["times"])) <= MOST_FRAMES and page.stat().st_size < 1_500_000
 
 
-def test_what_others_are_compared_with_lies_behind_them(results):
+def test_reference_curves_are_drawn_behind_others(results):
     """The rate at which the wheel would roll; it is unknown until the wheel touches down."""
     data = data_of(animate(results / "wheel_drop.h5", results / "sheets.html"))
     spin = next(plot for plot in data["plots"] if "spin rate" in plot["label"])
@@ -80,7 +80,7 @@ def test_what_others_are_compared_with_lies_behind_them(results):
     assert np.isnan(floats(rolling)[0]) and np.isfinite(floats(rolling)).any() and np.isfinite(floats(spinning)).all()
 
 
-def test_what_is_zero_throughout_colours_nothing(results):
+def test_a_quantity_that_is_zero_throughout_is_not_offered_as_a_colour(results):
     """A cable without area has the stress zero: its page begins with its tension."""
     data = data_of(animate(results / "winder.h5", results / "winder.html"))
     assert [q[:2] for q in data["quantities"]] == [["axial force", "N"]]
@@ -205,7 +205,7 @@ def test_a_film_is_recorded(results, tmp_path):
 
 @browser
 @pytest.mark.parametrize("width", [500, 1280])
-def test_nothing_stands_beyond_the_edge(results, tmp_path, width):
+def test_the_page_fits_a_narrow_window(results, tmp_path, width):
     """500 px is the narrowest window of this browser; the page is put in a frame of 400."""
     page = animate(results / "wheel_drop.h5", tmp_path / "narrow.html")
     if width == 500:

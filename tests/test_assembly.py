@@ -78,7 +78,7 @@ def values_of(observation, assembly):
     )  # fmt: skip
 
 
-def test_outputs_do_not_depend_on_what_was_assembled_before():
+def test_outputs_do_not_depend_on_earlier_assemblies():
     """The reaction of the pendulum's hinge follows from the state, also after an assembly at another one."""
     prepared = prepare(input_deck("pendulum"))
     system, state = prepared.system, prepared.state

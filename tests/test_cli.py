@@ -384,7 +384,7 @@ def test_arguments_that_are_no_text(call):
     assert (code, out) == (2, "") and r"'pend\udcffulum.yaml' is not UTF-8 text" in err
 
 
-def test_check_says_what_the_model_is(call, folder):
+def test_check_summarizes_the_model(call, folder):
     code, out, err = call("check", "deck.yaml")
     assert (code, err) == (0, "") and "Bar on a hinge" in out and "mobility         1" in out
     assert list(folder.iterdir()) == [folder / "deck.yaml"]
@@ -468,7 +468,7 @@ class TestCatalogue:
         }  # fmt: skip
 
     @pytest.mark.parametrize("name", [*KINDS, *TERMS, *(section.name for section in SECTIONS)])
-    def test_explain_says_all_of_it(self, call, name):
+    def test_explain_lists_all_fields_and_outputs(self, call, name):
         code, out, _ = call("explain", name)
         assert code == 0 and name in out and ":math:" not in out and ".. math::" not in out and "\\" not in out
         if name in KINDS:

@@ -401,7 +401,7 @@ class TestStore:
         monkeypatch.setattr(Path, "mkdir", refuse)
         assert store.folder.__wrapped__() == found and found.parent == tmp_path
 
-    def test_what_cannot_be_kept_leaves_nothing(self, tmp_path, monkeypatch):
+    def test_an_object_that_cannot_be_stored_leaves_no_file(self, tmp_path, monkeypatch):
         monkeypatch.setattr(Path, "replace", refuse)
         store.put(tmp_path / "a.o", b"code")
         assert not list(tmp_path.iterdir())
@@ -427,7 +427,7 @@ class TestStore:
             (store, "find_spec", None),
         ],
     )
-    def test_what_code_depends_on_has_folders_of_its_own(self, monkeypatch, tmp_path, of, name, value):
+    def test_the_folder_depends_on_compiler_and_machine(self, monkeypatch, tmp_path, of, name, value):
         (tmp_path / "_version.py").write_text("")
         key = store._key.__wrapped__
         here = key()

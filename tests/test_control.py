@@ -97,12 +97,12 @@ def test_signals_that_do_not_determine_one_another_are_refused():
         RecordedRun(deck(LOOP.replace("SIGNAL", '"2*second*cos(cart.position.x)"')))
 
 
-def test_a_circle_of_one_signal_is_refused():
+def test_a_loop_of_one_signal_is_refused():
     with pytest.raises(AssemblyError, match="formula 'first' -> formula 'first'$"):
         prepare(deck(LOOP.replace("SIGNAL", '"first + 1"')))
 
 
-def test_a_circle_is_named_rather_than_what_is_not_finite_for_it():
+def test_a_loop_is_reported_before_values_that_are_not_finite():
     """acos(2 + first) is no number, and would be none of the undetermined signal first = 0."""
     with pytest.raises(AssemblyError, match="formula 'first' -> formula 'first'$"):
         prepare(deck(LOOP.replace("SIGNAL", "first, angle: acos(2 + first)")))

@@ -358,7 +358,7 @@ def test_wrong_includes(tmp_path, files, expected):
         assert text.startswith(start.format(path.parent))
 
 
-def test_an_error_in_a_file_tells_where_it_is_included(tmp_path):
+def test_an_error_in_an_included_file_names_the_include(tmp_path):
     path = write(tmp_path / "a", **{"laws.yaml": LAWS.replace("7 N/mm", "7 bar")})
     with pytest.raises(DeckError) as info:
         read_deck(path, **FAKE)

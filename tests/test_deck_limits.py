@@ -158,7 +158,7 @@ def test_long_chains_of_parameters(count):
     assert "p0 -> p1 -> p2" in text
 
 
-def test_nothing_that_moves():
+def test_a_model_in_which_nothing_can_move_is_refused():
     text = DECK.replace("position: [1, 0, 0]", "position: [1, 0, 0], fixed: true")
     with pytest.raises(DeckError, match="nothing can move") as info:
         prepare(deck_of_bytes(text.encode(), "deck.yaml"))

@@ -94,7 +94,7 @@ def test_an_angle_is_prescribed_about_the_axis_of_the_hinge():
         ("mecano: 1", "mecano: 1\ntitle: a: b", "not valid YAML", "put a text with ': ' in quotes"),
     ],
 )
-def test_slips_are_answered_with_what_is_right(old, new, words, hint):
+def test_slips_are_answered_with_a_correction(old, new, words, hint):
     (problem,) = problems(MOTOR.replace(old, new, 1))
     assert words in problem.message and problem.hint.startswith(hint)
 
@@ -142,7 +142,7 @@ def test_a_latch_lies_before_the_stops():
         ("[{linear: {slope: 1}}]", "a law is a mapping of terms, not a list", "such as {linear: {slope: 2.0}}"),
     ],
 )
-def test_laws_written_otherwise_are_answered_with_how_they_are_written(value, words, hint):
+def test_errors_in_laws_show_how_laws_are_written(value, words, hint):
     (problem,) = problems(MOTOR.replace("value: 1.0", f"value: {value}"))
     assert words in problem.message and hint in problem.hint
 
@@ -199,6 +199,6 @@ def test_gravity_is_a_vector_or_none(written, meant):
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS.values() if kind.section == "elements"], ids=lambda k: k.name)
-def test_what_asks_for_gravity_is_what_has_mass(kind):
+def test_kinds_with_mass_have_gravity_in_their_record(kind):
     """The record of a kind that has a mass has gravity, too: of it the check of decks knows that it has weight."""
     assert ("mass" in kind.dtype.names) == ("gravity" in kind.dtype.names)

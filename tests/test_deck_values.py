@@ -124,7 +124,7 @@ def test_a_parameter_may_use_an_earlier_one():
     assert read_fake(text).values["initial"]["velocities"][0]["velocity"] == [60.0, 0.0, -3.05]
 
 
-def test_names_are_replaced_by_what_they_mean():
+def test_names_are_replaced_by_their_values():
     values = read_fake(VALID).values
     elements = values["elements"]
     assert elements["absorber"]["law"] is values["laws"]["oleo"]

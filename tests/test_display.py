@@ -28,7 +28,7 @@ def drop(tmp_path_factory):
 
 
 @pytest.mark.parametrize("kind", KINDS.values(), ids=KINDS)
-def test_a_kind_declares_what_there_is(kind):
+def test_displays_name_existing_shapes_pictures_and_outputs(kind):
     """Shapes that can be drawn, pictures that are made, outputs that it has with the units that they need."""
     display, outputs = kind.display, {output.name: output for output in kind.outputs}
     assert not display.shape or display.shape in SHAPES
@@ -50,7 +50,7 @@ def test_post_names_no_kind():
     assert named == []
 
 
-def test_the_file_alone_says_how_its_kinds_are_drawn(drop, tmp_path):
+def test_the_results_file_determines_how_its_kinds_are_drawn(drop, tmp_path):
     """A wheel whose file declares it a dot is a dot, and belongs to the picture that the file names."""
     changed = tmp_path / "changed.h5"
     changed.write_bytes(drop.read_bytes())

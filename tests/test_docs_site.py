@@ -76,7 +76,7 @@ def test_pages_ask_for_nothing_from_elsewhere(site):
         assert not [address for address in asked if re.match(r"(https?:)?//", address)], page.name
 
 
-def test_the_manual_shows_what_tests_reported(site):
+def test_the_manual_shows_the_values_reported_by_tests(site):
     page = (site / "generated" / "verification.html").read_text(encoding="utf-8")
     for shown in ("3.00000001", "disc: speed [m/s], 2 numbers", "order 2.00", "its flight", "verification_shocks.svg"):
         assert shown in page

@@ -44,7 +44,7 @@ def test_snap_through(tmp_path, verify):
     assert "equilibria, length of the path from 0 to" in command("info", path).stdout
 
 
-def test_snap_through_by_steps_fails_with_what_is_free(tmp_path):
+def test_snap_through_by_steps_fails_and_names_the_free_motion(tmp_path):
     path = tmp_path / "s.h5"
     with pytest.raises(ConvergenceError, match=r"node 'top' moves along \[0, 0, 1\]"):
         run(input_deck("snap_through", "static.method=steps"), path)
@@ -62,7 +62,7 @@ def test_hanging_chain(tmp_path, verify):
         assert results.axis.path == "load factor" and results.time.tolist() == [0.0, 1.0]
 
 
-def test_check_tells_how_stable_the_start_is():
+def test_check_reports_the_stability_of_the_start():
     text = command("check", INPUTS / "hanging_chain.yaml").stdout
     assert "equilibrium      load factor up to 1 by relaxation" in text
     assert "the start without loads: 5 direction(s) without stiffness" in text

@@ -71,7 +71,7 @@ def test_steps_of_adaptive_size_are_as_accurate_as_their_tolerance():
 
 
 @pytest.mark.parametrize("damping", [3.0e-7, 1.0e-5, 2.0e-4])  # zeta = 0.005 to 3
-def test_strongly_damped_lines_leave_their_events_behind(damping):
+def test_strongly_damped_lines_change_phase_once_at_an_instant(damping):
     """Where no phases fit the ends of steps, events are located: no line takes its phases in turn at one instant.
 
     Steps far longer than m/c, which is 5 us of the strongest, overshoot: a line goes slack where its force would grow.

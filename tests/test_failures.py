@@ -189,7 +189,7 @@ def test_the_place_of_a_formula_that_is_not_finite_is_named_in_statics_and_modes
     assert "mobility         1" in summary(read_deck(file))
 
 
-def test_joints_are_among_what_acts(tmp_path):
+def test_failures_name_the_joints_that_act(tmp_path):
     """A hinge whose pendulum is hit so hard that it cannot be followed within one iteration."""
     text = (
         "mecano: 1\ngravity: [0, 0, -9.81]\nnodes:\n  pin: {position: [0, 0, 0]}\nelements:\n"

@@ -160,7 +160,7 @@ def test_modes_that_are_not_converged_are_marked(tmp_path, monkeypatch):
     assert info_other(tmp_path / "m.h5").count("oscillation, not converged") == 1
 
 
-def test_sweeps_mark_what_is_not_converged(tmp_path, monkeypatch):
+def test_sweeps_mark_modes_that_have_not_converged(tmp_path, monkeypatch):
     monkeypatch.setattr(sweep, "solve", not_found)
     text, _ = sweep_into(tmp_path / "c.h5", INPUTS / "caster_shimmy.yaml", (), ["speed=57,73"])
     assert "(not converged at 2 of 2 values)" in text and "modes marked 'not converged'" in text

@@ -203,7 +203,7 @@ def test_moreland_and_relaxation_are_cases_of_the_matrices():
     assert not A1.any()
 
 
-def test_what_cannot_be_is_refused():
+def test_errors_in_lateral_laws():
     none = dict.fromkeys(FORMS)
     grows = {"stiffness": [1e5, 0, 0, 1e4], "damping": [-10.0, 0, 0, 10.0]}
     singular = {"stiffness": [1e5, 0, 0, 0], "damping": [10.0, 0, 0, 10.0]}
@@ -213,7 +213,7 @@ def test_what_cannot_be_is_refused():
     assert "singular" in check_lateral({**none, "matrices": singular})[0]
 
 
-def test_warnings_name_what_is_exceeded():
+def test_limits_are_those_of_deformation_and_divergence():
     for values, _, _ in FLEXIBLE_WHEEL.sample(np.random.default_rng(1)):
         tire_law = {**values["tire_law"], "valid_deformation": 0.12}
         limits = FLEXIBLE_WHEEL.limits({**values, "tire_law": tire_law})

@@ -251,7 +251,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("kind", "friction", "more", "text"), REFUSED)
-def test_what_cannot_be_is_refused(kind, friction, more, text):
+def test_errors_in_friction(kind, friction, more, text):
     nodes = [(np.zeros(3), np.eye(3))] * 2
     defaults = {field.name: field.default for field in KINDS[kind].fields if not field.required}
     values = {**defaults, "axis": [0, 0, 1], "friction": {"coefficient": -0.1, **friction}, **more}

@@ -56,7 +56,7 @@ def folder(tmp_path, monkeypatch):
 
 
 class TestNames:
-    def test_they_are_those_that_are_documented(self):
+    def test_public_names_are_documented(self):
         page = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
         assert set(dir(mecano)) == {*mecano.__all__, "__version__"}
         assert all(f"`mecano.{name}" in page for name in mecano.__all__)
@@ -83,7 +83,7 @@ class TestNames:
 
 
 class TestRun:
-    def test_it_gives_what_the_command_gives(self, folder, capfd):
+    def test_run_gives_the_results_of_the_command(self, folder, capfd):
         with mecano.run("pendulum.yaml", set={"time.end": 0.1}) as own:
             reported = capfd.readouterr()
             CliRunner().invoke(commands, ["run", "pendulum.yaml", "--set", "time.end=0.1", "-o", "b.h5"])
@@ -159,7 +159,7 @@ class TestRun:
 
 class TestDeck:
     @pytest.mark.parametrize("path", sorted(INPUTS.glob("*.yaml")), ids=lambda path: path.stem)
-    def test_it_stands_for_the_same_as_its_file(self, path):
+    def test_a_deck_read_from_a_file_resolves_as_the_file(self, path):
         """Units, expressions, templates and files that are read: all come through."""
         own = deck_module.checked_deck(mecano.Deck.read(path), {}).resolved()
         assert own == read_deck(path).resolved()
@@ -257,7 +257,7 @@ class TestSimulation:
         np.testing.assert_allclose(found, 0.5 * np.maximum(stepped.time - 0.5, 0.0) ** 2, rtol=1e-9, atol=1e-15)
         assert np.array_equal(found, whole["t.displacement"].values)
 
-    def test_its_steps_are_those_of_a_run(self, folder):
+    def test_the_steps_of_a_simulation_are_those_of_a_run(self, folder):
         """Advanced by whole steps, to the end: the same rows, up to rounding of the times."""
         short = {"time.end": 0.2}
         with mecano.Simulation("pendulum.yaml", "stepped.h5", set=short) as s:
@@ -267,7 +267,7 @@ class TestSimulation:
             assert stepped.status == "complete" and len(stepped.steps) == len(whole.steps) == 200
             np.testing.assert_allclose(stepped["hinge.angle"].values, whole["hinge.angle"].values, atol=1e-12)
 
-    def test_outputs_are_those_of_the_moment(self, folder):
+    def test_outputs_are_current(self, folder):
         with mecano.Simulation("pendulum.yaml") as s:
             s.advance(0.1)
             angle, position = s["hinge.angle"], s["pin.position"]
@@ -313,7 +313,7 @@ class TestSimulation:
                 _ = 1 / 0
         assert mecano.open_results("pendulum.h5").status == "failed"
 
-    def test_what_cannot_be_is_refused(self, folder):
+    def test_errors_of_a_simulation(self, folder):
         with mecano.Simulation("pendulum.yaml", set={"time.end": 0.01}) as s:
             with pytest.raises(UsageError, match="greater than zero, got -1"):
                 s.advance(-1)
@@ -347,12 +347,12 @@ def test_invalid_options_are_refused(folder, call, options, message):
 
 
 class TestCheckAndModes:
-    def test_check_is_what_the_command_prints(self, folder):
+    def test_check_returns_the_text_of_the_command(self, folder):
         found = mecano.check("pendulum.yaml")
         assert str(found) + "\n" == CliRunner().invoke(commands, ["check", "pendulum.yaml"]).output
         assert (found.unknowns, found.multipliers, found.warnings) == (5, 2, ())
 
-    def test_modes_are_what_the_command_prints(self, folder):
+    def test_modes_returns_the_text_of_the_command(self, folder):
         """Small swings of a point mass on 1 m: sqrt(g/L)/(2 pi)."""
         found = mecano.modes("pendulum.yaml", "own.h5", set={"initial": "static"})
         arguments = ["modes", "pendulum.yaml", "--set", "initial=static", "-q"]

@@ -257,7 +257,7 @@ ANGLED = [
 
 
 @pytest.mark.parametrize("kind, values, name, axis", ANGLED)
-def test_angle_goes_on_over_many_turns(kind, values, name, axis):
+def test_angle_continues_over_many_turns(kind, values, name, axis):
     """Large steps of either sense; only ``commit`` moves the memory."""
     start = Rotation.from_rotvec([0.3, -0.2, 0.5]).as_matrix()
     joint = element("joint", kind, ("o", "b"), **values)

@@ -134,7 +134,7 @@ def test_a_record_that_is_cut_is_respected(path):
         pass
 
 
-def test_a_job_that_was_put_into_the_queue_again_goes_on_elsewhere(path, monkeypatch):
+def test_a_requeued_job_continues_on_another_node(path, monkeypatch):
     """Its node has failed: Slurm has started it anew on another one, under the same number."""
     record(path, host="node7", job=["815", "0"])
     with pytest.raises(ResultsError, match="on node7"), locked(path):

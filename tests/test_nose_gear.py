@@ -91,7 +91,7 @@ def test_it_slides_and_then_rolls(flat):
     assert rolling[-1] == pytest.approx(flat["nodes/axle/velocity"][-1, 0], rel=1e-4)
 
 
-def test_it_stays_in_its_plane(flat):
+def test_the_gear_stays_in_its_plane(flat):
     """Nothing pushes it sideways."""
     assert np.abs(flat["nodes/axle/position"][:, 1]).max() < 1e-12
     assert np.abs(flat["joints/leg_hinge/moment"][:, :2]).max() < 1e-3

@@ -25,7 +25,7 @@ def test_versions_agree():
         assert version in changelog
 
 
-def test_the_recipe_of_conda_requires_what_pip_requires():
+def test_the_conda_recipe_requires_the_dependencies_of_pip():
     renamed = {"matplotlib-base": "matplotlib"}
     bounds = dict(line.split() for line in RECIPE["requirements"]["run"])
     python = bounds.pop("python")

@@ -270,7 +270,7 @@ def test_files_are_closed_when_they_are_drawn(tmp_path, call):
     assert own.resolve() not in [link.resolve() for link in links]
 
 
-def test_every_axis_says_what_it_shows_and_its_unit(shown):
+def test_every_axis_has_a_label_and_a_unit(shown):
     for sheet in shown.values():
         drawn = figure.sheet_figure(sheet, "title")
         for ax, panel in zip(drawn.axes, sheet.panels, strict=True):
@@ -424,7 +424,7 @@ class TestRequests:
         assert np.array_equal(panel.curves[0].x.values, values(runs[0], "one_wheel.deformation"))
         assert panel.label == "one_wheel radial force"
 
-    def test_time_is_what_is_meant_without_a_second_name(self, runs):
+    def test_time_is_the_default_horizontal_axis(self, runs):
         (panel,) = self.sheet("one_hinge.angle", runs).panels
         assert np.array_equal(panel.curves[0].x.values, runs[0].results.time) and panel.over_time
 
@@ -595,7 +595,7 @@ def test_an_overview_of_several_runs_says_whose_sketch_it_shows_and_keeps_events
     assert upright and max(max(line.get_ydata()) for line in upright) < 0.1
 
 
-def test_labels_say_what_differs(path, tmp_path):
+def test_labels_name_the_differences(path, tmp_path):
     folders = [tmp_path / name for name in ("a", "b")]
     same = []
     for folder in folders:

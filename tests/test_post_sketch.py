@@ -30,7 +30,7 @@ def flat_run(tmp_path_factory):
     return open_runs([every_kind.write(tmp_path_factory.mktemp("flat") / "flat.h5", kinds=kinds)])[0]
 
 
-def test_what_is_in_a_plane_is_seen_from_the_side_and_all_else_in_space(runs, flat_run):
+def test_planar_mechanisms_are_seen_from_the_side_others_in_space(runs, flat_run):
     assert sketch(flat_run).axes == (0, 2) and sketch(flat_run).in_place
     found = sketch(runs[0])
     assert found.axes == () and found.in_place
@@ -83,7 +83,7 @@ def test_plane_of_the_largest_extents_with_the_vertical_up():
     assert _axes(box * (1, 1, 3), None) == (0, 2)
 
 
-def test_what_travels_far_is_shown_side_by_side():
+def test_instants_of_a_travelling_mechanism_are_shown_side_by_side():
     points = np.zeros((3, 2, 3))
     points[:, 1, 0] = 2.0  # 2 m wide
     points[:, :, 0] += np.array([[0.0], [50.0], [100.0]])

@@ -181,7 +181,7 @@ def test_a_motor_that_drives_on_a_stop_ends_the_run_with_both_names():
     assert "what to try: remove one of these constraints" in str(error.value)
 
 
-def test_a_moment_on_what_has_no_inertia_is_reported():
+def test_a_moment_on_a_node_without_inertia_is_reported():
     """The rotation of a point mass: nothing resists the moment."""
     text = """
     mecano: 1
@@ -197,7 +197,7 @@ def test_a_moment_on_what_has_no_inertia_is_reported():
     assert "node b" not in str(error.value) and "displacement" not in str(error.value)
 
 
-def test_summary_and_warnings_say_so():
+def test_summary_and_warnings_name_redundant_constraints():
     text = summary(input_deck("four_bar"))
     assert "mobility         1" in text and "redundant        3 constraint(s)" in text
     assert "hinge 'hinge_a', 'hinge_b', 'hinge_c', 'hinge_d': moment that keeps two axes perp" in text
@@ -269,7 +269,7 @@ def test_its_share_does_not_depend_on_the_step():
         np.testing.assert_allclose(loads, np.tile(start, (21, 1)), rtol=0, atol=1e-3 * WEIGHT)
 
 
-def test_isostatic_joints_carry_what_they_can():
+def test_isostatic_joints_carry_their_load():
     """With a ball and a pin sleeve at b and c the rocker carries itself alone across the plane."""
     linkage = four_bar(*ISOSTATIC["cylindrical and spherical"], end=0.1)
     linkage.values["gravity"][1] = -3.0

@@ -233,7 +233,7 @@ joints:
 """
 
 
-def test_redundancies_of_the_same_joints_are_told_at_once():
+def test_redundancies_of_two_pairs_of_joints_are_reported_apart():
     """A body on a hinge that is held until its release: all five constraints of the hinge are there twice."""
     prepared = prepare(deck(HEAD + HELD))
     assert [group.count for group in prepared.redundant] == [5, 5]

@@ -28,7 +28,7 @@ def locks(deployment):
     return {h.element.split("'")[1]: h.t for h in deployment.event_records if h.name == "locks"}
 
 
-def test_the_deck_is_what_its_writer_writes():
+def test_the_deck_is_the_output_of_its_writer():
     module = writer()
     assert module.deck(module.options([])) == (INPUTS / "reflector.yaml").read_text()
 

@@ -35,7 +35,7 @@ def steps(request):
     return FromOneState(request.param)
 
 
-def test_they_end_where_single_steps_end(steps):
+def test_repeated_steps_end_where_single_steps_end(steps):
     """To a tenth of the tolerance of the constraints, and of the velocities and accelerations that it causes."""
     repeated, nearest = steps.repeated(), 0.1 * steps.method.tolerances.constraint * steps.length
     for h in SIZES:

@@ -214,7 +214,7 @@ AMOUNTS = [  # overrides of the pendulum, steps and saved times foreseen, made
 
 
 @pytest.mark.parametrize(("overrides", "foreseen", "made"), AMOUNTS)
-def test_amounts_foreseen_are_those_of_the_run(overrides, foreseen, made, tmp_path):
+def test_predicted_steps_and_saved_times_are_those_of_the_run(overrides, foreseen, made, tmp_path):
     values = input_deck("pendulum", *overrides).values
     assert (steps(values), saved_times(values)) == foreseen
     _, results = run_of(tmp_path, "pendulum", *overrides)
@@ -264,7 +264,7 @@ def test_energy_that_is_lost_or_comes_from_nothing_is_reported(tmp_path):
     ("low_at", "rho", "reported"),
     [(2.0, 0.8, "lost by numerical damping of"), (2.0, 1.0, "lost by integration error"), (0.5, 0.8, "creates energy")],
 )
-def test_a_balance_is_judged_by_what_comes_first(low_at, rho, reported):
+def test_a_balance_is_judged_by_the_energy_exchanged_before(low_at, rho, reported):
     """Kinetic and potential energy exchange 10 J, the balance is off by 0.2 J; at 0.05 J nothing is said."""
     names = ("kinetic", "potential", "dissipated", "given", "balance")
     sampler = SimpleNamespace(columns=[SimpleNamespace(path=f"energy/{name}", start=i) for i, name in enumerate(names)])
@@ -378,7 +378,7 @@ def test_friction_at_rest_is_reported_as_a_damper():
         ("hanging_chain", 1.5, "5 3 independent motion(s): node p1: displacement y; node p2: displacement y; node p3"),
     ],
 )
-def test_check_tells_the_mass_and_what_is_loose(name, mass, loose):
+def test_check_reports_mass_and_mobility(name, mass, loose):
     """Masses: 1.2 kg/m over 10 m, twice; 1100 kg/m3 in a rod of 10 mm and 1 m; 2 + 10 kg; 2 of 2 kg; 3 of 0.5 kg."""
     said = flowing(summary(input_deck(name)))
     assert f" mass {mass} kg " in said and f" mobility {loose}" in said

@@ -283,7 +283,7 @@ def plainly_read(path):
     raise AssertionError("plain HDF5 cannot open the file")
 
 
-def test_refresh_shows_what_was_added(tmp_path):
+def test_refresh_shows_added_rows(tmp_path):
     with samples.create(tmp_path / "r.h5") as writer, open_results(tmp_path / "r.h5") as results:
         assert results.status == "running" and len(results.time) == 0
         samples.append(writer, 0)
@@ -326,7 +326,7 @@ def check_full(process, path, reason):
     return count
 
 
-def test_a_file_that_may_not_grow_keeps_what_it_has(tmp_path):
+def test_a_file_that_may_not_grow_keeps_its_rows(tmp_path):
     """The limit of the file size varies from the first byte to many rows."""
     sizes = [*range(1, 60_000, 19_001), *range(60_000, 800_000, 180_003)]
     (tmp_path / "d").mkdir()

@@ -102,7 +102,7 @@ class TestTheSameBits:
         assert ended(forked(listening_resume, deck, path, 0.005)) == 0 and kills
         check_same(contents(path), expected)
 
-    def test_what_a_killed_run_had_begun_is_removed(self, tmp_path):
+    def test_files_of_killed_runs_are_removed(self, tmp_path):
         (tmp_path / ".r.h5.4194305.part").touch()  # Linux gives no process this number
         (tmp_path / f".r.h5.{os.getppid()}.part").touch()
         run(deck(FOUR_FEET), tmp_path / "r.h5")
@@ -124,7 +124,7 @@ class TestTheSameBits:
         check_same(contents(tmp_path / "r.h5"), contents(tmp_path / "whole.h5"))
 
 
-def test_latches_stand_where_they_were_when_it_cannot_go_on(tmp_path, monkeypatch):
+def test_a_resumed_run_that_fails_reports_the_latches_of_its_checkpoint(tmp_path, monkeypatch):
     """A resumed run that fails in its first step tells of the angle at the checkpoint, (pi/2) (1 - cos(sqrt(6) t))."""
     deck, path = input_deck("panel_lock"), tmp_path / "r.h5"
     assert stopped(deck, path, 300)
@@ -154,7 +154,7 @@ def test_a_resumed_run_that_cannot_begin_leaves_its_file_closed(tmp_path, monkey
 
 class TestAFullDisk:
     @pytest.mark.parametrize(("size", "some"), [(50_000, False), (500_000, False), (2_000_000, True)])
-    def test_what_is_there_is_gone_on_with(self, tmp_path, size, some):
+    def test_a_run_stopped_by_a_full_disk_is_resumed(self, tmp_path, size, some):
         """The system refuses to let the file grow, wherever it is then, before or after the first checkpoints."""
         deck, path = long_deck(), tmp_path / "r.h5"
 
@@ -194,7 +194,7 @@ class TestTheCheckpoint:
         resume(deck, path)
         check_same(contents(path), contents(tmp_path / "whole.h5"))
 
-    def test_whoever_meets_it_is_reported_that_it_can_be_gone_on_with(self, left):
+    def test_messages_about_a_stopped_run_name_resume(self, left):
         deck, path = left
         with pytest.raises(ResultsError, match="exists already; .*, or --resume to continue it$"):
             run(deck, path)
@@ -263,7 +263,7 @@ class TestTheCheckpoint:
             analysis.resume(deck, path, announce=reported.append)
         assert path.read_bytes() == data and not reported
 
-    def test_another_deck_is_refused_with_what_differs(self, left):
+    def test_another_deck_is_refused_with_the_differences(self, left):
         _, path = left
         other = input_deck("bouncing_ball", "time.end=5", "time.step=0.02", "title=Another")
         before = path.read_bytes()
@@ -282,7 +282,7 @@ class TestTheCheckpoint:
         assert "number of threads (7, now" in reported[0] and "processor (Abacus, now" in reported[0]
         assert reported[0] in mecano.open_results(path).warnings
 
-    def test_one_that_is_being_written_is_left_alone(self, tmp_path):
+    def test_a_file_that_is_being_written_is_not_resumed(self, tmp_path):
         """By the process of that number, unless that began only after the run."""
         deck, path = decks()["bouncing_ball"], tmp_path / "r.h5"
         sleeping = subprocess.Popen(["sleep", "60"])
@@ -308,7 +308,7 @@ class TestTheCheckpoint:
         with pytest.raises(ResultsError, match="does not fit the deck"):
             resume(deck, path)
 
-    def test_it_costs_a_short_run_nothing(self, tmp_path):
+    def test_a_short_run_writes_no_checkpoint(self, tmp_path):
         run(decks()["bouncing_ball"], tmp_path / "r.h5")
         with h5py.File(tmp_path / "r.h5") as file:
             assert len(file["checkpoints"]) == 0
@@ -335,7 +335,7 @@ class TestTheCommand:
         """A process of a run that would go on for hours."""
         return subprocess.Popen([*COMMAND, "run", "deck.yaml", "-q", *arguments], cwd=folder, stderr=subprocess.PIPE)
 
-    def test_signals_end_it_and_resume_goes_on(self, folder):
+    def test_a_run_ended_by_signals_is_resumed(self, folder):
         """How far a run gets is not known before: the rows that both have are compared."""
         path, reached, file = folder / "deck.h5", [], 0
         for number, code in ((signal.SIGINT, 130), (signal.SIGUSR1, 75)):
@@ -426,7 +426,7 @@ class TestInterruption:
         for number, handler in before.items():
             signal.signal(number, handler)
 
-    def test_before_the_run_it_ends_at_once(self, listening):
+    def test_a_signal_before_the_run_ends_the_process_at_once(self, listening):
         with pytest.raises(Stopped) as error:
             signal.raise_signal(signal.SIGUSR1)
         assert error.value.exit_code == 75
@@ -448,7 +448,7 @@ class TestInterruption:
         assert listening.wanted(0.0) and listening.stopped("here").exit_code == 143
         assert capsys.readouterr() == ("", "")
 
-    def test_what_a_library_does_for_long_is_not_waited_for(self, listening):
+    def test_a_signal_interrupts_a_long_call_of_a_library(self, listening):
         """A call of the C library, in which Python runs no handlers, before the march and in it."""
         begun, sleep = time.monotonic(), ctypes.CDLL(None).sleep
         threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGHUP)).start()
@@ -487,7 +487,7 @@ class TestInterruption:
         finally:
             signal.signal(signal.SIGHUP, before)
 
-    def test_in_the_run_it_waits_but_not_for_a_second_ctrl_c(self, listening):
+    def test_a_signal_waits_for_the_step_but_a_second_ctrl_c_does_not(self, listening):
         with listening.postponed():
             assert not listening.wanted(0.0)
             signal.raise_signal(signal.SIGTERM)
@@ -568,7 +568,7 @@ class TestVerify:
         with pytest.raises(ResultsError, match="bytes have changed in events"):
             verify(path)
 
-    def test_what_is_no_results_file(self, tmp_path):
+    def test_verify_refuses_files_that_are_no_results(self, tmp_path):
         (tmp_path / "no.h5").write_text(json.dumps({}))
         for name in ("no.h5", "gone.h5"):
             with pytest.raises(ResultsError):

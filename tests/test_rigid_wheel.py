@@ -300,7 +300,7 @@ BUMP = """
         (2.0, 0.01, 0.004),
     ],
 )
-def test_each_wheel_tells_each_bend_once(speed, step, apart):
+def test_each_wheel_reports_each_bend_once(speed, step, apart):
     recorded = RecordedRun(deck(BUMP.format(speed=speed, step=step, apart=apart, spin=speed / 0.3, end=2.0 / speed)))
     assert sorted(h.element for h in recorded.event_records) == ["rigid_wheel 'rim_1'", "rigid_wheel 'rim_2'"]
     np.testing.assert_allclose([h.t for h in recorded.event_records], 1.0 / speed, atol=1e-7 + apart / speed)
@@ -351,7 +351,7 @@ def test_a_unilateral_wheel_leaves_a_crest_and_lands():
     assert recorded["energy/total"][-1] < recorded["energy/total"][0]  # the shock takes energy
 
 
-def test_what_cannot_be_is_refused():
+def test_errors_in_rigid_wheels():
     from mecano.elements.wheels.cardona_wheel import CARDONA_WHEEL
     from mecano.elements.wheels.rigid_wheel import RIGID_WHEEL
 

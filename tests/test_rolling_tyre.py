@@ -101,7 +101,7 @@ def test_the_spin_up_ends_at_the_effective_radius(kind):
         ("type: wheel, node", "type: adhesive_wheel, node", "is not available for an adhesive_wheel"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_in_a_rolling_tyre(old, new, said):
+def test_errors_in_a_rolling_tyre(old, new, said):
     assert ROLL.count(old) == 1
     with pytest.raises(DeckError) as error:
         deck(ROLL.replace(old, new))

@@ -64,7 +64,7 @@ def test_a_rigid_motion_is_found_as_it_is():
         np.testing.assert_allclose(np.linalg.det(found), 1.0, rtol=1e-12)
 
 
-def test_what_is_held_does_not_leave_its_place():
+def test_held_parts_do_not_move():
     """The rigid motion of a bent rod that is held at its first node passes through that node."""
     x = np.linspace(0.0, 1.0, 9)
     bent = np.stack([[x, 0 * x, 0 * x], [x, 0.1 * x**2, 0 * x]]).swapaxes(1, 2)

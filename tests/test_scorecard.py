@@ -49,11 +49,11 @@ TRACE = "Traceback (most recent call last):\n  File x\nKeyError: 'x'\n"
         (Outcome(2, err=PLACED, cpu=5.1), "5.1 s"),
     ],
 )
-def test_what_no_command_may_do(outcome, said):
+def test_unfit_outcomes_are_recognized(outcome, said):
     assert said in unfit(outcome)
 
 
-def test_what_commands_may_do():
+def test_fit_outcomes_are_accepted():
     assert unfit(Outcome(2, err=PLACED, cpu=4.9)) == "" and unfit(Outcome(0, out="all is well")) == ""
 
 

@@ -160,7 +160,7 @@ def test_momentum_is_conserved_but_for_the_impulses_of_the_ground(case, struck):
 
 
 @cases
-def test_energy_lost_is_what_is_missing_and_never_negative(case, struck):
+def test_energy_lost_equals_the_change_of_energy_and_is_not_negative(case, struck):
     one = struck[case]
     before, after = one.kinetic(one.before), one.kinetic(one.after)
     assert one.shock.given == pytest.approx(0.0, abs=1e-12 * before)
@@ -187,7 +187,7 @@ def test_constraints_hold_and_contacts_neither_pull_nor_enter(case, struck):
             assert rates[0] <= 1e-11 * size and rates[1] >= -1e-11 * size
 
 
-def test_the_samples_reach_what_they_are_for(struck):
+def test_the_samples_reach_their_events(struck):
     """Several at once, of every kind, some that rebound, some that stay, some contacts that were closed and opened."""
     event_records = [one.shock.event_records for one in struck.values()]
     names = {h.name for of in event_records for h in of}

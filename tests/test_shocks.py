@@ -105,7 +105,7 @@ def test_spring_driven_elbow_locks():
         assert coarse / fine == pytest.approx(4.0, abs=0.5)
 
 
-def test_panel_locks_to_the_ground_and_the_file_tells(tmp_path):
+def test_a_panel_locks_to_the_ground_and_the_file_records_it(tmp_path):
     """e3, spring_deploy_lock: time, impulse and energy; the file has them, and the step goes on as before."""
     checked = input_deck("panel_lock", "output.every=step")
     run(checked, tmp_path / "panel.h5")
@@ -125,7 +125,7 @@ def test_panel_locks_to_the_ground_and_the_file_tells(tmp_path):
         assert steps[i + 1] >= 0.999 * steps[i - 1]
 
 
-def test_modes_about_a_saved_time_know_what_is_locked(tmp_path):
+def test_modes_about_a_saved_time_include_locked_joints(tmp_path):
     """The latch is in the phase of the events, and holds its position; at an earlier saved time it is free."""
     checked = input_deck("deployment_lock", "output.every=0.1")
     run(checked, tmp_path / "rods.h5")
@@ -274,7 +274,7 @@ LETTING_GO = """
 """
 
 
-def test_a_contact_lets_go_where_its_force_falls_to_zero():
+def test_a_contact_opens_where_its_force_falls_to_zero():
     """A pull of 40 N/s lifts 20 N after 0.5 s; z = (40/2) (t - 0.5)^3/6 from then on."""
     recorded = RecordedRun(deck(LETTING_GO))
     assert [h.name for h in recorded.event_records] == ["touches", "lifts off"]
@@ -588,7 +588,7 @@ PUSHED = """
     ],
     ids=["shock", "hold", "stop"],
 )
-def test_what_has_no_mass_gives_way_to_any_impulse(apart, cable, joint):
+def test_massless_nodes_take_no_impulse(apart, cable, joint):
     """The limit of a small mass m between 2 and 3 kg: no impulse, no loss, momentum stays -0.5 N s."""
     recorded = RecordedRun(deck(PUSHED.format(apart=apart, far=apart + 1, cable=cable, joint=joint)))
     (shock,) = recorded.event_records

@@ -140,7 +140,7 @@ def test_at_any_instant_of_a_run(name, tmp_path):
     "wanted",
     [signal.SIGTERM, *(pytest.param(one, marks=SLOW) for one in ALL if one not in (signal.SIGINT, signal.SIGTERM))],
 )
-def test_while_the_process_begins(folder, started, wanted):
+def test_signals_during_the_start_of_the_process(folder, started, wanted):
     """Until it listens the system ends it, with the same code but for SIGUSR1: 138 in a shell.
 
     Python itself hears SIGINT from its own beginning on, and may call it a fatal error there.
@@ -156,7 +156,7 @@ def test_while_the_process_begins(folder, started, wanted):
             verify(folder / "deck.h5")
 
 
-def test_while_it_compiles(folder, started):
+def test_signals_during_compilation(folder, started):
     """A compiler answers no signal for seconds."""
     process = started("run", "deck.yaml", env={**os.environ, "MECANO_CACHE_DIR": str(folder / "cache")})
     assert b"compiling" in process.stderr.readline()

@@ -98,7 +98,7 @@ def test_quaternion_has_a_positive_real_part():
 
 @every_axis
 @every_angle
-def test_tangent_is_its_series(axis, angle):
+def test_tangent_agrees_with_its_series(axis, angle):
     T = so3.tangent(vec(angle * axis, 0))
     np.testing.assert_allclose(T, series(angle * axis), rtol=0, atol=UP_TO_ROUNDING)
 

@@ -49,7 +49,7 @@ def test_the_highest_line_of_all_is_half_the_rate_of_saving():
     assert sizes[-1] == pytest.approx(0.5, rel=1e-12)
 
 
-def test_the_picture_says_what_was_found(tmp_path):
+def test_the_picture_names_the_peak(tmp_path):
     time = np.append(0.01 * np.arange(200), 1.9931)  # the run ended between two saved times
     path = write(tmp_path / "sine.h5", time, 2.0 * np.sin(2 * np.pi * 10.0 * time))
     shown = sheet(path)
@@ -61,7 +61,7 @@ def test_the_picture_says_what_was_found(tmp_path):
     assert columns.read_text().startswith("frequency [Hz],elements.spring.force [N]\n0.5,")
 
 
-def test_what_has_no_spectrum_is_refused(tmp_path):
+def test_errors_of_spectra(tmp_path):
     time = 0.01 * np.arange(40)
     uneven = write(tmp_path / "uneven.h5", time**2, np.sin(time))
     with pytest.raises(

@@ -85,7 +85,7 @@ def test_spring_damper_by_hand():
     np.testing.assert_allclose(e, [0.0, 5.0, 2.0 * 0.36, 0.0], rtol=1e-13)
 
 
-def test_natural_length_is_the_initial_distance_or_what_is_given():
+def test_natural_length_is_the_initial_distance_by_default():
     nodes = at([1, 1, 1], [1, 1, 3])
     kind = KINDS["spring_damper"]
     q = np.array([1.0, 1, 1, 1, 1, 3.5])

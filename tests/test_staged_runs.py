@@ -70,7 +70,7 @@ def test_a_cut_cable_stays_cut(tmp_path):
     assert not len(staged.events)
 
 
-def test_a_saved_time_and_what_is_new_and_gone(tmp_path):
+def test_a_run_begins_at_a_saved_time_with_other_elements(tmp_path):
     solved(tmp_path, "s", FALLING)
     third = STAGED.replace("s.h5}", "'s.h5:0.4', velocities: [{nodes: [third], velocity: [0, 1, 0]}]}")
     results = solved(tmp_path, "t", third, **{"time.end": 0.1})

@@ -113,7 +113,7 @@ def test_stability_is_unknown_with_an_integrator():
     assert np.all(path.unstable == -1)
 
 
-def test_what_the_start_lacks_of_an_equilibrium_is_released():
+def test_the_imbalance_of_the_start_is_released():
     """A preloaded spring without loads: it ends where the spring is slack, the angle is followed over half a turn."""
     text = arm("static: {}", gravity=0.0).replace("axis: [0, 1, 0], law", "axis: [0, 1, 0], natural_angle: 4.0, law")
     path = Path(text)

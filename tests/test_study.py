@@ -102,7 +102,7 @@ class TestCases:
         found = values(folder, "seeds: {path: parameters.speed, number: 2, first: 7}\ngrid: {time.end: [1, 2]}\n")
         assert found == [(1, 7), (1, 8), (2, 7), (2, 8)]
 
-    def test_what_all_cases_have_comes_first(self, folder):
+    def test_overrides_of_all_cases_come_first(self, folder):
         found = study(folder, "set: {time.end: 2}\ngrid: {parameters.speed: [1]}")
         assert found.overrides(found.cases[0]) == ("time.end=2", "parameters.speed=1")
 
@@ -156,7 +156,7 @@ def test_errors_of_a_study_have_places(folder, text, place, message):
         ("", "missing 'study'"),
     ],
 )
-def test_what_is_no_study(folder, head, message):
+def test_errors_in_a_study_file(folder, head, message):
     with pytest.raises(DeckError) as info:
         study(folder, "grid: {time.end: [1]}" if head else "", head=head)
     assert message in deck_error_text(info.value)
@@ -173,7 +173,7 @@ def test_what_is_no_study(folder, head, message):
         ("loads.push.value.sine.phase", "rad"),
     ],
 )  # fmt: skip
-def test_units_of_what_is_varied(folder, path, unit):
+def test_units_of_varied_values(folder, path, unit):
     """Those that are declared, of a parameter the one it is written with, in SI; none where it hangs on the use."""
     text = BALL.replace("speed: 10", "speed: 36 km/h, turn: 3") + dedent("""\
         laws: {any: 3}
@@ -220,14 +220,14 @@ class TestDecks:
         ],
         ids=["set", "grid", "key", "span", "list", "csv", "hypercube", "seeds", "unit of span", "unit of range"],
     )  # fmt: skip
-    def test_a_value_that_no_deck_can_have_is_reported_where_it_stands(self, folder, text, place, message):
+    def test_an_invalid_value_of_a_case_is_reported_at_its_line(self, folder, text, place, message):
         (folder / "rows.csv").write_text("time.end, elements.ball.mass\n1, -3\n")
         with pytest.raises(DeckError) as error:
             try_deck(study(folder, text))
         reported = deck_error_text(error.value)
         assert reported.startswith(f"{place}: ") and message in reported and "--set" not in reported, reported
 
-    def test_a_deck_that_is_wrong_with_a_value_says_of_which_case(self, folder):
+    def test_an_error_of_a_deck_names_its_case(self, folder):
         (folder / "deck.yaml").write_text(BALL.replace("mass: 2.0", "mass: $speed"))
         with pytest.raises(DeckError) as error:
             try_deck(study(folder, "grid: {parameters.speed: [-1, -2]}"))
@@ -260,7 +260,7 @@ class TestDecks:
 
 
 class TestFolder:
-    def test_what_is_due(self, folder):
+    def test_due_cases(self, folder):
         found = study(folder, "grid: {time.end: [1, 2, 3]}")
         runs = Folder("runs", found)
         with runs.held():

@@ -106,7 +106,7 @@ def entry(i, j, value):
         (bar() | {"damping": -np.eye(13)}, "'damping' is not positive semi-definite"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_in_a_file_is_reported(tmp_path, content, text):
+def test_errors_in_a_file_of_matrices(tmp_path, content, text):
     if text == "need 12":
         content["mass"] = content["mass"][:6, :6]
     with pytest.raises(DeckError) as info:

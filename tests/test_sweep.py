@@ -386,7 +386,7 @@ def test_growth_from_a_limit_that_is_a_value_of_the_sweep_is_located_within_its_
     assert abs(found.place - 300.0) <= found.error < 2e-3
 
 
-def test_pictures_show_what_is_near_the_limit_of_stability():
+def test_pictures_show_the_modes_near_the_limit_of_stability():
     """A mode that grows by 0.5 /s beside one that decays by 2000 /s: both cannot be seen on one axis."""
     real = np.array([[-0.3, 0.1, 0.5], [-40.0, -60.0, -2000.0], [-1.0, -2.0, -3.0]])
     imaginary = np.array([[10.0, 11.0, 12.0], [0.0, 0.0, 900.0], [30.0, 30.0, 30.0]])

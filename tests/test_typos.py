@@ -90,7 +90,7 @@ def is_right(problems, word, wrong):
     return False
 
 
-def test_typos_are_answered_with_what_is_meant():
+def test_typos_are_answered_with_a_correction():
     """Single letters are excluded, as any other is equally near; for names with one digit, all nearest are offered."""
     rng, found = random.Random(1), []
     sources = [read_source(path)[0] for path in sorted(INPUTS.glob("*.yaml")) if "reflector" not in path.name]

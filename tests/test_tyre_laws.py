@@ -31,7 +31,7 @@ def tyres():
 
 
 @pytest.mark.parametrize("tyre", tyres(), ids=lambda tyre: tyre.law.name)
-def test_power_of_the_force_is_what_a_law_states(tyre):
+def test_power_of_the_force_agrees_with_the_law(tyre):
     """-(F.v + M.omega) = lost - given, lost >= 0; a passive law gives nothing but the power of its moment."""
     rng, worked = seed_of(tyre.law.name), 0
     for _ in range(400):

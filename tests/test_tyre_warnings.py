@@ -105,7 +105,7 @@ def test_a_failure_repeats_the_warnings_about_its_nodes():
     assert explained(error, towed(STRING), [light, "node rim2: light"]).splitlines() == ["no step", f"warning: {light}"]
 
 
-def test_a_failed_run_names_what_was_warned_of(tmp_path):
+def test_a_failed_run_repeats_its_warnings(tmp_path):
     """Newton's method may not iterate, so that the patch, which is stiff, cannot be followed."""
     text = towed(MORELAND % (0.0, 1e-5, KAP)).text
     given = deck(text.replace("maximum_step: 1.0e-3}", "minimum_step: 1.0e-5}, newton: {maximum_iterations: 1}"))

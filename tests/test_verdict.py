@@ -75,7 +75,7 @@ def test_all_pages_and_pictures_say_the_same(tmp_path, warnings, status, reason,
     assert (data["status"], data["sound"]) == (words, sound)
 
 
-def test_info_begins_with_what_one_looks_for(tmp_path):
+def test_info_begins_with_the_verdict(tmp_path):
     """Events, then outputs of joints, wheels, other elements, loads and nodes."""
     text = info(written(tmp_path / "each.h5", (), "complete", "the end was reached"))
     order = ["Events: 1", "joints, hinge", "elements, wheel", "elements, spring_damper", "loads, force", "nodes: ",
@@ -84,7 +84,7 @@ def test_info_begins_with_what_one_looks_for(tmp_path):
     assert places == sorted(places)
 
 
-def test_info_says_how_to_see_what_it_cuts(tmp_path):
+def test_info_names_the_option_that_shows_all(tmp_path):
     names = [f"{number}th" for number in range(9)]
     kinds = {name: KINDS["spring_damper"] for name in names}
     deck = every_kind.deck({"spring_damper": KINDS["spring_damper"]})

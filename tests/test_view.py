@@ -204,7 +204,7 @@ def test_a_killed_run_is_shown_as_killed(model, tmp_path):
     assert not after["growing"] and after["status"].startswith("killed") and after["key"] != before["key"]
 
 
-def test_what_cannot_be_shown_is_reported(tmp_path):
+def test_errors_of_view(tmp_path):
     (tmp_path / "bad.yaml").write_text("mecano: 1\nnodes: {a: {position: [0, 0]}}\n")
     assert mecano_process("view", tmp_path / "bad.yaml")[0] == 2
     assert mecano_process("view", tmp_path / "none.h5")[0] == 5

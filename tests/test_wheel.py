@@ -347,7 +347,7 @@ def changed(values, part, **new):
     return {**values, part: {**values[part], **new}}
 
 
-def test_check_names_what_cannot_be():
+def test_check_reports_invalid_wheels():
     good, node = values_of([0.0, 1.0, 0.0], ground_of(UP, SINE)), [(np.array([0.0, 0.0, 1.0]), np.eye(3))]
     corner = (("table", {"points": [[0, 0], [1, 0.1], [2, 0]], "interpolation": "linear", "beyond": "hold"}),)
     stepped = (("step", {"time": 0.0, "rise": 1.0, "from": 0.0, "to": 0.1}),)

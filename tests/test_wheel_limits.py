@@ -77,7 +77,7 @@ def test_a_wheel_without_slip_that_can_neither_stay_nor_leave_ends_the_run(tmp_p
         ({"radial": "{polynomial: {coefficients: [0, 1.0e5, -1.0e6]}}"}, "'tire_law.radial' falls to -"),
     ],
 )
-def test_what_a_wheel_may_not_start_with(values, text):
+def test_errors_in_the_start_of_a_wheel(values, text):
     with pytest.raises(DeckError) as error:
         leaning(**values)
     assert "wheel 'tire'" in str(error.value) and text in str(error.value)
@@ -253,7 +253,7 @@ def test_of_a_random_road_the_way_of_the_run_counts():
 
 
 @pytest.mark.parametrize("kind", ["skate", "plane_contact, radius: 0.1"])
-def test_what_needs_a_plane_says_so_of_a_narrow_hollow(kind):
+def test_kinds_that_need_a_plane_refuse_a_profile(kind):
     text = f"{{type: {kind}, node: hub, ground: road" + (", axis: [0, 1, 0]}" if kind == "skate" else "}")
     whole = WHEEL.format(kind="wheel", height=0.6, radial="{linear: {slope: 1.0e5}}",
                          profile="{direction: [1, 0, 0], height: {sine: {amplitude: 0.1, frequency: 2}}}")  # fmt: skip
@@ -263,7 +263,7 @@ def test_what_needs_a_plane_says_so_of_a_narrow_hollow(kind):
     assert len(error.value.problems) == 1
 
 
-def test_who_writes_a_wheel_for_a_law_is_reported_its_type():
+def test_a_wheel_named_as_a_law_gets_a_hint():
     text = WHEEL.format(kind="flexible_wheel", height=0.2625, radial="{linear: {slope: 1.0e5}}", profile="null")
     with pytest.raises(DeckError) as error:
         deck(text.replace("friction: 0.9", "friction: adhesive"))

@@ -191,7 +191,7 @@ def test_a_plane_fixed_to_the_ground_is_a_ground():
         ("initial:", f"{BRAKE}\ninitial:", "'wheel' must roll on one of the 'grounds'"),
     ],
 )
-def test_what_is_wrong_with_a_wheel_on_a_body(old, new, said):
+def test_errors_in_a_wheel_on_a_body(old, new, said):
     assert DRUM.count(old) == 1
     with pytest.raises(DeckError) as error:
         deck(DRUM.replace(old, new))
