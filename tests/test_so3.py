@@ -37,18 +37,6 @@ def series(psi, terms=60):
     return total
 
 
-def series_derivative(psi, u, terms=12):
-    """d/dpsi [T u] from the same series, differentiated term by term (small angles)."""
-    H, out = hat(psi), np.zeros((3, 3))
-    powers = [np.linalg.matrix_power(H, k) for k in range(terms)]
-    for j in range(3):
-        E = hat(np.eye(3)[j])
-        for k in range(1, terms):
-            dH = sum(powers[i] @ E @ powers[k - 1 - i] for i in range(k))
-            out[:, j] += (-1.0) ** k / math.factorial(k + 1) * dH @ u
-    return out
-
-
 def difference(function, h):
     near, far = (np.asarray(function(s)) - np.asarray(function(-s)) for s in (h, 2.0 * h))
     return (8.0 * near - far) / (12.0 * h)

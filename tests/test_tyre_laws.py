@@ -124,9 +124,14 @@ def test_two_stiffnesses_and_a_locked_wheel():
     assert brush().forces(LOAD, (20.0, 0.0)).F[0] == pytest.approx(-MU * LOAD, rel=1e-12)
 
 
-def test_a_wheel_in_a_slow_sweep_of_the_slip_angle_has_the_force_of_fiala():
-    """inputs/fiala_sweep.yaml: quasi-steady, so within 1e-4 of the closed form; the work is accounted for."""
-    recorded = RecordedRun(input_deck("fiala_sweep"))
+@pytest.fixture(scope="module")
+def fiala_sweep():
+    return RecordedRun(input_deck("fiala_sweep"))
+
+
+def test_a_wheel_in_a_slow_sweep_of_the_slip_angle_has_the_force_of_fiala(fiala_sweep):
+    """Quasi-steady, so within 1e-4 of the closed form."""
+    recorded = fiala_sweep
     z, force = np.tan(np.radians(recorded.time)), recorded["elements/tire/lateral_force"].ravel()
     G, most = 6e4 * z, MU * LOAD
     closed = np.where(most * 3 > G, G - G**2 / (3 * most) + G**3 / (27 * most**2), most)
@@ -135,9 +140,9 @@ def test_a_wheel_in_a_slow_sweep_of_the_slip_angle_has_the_force_of_fiala():
     np.testing.assert_allclose(recorded["elements/tire/slip_moment"][:, 2], turn, atol=2e-4 * 20.0)
 
 
-def test_a_leaning_wheel_is_pushed_to_the_side_of_its_top(verify):
-    """inputs/fiala_sweep.yaml, the second wheel: C_g gamma is added to the shear of the slip angle."""
-    recorded = RecordedRun(input_deck("fiala_sweep"))
+def test_a_leaning_wheel_is_pushed_to_the_side_of_its_top(fiala_sweep, verify):
+    """The second wheel: C_g gamma is added to the shear of the slip angle."""
+    recorded = fiala_sweep
     gamma = np.radians(5.0)
     most = MU * 2e5 * (0.3 - 0.28 / np.cos(gamma)) / np.cos(gamma)
     G = 6e4 * np.tan(np.radians(recorded.time)) - 6e3 * gamma

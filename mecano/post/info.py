@@ -172,7 +172,7 @@ def _holds(results):
     for (section, kind, owner), names in owners.items():
         groups.setdefault((section, kind, tuple(names)), []).append(owner.rpartition("/")[2])
     lines = ["Outputs (units and descriptions, and all names: mecano info FILE --names)"]
-    ranked = sorted(groups.items(), key=lambda item: _rank(results, *item[0]))
+    ranked = sorted(groups.items(), key=lambda item: _rank(results, *item[0][:2]))
     for (section, kind, names), members in ranked:
         shown = name_list(members, MOST_NAMES)
         head = f"  {section}{f', {kind}' if kind else ''}" + (f": {shown}" if members != [section] else "")
@@ -180,7 +180,7 @@ def _holds(results):
     return lines
 
 
-def _rank(results, section, kind, names):
+def _rank(results, section, kind):
     """Return the rank of outputs in a list: joints, wheels, other elements, loads, nodes, others."""
     order = ("joints", "wheels", "elements", "loads", "nodes")
     wheel = "wheels" in results.displays.get(kind, Display()).pictures

@@ -31,7 +31,7 @@ E, NU, DENSITY, OUTER, INNER = 70e9, 0.33, 1600.0, 0.03, 0.027
 AREA, BENDING = math.pi / 4 * (OUTER**2 - INNER**2), math.pi / 64 * (OUTER**4 - INNER**4)
 SHEAR = E / (2 * (1 + NU))
 SPRING, DAMPER = 2.0, 0.5  # of the hinges [N m/rad, N m s/rad]
-STEP, STEPS, RHO, REPETITIONS, FINER = 5e-3, 210, 0.6, 5, 8
+STEP, STEPS, RHO, REPETITIONS = 5e-3, 210, 0.6, 5
 
 
 def about_z(angle):

@@ -148,7 +148,7 @@ class Parts:
 
     def __init__(self, analysis, tolerance, lu):
         fronts, stack, nulls = lu.fronts, np.zeros(analysis.stack_length), np.zeros(PARTS, np.int64)
-        ranges = _ranges(analysis, len(lu.order))
+        ranges = _ranges(analysis)
         own, at_hand = np.zeros((PARTS, len(OWN), lu.vectors.shape[1])), np.zeros(len(AT_HAND), np.int64)
         calls = {FACTOR: [], FORWARD: [], BACKWARD: []}
         for i, (begin, end, *_) in enumerate(ranges):
@@ -165,7 +165,7 @@ class Parts:
         self.work = Work(np.zeros(_largest(fronts[ranges[-1, END] :])), stack, nulls)
 
 
-def _ranges(analysis, n):
+def _ranges(analysis):
     """Return the ranges (PARTS, RANGE) of fronts and of places in the order of each half."""
     ends = analysis.ends[:PARTS]
     last = analysis.fronts[ends - 1]

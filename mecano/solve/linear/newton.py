@@ -54,7 +54,7 @@ FAILURES = dict.fromkeys(MESSAGES, Failure.NOT_CONVERGED) | {
 
 # What is known of the iterations, a vector: their number; forces, constraints and increment now, over their tolerances;
 # the largest residual before the last iteration, now, before the first one and after it.
-REPORT = ITERATIONS, FORCES, CONSTRAINTS, INCREMENT, LAST, WORST, FIRST, SECOND = range(8)
+ITERATIONS, FORCES, CONSTRAINTS, INCREMENT, LAST, WORST, FIRST, SECOND = range(8)
 
 
 @kernel

@@ -119,7 +119,7 @@ def _basis(system, M, K, own, rest, Z, number):
     K_ii, M_ii = K[rest][:, rest], M[rest][:, rest]
     if Z is not None:
         K_ii, M_ii = sp.csc_matrix(Z.T @ (K_ii @ Z)), sp.csc_matrix(Z.T @ (M_ii @ Z))
-    solve = _factor(system, K_ii, M_ii, rest, Z)
+    solve = _factor(system, K_ii, rest, Z)
     static = _static(K, own, rest, n_q, Z, solve)
     squares, shapes, found = _modes(K_ii, M_ii, number, solve)
     shapes = shapes if Z is None else Z @ shapes
@@ -129,7 +129,7 @@ def _basis(system, M, K, own, rest, Z, number):
     return T, np.sqrt(squares) / (2.0 * np.pi), found
 
 
-def _factor(system, K_ii, M_ii, rest, Z):
+def _factor(system, K_ii, rest, Z):
     """Return a function that solves with the inner stiffness; raises AssemblyError if it is singular."""
     n = K_ii.shape[0]
     if not n:
