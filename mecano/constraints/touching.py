@@ -60,16 +60,13 @@ SURFACES = {
     "revolution": mapping(
         Field("axis", DIRECTION, "-", "axis at the start, inertial"),
         Field(
-            "profile",
-            CURVE,
-            "m",
-            "radius of the surface, a curve of the distance [m] along the axis from 'center'",
+            "profile", CURVE, "m", "radius of the surface, a curve of the distance [m] along the axis from 'center'",
             argument="m",
         ),
         _at("center", "the point of the axis from which distances are measured"),
         INSIDE,
     ),
-}
+}  # fmt: skip
 FIELDS = (
     Field("plane", SURFACES["plane"], "-", "plane fixed in node a", None),
     Field("sphere", SURFACES["sphere"], "-", "sphere fixed in node a", None),

@@ -72,12 +72,8 @@ def shape_of_polynomial(values, low, high):
 
 
 COEFFICIENTS = Field(
-    "coefficients",
-    COEFFICIENT_LIST,
-    OF_A_POWER,
-    "c0, c1, c2 ..., in ascending powers p from 0",
-    check=at_least_one,
-)
+    "coefficients", COEFFICIENT_LIST, OF_A_POWER, "c0, c1, c2 ..., in ascending powers p from 0", check=at_least_one,
+)  # fmt: skip
 
 CONSTANT = Term(
     name="constant",

@@ -21,26 +21,18 @@ STILL = (0.0, 0.0)  # a set point that does not move, and its rate
 
 TURNING_FIELDS = (
     Field(
-        "turning_law",
-        LAW,
-        "-",
-        "moment [N m] from angle [rad] and rate [rad/s]; > 0 opposes the angle",
-        None,
+        "turning_law", LAW, "-", "moment [N m] from angle [rad] and rate [rad/s]; > 0 opposes the angle", None,
         argument="rad",
     ),
     Field("natural_angle", CONTINUOUS_DRIVE, "rad", f"angle {SET_POINT.format('turning')}", 0.0),
-)
+)  # fmt: skip
 SLIDING_FIELDS = (
     Field(
-        "sliding_law",
-        LAW,
-        "-",
-        "force [N] from displacement [m] and velocity [m/s]; > 0 opposes the displacement",
-        None,
-        argument="m",
+        "sliding_law", LAW, "-", "force [N] from displacement [m] and velocity [m/s]; > 0 opposes the displacement",
+        None, argument="m",
     ),
     Field("natural_displacement", CONTINUOUS_DRIVE, "m", f"displacement {SET_POINT.format('sliding')}", 0.0),
-)
+)  # fmt: skip
 LAW_RECORD = {"law": "i", "natural": (), "low": (), "high": (), "set_point": "i"}
 
 

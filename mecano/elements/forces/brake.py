@@ -176,25 +176,18 @@ FIELDS = (
     Field("axis", DIRECTION, "-", "axle at the start, inertial"),
     Field("torque", DRIVE, "N m", "a function of time [s], or a formula of signals; zero where negative"),
     Field(
-        "bound",
-        CURVE,
-        "N m",
-        "upper bound of the torque, a curve of the speed [m/s] of the wheel",
-        None,
+        "bound", CURVE, "N m", "upper bound of the torque, a curve of the speed [m/s] of the wheel", None,
         argument="m/s",
     ),
     Field("wheel", WHEEL, "-", "the wheel that is braked, for 'adhesion' and 'anti_skid'", None),
     Field(
-        "adhesion",
-        CURVE,
-        "-",
-        "upper bound of the torque: this curve of the speed [m/s] times radial force and loaded radius",
-        None,
+        "adhesion", CURVE, "-",
+        "upper bound of the torque: this curve of the speed [m/s] times radial force and loaded radius", None,
         argument="m/s",
     ),
     Field("anti_skid", ANTI_SKID, "-", "releases the brake while the slip ratio of the wheel is large", None),
     Field("rate_regularization", NUMBER, "rad/s", "rate eps below which the torque falls to zero", 0.1, positive),
-)
+)  # fmt: skip
 OUTPUTS = (
     Output("torque", "N m", "torque on the reference node about the axis; the opposite on the wheel"),
     Output("bound", "N m", "current upper bound, without the anti-skid; zero without one"),

@@ -183,11 +183,7 @@ _ALWAYS_ACTIVE = Kind(
         ROD,
         ELLIPSOID,
         Field(
-            "law",
-            CURVE,
-            "N",
-            "normal force, a curve of the depth [m], zero at zero; rigid when absent",
-            None,
+            "law", CURVE, "N", "normal force, a curve of the depth [m], zero at zero; rigid when absent", None,
             argument="m",
         ),
         Field("damping", NUMBER, "s/m", "c in the factor max(0, 1 + c dw/dt) on the law", 0.0, not_negative),
@@ -215,7 +211,7 @@ _ALWAYS_ACTIVE = Kind(
     sample=sample,
     **rigid(BALL),
     **observed_rigid(BALL),
-)
+)  # fmt: skip
 ELASTIC = {
     "multipliers": (), "memory": (), "commit": None, "constraints": None,
     "events": (

@@ -140,9 +140,7 @@ _PAIR = Kind(
     display=Display(shape="gears", support=False, pictures=("gears",)),
     fields=(
         Field(
-            "nodes",
-            TRIPLE,
-            "-",
+            "nodes", TRIPLE, "-",
             "the carrier, and the centres of the gears a and b; one may be ground, a gear then at the carrier",
         ),
         Field("axis_a", DIRECTION, "-", "axis of a at the start, inertial; fixed in the carrier and in a"),
@@ -150,12 +148,8 @@ _PAIR = Kind(
         Field("radius_a", NUMBER, "m", "radius of the pitch circle of a", check=positive),
         Field("radius_b", NUMBER, "m", "radius of the pitch circle of b, which touches that of a", None, positive),
         Field(
-            "ratio",
-            NUMBER,
-            "-",
-            "angle_a over angle_b, < 0 if they rotate in opposite directions; instead of radius_b",
-            None,
-            not_zero,
+            "ratio", NUMBER, "-",
+            "angle_a over angle_b, < 0 if they rotate in opposite directions; instead of radius_b", None, not_zero,
         ),
     ),
     outputs=(
@@ -168,6 +162,6 @@ _PAIR = Kind(
     prepare=prepare,
     check=check,
     sample=sample,
-)
+)  # fmt: skip
 GEAR_PAIR = with_teeth(_PAIR, Mesh(GEAR_MESH, gear_travel), _put_motion, "radius_a")
 del _PAIR  # its record lacks what `commit` reads: it is not among the kinds that `mecano warmup` compiles

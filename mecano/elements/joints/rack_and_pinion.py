@@ -71,9 +71,7 @@ _RIGID = Kind(
         Field("nodes", NODE_PAIR, "-", "nodes a (rack) and b (centre of the pinion); either may be ground"),
         Field("axis", DIRECTION, "-", "axis of the pinion at the start, inertial; fixed in both nodes"),
         Field(
-            "direction",
-            DIRECTION,
-            "-",
+            "direction", DIRECTION, "-",
             "of the rack at the start, inertial, fixed in a; positive rotation moves b along it",
         ),
         Field("radius", NUMBER, "m", "radius of the pitch circle", check=positive),
@@ -87,5 +85,5 @@ _RIGID = Kind(
     prepare=prepare,
     check=check,
     sample=sample,
-)
+)  # fmt: skip
 RACK_AND_PINION = with_teeth(_RIGID, Mesh(GEARED_SLIDE, slide_travel), _put_motion, "radius")

@@ -236,18 +236,15 @@ FIELDS = (
     Field("E", NUMBER, "Pa", "modulus of elasticity, where axial_stiffness is not given", None, positive),
     Field("area", NUMBER, "m2", "area of the cross-section; without it the stress is written as zero", None, positive),
     Field(
-        "natural_length",
-        CONTINUOUS_DRIVE,
-        "m",
-        "length without force: a function of time [s], or a formula of signals; the initial distance",
-        None,
+        "natural_length", CONTINUOUS_DRIVE, "m",
+        "length without force: a function of time [s], or a formula of signals; the initial distance", None,
     ),
     Field("damping", NUMBER, "s", "tau: viscous over elastic stiffness", 0.0, not_negative),
     Field("mass_per_length", NUMBER, "kg/m", "mass per natural length at t = 0", 0.0, not_negative),
     Field(
         "mass_distribution", choice("consistent", "lumped"), "-", "distribution of the mass to the nodes", "consistent"
     ),
-)
+)  # fmt: skip
 WINDER_FIELDS = (
     Field("at_full_length", choice(*CATCHES), "-",
           "when it becomes taut at its full length: stretch: elastic, without a shock; shock: exchange of momentum, "

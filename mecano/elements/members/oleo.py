@@ -236,26 +236,16 @@ SECOND_FIELDS = (
 OIL_FIELDS = (
     Field("area", NUMBER, "m2", "area A_h of the piston that displaces the oil", check=positive),
     Field(
-        "orifice",
-        CURVE,
-        "m2",
-        "area A_o of the orifice, less that of the metering pin; a curve of the stroke [m]",
+        "orifice", CURVE, "m2", "area A_o of the orifice, less that of the metering pin; a curve of the stroke [m]",
         argument="m",
     ),
     Field(
-        "rebound_orifice",
-        CURVE,
-        "m2",
-        "the same in rebound, a curve of the stroke [m]; that of 'orifice' when absent",
-        None,
-        argument="m",
+        "rebound_orifice", CURVE, "m2", "the same in rebound, a curve of the stroke [m]; that of 'orifice' when absent",
+        None, argument="m",
     ),
     Field(
-        "recoil_area",
-        NUMBER,
-        "m2",
-        "area of the recoil chamber, from which the rebound displaces oil; without such a chamber when absent",
-        None,
+        "recoil_area", NUMBER, "m2",
+        "area of the recoil chamber, from which the rebound displaces oil; without such a chamber when absent", None,
         positive,
     ),
     Field("volume", NUMBER, "m3", "volume V of the oil under pressure", check=positive),
@@ -263,7 +253,7 @@ OIL_FIELDS = (
     Field("density", NUMBER, "kg/m3", "density rho", 860.0, positive),
     Field("bulk_modulus", NUMBER, "Pa", "bulk modulus K, with the air dissolved in the oil", 1.4e9, positive),
     Field("laminar_speed", NUMBER, "m/s", "piston speed u_0 below which the flow is laminar", 1e-3, positive),
-)
+)  # fmt: skip
 OLEO = Kind(
     name="oleo",
     section="elements",

@@ -94,10 +94,7 @@ _BY_LAW = Kind(
         NODES,
         Field("axis", DIRECTION, "-", "axis at the start, inertial"),
         Field(
-            "law",
-            LAW,
-            "-",
-            "moment [N m] from angle [rad] and rate [rad/s]; > 0 turns against a positive angle",
+            "law", LAW, "-", "moment [N m] from angle [rad] and rate [rad/s]; > 0 turns against a positive angle",
             argument="rad",
         ),
         Field("natural_angle", CONTINUOUS_DRIVE, "rad", f"angle {SET_POINT.format('spring')}", 0.0),
@@ -117,7 +114,7 @@ _BY_LAW = Kind(
     commit=TWIST_LAW.commit,
     sample=sample,
     measures={"angle": _angle},
-)
+)  # fmt: skip
 _DRIVEN = OF_SIGNAL[TWIST_LAW]
 _BY_SIGNAL = replace(
     _BY_LAW, inputs=("natural_angle",), residual=_DRIVEN.residual, observe=_observe(of_signal(6)),

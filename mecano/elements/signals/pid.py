@@ -165,11 +165,8 @@ PID = Kind(
         Field("lower", NUMBER, "-", "lower limit of the value; none when absent", -math.inf),
         Field("upper", NUMBER, "-", "upper limit of the value; none when absent", math.inf),
         Field(
-            "tracking_time",
-            NUMBER,
-            "s",
-            "T_t of the reset of the integral at a limit; when absent K_P/K_I, or 1 s if either is zero",
-            None,
+            "tracking_time", NUMBER, "s",
+            "T_t of the reset of the integral at a limit; when absent K_P/K_I, or 1 s if either is zero", None,
             positive,
         ),
         replace(INITIAL, doc="integral x_I at the start"),
@@ -182,4 +179,4 @@ PID = Kind(
     event_values=event_values,
     sample=sample,
     **IN_DECK | {"outputs": (VALUE, *STATES), "observe": observe},
-)
+)  # fmt: skip

@@ -62,15 +62,12 @@ MORELAND = mapping(
     Field("lateral_stiffness", NUMBER, "N/m", "K in F = K y + D dy/dt", check=positive),
     Field("lateral_damping", NUMBER, "N s/m", "D", 0.0, not_negative),
     Field(
-        "yaw_coefficient",
-        NUMBER,
-        "rad/N",
-        "C in psi + C1 dpsi/dt = C F; 1/C is the cornering stiffness",
+        "yaw_coefficient", NUMBER, "rad/N", "C in psi + C1 dpsi/dt = C F; 1/C is the cornering stiffness",
         check=positive,
     ),
     Field("yaw_time", NUMBER, "s", "C1", 0.0, not_negative),
     Field("torsional_stiffness", NUMBER, "N m/rad", "kap of the patch; matters under braking", 1.0e4, positive),
-)
+)  # fmt: skip
 RELAXATION = mapping(
     Field("cornering_stiffness", NUMBER, "N/rad", "lateral force per slip angle in steady rolling", check=positive),
     Field("relaxation_length", NUMBER, "m", "rolling distance over which the force builds up", check=positive),

@@ -46,9 +46,7 @@ OUTPUTS = (
     Output("y", "m", "lateral displacement of the patch against the wheel plane, along -a", rate="y_rate"),
     Output("psi", "rad", "torsion of the patch: rotation of its rolling direction about n", rate="psi_rate"),
     Output(
-        "bow",
-        "m",
-        "curvature of the contact line of a string: its second Legendre coefficient; else zero",
+        "bow", "m", "curvature of the contact line of a string: its second Legendre coefficient; else zero",
         rate="bow_rate",
     ),
     Output("tire_force", "N", "force F of the lateral law along y"),
@@ -58,7 +56,7 @@ OUTPUTS = (
     Output("psi_rate", "rad/s", "rate of psi"),
     Output("bow_rate", "m/s", "rate of bow"),
     Output("divergence", "-", "braking force relative to that at which y becomes unstable (Moreland: kap C K)"),
-)
+)  # fmt: skip
 DIVERGENT = (
     "braking exceeds the capacity of the torsional stiffness of the tyre: its patch is laterally unstable; "
     "increase 'torsional_stiffness'"
