@@ -363,7 +363,7 @@ def _check_sensors(instance, motion, measured, names):
     """Compare sensors with ``observe``, and their slopes along a random direction with differences."""
     t, state = motion.t, instance.local(motion)
     n, unknown = len(state[0]), np.full(3 * len(instance.kind.layout), np.nan)  # the forces F
-    rates = n - len(instance.multipliers) - sum(len(lender.multipliers) for lender in instance.lenders)
+    rates = n - len(instance.multipliers) - sum(len(other.multipliers) for other in instance.coupled)
     direction = seed_of("direction").normal(size=(2, n))
     direction[1, rates:] = 0.0
 

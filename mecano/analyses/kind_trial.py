@@ -71,7 +71,7 @@ class Instance:
     laws: np.ndarray
     scalars: np.ndarray  # (3, n_scalars) values, rates, second rates; then those of its inputs
     multipliers: np.ndarray  # k lambda
-    lenders: list = value_of(default_factory=list)  # instances whose multipliers it sees: borrowed, or of its parts
+    coupled: list = value_of(default_factory=list)  # instances whose multipliers it sees
 
     def local(self, motion):
         """Return (q, v, a, R) as defined in element_interface."""
@@ -80,7 +80,7 @@ class Instance:
             node = self.nodes[int(slot[1:])]
             constraint_derivatives.append((motion.x if slot[0] == "x" else motion.turn)[node])
             R += [motion.R[node]] if slot[0] == "R" else []
-        reactions = np.concatenate([self.multipliers, *(lender.multipliers for lender in self.lenders)])
+        reactions = np.concatenate([self.multipliers, *(other.multipliers for other in self.coupled)])
         q, v, a = np.concatenate([*constraint_derivatives, self.scalars, np.zeros((3, len(reactions)))], axis=1)
         q[len(q) - len(reactions) :] = reactions
         return q, v, a, np.array(R).reshape(-1, 3, 3)
@@ -214,8 +214,8 @@ def moved_along(instance, state, by):
 
 def sensor_of(instance, index):
     """Return the sensor of an output of an instance, of the number ``index``."""
-    lenders = [instance, *instance.lenders]
-    kind = output_sensor(instance.kind, sum(len(lender.multipliers) for lender in lenders))
+    coupled = [instance, *instance.coupled]
+    kind = output_sensor(instance.kind, sum(len(other.multipliers) for other in coupled))
     p = np.zeros(1, kind.dtype)
     for name in instance.kind.dtype.names:
         p[name] = instance.p[name]
@@ -275,11 +275,11 @@ def expand(kind, values, nodes, phase, gravity, rng):
         multipliers = rng.normal(size=len(of.multipliers))
         instances.append(Instance(of, p, on, phase_number, memory, laws, scalars, multipliers))
     for part, instance in zip(parts, instances[1:], strict=True):
-        instance.lenders = [instances[1 + i] for i in part.coupled_to]
-        lent = [row.unit for lender in instance.lenders for row in lender.kind.multipliers]
-        assert lent == [row.unit for row in part.kind.coupled_multipliers]
+        instance.coupled = [instances[1 + i] for i in part.coupled_to]
+        units = [row.unit for other in instance.coupled for row in other.kind.multipliers]
+        assert units == [row.unit for row in part.kind.coupled_multipliers]
     if not kind.acts:
-        instances[0].lenders = instances[1:]
+        instances[0].coupled = instances[1:]
     return instances
 
 

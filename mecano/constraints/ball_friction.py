@@ -16,14 +16,14 @@ from mecano.laws.friction import friction
 from mecano.maths.vector import add_vec, dot, mat, norm, vec
 
 RECORD = record(radius=(), **FRICTION_RECORD)
-BORROWED = 6
+COUPLED = 6
 
 
 @kernel
 def _sliding(p, at):
     """Return the angular velocity w of b relative to a, the friction moment on b against it, both in axes of a; |F|."""
     w = relative_rotation(mat(at.R[0]), mat(at.R[1])) @ vec(at.v, 3) - vec(at.v, 0)
-    N, r = norm(vec(at.q, BORROWED)), p.radius
+    N, r = norm(vec(at.q, COUPLED)), p.radius
     return w, N * r * r * friction(at.laws, p.coefficient, p.regularization, r * norm(w)) * w, N
 
 

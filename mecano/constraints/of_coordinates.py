@@ -13,51 +13,44 @@ from mecano.constraints.coordinates.tilt import TILT
 from mecano.constraints.coordinates.twist import TWIST
 from mecano.element_interface import Part
 
-IN_PLANE = hold_kind(
-    "in_plane", r"In plane: :math:`\mu \cdot (x_1 - x_0) - c = 0` for mu fixed in the first node.", SLIDE,
-    "force that holds the node in a plane",
+HELD = (
+    ("in_plane", r"In plane: :math:`\mu \cdot (x_1 - x_0) - c = 0` for mu fixed in the first node.", SLIDE,
+     "force that holds the node in a plane"),
+    ("orthogonal", r"Orthogonal: :math:`\mu \cdot \xi = 0` for mu fixed in the first node and xi in the second.", TILT,
+     "moment that keeps two axes perpendicular"),
+    ("same_angle", "Same angle: constant twist of two nodes.", TWIST, "moment that holds the angle"),
 )  # fmt: skip
-ORTHOGONAL = hold_kind(
-    "orthogonal", r"Orthogonal: :math:`\mu \cdot \xi = 0` for mu fixed in the first node and xi in the second.", TILT,
-    "moment that keeps two axes perpendicular",
-)  # fmt: skip
-SAME_ANGLE = hold_kind("same_angle", "Same angle: constant twist of two nodes.", TWIST, "moment that holds the angle")
+"""Name, page, coordinate and name of the multiplier of the constraints of joints that may be released."""
+IN_PLANE, ORTHOGONAL, SAME_ANGLE = (hold_kind(*row) for row in HELD)
 RELEASED = {
-    kind: release_kind(
-        f"{kind.name}_release", f"{kind.doc.strip()} Until it is released.", coordinate, kind.multipliers[0].name
-    )
-    for kind, coordinate in ((IN_PLANE, SLIDE), (ORTHOGONAL, TILT), (SAME_ANGLE, TWIST))
+    kind: release_kind(f"{name}_release", f"{doc} Until it is released.", coordinate, row)
+    for kind, (name, doc, coordinate, row) in zip((IN_PLANE, ORTHOGONAL, SAME_ANGLE), HELD, strict=True)
 }
 """The constraints that hold until they are released, by those that always hold."""
-RELATIVE_ANGLE = drive_kind(
-    "relative_angle", "Relative angle: the twist of two nodes is f(t).", TWIST, "moment that holds the angle"
-)
-DISTANCE = drive_kind("distance", "Distance of two nodes: it is f(t).", LENGTH, "force that pushes the nodes apart")
-HELD_COORDINATE = drive_kind(
-    "held_coordinate", "Held coordinate: the displacement of a node along a direction is f(t).", DISPLACEMENT,
-    "force that prescribes the position",
-)  # fmt: skip
-DRIVEN_SLIDE = drive_kind("driven_slide", "Driven slide: the sliding is f(t).", SLIDE, "force that drives the sliding")
-DRIVEN_BY_FORMULA = {
-    kind: drive_kind(kind.name, kind.doc, coordinate, kind.multipliers[0].name, BY_FORMULA)
-    for kind, coordinate in (
-        (RELATIVE_ANGLE, TWIST), (DISTANCE, LENGTH), (HELD_COORDINATE, DISPLACEMENT), (DRIVEN_SLIDE, SLIDE)
-    )
-}  # fmt: skip
-"""The constraints that drive a coordinate by a formula of the time, by those that drive it by a law."""
 LEVEL_AXIS = hold_kind(
     "level_axis", r"Level axis: :math:`a \cdot n = 0` for an axis a fixed in the node and an inertial direction n.",
     LEVEL, "moment that keeps the axis level",
 )  # fmt: skip
 
-SLIDE_LAW = law_kind("slide_law", "Slide law: a force from a law of the sliding; > 0 opposes the sliding.", SLIDE)
-TWIST_LAW = law_kind("twist_law", "Twist law: a moment from a law of the twist; > 0 opposes the twist.", TWIST)
-TILT_LAW = law_kind("tilt_law", "Tilt law: a moment from a law of the tilt, the sine of an angle.", TILT)
-PIN_LAW = law_kind("pin_law", "Pin law: a moment from a law of the angle of a pin.", PIN_ANGLE)
-OF_SIGNAL = {
-    kind: law_kind_of_signal(kind, coordinate)
-    for kind, coordinate in ((SLIDE_LAW, SLIDE), (TWIST_LAW, TWIST), (TILT_LAW, TILT), (PIN_LAW, PIN_ANGLE))
-}
+DRIVEN = (
+    ("relative_angle", "Relative angle: the twist of two nodes is f(t).", TWIST, "moment that holds the angle"),
+    ("distance", "Distance of two nodes: it is f(t).", LENGTH, "force that pushes the nodes apart"),
+    ("held_coordinate", "Held coordinate: the displacement of a node along a direction is f(t).", DISPLACEMENT,
+     "force that prescribes the position"),
+    ("driven_slide", "Driven slide: the sliding is f(t).", SLIDE, "force that drives the sliding"),
+)  # fmt: skip
+RELATIVE_ANGLE, DISTANCE, HELD_COORDINATE, DRIVEN_SLIDE = drives_by_law = [drive_kind(*row) for row in DRIVEN]
+DRIVEN_BY_FORMULA = dict(zip(drives_by_law, (drive_kind(*row, BY_FORMULA) for row in DRIVEN), strict=True))
+"""The constraints that drive a coordinate by a formula of the time, by those that drive it by a law."""
+
+LAWS = (
+    ("slide_law", "Slide law: a force from a law of the sliding; > 0 opposes the sliding.", SLIDE),
+    ("twist_law", "Twist law: a moment from a law of the twist; > 0 opposes the twist.", TWIST),
+    ("tilt_law", "Tilt law: a moment from a law of the tilt, the sine of an angle.", TILT),
+    ("pin_law", "Pin law: a moment from a law of the angle of a pin.", PIN_ANGLE),
+)
+SLIDE_LAW, TWIST_LAW, TILT_LAW, PIN_LAW = laws_of_time = [law_kind(*row) for row in LAWS]
+OF_SIGNAL = dict(zip(laws_of_time, (law_kind_of_signal(*row) for row in LAWS), strict=True))
 """The laws whose set point is a signal, by those whose set point is a law of time."""
 
 SLIDE_LATCH = latch_kind("slide_latch", "Latch of the sliding.", SLIDE)

@@ -30,7 +30,12 @@ from mecano.maths.dual import constant, number, select
 from mecano.maths.vector import Vec3, mat, put, vec
 from mecano.schema import DIRECTION, LAW, Field, mapping
 
-AXES = ("about_2", "about_1", "about_axis", "along_1", "along_2", "along_axis")
+HELD_BY = {
+    "about_2": (ORTHOGONAL, TILT_LAW), "about_1": (ORTHOGONAL, TILT_LAW), "about_axis": (SAME_ANGLE, TWIST_LAW),
+    "along_1": (IN_PLANE, SLIDE_LAW), "along_2": (IN_PLANE, SLIDE_LAW), "along_axis": (IN_PLANE, SLIDE_LAW),
+}  # fmt: skip
+"""For each axis the kind of the constraint that holds it, and that of the law that may replace it."""
+AXES = tuple(HELD_BY)
 AXES_FIELDS = {"mu": (3, 3), "xi": (3, 3), "start": 3}
 """Fields of a record: axes mu and xi, constants c. Additional fields precede them: numba does not distinguish a record
 from another one with the same leading fields."""
@@ -85,10 +90,7 @@ def pair_parts(place, axes, compliance, context):
 
 def law_outputs(field, axes):
     """Return ``Kind.optional`` for the laws of the mapping ``field``."""
-    kinds = {axis: TILT_LAW if axis in ("about_1", "about_2") else SLIDE_LAW for axis in axes}
-    if "about_axis" in axes:
-        kinds["about_axis"] = TWIST_LAW
-    return tuple((field, kinds[axis], f"_{axis}") for axis in _ordered(axes))
+    return tuple((field, HELD_BY[axis][1], f"_{axis}") for axis in _ordered(axes))
 
 
 def _ordered(axes):
@@ -121,17 +123,15 @@ def coordinate_of(axis, place):
 
 
 def _rigid(axis, place):
-    kind = SAME_ANGLE if axis == "about_axis" else ORTHOGONAL if axis.startswith("about") else IN_PLANE
     axes, start = coordinate_of(axis, place)
-    return Part(kind, BOTH, {**axes, "offset": start})
+    return Part(HELD_BY[axis][0], BOTH, {**axes, "offset": start})
 
 
 def _elastic(axis, place, law, context, natural=0.0):
-    kind = TWIST_LAW if axis == "about_axis" else TILT_LAW if axis.startswith("about") else SLIDE_LAW
     axes, start = coordinate_of(axis, place)
     if axis == "about_1":  # the angle about mu_1 is -mu_2 . xi_3
         axes["mu"] = -axes["mu"]
-    return law_part(kind, axes, law, natural, context, start, label=f"_{axis}")
+    return law_part(HELD_BY[axis][1], axes, law, natural, context, start, label=f"_{axis}")
 
 
 @kernel

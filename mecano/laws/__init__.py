@@ -19,29 +19,8 @@ from mecano.laws.time_functions import EXPONENTIAL, RAMP, SINE, STEP
 TERMS = {
     term.name: term
     for term in (
-        CONSTANT,
-        LINEAR,
-        POLYNOMIAL,
-        POWER,
-        TABLE,
-        SINE,
-        RAMP,
-        STEP,
-        EXPONENTIAL,
-        ACCELERATION,
-        BUMP,
-        RANDOM,
-        SPRING,
-        PRELOAD,
-        DAMPER,
-        DAMPER_POLYNOMIAL,
-        DAMPER_POWER,
-        DAMPER_TABLE,
-        GAS_SPRING,
-        OIL_DAMPER,
-        METERING_PIN,
-        DRY_FRICTION,
-        STOP,
-        DEAD_BAND,
+        CONSTANT, LINEAR, POLYNOMIAL, POWER, TABLE, SINE, RAMP, STEP, EXPONENTIAL, ACCELERATION, BUMP, RANDOM,
+        SPRING, PRELOAD, DAMPER, DAMPER_POLYNOMIAL, DAMPER_POWER, DAMPER_TABLE, GAS_SPRING, OIL_DAMPER, METERING_PIN,
+        DRY_FRICTION, STOP, DEAD_BAND,
     )
-}
+}  # fmt: skip

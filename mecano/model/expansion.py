@@ -50,8 +50,8 @@ def _listed(model, context, revealed):
         instances.append(Instance(title, path, kind, nodes, record, len(parts), reads=reads))
         first = len(instances)
         for part in parts:
-            on, lenders = tuple(nodes[i] for i in part.nodes), tuple(first + i for i in part.coupled_to)
-            instances.append(Instance(title, path, part.kind, on, part.parameters, 0, lenders, part.label, part.reads))
+            on, coupled = tuple(nodes[i] for i in part.nodes), tuple(first + i for i in part.coupled_to)
+            instances.append(Instance(title, path, part.kind, on, part.parameters, 0, coupled, part.label, part.reads))
         for what, i, j in kind.shares(element.values, frames):
             shared.append((what, nodes[i], nodes[j], len(instances) - len(parts) - 1))
     return instances, shared

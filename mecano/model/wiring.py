@@ -87,9 +87,9 @@ class _Wiring:
         raise AssertionError(f"{what} is no output of {path}")
 
     def _append_sensor(self, title, i, item, index):
-        lenders = (i, *(item.coupled_to if item.kind.acts else range(i + 1, i + 1 + item.n_parts)))
-        n_multipliers = sum(len(self.instances[j].kind.multipliers) for j in lenders)
+        coupled = (i, *(item.coupled_to if item.kind.acts else range(i + 1, i + 1 + item.n_parts)))
+        n_multipliers = sum(len(self.instances[j].kind.multipliers) for j in coupled)
         kind, record = output_sensor(item.kind, n_multipliers), {**item.parameters, "sensed": index}
         path = f"sensors/{item.path}/{index}"
-        self.instances.append(Instance(title, path, kind, item.nodes, record, 0, lenders, reads=item.reads, senses=i))
+        self.instances.append(Instance(title, path, kind, item.nodes, record, 0, coupled, reads=item.reads, senses=i))
         return len(self.instances) - 1

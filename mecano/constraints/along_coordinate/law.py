@@ -127,10 +127,9 @@ def law_kind(name, doc, coordinate, set_point=of_time):
     )  # fmt: skip
 
 
-def law_kind_of_signal(kind, coordinate):
-    """Return the Kind like ``kind``, the law along a coordinate, whose set point is its input."""
-    by_signal = law_kind(kind.name, kind.doc, coordinate, of_signal(3 * len(coordinate.layout)))
-    return replace(by_signal, inputs=("set_point",))
+def law_kind_of_signal(name, doc, coordinate):
+    """Return the Kind of a law along a coordinate whose set point is its input."""
+    return replace(law_kind(name, doc, coordinate, of_signal(3 * len(coordinate.layout))), inputs=("set_point",))
 
 
 def law_values(axes, law, natural, context, zero=0.0):

@@ -74,19 +74,9 @@ def carried(at, slip):
     """Return the Slip of the contact that moves with its deflection."""
     moved = number(at.v[X]) * slip.t + number(at.v[Y]) * slip.l
     return Slip(
-        slip.N,
-        slip.w,
-        slip.grip,
-        slip.v + moved,
-        slip.v_0,
-        slip.u,
-        slip.omega,
-        slip.spin,
-        slip.lean,
-        slip.t,
-        slip.l,
+        slip.N, slip.w, slip.grip, slip.v + moved, slip.v_0, slip.u, slip.omega, slip.spin, slip.lean, slip.t, slip.l,
         slip.n,
-    )
+    )  # fmt: skip
 
 
 @kernel
