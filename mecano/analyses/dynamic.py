@@ -38,7 +38,7 @@ from mecano.results.writer import Writer, refuse_existing
 
 @dataclass
 class Supervision:
-    """What follows, reports and interrupts a run.
+    """Observers, reporters and interruption of a run.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ def _warned_of(prepared, supervision):
 
 @contextmanager
 def _from_the_start(deck, path, force, supervision):
-    """Run ``begun`` while no other process writes the file."""
+    """Yield an Ongoing run from its initial state; the caller holds the lock of the file."""
     prepared = prepare(deck, partial(compile_time_integration, time=deck.values["time"]))
     with with_places(deck), _warned_of(prepared, supervision):
         found = abandonable(set_initial_state, prepared)
@@ -149,7 +149,7 @@ def resume(deck, path, **supervision):
 
 
 def _resume(deck, path, supervision):
-    """Run ``resume`` while no other process writes the file."""
+    """Resume a run as ``resume`` does; the caller holds the lock of the file."""
     if not exists(path):
         with _from_the_start(deck, path, False, supervision) as ongoing:
             return ongoing.to_the_end()

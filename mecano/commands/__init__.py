@@ -1,4 +1,4 @@
-"""What the commands share: options, refusal of empty texts, printing; each subject has a file of arguments and help.
+"""Code shared by the commands: options, refusal of empty texts, printing. Each subject has a file of its commands.
 
 Their implementations are imported when they are called.
 """

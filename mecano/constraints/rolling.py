@@ -43,7 +43,7 @@ def _contact(p, at):
 
 @kernel
 def _varied_contact(p, at):
-    """Return the same as Variables."""
+    """Return arm and directions of the contact as Variables."""
     axis = mat(at.R[0]) @ vec(p.axis, 0)
     g = touch(p, at.laws, vec(at.q, 0), axis)
     by_x, by_t = disc_variation(vec(p.direction, 0), axis, g)

@@ -1,4 +1,4 @@
-"""What a Kind declares: outputs, constraint equations, events, measured coordinates, and how it is drawn."""
+"""Declarations of a Kind: outputs, constraint equations, events, measured coordinates, display."""
 
 from dataclasses import dataclass
 
@@ -76,7 +76,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Display:
-    """How a kind is drawn and to which of the standard pictures its outputs belong; stored in results files.
+    """Shape of a kind in pictures, and the standard pictures of its outputs; stored in results files.
 
     Attributes
     ----------

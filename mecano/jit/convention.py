@@ -1,4 +1,4 @@
-"""How compiled functions call one another: an error ends the program where it occurs, so none is ever returned.
+"""Calling convention of compiled functions: an error ends the program where it occurs, so none is ever returned.
 
 numba has each caller test for errors of the function that it calls. Without these tests, and without counts of the
 references to arrays, which compiled functions never own, a quarter of the instructions needs no compilation.

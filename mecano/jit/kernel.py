@@ -29,7 +29,7 @@ class Kernel:
 
     @property
     def _numba_type_(self):
-        """What numba asks of an object that it does not know: here, the type of the function compiled by numba."""
+        """Type of the function compiled by numba, which numba reads from objects that it does not know."""
         return self._compiled
 
 

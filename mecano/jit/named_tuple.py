@@ -1,7 +1,7 @@
 """Arguments of compiled functions that belong together: named tuples (typing.NamedTuple) with annotated fields.
 
-Compiled code takes them as what they are. A call from Python passes their numbers and arrays one after the other, and
-may give any object that has attributes of these names: a State for a Motion, say.
+Compiled code receives the tuple itself. A call from Python passes its numbers and arrays one after the other, taken
+from any object that has attributes of these names: a State for a Motion, say.
 """
 
 

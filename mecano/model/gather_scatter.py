@@ -1,4 +1,4 @@
-"""What the loops over elements of all kinds have in common: gather the state of an element, add its results.
+"""Gather the state of an element and scatter its results: code shared by the loops over elements of all kinds.
 
 ``b`` and ``s`` are the records BATCH and SYSTEM, ``e`` is the number of the element in its batch. These functions are
 compiled once, and only the templates of loops.py for each kind. They find the arrays again for each element; loops in

@@ -1,4 +1,4 @@
-"""Two halves of a large model and what lies between them, so that two threads can work on it.
+"""Division of a large model into two halves and a separator, so that two threads can work on it.
 
 No entry of the tangent couples one half with the other (George 1973, "Nested dissection of a regular finite element
 mesh", SIAM J. Numer. Anal. 10). The halves depend on the model only, not on the number of threads.
@@ -9,13 +9,13 @@ import numpy as np
 from mecano.maths.distinct import distinct
 
 LARGE = 10_000  # unknowns from which on two threads are worth their coordination
-PRICE = 4  # of an unknown between the halves, on which one thread alone works, in unknowns of a half
-MOST = 0.6  # price of the larger half and what is between, over that of the whole model
+PRICE = 4  # of an unknown of the separator, on which one thread alone works, in unknowns of a half
+MOST = 0.6  # price of the larger half and of the separator, over that of the whole model
 ONE, OTHER, BETWEEN = range(3)
 
 
 def halves(n, rows, cols, groups):
-    """Return whether each unknown belongs to ONE half, to the OTHER one, or is BETWEEN them, (n,).
+    """Return the part of each unknown (n,): ONE half, the OTHER one, or the separator BETWEEN them.
 
     None for a small model, or one that cannot be divided well.
 
@@ -72,10 +72,10 @@ def _breadth_first(i, j, n):
 
 
 def _best_cut(rank, lowest, size):
-    """Return the rank at which to cut: the larger half is small then, and so is what lies between the halves.
+    """Return the rank at which to cut: both the larger half and the separator are small then.
 
-    ``lowest``: the lowest rank of a vertex and its neighbours. A vertex lies between halves cut at c if lowest < c <=
-    rank.
+    ``lowest``: the lowest rank of a vertex and its neighbours. A vertex belongs to the separator of a cut at c if
+    lowest < c <= rank.
     """
     change = np.zeros(len(rank) + 1, np.int64)
     np.add.at(change, lowest + 1, size)
@@ -88,6 +88,6 @@ def _best_cut(rank, lowest, size):
 
 
 def _place_multipliers(part, i, j, n_nodes):
-    """Put multipliers that constrain nodes outside of their half between the halves: they are eliminated last."""
+    """Move multipliers that constrain nodes outside of their half to the separator: they are eliminated last."""
     tied = (i >= n_nodes) & (part[i] != part[j])
     part[i[tied]] = BETWEEN

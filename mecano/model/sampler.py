@@ -154,7 +154,7 @@ def _turn(u, i, row0, row1, row_out):
 
 
 class Nodes(NamedTuple):
-    """Where the motion of each node stands (n_nodes,)."""
+    """Index of the motion of each node in the row (n_nodes,)."""
 
     x: Indices  # in z
     r: Indices  # in v

@@ -9,7 +9,7 @@ from mecano.post.style import COLOURS, DASHES, INK, PALE
 
 REFERENCE = {"linestyle": "-", "linewidth": 3.5, "alpha": 0.3, "zorder": 1.5}
 OTHERS = {"color": PALE, "linestyle": "-", "linewidth": 0.8, "zorder": 1.2}
-MOST_REPORTED = 16  # elements with a style of their own: more could not be identified in the legend
+MOST_STYLED = 16  # elements with a style of their own: more could not be identified in the legend
 
 
 class CurveStyles:
@@ -35,7 +35,7 @@ class CurveStyles:
 
     @property
     def _common(self):
-        """Whether elements have the same style in the whole sheet, and a common legend."""
+        """True if elements have the same style in the whole sheet, and a common legend."""
         return not self.runs and self._sheet is not None and len(self._owners) > 1
 
     def drawn(self, panel):
@@ -81,7 +81,7 @@ class CurveStyles:
     def _largest(self, panels, subjects, whats):
         """Return the subjects with the largest values, as many as there are styles for ``whats`` quantities each."""
         rounds = max(1, len(DASHES) // max(whats, 1))
-        most = rounds if self.runs else min(MOST_REPORTED, rounds * len(COLOURS))
+        most = rounds if self.runs else min(MOST_STYLED, rounds * len(COLOURS))
         if len(subjects) <= most:
             return subjects
         sizes = dict.fromkeys(subjects, 0.0)

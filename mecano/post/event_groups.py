@@ -47,7 +47,7 @@ class Group:
 
     @property
     def is_shock(self):
-        """Whether the events are shocks, which exchange momentum."""
+        """True if the events are shocks, which exchange momentum."""
         return bool(self.events[0].impulse_unit)
 
     @property

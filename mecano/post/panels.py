@@ -54,7 +54,7 @@ def worth_showing(panels, runs):
     if "m" in scale:  # moments are compared with forces times the size of the mechanism, and vice versa
         size, force, moment = scale["m"], scale.get("N", 0.0), scale.get("N m", 0.0)
         scale |= {"N m": max(moment, force * size), "N": max(force, moment / size if size else 0.0)}
-    left = max((run.left_of_forces for run in runs), default=0.0)
+    left = max((run.force_noise for run in runs), default=0.0)
     least = {unit: max(NOTHING, left if unit in ("N", "N m") else 0.0) * size for unit, size in scale.items()}
     kept = []
     for panel in panels:

@@ -13,7 +13,7 @@ from mecano.model.mesh import piece_names
 from mecano.results.reader import Results, open_results
 
 LONGEST = 80  # characters of a label: the width of the narrowest picture
-LEFT = 10.0  # times its tolerance: forces that Newton's iteration may leave, as errors of steps add to them
+NOISE = 10.0  # times its tolerance: residual forces of Newton's iteration, with those from errors of the steps
 HEADED = ("title",)  # overrides shown in the heading of pictures
 
 
@@ -41,7 +41,7 @@ class Run:
 
     @cached_property
     def pieces(self):
-        """As ``things``, with the elements of a divided member in place of the member."""
+        """The same as ``things``, with the elements of a divided member in place of the member."""
         found = {}
         for path, d in self.things.items():
             section, _, name = path.partition("/")
@@ -72,10 +72,10 @@ class Run:
         return {"m": length, "m/s": length / duration, "rad": 1.0, "rad/s": 1.0 / duration}
 
     @cached_property
-    def left_of_forces(self):
-        """Share of the largest force or moment below which another is what Newton's iteration has left of it."""
+    def force_noise(self):
+        """Share of the largest force or moment below which a force is noise of Newton's iteration."""
         newton = (self.deck.get("time") or self.deck.get("static") or {}).get("newton", {})
-        return LEFT * newton.get("force_tolerance", 0.0)
+        return NOISE * newton.get("force_tolerance", 0.0)
 
     @property
     def title(self):

@@ -61,12 +61,12 @@ class Panel:
 
     @property
     def over_time(self):
-        """Whether the horizontal axis is time."""
+        """True if the horizontal axis is time."""
         return all(curve.x.path == "time" for curve in self.curves)
 
     @property
     def constant(self):
-        """Whether all curves are constant."""
+        """True if all curves are constant."""
         return all(_constant(curve.y.values) for curve in self.curves)
 
     @property

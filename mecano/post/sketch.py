@@ -63,7 +63,7 @@ class Sketch:
 
     @property
     def in_place(self):
-        """Whether all instants are shown in place, without shift."""
+        """True if all instants are shown in place, without shift."""
         return not self.shift.any()
 
     @property

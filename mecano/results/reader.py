@@ -226,7 +226,7 @@ class Results(ByName):
             return None
 
     def __getitem__(self, name):
-        """Return the same as ``find``."""
+        """Return the output with this name, as ``find`` does."""
         return self.find(name)
 
     @cached_property
@@ -327,7 +327,7 @@ class Results(ByName):
 
     @property
     def resumable(self):
-        """Whether the run ended early with a checkpoint, from which ``mecano run --resume`` continues."""
+        """True if the run ended early with a checkpoint, from which ``mecano run --resume`` continues."""
         return self.status in ("stopped", "killed", "failed", "truncated") and self.checkpoint is not None
 
     def rows(self, table, first, last):
@@ -341,7 +341,7 @@ class Results(ByName):
 
     @property
     def status(self):
-        """How the run ended: "complete", "stopped" or "failed"; otherwise "running", "killed" or "truncated".
+        """End of the run: "complete", "stopped" or "failed"; otherwise "running", "killed" or "truncated".
 
         A killed run is recognized on the machine where it ran; elsewhere it seems to be running.
         """
@@ -356,7 +356,7 @@ class Results(ByName):
 
     @property
     def written_here(self):
-        """Whether the file was written on this machine."""
+        """True if the file was written on this machine."""
         return self._run_attributes["host"] == platform.node() and os.name == "posix"
 
     @property

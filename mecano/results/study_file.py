@@ -31,7 +31,7 @@ class Column:
 
     @property
     def numeric(self):
-        """Whether the values are numbers."""
+        """True if the values are numbers."""
         return self.values.dtype.kind in "fi"
 
     @property
@@ -59,7 +59,7 @@ class StudyTable:
 
     @property
     def named(self):
-        """Whether cases have names."""
+        """True if cases have names."""
         return any(column.path == "case/name" for column in self.columns)
 
     @property

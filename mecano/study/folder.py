@@ -18,7 +18,7 @@ WORDS = "was run with other values, or another deck; --force runs the study agai
 
 @dataclass(frozen=True)
 class Record:
-    """How a case ended: total ``processor_time`` and ``wall_time`` [s] of its processes, peak ``memory`` [B]."""
+    """End of a case: total ``processor_time`` and ``wall_time`` [s] of its processes, peak ``memory`` [B]."""
 
     status: str = WAITING
     exit_code: int | None = None

@@ -27,7 +27,7 @@ RELEASE_PHASES = ("held", "free")
 
 
 class Motion(NamedTuple):
-    """How the motion of a driven coordinate is given: fields of its record, and a compiled function."""
+    """The motion of a driven coordinate: fields of its record, and a compiled function."""
 
     fields: dict
     at: Callable  # (p, at) -> value with the offset, rate, second rate

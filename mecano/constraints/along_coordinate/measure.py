@@ -1,4 +1,4 @@
-"""What joints of two nodes measure: motions about and along an axis, reactions.
+"""Outputs of joints of two nodes: motions about and along an axis, reactions.
 
 Local unknowns x0, R0, x1, R1; the record has AXES_FIELDS (pair.py). Functions ``put(p, at, F, y, i)`` write outputs
 starting at y[i]; the other arguments are those of ``observe``.

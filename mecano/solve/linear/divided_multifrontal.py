@@ -33,7 +33,7 @@ TASKS = FACTOR, FORWARD, BACKWARD = range(3)  # addresses of the functions below
 
 
 class Halves(NamedTuple):
-    """What both halves work with."""
+    """Arrays, threads and tasks of both halves."""
 
     own: Matrices  # (PARTS, OWN, n + STRIP)
     at_hand: Indices  # (AT_HAND,)
@@ -43,7 +43,7 @@ class Halves(NamedTuple):
 
 
 class Work(NamedTuple):
-    """What the factorization works with beside the Factor."""
+    """Work arrays of the factorization beside the Factor."""
 
     front: Vector  # one that is between the halves
     stack: Vector

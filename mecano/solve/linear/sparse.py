@@ -77,7 +77,7 @@ class LinearSolver:
             self._bind(analysis)
         else:
             self._bind_divided(analysis)
-        self._other = None  # the factorization by SuperLU, if the last matrix needed it
+        self._superlu = None  # the factorization by SuperLU, if the last matrix needed it
         self.label = None  # by which the caller knows the factored matrix again
 
     def _bind(self, analysis):
@@ -85,25 +85,20 @@ class LinearSolver:
         self._solve, self._substitute = multifrontal.solve, multifrontal.substitute
         scratch = np.zeros(analysis.largest * padded(analysis.largest) + analysis.stack_length)
         self._substitute_arguments = (self._lu,)
-        self._solve_arguments = self._lu, scratch, self._equations, self.tolerance, self._again()
+        self._solve_arguments = self._lu, scratch, self._equations, self.tolerance, self._substitution()
 
     def _bind_divided(self, analysis):
-        """Do the same for a model in halves."""
+        """Enter the entries for a model in halves, and their constant arguments."""
         from mecano.solve.linear import divided_multifrontal as divided  # no small model needs it
 
         self._solve, self._substitute = divided.solve, divided.substitute
         parts = self._parts = divided.Parts(analysis, self.tolerance, self._lu)
         self._substitute_arguments = self._lu, parts.halves
-        self._solve_arguments = (
-            *self._substitute_arguments,
-            parts.work,
-            self._equations,
-            self.tolerance,
-            self._again(),
-        )
+        more = parts.work, self._equations, self.tolerance, self._substitution()
+        self._solve_arguments = *self._substitute_arguments, *more
 
-    def _again(self):
-        """Return the Substitution for ``refine``."""
+    def _substitution(self):
+        """Return the Substitution by which compiled code refines a solution."""
         vectors = self._vectors[:, : self.n]
         self._packed = self._substitute.call_from_compiled_code(
             vectors[RESIDUAL], *self._substitute_arguments, vectors[CORRECTION]
@@ -116,7 +111,7 @@ class LinearSolver:
         data (>= nnz,): values of the entries, in the order of the pattern. b (n,), x_out (n,): different arrays.
         All are contiguous arrays of floats. x_out holds the best attempt, which may be useless if not ok.
         """
-        self._other, self.label = None, label
+        self._superlu, self.label = None, label
         null, refined, error = self._solve(data, b, *self._solve_arguments, x_out)
         if error <= ACCEPT_BELOW:
             return LinearStatus(True, error, null > 0, True, null, refined)
@@ -129,7 +124,7 @@ class LinearSolver:
 
     def solved(self, label):
         """Note that compiled code has factored the matrix of this ``label``."""
-        self._other, self.label = None, label
+        self._superlu, self.label = None, label
 
     def twin(self):
         """Return another solver for the same pattern, which keeps factors of its own."""
@@ -162,14 +157,14 @@ class LinearSolver:
     @property
     def kept(self):
         """True if the last ``solve`` left a multifrontal factor."""
-        return self._other is None
+        return self._superlu is None
 
     def solve_again(self, b, x_out):
         """Solve with the factor of the last ``solve`` without checks; b and x_out may be the same array."""
-        if self._other is None:
+        if self._superlu is None:
             self._substitute(b, *self._substitute_arguments, x_out)
         else:
-            x_out[:] = self._other.solve(b)
+            x_out[:] = self._superlu.solve(b)
 
     @property
     def pivots_by_position(self):
@@ -204,20 +199,18 @@ class LinearSolver:
         values = data[: len(self._pattern[0])]
         if not (np.isfinite(values).all() and np.isfinite(b).all()):
             return LinearStatus(False, np.inf, finite=False, null_pivots=null)
-        from mecano.solve.linear.scaled_superlu import (
-            ScaledSuperLU,  # no ordinary run needs it (docs/architecture.md, Start)
-        )
+        from mecano.solve.linear.scaled_superlu import ScaledSuperLU  # no ordinary run needs it
 
         try:
-            self._other = ScaledSuperLU(self.n, *self._pattern, values)
+            self._superlu = ScaledSuperLU(self.n, *self._pattern, values)
         except RuntimeError:  # exactly singular
             return LinearStatus(False, np.inf, singular=True, null_pivots=null, fallback=True)
-        x_out[:] = self._other.solve(b)
+        x_out[:] = self._superlu.solve(b)
         error = self._backward_error(data, b, x_out)
         if error < np.inf:
-            x_out += self._other.solve(self._vectors[RESIDUAL, : self.n])
+            x_out += self._superlu.solve(self._vectors[RESIDUAL, : self.n])
             error = self._backward_error(data, b, x_out)
-        singular = self._other.reciprocal_condition() < SINGULAR_BELOW
+        singular = self._superlu.reciprocal_condition() < SINGULAR_BELOW
         ok = error <= ACCEPT_BELOW and not singular
         return LinearStatus(ok, error, singular, True, null, True, True)
 

@@ -119,7 +119,7 @@ def _pace(M, C, K):
 
 
 def _general(M, C, K):
-    """Return the same as ``_first_order`` for any M."""
+    """Return eigenvalues and vectors as ``_first_order`` does, for any M."""
     rate = _pace(M, C, K)
     values, vectors = _of_blocks(M * rate**2, C * rate, K)
     return values * rate, vectors

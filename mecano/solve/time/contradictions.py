@@ -38,7 +38,7 @@ class Contradictions:
 
     @property
     def possible(self):
-        """Whether redundant constraints have compliances."""
+        """True if redundant constraints have compliances."""
         return len(self._soft) > 0
 
     def refuse(self, s, h):

@@ -38,7 +38,7 @@ def spun(data, turned, i, omega):
 
 
 class Entries(NamedTuple):
-    """What is to be known of each entry of the tangent."""
+    """Row, rotation and place of each entry of the tangent."""
 
     kind: Indices  # (nnz,) MOTION, POSITION or RATE: of its row
     turned: Table  # (nnz, 4) for rotations (``_turned``)
@@ -171,7 +171,7 @@ class StageTangent:
 
     @property
     def finite(self):
-        """Whether all values of the last tangent are finite."""
+        """True if all values of the last tangent are finite."""
         return bool(np.isfinite(self._parts).all())
 
     def _assemble(self, part, s, cK, cC, cM):

@@ -98,7 +98,7 @@ class StepControl:
 
     @property
     def adaptive(self):
-        """Whether step sizes follow from the errors of the steps."""
+        """True if step sizes follow from the errors of the steps."""
         return self.tolerance < math.inf
 
     def forgotten(self, lag, h):
