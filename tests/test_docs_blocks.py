@@ -40,6 +40,13 @@ def kinds_in(node):
             yield from kinds_in(value)
 
 
+def test_pages_have_blocks():
+    """Half of their number: the tests below would pass without any."""
+    texts = [text for page in PAGES for text in blocks(page, "sh", "")]
+    assert sum(len(blocks(page, "yaml")) for page in PAGES) > 35
+    assert sum("mecano " in text for text in texts) > 28
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_fragments_of_decks_have_fields_that_exist(page):
     for text in blocks(page, "yaml"):

@@ -28,6 +28,7 @@ def handlers():
 
 def test_the_tutorial_can_be_followed(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    assert {language for language, _, _ in BLOCKS} == {"yaml", "sh", "text"}
     output = ""
     for language, mark, text in BLOCKS:
         if language == "yaml":
