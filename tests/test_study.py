@@ -537,6 +537,20 @@ def test_options_that_are_wrong_or_exclude_each_other(folder, options, message):
     assert result.exit_code == 2 and message in result.output
 
 
+@pytest.mark.parametrize("executor", ["slurm", "dask"])
+@pytest.mark.parametrize("option", [["--force"], ["--again", "failed"]])
+def test_no_case_is_deleted_that_cannot_run_again(folder, monkeypatch, executor, option):
+    runs = Folder("study_runs", study(folder, "grid: {time.end: [0.1, -1]}"))
+    with runs.held():
+        for case in runs.study.cases:
+            runs.write(case, Record(FAILED, 2))
+    monkeypatch.setattr(slurm.shutil, "which", lambda name: None)
+    monkeypatch.setattr(dask, "find_spec", lambda name: None)
+    result = CliRunner().invoke(commands, ["sweep", "study.yaml", "--executor", executor, *option])
+    assert isinstance(result.exception, UsageError), result.output
+    assert [runs.record(case).status for case in runs.study.cases] == [FAILED, FAILED]
+
+
 def test_one_case_alone_ends_with_the_exit_code_of_its_run(folder):
     (folder / "study.yaml").write_text(HEAD + "grid: {time.end: [0.1, -1]}\n")
     assert mecano_process("sweep", "study.yaml", "--case", "2")[0] == 2

@@ -4,6 +4,7 @@ import os
 import shlex
 import sys
 from functools import partial
+from importlib import import_module
 
 import click
 
@@ -83,6 +84,8 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
     units = units_of(checked, deck)
     if only_table:
         return _finish(execution.collect(folder, units), plot)
+    if (force or again) and executor != "local":  # before cases are deleted that could not run again
+        import_module(f"mecano.study.{executor}").require()
     cases = execution.due(folder, resume=resume, failed=again == "failed", force=force)
     if executor == "slurm" and cases:
         from mecano.study.slurm import submit

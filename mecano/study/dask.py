@@ -7,6 +7,7 @@ import signal
 import subprocess
 from contextlib import contextmanager
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 from uuid import uuid4
 
@@ -17,7 +18,14 @@ from mecano.study.pool import END_BY, LOOK, PROGRAM, case_words, gist
 
 PATIENCE = 10  # s until a scheduler must answer
 ASK = 1.0  # s between two checks of a worker for the end of the study
+MISSING = "--executor dask needs Dask, which is not installed: pip install mecano[dask]"
 AT_ONCE = 2  # signals that end the study without waiting for its cases
+
+
+def require():
+    """Raise UsageError if Dask is not installed."""
+    if not find_spec("distributed"):
+        raise UsageError(MISSING)
 
 
 def run_in_tasks(folder, cases, ended, *, limits, jobs, scheduler=None):
@@ -28,7 +36,7 @@ def run_in_tasks(folder, cases, ended, *, limits, jobs, scheduler=None):
     try:
         from distributed import Client, LocalCluster
     except ImportError:
-        raise UsageError("--executor dask needs Dask, which is not installed: pip install mecano[dask]") from None
+        raise UsageError(MISSING) from None
     with folder.held():
         pass  # from here on the tasks lock it
     if scheduler is None:

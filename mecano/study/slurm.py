@@ -2,6 +2,7 @@
 
 import os
 import shlex
+import shutil
 import subprocess
 
 from mecano.errors import ResultsError, UsageError
@@ -62,6 +63,12 @@ def ranges(numbers):
             parts.append(str(first) if first == number else f"{first}-{number}")
             first = None
     return ",".join(parts)
+
+
+def require():
+    """Raise UsageError if there is no sbatch on this machine."""
+    if not shutil.which("sbatch"):
+        raise UsageError("there is no sbatch on this machine; the existing cases are kept")
 
 
 def submit(folder, cases, limits, options, wait=False):
