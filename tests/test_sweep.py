@@ -155,6 +155,25 @@ def test_where_there_is_no_steady_running(tow, parameters, text):
     assert text in str(info.value)
 
 
+@pytest.mark.parametrize(
+    ("read", "text"),
+    [
+        ("carriage.position.x", "the forces change over time, in node carriage, hub: force x"),
+        ("bearing.angle", "forces remain out of balance"),
+    ],
+)
+def test_signals_may_vary_in_steady_running_if_no_force_varies(read, text):
+    """A driver measures the way; the wheel spins as without it."""
+    law = "{table: {points: [[50, 0], [60, 9]]}}"
+    signals = f"signals: {{way: {read}, push: {{type: curve, input: way, law: {law}}}}}"
+    load = "loads: {push: {type: force, node: carriage, direction: [1, 0, 0], value: %s}}"
+    free = textwrap.dedent(TROLLEY.format(tow=""))
+    base = operating_point(deck(free + signals + "\n" + load % "push"))
+    assert running(base, "hub")[2][1] == pytest.approx(running(trolley(), "hub")[2][1], rel=1e-9)
+    with pytest.raises(ConvergenceError, match=text):
+        operating_point(deck(free + signals + "\n" + load % "way - push"))
+
+
 def test_a_rim_whose_principal_axis_is_not_its_axle_is_named():
     """Set by 0.01 rad about the vertical, axle and wheel; the inertia is still that about y."""
     text = TROLLEY.format(tow=TOW).replace("axis: [0, 1, 0]", "axis: [-0.01, 1, 0]")

@@ -28,7 +28,7 @@ from scipy.optimize import brentq
 
 from mecano.errors import ConvergenceError
 from mecano.maths.vector import skew
-from mecano.model.numbering import ROTATION
+from mecano.model.numbering import ROTATION, SIGNAL
 from mecano.solve.diagnostics.failure import worst_equations
 from mecano.solve.events.events import EventMonitor
 from mecano.solve.time.increments import displaced
@@ -74,6 +74,7 @@ class Steady:
         of = system.numbering
         self.n_q, self.of_rates = system.n_q, of.of_rates
         self.turning = of.kind[: self.n_q] == ROTATION
+        self.signals = np.flatnonzero(of.kind[: self.n_q] == SIGNAL)
         self.root = np.where(self.turning, length, 1.0)
         self.speed = float(np.linalg.norm(self.V)) or length  # [m/s]; at rest, one length scale per second
         self.along = np.zeros(of.n_all)
@@ -234,6 +235,7 @@ class Steady:
         for d in self.system.numbering.rotation_dof:
             if d < self.n_q:  # out-of-balance moments are fixed in inertial axes: a spin does not rotate them
                 K[d : d + 3, d : d + 3] -= np.array(skew(tuple(at.f[d : d + 3])))
+        K = self._without_signals(K)
         change = K @ self.along[: self.n_q]
         change[self.n_q :] = np.where(
             self.of_rates, change[self.n_q :], -self.system.constraint_derivatives(running)[:, 1]
@@ -245,6 +247,18 @@ class Steady:
         omega[self.turning] = -Vt[:rank].T @ ((U[:, :rank].T @ (change * scale)) / sigma[:rank]) / self.length
         N[self.turning] = Vt[rank:].T
         return omega, _plain(N)
+
+    def _without_signals(self, K):
+        """Return the derivatives K (n, n_q) with algebraic signals as functions of the other unknowns.
+
+        A signal may vary in steady running, such as a position along the road, if no force changes with it.
+        """
+        if not len(self.signals):
+            return K
+        own = K[self.signals]
+        K = K - K[:, self.signals] @ la.lstsq(own[:, self.signals], own)[0]
+        K[self.signals] = K[:, self.signals] = 0.0
+        return K
 
     def _roll(self, s, direction):
         """Set the spin of ``s`` along ``direction`` (n_q,), in place, so that the moment about it vanishes."""
@@ -285,7 +299,7 @@ class Steady:
         if off.max(initial=0.0) > STEADY:
             name = self.system.numbering.name[self.n_q + int(np.argmax(off))]
             raise ConvergenceError(f"{text}: the constraint '{name}' would be violated over time\n{tries}")
-        K, v = at.K[: self.n_q, : self.n_q], s.v[: self.n_q]
+        K, v = self._without_signals(at.K[: self.n_q, : self.n_q]), s.v[: self.n_q]
         change, force = np.abs(K @ v) / self.root, (at.size / self.root).max(initial=0.0)
         rate = max(self.speed / self.length, np.abs(v[self.turning]).max(initial=0.0))
         if change.max(initial=0.0) > STEADY * force * rate:
