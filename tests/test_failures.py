@@ -214,11 +214,11 @@ def test_the_worst_equations_are_of_different_places_and_no_rounding():
         nodes=[SimpleNamespace(x=(0.0, 0.0, 0.0))],
     )  # fmt: skip
     assembly = SimpleNamespace(residual=np.array([2.0, 3.0, -1.0, 2.9e-3, 1e-13]), size=np.array([*[10.0] * 4, 1e-13]))
-    assert worst_equations(system, assembly) == "  node tip: force z: residual 3\n  node root: force x: residual 1"
+    assert worst_equations(system, assembly) == "  node tip: force z: residual 3 N\n  node root: force x: residual 1 N"
     assembly.residual[4] = 6.0
     assert worst_equations(system, assembly).startswith("  rod 'r': length: residual 6\n  node tip")
     assembly.residual[2] = np.inf
-    assert worst_equations(system, assembly) == "  node root: force x: residual inf"
+    assert worst_equations(system, assembly) == "  node root: force x: residual inf N"
 
 
 def test_a_step_of_the_least_size_that_is_too_rough_stops_the_run(tmp_path):

@@ -7,6 +7,7 @@ from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, TRANSLAT
 from mecano.solve.diagnostics.scales import ANGULAR_SHARE, TINY, length_scale
 
 REPORTED = 5  # equations reported, the worst of each node, joint or element
+UNITS = {TRANSLATION: " N", ROTATION: " N m"}  # of residuals
 NEGLIGIBLE = 1e-3  # of the worst residual: smaller ones are not reported
 NAMED = 6  # elements named of one equation
 NEARLY_NULL = 1e-13  # added to the diagonal of a singular matrix of entries up to 1
@@ -117,8 +118,11 @@ def worst_rows(system, assembly):
 
 def worst_equations(system, assembly):
     """Return the names and residuals of the worst equations of an assembly, with the elements acting in them."""
-    name, r = system.numbering.name, np.abs(assembly.residual)
-    return "\n".join(f"  {name[i]}: residual {r[i]:.3g}{acting(system, i)}" for i in worst_rows(system, assembly))
+    of, r = system.numbering, np.abs(assembly.residual)
+    return "\n".join(
+        f"  {of.name[i]}: residual {r[i]:.3g}{UNITS.get(of.kind[i], '')}{acting(system, i)}"
+        for i in worst_rows(system, assembly)
+    )
 
 
 def _scales(system, size):
