@@ -7,7 +7,7 @@ from click.testing import CliRunner
 
 from mecano.cli import commands
 from mecano.deck.catalogue import explain
-from mecano.deck.synonyms import NOTES, SYNONYMS, synonym
+from mecano.deck.synonyms import NOTES, SYNONYMS, synonym, synonym_of_end
 from mecano.elements import KINDS
 from mecano.errors import UsageError
 
@@ -54,6 +54,16 @@ def test_names_of_mecano_with_spaces_or_hyphens():
 
 def test_forms_of_a_word():
     assert synonym("Motors") == synonym("motor") and synonym("Universal_Joint") == synonym("cardan")
+
+
+def test_words_are_found_by_their_end():
+    assert synonym_of_end("double wishbones") == synonym("wishbone") != synonym_of_end("left trailing-arm bushing")
+    assert synonym_of_end("wishbone") is None and synonym("leaf spring") != synonym("spring")
+    assert explain("double wishbone").partition("\n")[2] == explain("wishbone").partition("\n")[2]
+
+
+def test_a_field_of_a_section_may_be_given_by_two_words():
+    assert explain("initial from") == explain("initial.from")
     assert synonym("flux capacitor") is None
 
 

@@ -15,7 +15,7 @@ from mecano.deck.describe import (
 from mecano.deck.expanded_sections import EXPANDED_SECTIONS, REPEAT
 from mecano.deck.plain_maths import plain_text
 from mecano.deck.sections import SECTIONS
-from mecano.deck.synonyms import SYNONYMS, synonym
+from mecano.deck.synonyms import SYNONYMS, synonym, synonym_of_end
 from mecano.deck.units import ALONE, PREFIXED, PREFIXES
 from mecano.deck.wording import quoted, suggestion
 from mecano.elements import KINDS
@@ -102,9 +102,9 @@ def explain(name):
     similar ones.
     """
     texts, known = _called(name)
-    if not texts:
-        texts, _ = _called(re.sub("[ -]", "_", name))
-    meant = synonym(name)
+    for other in (re.sub("[ -]", "_", name), name.replace(" ", ".")):
+        texts = texts or _called(other)[0]
+    meant = synonym(name) or (None if texts else synonym_of_end(name))
     if not texts and not meant:
         raise UsageError(f"there is no kind, law or section {quoted(name)}; {_nearest(name, known)}")
     if meant:
@@ -179,12 +179,13 @@ def _inside(name):
     owner, _, last = name.rpartition(".")
     owners = {}
     for place, fields in _declared():
-        if not owner or place.partition(".")[0] == owner or place == owner:
-            for where, field in _walk(fields, place):
-                if field.name == last:
-                    owners.setdefault("\n".join(field_lines((field,))), []).append(where)
-                elif field.type.name == "choice" and last in field.type.options:
-                    owners.setdefault("\n".join(field_lines((field,))), []).append(f"{where}.{field.name}")
+        for where, field in _walk(fields, place):
+            if owner and not f"{where}.".startswith(f"{owner}."):
+                continue
+            if field.name == last:
+                owners.setdefault("\n".join(field_lines((field,))), []).append(where)
+            elif field.type.name == "choice" and last in field.type.options:
+                owners.setdefault("\n".join(field_lines((field,))), []).append(f"{where}.{field.name}")
     for lines, places in owners.items():
         yield "\n".join([*wrap(f"{last} (in {', '.join(places)})", WIDTH), "", lines, ""])
 

@@ -126,13 +126,40 @@ NOTES = {  # words with the same meaning: (targets, note)
     "closed cable loop, cable loop": (
         "belt coupler reeved_cable", "a belt is a closed loop; a coupler relates two angles"
     ),
-    "wishbone, suspension, control arm, knuckle, kingpin, tie rod, track rod": (
+    "car, vehicle, truck, understeer, handling, cornering, lane change, driver, cruise control, vehicle dynamics": (
+        "wheel transient_wheel tire_laws signals initial study",
+        "suspension, rack, a driver and a speed controller of signals: docs/tyres.md, 'A car'; `mecano sweep` varies "
+        "the speed",
+    ),
+    "wishbone, suspension, control arm, trailing arm, knuckle, kingpin, tie rod, track rod, macpherson, macpherson "
+    "strut": (
         "rigid_body hinge spherical rigid_rod spring_damper place",
         "an arm is a body on a hinge, with a spherical joint at the upright; a tie rod is a rigid_rod between nodes "
         "'attached' to bodies; a template describes one corner",
     ),
     "anti roll bar, antiroll bar, sway bar, stabilizer, stabilizer bar": (
         "torsion_spring_damper rigid_rod", "two arms on hinges, a torsion_spring_damper between them, a rod from each"
+    ),
+    "steering, steering rack, rack and pinion steering": (
+        "prismatic rack_and_pinion rigid_rod",
+        "a rack is a body on a prismatic joint, whose 'natural_displacement' is the command; tie rods are rigid_rods",
+    ),
+    "toe, camber, kinematics and compliance": (
+        "rigid_rod hinge signals", "they follow from the points of the suspension; a signal computes them"
+    ),
+    "leaf spring": ("beam spring_damper", ""),
+    "torsion bar": ("torsion_spring_damper beam", ""),
+    "tape spring, tape hinge, carpenter tape": (
+        "turning_law table hinge.latch",
+        "the moment of a hinge over its angle is a table, whose peak lies beside the straight position",
+    ),
+    "reaction wheel, momentum wheel, control moment gyro, cmg, flywheel, gyroscope": (
+        "rigid_body hinge joint_moment", "a rotor on a hinge; a joint_moment is its motor, whose value is a signal"
+    ),
+    "attitude, yaw, heading, pitch, euler, quaternion, attitude control": (
+        "signals orientation held_rotation",
+        "angles that signals read: those of joints, or of the line between two nodes of the body, "
+        "atan2(nose.position.y - tail.position.y, nose.position.x - tail.position.x) (docs/signals.md)",
     ),
     "harmonic drive, strain wave gear, gear ratio, reducer, speed reducer": (
         "coupler torsion_spring_damper gear_pair",
@@ -318,6 +345,12 @@ def synonym(name):
     word = SEPARATORS.sub(" ", name.lower().strip())
     entry = next((SYNONYMS[form] for form in _forms(word) if form in SYNONYMS), None)
     return entry and (tuple(entry[0].split()), entry[1])
+
+
+def synonym_of_end(name):
+    """Return ``synonym`` of the longest end of several words that has one, as in "double wishbone", or None."""
+    words = SEPARATORS.split(name.strip())
+    return next((found for i in range(1, len(words)) if (found := synonym(" ".join(words[i:])))), None)
 
 
 def keys_meant(key):
