@@ -143,7 +143,7 @@ def test_drag_of_a_towed_wheel_is_made_up_by_slip():
 @pytest.mark.parametrize(
     ("tow", "parameters", "text"),
     [
-        ("", {"drag": 0.5}, "forces remain out of balance"),
+        ("", {"drag": 0.5}, "along the road some 51.8 N remain"),
         ("", {"slope": 0.02}, "forces remain out of balance"),
         (TOW.replace("$speed", "14.0"), {}, "the constraint 'prescribed_position 'tow'"),
     ],

@@ -46,6 +46,7 @@ LESS, HOPELESS = 0.9, 60  # relaxation ends if the force does not fall by this f
 MOST_GROWTH, HARDER = 1.5, 4.0  # largest growth of the force in a relaxation step; factor on the drag beyond it
 STEADY = 1e-6  # largest relative change of forces per radian or length scale; of constraints relative to the speed
 ROUNDED = 1e-12  # of the speed, or of speed over length scale: smaller velocities are set to zero
+DRAG = 0.5  # of the largest out-of-balance force: smaller sums along the road are none of their causes
 NOTICEABLE = 0.1  # of the length scale: displacement by which a state has another shape
 WIDER, WIDENINGS = 2.0, 40  # factor on the bracket of a spin; number of times it is widened
 
@@ -293,7 +294,7 @@ class Steady:
             assembly = self.system.assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0)
             raise ConvergenceError(
                 f"{text}: forces remain out of balance or constraints violated; the worst equations:\n"
-                f"{worst_equations(self.system, assembly)}\n{tries}"
+                f"{worst_equations(self.system, assembly)}{self._drag(at)}\n{tries}"
             )
         off = np.abs(at.rates) / self.speed
         if off.max(initial=0.0) > STEADY:
@@ -305,6 +306,16 @@ class Steady:
         if change.max(initial=0.0) > STEADY * force * rate:
             name = self.system.numbering.name[int(np.argmax(change))]
             raise ConvergenceError(f"{text}: the forces change over time, in {name}\n{tries}")
+
+    def _drag(self, at):
+        """Return a sentence on the sum of all forces along the road, if it is the largest; reactions have none."""
+        drag = abs(float(self.V @ at.f[self.free].sum(axis=0))) / self.speed
+        if drag < DRAG * at.force:
+            return ""
+        return (
+            f"\nalong the road some {drag:.3g} N remain, of toe, rolling resistance, drag or a slope: a drive that "
+            "controls the speed balances them if it has an integrator, as in docs/tyres.md"
+        )
 
 
 def reshaping(system, before, after):
