@@ -399,6 +399,21 @@ def test_varied_values_of_one_key_are_told_apart_in_pictures():
         assert all(a.x1 < b.x0 for a, b in pairwise(boxes))
 
 
+@pytest.mark.parametrize(("values", "joined"), [(5, True), (20, False)])
+def test_dots_are_joined_only_along_one_parameter(values, joined):
+    """Random cases of two parameters are no function of either."""
+    a, b = np.arange(20.0), np.arange(20.0) * 7 % values
+    columns = [
+        Column("case", "status", "", "", ["complete"] * 20),
+        Column("parameters", "a", "", "", a),
+        Column("parameters", "b", "", "", b),
+        Column("outputs", "x", "", "", a + b),
+    ]
+    over_a, over_b = study_figure(StudyTable("", "", "", tuple(columns))).axes
+    assert [line.get_linestyle() for line in over_a.lines] == (["-"] * values if joined else ["None"])
+    assert [line.get_linestyle() for line in over_b.lines] == ["None"]
+
+
 def test_rounding_errors_are_displayed_as_zero():
     """The side load of a symmetric landing beside that of a drift landing, as in the report and the picture."""
     values = {"left": ("N", [4.8e-5, -1e5]), "link": ("N m", [-3.7e-6, 2.0]), "gap": ("N m", [1e-9, np.nan])}

@@ -65,10 +65,14 @@ def _figure(table, parameters, outputs):
 
 
 def _panel(ax, output, parameter, other, joined, title):
-    """Plot dots, coloured by the values of the ``other`` parameter if these are few; ``title`` of a legend, or ""."""
+    """Plot dots, coloured by the values of the ``other`` parameter if these are few; ``title`` of a legend, or "".
+
+    Dots of one value of the other parameter may be ``joined``.
+    """
     factor, _ = shown_unit(output.unit, output.values)
     values = sorted(set(other.values)) if other is not None else []
     distinguished = 1 < len(values) <= MOST_COLOURS
+    joined = joined and len(values) <= MOST_COLOURS
     groups = [other.values == value for value in values] if distinguished else [np.ones(len(output.values), bool)]
     for number, group in enumerate(groups):
         known = np.flatnonzero(group & np.isfinite(output.values))
