@@ -67,6 +67,24 @@ def test_null_removes_entries_of_sections_and_terms_of_laws():
     assert terms == [["polynomial", "damper", "stop"], ["polynomial", "stop"]]
 
 
+@pytest.mark.parametrize("removed", ["templates.leg.joints", "templates.leg.joints.pin"])
+def test_null_removes_entries_and_sections_of_templates(removed):
+    text = (
+        VALID
+        + """
+templates:
+  leg:
+    nodes: {foot: {position: [9, 0, 0]}}
+    elements: {shoe: {type: body, node: foot, mass: 1}}
+    joints: {pin: {type: hinge, nodes: [ground, foot], axis: [0, 1, 0]}}
+place: {left: {template: leg}}
+"""
+    )
+    assert "left_pin" in read_fake(text).values["joints"]
+    values = read_fake(text, overrides=[f"{removed}=null"]).values
+    assert "left_pin" not in values["joints"] and "left_shoe" in values["elements"]
+
+
 @pytest.mark.parametrize(
     ("override", "problem"),
     [

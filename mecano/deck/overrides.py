@@ -81,10 +81,15 @@ def _replaced(node, places, depth, new, names):
 
 
 def _removes(places, depth, new, names):
-    """Return whether an override removes an entry of a section, or a term of a law: joints.hinge=null."""
-    section = places[0].value
-    last = depth + 1 == len(places) and new.value is None and new.raw
-    return last and ((depth == 1 and section in names - {"parameters"}) or (depth == 2 and section == "laws"))
+    """Return whether an override removes an entry of a section, or a term of a law: joints.hinge=null.
+
+    The section may be that of a template: templates.leg.joints.hinge=null.
+    """
+    if depth + 1 < len(places) or new.value is not None or not new.raw:
+        return False
+    first = 2 if places[0].value == "templates" and depth > 2 else 0
+    section = places[first].value
+    return (depth == first + 1 and section in names - {"parameters"}) or (depth == first + 2 and section == "laws")
 
 
 def _like(node, value):

@@ -71,7 +71,8 @@ class Templates:
                 hint = self.scope.suggest(section, self.sections)
                 self.scope.refuse(key, f"template {quoted(name)}: unknown section {quoted(section)}", hint)
             elif type(inner.value) is not dict:
-                self.scope.refuse(inner, f"template {quoted(name)}: {quoted(section)} must be a mapping of names")
+                if inner.value is not None or inner.raw == "":  # null omits it
+                    self.scope.refuse(inner, f"template {quoted(name)}: {quoted(section)} must be a mapping of names")
                 del node.value[section]
 
     @contextmanager
