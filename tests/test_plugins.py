@@ -75,6 +75,18 @@ def test_what_is_wrong_in_a_kind_is_found(folder, old, new, failed):
     assert code == 2 and f"FAILED  {failed}" in out and "of my_drag.py failed" in err
 
 
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [("at.x", "'Place' object has no attribute 'x'; known: t, phase, "), ("other.v", "name 'other' is not defined")],
+)
+def test_an_exception_has_the_line_of_the_plugin(folder, wrong, said):
+    text = SOURCES["my_drag.py"].replace("vec(at.v, 0)", f"vec({wrong}, 0)", 1)
+    (folder / "my_drag.py").write_text(text)
+    line = text[: text.index(wrong)].count("\n") + 1
+    code, out, _ = call("check-kind", "my_drag.py")
+    assert code == 2 and f"line {line}: " in out and said in out
+
+
 def test_a_wrong_tangent_by_hand_is_found(folder):
     by_hand = (
         SOURCES["my_drag.py"]
@@ -228,6 +240,18 @@ def test_an_error_of_the_compiler_is_one_line(tmp_path):
     text = str(error.value)
     assert text.startswith(f"{tmp_path}/bad.py:2: a kernel cannot be compiled: No implementation of function")
     assert "\n" not in text and "During" not in text and "Failed in" not in text
+
+
+def test_a_kernel_with_an_undefined_name_is_named():
+    from numba import njit, types
+
+    def inner(x):
+        return x + undefined  # noqa: F821
+
+    called = njit(inner)
+    with pytest.raises(CompilationError) as error, compilation_errors():
+        njit((types.float64,))(lambda x: called(x))
+    assert str(error.value) == "the kernel 'inner' cannot be compiled: name 'undefined' is not defined"
 
 
 def test_an_unknown_field_of_a_record_is_named(tmp_path):

@@ -1,6 +1,7 @@
 """Test all kinds, slip laws and terms of a plugin, for `mecano check-kind`."""
 
 from dataclasses import replace
+from traceback import walk_tb
 
 from mecano.analyses.kind_tests import OF_DECK_KINDS
 from mecano.analyses.law_tests import OF_SLIP_LAWS, OF_TERMS
@@ -17,7 +18,7 @@ def check_plugin(plugin):
         title, tests = _tests(item)
         lines.append(title)
         for name, test in tests:
-            text = _tried(test)
+            text = _tried(test, plugin.source)
             failures += bool(text)
             lines += [f"  {'FAILED' if text else 'passed'}  {name}", *([f"          {text}"] if text else [])]
     return "\n".join(lines), failures
@@ -41,11 +42,22 @@ def _named(tests, item):
     return [(test.__doc__.split("\n")[0].rstrip("."), lambda test=test: test(item)) for test in tests]
 
 
-def _tried(test):
-    """Return the failure of a test as one line; "" if it passes."""
+def _tried(test, path):
+    """Return the failure of a test of the plugin at ``path`` as one line; "" if it passes."""
     try:
         test()
     except Exception as error:
         text = " ".join(str(error).split())
-        return text if isinstance(error, AssertionError) and text else f"{type(error).__name__}: {text}"
+        return text if isinstance(error, AssertionError) and text else _described(error, text, path)
     return ""
+
+
+def _described(error, text, path):
+    """Return an error with the last line of the plugin that led to it, and with the fields that ``at`` has."""
+    lines = [line for frame, line in walk_tb(error.__traceback__) if frame.f_code.co_filename == path]
+    known = getattr(getattr(error, "obj", None), "_fields", ())
+    return (
+        (f"line {lines[-1]}: " if lines else "")
+        + f"{type(error).__name__}: {text}"
+        + (f"; known: {', '.join(known)}" if known else "")
+    )

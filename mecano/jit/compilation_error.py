@@ -11,6 +11,7 @@ from mecano.errors import CompilationError
 
 COLOUR = re.compile("\x1b\\[[0-9;]*m")
 PLACE = re.compile(r"^During: .* at (\S+) \((\d+)\)$", re.MULTILINE)  # first the innermost one
+CALLED = re.compile(r"^During: resolving callee type: .*<function (?:\S+\.)?(\w+) at", re.MULTILINE)  # the same
 STAGES = ("Failed in", "During:", "File ", "[", "<source")  # beginnings of lines that give no reason
 
 
@@ -42,9 +43,14 @@ def _unknown_field(error):
 
 
 def _in_words(text):
-    """Return the innermost place and the reason in the text of an error of numba, on one line."""
+    """Return the innermost place and the reason in the text of an error of numba, on one line.
+
+    A name that is not defined has no place: the function that uses it is named instead.
+    """
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     reasons = [line for line in lines if not line.startswith(STAGES)] or lines
     reason = " ".join(reasons[:2]) if reasons[0].endswith(":") else reasons[0]
-    place = PLACE.search(text)
+    place, used = PLACE.search(text), CALLED.search(text)
+    if reason.startswith("NameError") and used:
+        return f"the kernel '{used[1]}' cannot be compiled: {reason.removeprefix('NameError: ')}"
     return f"{f'{place[1]}:{place[2]}: ' if place else ''}a kernel cannot be compiled: {reason}"
