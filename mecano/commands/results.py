@@ -48,6 +48,7 @@ def post(results, plots, spectra, at, output, kind, columns, title, below, page,
     """
     from mecano.results.checked import blaming, cut_short
 
+    _refuse_names(results, plots)
     if page or report:
         _refuse_strays(results, at=at, output=output, format=kind != "png", csv=columns, below=below)
     if page and spectra and not report:
@@ -56,6 +57,16 @@ def post(results, plots, spectra, at, output, kind, columns, title, below, page,
         click.echo(f"mecano: {warning}", err=True)
     with blaming(*results):
         _post(results, plots, spectra, at, output, kind, columns, title, below, page, report, force)
+
+
+def _refuse_names(results, plots):
+    """Raise UsageError if an output stands in place of a results file: '--plot a b'."""
+    for name in results if plots else ():
+        if not Path(name).exists() and not name.endswith(".h5"):
+            raise click.UsageError(
+                f"{name!r} is no file; --plot takes one text: --plot {plots[0]},{name} for one panel, "
+                f"--plot {plots[0]} --plot {name} for two"
+            )
 
 
 def _post(results, plots, spectra, at, output, kind, columns, title, below, page, report, force):
