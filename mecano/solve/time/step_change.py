@@ -219,12 +219,15 @@ def scale_constraints(w, h, as_given):
     w.k = w.fixed_k if as_given and w.fixed_k > 0.0 else w.stiffness
     w.penalty = w.fixed_penalty if as_given and w.fixed_penalty >= 0.0 else w.stiffness
     w.penalty = min(w.penalty, w.largest_penalty, w.stiffness * w.largest_penalty_share)
-    set_compliances(w)
+    set_compliances(w, h / w.h)
 
 
 @kernel
-def set_compliances(w):
-    """Set the compliances for steps of this size (compliance.py)."""
+def set_compliances(w, share):
+    """Set the compliances for steps of a ``share`` of the step size (compliance.py).
+
+    They fall as its square, like the mobility of the masses, so that no constraint is softer than in the step itself.
+    """
     n = w.n_entries
     base, kinds, in_tangent = floats(w.soft_base, n), integers(w.soft_kinds, n), floats(w.soft_in_tangent, n)
     values, entries = floats(w.soft_values, n), floats(w.entry_values, n)
@@ -232,7 +235,7 @@ def set_compliances(w):
         if kinds[i] == OF_RELEASED:
             values[i] = RELEASED_COMPLIANCE / w.stiffness * base[i]
         else:
-            values[i] = (1.0 / w.cC if kinds[i] == OF_RATES else 1.0) * base[i]
+            values[i] = (share / w.cC if kinds[i] == OF_RATES else share * share) * base[i]
         entries[i] = -w.k * w.k * values[i] * in_tangent[i]
 
 
