@@ -7,7 +7,7 @@ import pytest
 from magic_formula import read
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
-from time_runs import INPUTS, RecordedRun, input_deck
+from time_runs import INPUTS, RecordedRun, deck, input_deck
 
 from mecano.analyses.kind_trial import Instance, duals, expand, seed_of
 from mecano.constraints.ground import slope_below
@@ -149,3 +149,65 @@ def test_energy_of_a_slalom():
         lost, stored = recorded["energy/dissipated"][-1], 0.5 * K * recorded["elements/tire/y"].ravel() ** 2
     assert lost > 50.0 and stored.max() > 5.0
     assert leaks[0] < 2e-3 * lost and leaks[1] < 0.35 * leaks[0]
+
+
+CASTER = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    parameters: {V: 12.0, trail: 0.06}
+    nodes:
+      carriage: {position: [0, 0, 0.3]}
+      arm: {position: [0, 0, 0.3]}
+      axle: {position: [-$trail, 0, 0.3]}
+      hub: {position: [-$trail, 0, 0.3]}
+    elements:
+      swivel: {type: rigid_body, node: arm, mass: 1, inertia: [0.3, 0.3, 0.3], attached: [axle]}
+      rim: {type: rigid_body, node: hub, mass: 5, inertia: [0.1, 1.0e-4, 0.1]} # 0.3 + 0.1 + 5 trail^2 = 0.418 kg m2
+      tyre: {type: transient_wheel, node: hub, axis: [0, 1, 0], tire_law: brush, ground: road}
+    joints:
+      level: {type: held_rotation, nodes: [ground, carriage]}
+      height: {type: prescribed_position, node: carriage, direction: [0, 0, 1], value: 0.0}
+      track: {type: prescribed_position, node: carriage, direction: [0, 1, 0], value: 0.0}
+      tow: {type: prescribed_position, node: carriage, direction: [1, 0, 0], value: {linear: {slope: $V}}}
+      caster: {type: hinge, nodes: [carriage, arm], axis: [0, 0, 1], turning_law: {damper: {coefficient: 1.0}}}
+      bearing: {type: hinge, nodes: [axle, hub], axis: [0, 1, 0]}
+    tire_laws:
+      brush:
+        radius: 0.32
+        radial: {linear: {slope: 2.0e5}}
+        fiala: {cornering_stiffness: 3.0e4, friction: 0.8, contact_length: 0.1, carcass_stiffness: [3.0e5, 1.5e5]}
+    grounds: {road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}}
+    initial:
+      steady: {velocity: [$V, 0, 0]}
+      velocities: [{nodes: [arm, axle, hub], angular_velocity: [0, 0, 30], about: [0, 0, 0]}]
+    time: {end: 0.8, step: 0.25 ms}
+"""
+
+
+def caster(t, state):
+    """Rates of the angle of the caster, of its rate and of the deflection of the tyre, by Fiala's force and moment."""
+    angle, rate, y = state
+    speed, sideways, slide = 12.0 * math.cos(angle), -12.0 * math.sin(angle) - 0.06 * rate, 3 * 0.8 * 4000.0
+
+    def force(v):
+        G = -3e4 * v / math.hypot(speed, 0.1)
+        x = min(abs(G) / slide, 1.0)
+        return math.copysign(slide / 3 * (3 * x - 3 * x * x + x**3), G), x
+
+    def gap(y1):
+        return force(sideways + y1)[0] - 1.5e5 * (y + CREEP * y1 / math.hypot(speed, 1.0))
+
+    v = sideways + brentq(gap, -50.0, 50.0, xtol=1e-13)
+    F, x = force(v)
+    M = 0.05 / 3 * 3e4 * v * speed / (speed**2 + 0.01) * (1 - x) ** 3
+    return [rate, (-0.06 * F + M - rate) / 0.418, v - sideways]
+
+
+def test_a_kicked_caster_on_a_brush_tyre_falls_to_its_limit_cycle(verify):
+    """Shimmy: trail, relaxation and sliding together."""
+    recorded = RecordedRun(deck(CASTER))
+    found, t = recorded["joints/caster/angle"].ravel(), recorded.time
+    own = solve_ivp(caster, (0.0, 0.8), [0.0, 30.0, 0.0], t_eval=t, rtol=1e-8, atol=1e-10).y[0]
+    verify("Tyres", "caster on a brush tyre, kicked, falls to its shimmy: angle [rad]", found, own,
+           "independent integration", absolute=5e-4)  # fmt: skip
+    assert 0.55 < found[t > 0.6].max() < 0.72 < found.max()  # the limit cycle, approached from outside: 0.577 rad

@@ -11,6 +11,7 @@ the carcass, with the stiffnesses K of the tyre law and a small damping:
 
     F.t = K_t (x + b_t (dx/dt)/V),   F.l = K_l (y + b_l (dy/dt)/V),   V = sqrt(V_x^2 + v_0^2)
 
+with the velocity V_x of the axle along t; v_0 is 1 m/s here, whatever the 'least_speed' of the law.
 Linearized with a slip stiffness C, the relaxation length is sigma = C/K + b. If the whole contact slides, or the force
 falls with the slip, the deflection settles over the distance b; without b, its rate would not be unique. The wheel
 loses F.v_C: the carcass stores (K_t x^2 + K_l y^2)/2, its damping and the slip dissipate the rest, for any variation of
