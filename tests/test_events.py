@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from time_runs import RecordedRun, deck, input_deck
 
 g = 9.81
@@ -301,3 +302,37 @@ def test_equal_wheels_lift_off_at_one_instant(heading, pull):
     rounding = np.finfo(float).eps * 10.0 * t * 140.0 / (0.25 * d**2 * pull)
     assert first == second == pytest.approx(t, abs=1e-8 + rounding)
     assert np.abs(recorded["nodes/axle/angular_velocity"][:, :2]).max() < 1e-9  # wheels turn at 25 rad/s: rounding
+
+
+@pytest.mark.parametrize("step", [0.02, 0.005])
+def test_a_line_that_a_shock_makes_slack_does_not_push(step):
+    """Struck upwards, its damper would push at once, and pull again at the end of the step: it is slack meanwhile.
+
+    The load moves on a spring until the tension rises from zero again: strain + damping strain_rate = 0.
+    """
+    recorded = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: none
+        nodes:
+          ceiling: {{position: [0, 0, 1], fixed: true}}
+          floor: {{position: [0, 0, -1], fixed: true}}
+          load: {{position: [0, 0, 0]}}
+          hammer: {{position: [0, 0, -0.45]}}
+        elements:
+          body: {{type: rigid_body, node: load, mass: 1, inertia: [1, 1, 1]}}
+          hammer: {{type: point_mass, node: hammer, mass: 1}}
+          line: {{type: cable, nodes: [ceiling, load], axial_stiffness: 1.0e4, natural_length: 0.95, damping: 0.1}}
+          spring: {{type: spring_damper, nodes: [floor, load], law: {{spring: {500 / 0.95}}}, natural_length: 0}}
+          hit: {{type: contact, nodes: [load, hammer], sphere: {{radius: 0.1}}, radius: 0.1, restitution: 1}}
+        initial: {{velocities: [{{nodes: [hammer], velocity: [0, 0, 5]}}]}}
+        time: {{end: 0.08, step: {step}}}
+        """)
+    )
+    w = np.sqrt(500 / 0.95)
+    height, speed = lambda t: np.cos(w * t) - 1 + 5 / w * np.sin(w * t), lambda t: 5 * np.cos(w * t) - w * np.sin(w * t)
+    taut = brentq(lambda t: 0.05 - height(t) - 0.1 * speed(t), 1e-3, 2e-2)
+    happened = [(event.name, event.t) for event in recorded.event_records]
+    assert [name for name, _ in happened] == ["closes", "goes slack", "goes taut"]
+    np.testing.assert_allclose([t for _, t in happened], [0.05, 0.05, 0.05 + taut], atol=0.1 * step**2 / 0.02)
+    assert recorded["energy/dissipated"][-1] < 25.0  # of 289 J; a line that pushes takes 80 to 415 J

@@ -54,6 +54,9 @@ class Event:
     elastic: bool = False
     """True if no constraint holds before or after, so that the event may be captured (solve/events/capture.py): the
     phase at the end of a step follows from the motion there, without the shock that the event may have"""
+    one_sided: bool = False
+    """True if the force beyond it would have the wrong sign: where a step begins beyond it, as after a shock, it
+    happens at once, also if the motion leaves it behind before the end of the step"""
     command: str = ""
     """input whose value is its number"""
     beyond: int = -1

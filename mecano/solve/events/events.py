@@ -33,6 +33,7 @@ class EventMonitor:
         self.within = np.array([e.before == e.after for e in events], bool)
         self.changes_energy = np.array([e.changes_energy for e in events], bool)
         self.elastic = np.array([e.elastic for e in events], bool)
+        self.one_sided = np.array([e.one_sided for e in events], bool)
         self.captures = False  # whether elastic events are left out of ``values``
 
     def within_a_phase(self, hit):
@@ -128,8 +129,8 @@ class NoEvents(EventMonitor):
 
 @entry
 def some_happened(g0: Vector, g1: Vector) -> bool:
-    """Return whether an event value crosses zero from g0 to g1 (n_events,) or stays nonnegative, ending positive."""
+    """Return whether an event value crosses zero from g0 to g1 (n_events,), or is positive at one of both ends."""
     for i in range(g0.shape[0]):
-        if (g0[i] < 0.0 and g1[i] >= 0.0) or (g0[i] >= 0.0 and g1[i] > 0.0):
+        if g0[i] > 0.0 or g1[i] > 0.0 or (g0[i] < 0.0 and g1[i] == 0.0):
             return True
     return False

@@ -15,6 +15,7 @@ from mecano.solve.time.interpolate import interpolate
 
 TIME_TOLERANCE = 1e-10  # of the step in which the event lies
 AT_ONCE = 1e-7  # of a step: an event before this happens at its beginning
+BRIEFLY = 1e-3  # of a step: a one-sided event that the motion leaves behind within this time does not happen
 PAST = 0.01  # of the tolerance: beside a step that just misses the event, one aims so far past it
 TOGETHER = 1e-6  # of its change in the step: event values nearer to zero cross with the located one
 NEAR = 0.01  # of the interval: the first point tried is no nearer to its ends
@@ -60,9 +61,12 @@ def locate(monitor, step, s0, g0, trial, h):
         return None
     later, ahead = look_ahead(monitor, s0, g0, h)
     g0 = np.where(ahead < 0.0, ahead, g0)
-    if np.any((g0 > 0) & (g1 > 0)):  # already crossed at the start of the step
-        return Located(0.0, None, (g0 > 0) & (g1 > 0))
+    before = (g0 > 0) & ((g1 > 0) | monitor.one_sided & (g0 > BRIEFLY * np.abs(g1)))
+    if np.any(before):  # already crossed at the start of the step
+        return Located(0.0, None, before)
     crossed = ((g0 < 0) & (g1 >= 0)) | ((g0 == 0) & (g1 > 0))
+    if not np.any(crossed):
+        return None
     behind, largest = np.all((monitor.elastic & (ahead < 0.0))[crossed]), float(g0[crossed].max())
     early = Point(AT_ONCE * h, largest, (later,)) if behind else Point(0.0, largest, (s0,))
     search = Search(monitor, step, crossed, early, trial, h)

@@ -6,7 +6,7 @@ import numpy as np
 
 from mecano.solve.diagnostics import failure
 from mecano.solve.events.capture import EventCapture
-from mecano.solve.events.events import EventMonitor, some_happened
+from mecano.solve.events.events import EventMonitor
 from mecano.solve.events.location import locate
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.binding import refuse_binding
@@ -72,7 +72,7 @@ class Trials:
     def _event_within(self, run, g0, trial):
         """Return the first stage of a trial at which an event has happened that its end does not show, or None."""
         s, _, info = trial
-        if not len(g0) or not info.stages or some_happened(g0, self.monitor.values(s)):
+        if not len(g0) or not info.stages or np.any(self.monitor.values(s) > 0.0):
             return None
         for stage in info.stages:
             if np.any((self._decided(run, g0, stage) < 0.0) & (self.monitor.values(stage) >= 0.0)):
