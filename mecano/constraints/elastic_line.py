@@ -61,6 +61,17 @@ def put_line_energy(p, q, v, e):
     e[1] = -0.5 * p.mass * dot(g, vec(q, 0) + vec(q, 3))
 
 
+@kernel
+def add_strain_energy(elastic, viscous, strain, strain_rate, L, L_rate, e):
+    """Add the elastic energy EA eps^2 L/2 of a line [J]; write its dissipated power, and that given by dL/dt [W].
+
+    ``elastic`` and ``viscous`` are the parts of its tension [N].
+    """
+    e[1] += 0.5 * elastic * strain * L
+    e[2] = viscous * L * strain_rate
+    e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
+
+
 def line_record(d, nodes, context):
     """Return the values of ``LINE_RECORD``; the natural length defaults to the initial distance.
 

@@ -23,6 +23,7 @@ from mecano.constraints.augmented_lagrangian import add_reaction
 from mecano.constraints.elastic_line import (
     LINE_RECORD,
     add_line_inertia,
+    add_strain_energy,
     line_inertia,
     put_line,
     put_line_energy,
@@ -131,7 +132,7 @@ def observe(p, at, F, y, e):
     elastic = select(at.phase == TAUT or strain > 0.0, p.EA * strain, 0.0)
     N = select(at.phase == TAUT, p.EA * (strain + p.damping * strain_rate), 0.0)
     N = select(paying, curve(at.laws, p.payout, rate), select(at.phase == HELD, number(at.q[MULTIPLIER]), N))
-    viscous, stored, kept = N - elastic, 0.5 * p.EA * strain * strain, max(at.m[1], 0.0) / paid
+    stored, kept = 0.5 * p.EA * strain * strain, max(at.m[1], 0.0) / paid
     if paying:
         e[1] += stored * L
         e[2] = N * rate - stored * L_rate
@@ -139,9 +140,7 @@ def observe(p, at, F, y, e):
         e[1] += 0.5 * p.EA * kept * kept * L
         e[3] = -(N + 0.5 * p.EA * kept * kept) * L_rate
     else:
-        e[1] += 0.5 * elastic * strain * L
-        e[2] = viscous * L * strain_rate
-        e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
+        add_strain_energy(elastic, N - elastic, strain, strain_rate, L, L_rate, e)
     put_line(p, y, length, L, strain, strain_rate, N)
     put_no_push(y)
     y[6] = 2.0 if at.phase == PAYING else 1.0 if at.phase in (TAUT, HELD) else 0.0

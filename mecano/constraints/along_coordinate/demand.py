@@ -8,17 +8,27 @@ from mecano.maths.dual import number
 
 
 @kernel
-def of_time(p, at):
+def of_law(p, at):
     """Return the value of the record's law at the current time."""
     return evaluate_curve(at.laws, p.law, at.t)[0]
 
 
 def of_input(i):
-    """Return the compiled function (p, at) -> value of the local unknown i."""
+    """Return the compiled function (p, at) -> value of the local unknown i, an input."""
 
     @kernel
     def read(p, at):
         return number(at.q[i])
+
+    return read
+
+
+def with_rate(i):
+    """Return the compiled function (p, at) -> value and rate of the local unknown i, an input."""
+
+    @kernel
+    def read(p, at):
+        return number(at.q[i]), number(at.v[i])
 
     return read
 
@@ -48,11 +58,11 @@ def check_alike(name, values):
     return []
 
 
-def on_demand(make, field, i, of_time=of_time, of_input=of_input):
+def on_demand(make, field, i, of_law=of_law, of_input=of_input):
     """Return the Kind ``make(demand)`` for a function of time, whose variant reads a formula in the deck's ``field``.
 
-    ``i``: local index of the input, which follows the slots and the scalars. ``of_time`` and ``of_input(i)`` are the
+    ``i``: local index of the input, which follows the slots and the scalars. ``of_law`` and ``of_input(i)`` are the
     demands of both.
     """
-    by_law, by_signal = make(of_time), replace(make(of_input(i)), inputs=(field,))
+    by_law, by_signal = make(of_law), replace(make(of_input(i)), inputs=(field,))
     return replace(by_law, variant=lambda d: by_signal if is_formula(d[field]) else by_law)

@@ -7,13 +7,14 @@ An angle is continued over whole turns with the memory of the last accepted step
 
 from dataclasses import replace
 
+from mecano.constraints.along_coordinate.demand import with_rate
 from mecano.constraints.body_fixed import follow
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.stop_phases import EVENTS, PHASES, law_record, put_stop_events
 from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve, law_force, potential
-from mecano.maths.dual import number, value
+from mecano.maths.dual import value
 from mecano.schema import CONTINUOUS_DRIVE, LAW, Field
 
 SET_POINT = "at which the extension of the {} law is zero: a function of time [s], or a formula of signals"
@@ -37,20 +38,10 @@ LAW_RECORD = {"law": "i", "natural": (), "low": (), "high": (), "set_point": "i"
 
 
 @kernel
-def of_time(p, at):
+def set_point_of_law(p, at):
     """Return the set point of a law of time, and its rate."""
     n, rate, _ = evaluate_curve(at.laws, p.set_point, at.t)
     return n, rate
-
-
-def of_signal(i):
-    """Return the compiled function (p, at) -> set point and rate of the local unknown i, a signal."""
-
-    @kernel
-    def read(p, at):
-        return number(at.q[i]), number(at.v[i])
-
-    return read
 
 
 @kernel
@@ -93,7 +84,7 @@ def counted(coordinate):
     return count
 
 
-def law_kind(name, doc, coordinate, set_point=of_time):
+def law_kind(name, doc, coordinate, set_point=set_point_of_law):
     """Return the Kind of a law along a coordinate with a ``set_point``, of time or of a signal."""
     count, gradient = counted(coordinate), coordinate.gradient
 
@@ -129,7 +120,7 @@ def law_kind(name, doc, coordinate, set_point=of_time):
 
 def law_kind_of_signal(name, doc, coordinate):
     """Return the Kind of a law along a coordinate whose set point is its input."""
-    return replace(law_kind(name, doc, coordinate, of_signal(3 * len(coordinate.layout))), inputs=("set_point",))
+    return replace(law_kind(name, doc, coordinate, with_rate(3 * len(coordinate.layout))), inputs=("set_point",))
 
 
 def law_values(axes, law, natural, context, zero=0.0):

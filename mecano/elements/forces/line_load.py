@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.demand import is_formula, law_of, of_input, of_time, on_demand
+from mecano.constraints.along_coordinate.demand import is_formula, law_of, of_input, of_law, on_demand
 from mecano.constraints.segments import check_line, lengths, sample_line
 from mecano.element_interface import Kind, Output, Part, record
 from mecano.jit.kernel import kernel
@@ -65,7 +65,7 @@ def _share(name, layout, components):
             observe=observe, sample=lambda rng: [({"load": rng.normal(size=3), "law": 0}, 1, "")],
         )  # fmt: skip
 
-    return kind(of_time), replace(kind(of_input(3 * len(layout))), inputs=("value",))
+    return kind(of_law), replace(kind(of_input(3 * len(layout))), inputs=("value",))
 
 
 def prepare(d, nodes, context):

@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.demand import is_formula, law_of, of_input, of_time, on_demand
+from mecano.constraints.along_coordinate.demand import is_formula, law_of, of_input, of_law, on_demand
 from mecano.constraints.segments import check_line, sample_line
 from mecano.element_interface import Kind, Output, Part, record
 from mecano.jit.kernel import kernel
@@ -61,7 +61,7 @@ def _segments(rng):
     return [(values, 2, "")]
 
 
-SEGMENTS = _segment(of_time), replace(_segment(of_input(3 * len(LAYOUT))), inputs=("value",))
+SEGMENTS = _segment(of_law), replace(_segment(of_input(3 * len(LAYOUT))), inputs=("value",))
 
 
 def prepare(d, nodes, context):

@@ -33,12 +33,13 @@ import numpy as np
 
 from mecano.constraints import wound_line
 from mecano.constraints.activation import with_activation
-from mecano.constraints.along_coordinate.demand import is_formula
+from mecano.constraints.along_coordinate.demand import is_formula, with_rate
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.elastic_line import (
     LINE_RECORD,
     STRAIN_OF_STEEL,
     add_line_inertia,
+    add_strain_energy,
     distance,
     line_inertia,
     line_record,
@@ -56,7 +57,7 @@ from mecano.element_interface import Display, Kind, Measured, Output, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.laws.table import evaluate_curve, terms_of
-from mecano.maths.dual import number, select
+from mecano.maths.dual import select
 from mecano.schema import CONTINUOUS_DRIVE, CURVE, NODE_PAIR, NUMBER, Field, choice, not_negative, positive
 
 RECORD = record(**LINE_RECORD)
@@ -68,12 +69,6 @@ def _of_time(p, at):
     """Return the natural length of a law of time, and its rate."""
     L, L_rate, _ = evaluate_curve(at.laws, p.law, at.t)
     return L, L_rate
-
-
-@kernel
-def _of_signal(p, at):
-    """Return the natural length that is a signal, and its rate."""
-    return number(at.q[INPUT]), number(at.v[INPUT])
 
 
 @kernel
@@ -98,22 +93,15 @@ def _functions(natural):
 
     @kernel
     def observe(p, at, F, y, e):
-        """Write length [m], natural length L [m], strain eps, its rate [1/s], tension N [N], stress [Pa], and energies.
-
-        With N_v = N - EA eps: e[1] += EA eps^2 L/2 [J], e[2] = N_v L d eps/dt [W] is dissipated, and
-        e[3] = -(EA eps (1 + eps/2) + N_v (1 + eps)) dL/dt [W] is given by a changing natural length.
-        """
+        """Write length, natural length L [m], strain eps, its rate [1/s], tension N [N], stress [Pa]; energies."""
         length, rate, _ = line(at.q, at.v)
         L, L_rate = natural(p, at)
         strain, strain_rate = strained(length, rate, L, L_rate)
         elastic = select(at.phase <= RELAXING, p.EA * strain, 0.0)
         N = select(at.phase == TAUT, _tension(p, strain, strain_rate), 0.0)
-        viscous = N - elastic
         put_line(p, y, length, L, strain, strain_rate, N)
         put_line_energy(p, at.q, at.v, e)
-        e[1] += 0.5 * elastic * strain * L
-        e[2] = viscous * L * strain_rate
-        e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
+        add_strain_energy(elastic, N - elastic, strain, strain_rate, L, L_rate, e)
 
     @kernel
     def event_values(p, at, g):
@@ -286,7 +274,7 @@ BAR = Kind(
 )
 BAR_BY_SIGNAL = replace(
     BAR, inputs=("natural_length",), variant=None,
-    **dict(zip(("residual", "observe"), _functions(_of_signal)[:2], strict=True)),
+    **dict(zip(("residual", "observe"), _functions(with_rate(INPUT))[:2], strict=True)),
 )  # fmt: skip
 
 ELASTIC_CABLE = Kind(
@@ -309,7 +297,7 @@ ELASTIC_CABLE = Kind(
     inertia=line_inertia,
     **_cable_functions(_of_time),
 )
-CABLE_BY_SIGNAL = replace(ELASTIC_CABLE, inputs=("natural_length",), variant=None, **_cable_functions(_of_signal))
+CABLE_BY_SIGNAL = replace(ELASTIC_CABLE, inputs=("natural_length",), variant=None, **_cable_functions(with_rate(INPUT)))
 
 RELEASED_CABLE, RELEASED_BY_SIGNAL = cut(ELASTIC_CABLE, "cable"), cut(CABLE_BY_SIGNAL, "cable")
 

@@ -42,6 +42,7 @@ from mecano.constraints.activation import is_stress_free, with_activation
 from mecano.constraints.along_coordinate.demand import is_formula, law_of
 from mecano.constraints.belt_span import CLOSEST, INCLINATION, check_tangent, span_record
 from mecano.constraints.capstan import CAPSTAN, capstan, friction_field
+from mecano.constraints.elastic_line import add_strain_energy
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, TAUT, put_line_events
 from mecano.constraints.reeved_path import (
@@ -124,13 +125,10 @@ def _functions(strain_of):
             return
         elastic = select(at.phase <= RELAXING, p.EA * strain, 0.0)
         N = select(at.phase == TAUT, p.EA * (strain + p.damping * strain_rate), 0.0)
-        viscous = N - elastic
         y[0], y[1], y[2], y[3], y[4] = length, L, strain, strain_rate, at_least(N, 0.0)
         y[5] = 1.0 if at.phase == TAUT else 0.0
         _put_arcs(p, at, y)
-        e[1] = 0.5 * elastic * strain * L
-        e[2] = viscous * L * strain_rate
-        e[3] = -(elastic * (1.0 + 0.5 * strain) + viscous * (1.0 + strain)) * L_rate
+        add_strain_energy(elastic, N - elastic, strain, strain_rate, L, L_rate, e)
 
     @kernel
     def event_values(p, at, g):

@@ -16,8 +16,8 @@ from dataclasses import replace
 import numpy as np
 
 from mecano.constraints.activation import SHIFT, since_activation, with_activation
-from mecano.constraints.along_coordinate.demand import is_formula, on_demand
-from mecano.constraints.along_coordinate.law import LAW_RECORD, extension, law_values, of_signal, of_time, report
+from mecano.constraints.along_coordinate.demand import is_formula, on_demand, with_rate
+from mecano.constraints.along_coordinate.law import LAW_RECORD, extension, law_values, report, set_point_of_law
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.joint_frame import at_one_place
 from mecano.constraints.line import add_line_force, line
@@ -154,7 +154,7 @@ def _kind(set_point):
 
 
 _GIVEN, _SHIFTED = (
-    with_release(on_demand(make, "natural_length", 6, of_time, of_signal), "spring", (3,))
+    with_release(on_demand(make, "natural_length", 6, set_point_of_law, with_rate), "spring", (3,))
     for make in (_kind, _stress_free)
 )
 SPRING_DAMPER = with_activation(_GIVEN, "spring", (3,), (_SHIFTED, (1, 3, 4, 5)))

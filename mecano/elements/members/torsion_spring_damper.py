@@ -16,16 +16,8 @@ elastic energy is lost.
 from dataclasses import replace
 
 from mecano.constraints.activation import SHIFT, since_activation, with_activation
-from mecano.constraints.along_coordinate.demand import is_formula
-from mecano.constraints.along_coordinate.law import (
-    SET_POINT,
-    extension,
-    law_kind,
-    law_values,
-    of_signal,
-    of_time,
-    report,
-)
+from mecano.constraints.along_coordinate.demand import is_formula, with_rate
+from mecano.constraints.along_coordinate.law import SET_POINT, extension, law_kind, law_values, report, set_point_of_law
 from mecano.constraints.along_coordinate.measure import OVER_TURNS, angle_outputs
 from mecano.constraints.coordinates.twist import TWIST, followed
 from mecano.constraints.joint_frame import NODES, triad
@@ -108,7 +100,7 @@ _BY_LAW = Kind(
     memory=("angle",),
     prepare=prepare,
     residual=TWIST_LAW.residual,
-    observe=_observe(of_time),
+    observe=_observe(set_point_of_law),
     variant=lambda d: _BY_SIGNAL if is_formula(d["natural_angle"]) else _BY_LAW,
     event_values=TWIST_LAW.event_values,
     commit=TWIST_LAW.commit,
@@ -117,7 +109,7 @@ _BY_LAW = Kind(
 )  # fmt: skip
 _DRIVEN = OF_SIGNAL[TWIST_LAW]
 _BY_SIGNAL = replace(
-    _BY_LAW, inputs=("natural_angle",), residual=_DRIVEN.residual, observe=_observe(of_signal(6)),
+    _BY_LAW, inputs=("natural_angle",), residual=_DRIVEN.residual, observe=_observe(with_rate(6)),
     event_values=_DRIVEN.event_values, commit=_DRIVEN.commit, variant=None,
 )  # fmt: skip
 
@@ -138,7 +130,7 @@ def _stress_free(kind, set_point):
     )  # fmt: skip
 
 
-_SHIFTED_BY_LAW, _SHIFTED_BY_SIGNAL = _stress_free(_BY_LAW, of_time), _stress_free(_BY_SIGNAL, of_signal(6))
+_SHIFTED_BY_LAW, _SHIFTED_BY_SIGNAL = _stress_free(_BY_LAW, set_point_of_law), _stress_free(_BY_SIGNAL, with_rate(6))
 _SHIFTED = replace(
     _SHIFTED_BY_LAW, variant=lambda d: _SHIFTED_BY_SIGNAL if is_formula(d["natural_angle"]) else _SHIFTED_BY_LAW
 )
