@@ -21,6 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mecano.constraints.touching import check_given, given, surface_point
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, cos, implicit, sin, value
 from mecano.maths.surface import LEAST_Q, disc_contact
@@ -105,17 +106,12 @@ def _foot(p, a, e, ahead, distance, phi):
     return Foot(f, lever1 * across - lever * dot(outward, a) - distance * cos(phi), n, height)
 
 
-def given(d):
-    """Return name and values of the surface, from the values of the deck that name exactly one."""
-    return next((name, d[name]) for name in SURFACES if d.get(name) is not None)
-
-
 def carried_record(d, nodes):
     """Return the values of CARRIED_RECORD; the first of ``nodes`` carries the surface."""
     (name, values), (x, R) = given(d), nodes[0]
-    origin, main = place_at_start(d, nodes)
+    place, main = place_at_start(d, nodes)
     return {
-        "surface_axis": R.T @ main, "surface_origin": R.T @ (origin - x), "cylindrical": float(name == "cylinder"),
+        "surface_axis": R.T @ main, "surface_origin": R.T @ (place - x), "cylindrical": float(name == "cylinder"),
         "drum_radius": values.get("radius", 0.0), "drum_side": -1.0 if values.get("inside") else 1.0,
     }  # fmt: skip
 
@@ -123,9 +119,8 @@ def carried_record(d, nodes):
 def place_at_start(d, nodes):
     """Return origin [m] and unit normal or axis of the surface at the start, inertial, (3,) each."""
     name, values = given(d)
-    point = values["point" if name == "plane" else "center"]
     main = np.array(values["normal" if name == "plane" else "axis"], float)
-    return np.asarray(nodes[0][0] if point is None else point, float), main / np.linalg.norm(main)
+    return surface_point(values, nodes), main / np.linalg.norm(main)
 
 
 def contact_at_start(p, nodes, axis, origin, main):
@@ -133,12 +128,6 @@ def contact_at_start(p, nodes, axis, origin, main):
     return touch_carried(p, *(Vec3(*map(float, one)) for one in (nodes[1][0], axis, origin, main)))
 
 
-def check_carried(d, nodes):
+def check_carried(d):
     """Return errors for none or two surfaces, and for a surface on the ground without a place."""
-    if sum(d[name] is not None for name in SURFACES) != 1:
-        return ["give exactly one of 'plane', 'cylinder'"]
-    name, values = given(d)
-    place = "point" if name == "plane" else "center"
-    if d["nodes"][0] == "ground" and values[place] is None:
-        return [f"'{name}' needs '{place}': the ground has no position"]
-    return []
+    return check_given(d, SURFACES)

@@ -160,7 +160,7 @@ def given(d):
     return next((name, d[name]) for name in SURFACES if d.get(name) is not None)
 
 
-def origin(values, nodes):
+def surface_point(values, nodes):
     """Return the point of the surface at the start, inertial (3,), from its deck values."""
     point = next((values[name] for name in ("point", "center") if values.get(name) is not None), nodes[0][0])
     return np.asarray(point, float)
@@ -186,7 +186,7 @@ def surface_record(d, nodes, context=None):
     axis = np.array(values.get("normal", values.get("axis", (0.0, 0.0, 1.0))), float)
     last = {"cylinder": FAR, "capsule": values.get("length")}.get(name, 0.0)
     return {
-        "axis": R_a.T @ axis / np.linalg.norm(axis), "origin": R_a.T @ (origin(values, nodes) - x_a),
+        "axis": R_a.T @ axis / np.linalg.norm(axis), "origin": R_a.T @ (surface_point(values, nodes) - x_a),
         "planar": float(name == "plane"), "side": -1.0 if values.get("inside") else 1.0,
         "distance": values.get("radius", 0.0), "first": -FAR if name == "cylinder" else 0.0, "last": last,
         "radius": d["radius"],
@@ -196,7 +196,7 @@ def surface_record(d, nodes, context=None):
 def gap_at_start(d, nodes):
     """Return the gap [m] at the start, and the distance [m] of node b from the middle of the surface."""
     name, values = given(d)
-    p, offset = surface_record(d, nodes), np.subtract(nodes[1][0], origin(values, nodes))
+    p, offset = surface_record(d, nodes), np.subtract(nodes[1][0], surface_point(values, nodes))
     axis = nodes[0][1] @ p["axis"]
     along = float(axis @ offset)
     if name == "plane":
@@ -205,10 +205,10 @@ def gap_at_start(d, nodes):
     return p["side"] * (away - p["distance"]) - p["radius"], away
 
 
-def check_given(d):
-    """Return errors for none or several surfaces, and for a surface of the ground without a place."""
-    if sum(d[name] is not None for name in SURFACES) != 1:
-        return [f"give exactly one of {', '.join(map(repr, SURFACES))}"]
+def check_given(d, surfaces=SURFACES):
+    """Return errors for none or several of the ``surfaces``, and for a surface of the ground without a place."""
+    if sum(d[name] is not None for name in surfaces) != 1:
+        return [f"give exactly one of {', '.join(map(repr, surfaces))}"]
     name, values = given(d)
     place = "point" if name == "plane" else "center"
     if d["nodes"][0] == "ground" and values[place] is None:

@@ -18,7 +18,7 @@ import math
 
 import numpy as np
 
-from mecano.constraints.touching import CENTRED, Shapes, Touch, approach, origin
+from mecano.constraints.touching import CENTRED, Shapes, Touch, approach, surface_point
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import corners, curve_at, shape_of_curve
 from mecano.laws.table import LawTable, curve_and_slope, evaluate_curve
@@ -77,7 +77,7 @@ def revolution_record(d, nodes, context):
     values, (x_a, R_a) = d["revolution"], nodes[0]
     axis = np.array(values["axis"], float)
     return {
-        "axis": R_a.T @ axis / np.linalg.norm(axis), "origin": R_a.T @ (origin(values, nodes) - x_a),
+        "axis": R_a.T @ axis / np.linalg.norm(axis), "origin": R_a.T @ (surface_point(values, nodes) - x_a),
         "profile": context.laws.add(values["profile"]), "side": _side(values), "radius": d["radius"],
     }  # fmt: skip
 
@@ -85,7 +85,7 @@ def revolution_record(d, nodes, context):
 def revolution_gap_at_start(d, nodes):
     """Return the gap [m] at the start, and the place z [m] of the nearest point along the axis."""
     values = d["revolution"]
-    axis, offset = np.array(values["axis"], float), np.subtract(nodes[1][0], origin(values, nodes))
+    axis, offset = np.array(values["axis"], float), np.subtract(nodes[1][0], surface_point(values, nodes))
     along = float(axis @ offset / np.linalg.norm(axis))
     away = math.sqrt(max(float(offset @ offset) - along**2, 0.0))
     laws = LawTable()

@@ -28,12 +28,12 @@ from mecano.constraints.carried_surface import (
     carried_record,
     check_carried,
     contact_at_start,
-    given,
     place_at_start,
     touch_carried,
 )
 from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import LEAST_Q, too_low
+from mecano.constraints.touching import given
 from mecano.element_interface import Display
 from mecano.elements.wheels.at_start import odd_start_on_body
 from mecano.elements.wheels.by_slip_law import by_slip_law, wheel_with
@@ -116,7 +116,7 @@ def event_values(p, at, g):
 
 def check(d, nodes):
     """Return errors in the surface and the tyre law, for a wheel that lies flat or starts too far in the surface."""
-    texts = check_carried(d, nodes)
+    texts = check_carried(d)
     return texts + check_tire_law(d["tire_law"]) + ([] if texts else _check_place(d, nodes))
 
 
