@@ -234,3 +234,19 @@ def test_plots_have_room_for_legends_and_numbers_at_their_axes(results, tmp_path
     """)  # fmt: skip
     assert beyond and max(beyond) <= 1.0
     assert numbers == ["0", "2e-9", "0.3", "63.1765", "-25000"]
+
+
+@browser
+def test_rounding_errors_beside_the_curves_are_zero(results, tmp_path):
+    """The first curve of the first panel at the instant shown: 1e-12 of its largest value, and then 1e-3 of it."""
+    page = animate(results / "wheel_drop.h5", tmp_path / "small.html")
+    data = data_of(page)
+    for share, expected in ((1e-12, "0"), (1e-3, "0.001")):
+        for panel in data["plots"]:
+            values = np.ones(len(floats(data["times"])), "<f4")
+            values[0] = share
+            panel["curves"] = [["one", base64.b64encode(values).decode(), *panel["curves"][0][2:]]]
+        text = json.dumps(data)
+        page.write_text(re.sub(r"const data = \{.*\};", lambda _, text=text: f"const data = {text};", page.read_text()))
+        shown = asked(page, 'return document.querySelectorAll(".plot .u-legend .u-value")[1].textContent;')
+        assert shown == expected

@@ -1,5 +1,6 @@
 // Plots over the time, drawn by uPlot; a line shows the instant that the mechanism is at.
 const INKS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a79c8", "#a5725a"];
+const ROUNDING = 1e-9; // of the largest value of a panel: smaller ones are rounding errors, shown as 0
 
 class Curves {
   constructor(place, data, motion, seek) {
@@ -44,7 +45,7 @@ class Curves {
       axes: [{ ...axis, size: 26 }, { ...axis, size: 58 }],
       series: [{ label: named, value: (_, v) => (v === null ? "" : `${number(v)} ${of}`) }, ...panel.curves.map(([name, , reference], i) => ({
         label: name, stroke: INKS[i % INKS.length] + (reference ? "66" : ""), width: reference ? 4 : 1.5, points: { show: false },
-        value: (_, v) => (v === null ? "" : number(v)),
+        value: (_, v) => (v === null ? "" : number(Math.abs(v) * factor < ROUNDING * largest ? 0 : v)),
       }))],
       hooks: { draw: [plot => this.mark(plot)], ready: [plot => this.point(plot)] },
     };
