@@ -43,7 +43,10 @@ class Relaxation:
     """Search for a stable equilibrium at the parameter ``end`` by creep against a vanishing drag."""
 
     end: float
-    hint: str = "supports or springs for the parts that still move"
+    hint: str = (
+        "supports or springs for the parts that still move, or the model without the load that drives them, such as "
+        "the motor of a controller: --set loads.NAME=null"
+    )
     unstable_hint: str = (
         "supports or springs against this motion; method: steps, which takes an unstable equilibrium, too"
     )
