@@ -22,7 +22,7 @@ REFERENCE = {  # deck and overrides: steps accepted, Newton iterations of all tr
     ("four_bar",): (3000, 5324, 826),
     ("rolling_disc",): (4000, 6352, 609),
     ("nose_gear_rigid", "time.end=0.8"): (689, 1267, 892),
-    ("strut", "time.end=1"): (1001, 1279, 47),
+    ("strut", "time.end=1"): (1001, 1277, 44),
     ("bouncing_ball",): (535, 535, 336),
     ("flexible_pendulum", "time.end=0.2"): (200, 400, 202),
     ("reflector",): (411, 1170, 654),

@@ -33,6 +33,7 @@ class EventMonitor:
         self.within = np.array([e.before == e.after for e in events], bool)
         self.changes_energy = np.array([e.changes_energy for e in events], bool)
         self.elastic = np.array([e.elastic for e in events], bool)
+        self.smooth = np.array([e.elastic and not e.shock for e in events], bool)  # velocities stay
         self.one_sided = np.array([e.one_sided for e in events], bool)
         self.captures = False  # whether elastic events are left out of ``values``
 

@@ -14,9 +14,11 @@ from mecano.solve.time.increments import moved
 from mecano.solve.time.interpolate import interpolate
 
 TIME_TOLERANCE = 1e-10  # of the step in which the event lies
+SMOOTH_TOLERANCE = 1e-8  # the same where velocities stay: the force that is missed meanwhile is of this order
 AT_ONCE = 1e-7  # of a step: an event before this happens at its beginning
 BRIEFLY = 1e-3  # of a step: a one-sided event that the motion leaves behind within this time does not happen
 PAST = 0.01  # of the tolerance: beside a step that just misses the event, one aims so far past it
+MIDDLE = 0.5  # of the tolerance: the same where velocities stay, in every step
 TOGETHER = 1e-6  # of its change in the step: event values nearer to zero cross with the located one
 NEAR = 0.01  # of the interval: the first point tried is no nearer to its ends
 MOST_INTERPOLATED = 2  # steps that end where the interpolated motion crosses zero
@@ -106,7 +108,9 @@ class Search:
 
     def __init__(self, monitor, step, crossed, early, trial, h):
         self.monitor, self.step, self.crossed, self.failed = monitor, step, crossed, None
-        self.tolerance, self.at_once = TIME_TOLERANCE * h, AT_ONCE * h
+        self.smooth = bool(np.all(monitor.smooth[crossed]))
+        self.tolerance = h * (SMOOTH_TOLERANCE if self.smooth else TIME_TOLERANCE)
+        self.at_once = AT_ONCE * h
         self.early, self.late = early, self._point(h, trial)
         self.last = self.early, self.late
 
@@ -120,8 +124,7 @@ class Search:
                 break
             if self.late.h - root <= self.tolerance:
                 return True
-            past = PAST * min(self.tolerance, self.late.h - root) if root - self.early.h <= self.tolerance else 0.0
-            if not self._narrow(self._try(root + past)):
+            if not self._narrow(self._try(root + self._past(root))):
                 return False
         found = chandrupatla(self._try, self.early, self.late, self._is_over, self.tolerance, MOST_STEPS)
         self.early, self.late = found or (self.early, self.late)
@@ -130,6 +133,11 @@ class Search:
     def _is_over(self, early, late):
         """Return whether the event is known to the tolerance, or happens at the beginning of the step."""
         return late.h - early.h <= self.tolerance or late.h <= self.at_once or late.value == 0.0
+
+    def _past(self, root):
+        """Return how far behind the ``root`` the next step ends: one that just misses the event is made again."""
+        share = MIDDLE if self.smooth else PAST if root - self.early.h <= self.tolerance else 0.0
+        return share * min(self.tolerance, self.late.h - root)
 
     def _interpolated(self):
         """Return the step size at which the motion interpolated between the two points crosses zero, or nan."""
