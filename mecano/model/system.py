@@ -310,7 +310,7 @@ class System:
     def constraint_derivatives(self, s):
         """Return Phi, dPhi/dt, d2Phi/dt2 of all constraints, (n_l, 3), along the velocities and accelerations of s."""
         g = np.zeros((self.n_l, 3))
-        self._constraint_derivatives(self.record_with(), s, g)
+        self._constraint_derivatives(self._record_of_tables, s, g)
         return g
 
     def observe(self, s, forces=None, into=None):
@@ -326,7 +326,7 @@ class System:
         """Return one number for each event of each element, (n_events,), by batch; -inf for an event not monitored."""
         values = np.zeros(self.n_events)
         if self.n_events:
-            self._write_event_values(self.record_with(), s, values)
+            self._write_event_values(self._record_of_tables, s, values)
         return values
 
     def commit(self, s):
@@ -334,7 +334,7 @@ class System:
         if not len(s.memory):
             return s.memory
         memory = s.memory.copy()
-        self._commit(self.record_with(), s, memory)
+        self._commit(self._record_of_tables, s, memory)
         return memory
 
     def inadmissible(self, s):
