@@ -12,6 +12,7 @@ from time_runs import RecordedRun, deck, in_python, input_deck
 
 import mecano
 import mecano.analyses.prepare
+from mecano.analyses import dynamic
 from mecano.analyses.dynamic import begun
 from mecano.analyses.modal import operating_point
 from mecano.analyses.summary import summary
@@ -324,6 +325,25 @@ def test_elastic_events_that_follow_one_another_while_time_stands_still_are_capt
     assert capture.first == pytest.approx(0.0195) and not capture.monitor.captures
     plain = RecordedRun(deck(STRUTS))
     assert recorded["nodes/ball/position"][-1] == pytest.approx(plain["nodes/ball/position"][-1], rel=1e-3)
+
+
+def test_lines_that_leave_a_knot_without_mass_loose_are_explained(tmp_path):
+    """Thrown up, the load leaves both lines slack; when it falls again nothing places the knot between them."""
+    text = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {ceiling: {position: [0, 0, 1], fixed: true}, knot: {position: [0, 0, 0.5]}, load: {position: [0, 0, 0]}}
+    elements:
+      load: {type: point_mass, node: load, mass: 1}
+      upper: {type: cable, nodes: [ceiling, knot], axial_stiffness: 1.0e4}
+      lower: {type: cable, nodes: [knot, load], axial_stiffness: 1.0e4}
+    initial: {velocities: [{nodes: [load], velocity: [0, 0, 2]}]}
+    time: {end: 2, step: 1 ms}
+    """
+    with pytest.raises(ConvergenceError, match="time does not advance") as error:
+        dynamic.run(deck(text), tmp_path / "r.h5")
+    said = str(error.value)
+    assert "node knot: nothing gives mass to its displacement, and only lines that may go slack hold it" in said
 
 
 def test_events_that_follow_one_another_while_time_stands_still_stop_the_run():

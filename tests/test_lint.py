@@ -217,6 +217,18 @@ def test_massless_nodes(more, expected):
         assert line.endswith(f"or is a {missing} missing?")
 
 
+@pytest.mark.parametrize("other", ["cable", "bar"])
+def test_knots_of_lines_alone(other):
+    """A node without mass between two lines is loose once they go slack; a bar holds it."""
+    lines = f"""k: {{type: cable, nodes: [b, c], axial_stiffness: 9}}
+      l: {{type: {other}, nodes: [c, a], axial_stiffness: 9}}
+"""
+    whole = HEAD.replace("b: {position: [1, 0, 0]}", "b: {position: [1, 0, 0]}, c: {position: [2, 0, 0]}")
+    (said,) = warned(f"{whole}      {lines}")
+    assert said.partition(": ")[2].startswith("node c: nothing gives mass to its displacement, ")
+    assert ("only lines that may go slack hold it (cable 'k', cable 'l')" in said) == (other == "cable")
+
+
 def test_a_model_without_mass():
     text = HEAD.replace("weight: {type: point_mass, node: b, mass: 2}", "")
     assert startup_warnings(prepare(deck(text))) == ["nothing in the model has a mass: is this intended?"]

@@ -10,13 +10,13 @@ from mecano.deck.physics import element_nodes
 from mecano.deck.units import UnitError, alike, factor_of
 from mecano.element_interface import NodeAtStart, nothing
 from mecano.elements import KINDS
-from mecano.errors import Problem
+from mecano.errors import Problem, name_list
 from mecano.laws.probe import curve_at
 from mecano.model.model import title_of
 from mecano.model.numbering import ROTATION
 from mecano.model.signal_units import drives_with_units, unlike_sums
 from mecano.solve.diagnostics.scales import extent
-from mecano.solve.time.massless import massless_unknowns
+from mecano.solve.time.massless import loose_knots, massless_unknowns
 
 MOST_NAMED = 10  # warnings of one sort
 FAR = 1e5  # length scales from the origin, where a double pendulum has errors of 1e-6 in angles, 1 % in its forces
@@ -154,7 +154,24 @@ def _massless(deck, system, s, length):
     for i in massless_unknowns(system, s, length):
         sort = "rotation" if system.numbering.kind[i] == ROTATION else "displacement"
         found.setdefault((names[i].place, names[i].nodes), set()).add(sort)
-    return [_no_mass(deck, *place, sorted(sorts)) for place, sorts in found.items()]
+    knots = loose_knots(system, s, length)
+    return [
+        _knot(deck, *place, knots[place[0]]) if place[0] in knots else _no_mass(deck, *place, sorted(sorts))
+        for place, sorts in found.items()
+    ]
+
+
+def _knot(deck, place, nodes, lines):
+    text = (
+        f"{place}: nothing gives mass to its displacement, and only lines that may go slack hold it "
+        f"({name_list(lines, MOST_NAMED)}): slack, they leave its place undetermined, and the run may end there; "
+        "give it mass with a point_mass, or let one line take the place of those in series"
+    )
+    return Problem(text, _mark(deck, nodes))
+
+
+def _mark(deck, nodes):
+    return next((mark for name in nodes if (mark := deck.mark("nodes", name))), None)
 
 
 def _no_mass(deck, place, nodes, sorts):
@@ -163,4 +180,4 @@ def _no_mass(deck, place, nodes, sorts):
         f"{place}: nothing gives mass to its {' and '.join(sorts)}, which follows forces without inertia; is this "
         f"intended, or is a {missing} missing?"
     )
-    return Problem(text, next((mark for name in nodes if (mark := deck.mark("nodes", name))), None))
+    return Problem(text, _mark(deck, nodes))

@@ -188,7 +188,7 @@ def binds(system, i, t):
 
 def standstill(event, count, t):
     """Return the error of an ``event`` that recurs ``count`` times while time does not advance."""
-    return ConvergenceError(
+    error = ConvergenceError(
         f"time does not advance beyond t = {t:.9g} s: {event.element} had the event '{event.name}' ({event.before} -> "
         f"{event.after}) {count} times there\n"
         "what to try: a smaller time.step, if it has much damping; laws of this element without jumps; two levels of a "
@@ -196,3 +196,5 @@ def standstill(event, count, t):
         "wheel that cannot slip, a flexible one: without slip it may be able neither to stay on the ground nor to "
         "leave it"
     )
+    error.elements = (event.element,)
+    return error

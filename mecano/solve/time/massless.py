@@ -26,6 +26,28 @@ def massless_unknowns(system, s, length):
     return np.sort(np.concatenate([*found, np.zeros(0, np.int64)]))
 
 
+def held_by_lines(system, i):
+    """Return the titles of the lines on the unknown ``i`` if nothing else holds it, so that it is loose without them.
+
+    Lines are elements whose force has one sign only (``Event.one_sided``). Loads hold nothing.
+    """
+    on_it, lines = {}, set()
+    for b in system.batches:
+        if any(event.one_sided for event in b.kind.events):
+            lines.update(b.names)
+        if b.kind.acts and b.kind.section != "loads":
+            on_it |= {b.names[e]: None for e in np.flatnonzero((b.dofs == i).any(axis=1))}
+    return tuple(on_it) if lines.issuperset(on_it) else ()
+
+
+def loose_knots(system, s, length):
+    """Return {place: titles of its lines} of the nodes without mass that only lines hold at ``s``."""
+    of = system.numbering
+    first = {of.name[i].place: i for i in massless_unknowns(system, s, length) if of.kind[i] == TRANSLATION}
+    found = {place: held_by_lines(system, i) for place, i in first.items()}
+    return {place: lines for place, lines in found.items() if lines}
+
+
 def _heavy(system):
     """Return (n_q,) bool: whether an unknown belongs to a node of an element with mass."""
     heavy = np.zeros(system.numbering.n_all, bool)
