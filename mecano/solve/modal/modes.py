@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as la
 
+from mecano.errors import ConvergenceError
 from mecano.solve.modal.modes_dense import dense
 from mecano.solve.modal.modes_sparse import sparse
 from mecano.solve.modal.small_motions import SmallMotions
@@ -23,6 +24,7 @@ LEAST = 1e-6  # of the largest stiffness: lower bound of these magnitudes; FREE 
 REAL = 1e-9  # of an eigenvalue: imaginary part up to which it is real
 CONVERGED = 1e-6  # residual up to which a mode is converged
 GROWS = 1e-7  # of an eigenvalue: positive real part above which the mode grows
+GROWING = ("flutter", "divergence")
 
 
 @dataclass(frozen=True)
@@ -77,18 +79,43 @@ def solve(lin, number=10, method="automatic"):
     ``method``: one of SOLVERS. Shapes are scaled so that their largest component is 1 (rotations
     times the length scale). Raises ConvergenceError if ARPACK fails.
     """
-    if method == "automatic":
-        method = "dense" if lin.n_q <= DENSE else "sparse"
     scaled = SmallMotions(lin)
+    if method != "automatic":
+        return _found(scaled, lin, number, method)
+    if lin.n_q > DENSE:
+        return _found(scaled, lin, number, "sparse")
+    found = _found(scaled, lin, number, "dense")
+    if found.converged.all():
+        return found
+    return _nearest_to_zero(scaled, lin, number, found)
+
+
+def _found(scaled, lin, number, method):
+    """Return the Modes of a method."""
     values, shapes, text = dense(scaled) if method == "dense" else sparse(scaled, number)
     exact = method == "dense" and scaled.on_velocity.any()  # then free motions already have the eigenvalue zero
     values, shapes = _one_of_each_pair(*(_plain_zeros(values, shapes) if exact else _with_free(scaled, values, shapes)))
     order = np.argsort(np.abs(values), kind="stable")
-    growing = [i for i in order[number:] if _kind(values[i]) in ("flutter", "divergence")]
+    growing = [i for i in order[number:] if _kind(values[i]) in GROWING]
     chosen = np.array([*order[:number], *growing], int)
     residuals = np.array([scaled.residual(values[i], shapes[i]) for i in chosen])
     shapes = np.array([_normal(shapes[i] * scaled.units) / lin.root for i in chosen]).reshape(len(chosen), lin.n_q)
     return Modes(values[chosen], shapes, residuals, text, len(values))
+
+
+def _nearest_to_zero(scaled, lin, number, found):
+    """Return the Modes nearest to zero, found alone, if all satisfy the equations; else those ``found`` by dense.
+
+    Rounding disturbs all eigenvalues of a dense matrix by that of the largest, such as those of damped members that are
+    much lighter than what they carry. Modes that grow may lie far from zero: if some did, all are kept as they are.
+    """
+    if any(kind in GROWING for kind, converged in zip(found.kinds, found.converged, strict=True) if converged):
+        return found
+    try:
+        nearest = _found(scaled, lin, number, "sparse")
+    except ConvergenceError:
+        return found
+    return nearest if nearest.converged.all() else found
 
 
 def _normal(shape):

@@ -18,6 +18,7 @@ ZERO, SINGULAR = 1e-12, 1e-9  # of the largest singular value: rounding; a singu
 EXACT_ZERO = 2e-14  # of the largest singular value: tighter bound of rounding, as stiff and soft motions occur together
 ROUNDED_MASS = 1e-12  # of the largest inertia: asymmetry that is rounding
 ROUNDED = 1e-15  # of the largest entry of its row: an entry that is rounding
+SLOW = 1e-8  # of the largest square of a frequency: the smaller ones lose half of the digits beside it
 INFINITE = 3e-7  # smaller denominators of the generalized eigenvalues count as zero
 
 
@@ -37,7 +38,7 @@ def dense(scaled):
         return values, follow(values, p @ Z.T), "dense, first order"
     M, C, K, back = _condensed(M, C, K)
     if scaled.undamped and kept.all():
-        squares, vectors = la.eigh(0.5 * (K + K.T), 0.5 * (M + M.T))
+        squares, vectors = _undamped(0.5 * (M + M.T), 0.5 * (K + K.T))
         values = np.where(squares < 0.0, np.sqrt(np.abs(squares)), 1j * np.sqrt(np.abs(squares)))
         both = np.concatenate([values, -values[squares < 0.0]])
         return both, (np.concatenate([vectors.T, vectors.T[squares < 0.0]]) @ back.T) @ Z.T, "dense, undamped"
@@ -88,6 +89,29 @@ def _condensed(M, C, K):
     back = U1 + U2 @ follow
     lead = U1.T - (np.linalg.lstsq((U2.T @ K @ U2).T, (U1.T @ K @ U2).T, rcond=1e-13)[0]).T @ U2.T
     return U1.T @ M @ U1, U1.T @ C @ U1, lead @ K @ back, back
+
+
+def _undamped(M, K):
+    """Return the squares (m,) of the circular frequencies, ascending, and the shapes (n, m) of K y = square M y.
+
+    Rounding disturbs all squares by that of the largest one, more than a slow motion has on members that are much
+    lighter than what they carry. The slow ones are found again from M y = (K + shift M) y/(square + shift), where that
+    matrix is positive definite: they are the largest there, and disturbed by the rounding of the shift.
+    """
+    squares, vectors = la.eigh(K, M)
+    shift = squares[-1]
+    for _ in range(2):
+        shift *= SLOW
+        slow = int(np.sum(squares < shift))
+        if not slow:
+            break
+        try:
+            inverse, found = la.eigh(M, K + shift * M, subset_by_index=[len(M) - slow, len(M) - 1])
+        except la.LinAlgError:
+            break
+        squares[:slow] = (1.0 / inverse - shift)[::-1]
+        vectors[:, :slow] = (found / np.sqrt(inverse))[:, ::-1]
+    return squares, vectors
 
 
 def _first_order(M, C, K):
