@@ -50,7 +50,7 @@ STRUCTURE = [
     ("fixed: true", "q: true", 6, "q",
      "node 'top': unknown key 'q'; known: fixed, orientation, position"),
     ("  axle: {position: [0.25, 0, 0.3225]}", "  axle: [0, 0, 0]", 10, "[0,",
-     "node 'axle': must be a mapping, got [0, 0, 0]"),
+     "node 'axle': must be a mapping, got [0, 0, 0]; write {position: [0, 0, 0]}"),
     ("mass: 7e1", "mass: -7e1", 12, "-7e1",
      "body 'leg': 'mass' must be greater than zero [kg], got -7e1"),
     ("mass: $mass", "mass: -$mass", 13, "-$mass",

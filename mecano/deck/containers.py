@@ -10,7 +10,7 @@ from mecano.deck.scope import INVALID, Reference, node_of, place, place_of
 from mecano.deck.similar_names import similar
 from mecano.deck.synonyms import keys_meant, synonym
 from mecano.deck.units import is_quantity
-from mecano.deck.wording import quoted, unit_text
+from mecano.deck.wording import found, quoted, unit_text
 from mecano.schema import Field
 
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
@@ -122,10 +122,15 @@ def _keys_of(field):
 
 
 def _as_mapping(node, fields):
-    """Return a hint if a number or unit replaces a mapping with one required number, or ""."""
-    required = [field for field in fields if field.required]
-    number = len(required) == 1 and required[0].type.name == "number" and type(node.value) is not list
-    return f"write {{{required[0].name}: {node.raw}}}" if number and node.raw else ""
+    """Return a hint if a value stands in place of a mapping whose one required field, or 'points', it may be, or ""."""
+    required = [field for field in fields if field.required or field.type.name == "points"]
+    if len(required) != 1:
+        return ""
+    name, type_ = required[0].name, required[0].type.name
+    if type(node.value) is list:
+        text = found(node)
+        return f"write {{{name}: {text if text.startswith('[') else '[...]'}}}" if type_ in ("vector", "points") else ""
+    return f"write {{{name}: {node.raw}}}" if type_ == "number" and node.raw else ""
 
 
 def _left_out(node, field):

@@ -234,7 +234,7 @@ SECTIONS = (
     ),
     Field("elements", named(one_of_kinds("elements")), "-", "bodies, springs, wheels...", check=not_empty),
     Field("joints", named(one_of_kinds("joints")), "-", "constraints between nodes", {}),
-    Field("loads", named(one_of_kinds("loads")), "-", "forces, moments, prescribed motions", {}),
+    Field("loads", named(one_of_kinds("loads")), "-", "forces, moments, motors, drag, brakes", {}),
     Field(
         "signals", named(SIGNAL_ENTRY), "-",
         "named quantities that follow from the motion, from the time and from one another: sensors, controllers", {},
