@@ -45,6 +45,12 @@ STRUCTURE = [
      "node 'top': missing 'position', a list of 3 numbers [m]: position at the start, inertial"),
     ("fixed: true", "fixed: yes", 6, "yes",
      "node 'top': 'fixed' must be true or false, got the text 'yes'"),
+    ("mass: $mass", "mass: mass", 13, "mass,",
+     "body 'hub': 'mass' must be a number [kg], got the text 'mass'; a parameter begins with '$': $mass"),
+    ("mass: $mass", "mass: 2*mass", 13, "2*mass",
+     "body 'hub': 'mass' must be a number [kg], got the text '2*mass'; a parameter begins with '$': 2*$mass"),
+    ("fixed: true", "<<: true", 6, "<<",
+     "node 'top': unknown key '<<'; merge keys of YAML are not read; 'templates' and 'repeat' write similar entries"),
     ("fixed: true", "fixd: true", 6, "fixd",
      "node 'top': unknown key 'fixd'; did you mean 'fixed'?"),
     ("fixed: true", "q: true", 6, "q",
@@ -233,6 +239,22 @@ def test_one_problem(old, new, line, caret, text):
     assert problem.mark.text[problem.mark.column - 1 :].startswith(caret)
     found = problem.message + (f"; {problem.hint}" if problem.hint else "")
     assert found.startswith(text) if text.endswith("known: ") else found == text
+
+
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [
+        ("nodes:\n  pin:{position: [0, 0, 0]}\n", "write a space after 'pin:'"),
+        ("nodes:\n  pin$i:{position: [0, 0, 0], fixed: true}\n", "write a space after 'pin$i:'"),
+        ("nodes:\n  pin: a: b\n", "put a text with ': ' in quotes; keys that belong together begin in the same column"),
+        ("nodes:\n  - {name: pin, position: [0, 0, 0]}\n", "begin each entry with its name and ':', not with '-'"),
+        ("nodes: [pin, tip]\n", ""),
+    ],
+)
+def test_hints_on_what_is_no_mapping(text, hint):
+    with pytest.raises(DeckError) as info:
+        read_fake("mecano: 1\ngravity: none\n" + text)
+    assert info.value.problems[0].hint == hint
 
 
 def test_the_deck_itself_is_valid():

@@ -103,6 +103,8 @@ def _meant(key, known, fields, field, scope):
     """Return a hint for an unknown key."""
     if ":" in key:
         return "write a space after ':'"
+    if key == "<<":
+        return "merge keys of YAML are not read; 'templates' and 'repeat' write similar entries"
     if key == "include" and not field.name:  # files were included before: this is of --set
         return f"{quoted(key)} is allowed in the file of the deck only"
     allowed = known if field.name else known.union(EXPANDED_KEYS)
@@ -146,7 +148,9 @@ def _missing(field, owner, scope):
 def named(node, field, scope):
     """Return a dict from names chosen by the user to values of one type."""
     if type(node.value) is not dict:
-        return scope.refuse_value(node, field)
+        listed = type(node.value) is list and any(type(item.value) is dict for item in node.value)
+        hint = "begin each entry with its name and ':', not with '-'" if listed else ""
+        return scope.refuse_value(node, field, hint=hint)
     before, values = len(scope.problems), {}
     type_, check = field.type.options
     inner = Field("", type_, field.unit, field.doc, check=check)

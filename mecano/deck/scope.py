@@ -23,6 +23,8 @@ KEYWORDS = {  # type -> keywords that may replace a value
     "shorthand": lambda type_: ["true" if word is True else word for word, _ in type_.options[1]],
 }
 MAX_KEYWORD = 20  # letters
+MAX_EXPRESSION = 80  # letters of a text that may be meant as an expression
+WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 MOST_PARAMETERS = 3  # named in a hint
 MOST_PARAMETERS_DEEP = 10  # parameters given by one another
 BARE = re.compile(r"\$([A-Za-z_][A-Za-z0-9_-]*)")  # nothing but a parameter
@@ -93,8 +95,15 @@ class Scope:
         subject = f"{quoted(name)} " if name else ""
         expression = type(node.value) is str and is_evaluated(node.value)
         hint = hint or (self.where_given(node) if expression else self._keyword(node, declared))
-        hint = hint or ("" if expression else how_to_write(node, declared))
+        hint = hint or ("" if expression else self._of_parameters(node, declared) or how_to_write(node, declared))
         return self.refuse(node, f"{subject}{what}{unit_text(declared)}, got {self.got(node)}", hint)
+
+    def _of_parameters(self, node, declared):
+        """Return a hint on a text in place of a number that is an expression of parameters but for the '$', or ""."""
+        if type(node.value) is not str or declared.type.name != "number" or len(node.value) > MAX_EXPRESSION:
+            return ""
+        text = WORD.sub(lambda word: f"${word[0]}" if self.parameters.known(word[0]) else word[0], node.value)
+        return f"a parameter begins with '$': {text}" if text != node.value else ""
 
     def _keyword(self, node, declared):
         """Return a hint for a mistyped keyword of the type, or "" if none is similar."""
