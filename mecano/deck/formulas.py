@@ -131,7 +131,7 @@ def check_formulas(values, scope):
                 meaning(name, entries, values["nodes"])
             except UnknownQuantity as error:
                 exact = found.text == node.value
-                _refuse(node, ExpressionError(error.message, column if exact else 0), _meant(error, scope), scope)
+                scope.refuse_at(node, ExpressionError(error.message, column if exact else 0), _meant(error, scope))
 
 
 def _meant(error, scope):
@@ -166,12 +166,3 @@ def _jump(found, signals, kinds, seen):
         if jump := next(filter(None, (_jump(read_formula(text), signals, kinds, seen) for text in inputs)), ""):
             return jump
     return ""
-
-
-def _refuse(node, error, hint, scope):
-    line, start = node.mark.text, node.column
-    if line[start : start + 1] in "'\"":
-        start += 1
-    exact = line[start : start + len(node.value)] == node.value
-    place = Node(node.value, node.source, node.line, start + error.column) if exact else node
-    scope.refuse(place, error.message, hint)

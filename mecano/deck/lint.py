@@ -107,14 +107,21 @@ def _negative(d, kinds):
                     yield path, f"{term}.{what}", number(values), follows
 
 
-def _laws(fields, values, path=""):
+def _laws(fields, values):
     """Yield (path, terms) of the laws of force among checked values."""
+    for field, path, value in _leaves(fields, values):
+        if value is not None and field.type.name == "law":
+            yield path, value
+
+
+def _leaves(fields, values, path=""):
+    """Yield (Field, path, value) of checked values, those in mappings included."""
     for field in fields:
         value = values[field.name]
-        if value is not None and field.type.name == "law":
-            yield f"{path}{field.name}", value
-        elif value is not None and field.type.name == "mapping":
-            yield from _laws(field.type.options, value, f"{path}{field.name}.")
+        if field.type.name == "mapping" and value is not None:
+            yield from _leaves(field.type.options, value, f"{path}{field.name}.")
+        else:
+            yield field, f"{path}{field.name}", value
 
 
 def _degrees(values, kinds):
@@ -131,14 +138,11 @@ def _degrees(values, kinds):
                     yield (section, name, *path.split(".")), text
 
 
-def _angles(fields, values, path=""):
+def _angles(fields, values):
     """Yield (path, angle) of the angles among checked values."""
-    for field in fields:
-        value = values[field.name]
+    for field, path, value in _leaves(fields, values):
         if field.unit == "rad" and isinstance(value, float) and math.isfinite(value):
-            yield f"{path}{field.name}", value
-        elif field.type.name == "mapping" and value is not None:
-            yield from _angles(field.type.options, value, f"{path}{field.name}.")
+            yield path, value
 
 
 def _is_half(number):

@@ -162,10 +162,14 @@ class Scope:
         return ""
 
     def refuse_expression(self, node, error):
-        """Report an error of an expression, at its character in the line if that is known."""
+        """Report an error of an expression, with names similar to an unknown one."""
         hint = ""
         if error.near:
             hint = self.suggest(*error.near) if error.near[1] else "the deck has no 'parameters'"
+        return self.refuse_at(node, error, hint)
+
+    def refuse_at(self, node, error, hint):
+        """Report an ExpressionError with a hint, at its character in the line if that is known."""
         line, start = node.mark.text, node.column
         if line[start : start + 1] in "'\"":
             start += 1

@@ -21,8 +21,6 @@ from mecano.model.reaction_partition import ReactionPartition
 from mecano.model.signal_units import signal_units
 from mecano.model.state import State
 
-NO_MULTIPLIERS = np.zeros(0, np.int64)
-
 
 class System:
     """Equations of a model; built once, and not changed by solvers: what they compute stands in values of its own."""
@@ -281,22 +279,20 @@ class System:
     @cached_property
     def coupled_multipliers(self):
         """Indices, ascending, of the multipliers that act on forces other than as reactions, such as friction."""
-        found = [
-            b.dofs[:, b.kind.n_local - len(b.kind.coupled_multipliers) :]
-            for b in self.batches
-            if acts_by_multipliers(b)
-        ]
-        return np.unique(np.concatenate([dofs.ravel() for dofs in found])) - self.n_q if found else NO_MULTIPLIERS
+        return self._multipliers_of(b for b in self.batches if acts_by_multipliers(b))
 
     @cached_property
     def sensed_multipliers(self):
         """Indices, ascending, of the multipliers that signals read."""
-        found = [
-            b.dofs[:, b.kind.first_reaction : b.kind.first_reaction + len(b.kind.coupled_multipliers)]
-            for b in self.batches
-            if b.kind.senses
-        ]
-        return np.unique(np.concatenate([dofs.ravel() for dofs in found])) - self.n_q if found else NO_MULTIPLIERS
+        return self._multipliers_of(b for b in self.batches if b.kind.senses)
+
+    def _multipliers_of(self, batches):
+        """Return the indices (n,), ascending, of the multipliers to which elements of the ``batches`` are coupled."""
+        found = [np.zeros(0, np.int64)]
+        for b in batches:
+            first, count = b.kind.first_reaction, len(b.kind.coupled_multipliers)
+            found.append(b.dofs[:, first : first + count].ravel() - self.n_q)
+        return np.unique(np.concatenate(found))
 
     def add_coupled_multipliers(self, s, k, data):
         """Add the derivatives of the forces at ``s`` with respect to the coupled multipliers (columns by lambda)."""
