@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from textwrap import dedent
@@ -29,6 +30,7 @@ from mecano.jit import store
 from mecano.post.pictures import post
 from mecano.post.study_outputs import displayed_outputs
 from mecano.post.study_plots import study_figure
+from mecano.post.study_statistics import statistics
 from mecano.results.study_file import Column, StudyTable
 from mecano.results.study_file import read_study as read_table
 from mecano.study import dask, slurm
@@ -412,6 +414,25 @@ def test_dots_are_joined_only_along_one_parameter(values, joined):
     over_a, over_b = study_figure(StudyTable("", "", "", tuple(columns))).axes
     assert [line.get_linestyle() for line in over_a.lines] == (["-"] * values if joined else ["None"])
     assert [line.get_linestyle() for line in over_b.lines] == ["None"]
+
+
+def test_statistics_and_rank_correlations_of_unnamed_cases():
+    """Of 1 ... 20 kN with two cases that failed; b falls where the output grows, and says nothing with a."""
+    a, load = np.arange(20.0), np.array([*np.arange(1e3, 19e3, 1e3), np.nan, np.nan])
+    columns = [
+        Column("parameters", "speed", "m/s", "", a**3),
+        Column("parameters", "b", "", "", -a),
+        Column("parameters", "same", "", "", 0.0 * a),
+        Column("outputs", "peak_load", "N", "", load),
+        Column("outputs", "no_load", "N", "", 0.0 * a),
+    ]
+    spread, _, correlation = statistics(StudyTable("", "", "", tuple(columns)))
+    assert spread.rows[0] == ("peak load", "kN", "18", "9.5", "5.3385", "1.85", "9.5", "17.15")
+    assert correlation.columns == ("output", "speed", "b")
+    assert correlation.rows == [("peak load", "1.00", "-1.00"), ("no load", "", "")]
+    named = Column("case", "name", "", "", np.array(["x"] * 20, object))
+    assert not list(statistics(StudyTable("", "", "", (named, *columns))))
+    assert not list(statistics(StudyTable("", "", "", tuple(replace(one, values=one.values[:9]) for one in columns))))
 
 
 def test_rounding_errors_are_displayed_as_zero():

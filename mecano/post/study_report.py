@@ -1,4 +1,4 @@
-"""The report on a study as data: governing cases, all cases, those that are not complete, pictures, the study file."""
+"""The report on a study as data: governing cases, statistics, all cases, pictures, the study file."""
 
 from pathlib import Path
 
@@ -7,6 +7,7 @@ import numpy as np
 from mecano.post.report import Picture, Report, Section, Table, Text, number
 from mecano.post.study_outputs import displayed_outputs
 from mecano.post.study_plots import study_figure
+from mecano.post.study_statistics import statistics
 from mecano.post.style import shown_unit, with_unit
 from mecano.results.study_file import read_study
 
@@ -17,7 +18,8 @@ def study_report(path, title=None):
     """Return the Report of the table of a study. Raises ResultsError."""
     table = read_study(path)
     sections = (
-        Section("Governing cases", tuple(_governing(table))), Section("Cases", tuple(_cases(table))),
+        Section("Governing cases", tuple(_governing(table))), Section("Statistics", tuple(statistics(table))),
+        Section("Cases", tuple(_cases(table))),
         Section("Cases that are not complete", tuple(_incomplete(table))), Section("Pictures", tuple(_pictures(table))),
         Section("Study", (Text(f"Deck: {table.deck}"), Text(table.text, True, "The study file"))),
     )  # fmt: skip
