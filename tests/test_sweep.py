@@ -22,7 +22,7 @@ from time_runs import INPUTS, deck, input_deck
 from mecano.analyses import sweep as sweeps
 from mecano.analyses.modal import operating_point
 from mecano.analyses.sweep import Axis, sweep, sweep_into
-from mecano.analyses.sweep_text import known
+from mecano.analyses.sweep_text import _numbers, known
 from mecano.errors import ConvergenceError, ResultsError, UsageError
 from mecano.post.loci import _mark, real_range, shown_modes, sweep_figure
 from mecano.post.pictures import post
@@ -420,6 +420,12 @@ def test_pictures_of_a_stable_gear_show_its_shimmy_mode_beside_a_slow_decay():
     ratio = -real / np.hypot(real, imaginary)
     low, _, beyond = real_range({"real_part": real, "imaginary_part": imaginary, "damping_ratio": ratio})
     assert -20.0 < low < -15.0 and not beyond
+
+
+@pytest.mark.parametrize("rounding", [1e-12, -1e-12, 0.0])
+def test_damping_that_is_rounding_has_no_sign(rounding):
+    assert _numbers(2.0 * np.pi * (1j + rounding)) == ("1", "0.00000")
+    assert _numbers(2.0 * np.pi * (1j + 0.02))[1] == "-0.02000"
 
 
 def test_numbers_of_close_critical_values_do_not_overlap():

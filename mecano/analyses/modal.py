@@ -241,7 +241,7 @@ def table(system, s, found, lin):
                   found.kinds, found.converged, found.shapes, strict=True)  # fmt: skip
     for i, (value, damped, natural, ratio, residual, kind, converged, shape) in enumerate(columns, start=1):
         what = largest_motions(system, s, lin, value, shape)
-        ratio_text = "" if value == 0.0 else f"{ratio + 0.0:.5f}"
+        ratio_text = "" if value == 0.0 else f"{round(float(ratio), 5) + 0.0:.5f}"
         numbers = (str(i), f"{damped:.6g}", f"{natural:.6g}", ratio_text, f"{value.real + 0.0:.4g}", f"{residual:.1e}")
         rows.append((*numbers, kind if converged else f"{kind}, {NOT_CONVERGED}", what))
     widths = [max(len(row[i]) for row in rows) for i in range(7)]

@@ -79,7 +79,7 @@ def _families(name, locus):
 
 def _numbers(value):
     """Return damped frequency [Hz] and damping ratio of an eigenvalue as texts."""
-    return f"{value.imag / (2.0 * np.pi):.6g}", f"{float(damping(value)) + 0.0:.5f}"
+    return f"{value.imag / (2.0 * np.pi):.6g}", f"{round(float(damping(value)), 5) + 0.0:.5f}"
 
 
 def _aligned(rows):
