@@ -11,7 +11,7 @@ from small_motions import eigenvalues
 from time_runs import RecordedRun, deck, input_deck
 
 import mecano
-from mecano.analyses.control_stability import destabilized
+from mecano.analyses.control_stability import instability_warnings
 from mecano.analyses.prepare import integrator_of, prepare
 from mecano.errors import AssemblyError
 from mecano.solve.time import signals
@@ -491,7 +491,7 @@ def test_a_controller_that_makes_a_mechanism_unstable_is_reported(mass, gains, g
     written = ", ".join(f"{name}: {gain}" for name, gain in zip(names, gains, strict=True))
     text = CONTROLLED.replace("MASS", str(mass)).replace("GAINS", f"{written}, derivative_time: 10 ms")
     prepared = prepare(deck(text))
-    found = list(destabilized(prepared, integrator_of(prepared).begin(prepared.state, 0.01)))
+    found = list(instability_warnings(prepared, integrator_of(prepared).begin(prepared.state, 0.01)))
     assert len(found) == grows
     if grows:
         p, i, d = gains
@@ -503,7 +503,7 @@ def test_a_controller_that_makes_a_mechanism_unstable_is_reported(mass, gains, g
 def test_bodies_that_attract_one_another_are_no_controller():
     """Their orbits are stable; the linearized attraction of bodies at rest would not be."""
     prepared = prepare(input_deck("two_bodies"))
-    assert not list(destabilized(prepared, integrator_of(prepared).begin(prepared.state, 0.01)))
+    assert not list(instability_warnings(prepared, integrator_of(prepared).begin(prepared.state, 0.01)))
 
 
 def test_rates_of_signals_do_not_grow_in_steps_of_changing_size():

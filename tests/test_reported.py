@@ -11,7 +11,7 @@ from process import flowing, mecano_process, settings
 from time_runs import INPUTS, RecordedRun, deck, input_deck
 
 import mecano
-from mecano.analyses.diagnostics import cut_short, spun, unbalanced
+from mecano.analyses.diagnostics import energy_warnings, spin_warnings, step_cut_warnings
 from mecano.analyses.modal import modes, operating_point
 from mecano.analyses.prepare import prepare, startup_warnings
 from mecano.analyses.progress import Progress
@@ -241,10 +241,12 @@ def test_absurd_amounts_are_warned_of_before_the_run():
 
 def test_a_fixed_step_that_newton_cannot_take_is_reported():
     values = {"adaptive": None, "step": 0.1}
-    (text,) = cut_short(values, [(0.0, 0.025), (0.3, 0.00625)], SimpleNamespace(steps=199))
+    (text,) = step_cut_warnings(values, [(0.0, 0.025), (0.3, 0.00625)], SimpleNamespace(steps=199))
     assert "failed in 2 trials, first at t = 0 s, and steps were cut to as little as 0.00625 s (199 steps" in text
-    assert not list(cut_short(values, [(0.0, 0.025)], SimpleNamespace(steps=100)))
-    assert not list(cut_short({**values, "adaptive": {"tolerance": 1e-4}}, [(0.0, 0.025)], SimpleNamespace(steps=5)))
+    assert not list(step_cut_warnings(values, [(0.0, 0.025)], SimpleNamespace(steps=100)))
+    assert not list(
+        step_cut_warnings({**values, "adaptive": {"tolerance": 1e-4}}, [(0.0, 0.025)], SimpleNamespace(steps=5))
+    )
 
 
 def test_energy_that_is_lost_or_comes_from_nothing_is_reported(tmp_path):
@@ -273,10 +275,10 @@ def test_a_balance_is_judged_by_the_energy_exchanged_before(low_at, rho, reporte
         high_time=np.full(5, 1.0), low_time=np.full(5, low_at),
     )  # fmt: skip
     values = {"adaptive": {"tolerance": 1e-3}, "step": 0.1, "rho_inf": rho}
-    (text,) = unbalanced(values, sampler, extremes)
+    (text,) = energy_warnings(values, sampler, extremes)
     assert reported in text and "by 0.2 J, 2 % of" in text and "smaller 'time.adaptive.tolerance'" in text
     extremes.low[4] = -0.05
-    assert not list(unbalanced(values, sampler, extremes))
+    assert not list(energy_warnings(values, sampler, extremes))
 
 
 def test_an_error_of_a_conserved_kinetic_energy_is_compared_with_it(tmp_path):
@@ -315,7 +317,7 @@ def test_a_rotor_in_a_gimbal_that_turns_far_in_each_step_is_reported():
         off = np.linalg.norm(recorded["joints/gimbal/moment"][-1]) / (0.05 * 300 * 0.8) - 1
         rows = recorded.rows
         extremes = SimpleNamespace(high=rows.max(axis=0), low=rows.min(axis=0))
-        texts = list(spun(given.values["time"], recorded.sampler, extremes))
+        texts = list(spin_warnings(given.values["time"], recorded.sampler, extremes))
         assert bool(texts) == reported
         if reported:
             assert "node 'rotor' turns by 0.3 rad in a step of 0.001 s" in texts[0] and "some 2 %" in texts[0]
@@ -330,7 +332,7 @@ def test_a_spin_about_an_axis_fixed_in_space_is_not_reported(low, high):
     sampler = SimpleNamespace(columns=[SimpleNamespace(path="nodes/rotor/angular_velocity", start=0)])
     extremes = SimpleNamespace(low=np.array(low, float), high=np.array(high, float))
     values = {"adaptive": None, "step": 1e-3, "method": "generalized_alpha"}
-    assert not list(spun(values, sampler, extremes))
+    assert not list(spin_warnings(values, sampler, extremes))
 
 
 @pytest.mark.parametrize("options", [(), ("--sweep", "elements.bar.mass=1,2")])

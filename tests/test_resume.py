@@ -37,7 +37,7 @@ from mecano.analyses import checkpoint_writer, dynamic, static
 from mecano.analyses.dynamic import resume, run
 from mecano.errors import AssemblyError, ConvergenceError, ResultsError, UsageError
 from mecano.post.info import info
-from mecano.process.interrupt import EXIT_CODES, Interruption, Stopped, abandonable, seconds, stopped_by
+from mecano.process.interrupt import EXIT_CODES, Interruption, Stopped, call_interruptibly, seconds, stopped_by
 from mecano.results.disk import Disk
 from mecano.results.verify import verify
 
@@ -453,11 +453,11 @@ class TestInterruption:
         begun, sleep = time.monotonic(), ctypes.CDLL(None).sleep
         threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGHUP)).start()
         with pytest.raises(Stopped, match="by SIGHUP$") as error:
-            abandonable(sleep, 60)
+            call_interruptibly(sleep, 60)
         assert error.value.exit_code == 129
         threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGXCPU)).start()
         with listening.postponed(), pytest.raises(Stopped, match="within a step; .* again") as error:
-            abandonable(sleep, 60)
+            call_interruptibly(sleep, 60)
         assert error.value.exit_code == 129 and time.monotonic() - begun < 30.0  # that of the first signal
 
     def test_a_thread_that_cannot_start_leaves_the_stack_of_others(self, listening, monkeypatch):
@@ -467,14 +467,14 @@ class TestInterruption:
         usual = threading.stack_size()
         with monkeypatch.context() as patched, pytest.raises(RuntimeError, match="can't start"):
             patched.setattr(threading.Thread, "start", refuse)
-            abandonable(divmod, 7, 2)
+            call_interruptibly(divmod, 7, 2)
         assert threading.stack_size() == usual
 
     def test_a_call_that_may_be_abandoned_is_one_like_others(self, listening):
-        assert abandonable(divmod, 7, 2) == (3, 1)
-        assert abandonable(lambda: abandonable(threading.current_thread)) is not threading.main_thread()
+        assert call_interruptibly(divmod, 7, 2) == (3, 1)
+        assert call_interruptibly(lambda: call_interruptibly(threading.current_thread)) is not threading.main_thread()
         with pytest.raises(ZeroDivisionError):
-            abandonable(divmod, 7, 0)
+            call_interruptibly(divmod, 7, 0)
         with listening.postponed():
             signal.raise_signal(signal.SIGTERM)
         assert listening.wanted(0.0)

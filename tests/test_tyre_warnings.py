@@ -5,7 +5,7 @@ import pytest
 from time_runs import deck, input_deck
 from towed_wheel import MORELAND, SIGMA, SPEED, SPIN_INERTIA, STRING, towed
 
-from mecano.analyses.diagnostics import explained
+from mecano.analyses.diagnostics import failure_text
 from mecano.analyses.dynamic import run
 from mecano.analyses.prepare import prepare, warnings_of
 from mecano.errors import ConvergenceError
@@ -89,9 +89,9 @@ def test_a_failure_says_what_to_try_in_the_elements_that_failed():
     error = ConvergenceError("no step")
     warnings = ["flexible_wheel 'tire': soft", "flexible_wheel 'tire': soft", "rigid_body 'rim': light"]
     given = towed(STRING)
-    assert explained(error, given, warnings) == "no step"
+    assert failure_text(error, given, warnings) == "no step"
     error.elements = ("flexible_wheel 'tire'", "hinge 'bearing'")
-    assert explained(error, given, warnings).splitlines() == [
+    assert failure_text(error, given, warnings).splitlines() == [
         "no step",
         "in flexible_wheel 'tire': a greater 'tire_law.lateral.string.torsional_stiffness' (now 10000 N m/rad); a "
         "greater 'tire_law.slip_regularization' (now 0.1 m/s)",
@@ -102,7 +102,10 @@ def test_a_failure_says_what_to_try_in_the_elements_that_failed():
 def test_a_failure_repeats_the_warnings_about_its_nodes():
     error, light = ConvergenceError("no step"), "deck.yaml:7:3: node rim: nothing gives mass to its rotation"
     error.places = ("node rim",)
-    assert explained(error, towed(STRING), [light, "node rim2: light"]).splitlines() == ["no step", f"warning: {light}"]
+    assert failure_text(error, towed(STRING), [light, "node rim2: light"]).splitlines() == [
+        "no step",
+        f"warning: {light}",
+    ]
 
 
 def test_a_failed_run_repeats_its_warnings(tmp_path):

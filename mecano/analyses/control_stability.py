@@ -9,7 +9,7 @@ MOST = 100  # motions up to which modes are computed before a run
 GROWTH = 1e3  # factor by which small motions grow in a run, from which on they are reported
 
 
-def destabilized(prepared, start):
+def instability_warnings(prepared, start):
     """Yield a warning if small motions about the ``start`` of a run, a RunState, grow only because of its signals.
 
     Motions that grow by less than a factor of GROWTH in the run are not reported, nor those of models with more than

@@ -28,7 +28,7 @@ AXIS_TURNS = 0.1  # of the angular velocity: its change across its mean directio
 NOISE = 1e-5  # of the largest energy, below which an error of the balance is never reported
 
 
-def cut_short(values, cuts, final):
+def step_cut_warnings(values, cuts, final):
     """Yield a warning if a fixed step was too large, judged by the ``cuts`` of the step and the final RunState."""
     if values["adaptive"] or len(cuts) <= NOTED * final.steps:
         return
@@ -40,7 +40,7 @@ def cut_short(values, cuts, final):
     )
 
 
-def captured(values, capture):
+def capture_warnings(values, capture):
     """Yield a warning if events were captured at the ends of steps, by an EventCapture, instead of located."""
     if not capture.steps:
         return
@@ -54,7 +54,7 @@ def captured(values, capture):
     )
 
 
-def untouched(deck, sampler, extremes):
+def untouched_ground_warnings(deck, sampler, extremes):
     """Yield a warning if the model has wheels and none of them touched its ground, as their loads were always zero."""
     at = {column.path: column.start for column in sampler.columns}
     wheels = [n for n, d in deck.values["elements"].items() if "wheels" in KINDS[d["type"]].display.pictures]
@@ -63,7 +63,7 @@ def untouched(deck, sampler, extremes):
         yield "no wheel touched its ground: does the run end too early, or do the wheels start too high?"
 
 
-def unbalanced(values, sampler, extremes):
+def energy_warnings(values, sampler, extremes):
     """Yield a warning if the integration lost or created energy; ``values`` are the section ``time`` of the deck.
 
     Errors are compared with the largest change of an energy, as the kinetic energy of a vehicle says little about the
@@ -91,7 +91,7 @@ def unbalanced(values, sampler, extremes):
     )
 
 
-def spun(values, sampler, extremes):
+def spin_warnings(values, sampler, extremes):
     """Yield a warning if a node turns far in each fixed step, about an axis that turns too.
 
     The change of the angular velocity is judged by the ``extremes`` of its components. Of a body that spins about an
@@ -125,7 +125,7 @@ def _turn(column, extremes):
     return largest if across > AXIS_TURNS * largest else 0.0
 
 
-def unresolved(values, sampler, ringing, extremes, length):
+def oscillation_warnings(values, sampler, ringing, extremes, length):
     """Yield a warning if forces oscillate from step to step, as found by the OscillationMonitor of the run.
 
     Moments are compared with those of the forces of the model at its ``length`` [m], too. Forces that are rounding
@@ -168,7 +168,7 @@ def _remedy(values):
     )
 
 
-def exceeded(deck, sampler, extremes, places=None, where="t = {:.4g} s"):
+def limit_warnings(deck, sampler, extremes, places=None, where="t = {:.4g} s"):
     """Return a warning for each output whose magnitude exceeded the limit of validity of its element.
 
     ``places`` are the indices of the outputs of the ``extremes`` in a row of the ``sampler``, ascending; default: all.
@@ -187,15 +187,15 @@ def exceeded(deck, sampler, extremes, places=None, where="t = {:.4g} s"):
 
 
 @contextmanager
-def with_places(deck):
+def locating_formulas(deck):
     """Add the places of the formulas that failed to a NonFiniteError."""
     try:
         yield
     except NonFiniteError as error:
-        raise NonFiniteError(explained(error, deck, ())) from error
+        raise NonFiniteError(failure_text(error, deck, ())) from error
 
 
-def explained(error, deck, warnings):
+def failure_text(error, deck, warnings):
     """Return the text of an ``error`` with remedies for the elements that failed, and the places of their formulas.
 
     The ``warnings`` about these elements and about the places of the equations that failed follow.
@@ -220,7 +220,7 @@ def _formulas(error, deck):
             yield f"{title} is at {mark}"
 
 
-def still_waiting(system, phases):
+def waiting_warnings(system, phases):
     """Yield a text that names the elements that are due, by the ``phases`` at the end, but did not act yet."""
     found = [
         name
@@ -234,7 +234,7 @@ def still_waiting(system, phases):
         yield f"activated without effect, as the bodies overlapped until the end: {waiting}"
 
 
-def open_latches(deck, row, sampler):
+def open_latch_warnings(deck, row, sampler):
     """Yield a text that names open latches, with the coordinates and rates of their joints from a row of outputs.
 
     Latches with a release may have been closed before.

@@ -7,27 +7,27 @@ from functools import partial
 
 from mecano.analyses.checkpoint_writer import INTERVAL, CheckpointWriter, restore
 from mecano.analyses.compilation import compile_time_integration
-from mecano.analyses.control_stability import destabilized
+from mecano.analyses.control_stability import instability_warnings
 from mecano.analyses.diagnostics import (
-    captured,
-    cut_short,
-    exceeded,
-    explained,
-    open_latches,
-    spun,
-    still_waiting,
-    unbalanced,
-    unresolved,
-    untouched,
-    with_places,
+    capture_warnings,
+    energy_warnings,
+    failure_text,
+    limit_warnings,
+    locating_formulas,
+    open_latch_warnings,
+    oscillation_warnings,
+    spin_warnings,
+    step_cut_warnings,
+    untouched_ground_warnings,
+    waiting_warnings,
 )
 from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.prepare import chosen, integrator_of, model_facts, prepare, startup_warnings
 from mecano.analyses.recorder import Recorder
 from mecano.errors import ConvergenceError, MecanoError, NonFiniteError, ResultsError
 from mecano.model.sampler import Sampler
-from mecano.process.interrupt import Interruption, abandonable
-from mecano.results.disk import undisturbed
+from mecano.process.interrupt import Interruption, call_interruptibly
+from mecano.results.disk import deferring_signals
 from mecano.results.layout import Layout, Series
 from mecano.results.lock import locked
 from mecano.results.provenance import Source
@@ -99,12 +99,13 @@ def _warned_of(prepared, supervision):
 def _from_the_start(deck, path, force, supervision):
     """Yield an Ongoing run from its initial state; the caller holds the lock of the file."""
     prepared = prepare(deck, partial(compile_time_integration, time=deck.values["time"]))
-    with with_places(deck), _warned_of(prepared, supervision):
-        found = abandonable(set_initial_state, prepared)
+    with locating_formulas(deck), _warned_of(prepared, supervision):
+        found = call_interruptibly(set_initial_state, prepared)
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
-    with with_places(deck):
-        start = abandonable(integrator.begin, prepared.state, deck.values["time"]["step"])
-    notes = [*startup_warnings(prepared, start), *found, *abandonable(lambda: list(destabilized(prepared, start)))]
+    with locating_formulas(deck):
+        start = call_interruptibly(integrator.begin, prepared.state, deck.values["time"]["step"])
+    unstable = call_interruptibly(lambda: list(instability_warnings(prepared, start)))
+    notes = [*startup_warnings(prepared, start), *found, *unstable]
     source = _source(deck, chosen(prepared, integrator, start), model_facts(prepared), notes)
     postponed = supervision.interruption.postponed()
     with postponed, Writer.create(path, layout_of(sampler), source, force=force) as writer:
@@ -156,7 +157,7 @@ def _resume(deck, path, supervision):
     from mecano.analyses.resume import COMPLETE, InterruptedRun  # imports the reader, which is slow and rarely needed
     from mecano.results.verify import verify
 
-    with undisturbed():
+    with deferring_signals():
         interrupted = InterruptedRun(path, deck)
     with closing(interrupted):
         if interrupted.checkpoint is not None and not interrupted.complete:
@@ -224,9 +225,9 @@ class Ongoing:
             with recorder.emptied():
                 self.state = self.integrator.to(t, self.state)
         except (ConvergenceError, NonFiniteError) as error:
-            known = [*self._notes, *self.integrator.warnings, *exceeded(deck, sampler, recorder.writer.extremes)]
-            latches = open_latches(deck, recorder.row, sampler)
-            raise type(error)("\n".join([explained(error, deck, known), *latches])) from error
+            known = [*self._notes, *self.integrator.warnings, *limit_warnings(deck, sampler, recorder.writer.extremes)]
+            latches = open_latch_warnings(deck, recorder.row, sampler)
+            raise type(error)("\n".join([failure_text(error, deck, known), *latches])) from error
 
     def to_the_end(self):
         """Integrate to the end time of the deck, close the file, and return the final RunState."""
@@ -235,20 +236,25 @@ class Ongoing:
         return self.state
 
     def _complete(self):
-        deck, integrator, writer, sampler = self.deck, self.integrator, self.recorder.writer, self.recorder.sampler
-        values = deck.values["time"]
-        warnings = [*integrator.warnings, *cut_short(values, integrator.cuts, self.state)]
-        warnings += captured(values, integrator.capture)
-        warnings += exceeded(deck, sampler, writer.extremes)
-        warnings += open_latches(deck, self.recorder.row, sampler)
-        warnings += still_waiting(integrator.system, self.state.motion.phases)
-        warnings += untouched(deck, sampler, writer.extremes)
-        warnings += unbalanced(values, sampler, writer.extremes)
-        warnings += spun(values, sampler, writer.extremes)
-        warnings += unresolved(values, sampler, self.recorder.ringing, writer.extremes, integrator.method.length)
+        """Announce the warnings about the whole run, and close the file as complete."""
+        warnings = self._final_warnings()
         for text in warnings:
             self._announce(text)
-        writer.close("complete", with_warnings(ENDED, warnings))
+        self.recorder.writer.close("complete", with_warnings(ENDED, warnings))
+
+    def _final_warnings(self):
+        deck, integrator, recorder, values = self.deck, self.integrator, self.recorder, self.deck.values["time"]
+        sampler, extremes = recorder.sampler, recorder.writer.extremes
+        warnings = [*integrator.warnings, *step_cut_warnings(values, integrator.cuts, self.state)]
+        warnings += capture_warnings(values, integrator.capture)
+        warnings += limit_warnings(deck, sampler, extremes)
+        warnings += open_latch_warnings(deck, recorder.row, sampler)
+        warnings += waiting_warnings(integrator.system, self.state.motion.phases)
+        warnings += untouched_ground_warnings(deck, sampler, extremes)
+        warnings += energy_warnings(values, sampler, extremes)
+        warnings += spin_warnings(values, sampler, extremes)
+        length = integrator.method.length
+        return [*warnings, *oscillation_warnings(values, sampler, recorder.ringing, extremes, length)]
 
     def leave(self):
         """Close the file: as complete at the end time of the deck, otherwise with a checkpoint."""

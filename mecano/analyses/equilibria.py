@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.analyses.prepare import AUTOMATIC, given
+from mecano.analyses.prepare import AUTOMATIC, or_default
 from mecano.model.output_limits import ended, has_watched_outputs, watched_outputs
 from mecano.model.sampler import Sampler, StaticSample
 from mecano.solve.diagnostics.failure import worst_equations
@@ -154,13 +154,13 @@ def _statics(prepared, values, loading):
                             newton["maximum_iterations"])  # fmt: skip
     return Statics(
         prepared.system, prepared.linear, loading, prepared.length, tolerances,
-        k=given(scale.get("k", AUTOMATIC), None), penalty=given(scale.get("penalty", AUTOMATIC), None),
+        k=or_default(scale.get("k", AUTOMATIC), None), penalty=or_default(scale.get("penalty", AUTOMATIC), None),
         compliance=prepared.compliance,
     )  # fmt: skip
 
 
 def _steps(prepared, values):
-    count = given(values["steps"], FIRST_STEPS)
+    count = or_default(values["steps"], FIRST_STEPS)
     start = values["start"] if values.get("over") == "time" else 0.0
     minimum = values["minimum_step"] * (values["end"] - start) / count
     return Steps(values["end"], count, minimum, grow=values["steps"] == AUTOMATIC)
@@ -171,7 +171,7 @@ def _relaxation(prepared, values):
 
 
 def _arc(prepared, values):
-    count, until = given(values["steps"], FIRST_STEPS), values["until"]
+    count, until = or_default(values["steps"], FIRST_STEPS), values["until"]
     target = None if until is None else _target(prepared, until)
     return ArcLength(values["end"], count, values["minimum_step"], values["maximum_steps"], values["lowest"], target)
 

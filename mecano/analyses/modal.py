@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from mecano.analyses.diagnostics import with_places
+from mecano.analyses.diagnostics import locating_formulas
 from mecano.analyses.equilibria import follow
 from mecano.analyses.initial_state import describe, set_initial_state
 from mecano.analyses.load_state import rest_at, state_at
@@ -15,7 +15,7 @@ from mecano.element_interface import RELEASES
 from mecano.errors import UsageError
 from mecano.model.numbering import TRANSLATION
 from mecano.post.recovered import nodes_inside, recovered
-from mecano.process.interrupt import abandonable
+from mecano.process.interrupt import call_interruptibly
 from mecano.results.lock import locked
 from mecano.results.modes_file import write_modes
 from mecano.results.provenance import Source
@@ -53,7 +53,7 @@ def operating_point(deck, at=None, at_rest=False):
     It is that of the saved time ``at`` = "results.h5:time", otherwise the static equilibrium or the start of the run.
     ``at_rest``: the equilibrium at which the mechanism would come to rest near the saved time.
     """
-    with with_places(deck):
+    with locating_formulas(deck):
         return _operating_point(deck, at, at_rest)
 
 
@@ -156,7 +156,7 @@ def _find(deck, path, at, at_rest, number, frame, method, force):
     prepared, system = base.prepared, base.prepared.system
     turning = turning_of(system, base.state, frame)
     lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
-    found = abandonable(solve, lin, number, method)
+    found = call_interruptibly(solve, lin, number, method)
     reported = [
         *base.warnings,
         *unbalanced(base, turning),

@@ -14,7 +14,7 @@ from mecano.errors import AssemblyError, DeckError, Problem, name_list
 from mecano.model.model import title_of
 from mecano.model.sampler import row_size
 from mecano.model.system import System
-from mecano.process.interrupt import abandonable
+from mecano.process.interrupt import call_interruptibly
 from mecano.results.layout import STEPS
 from mecano.solve.diagnostics.joint_redundancy import by_same_joints, redundant_groups
 from mecano.solve.diagnostics.mobility import DENSE_ROWS, analyse
@@ -73,7 +73,7 @@ def prepare(deck, compile_ahead=lambda system: None):
     ``compile_ahead(system)`` may compile what is needed later. A signal may interrupt it. Raises AssemblyError, and
     DeckError for a model without degrees of freedom.
     """
-    return abandonable(_prepare, deck, compile_ahead)
+    return call_interruptibly(_prepare, deck, compile_ahead)
 
 
 def _prepare(deck, compile_ahead):
@@ -83,7 +83,7 @@ def _prepare(deck, compile_ahead):
     of, values = system.numbering, deck.values["time"] or deck.values["static"]
     linear = LinearSolver(system.n, system.rows, system.cols, of.group, of.n_q, halves=system.halves)
     wanted = (values.get("adaptive") or values).get("length_scale", AUTOMATIC)
-    length = given(wanted, length_scale(system.nodes))
+    length = or_default(wanted, length_scale(system.nodes))
     begin, carried = carried_over(deck, system, system.initial_state(values["start"]), length)
     state, displacement = assemble_start(system, linear, begin, length)
     if problems := system.inadmissible(state):
@@ -124,7 +124,8 @@ def integrator_of(prepared, observers=()):
         max_iterations=newton["maximum_iterations"],
     )
     control = control_of(values)
-    duration, k, penalty = values["end"] - values["start"], given(scale["k"], None), given(scale["penalty"], None)
+    duration = values["end"] - values["start"]
+    k, penalty = or_default(scale["k"], None), or_default(scale["penalty"], None)
     if values["method"] == "radau":
         from mecano.solve.time.radau import Radau  # no ordinary run needs it (docs/architecture.md, Start)
 
@@ -149,13 +150,13 @@ def control_of(values):
     duration = values["end"] - values["start"]
     return StepControl(
         min(adaptive["tolerance"], LOOSEST), duration,
-        minimum=given(adaptive["minimum_step"], smallest),
-        maximum=given(adaptive["maximum_step"], duration / 20),
+        minimum=or_default(adaptive["minimum_step"], smallest),
+        maximum=or_default(adaptive["maximum_step"], duration / 20),
         order=ORDERS.get(values["method"], 2),
     )  # fmt: skip
 
 
-def given(value, otherwise):
+def or_default(value, otherwise):
     """Return ``value``, or ``otherwise`` if it is "automatic" in the deck."""
     return otherwise if value == AUTOMATIC else value
 

@@ -12,7 +12,7 @@ from mecano.model.mesh import divided, inner_names
 from mecano.model.model import Model, Node
 from mecano.model.quantity_names import UnknownQuantity
 from mecano.model.system import System
-from mecano.results.whole_file import appearing, exists, refuse_other_than_file
+from mecano.results.whole_file import atomic_file, exists, refuse_other_than_file
 from mecano.solve.diagnostics.scales import length_scale
 from mecano.solve.modal.reduction import reduce
 
@@ -95,12 +95,12 @@ def lines_of(part, names):
 def write(path, content):
     """Write a file of reduced matrices, which appears only when complete. Raises ResultsError."""
     if path.suffix == ".npz":
-        with appearing(path) as hidden:
+        with atomic_file(path) as hidden:
             np.savez_compressed(hidden, **content)
         return
-    from mecano.results.disk import hdf5_appearing  # imports h5py, which .npz does not need
+    from mecano.results.disk import atomic_hdf5_file  # imports h5py, which .npz does not need
 
-    with hdf5_appearing(path) as file:
+    with atomic_hdf5_file(path) as file:
         for key, value in content.items():
             file[key] = [name.encode() for name in value] if value.dtype.kind == "U" else value
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mecano.analyses.diagnostics import exceeded, with_places
+from mecano.analyses.diagnostics import limit_warnings, locating_formulas
 from mecano.analyses.equilibria import follow
 from mecano.analyses.not_finite import output_not_finite
 from mecano.analyses.prepare import model_facts, prepare, startup_warnings
@@ -126,10 +126,10 @@ def _follow(deck, path, force, observers, announce):
         for text in notes:
             announce(text)
         recorder.writer = writer
-        with with_places(deck):
+        with locating_formulas(deck):
             result = follow(prepared, (recorder, *observers))
         where = f"{axis.path.replace('_', ' ')} {{:.4g}} {axis.unit}".rstrip()
-        limits = exceeded(deck, recorder.sampler, writer.extremes, recorder.places, where)
+        limits = limit_warnings(deck, recorder.sampler, writer.extremes, recorder.places, where)
         for text in (*result.warnings, *limits):
             announce(text)
         writer.close("complete", with_warnings(result.reason, [*result.warnings, *limits]))

@@ -9,7 +9,7 @@ from mecano.analyses.prepare import amount_warnings, mass_of, prepare, warnings_
 from mecano.deck.run_size import saved_times, steps
 from mecano.element_interface import SECTIONS
 from mecano.errors import name_list
-from mecano.process.interrupt import abandonable
+from mecano.process.interrupt import call_interruptibly
 from mecano.solve.diagnostics.mobility import DENSE_ROWS
 from mecano.solve.diagnostics.rigidity import stiff_mechanisms
 
@@ -48,7 +48,7 @@ def summary_of(prepared, every=False):
     if not analysis.complete:
         text = f"mobility         not computed: more than {DENSE_ROWS} constraints form closed loops"
         return "\n".join([*lines, text])
-    lines += abandonable(lambda: list(_mobility(prepared, every)))
+    lines += call_interruptibly(lambda: list(_mobility(prepared, every)))
     redundant = sum(group.count for group in prepared.redundant)
     lines.append(f"redundant        {redundant} constraint(s)")
     for group in prepared.redundant:

@@ -11,7 +11,7 @@ from mecano.analyses.sweep_text import lines
 from mecano.deck.read import read_deck
 from mecano.deck.wording import suggestion
 from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError, UsageError
-from mecano.process.interrupt import abandonable
+from mecano.process.interrupt import call_interruptibly
 from mecano.results.lock import locked
 from mecano.results.provenance import Source
 from mecano.results.sweep_file import contents, refuse_tables, write_sweep, write_tables
@@ -147,7 +147,7 @@ class Case:
         prepared, system = base.prepared, base.prepared.system
         turning = turning_of(system, base.state, self.frame)
         lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
-        found = abandonable(solve, lin, self.number, self.method)
+        found = call_interruptibly(solve, lin, self.number, self.method)
         self.about = base.words.partition(" at [")[0]
         self.variation = max(self.variation, lin.variation)
         self.residuals[settings] = float(found.residuals[found.values != 0.0].max(initial=0.0))

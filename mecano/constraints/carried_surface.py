@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.constraints.touching import check_given, given, surface_point
+from mecano.constraints.touching import check_given, named_surface, surface_point
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, cos, implicit, sin, value
 from mecano.maths.surface import LEAST_Q, disc_contact
@@ -108,7 +108,7 @@ def _foot(p, a, e, ahead, distance, phi):
 
 def carried_record(d, nodes):
     """Return the values of CARRIED_RECORD; the first of ``nodes`` carries the surface."""
-    (name, values), (x, R) = given(d), nodes[0]
+    (name, values), (x, R) = named_surface(d), nodes[0]
     place, main = place_at_start(d, nodes)
     return {
         "surface_axis": R.T @ main, "surface_origin": R.T @ (place - x), "cylindrical": float(name == "cylinder"),
@@ -118,7 +118,7 @@ def carried_record(d, nodes):
 
 def place_at_start(d, nodes):
     """Return origin [m] and unit normal or axis of the surface at the start, inertial, (3,) each."""
-    name, values = given(d)
+    name, values = named_surface(d)
     main = np.array(values["normal" if name == "plane" else "axis"], float)
     return surface_point(values, nodes), main / np.linalg.norm(main)
 

@@ -155,7 +155,7 @@ def _relative_velocity(touched, at):
     return vec(at.v, 6) + cross(mat(at.R[1]) @ vec(at.v, 9), touched.b) - of_a
 
 
-def given(d):
+def named_surface(d):
     """Return name and values of the surface, from the values of the deck that name exactly one."""
     return next((name, d[name]) for name in SURFACES if d.get(name) is not None)
 
@@ -182,7 +182,7 @@ def check_place_on_b(d, name):
 
 def surface_record(d, nodes, context=None):
     """Return the values of SURFACE_RECORD."""
-    (name, values), (x_a, R_a) = given(d), nodes[0]
+    (name, values), (x_a, R_a) = named_surface(d), nodes[0]
     axis = np.array(values.get("normal", values.get("axis", (0.0, 0.0, 1.0))), float)
     last = {"cylinder": FAR, "capsule": values.get("length")}.get(name, 0.0)
     return {
@@ -195,7 +195,7 @@ def surface_record(d, nodes, context=None):
 
 def gap_at_start(d, nodes):
     """Return the gap [m] at the start, and the distance [m] of node b from the middle of the surface."""
-    name, values = given(d)
+    name, values = named_surface(d)
     p, offset = surface_record(d, nodes), np.subtract(nodes[1][0], surface_point(values, nodes))
     axis = nodes[0][1] @ p["axis"]
     along = float(axis @ offset)
@@ -209,7 +209,7 @@ def check_given(d, surfaces=SURFACES):
     """Return errors for none or several of the ``surfaces``, and for a surface of the ground without a place."""
     if sum(d[name] is not None for name in surfaces) != 1:
         return [f"give exactly one of {', '.join(map(repr, surfaces))}"]
-    name, values = given(d)
+    name, values = named_surface(d)
     place = "point" if name == "plane" else "center"
     if d["nodes"][0] == "ground" and values[place] is None:
         return [f"'{name}' needs '{place}': the ground has no position"]
@@ -218,7 +218,7 @@ def check_given(d, surfaces=SURFACES):
 
 def check_side(d, nodes):
     """Return errors for a ball on the wrong side of a surface other than one of revolution."""
-    name, values = given(d)
+    name, values = named_surface(d)
     if name == "plane":
         return []
     if values.get("inside"):

@@ -20,7 +20,7 @@ from mecano.constraints.touching import (
     approach_of_turning,
     arm_of_b,
     check_place_on_b,
-    given,
+    named_surface,
     origin_on_b,
     surface_record,
 )
@@ -100,7 +100,7 @@ class _Ends:
 
 def check_rod(d, nodes):
     """Return errors for a rod at a surface that is no line, without a place, and for axes that meet."""
-    name, values = given(d)
+    name, values = named_surface(d)
     if name not in ("capsule", "cylinder") or values.get("inside"):
         return [
             "a 'rod' touches a 'capsule', or a 'cylinder' from outside; on a plane or inside a cylinder use instead of "

@@ -31,7 +31,7 @@ from mecano.jit.passes import KernelCompiler
 from mecano.jit.shortcuts import shortcuts
 from mecano.jit.store import processor
 from mecano.jit.symbols import Condition, Symbol, is_number, value_of
-from mecano.process.interrupt import abandonable
+from mecano.process.interrupt import call_interruptibly
 
 # Functions that machine code may call: C mathematics, C memory, the rejection of the arguments of a call.
 KNOWN = frozenset(
@@ -142,7 +142,7 @@ def _machine_code(signature, function):
     Raises SystemError if it needs functions that are not available. A signal interrupts the compiler, which takes
     seconds.
     """
-    return abandonable(_code_of, signature, function)
+    return call_interruptibly(_code_of, signature, function)
 
 
 def _code_of(signature, function):

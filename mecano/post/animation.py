@@ -22,7 +22,7 @@ from mecano.post.scene import scene_of
 from mecano.post.sheet import Panel
 from mecano.post.sheets import default_sheets, overview
 from mecano.post.verdict import sound, verdict
-from mecano.results.whole_file import appearing, make_folder
+from mecano.results.whole_file import atomic_file, make_folder
 
 MOST_FRAMES = 600
 FILMS = (".gif", ".webp", ".mp4")
@@ -61,7 +61,7 @@ def animate(path, page, plots=(), title=None):
     with opened_runs([path]) as [run]:
         text = page_text(page_data(run, plots, title))
     make_folder(page.parent)
-    with appearing(page) as hidden:
+    with atomic_file(page) as hidden:
         hidden.write_text(text, encoding="utf-8")
     return page
 

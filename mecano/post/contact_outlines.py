@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mecano.constraints.touching import given
+from mecano.constraints.touching import named_surface
 from mecano.deck.physics import rotations
 from mecano.post.curve_values import checked_law, curve_values
 
@@ -28,7 +28,7 @@ def outlines(motion, d):
 
 def surface_outlines(motion, d, radius):
     """Return lines [(instants, n, 3)] of the surface in the deck values ``d``; ``radius`` [m] of what touches it."""
-    (a, b), (name, surface), places = d["nodes"], given(d), _places(motion)
+    (a, b), (name, surface), places = d["nodes"], named_surface(d), _places(motion)
     middle, (main, across, along) = _directions(d, places)
     if name == "revolution":
         lines = _turned(motion.run.deck, surface, places[b] - middle, np.stack([main, along, across]))
@@ -46,7 +46,7 @@ def _places(motion):
 
 def _directions(d, places):
     """Return the middle of the surface, and its normal or axis with the directions across and along the lines."""
-    (a, b), (name, surface) = d["nodes"], given(d)
+    (a, b), (name, surface) = d["nodes"], named_surface(d)
     middle = surface.get("point", surface.get("center"))
     middle = places[a] if middle is None else np.array(middle, float)
     main = np.array(surface.get("normal", surface.get("axis", places[b] - middle)), float)

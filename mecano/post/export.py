@@ -9,7 +9,7 @@ from mecano.post.quantity import time_of
 from mecano.post.request import found
 from mecano.post.runs import opened_runs
 from mecano.post.sheet import Curve
-from mecano.results.disk import hdf5_appearing
+from mecano.results.disk import atomic_hdf5_file
 from mecano.results.lock import locked
 from mecano.results.vtk_group import add_grids, write_grids
 from mecano.results.whole_file import exists, refuse_other_than_file, write_csv
@@ -52,7 +52,7 @@ def export(path, output=None, *, series=(), vtk=False, force=False):
         target = target or run.results.path.with_suffix(OF_COLUMNS)
         _refuse(run, target, force)
         if target.suffix == OF_CELLS:
-            with hdf5_appearing(target) as file:
+            with atomic_hdf5_file(target) as file:
                 write_grids(file, grids_of(run), run.results.time)
         else:
             write_csv(target, _all_columns(run, series), force)

@@ -16,7 +16,7 @@ from mecano.post.scene import scene_of
 from mecano.post.shapes import BODY, CABLE, GEAR, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
 from mecano.post.style import GREY, INK, PALE, SETTINGS, shown_unit, with_unit
 from mecano.post.view_direction import projection
-from mecano.results.whole_file import appearing, make_folder
+from mecano.results.whole_file import atomic_file, make_folder
 
 WRITERS = {".gif": "pillow", ".webp": "pillow", ".mp4": "ffmpeg"}
 FRAMES, PER_SECOND = 150, 15
@@ -51,7 +51,7 @@ def film(path, target, title=None):
     if not animation.writers.is_available(writer):
         raise UsageError(f"--animate {target}: {target.suffix} films need {writer}, which is not installed; .html does")
     make_folder(target.parent)
-    with opened_runs([path]) as [run], matplotlib.rc_context(SETTINGS), appearing(target) as hidden:
+    with opened_runs([path]) as [run], matplotlib.rc_context(SETTINGS), atomic_file(target) as hidden:
         _write(scene_of(run, FRAMES), hidden, writer, title or run.title)
     return target
 

@@ -14,7 +14,7 @@ from mecano.post.runs import opened_runs
 from mecano.post.study_report import study_report
 from mecano.results import study_file
 from mecano.results.checked import format_of
-from mecano.results.whole_file import appearing, make_folder
+from mecano.results.whole_file import atomic_file, make_folder
 
 
 def write_report(path, page, title=None, plots=(), spectra=()):
@@ -34,7 +34,7 @@ def write_report(path, page, title=None, plots=(), spectra=()):
         raise UsageError(f"--report {page}: the name of a page ends with .html")
     text = page_of(_report(path, title, plots, spectra))
     make_folder(page.parent)
-    with appearing(page) as hidden:
+    with atomic_file(page) as hidden:
         hidden.write_text(text, encoding="utf-8")
     return page
 

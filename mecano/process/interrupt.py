@@ -65,7 +65,7 @@ class Interruption:
 
     @contextmanager
     def postponed(self):
-        """Postpone the end of the process in this block to ``wanted``, ``abandonable``, or a second SIGINT."""
+        """Postpone the end of the process in this block to ``wanted``, ``call_interruptibly``, or a second SIGINT."""
         self._postponed = True
         try:
             yield
@@ -125,7 +125,7 @@ class Interruption:
         return Stopped(self._number, f" {where}; continue with: {self.again}" if self.again else f" {where}")
 
 
-def abandonable(call, *arguments):
+def call_interruptibly(call, *arguments):
     """Return ``call(*arguments)``, executed in a separate thread, so that a signal interrupts the wait at once.
 
     Python runs signal handlers only in the main thread, between two of its instructions, hence not while a library
@@ -152,7 +152,7 @@ def abandonable(call, *arguments):
     return result
 
 
-_abandonable = False  # whether the main thread waits in ``abandonable``
+_abandonable = False  # whether the main thread waits in ``call_interruptibly``
 
 
 def _keep_outcome(outcome, done, call, arguments):

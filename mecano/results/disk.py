@@ -9,7 +9,7 @@ HDF5 writes through a Disk instead of directly, for five reasons:
   the first failure is kept in ``error``, later data are not written, and HDF5 sees no failure.
 * Some numbers (counters, status) must be written after all other data, at once, and without allocation: ``patch``
   overwrites them in place.
-* A signal handler must not raise inside HDF5: ``undisturbed`` defers it.
+* A signal handler must not raise inside HDF5: ``deferring_signals`` defers it.
 
 So the file at any instant results from the first n of the sequence of writes. With the extensible-array index of
 chunks, which only grows at its end, and with metadata aligned to pages of the operating system, it is valid for every n
@@ -31,7 +31,7 @@ from mecano.process.interrupt import SIGNALS
 from mecano.results.checksums import BLOCK, seal, seal_of
 from mecano.results.live_checksums import LiveChecksums, put
 from mecano.results.seekable import Seekable
-from mecano.results.whole_file import appearing
+from mecano.results.whole_file import atomic_file
 
 PAGE = 4096
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -161,12 +161,12 @@ def _unsealed_size(descriptor):
 
 
 @contextmanager
-def hdf5_appearing(path, begun=None):
+def atomic_hdf5_file(path, begun=None):
     """Open a new HDF5 file for writing, which gets its name and its checksums at the end of the block.
 
     It starts as a copy of the file ``begun`` if that is given. Raises ResultsError; no file is left then.
     """
-    with appearing(Path(path)) as hidden:
+    with atomic_file(Path(path)) as hidden:
         if begun is not None:
             shutil.copyfile(begun, hidden)
         disk = Disk(hidden, begun is not None)
@@ -192,7 +192,7 @@ def open_file(stream, cache_bytes=2**20, cache_slots=521):
 
 
 @contextmanager
-def undisturbed():
+def deferring_signals():
     """Defer the Python handlers of signals to the end of the block."""
     if threading.current_thread() is not threading.main_thread():
         yield

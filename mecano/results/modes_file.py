@@ -9,7 +9,7 @@ import numpy as np
 
 from mecano.errors import ResultsError
 from mecano.results.checked import open_checked
-from mecano.results.disk import hdf5_appearing
+from mecano.results.disk import atomic_hdf5_file
 from mecano.results.provenance import read_displays
 from mecano.results.table import describe
 from mecano.results.whole_file import put_source
@@ -55,7 +55,7 @@ class ModesFile:
 def write_modes(path, contents, source, *, force=False):
     """Write a file of modes, which appears only when complete. Raises ResultsError."""
     refuse_existing(path, force)
-    with hdf5_appearing(path) as file:
+    with atomic_hdf5_file(path) as file:
         _fill(file, contents, source)
 
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from mecano.errors import ResultsError
 from mecano.results.checked import open_checked
-from mecano.results.disk import hdf5_appearing
+from mecano.results.disk import atomic_hdf5_file
 from mecano.results.provenance import provenance
 from mecano.results.table import describe
-from mecano.results.whole_file import appearing
+from mecano.results.whole_file import atomic_file
 
 FORMAT, FORMAT_VERSION = "mecano study", 1
 TEXT = h5py.string_dtype()
@@ -86,7 +86,7 @@ def column(group, name, unit, doc, values):
 
 def write_study(path, table):
     """Write a StudyTable to a file that appears only when complete. Raises ResultsError."""
-    with hdf5_appearing(path) as file:
+    with atomic_hdf5_file(path) as file:
         for one in table.columns:
             kind = None if one.numeric else TEXT
             dataset = file.create_dataset(one.path, data=one.values, dtype=kind)
@@ -116,7 +116,7 @@ def _read(file, path):
 
 def write_columns(path, table):
     """Write a StudyTable as comma-separated values: a row for each case. Raises ResultsError."""
-    with appearing(Path(path)) as hidden, open(hidden, "w", newline="", encoding="utf-8") as file:
+    with atomic_file(Path(path)) as hidden, open(hidden, "w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow([one.name + (f" [{one.unit}]" if one.unit else "") for one in table.columns])
         rows.writerows(zip(*([_cell(value) for value in one.values] for one in table.columns), strict=True))

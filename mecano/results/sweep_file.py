@@ -9,7 +9,7 @@ import numpy as np
 
 from mecano.errors import ResultsError
 from mecano.results.checked import open_checked
-from mecano.results.disk import hdf5_appearing
+from mecano.results.disk import atomic_hdf5_file
 from mecano.results.table import describe
 from mecano.results.whole_file import exists, put_source, refuse_other_than_file, write_csv
 from mecano.results.writer import refuse_existing
@@ -89,7 +89,7 @@ def contents(sweep):
 def write_sweep(path, plain, source, *, force=False):
     """Write the ``contents`` of a sweep to a file that appears only when complete. Raises ResultsError."""
     refuse_existing(path, force)
-    with hdf5_appearing(path) as file:
+    with atomic_hdf5_file(path) as file:
         _fill(file, plain, source)
 
 

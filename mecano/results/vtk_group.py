@@ -11,7 +11,7 @@ import numpy as np
 
 from mecano.errors import ResultsError
 from mecano.results.checked import checked
-from mecano.results.disk import hdf5_appearing
+from mecano.results.disk import atomic_hdf5_file
 from mecano.results.table import describe, name_axes
 
 GROUP = "VTKHDF"
@@ -106,7 +106,7 @@ def add_grids(path, grids, times, *, force=False):
     bytes have changed since the file was closed, or if it cannot be written.
     """
     _refuse_damaged(path)
-    with hdf5_appearing(path, begun=path) as file:
+    with atomic_hdf5_file(path, begun=path) as file:
         if GROUP in file and not force:
             raise ResultsError(f"{path} has a group /{GROUP} already; --force to replace it")
         if GROUP in file:

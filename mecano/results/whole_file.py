@@ -17,7 +17,7 @@ MARK, BEGINNING = b"mecano", 4096  # in the first bytes
 
 
 @contextmanager
-def appearing(path):
+def atomic_file(path):
     """Give the Path of a hidden file that replaces ``path`` at the end of the block; on failure it is removed.
 
     Raises ResultsError.
@@ -89,7 +89,7 @@ def write_csv(path, rows, force):
     """
     heading, *rows = rows
     refuse_foreign(path, force, heading)
-    with appearing(path) as hidden, open(hidden, "w", newline="", encoding="utf-8") as file:
+    with atomic_file(path) as hidden, open(hidden, "w", newline="", encoding="utf-8") as file:
         file.write(csv_line(heading))
         csv.writer(file, lineterminator="\n").writerows(rows)
 

@@ -18,7 +18,7 @@ from mecano.errors import ResultsError
 from mecano.jit.store import compile_time
 from mecano.model.extremes import Extremes
 from mecano.results.checkpoints import Slots
-from mecano.results.disk import SIGNATURE, Disk, open_file, undisturbed
+from mecano.results.disk import SIGNATURE, Disk, deferring_signals, open_file
 from mecano.results.empty_file import CHANGING, RUNNING, TEXT_LENGTHS, empty_file
 from mecano.results.layout import EXTREMES
 from mecano.results.provenance import lives, provenance
@@ -100,7 +100,7 @@ class Writer:
         self._size = layout.size
         self._slot = 0
         self._last_time = self._safe_time = None
-        with undisturbed():
+        with deferring_signals():
             disk.write(empty_file(layout))
             file = self._file = _opened(disk, layout)
             self._outputs, self._steps = NumberTable(file["storage/output"]), NumberTable(file["storage/solver"])
@@ -118,7 +118,7 @@ class Writer:
                 raise self._disk.error
             _move(hidden, self.path, force)
         except BaseException:
-            with undisturbed():
+            with deferring_signals():
                 if self._file is not None:
                     self._file.close()
             raise
@@ -168,7 +168,7 @@ class Writer:
         """
         if self._file is None:
             raise ResultsError(f"{self.path} is closed")
-        with undisturbed():
+        with deferring_signals():
             for table in (self._outputs, self._steps, self._events):
                 table.write()
             self._file.flush()
@@ -194,7 +194,7 @@ class Writer:
             Writing failed; the previous checkpoint remains valid, and the file is closed.
         """
         self.flush()
-        with undisturbed():
+        with deferring_signals():
             self._slots.write({"run": state, "file": self._position()})
         if self._disk.error is not None:
             self._give_up()
@@ -293,7 +293,7 @@ class Writer:
 
     def _end(self, status, reason=""):
         """Close the HDF5 file, write status and reason, and append the checksums of a closed file."""
-        with undisturbed():
+        with deferring_signals():
             self._file.close()
             self._file = None
             self._patch_clock()
@@ -314,7 +314,7 @@ class Writer:
         return self
 
     def __exit__(self, kind, error, trace):
-        with undisturbed():  # signals may repeat: that of the limit of processor time comes every second
+        with deferring_signals():  # signals may repeat: that of the limit of processor time comes every second
             if error is None:
                 self.close()
             elif self._file is not None:

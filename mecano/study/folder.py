@@ -9,7 +9,7 @@ from pathlib import Path
 
 from mecano.errors import ResultsError, UsageError
 from mecano.results.lock import locked
-from mecano.results.whole_file import appearing, make_folder
+from mecano.results.whole_file import atomic_file, make_folder
 
 STATUSES = COMPLETE, FAILED, STOPPED, WAITING = "complete", "failed", "stopped", "waiting"
 GO_ON = (75, 129, 130, 143, 152)  # exit codes of runs that --resume continues
@@ -59,7 +59,7 @@ class Folder:
 
     def write(self, case, record):
         """Save the Record of a case."""
-        with appearing(self.file(case, ".json")) as hidden:
+        with atomic_file(self.file(case, ".json")) as hidden:
             hidden.write_text(json.dumps({"run": self._run(case), "ended": asdict(record)}, indent=1) + "\n")
 
     def _run(self, case):

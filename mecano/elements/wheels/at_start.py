@@ -12,7 +12,7 @@ BACKWARD = 1.0  # m/s: slower motions have no direction of their own
 DEEP = 0.2  # of the radius; tyres stand at 0.05 to 0.12
 
 
-def odd_start(d, nodes):
+def start_warnings(d, nodes):
     """Return warnings about the motion and the deformation of a wheel at the start, from its deck values and node."""
     (node,) = nodes
     axis, ground = node.R @ node.orientation.T @ unit(d["axis"]), d["ground"]
@@ -20,7 +20,7 @@ def odd_start(d, nodes):
     return [*backward, *_deep(d, *rim_above(ground, d["tire_law"]["radius"], node.x, axis))]
 
 
-def odd_start_on_body(d, nodes):
+def start_warnings_on_body(d, nodes):
     """Return the same warnings about a wheel on the surface of a body, from its deck values and both nodes.
 
     The body counts as moving without turning: a wheel at rest on a drum that turns is not warned of.

@@ -9,7 +9,7 @@ from mecano.constraints.disc import Wheel
 from mecano.constraints.ground import GROUND_RECORD, ends, touch
 from mecano.constraints.tire_patch import Y
 from mecano.element_interface import Kind, Output, record
-from mecano.elements.wheels.at_start import odd_start
+from mecano.elements.wheels.at_start import start_warnings
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.lateral_law import FORMS, LATERAL_RECORD, check_lateral, prepare_lateral, twists
 from mecano.elements.wheels.sliding_friction import RECORD as FRICTION_RECORD
@@ -141,7 +141,7 @@ def limits(d):
 
 def suspicious(d, nodes):
     """Return warnings about the motion and deformation at the start, and about the twist of the patch."""
-    return [*odd_start(d, nodes), *_twisting(d, nodes)]
+    return [*start_warnings(d, nodes), *_twisting(d, nodes)]
 
 
 def _twisting(d, nodes):

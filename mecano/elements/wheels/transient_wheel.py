@@ -26,7 +26,7 @@ import numpy as np
 
 from mecano.constraints.ground import GROUND_RECORD
 from mecano.element_interface import Output
-from mecano.elements.wheels.at_start import odd_start
+from mecano.elements.wheels.at_start import start_warnings
 from mecano.elements.wheels.by_slip_law import by_slip_law, wheel_with
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import (
@@ -173,7 +173,7 @@ with_law = partial(
     fields=FIELDS,
     outputs=(*OUTPUTS, *ROLLING_OUTPUTS, *CARCASS_OUTPUTS),
     check=check,
-    suspicious=odd_start,
+    suspicious=start_warnings,
     event_values=event_values,
     sample=sample,
 )

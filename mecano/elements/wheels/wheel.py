@@ -29,7 +29,7 @@ of the wheel.
 from functools import partial
 
 from mecano.constraints.ground import GROUND_RECORD
-from mecano.elements.wheels.at_start import odd_start
+from mecano.elements.wheels.at_start import start_warnings
 from mecano.elements.wheels.by_slip_law import by_slip_law, wheel_with
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
@@ -104,7 +104,7 @@ with_law = partial(
     fields=FIELDS,
     outputs=(*OUTPUTS, *ROLLING_OUTPUTS),
     check=check_wheel,
-    suspicious=odd_start,
+    suspicious=start_warnings,
     event_values=event_values,
     sample=sample,
 )

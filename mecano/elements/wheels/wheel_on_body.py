@@ -33,9 +33,9 @@ from mecano.constraints.carried_surface import (
 )
 from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import LEAST_Q, too_low
-from mecano.constraints.touching import given
+from mecano.constraints.touching import named_surface
 from mecano.element_interface import Display
-from mecano.elements.wheels.at_start import odd_start_on_body
+from mecano.elements.wheels.at_start import start_warnings_on_body
 from mecano.elements.wheels.by_slip_law import by_slip_law, wheel_with
 from mecano.elements.wheels.ground_surface import Surface
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
@@ -122,7 +122,7 @@ def check(d, nodes):
 
 def _check_place(d, nodes):
     """Return errors in the place of the wheel at the start."""
-    (name, values), law = given(d), d["tire_law"]
+    (name, values), law = named_surface(d), d["tire_law"]
     if name == "cylinder" and values["inside"] and values["radius"] <= law["radius"]:
         return [f"'cylinder.radius' must exceed the radius of the wheel inside it, {law['radius']:g} m"]
     axis = np.asarray(d["axis"], float) / np.linalg.norm(d["axis"])
@@ -187,7 +187,7 @@ with_law = partial(
     ),
     outputs=(*OUTPUTS, *ROLLING_OUTPUTS),
     check=check,
-    suspicious=odd_start_on_body,
+    suspicious=start_warnings_on_body,
     event_values=event_values,
     sample=sample,
 )
