@@ -5,7 +5,7 @@ import pytest
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from mecano.solve.linear.ordering import analyse
+from mecano.solve.linear.ordering import Pattern, analyse
 from mecano.solve.linear.sparse import LinearSolver, multifrontal
 
 ACCURATE = 1e-13  # backward error
@@ -21,11 +21,14 @@ class Problem:
         self.rows, self.cols, self.data = matrix.row[mixed], matrix.col[mixed], matrix.data[mixed].astype(float)
         self.matrix = matrix.tocsc()
 
-    def solver(self, **options):
-        return LinearSolver(self.n, self.rows, self.cols, self.groups, self.n_q, **options)
+    def solver(self, parts=None, **options):
+        return LinearSolver(self.pattern()._replace(parts=parts), **options)
 
     def analysis(self):
-        return analyse(self.n, self.rows.astype(np.int64), self.cols.astype(np.int64), self.groups, self.n_q)
+        return analyse(self.pattern())
+
+    def pattern(self):
+        return Pattern(self.n, self.rows, self.cols, self.groups)
 
     def rhs(self, seed=1):
         return np.random.default_rng(seed).standard_normal(self.n)
@@ -291,7 +294,7 @@ def test_exchange_within_a_front_needs_no_fallback():
     rows, cols = np.divmod(np.arange(9), 3)
     b, x = np.array([1.0, 3.0, 5.0]), np.empty(3)
     for tolerance, fallback in ((0.1, False), (0.0, True)):
-        status = LinearSolver(3, rows, cols, [0, 1], 2, tolerance=tolerance).solve(matrix.ravel(), b, x)
+        status = LinearSolver(Pattern(3, rows, cols, [0, 1]), tolerance).solve(matrix.ravel(), b, x)
         assert status.ok and status.fallback == fallback and not status.singular
         np.testing.assert_allclose(x, np.linalg.solve(matrix, b), rtol=1e-12)
 
@@ -375,7 +378,7 @@ def test_cancellation_does_not_depend_on_scaling():
 @pytest.mark.parametrize("b, ok", [([1.0, 0.0], True), ([1.0, 1.0], False)])
 def test_empty_row(b, ok):
     """An unknown without any term: fine without a load, else no solution."""
-    solver, x = LinearSolver(2, [0, 1], [0, 1], [0, 1], 2), np.empty(2)
+    solver, x = LinearSolver(Pattern(2, [0, 1], [0, 1], [0, 1])), np.empty(2)
     status = solver.solve(np.array([2.0, 0.0]), np.array(b), x)
     assert status.singular and status.ok == ok and status.null_pivots == 1
     assert not ok or (x[0] == 0.5 and x[1] == 0.0)
@@ -383,7 +386,7 @@ def test_empty_row(b, ok):
 
 def test_no_information_lost_is_no_singularity():
     """Stiff against soft by 1e12, without cancellation: neither null nor refined away."""
-    solver, x = LinearSolver(2, [0, 1], [0, 1], [0, 1], 2), np.empty(2)
+    solver, x = LinearSolver(Pattern(2, [0, 1], [0, 1], [0, 1])), np.empty(2)
     status = solver.solve(np.array([1e12, 1e-3]), np.array([1e12, 2e-3]), x)
     assert status and not status.singular and not status.fallback
     np.testing.assert_allclose(x, [1.0, 2.0], rtol=1e-15)
@@ -427,4 +430,4 @@ def test_pivots_in_the_numbering_of_the_unknowns():
 
 def test_entry_given_twice_is_refused():
     with pytest.raises(ValueError, match="twice"):
-        LinearSolver(2, [0, 1, 0], [0, 1, 0], [0, 1], 2)
+        LinearSolver(Pattern(2, [0, 1, 0], [0, 1, 0], [0, 1]))

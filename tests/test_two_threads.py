@@ -88,7 +88,7 @@ class TestHalves:
     def test_each_half_is_half_of_the_work(self, build):
         """By the fronts: their pivots times the squares of their sizes."""
         problem = build()
-        analysis = problem.solver(halves=part_of(problem)).analysis
+        analysis = problem.solver(parts=part_of(problem)).analysis
         cost = analysis.fronts[:, PIVOTS] * analysis.fronts[:, SIZE] ** 2
         one, other, rest = (part.sum() / cost.sum() for part in np.split(cost, analysis.ends[:-1]))
         assert max(one, other) + rest <= 1 / 1.6  # 1.6 times as fast
@@ -106,7 +106,7 @@ class TestFactorization:
     @pytest.mark.parametrize("name", PROBLEMS)
     def test_in_halves_it_solves_the_same_equations(self, name):
         problem = PROBLEMS[name]()
-        solver, b, x, again = problem.solver(halves=part_of(problem)), problem.rhs(), *np.zeros((2, problem.n))
+        solver, b, x, again = problem.solver(parts=part_of(problem)), problem.rhs(), *np.zeros((2, problem.n))
         status = solver.solve(problem.data, b, x)
         assert status.ok and not status.fallback and problem.error(x, b) < ACCURATE
         solver.solve_again(b, again)
@@ -118,7 +118,7 @@ class TestFactorization:
     @pytest.mark.parametrize("name", PROBLEMS)
     def test_its_bits_do_not_depend_on_the_threads(self, name):
         problem, found = PROBLEMS[name](), set()
-        solver, b = problem.solver(halves=part_of(problem)), problem.rhs()
+        solver, b = problem.solver(parts=part_of(problem)), problem.rhs()
         for n in (1, 2, 3, 2, 1):
             thread_pool.use(n)
             x, y = np.zeros((2, problem.n))
@@ -130,7 +130,7 @@ class TestFactorization:
     @pytest.mark.parametrize("name", PROBLEMS)
     def test_pivots_have_the_determinant_of_the_matrix(self, name):
         problem = PROBLEMS[name]()
-        solver = problem.solver(halves=part_of(problem), tolerance=0.0)
+        solver = problem.solver(parts=part_of(problem), tolerance=0.0)
         solver.solve(problem.data, problem.rhs(), np.zeros(problem.n))
         sign, logarithm = np.linalg.slogdet(problem.matrix.toarray())
         assert np.prod(np.sign(solver.pivots())) == sign
@@ -142,7 +142,7 @@ class TestFactorization:
         problem.data[np.isin(problem.rows, last) | np.isin(problem.cols, last)] = 0.0
         b = problem.rhs()
         b[last] = 0.0
-        status = problem.solver(halves=part_of(problem)).solve(problem.data, b, np.zeros(problem.n))
+        status = problem.solver(parts=part_of(problem)).solve(problem.data, b, np.zeros(problem.n))
         assert status.null_pivots == 2
 
 
@@ -217,7 +217,7 @@ main()
 def solved():
     """Bits of a solution by the threads of this process."""
     problem = chain(60)
-    solver, b, x = problem.solver(halves=part_of(problem)), problem.rhs(), np.zeros(problem.n)
+    solver, b, x = problem.solver(parts=part_of(problem)), problem.rhs(), np.zeros(problem.n)
     solver.solve(problem.data, b, x)
     return x.tobytes()
 
@@ -234,7 +234,7 @@ class TestThreads:
             assert x.tobytes() == expected
 
         problem = chain(60)
-        solver = problem.solver(halves=part_of(problem))
+        solver = problem.solver(parts=part_of(problem))
         for threads in (1, 2):  # 2: of helpers that do not exist
             assert ended(forked(child, threads)) == 0
 

@@ -21,7 +21,7 @@ from mecano.solve.diagnostics.mobility import DENSE_ROWS, analyse
 from mecano.solve.diagnostics.scales import Tolerances, length_scale
 from mecano.solve.events.compliance import compliance
 from mecano.solve.linear.rounding import ROUNDING
-from mecano.solve.linear.sparse import LinearSolver
+from mecano.solve.linear.sparse import LinearSolver, pattern_of
 from mecano.solve.time.generalized_alpha import Coefficients, GeneralizedAlpha
 from mecano.solve.time.initial import assemble_start, most_off
 from mecano.solve.time.signals import refuse_circles
@@ -80,8 +80,7 @@ def _prepare(deck, compile_ahead):
     system = System(build(deck))
     _refuse_fixed(deck, system)
     compile_ahead(system)
-    of, values = system.numbering, deck.values["time"] or deck.values["static"]
-    linear = LinearSolver(system.n, system.rows, system.cols, of.group, of.n_q, halves=system.halves)
+    linear, values = LinearSolver(pattern_of(system)), deck.values["time"] or deck.values["static"]
     wanted = (values.get("adaptive") or values).get("length_scale", AUTOMATIC)
     length = or_default(wanted, length_scale(system.nodes))
     begin, carried = carried_over(deck, system, system.initial_state(values["start"]), length)

@@ -54,25 +54,34 @@ class Analysis(NamedTuple):
     ends: np.ndarray  # front after the last one of each part; the last part is eliminated after the others
 
 
-def analyse(n, rows, cols, groups, n_q, parts=None):
-    """Order the unknowns and lay out the fronts.
+class Pattern(NamedTuple):
+    """The entries of a matrix that may differ from zero, and the order in which its unknowns may be eliminated.
 
-    Parameters
+    Attributes
     ----------
     n : int
-        Number of unknowns; those from n_q on are multipliers.
+        Number of equations and unknowns, at least 1; those from n_q on are of multipliers, each of which follows the
+        last of the unknowns that it ties.
     rows, cols : (nnz,) int
-        The pattern, each entry once, in any order.
+        Each entry once, in any order. Structural symmetry is not required.
     groups : (n_q,) int
-        Unknowns with the same number (one node) are eliminated together.
-    n_q : int
-        Number of unknowns that are not multipliers.
+        Unknowns with the same number (those of one node) are eliminated together.
     parts : (n,) int, optional
-        Part to which each unknown belongs: no entry couples parts other than with the last one. The unknowns of a
+        Part of each unknown (model/halves.py): no entry couples parts other than with the last one. The unknowns of a
         group belong to the same part, multipliers to the part of their unknowns, or to the last one.
-
-    Raises ValueError if the pattern holds an entry twice.
     """
+
+    n: int
+    rows: np.ndarray
+    cols: np.ndarray
+    groups: np.ndarray
+    parts: np.ndarray | None = None
+
+
+def analyse(pattern):
+    """Order the unknowns of a Pattern and lay out the fronts; raises ValueError if it has an entry twice."""
+    n, parts, n_q = pattern.n, pattern.parts, len(pattern.groups)
+    rows, cols, groups = (np.asarray(given, np.int64) for given in pattern[1:4])
     nodes = np.unique(groups, return_inverse=True)[1].reshape(-1)
     n_nodes = int(nodes.max()) + 1 if n_q else 0
     position = _position(rows, cols, nodes, n_q, n_nodes, parts)

@@ -17,7 +17,7 @@ from mecano.solve.linear.multifrontal import (
     Factor,
     Substitution,
 )
-from mecano.solve.linear.ordering import analyse, padded
+from mecano.solve.linear.ordering import Pattern, analyse, padded
 
 ACCEPT_BELOW = 1e-9  # backward error of a solution that is used
 MOST_SWEEPS = 8  # of refinement with the factor of a similar matrix, which cost as much as a factorization
@@ -39,41 +39,36 @@ class LinearStatus(NamedTuple):
         return self.ok
 
 
+def pattern_of(system):
+    """Return the Pattern of the tangent of a System."""
+    return Pattern(system.n, system.rows, system.cols, system.numbering.group, system.halves)
+
+
 class LinearSolver:
     """Solves A x = b for many matrices of one pattern."""
 
-    def __init__(self, n, rows, cols, groups, n_q, tolerance=0.1, halves=None, analysis=None):
-        """Analyse the pattern; raises ValueError if it holds an entry twice.
+    def __init__(self, pattern, tolerance=0.1, analysis=None):
+        """Analyse a Pattern; raises ValueError if it has an entry twice.
 
         Parameters
         ----------
-        n : int
-            Number of equations and unknowns, at least 1.
-        rows, cols : (nnz,) int
-            The pattern: each entry once, in any order. Structural symmetry is not required.
-        groups : (n_q,) int
-            Unknowns with the same number (those of one node) are eliminated together.
-        n_q : int
-            Equations n_q ... n - 1 are those of multipliers; each follows the last of the unknowns that it ties.
+        pattern : Pattern
+            If it has parts, two threads factor the two halves.
         tolerance : float
             Rows are exchanged within a front where a pivot is smaller than this times the largest entry of its
             column; 0 never exchanges, so that ``pivots`` belong to equations, too.
-        halves : (n,) int, optional
-            Halves of a large model (model/halves.py), which two threads factor.
         analysis : Analysis, optional
             That of another solver for the same pattern.
         """
-        rows, cols = np.asarray(rows, dtype=np.int64), np.asarray(cols, dtype=np.int64)
-        self.n, self.tolerance, self.halves = n, float(tolerance), halves
-        self._pattern = rows, cols
-        analysis = analysis or analyse(n, rows, cols, np.asarray(groups, dtype=np.int64), n_q, halves)
+        self.pattern, self.n, self.tolerance = pattern, pattern.n, float(tolerance)
+        n, analysis = pattern.n, analysis or analyse(pattern)
         self.analysis = analysis
         self.order = analysis.order
         self._equations = analysis.equations
         self._vectors = np.zeros((VECTORS, padded(n)))
         values, exchanges = np.zeros(analysis.factor_length), np.zeros(n, dtype=np.int64)
         self._lu = Factor(analysis.order, analysis.fronts, analysis.links, values, exchanges, self._vectors)
-        if halves is None:
+        if pattern.parts is None:
             self._bind(analysis)
         else:
             self._bind_divided(analysis)
@@ -128,7 +123,7 @@ class LinearSolver:
 
     def twin(self):
         """Return another solver for the same pattern, which keeps factors of its own."""
-        return LinearSolver(self.n, *self._pattern, (), 0, self.tolerance, self.halves, self.analysis)
+        return LinearSolver(self.pattern, self.tolerance, self.analysis)
 
     def solve_similar(self, data, b, x_out):
         """Refine ``x_out`` to solve A x = b with the factor of a similar matrix; return whether that converged quickly.
@@ -196,13 +191,13 @@ class LinearSolver:
     @np.errstate(all="ignore")  # overflow shows in the backward error
     def _solve_with_superlu(self, data, b, x_out, null):
         """Solve by SuperLU with partial pivoting after the multifrontal factorization failed; return a LinearStatus."""
-        values = data[: len(self._pattern[0])]
+        values = data[: len(self.pattern.rows)]
         if not (np.isfinite(values).all() and np.isfinite(b).all()):
             return LinearStatus(False, np.inf, finite=False, null_pivots=null)
         from mecano.solve.linear.scaled_superlu import ScaledSuperLU  # no ordinary run needs it
 
         try:
-            self._superlu = ScaledSuperLU(self.n, *self._pattern, values)
+            self._superlu = ScaledSuperLU(*self.pattern[:3], values)
         except RuntimeError:  # exactly singular
             return LinearStatus(False, np.inf, singular=True, null_pivots=null, fallback=True)
         x_out[:] = self._superlu.solve(b)

@@ -14,6 +14,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from mecano.errors import ConvergenceError
+from mecano.solve.linear.ordering import Pattern
 from mecano.solve.linear.sparse import LinearSolver
 from mecano.solve.modal.modes_dense import dense
 
@@ -48,7 +49,7 @@ def _shifted(scaled):
     border = sp.diags(np.concatenate([np.ones(n_q), np.full(K.shape[0] - n_q, k)]))
     for shift in (0.0, *(rate * 10.0**power for power in SHIFTS)):
         matrix = sp.coo_matrix(border @ (K + shift * C + shift**2 * M) @ border + _penalty(scaled, k))
-        solver = LinearSolver(K.shape[0], matrix.row, matrix.col, scaled.groups, n_q)
+        solver = LinearSolver(Pattern(K.shape[0], matrix.row, matrix.col, scaled.groups))
         x, b = np.zeros(K.shape[0]), np.random.default_rng(2).normal(size=K.shape[0])
         status = solver.solve(np.ascontiguousarray(matrix.data), b, x)
         if status.ok and not status.null_pivots and solver.cancellation().min() > CANCELLED:

@@ -19,7 +19,7 @@ import scipy.sparse.linalg as spla
 from mecano.errors import name_list
 from mecano.model.numbering import ANGLE_CONSTRAINT, ROTATION
 from mecano.solve.diagnostics.scales import mean_diagonal
-from mecano.solve.linear.sparse import LinearSolver
+from mecano.solve.linear.sparse import LinearSolver, pattern_of
 
 DENSE = 400  # unknowns up to which all eigenvalues are computed
 NEUTRAL = 1e-13  # of the largest stiffness: softer directions are neutral (dense)
@@ -117,9 +117,7 @@ class Judge:
     def _negative(self, data):
         """Return (negative pivots beyond those of the constraints, zero pivots); UNKNOWN if rows were exchanged."""
         if self._solver is None:
-            of = self.system.numbering
-            args = self.system.n, self.system.rows, self.system.cols, of.group, of.n_q
-            self._solver = LinearSolver(*args, tolerance=0.0, halves=self.system.halves, analysis=self._analysis)
+            self._solver = LinearSolver(pattern_of(self.system), tolerance=0.0, analysis=self._analysis)
         x = np.zeros(self.system.n)
         status = self._solver.solve(self._penalized(data), np.ones(self.system.n), x)
         if status.fallback:
