@@ -60,7 +60,7 @@ class Interruption:
         again, self._number = self._number is not None, self._number or number
         if not self._postponed:
             raise Stopped(number)  # may be lost where exceptions cannot propagate; ``wanted`` still returns True
-        if _abandonable or (again and number == signal.SIGINT):
+        if _waits_for_a_call or (again and number == signal.SIGINT):
             raise self.stopped("within a step")
 
     @contextmanager
@@ -132,11 +132,11 @@ def call_interruptibly(call, *arguments):
     works there for long (a compiler, a matrix decomposition). After a signal the thread continues until the process
     ends, so ``call`` must have no permanent effects. Outside the main thread this is an ordinary call.
     """
-    global _abandonable
+    global _waits_for_a_call
     if threading.current_thread() is not threading.main_thread():
         return call(*arguments)
     outcome, done = [], threading.Event()
-    _abandonable = True
+    _waits_for_a_call = True
     try:
         usual = threading.stack_size(STACK)
         try:
@@ -145,14 +145,14 @@ def call_interruptibly(call, *arguments):
             threading.stack_size(usual)
         done.wait()
     finally:
-        _abandonable = False
+        _waits_for_a_call = False
     result, error = outcome
     if error is not None:
         raise error
     return result
 
 
-_abandonable = False  # whether the main thread waits in ``call_interruptibly``
+_waits_for_a_call = False  # whether the main thread waits in ``call_interruptibly``
 
 
 def _keep_outcome(outcome, done, call, arguments):
