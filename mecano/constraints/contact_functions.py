@@ -97,25 +97,11 @@ def _event_values(shapes, row, inputs=0):
 
 def elastic(shapes, rubs):
     """Return the functions of an elastic contact, with friction if it ``rubs``, as fields of a Kind."""
-    touch, approach = shapes.touch, shapes.approach
-    add_normal = _add_forces if shapes.turning else _add_central_forces
+    approach = shapes.approach
 
     @kernel
     def normal_force(p, at, touched):
         return contact_force(at.laws, p.law, p.damping, -touched.gap, approach(touched, at))
-
-    @kernel
-    def smooth_residual(p, at, f):
-        if at.phase == CLOSED:
-            touched = touch(p, at)
-            add_normal(f, at, touched, normal_force(p, at, touched) * touched.n)
-
-    @kernel
-    def rough_residual(p, at, f):
-        if at.phase == CLOSED:
-            touched = touch(p, at)
-            N = normal_force(p, at, touched)
-            _add_forces(f, at, touched, N * touched.n + _friction(p, at, touched, N)[0])
 
     @kernel
     def observed_force(p, at, touched, e):
@@ -126,21 +112,48 @@ def elastic(shapes, rubs):
             e[2] = (N - elastic_force(at.laws, p.law, w)) * approach(touched, at)
         return N
 
+    residual, observe = (_rough if rubs else _smooth)(shapes, normal_force, observed_force)
+    return {"residual": residual, "observe": observe, "event_values": _event_values(shapes, None)}
+
+
+def _smooth(shapes, normal_force, observed_force):
+    """Return ``residual`` and ``observe`` of an elastic contact without friction."""
+    touch, add_normal = shapes.touch, _add_forces if shapes.turning else _add_central_forces
+
     @kernel
-    def observe_smooth(p, at, F, y, e):
+    def residual(p, at, f):
+        if at.phase == CLOSED:
+            touched = touch(p, at)
+            add_normal(f, at, touched, normal_force(p, at, touched) * touched.n)
+
+    @kernel
+    def observe(p, at, F, y, e):
         touched = touch(p, at)
         _put(at, touched, observed_force(p, at, touched, e), ZERO, ZERO, y)
 
+    return residual, observe
+
+
+def _rough(shapes, normal_force, observed_force):
+    """Return ``residual`` and ``observe`` of an elastic contact with friction."""
+    touch = shapes.touch
+
     @kernel
-    def observe_rough(p, at, F, y, e):
+    def residual(p, at, f):
+        if at.phase == CLOSED:
+            touched = touch(p, at)
+            N = normal_force(p, at, touched)
+            _add_forces(f, at, touched, N * touched.n + _friction(p, at, touched, N)[0])
+
+    @kernel
+    def observe(p, at, F, y, e):
         touched = touch(p, at)
         N = observed_force(p, at, touched, e)
         F_t, u = _friction(p, at, touched, N)
         e[2] -= dot(F_t, u)
         _put(at, touched, N, F_t, u, y)
 
-    found = (rough_residual, observe_rough) if rubs else (smooth_residual, observe_smooth)
-    return {**dict(zip(("residual", "observe"), found, strict=True)), "event_values": _event_values(shapes, None)}
+    return residual, observe
 
 
 def rigid(shapes, inputs=0):
