@@ -141,10 +141,10 @@ def limits(d):
 
 def suspicious(d, nodes):
     """Return warnings about the motion and deformation at the start, and about the twist of the patch."""
-    return [*start_warnings(d, nodes), *_twisting(d, nodes)]
+    return [*start_warnings(d, nodes), *_twist_warnings(d, nodes)]
 
 
-def _twisting(d, nodes):
+def _twist_warnings(d, nodes):
     """Return a warning if the twist of a rolling wheel is damped too little at its initial slip angle.
 
     At a slip angle alpha, spin inertia I and speed V, twist and spin oscillate with growing amplitude unless

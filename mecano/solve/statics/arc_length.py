@@ -23,7 +23,7 @@ from mecano.solve.linear.iteration import SINGULAR, Iterated, iterate
 from mecano.solve.statics.closing import apply_events
 from mecano.solve.statics.continuation import SHRINK
 from mecano.solve.statics.stability import freedom
-from mecano.solve.statics.static import CLOSED, PHASE_CHANGES
+from mecano.solve.statics.static import CLOSED, PHASE_CHANGES, Status
 
 WANTED = 5  # desired number of iterations of a step
 SHARPEST = 0.5  # least cosine between successive tangents of the path
@@ -60,7 +60,7 @@ class Trial:
     state: object
     mu: float  # load factor
     ds: float
-    found: object  # Found
+    found: Status
     tangent: np.ndarray | None = None  # (n_q + 1,), the load factor last
     rate: np.ndarray | None = None  # (n,) derivatives of displacements and multipliers by the load factor
     crossed: int | None = None  # first event that occurred within it
@@ -197,7 +197,7 @@ class Arc:
         self.metric = statics.weight / statics.length**2
         s = statics.begin(point.state)
         self.rate = self._rate(s, point.parameter)
-        self.singular = statics.judged(Iterated(False, 0, (), SINGULAR, Failure.SINGULAR), s, s)
+        self.singular = statics.status_of(Iterated(False, 0, (), SINGULAR, Failure.SINGULAR), s, s)
         if self.rate is None:
             return
         q = self.rate[: statics.system.n_q]
@@ -240,7 +240,7 @@ class Arc:
             s, mu, result = self._correct(point, s, ds, mu)
         else:
             result.ok, result.message = False, "contacts do not settle"
-        trial = Trial(s, mu, ds, statics.judged(result, s, point.state), crossed=crossed)
+        trial = Trial(s, mu, ds, statics.status_of(result, s, point.state), crossed=crossed)
         trial.found.event_records = tuple(reported)
         return self._finished(trial) if trial.found.ok else trial
 
@@ -258,9 +258,9 @@ class Arc:
             return trial
         ds = brentq(value, 0.0, trial.ds, xtol=MET * trial.ds)
         s, mu, result = solved(ds)
-        found = statics.judged(result, s, point.state)
+        found = statics.status_of(result, s, point.state)
         hit = np.arange(statics.monitor.values(s).size) == crossed
-        s, reported = statics.monitor.apply(statics.settled(s), hit)
+        s, reported = statics.monitor.apply(statics.committed(s), hit)
         found.event_records = tuple(reported)
         corner = self._directed(Trial(s, mu, ds, found))
         if corner.found.ok and self._crosses(corner):

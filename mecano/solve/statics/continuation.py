@@ -15,7 +15,7 @@ import numpy as np
 from mecano.errors import ConvergenceError, Failure, NonFiniteError
 from mecano.solve.diagnostics.failure import of_equations, worst_equations
 from mecano.solve.statics.stability import Judge, Stability, freedom, words
-from mecano.solve.statics.static import Found
+from mecano.solve.statics.static import Status
 
 GROWTH, SHRINK = 2.0, 0.25
 EASY = 12  # iterations up to which the next step grows
@@ -65,7 +65,7 @@ class Follower:
         ``critical``: the parameter at which stability was lost within the step, if known. Raises as ``refuse``.
         """
         statics = self.statics
-        s = statics.settled(statics.begin(s))
+        s = statics.committed(statics.begin(s))
         stability, observation = self.stability(s, p), self.observe(s, p)
         point = Point(
             s, p, place, step, found.iterations, rejected, found.norms, stability, observation, found.event_records
@@ -103,7 +103,7 @@ class Follower:
         self.losses.append(f"{text} the equilibrium becomes unstable: {motion}")
 
     def find(self, s0, p):
-        """Return (state, Found) of the equilibrium at the parameter p near ``s0``, also for singular tangents."""
+        """Return (state, Status) of the equilibrium at the parameter p near ``s0``, also for singular tangents."""
         s, found = self.statics.correct(s0, p)
         if found.ok or found.failure is not Failure.SINGULAR and not self._balanced(s0, p):
             return s, found
@@ -120,7 +120,7 @@ class Follower:
         k, _ = self.statics.scales(begun)
         residuals = self.statics.evaluate(begun.copy(), p, k, 0.0, False)
         if max(residuals) <= 1.0:
-            return self.accept(begun, p, p, 0.0, Found(True, 0, (*residuals, 0.0)))
+            return self.accept(begun, p, p, 0.0, Status(True, 0, (*residuals, 0.0)))
         s, found = self.find(begun, p)
         if not found.ok:
             raise self.failure(p, found, begun, p)

@@ -67,7 +67,7 @@ class Relaxation:
         return self._accepted(follower, s, found, work)
 
     def _below(self, follower, s, found, stability, work):
-        """Return (State, Found, Stability) of an equilibrium beside the unstable one ``s``."""
+        """Return (State, Status, Stability) of an equilibrium beside the unstable one ``s``."""
         if stability.shape is None:
             self._refuse(follower, s, found, stability, work, "its unstable motion is unknown")
         reasons = []
@@ -88,7 +88,7 @@ class Relaxation:
         return sides if first >= (1.0 - ALIKE) * second else sides[::-1]
 
     def _equilibrium(self, follower, s, work, downhill=False):
-        """Return (State, Found, Stability) of the equilibrium to which ``s`` creeps; ``downhill``: avoid saddles."""
+        """Return (State, Status, Stability) of the equilibrium to which ``s`` creeps; ``downhill``: avoid saddles."""
         s = self._creep(follower, s, work, downhill)
         found_s, found = follower.find(s, self.end)
         if not found.ok:

@@ -32,8 +32,8 @@ TOLERANCES = Tolerances(force=1e-9, constraint=1e-11, increment=1e-8)
 
 
 @dataclass(slots=True)
-class Found:
-    """Outcome of the search for one equilibrium."""
+class Status:
+    """Status of the search for one equilibrium; ``ok`` if it was found."""
 
     ok: bool
     iterations: int
@@ -133,7 +133,7 @@ class Statics:
         return self._increment if self.linear.solve(self.assembly.data, b, self._increment).ok else None
 
     def correct(self, s0, p, drag=0.0):
-        """Return (state, Found) of the equilibrium at p near ``s0``; with ``drag`` [N/m], of one step of creep.
+        """Return (state, Status) of the equilibrium at p near ``s0``; with ``drag`` [N/m], of one step of creep.
 
         Elements whose event values are crossed change their phase, and the search continues from there. A wheel that
         starts to roll in this way rolls from ``s0`` on.
@@ -152,15 +152,15 @@ class Statics:
             reported += event_records
         else:
             names = ", ".join(dict.fromkeys(f"{h.element} ({h.name})" for h in event_records))
-            return s, Found(False, iterations, found.norms, message=f"contacts do not settle: {names}")
+            return s, Status(False, iterations, found.norms, message=f"contacts do not settle: {names}")
         ok, message, failure = found.ok, found.message, found.failure
         if ok and found.change > FARTHEST:
             ok, failure = False, Failure.NOT_CONVERGED
             message = f"a node moves by more than {FARTHEST:g} times the size of the mechanism in one step"
-        return s, Found(ok, iterations, found.norms, found.change, first, message, tuple(reported), failure)
+        return s, Status(ok, iterations, found.norms, found.change, first, message, tuple(reported), failure)
 
     def correct_singular(self, s0, p):
-        """Return (state, Found) of an equilibrium near ``s0`` with a singular tangent, by steps with a negligible drag.
+        """Return (state, Status) of an equilibrium near ``s0`` with a singular tangent, by steps with negligible drag.
 
         It exists if no force acts along the free motions.
         """
@@ -174,12 +174,12 @@ class Statics:
                 break
             norms_ = self.evaluate(s.copy(), p, k, 0.0, False)
             if max(norms_) <= 1.0:
-                return s, Found(True, iterations, (*norms_, found.norms[2]), found.change, np.inf, "", tuple(reported))
+                return s, Status(True, iterations, (*norms_, found.norms[2]), found.change, np.inf, "", tuple(reported))
         text = "the tangent is singular, and forces act along a free motion"
-        return s, Found(False, iterations, found.norms, found.change, message=text, failure=Failure.SINGULAR)
+        return s, Status(False, iterations, found.norms, found.change, message=text, failure=Failure.SINGULAR)
 
     def _newton(self, guess, s0, p, drag):
-        """Iterate from ``guess``: (state, Found); rotation increments, drag and rolling are relative to ``s0``."""
+        """Iterate from ``guess``: (state, Status); rotation increments, drag and rolling are relative to ``s0``."""
         system, assembly, n, n_q = self.system, self.assembly, self.system.n, self.system.n_q
         s = self.begin(guess) if guess is s0 else guess.copy()
         k, penalty = self.scales(s)
@@ -206,17 +206,17 @@ class Statics:
 
         result = iterate(evaluate, solve, move, most=self.tolerances.max_iterations, exhausted=self.exhausted(s))
         first = steps[0] * self.tolerances.increment if steps else np.inf
-        return s, self.judged(result, s, s0, first)
+        return s, self.status_of(result, s, s0, first)
 
-    def judged(self, result, s, s0, first=np.inf):
-        """Return the Found of a Newton iteration from ``s0`` to ``s``; it fails if a rotation is too large."""
+    def status_of(self, result, s, s0, first=np.inf):
+        """Return the Status of a Newton iteration from ``s0`` to ``s``; it fails if a rotation is too large."""
         of = self.system.numbering
         change = largest(self.displacement(s, s0), of.kind, of.n_q, self.length)
         ok, message, failure = result.ok, result.message, result.failure
         if ok and np.abs(s.z[self._rotations]).max(initial=0.0) > MOST_TURN:
             ok, failure = False, Failure.NOT_CONVERGED
             message = f"a body turns by more than {MOST_TURN} rad in one step"
-        return Found(ok, result.iterations, result.norms, change, first, message, (), failure)
+        return Status(ok, result.iterations, result.norms, change, first, message, (), failure)
 
     def displacement(self, s, s0):
         """Return the displacements (n_q,) from ``s0``, to which the rotation increments of ``s`` are relative."""
@@ -241,7 +241,7 @@ class Statics:
             least, best = size, trial.copy()
         return best
 
-    def settled(self, s):
+    def committed(self, s):
         """Return ``s`` with committed memories, as an accepted point."""
         s.memory = self.system.commit(s)
         return s
