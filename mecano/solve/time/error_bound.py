@@ -19,7 +19,7 @@ from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats, integers
 from mecano.model.loop_records import fields, record
-from mecano.solve.time.increments import largest_change
+from mecano.solve.time.increments import compared, largest_change
 from mecano.solve.time.modal_filter import (
     FLOATS,
     WORDS,
@@ -43,7 +43,8 @@ NONE, CHANGE, PART, TWICE = range(4)  # rows of ``vectors``, (4, n_all)
 def bound_error(bound: Records(BOUND), work: Records(STEP)):
     """Write the errors of the step in the workspace: ``bounded`` of its accelerations, ``turning`` of its spins."""
     b, w = bound[0], work[0]
-    began, ended, change = history_of(w, BEGIN)[0], history_of(w, TRIAL)[0], row(w, b, CHANGE)
+    start, s, change = state_of(w, BEGIN), state_of(w, TRIAL), row(w, b, CHANGE)
+    began, ended = compared(w.am, start.a, s.a, history_of(w, BEGIN)[0], history_of(w, TRIAL)[0])
     for i in range(w.n_q):
         change[i] = ended[i] - began[i]
     all_of_it = size(w, b, change)

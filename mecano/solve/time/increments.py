@@ -126,7 +126,7 @@ def finish(w, of, start, s, before, after_out):
     ``w`` is the record STEP (workspace.py); ``start`` and ``s`` are the Motion, ``before`` and ``after_out`` the
     history (``history_of``) at both ends.
 
-    Returns the largest change of the algorithmic acceleration of a node (the length of the vector), over the length
+    Returns the largest change of the acceleration (``compared``) of a node (the length of the vector), over the length
     scale for displacements, or of a scalar with inertia; the largest component of a rotation increment [rad]; and the
     error of bodies that spin [rad] (turning_error.py) in a run.
     """
@@ -144,7 +144,18 @@ def finish(w, of, start, s, before, after_out):
         bent = 2.0 / (1.0 + last) * (slope_out[i] - slope[i] - 0.5 * (1.0 - last) * bend[i])
         bend_out[i] = bent if known or of.kind[i] == SIGNAL else 0.0
     turning = turning_error(w.h, w.duration, of.rotation_dof, of.n_q, s.v, a0, a, a[:0])
-    return largest_change(a0, a, of.kind, of.n_q, w.length), turn, turning
+    began, ended = compared(am, start.a, s.a, a0, a)
+    return largest_change(began, ended, of.kind, of.n_q, w.length), turn, turning
+
+
+@kernel
+def compared(am, a0, a1, algorithmic0, algorithmic1):
+    """Return the accelerations at both ends of a step, the algorithmic ones or those of the motion, for its error.
+
+    A difference of both kinds, as the modal filter leaves at starts, moves nothing: it changes its sign in each step,
+    and falls by am/(1 - am). With am = 1/2 (rho_inf = 1) it never falls, and would make the steps ever shorter.
+    """
+    return (algorithmic0, algorithmic1) if am < 0.5 else (a0, a1)
 
 
 @entry
