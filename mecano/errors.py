@@ -46,7 +46,10 @@ class MecanoError(Exception):
 
 
 class DeckError(MecanoError):
-    """A deck is invalid; ``problems`` holds every Problem found, ``unchecked`` describes checks not made."""
+    """A deck is invalid; ``problems`` holds every Problem found.
+
+    ``unchecked`` says what happens once they are fixed: "consistency is checked", or "".
+    """
 
     exit_code = 2
 

@@ -318,7 +318,10 @@ def test_what_was_not_checked_yet_is_said():
                            ("[0.25, 0, 0.3225]", "[0, 0, 1]", False)]:  # fmt: skip
         with pytest.raises(DeckError) as info:
             read_fake(VALID.replace(old, new))
-        assert ("consistency is checked once these errors are fixed" in deck_error_text(info.value)) == said
+        assert ("1 error; consistency is checked once this error is fixed" in deck_error_text(info.value)) == said
+    with pytest.raises(DeckError) as info:
+        read_fake(VALID.replace("title:", "titel:").replace("mass: 7e1", "mass: 0"))
+    assert deck_error_text(info.value).endswith("2 errors; consistency is checked once these errors are fixed")
 
 
 def test_known_words_are_not_looked_up_for_ever():

@@ -31,7 +31,7 @@ VERSION = 1
 MOST_IN_A_STEP = 1e5  # saved times; they take a second or two
 OTHER_MEANINGS = {"time": "the time of the run", "pi": "3.14159..."}  # names in formulas that are no signals
 MOST_SAMPLES = 2_000_000  # sampling times of a signal, each of which is kept and ends a step
-UNCHECKED = "consistency is checked once these errors are fixed"
+UNCHECKED = "consistency is checked"  # once the errors are fixed
 
 
 def parameter(node, field, scope):

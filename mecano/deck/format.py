@@ -41,7 +41,8 @@ def deck_error_text(error, limit=MAX_PRINTED):
     parts = [problem_text(same[0], len(same) - 1) for same in list(copies.values())[:limit]]
     count = len(copies)
     total = "1 error" if count == 1 else f"{count} errors"
-    further = f"; {error.unchecked}" if error.unchecked else ""
+    fixed = "this error is" if count == 1 else "these errors are"
+    further = f"; {error.unchecked} once {fixed} fixed" if error.unchecked else ""
     parts.append((total if count <= limit else f"and {count - limit} more; {total}") + further)
     return "\n".join(parts)
 
