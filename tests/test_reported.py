@@ -20,6 +20,8 @@ from mecano.cli import commands
 from mecano.deck.read import deck_of_bytes
 from mecano.deck.run_size import result_bytes, saved_times, steps
 from mecano.jit import store
+from mecano.post.runs import open_runs
+from mecano.post.sheets import default_sheets
 from mecano.solve.diagnostics.scales import length_scale
 
 WARNINGS = {  # deck: overrides, what is said at the start
@@ -287,6 +289,11 @@ def test_an_error_of_a_conserved_kinetic_energy_is_compared_with_it(tmp_path):
     energy, balance = results.extremes["energy/kinetic"], results.extremes["energy/balance"]
     share = (balance.maximum - balance.minimum) / energy.maximum
     assert share > 0.01 and f"J, {100 * share:.3g} % of the kinetic energy" in results.reason
+    assert f"J, {share:.2g} of the kinetic energy" in info(tmp_path)
+    drawn = {sheet.name: sheet for sheet in default_sheets(open_runs([tmp_path / "reported.h5"]))}["energy"].panels[-1]
+    saved = results["energy.balance"].values
+    np.testing.assert_allclose(drawn.curves[0].y.values, (saved - saved[0]) / energy.maximum, rtol=1e-14)
+    assert drawn.note == "over the kinetic energy"
 
 
 GIMBAL = """

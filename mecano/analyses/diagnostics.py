@@ -12,6 +12,7 @@ from mecano.elements.signals.formula import FORMULA
 from mecano.errors import NonFiniteError, name_list
 from mecano.model.model import title_of
 from mecano.model.output_limits import watched_outputs
+from mecano.results.energy_balance import EXCHANGED, scale_of_balance
 
 MOST_LATCHES = 8  # named in a warning
 MOST_FORCES = 4
@@ -19,9 +20,7 @@ MOST_NAMED = 4  # elements named with the same remedies
 LEAST_SWING = 0.01  # of the largest force or moment of the model; smaller oscillations are noise
 ROUNDED = 1e-9  # of the kinetic energy over the length scale: smaller forces are rounding
 NOTED = 0.01  # failed trials per step above which a fixed step is reported as too large
-EXCHANGED = ("kinetic", "potential", "dissipated", "given")
 UNBALANCED = 0.01  # of the largest change of an energy, above which an error of the balance is reported
-OF_OTHERS = 0.1  # of an error of the balance: smaller changes of other energies than the kinetic one are none
 SPUN = 0.2  # [rad] turned in a fixed step by a node whose axis turns too, above which it is reported
 GYROSCOPIC = 0.22  # error of a gyroscopic moment over the square of this angle, measured at rho_inf = 0.8
 AXIS_TURNS = 0.1  # of the angular velocity: its change across its mean direction, above which the axis turns
@@ -64,18 +63,12 @@ def untouched_ground_warnings(deck, sampler, extremes):
 
 
 def energy_warnings(values, sampler, extremes):
-    """Yield a warning if the integration lost or created energy; ``values`` are the section ``time`` of the deck.
-
-    Errors are compared with the largest change of an energy, as the kinetic energy of a vehicle says little about the
-    motions in it; where nothing else changes the kinetic energy, its change is the error, and compared with itself.
-    """
+    """Yield a warning if the integration lost or created energy; ``values`` are the section ``time`` of the deck."""
     at = {column.path: column.start for column in sampler.columns}
     high, low, balance = extremes.high, extremes.low, at["energy/balance"]
-    energies = [at[f"energy/{name}"] for name in EXCHANGED]
-    off, (kinetic, *others) = high[balance] - low[balance], [high[i] - low[i] for i in energies]
-    compared, scale = "the largest change of an energy", max(kinetic, *others)
-    if max(others) < OF_OTHERS * off:
-        compared, scale = "the kinetic energy", high[energies[0]]
+    energies, off = [at[f"energy/{name}"] for name in EXCHANGED], high[balance] - low[balance]
+    ranges = {name: (low[at[f"energy/{name}"]], high[at[f"energy/{name}"]]) for name in (*EXCHANGED, "balance")}
+    compared, scale = scale_of_balance(ranges)
     if not off > max(UNBALANCED * scale, NOISE * max(max(high[i], -low[i]) for i in energies)):
         return
     first, last = extremes.high_time[balance], extremes.low_time[balance]

@@ -15,10 +15,10 @@ from mecano.post.quantity import SAVED, Quantity, find, time_of
 from mecano.post.runs import Run
 from mecano.post.shapes import Motion
 from mecano.post.sheet import Curve, Panel, Sheet
+from mecano.results.energy_balance import EXCHANGED
 
 PICTURE = "drop_test"  # to which wheels that deform and absorbers belong
 ABSORBING = ("gas_spring", "oil_damper", "metering_pin")  # terms of the law of a shock absorber
-EXCHANGED = ("kinetic", "potential", "dissipated", "given")
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from mecano.post.extremes import named, telling
 from mecano.post.info_modes import info_other, is_other
 from mecano.post.runs import Run
 from mecano.post.verdict import verdict
+from mecano.results.energy_balance import EXCHANGED, scale_of_balance
 from mecano.results.reader import open_results
 from mecano.results.writer import WRITING
 
@@ -23,7 +24,6 @@ MOST_NAMES = 6  # names listed of entries with the same outputs
 WIDTH = 100
 NOTICED = 0.01  # s, least compile time reported
 RESUME = "--resume"
-ENERGIES = ("kinetic", "potential", "dissipated", "given")
 ENDS = {"running": "still running", "killed": "killed, all acknowledged steps are kept", "truncated": "cut short"}
 
 
@@ -111,13 +111,14 @@ def _automatic(results):
 
 
 def _energy(results):
-    """Yield a text on the error of the energy balance over the largest change of an energy, if there is a balance."""
-    extremes = {name: results.extremes.get(f"energy/{name}") for name in ENERGIES}
+    """Yield a text on the error of the energy balance over its scale, if there is a balance."""
+    extremes = {name: results.extremes.get(f"energy/{name}") for name in EXCHANGED}
     balance = results.extremes.get("energy/balance")
     if balance is None or None in extremes.values() or not np.isfinite(balance.maximum - balance.minimum):
         return
-    off, exchanged = balance.maximum - balance.minimum, max(e.maximum - e.minimum for e in extremes.values())
-    relative = f", {off / exchanged:.2g} of the largest change of an energy" if exchanged > 0.0 else ""
+    off, ranges = balance.maximum - balance.minimum, {**extremes, "balance": balance}
+    compared, scale = scale_of_balance({name: (e.minimum, e.maximum) for name, e in ranges.items()})
+    relative = f", {off / scale:.2g} of {compared}" if scale > 0.0 else ""
     yield f"the balance varies by {off:.3g} J{relative}"
 
 

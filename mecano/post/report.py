@@ -10,10 +10,11 @@ from mecano.element_interface import SECTIONS
 from mecano.errors import ResultsError
 from mecano.post.extremes import telling
 from mecano.post.figure import overview_figure, sheet_figure
-from mecano.post.info import ENERGIES, count, facts, one_line
+from mecano.post.info import count, facts, one_line
 from mecano.post.pictures import asked_sheets
 from mecano.post.sheets import default_sheets, overview
 from mecano.post.verdict import sound, verdict
+from mecano.results.energy_balance import EXCHANGED, scale_of_balance
 
 MOST_EVENTS = 200
 MOST_EXTREMES = 400
@@ -135,7 +136,7 @@ def _health(results):
 
 def _energy(results):
     """Yield the parts on energies: values at start and end, and the error of the balance."""
-    names = [name for name in (*ENERGIES, "balance") if f"energy/{name}" in results.series]
+    names = [name for name in (*EXCHANGED, "balance") if f"energy/{name}" in results.series]
     rows, extremes = [], results.extremes
     for name in names:
         values, extreme = results.find(f"energy/{name}").values, extremes[f"energy/{name}"]
@@ -143,11 +144,14 @@ def _energy(results):
         rows.append((name, *map(number, (values[0], values[-1], values[-1] - values[0], spread))))
     if rows:
         yield Table(("energy [J]", "start", "end", "change", "range over all steps"), rows)
-    spreads = [extremes[f"energy/{name}"].maximum - extremes[f"energy/{name}"].minimum for name in names]
-    if "balance" in names and max(spreads[:-1], default=0.0) > 0.0:
+    if "balance" not in names:
+        return
+    ranges = {name: (extremes[f"energy/{name}"].minimum, extremes[f"energy/{name}"].maximum) for name in names}
+    off, (compared, scale) = ranges["balance"][1] - ranges["balance"][0], scale_of_balance(ranges)
+    if scale > 0.0:
         yield Text(
-            f"The balance, kinetic + potential + dissipated - given, varies by {spreads[-1]:.3g} J: "
-            f"{spreads[-1] / max(spreads[:-1]):.2g} of the largest change of an energy. An exact solution keeps it."
+            f"The balance, kinetic + potential + dissipated - given, varies by {off:.3g} J: {off / scale:.2g} of "
+            f"{compared}. An exact solution keeps it."
         )
 
 

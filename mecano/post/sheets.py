@@ -14,12 +14,12 @@ from mecano.post.plans import plans
 from mecano.post.quantity import find, time_of
 from mecano.post.sheet import Curve, Panel, Sheet
 from mecano.post.sketch import Sketch, sketch
+from mecano.results.energy_balance import EXCHANGED, scale_of_balance
 
 MOST_SKETCHES = 4  # runs sketched on one sheet
 PLACES = 9  # cells of the overview; a sketch of a mechanism that stays in place takes one
 WIDE_RANGE = 3.0  # ratio of largest to smallest value above which the axis is logarithmic
 SMALLEST = 1e-16  # shown on logarithmic axes
-EXCHANGED = ("kinetic", "potential", "dissipated", "given")
 NOTES = {
     "step size": lambda values: f"{len(values)} steps",
     "Newton iterations": lambda values: f"{np.mean(values):.2f} per step",
@@ -100,15 +100,17 @@ def _path(runs):
 
 
 def _energies(runs):
-    changes, errors = [], []
+    changes, errors, scales = [], [], {}
     for number, run in enumerate(runs):
-        exchanged = [_changed(y) for name in EXCHANGED for y in _found(run, f"energy/{name}")]
-        size = max((float(np.abs(y.values).max(initial=0.0)) for y in exchanged), default=0.0)
-        off = [_relative(_changed(y), size) for y in _found(run, "energy/balance")]
-        changes += [Curve(time_of(y), y, number, "energy") for y in exchanged]
-        errors += [Curve(time_of(y), y, number, "energy") for y in off]
+        energies = {name: y for name in (*EXCHANGED, "balance") for y in _found(run, f"energy/{name}")}
+        changes += [Curve(time_of(y), _changed(y), number, "energy") for n, y in energies.items() if n != "balance"]
+        balance = energies.get("balance")
+        if balance is not None and balance.values.size:
+            compared, scale = scale_of_balance({n: (y.values.min(), y.values.max()) for n, y in energies.items()})
+            errors.append(Curve(time_of(balance), _relative(_changed(balance), scale), number, "energy"))
+            scales[compared] = None
     main = Panel("change of energy", tuple(changes))
-    error = Panel("error of the energy balance", tuple(errors), note="over the largest change")
+    error = Panel("error of the energy balance", tuple(errors), note=f"over {' or '.join(scales)}")
     panels = (*worth_showing([main], runs), *worth_showing([error], runs))
     return Sheet("energy", "Energy: changes since the start", panels)
 
