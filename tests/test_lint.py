@@ -217,6 +217,23 @@ def test_massless_nodes(more, expected):
         assert line.endswith(f"or is a {missing} missing?")
 
 
+@pytest.mark.parametrize(("start", "earlier"), [(0.0, []), (0.5, []), (1.0, ["spring", "latch"])])
+def test_triggers_before_the_start(start, earlier):
+    """They happen at the start, without an event that would say so."""
+    whole = (
+        HEAD.replace("time: {end: 1,", f"time: {{start: {start}, end: 2,")
+        + """
+      spring: {type: spring_damper, nodes: [a, b], law: {spring: 9}, activate: {time: 0.5}}
+    joints:
+      latch: {type: prismatic, nodes: [ground, b], axis: [1, 0, 0], latch: {displacement: 1, release: {time: 0.5}}}
+"""
+    )
+    said = [line for line in warned(whole) if "before the start" in line]
+    assert len(said) == len(earlier)
+    for line, name, field in zip(said, earlier, ("activate.time", "latch.release.time"), strict=False):
+        assert f"'{name}': '{field}' is 0.5 s, before the start at 1 s: it happens at the start" in line
+
+
 @pytest.mark.parametrize("other", ["cable", "bar"])
 def test_knots_of_lines_alone(other):
     """A node without mass between two lines is loose once they go slack; a bar holds it."""

@@ -2,12 +2,13 @@
 
 They concern negative stiffness and damping, which some mechanisms need; angles of more than a turn in whole or half
 numbers, which look like degrees; gravity, moduli and densities in other units; tyres with unbounded rates of the patch;
-loads on fixed nodes; laws of time that the steps do not sample; strongly prestrained elements; unused entries.
+loads on fixed nodes; laws of time that the steps do not sample; triggers before the start; unused entries.
 """
 
 import math
 
 from mecano.deck.containers import singular
+from mecano.deck.past_triggers import past_triggers
 from mecano.deck.sampled_laws import unsampled
 from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS
@@ -43,7 +44,7 @@ def suspicious(values, root, used, kinds):
     found = [
         *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values["sections"]),
         *_tires(values["tire_laws"]), *_idle(values["loads"], values["nodes"]),
-        *unsampled(values, kinds),
+        *unsampled(values, kinds), *past_triggers(values, kinds),
     ]  # fmt: skip
     return [Problem(text, _place(root, path).mark) for path, text in found] + list(_unused(root, used))
 
