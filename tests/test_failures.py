@@ -230,6 +230,7 @@ def test_a_step_of_the_least_size_that_is_too_rough_stops_the_run(tmp_path):
     assert 1.0 < times < 3.0  # the first that is too rough
     assert "node ball: displacement x; on it act point_mass 'ball', spring_damper 'catapult'" in said
     assert "what to try: a smaller time.adaptive.minimum_step; a larger time.adaptive.tolerance" in said
+    assert "a fixed step, if the mechanism passes a singular position" in said
     check_kept(results)
     assert results.steps["step_size"].min() >= 1e-3 * (1 - 1e-9)
     allowed = 1e-3 * results.steps["step_size"] / 2.0

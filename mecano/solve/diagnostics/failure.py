@@ -168,7 +168,7 @@ def minimum_step(system, before, after, error, t, h):
         f"at t = {t:.9g} s a step of {h:.3g} s, the smallest allowed, has {error:.3g} times the allowed error\n"
         f"the acceleration changes most in {where}{acting(system, worst)}\n"
         "what to try: a smaller time.adaptive.minimum_step; a larger time.adaptive.tolerance; laws without jumps near "
-        "this state"
+        "this state; a fixed step, if the mechanism passes a singular position"
     )
     return of_equations(failed, system, [worst])
 
