@@ -30,6 +30,7 @@ from mecano.jit import store
 from mecano.post.pictures import post
 from mecano.post.study_outputs import displayed_outputs
 from mecano.post.study_plots import study_figure
+from mecano.post.study_report import study_report
 from mecano.post.study_statistics import statistics
 from mecano.results.study_file import Column, StudyTable
 from mecano.results.study_file import read_study as read_table
@@ -342,6 +343,22 @@ def test_a_study_from_its_beginning_to_its_table(folder):
     after = {path.name: path.stat().st_mtime_ns for path in (folder / "study_runs").glob("000*.h5")}
     assert all(after[name] == before[name] for name in ("0001.h5", "0003.h5", "0004.h5"))
     assert list(post(["study_runs/table.h5"], output="own.svg", kind="svg")) == [Path("own.svg")]
+
+
+def test_warnings_of_complete_cases_are_counted_and_reported(folder):
+    """The second case saves nothing between its start and its end, the third warns of nothing: it fails."""
+    (folder / "study.yaml").write_text(HEAD + dedent("""\
+        list: [{output.every: 0.1}, {output.every: 10, time.end: 0.3}, {output.every: 0.1, time.end: -1}]
+        outputs: {way: {of: ball.position.x, take: final}}
+        """))  # fmt: skip
+    code, out, _ = mecano_process("sweep", "study.yaml")
+    assert code == 3 and "3 cases: 2 complete, 1 failed; 1 with warnings\n" in out
+    table = read_table("study_runs/table.h5")
+    assert [len(warnings) for warnings in table.warnings] == [0, 1, 0] and table.verdict in out
+    report = study_report("study_runs/table.h5")
+    [warnings] = [section.parts for section in report.sections if section.heading == "Warnings"]
+    assert warnings[0].rows == [(table.warnings[1][0], "1", "2")] and not report.sound
+    assert "only the start and the end are saved" in table.warnings[1][0]
 
 
 def test_the_unit_of_an_impulse_is_that_of_the_cases_that_have_one(folder):

@@ -12,6 +12,7 @@ from mecano.post.style import shown_unit, with_unit
 from mecano.results.study_file import read_study
 
 COMPLETE = "complete"
+MOST_WARNINGS = 20  # different ones that are shown
 
 
 def study_report(path, title=None):
@@ -20,11 +21,12 @@ def study_report(path, title=None):
     sections = (
         Section("Governing cases", tuple(_governing(table))), Section("Statistics", tuple(statistics(table))),
         Section("Cases", tuple(_cases(table))),
-        Section("Cases that are not complete", tuple(_incomplete(table))), Section("Pictures", tuple(_pictures(table))),
+        Section("Cases that are not complete", tuple(_incomplete(table))), Section("Warnings", tuple(_warnings(table))),
+        Section("Pictures", tuple(_pictures(table))),
         Section("Study", (Text(f"Deck: {table.deck}"), Text(table.text, True, "The study file"))),
     )  # fmt: skip
     kept = tuple(section for section in sections if section.parts)
-    sound = all(status == COMPLETE for status in table["case/status"])
+    sound = all(status == COMPLETE for status in table["case/status"]) and not any(table.warnings)
     return Report(title or table.title or Path(table.deck).stem, table.verdict, sound, "", kept)
 
 
@@ -74,6 +76,19 @@ def _incomplete(table):
     ]
     if rows:
         yield Table(("case", "status", "exit code", "reason"), rows, 4)
+
+
+def _warnings(table):
+    """Yield the table of the warnings of complete cases, those of most cases first."""
+    cases = {}
+    for name, warnings in zip(table.case_names, table.warnings, strict=False):
+        for text in warnings:
+            cases.setdefault(text, []).append(name)
+    rows = [(text, str(len(names)), names[0]) for text, names in sorted(cases.items(), key=lambda row: -len(row[1]))]
+    if rows:
+        yield Table(("warning", "cases", "first case"), rows[:MOST_WARNINGS], 1)
+    if len(rows) > MOST_WARNINGS:
+        yield Text(f"and {len(rows) - MOST_WARNINGS} others, see table.csv")
 
 
 def _pictures(table):

@@ -17,6 +17,7 @@ from mecano.results.whole_file import atomic_file
 
 FORMAT, FORMAT_VERSION = "mecano study", 1
 TEXT = h5py.string_dtype()
+BETWEEN = " | "  # two warnings of a case
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,19 @@ class StudyTable:
     def verdict(self):
         """Numbers of cases by status, as text."""
         counts = Counter(self["case/status"])
-        return f"{counts.total()} cases: " + ", ".join(f"{count} {word}" for word, count in counts.items())
+        words = ", ".join(f"{count} {word}" for word, count in counts.items())
+        return f"{counts.total()} cases: {words}{warned_text(sum(map(bool, self.warnings)))}"
+
+    @property
+    def warnings(self):
+        """Lists of warnings of all cases; empty for those of older files."""
+        texts = next((column.values for column in self.columns if column.path == "case/warnings"), ())
+        return [text.split(BETWEEN) if text else [] for text in texts]
+
+
+def warned_text(warned):
+    """Return the end of a verdict on a study in which this number of complete cases has warnings."""
+    return f"; {warned} with warnings" if warned else ""
 
 
 def column(group, name, unit, doc, values):

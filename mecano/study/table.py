@@ -7,7 +7,7 @@ import numpy as np
 
 from mecano.errors import ResultsError, UnknownNameError
 from mecano.results.reader import open_results
-from mecano.results.study_file import StudyTable, column, write_columns, write_study
+from mecano.results.study_file import BETWEEN, StudyTable, column, warned_text, write_columns, write_study
 from mecano.study.folder import COMPLETE, STATUSES
 
 ENDED = (
@@ -25,10 +25,10 @@ class Table:
 
     def __init__(self, folder, varied):
         self.folder, self.study, self.varied = folder, folder.study, varied
-        self.records, self.numbers, self.units = {}, {}, {}
+        self.records, self.numbers, self.units, self.warnings = {}, {}, {}, {}
 
     def take(self, case, record):
-        """Record how a case ended, and read its outputs if it is complete."""
+        """Record how a case ended, and read its outputs and warnings if it is complete."""
         self.records[case.number] = record
         if record.status == COMPLETE:
             self.numbers[case.number] = self._outputs(case)
@@ -38,6 +38,7 @@ class Table:
         found = {}
         try:
             with open_results(self.folder.file(case, ".h5")) as results:
+                self.warnings[case.number] = BETWEEN.join(results.warnings)
                 for output in self.study.outputs:
                     with suppress(UnknownNameError):
                         value, unit = output.value(results)
@@ -78,10 +79,13 @@ class Table:
             values = [self.numbers.get(case.number, {}).get(output.name, np.nan) for case in cases]
             yield column("outputs", output.name, self.units.get(output.name, ""), output.doc, values)
         yield column("case", "reason", "", "why a case is not complete", [record.reason for record in records])
+        warned = [self.warnings.get(case.number, "") for case in cases]
+        yield column("case", "warnings", "", f"warnings of a complete case, with '{BETWEEN}' between them", warned)
 
     def summary(self):
         """Return the numbers of cases by status, and the reasons of those that are not complete, as lines of text."""
-        lines = [f"{len(self.study.cases)} cases: {self._counted(STATUSES)}"]
+        warned = sum(map(bool, self.warnings.values()))
+        lines = [f"{len(self.study.cases)} cases: {self._counted(STATUSES)}{warned_text(warned)}"]
         reasons = Counter((r.exit_code, r.reason) for r in self.records.values() if r.reason).most_common()
         lines += [f"  {count} x exit code {code}: {reason}" for (code, reason), count in reasons[:MOST_REASONS]]
         more = sum(count for _, count in reasons[MOST_REASONS:])
