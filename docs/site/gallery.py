@@ -36,7 +36,7 @@ PLOTS = {
     "earthquake": "storey_1.displacement,storey_2.displacement",
     "elastic_drive": "drive.angle,copy.angle",
     "fiala_sweep": "*.lateral_force",
-    "filters": "lag.value,integral.value,washout.value",
+    "filters": "integral.value,washout.value,second_order.value",
     "gear_stages": "loose.transmission_error,elastic.transmission_error",
     "landing_roll": "wheel.normal_force",
     "magic_formula_sweep": "*.lateral_force:*.slip_angle",
