@@ -187,6 +187,11 @@ class TestRun:
         assert call("run", "deck.yaml", "--force", "-q")[0] == 0
         assert mecano.open_results("deck.h5").status == "complete"
 
+    @pytest.mark.parametrize("name", ["deck.csv", "deck.YAML"])
+    def test_results_have_no_name_of_another_format(self, call, folder, name):
+        code, _, err = call("run", "deck.yaml", "-o", name)
+        assert code == 2 and "name them .h5; `mecano export` writes columns" in err and not (folder / name).exists()
+
     def test_a_folder_that_is_not_there(self, call, folder):
         code, _, err = call("run", "deck.yaml", "-o", "nowhere/deck.h5")
         assert code == 5 and "cannot write nowhere/deck.h5: No such file or directory" in err
