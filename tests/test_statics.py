@@ -262,6 +262,28 @@ def test_mechanism_with_nothing_to_drive_it_is_neutral():
     assert "neutral" in path.result.warnings[0] and "node 'pin' turns about [0, 1, 0]" in path.result.warnings[0]
 
 
+@pytest.mark.parametrize(("joint", "neutral"), [("", False), ("pin: {type: spherical, nodes: [ground, hub]}", True)])
+def test_what_nothing_holds_may_float(joint, neutral):
+    """A satellite of a hub and a boom has six motions without stiffness, which is no news; on a pin it has three."""
+    prepared = prepare(
+        deck(f"""
+        mecano: 1
+        gravity: none
+        nodes: {{hub: {{position: [1, 2, 3], orientation: [0.3, 0.2, 0.1]}}, tip: {{position: [2, 2, 3]}}}}
+        elements:
+          hub: {{type: rigid_body, node: hub, mass: 5, inertia: [1, 1, 1]}}
+          tip: {{type: rigid_body, node: tip, mass: 1, inertia: [0.1, 0.1, 0.1]}}
+          boom: {{type: beam, nodes: [hub, tip], section: tube, mesh: 2}}
+        joints: {{{joint}}}
+        sections: {{tube: {{type: tube, diameter: 0.04, thickness: 0.002, E: 5.7e9, nu: 0.3, density: 1500}}}}
+        initial: {{static: true}}
+        time: {{end: 0.1, step: 2 ms}}
+        """)
+    )
+    warnings = set_initial_state(prepared)
+    assert any("3 direction(s) without stiffness" in text for text in warnings) == neutral == bool(warnings)
+
+
 @pytest.mark.parametrize("method,why", [("steps", "the tangent is singular"), ("relaxation", "it still moves")])
 def test_free_fall_has_no_equilibrium(method, why):
     text = """

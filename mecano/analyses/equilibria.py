@@ -14,7 +14,7 @@ from mecano.solve.statics.arc_length import ArcLength, Target
 from mecano.solve.statics.continuation import Follower, Point, Steps
 from mecano.solve.statics.loading import Clock, LoadFactor
 from mecano.solve.statics.relaxation import Relaxation
-from mecano.solve.statics.stability import freedom
+from mecano.solve.statics.stability import floats, freedom
 from mecano.solve.statics.static import CLOSED, Statics
 
 FIRST_STEPS = 10  # of 'steps: automatic'
@@ -126,10 +126,13 @@ def _ended(prepared):
 
 
 def _stability_warnings(prepared, follower, point):
-    """Yield warnings: where stability was lost, and whether the last equilibrium is unstable or neutral."""
+    """Yield warnings: where stability was lost, and whether the last equilibrium is unstable or neutral.
+
+    That a model which nothing holds may float anywhere is no news.
+    """
     yield from follower.losses
     yield from follower.departures
-    if not point.stability.stable:
+    if not point.stability.stable and not floats(prepared.system, point.state, point.stability):
         loading, unstable = follower.statics.loading, point.stability.unstable > 0
         text = freedom(prepared.system, point.state, point.stability, prepared.length)
         state = "unstable" if unstable else "neutral: it may lie anywhere along a free motion"

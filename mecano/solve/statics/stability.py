@@ -226,6 +226,26 @@ def freedom(system, s, stability, length):
     return f"stable; the softest motion ({stability.stiffness:.3g} N/m): {motion}"
 
 
+FREE = 1e-9  # of the sum of its terms: a force of a rigid motion of everything that is rounding
+
+
+def floats(system, s, stability):
+    """Return whether the neutral directions at ``s`` are the six rigid motions of all nodes, as of a satellite."""
+    if stability.unstable > 0 or stability.neutral != 6:
+        return False
+    data, n_q, of = system.assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0).data[: system.nnz], system.n_q, system.numbering
+    motions = np.zeros((system.n, 6))
+    for x, r, rotation in zip(of.x, of.r, of.rotation, strict=True):
+        if x < n_q:
+            motions[x : x + 3] = np.hstack([np.eye(3), np.cross(np.eye(3), s.z[x : x + 3]).T])
+        if r < n_q:
+            motions[r : r + 3, 3:] = s.R[rotation].T
+    matrix = sp.csr_matrix((data, (system.rows, system.cols)), shape=(system.n, system.n))
+    own = np.append(~system.signals, np.ones(system.n - n_q, bool))
+    forces, largest = np.abs(matrix @ motions)[own], (abs(matrix) @ np.abs(motions)).max(initial=0.0)
+    return bool((forces <= FREE * largest).all())
+
+
 STILL = 1e-9  # of the largest component: smaller motions of nodes count as zero
 MASSLESS = 1e-12  # of the largest inertia, times the square of the largest component: no kinetic energy
 
