@@ -1,6 +1,7 @@
 """Messages about a run, on the terminal and in the results: warnings, limits, chosen defaults."""
 
 import re
+import textwrap
 from contextlib import nullcontext
 from types import SimpleNamespace
 
@@ -11,6 +12,7 @@ from process import flowing, mecano_process, settings
 from time_runs import INPUTS, RecordedRun, deck, input_deck
 
 import mecano
+from mecano.analyses import dynamic
 from mecano.analyses.diagnostics import energy_warnings, spin_warnings, step_cut_warnings
 from mecano.analyses.modal import modes, operating_point
 from mecano.analyses.prepare import prepare, startup_warnings
@@ -294,6 +296,28 @@ def test_an_error_of_a_conserved_kinetic_energy_is_compared_with_it(tmp_path):
     saved = results["energy.balance"].values
     np.testing.assert_allclose(drawn.curves[0].y.values, (saved - saved[0]) / energy.maximum, rtol=1e-14)
     assert drawn.note == "over the kinetic energy"
+
+
+@pytest.mark.parametrize(
+    ("read", "speed", "warned"), [("g.angle", 3, True), ("g.angle", 1, False), ("g.rate", 3, False)]
+)
+def test_an_angle_within_one_turn_that_jumps_in_a_formula_is_reported(read, speed, warned, tmp_path):
+    """A generic joint turns by 6 rad, by 2 rad, or nothing reads its angle."""
+    text = f"""
+    mecano: 1
+    gravity: none
+    nodes: {{a: {{position: [0, 0, 0]}}}}
+    elements: {{body: {{type: rigid_body, node: a, mass: 1, inertia: [1, 1, 1]}}}}
+    joints: {{g: {{type: generic, nodes: [ground, a], free: [about_axis], axis: [0, 0, 1]}}}}
+    signals: {{seen: {read}}}
+    initial: {{velocities: [{{nodes: [a], angular_velocity: [0, 0, {speed}]}}]}}
+    time: {{end: 2, step: 10 ms}}
+    """
+    path = tmp_path / "r.h5"
+    dynamic.run(deck_of_bytes(textwrap.dedent(text).encode(), "test.yaml"), path)
+    with mecano.open_results(path) as results:
+        said = [text for text in results.warnings if "jumped by 2 pi" in text]
+    assert bool(said) == warned and all("generic 'g': its angle, read by 'g.angle'" in text for text in said)
 
 
 GIMBAL = """

@@ -1,5 +1,6 @@
 """Diagnostics of a completed or failed run: warnings and remedies, one text each."""
 
+import re
 from bisect import bisect_right
 from contextlib import contextmanager
 
@@ -24,6 +25,7 @@ UNBALANCED = 0.01  # of the largest change of an energy, above which an error of
 SPUN = 0.2  # [rad] turned in a fixed step by a node whose axis turns too, above which it is reported
 GYROSCOPIC = 0.22  # error of a gyroscopic moment over the square of this angle, measured at rho_inf = 0.8
 AXIS_TURNS = 0.1  # of the angular velocity: its change across its mean direction, above which the axis turns
+WRAPPED = 6.2  # rad: an angle known within one turn only whose values range so far has jumped
 NOISE = 1e-5  # of the largest energy, below which an error of the balance is never reported
 
 
@@ -60,6 +62,27 @@ def untouched_ground_warnings(deck, sampler, extremes):
     loads = [at.get(f"elements/{name}/radial_force", at.get(f"elements/{name}/normal_force")) for name in wheels]
     if wheels and not any(i is None or extremes.high[i] or extremes.low[i] for i in loads):
         yield "no wheel touched its ground: does the run end too early, or do the wheels start too high?"
+
+
+def wrap_warnings(deck, sampler, extremes):
+    """Yield warnings on angles in formulas that jumped by a turn, as they are known within one turn only."""
+    at = {column.path: column.start for column in sampler.columns}
+    for section, name, kind, output in _wrapping(deck):
+        i, read = at[f"{section}/{name}/{output}"], re.compile(rf"(?<![\w.]){re.escape(name)}\.{output}\b")
+        formulas = [f"'{text}'" for text in deck.formulas if read.search(text)]
+        if formulas and extremes.high[i] - extremes.low[i] > WRAPPED:
+            yield (
+                f"{kind} '{name}': its {output}, read by {name_list(formulas, MOST_NAMED)}, is known within one turn "
+                "only and jumped by 2 pi; read the angle of a joint that counts turns, such as a hinge, or sine and "
+                "cosine of this one"
+            )
+
+
+def _wrapping(deck):
+    """Yield (section, name, kind, output) of all outputs that wrap."""
+    for section in SECTIONS:
+        for name, d in deck.values[section].items():
+            yield from ((section, name, d["type"], one.name) for one in KINDS[d["type"]].outputs if one.wraps)
 
 
 def energy_warnings(values, sampler, extremes):

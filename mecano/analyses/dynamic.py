@@ -20,6 +20,7 @@ from mecano.analyses.diagnostics import (
     step_cut_warnings,
     untouched_ground_warnings,
     waiting_warnings,
+    wrap_warnings,
 )
 from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.prepare import chosen, integrator_of, model_facts, prepare, startup_warnings
@@ -251,6 +252,7 @@ class Ongoing:
         warnings += open_latch_warnings(deck, recorder.row, sampler)
         warnings += waiting_warnings(integrator.system, self.state.motion.phases)
         warnings += untouched_ground_warnings(deck, sampler, extremes)
+        warnings += wrap_warnings(deck, sampler, extremes)
         warnings += energy_warnings(values, sampler, extremes)
         warnings += spin_warnings(values, sampler, extremes)
         length = integrator.method.length

@@ -12,7 +12,7 @@ class Output:
     """An output of each element: unit and meaning; ``shape`` is (3,) for vectors, (4,) for quaternions.
 
     A coordinate names the output that is its ``rate``: between two steps, both are interpolated by a cubic. All other
-    outputs are interpolated linearly.
+    outputs are interpolated linearly. An angle that ``wraps`` is known within one turn only, in (-pi, pi].
     """
 
     name: str
@@ -20,6 +20,7 @@ class Output:
     doc: str
     shape: tuple = ()
     rate: str = ""
+    wraps: bool = False
 
 
 @dataclass(frozen=True)

@@ -177,7 +177,7 @@ GENERIC = Kind(
     outputs=(
         *translation("mu_1, mu_2 and the axis").declared,
         Output("tilt", "-", "sines of the angles by which the axis of b leans about mu_1 and mu_2", (2,)),
-        Output("angle", "rad", "twist of b relative to a about the axis, in one turn"),
+        Output("angle", "rad", "twist of b relative to a about the axis, in one turn", wraps=True),
         Output("rate", "rad/s", "rate of the angle"),
         *REACTIONS,
     ),
