@@ -104,7 +104,7 @@ def _found(scaled, lin, number, method):
 
 
 def _nearest_to_zero(scaled, lin, number, found):
-    """Return the Modes nearest to zero, found alone, if all satisfy the equations; else those ``found`` by dense.
+    """Return the Modes nearest to zero, found alone, if they are more accurate than those ``found`` by dense matrices.
 
     Rounding disturbs all eigenvalues of a dense matrix by that of the largest, such as those of damped members that are
     much lighter than what they carry. Modes that grow may lie far from zero: if some did, all are kept as they are.
@@ -115,7 +115,8 @@ def _nearest_to_zero(scaled, lin, number, found):
         nearest = _found(scaled, lin, number, "sparse")
     except ConvergenceError:
         return found
-    return nearest if nearest.converged.all() else found
+    enough = len(nearest.values) >= min(number, len(found.values))
+    return nearest if enough and nearest.residuals.max() < found.residuals.max() else found
 
 
 def _normal(shape):
