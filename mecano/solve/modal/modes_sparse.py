@@ -22,6 +22,7 @@ CANCELLED = 1e-12  # relative pivot below which a larger shift is tried
 FEW_MOVE = 3000  # unknowns up to which a mechanism with few motions is solved by dense matrices
 EXTRA = 6  # eigenvalues requested from ARPACK beyond those wanted
 SHIFTS = (-6, -5, -4, -3, -2)  # decimal exponents of the shifts tried, relative to the mean frequency
+SINGULAR = 1e-12  # of the mean frequency: a smaller eigenvalue about zero is that of a singular stiffness
 INFINITE = 1e-13  # smaller inverses of eigenvalues count as zero
 
 
@@ -30,20 +31,27 @@ def sparse(scaled, number):
     mobility = scaled.n_q - scaled.B.shape[0]  # lower bound
     if mobility <= 2 * (number + EXTRA) and scaled.n_q <= FEW_MOVE:
         return dense(scaled)
-    inverse, shift = _shifted(scaled)
     wanted = max(min(number + EXTRA, mobility - 2), 1)
+    M, _, K = scaled.full
+    rate = np.sqrt(abs(K.diagonal()[: scaled.n_q]).mean() / abs(M.diagonal()[: scaled.n_q]).mean())
     try:
-        if scaled.undamped:
-            return _lanczos(scaled, inverse, shift, wanted)
-        return _arnoldi(scaled, inverse, shift, 2 * wanted)
+        for inverse, shift in _shifted(scaled, rate):
+            of = (scaled, inverse, shift)
+            found = _lanczos(*of, wanted) if scaled.undamped else _arnoldi(*of, 2 * wanted)
+            if shift or np.abs(found[0]).min(initial=np.inf) > SINGULAR * rate:
+                return found
     except spla.ArpackError as error:
         raise ConvergenceError(f"the modes were not found: {error}") from error
+    raise ConvergenceError("the modes were not found: the bordered stiffness is singular at any shift")
 
 
-def _shifted(scaled):
-    """Return the solution function of the bordered K + s C + s^2 M, and the shift s, zero if K is regular."""
+def _shifted(scaled, rate):
+    """Yield the solution functions of the bordered K + s C + s^2 M, and the shifts s, the first zero if K is regular.
+
+    ``rate`` [1/s] is the mean frequency. Of a K that is singular but for rounding the eigenvalue next to zero hides all
+    others.
+    """
     M, C, K = scaled.full
-    rate = np.sqrt(abs(K.diagonal()[: scaled.n_q]).mean() / abs(M.diagonal()[: scaled.n_q]).mean())
     k = float(abs(K.diagonal()[: scaled.n_q]).mean()) or 1.0
     n_q = scaled.n_q
     border = sp.diags(np.concatenate([np.ones(n_q), np.full(K.shape[0] - n_q, k)]))
@@ -53,8 +61,7 @@ def _shifted(scaled):
         x, b = np.zeros(K.shape[0]), np.random.default_rng(2).normal(size=K.shape[0])
         status = solver.solve(np.ascontiguousarray(matrix.data), b, x)
         if status.ok and not status.null_pivots and solver.cancellation().min() > CANCELLED:
-            return (lambda b, solver=solver: _resolved(solver, border, b)), shift
-    raise ConvergenceError("the modes were not found: the bordered stiffness is singular at any shift")
+            yield (lambda b, solver=solver: _resolved(solver, border, b)), shift
 
 
 def _penalty(scaled, k):
