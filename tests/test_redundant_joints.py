@@ -242,6 +242,15 @@ def test_redundancies_of_two_pairs_of_joints_are_reported_apart():
     assert "redundant        10 constraint(s)" in summary(deck(HEAD + HELD))
 
 
+def test_constraints_of_the_same_name_are_counted_one_by_one():
+    """In a plane, a hinge along y holds y and both tilts in vain, a rigid offset y and the rotations about x and z."""
+    text = " ".join(summary(input_deck("n_four_bar")).split())
+    bodies, hinges = 5, 7
+    assert f"6 redundant among these {3 * bodies + 3 * hinges}," in text
+    assert "force y of the rigid offset; moment about initial x, z (3 of 6 constraints each)" in text
+    assert "moment that keeps two axes perpendicular; force y (3 of 5 constraints each)" in text
+
+
 def test_signals_that_are_not_known_yet_do_not_make_compliances_infinite():
     """Two hinges on one axis are redundant; acos(1.5) is not a number until the signal ``one`` has its value."""
     text = f"""

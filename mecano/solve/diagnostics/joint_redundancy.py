@@ -47,7 +47,7 @@ def by_same_joints(found):
     return tuple(
         Group(
             sum(group.count for group in some),
-            tuple(dict.fromkeys(name for group in some for name in group.names)),
+            tuple(name for group in some for name in group.names),
             {place: total for group in some for place, total in group.totals.items()},
         )
         for some in united.values()

@@ -278,8 +278,9 @@ def _directions(system, projector, loops, size):
 def groups(projector, names, every=tuple):
     """Return the Groups of ``names`` that a projector couples, each with the number of its dimensions.
 
-    Groups of the same names, such as those of one joint about two axes, are one. ``every`` () returns the names of all
-    constraints, of which ``names`` are some; it is called only if there are groups, as a large model has many names.
+    Groups of the same names, such as those of one joint about two axes, are one, which has such a name twice. ``every``
+    () returns the names of all constraints, of which ``names`` are some; it is called only if there are groups, as a
+    large model has many names.
     """
     taking_part = np.flatnonzero(np.diag(projector) > SHARE)
     if not len(taking_part):
@@ -287,13 +288,12 @@ def groups(projector, names, every=tuple):
     found = {}
     for component in connected(np.abs(projector[np.ix_(taking_part, taking_part)]) > SHARE):
         members = taking_part[component]
-        count, of = (
-            int(round(float(np.trace(projector[np.ix_(members, members)])))),
-            dict.fromkeys(names[i] for i in members),
-        )
-        found[tuple(of)] = found.get(tuple(of), 0) + count
+        of = [names[i] for i in members]
+        count, alike = found.get(tuple(dict.fromkeys(of)), (0, []))
+        count += int(round(float(np.trace(projector[np.ix_(members, members)]))))
+        found[tuple(dict.fromkeys(of))] = count, [*alike, *of]
     totals = Counter(name.place for name in every())
-    return tuple(Group(count, of, totals) for of, count in found.items())
+    return tuple(Group(count, tuple(of), totals) for count, of in found.values())
 
 
 def connected(coupled):
