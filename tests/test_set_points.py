@@ -223,3 +223,17 @@ def test_a_length_by_a_signal_is_that_by_a_law(kind, properties):
         values = np.interp(by_law.time, by_signal.time, by_signal[path].reshape(len(by_signal.time), -1)[:, -1])
         np.testing.assert_allclose(values, by_law[path].reshape(len(by_law.time), -1)[:, -1], atol=1e-6, err_msg=path)
     assert by_law["energy/given"][-1] > 1.0
+
+
+@pytest.mark.parametrize(("case", "law"), [("hinge", "turning_law"), ("slide", "sliding_law")])
+@pytest.mark.parametrize("value", ["motion", "0.3", "0"])
+def test_a_set_point_without_its_law_is_refused(case, law, value):
+    foot, joint, options, _ = CASES[case]
+    point = options.rpartition(", ")[2].partition(":")[0]
+    text = DRIVE.replace("FOOT", foot).replace("ELEMENTS", "").replace("Z", "[0, 0, 1]").replace("JOINT", joint)
+    text = text.replace("OPTIONS", f"{point}: {value}")
+    if value == "0":  # the default
+        deck(text)
+        return
+    with pytest.raises(DeckError, match=f"'{point}' is that of a '{law}', which is missing"):
+        deck(text)

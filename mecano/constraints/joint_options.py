@@ -24,6 +24,7 @@ from mecano.element_interface import Part
 
 ANGLE_LATCHES = ANGLE_LATCH, ANGLE_LATCH_RELEASE
 SLIDE_LATCHES = SLIDE_LATCH, SLIDE_LATCH_RELEASE
+NOT_GIVEN = 0.0, (("constant", {"value": 0.0}),)  # set points
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,16 @@ class Option:
     optional: tuple = ()  # see Kind.optional
     check: Callable = lambda d: []  # deck values -> texts
     needs_reactions: bool = False  # along all axes that the joint holds
+
+
+def _needs(law, set_point):
+    """Return the check that the set point of a law stands beside the law."""
+
+    def check(d):
+        alone = d[law] is None and d[set_point] not in NOT_GIVEN
+        return [f"{set_point!r} is that of a {law!r}, which is missing"] if alone else []
+
+    return check
 
 
 def _turning_parts(d, place, context):
@@ -78,7 +89,11 @@ def friction_option(kind, values, *geometry):
     return Option((friction_fields(*geometry),), parts, (("friction", kind, ""),), check_friction, True)
 
 
-TURNING_LAW = Option(TURNING_FIELDS, _turning_parts, (("turning_law", TWIST_LAW, ""),))
-SLIDING_LAW = Option(SLIDING_FIELDS, _sliding_parts, (("sliding_law", SLIDE_LAW, ""),))
+TURNING_LAW = Option(
+    TURNING_FIELDS, _turning_parts, (("turning_law", TWIST_LAW, ""),), _needs("turning_law", "natural_angle")
+)
+SLIDING_LAW = Option(
+    SLIDING_FIELDS, _sliding_parts, (("sliding_law", SLIDE_LAW, ""),), _needs("sliding_law", "natural_displacement")
+)
 ANGLE_ENDS = Option(end_fields(TWIST), _angle_end_parts, _ends(ANGLE_LATCHES, ANGLE_STOP), check_ends)
 SLIDE_ENDS = Option(end_fields(SLIDE), _slide_end_parts, _ends(SLIDE_LATCHES, SLIDE_STOP), check_ends)
