@@ -174,6 +174,21 @@ def test_a_limit_that_was_exceeded_is_printed_and_stored(tmp_path):
     assert results.reason == "the end was reached" and "deformation" not in err
 
 
+def test_a_bushing_that_turns_by_half_a_turn_is_reported(tmp_path):
+    """Its moment jumps there; a bushing without moments may turn freely."""
+    text = (
+        "mecano: 1\ngravity: none\nnodes: {hub: {position: [0, 0, 0]}}\nelements:\n"
+        "  rotor: {type: rigid_body, node: hub, mass: 1, inertia: [0.1, 0.1, 0.1]}\n"
+        "  mount: {type: bushing, nodes: [ground, hub], stiffness: [9, 9, 9, 0, 0, MOMENT]}\n"
+        "initial: {velocities: [{nodes: [hub], angular_velocity: [0, 0, 5]}]}\ntime: {end: 0.7, step: 1 ms}\n"
+    )
+    for moment, wanted in ((0.0, "the end was reached"), (0.1, "bushing 'mount': rotation_vector.z reached 3.1")):
+        path = tmp_path / f"{moment}.yaml"
+        path.write_text(text.replace("MOMENT", str(moment)))
+        with mecano.run(path, tmp_path / f"{moment}.h5", quiet=True) as results:
+            assert wanted in results.reason and ("half a turn" in results.reason) == (moment > 0.0)
+
+
 def test_chosen_defaults_are_stored_and_shown(tmp_path):
     _, results = run_of(tmp_path, "double_pendulum", "time.end=0.01")
     chosen = results.automatic

@@ -12,14 +12,16 @@ def has_watched_outputs(values, what):
 def watched_outputs(values, sampler, what):
     """Return the monitored outputs of the elements with the deck values ``values``; ``what`` is "limits" or "ends".
 
-    [(name, deck values of the element, output, its column in the row, value, text)].
+    [(name, deck values of the element, output, its column in the row, value, text)]; of a vector each component is one.
     """
-    columns = {column.path: column.start for column in sampler.columns}
+    columns = {column.path: column for column in sampler.columns}
     return [
-        (name, d, output, columns[f"{section}/{name}/{output}"], value, text)
+        (name, d, output + part, column.start + i, value, text)
         for section in SECTIONS
         for name, d in values[section].items()
         for output, value, text in getattr(KINDS[d["type"]], what)(d)
+        for column in [columns[f"{section}/{name}/{output}"]]
+        for i, part in enumerate((".x", ".y", ".z") if column.size == 3 else ("",))
     ]
 
 

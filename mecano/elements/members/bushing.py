@@ -9,7 +9,7 @@ axes fixed in b, rows of :math:`\mu` and :math:`\xi`:
 
 with :math:`\omega = \xi \Omega_b - Q^T \mu \Omega_a, Q = \exp\hat\psi`. The forces are conjugate to :math:`\delta e`,
 so the result does not depend on position and orientation of the model, and the elastic forces have a potential for any
-rotation up to :math:`|\psi| < \pi`, the limit of the rotation vector:
+rotation up to :math:`|\psi| < \pi`, the limit of the rotation vector, where the moments jump, which a run reports:
 
 .. math::  f_{x_b} = R_a \mu^T n = -f_{x_a}, \qquad f_{\Theta_b} = \xi^T T^{-T} m, \qquad
    f_{\Theta_a} = \mu^T n \times R_a^T (x_b - x_a) - \mu^T T^{-1} m
@@ -43,6 +43,7 @@ RECORD = record(natural=6, stiffness=(6, 6), damping=(6, 6), mu=(3, 3), xi=(3, 3
 ORDER = ("along_1", "along_2", "along_axis", "about_1", "about_2", "about_axis")
 INPUT = 12  # local index of the first set point that is a signal
 FORCES = tuple(range(6, 12))  # outputs
+MOST_ROTATION = 3.0  # [rad] a component of the rotation vector: just before half a turn
 ROUNDING = 1e-9  # of the largest eigenvalue: smaller negative eigenvalues count as zero
 
 
@@ -207,6 +208,17 @@ def check(d, nodes):
     return texts
 
 
+def limits(d):
+    """Return the limit of the rotation vector, if the matrices have moments."""
+    if not any(matrix(d[name])[:, 3:].any() for name in ("stiffness", "damping")):
+        return []
+    text = (
+        "the moments of the matrices jump at half a turn; a 'torsion_spring_damper', the 'turning_law' of a hinge and "
+        "the 'laws' of a bushing count turns"
+    )
+    return [("rotation_vector", MOST_ROTATION, text)]
+
+
 def sample(rng):
     """Return full matrices in the axes of a; unsymmetric damping in other axes, with laws."""
     X, Y = rng.normal(size=(2, 6, 6))
@@ -255,6 +267,7 @@ STILL = Kind(
     parts=parts,
     check=check,
     variant=variant,
+    limits=limits,
     sample=sample,
     **_functions(_fixed),
 )
