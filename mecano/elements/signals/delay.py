@@ -60,7 +60,7 @@ def commit(p, at, m_out):
 DELAY = Kind(
     name="delay",
     doc=__doc__,
-    fields=(INPUT, Field("time", NUMBER, "s", "T", check=positive), UNIT_OF_VALUE),
+    fields=(INPUT, Field("time", NUMBER, "s", "T, by which the value is late", check=positive), UNIT_OF_VALUE),
     like=lambda d: d["input"],
     inputs=("input",),
     memory=("count", *(f"{name}_{i}" for i in range(KEPT + 2) for name in ("time", "value"))),

@@ -24,7 +24,7 @@ LAG = Kind(
     smooths=lambda d: True,
     fields=(
         INPUT,
-        Field("time_constant", NUMBER, "s", "T", check=positive),
+        Field("time_constant", NUMBER, "s", "time constant T", check=positive),
         Field("gain", NUMBER, "-", "g, ratio of the value to a constant input", 1.0),
         INITIAL,
         UNIT_OF_VALUE,

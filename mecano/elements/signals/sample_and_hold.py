@@ -42,7 +42,7 @@ SAMPLE_AND_HOLD = Kind(
     name="sample_and_hold",
     doc=__doc__,
     jumps=True,
-    fields=(INPUT, Field("period", NUMBER, "s", "T", check=positive), UNIT_OF_VALUE),
+    fields=(INPUT, Field("period", NUMBER, "s", "T, time between two samples", check=positive), UNIT_OF_VALUE),
     like=lambda d: d["input"],
     inputs=("input",),
     memory=("held", "next", "started"),

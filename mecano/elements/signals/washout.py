@@ -34,7 +34,7 @@ WASHOUT = Kind(
     doc=__doc__,
     fields=(
         INPUT,
-        Field("time_constant", NUMBER, "s", "T", check=positive),
+        Field("time_constant", NUMBER, "s", "time constant T", check=positive),
         Field("gain", NUMBER, "-", "g, the value over a sudden change of the input", 1.0),
         Field("initial_state", NUMBER, "-", "x at the start: the input from which changes count", 0.0),
         UNIT_OF_VALUE,
