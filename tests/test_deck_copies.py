@@ -253,7 +253,7 @@ def test_copies_count_once_in_the_text_of_errors():
         "          bar: {type: body, node: toe, mass: 3 m, center_of_mass: [0.1, 0, 0]}\n"
         "                                             ^\n"
         "  placed at deck.yaml:25:3\n"
-        f"1 error; {UNCHECKED}"
+        f"1 error; {UNCHECKED} once this error is fixed"
     )
 
 
@@ -368,7 +368,7 @@ def test_an_error_in_an_included_file_names_the_include(tmp_path):
         "      oleo: {spring: {stiffness: 7 bar}}\n"
         "                                 ^\n"
         f"  included at {path}:2:27\n"
-        f"1 error; {UNCHECKED}"
+        f"1 error; {UNCHECKED} once this error is fixed"
     )
 
 
