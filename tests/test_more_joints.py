@@ -173,8 +173,18 @@ REFUSED = [
         (0 * X, X),
         "perpendicular; they are 45 degrees apart",
     ),
-    ("planar", {"axis": Z, "axis_1": -Z}, (0 * X, X), "'axis_1' must not be parallel to the axis"),
-    ("screw", {"axis": Z, "axis_1": Z}, (0 * X, X), "'axis_1' must not be parallel to the axis"),
+    (
+        "planar",
+        {"axis": Z, "axis_1": -Z, "turning_law": None, "natural_angle": 0.0},
+        (0 * X, X),
+        "'axis_1' must not be parallel to the axis",
+    ),
+    (
+        "screw",
+        {"axis": Z, "axis_1": Z, "turning_law": None, "natural_angle": 0.0},
+        (0 * X, X),
+        "'axis_1' must not be parallel to the axis",
+    ),
 ]
 
 
