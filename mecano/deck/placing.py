@@ -131,6 +131,8 @@ class Placing:
             node.rise -= 1
         elif type(node.value) is str and self._is_own(node.value, section):
             node.value = self.prefix + node.value
+        elif type(node.value) is str:
+            self.scope.own_names[id(node)] = self.own[section]
 
     def _rename_formula(self, node):
         if type(node) is Word and node.rise > 0:

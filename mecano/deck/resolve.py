@@ -94,7 +94,8 @@ def _unknown(reference, known, scope):
     elif "$" in reference.name:
         hint = "names contain values of a 'repeat' only, those of the entry itself: repeat: {n: [$last]}"
     elif known:
-        hint = scope.suggest(reference.name, [*known, "ground"] if reference.wanted == "end" else known)
+        own = scope.own_names.get(id(reference.node), ())
+        hint = scope.suggest(reference.name, [*own, *known, *(["ground"] if reference.wanted == "end" else ())])
     else:
         hint = f"the deck has no '{reference.section}'"
     if reference.wanted == "drive":

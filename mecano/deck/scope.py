@@ -65,6 +65,8 @@ class Scope:
     tables: dict = field(default_factory=dict)  # name of a file read -> points, or reduced matrices
     beside: str = ""  # folder, relative to that of the deck, of the current file; files named in it are relative to it
     defaults: dict = field(default_factory=dict)  # id of a Field -> checked default
+    own_names: dict = field(default_factory=dict)
+    """id of a Node with a name that its template does not define -> names that the template defines in that section"""
     subject: str = ""  # "hinge 'knee'"
     path: list = field(default_factory=list)  # keys between the subject and the current value
     owner: Node | None = None  # node of the key of the current value: a missing key is reported here
