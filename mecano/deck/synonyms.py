@@ -128,8 +128,8 @@ NOTES = {  # words with the same meaning: (targets, note)
     ),
     "car, vehicle, truck, understeer, handling, cornering, lane change, driver, cruise control, vehicle dynamics": (
         "wheel transient_wheel tire_laws signals initial study",
-        "suspension, rack, a driver and a speed controller of signals: docs/tyres.md, 'A car'; `mecano sweep` varies "
-        "the speed",
+        "`mecano example car`: suspension, rack, a driver and a speed controller; docs/tyres.md, 'A car'; "
+        "`mecano sweep` varies the speed",
     ),
     "wishbone, suspension, control arm, trailing arm, knuckle, kingpin, tie rod, track rod, macpherson, macpherson "
     "strut": (
