@@ -67,7 +67,7 @@ def untouched_ground_warnings(deck, sampler, extremes):
 def wrap_warnings(deck, sampler, extremes):
     """Yield warnings on angles in formulas that jumped by a turn, as they are known within one turn only."""
     at = {column.path: column.start for column in sampler.columns}
-    for section, name, kind, output in _wrapping(deck):
+    for section, name, kind, output in _wrapping(deck) if deck.formulas else ():
         i, read = at[f"{section}/{name}/{output}"], re.compile(rf"(?<![\w.]){re.escape(name)}\.{output}\b")
         formulas = [f"'{text}'" for text in deck.formulas if read.search(text)]
         if formulas and extremes.high[i] - extremes.low[i] > WRAPPED:

@@ -91,7 +91,7 @@ def scope_of(root, kinds, terms, folder, problems):
     """Return the Scope of the check of a deck; ``problems`` were found before. Raises DeckError for another version."""
     _check_version(root, problems)
     parameters = Parameters(_written_parameters(root))
-    return Scope(CHECKS, ChainMap(SHAPES, kinds), terms, folder, problems, parameters=parameters)
+    return Scope(CHECKS, ChainMap(kinds, SHAPES), terms, folder, problems, parameters=parameters)
 
 
 def written_out(root, sections, scope):

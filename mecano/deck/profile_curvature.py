@@ -15,10 +15,11 @@ def check_profile_curvature(values, at, sound, root, scope):
 
     Wheels with other errors, whose ("elements", name) is not in ``sound``, are skipped.
     """
+    kinds = {type_: scope.kinds[type_] for type_ in {d["type"] for d in values["elements"].values()}}
+    wheels = {name for name, kind in kinds.items() if any(field.type is GROUND for field in kind.fields)}
     noted, way = set(), _way(values)
     for name, d in values["elements"].items():
-        kind = scope.kinds[d["type"]]
-        if ("elements", name) not in sound or not any(field.type is GROUND for field in kind.fields):
+        if d["type"] not in wheels or ("elements", name) not in sound:
             continue
         if not d["ground"]["profile"] or id(d["ground"]) in noted:
             continue
@@ -27,9 +28,9 @@ def check_profile_curvature(values, at, sound, root, scope):
             stretch = tightest_concave_stretch(d["ground"], at[d["node"]][0], d["axis"], radius, way)
         if stretch:
             noted.add(id(d["ground"]))
-            scope.subject = f"{kind.name} {quoted(name)}"
+            scope.subject = f"{d['type']} {quoted(name)}"
             text, entry = _text(stretch, radius), root.value["elements"][1].value[name]
-            scope.refuse(pointed_at(text, kind, entry, root), text, _hint(stretch, radius))
+            scope.refuse(pointed_at(text, kinds[d["type"]], entry, root), text, _hint(stretch, radius))
 
 
 def _way(values):
