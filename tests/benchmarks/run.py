@@ -21,8 +21,8 @@ import tempfile
 from importlib import import_module
 from pathlib import Path
 
-for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
-    os.environ.setdefault(_variable, "1")
+for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "MECANO_THREADS"):
+    os.environ.setdefault(_variable, "1")  # the processor time of two threads includes waiting for one another
 
 sys.path.append(str(Path(__file__).parent.parent))
 
