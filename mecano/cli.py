@@ -7,11 +7,13 @@ import os
 import signal
 import sys
 import warnings
+from collections.abc import Mapping
+from importlib import import_module
 
 import click
 
 from mecano import __version__
-from mecano.commands import decks, refuse_empty, results, shell, solving, studies, viewing
+from mecano.commands import refuse_empty
 from mecano.process.interrupt import stopped_by
 from mecano.process.lifeline import watch_parent
 from mecano.process.memory import guard_imports, is_lack_of_memory
@@ -22,7 +24,34 @@ for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")  # for reproducible results
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+COMMANDS = {
+    "check": "decks.check", "check-kind": "decks.check_kind", "completion": "shell.completion",
+    "example": "decks.example", "explain": "decks.explain", "export": "results.export", "info": "results.info",
+    "list": "decks.list_", "modes": "solving.modes", "new": "decks.new", "post": "results.post",
+    "reduce": "solving.reduce_", "run": "solving.run", "schema": "decks.schema", "sweep": "studies.sweep",
+    "verify": "results.verify", "view": "viewing.view", "warmup": "studies.warmup",
+}  # fmt: skip
+"""The function of each command, of a module of mecano/commands."""
+
+
+class _OnDemand(Mapping):
+    """The commands by name; the module of one is imported when it is called, or listed by the help."""
+
+    def __getitem__(self, name):
+        module, function = COMMANDS[name].split(".")
+        command = getattr(import_module(f"mecano.commands.{module}"), function)
+        for option in command.params:
+            option.callback = option.callback or refuse_empty
+        return command
+
+    def __iter__(self):
+        return iter(COMMANDS)
+
+    def __len__(self):
+        return len(COMMANDS)
+
+
+@click.group(commands=_OnDemand(), context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="mecano")
 def commands():
     """Simulate flexible mechanisms: decks in, results and pictures out.
@@ -48,18 +77,6 @@ def commands():
     SIGTERM, 129 by SIGHUP, 152 by SIGXCPU (all with a file for --resume), 1 a bug in mecano; for a study, 3 means that
     not all cases are complete.
     """
-
-
-for _command in (
-    decks.check, decks.check_kind, decks.list_, decks.explain, decks.schema, decks.new, decks.example,
-    solving.run, solving.modes, solving.reduce_,
-    studies.sweep, studies.warmup,
-    viewing.view, results.post, results.export, results.info, results.verify,
-    shell.completion,
-):  # fmt: skip
-    commands.add_command(_command)
-    for _option in _command.params:
-        _option.callback = _option.callback or refuse_empty
 
 
 def main():

@@ -1,10 +1,12 @@
 """Errors that a user can cause or encounter, each with the exit code of the command line."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import Enum
 
+from mecano.immutable import immutable
 
-@dataclass(frozen=True)
+
+@immutable
 class Mark:
     """Location of a value of a deck: file, line and column (both from 1), and the chain of includes and templates."""
 
@@ -12,14 +14,14 @@ class Mark:
     line: int
     column: int
     stack: tuple = ()  # Marks of the includes and of the placed templates, outermost first
-    text: str = field(default="", repr=False, compare=False)  # the whole line, to be printed with a caret
+    text: str = field(default="", repr=False)  # the whole line, to be printed with a caret
     role: str = "in"  # role of a Mark in a stack: "included at", "placed at"
 
     def __str__(self):
         return f"{self.file}:{self.line}:{self.column}"
 
 
-@dataclass(frozen=True)
+@immutable
 class Problem:
     """An error or warning about a deck: message, location, and hint on the correct input."""
 

@@ -4,12 +4,14 @@ The deck check, `mecano explain`, the documentation and the JSON Schema are all 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
+
+from mecano.immutable import immutable
 
 REQUIRED = object()
 
 
-@dataclass(frozen=True)
+@immutable
 class Type:
     """The type of a field; ``expects`` completes the sentence "'mass' must be ..."."""
 
@@ -17,7 +19,7 @@ class Type:
     expects: str
     options: tuple = ()  # choices, length of a list, or the fields and types inside; see the functions below
     moves: str = ""  # "point", "direction" or "orientation" in inertial axes; "" for any other value
-    schema: object = field(default=None, compare=False)  # JSON Schema, if deck/json_schema.py does not cover the type
+    schema: object = field(default=None)  # JSON Schema, if deck/json_schema.py does not cover the type
 
 
 NUMBER = Type("number", "a number")
@@ -111,7 +113,7 @@ def one_of_kinds(section):
     return Type("kind", "a mapping with the key 'type'", (section,))
 
 
-@dataclass(frozen=True)
+@immutable
 class Field:
     """A key of a deck: SI ``unit`` ("-" if dimensionless), one-line ``doc``, ``check`` -> error text or None.
 

@@ -37,7 +37,7 @@ from mecano.results.whole_file import exists
 from mecano.results.writer import Writer, refuse_existing
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Supervision:
     """Observers, reporters and interruption of a run.
 

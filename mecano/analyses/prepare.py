@@ -40,7 +40,7 @@ MOST_NAMES = 8  # constraints named in a warning
 AUTOMATIC = "automatic"
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Prepared:
     """A model ready for analysis, with its initial state and diagnostics."""
 

@@ -1,7 +1,6 @@
 """Options of joints with an axis: the fields of the deck, and the parts that are added where they are given."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from mecano.constraints.along_coordinate.friction import check_friction, friction_fields
 from mecano.constraints.along_coordinate.law import SLIDING_FIELDS, TURNING_FIELDS
@@ -21,13 +20,14 @@ from mecano.constraints.of_coordinates import (
     law_part,
 )
 from mecano.element_interface import Part
+from mecano.immutable import immutable
 
 ANGLE_LATCHES = ANGLE_LATCH, ANGLE_LATCH_RELEASE
 SLIDE_LATCHES = SLIDE_LATCH, SLIDE_LATCH_RELEASE
 NOT_GIVEN = 0.0, (("constant", {"value": 0.0}),)  # set points
 
 
-@dataclass(frozen=True)
+@immutable
 class Option:
     """An option of a joint."""
 

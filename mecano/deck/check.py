@@ -19,7 +19,6 @@ from mecano.deck.scope import INVALID, Scope
 from mecano.deck.sections import shortest_interval
 from mecano.deck.similar_names import similar
 from mecano.deck.templates import arguments
-from mecano.deck.tyres import complete_tyres
 from mecano.deck.units import ANY
 from mecano.deck.wording import found, quoted
 from mecano.elements.members.cross_section import SHAPES
@@ -128,7 +127,10 @@ def checked_values(root, sections, scope):
     _check_saved_times(result, root, scope)
     _check_samples(result, root, scope)
     _check_signal_names(result, root, scope)
-    complete_tyres(result.get("tire_laws", {}), root, scope)
+    if result.get("tire_laws"):
+        from mecano.deck.tyres import complete_tyres  # with the slip laws, which few decks need
+
+        complete_tyres(result["tire_laws"], root, scope)
     resolve(result, scope)
     check_formulas(result, scope)
     _stop_at(problems, UNCHECKED)

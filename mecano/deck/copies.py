@@ -29,7 +29,7 @@ MOST_VALUES = 400_000
 MOST_PLACED = 10_000
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Level:
     """The deck, or a copy of a template: its parameters, its place, and its sources as seen from there."""
 

@@ -24,7 +24,7 @@ MOST_COLUMNS = 10_000
 SEPARATED = "columns are separated by ',', ';' or tabs"
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Table:
     """Points (x, y) of a file in SI units, with the line of each."""
 
@@ -43,7 +43,7 @@ class Table:
         return Node(None, self.source, self.rows[i] if i < len(self.rows) else 0)
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Wanted:
     """Request of a law to a table: for x and y (node of a header or number, or None) and (node of a unit, or None)."""
 

@@ -1,14 +1,15 @@
 """A deck that has been read and checked."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from mecano.element_interface import SECTIONS
+from mecano.immutable import immutable
 
 
-@dataclass(frozen=True)
+@immutable
 class Deck:
     """Values of a checked deck.
 

@@ -12,7 +12,6 @@ from mecano.deck.past_triggers import past_triggers
 from mecano.deck.sampled_laws import unsampled
 from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS
-from mecano.elements.wheels.lateral_law import runaway
 from mecano.errors import Problem, name_list
 
 PUSHES = "it pushes away from its zero instead of back to it; is this intended, as in a snap-through?"
@@ -161,8 +160,10 @@ def _materials(sections):
 
 def _tires(tire_laws):
     """Yield (path, text) on lateral laws that leave the rates of a sliding patch unbounded."""
-    for name, d in tire_laws.items():
-        if (lateral := d.get("lateral")) and (found := runaway(lateral)):
+    for name, lateral in [(name, d["lateral"]) for name, d in tire_laws.items() if d.get("lateral")]:
+        from mecano.elements.wheels.lateral_law import runaway  # few decks have such a law
+
+        if found := runaway(lateral):
             field, text = found
             yield ("tire_laws", name, "lateral", *field.split(".")), f"tire law '{name}': {text}"
 

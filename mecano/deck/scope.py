@@ -33,7 +33,7 @@ DEFAULT = Source("default", "")
 INVALID = object()  # stands for a value that has been refused
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Reference:
     """A name of an entry of a section; the entry replaces the name once all sections have been read."""
 
@@ -47,7 +47,7 @@ class Reference:
     use: Field | None = None  # of a law
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Scope:
     """State of one check of a deck."""
 

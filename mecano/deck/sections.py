@@ -14,7 +14,6 @@ from mecano.deck.limits import (
 )  # fmt: skip
 from mecano.deck.static_section import INITIAL_STATIC_FIELDS, SCALE_FIELDS, STATIC_FIELDS, check_static
 from mecano.elements.members.cross_section import check_section
-from mecano.elements.wheels.tire_law import TIRE_LAW_FIELDS
 from mecano.schema import (
     BOOLEAN,
     CURVE,
@@ -40,6 +39,16 @@ from mecano.schema import (
     positive,
     shorthand,
 )  # fmt: skip
+
+
+class TireLawFields:
+    """The fields of a tyre law, one for each slip law among them; their modules are imported when a deck has one."""
+
+    def __iter__(self):
+        from mecano.elements.wheels.tire_law import TIRE_LAW_FIELDS
+
+        return iter(TIRE_LAW_FIELDS)
+
 
 PARAMETER = Type("parameter", "a number")
 LAW_IN_PLACE = Type("law_in_place", "a number or a mapping of terms")
@@ -241,7 +250,7 @@ SECTIONS = (
     ),
     Field("laws", named(LAW_IN_PLACE), "-", "named laws, each a number or a sum of terms", {}),
     Field("grounds", named(mapping(*GROUND_FIELDS)), "-", "surfaces on which wheels roll", {}),
-    Field("tire_laws", named(Type("mapping", "a mapping", TIRE_LAW_FIELDS)), "-", "properties of tyres", {}),
+    Field("tire_laws", named(Type("mapping", "a mapping", TireLawFields())), "-", "properties of tyres", {}),
     Field("sections", named(one_of_kinds("sections"), check_section), "-", "cross sections of beams", {}),
     Field(
         "initial", shorthand(mapping(*INITIAL_FIELDS), {"static": {"static": {}}}), "-",

@@ -3,11 +3,11 @@
 import hashlib
 import re
 from array import array
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
 from mecano.errors import DeckError, Mark, Problem
+from mecano.immutable import immutable
 
 MAX_BYTES = 64 * 2**20
 BLOCK = 2**16  # characters, or more to the end of a line
@@ -18,7 +18,7 @@ BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
-@dataclass(frozen=True)
+@immutable
 class Source:
     """A text with the file name shown in messages; the part to be read begins at ``begin``."""
 

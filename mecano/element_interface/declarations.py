@@ -1,13 +1,13 @@
 """Declarations of a Kind: outputs, constraint equations, events, measured coordinates, display."""
 
-from dataclasses import dataclass
+from mecano.immutable import immutable
 
 LOCK, CONTACT, GRIP = "lock", "contact", "grip"  # kinds of shocks
 RELEASES = "releases"  # name of the events after which an element is no longer there
 WAITS = "waits"  # name of the events after which an element that is due does not act yet
 
 
-@dataclass(frozen=True)
+@immutable
 class Output:
     """An output of each element: unit and meaning; ``shape`` is (3,) for vectors, (4,) for quaternions.
 
@@ -23,7 +23,7 @@ class Output:
     wraps: bool = False
 
 
-@dataclass(frozen=True)
+@immutable
 class Row:
     """A constraint equation: name of its multiplier, units of the multiplier and of the constraint."""
 
@@ -33,7 +33,7 @@ class Row:
     unilateral: bool = False  # a contact, whose reaction is never negative; the first row of its element
 
 
-@dataclass(frozen=True)
+@immutable
 class Event:
     """A zero crossing, monitored in the phase ``before``; after the event the phase is ``after``."""
 
@@ -65,7 +65,7 @@ class Event:
     once, its number being positive"""
 
 
-@dataclass(frozen=True)
+@immutable
 class Measured:
     """A coordinate of an element that sensors measure: its nodes and its axes.
 
@@ -78,7 +78,7 @@ class Measured:
     zero: float = 0.0
 
 
-@dataclass(frozen=True)
+@immutable
 class Display:
     """Shape of a kind in pictures, and the standard pictures of its outputs; stored in results files.
 

@@ -1,13 +1,14 @@
 """A kind of element, joint, load, signal or basic constraint: its entry in a deck, its mechanics, its events."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import NamedTuple
 
 import numpy as np
 
 from mecano.element_interface.declarations import Display
 from mecano.element_interface.records import UNUSED, record, recorded, recorded_values
+from mecano.immutable import immutable
 
 SECTIONS = ("elements", "joints", "loads", "signals")  # of a deck; each entry belongs to a kind
 FREELY, BY_COMMAND = "freely", "by command"  # how the nodes of a joint may turn about its axis
@@ -41,7 +42,7 @@ class NodeAtStart(NamedTuple):
     gravity: np.ndarray  # (3,) [m/s2] of the deck
 
 
-@dataclass(frozen=True)
+@immutable
 class Part:
     """A basic constraint or element of which a kind is composed: its nodes and its parameters.
 
@@ -56,7 +57,7 @@ class Part:
     reads: tuple = ()  # formulas of the inputs of its kind, in their order
 
 
-@dataclass(frozen=True)
+@immutable
 class Context:
     """Data available to ``prepare`` and ``parts`` besides their own deck values."""
 
@@ -65,7 +66,7 @@ class Context:
     kinds: dict = field(default_factory=dict)  # kinds of the model by name, for loads along coordinates of another one
 
 
-@dataclass(frozen=True, kw_only=True)
+@immutable(kw_only=True, init=False)
 class DeckEntry:
     """The entry of a kind in a deck: its fields, their checks, and the conversion of the values."""
 
@@ -111,7 +112,7 @@ class DeckEntry:
     default numbers from 0.5 to 1 and random vectors in every phase, for a kind that has no other fields"""
 
 
-@dataclass(frozen=True, kw_only=True)
+@immutable(kw_only=True, init=False)
 class Mechanics:
     """The equations of a kind: unknowns, record of parameters, compiled functions of one element, outputs."""
 
@@ -132,18 +133,18 @@ class Mechanics:
     multipliers: tuple = ()  # Row
     coupled_multipliers: tuple = ()  # Row: coupled multipliers, of other parts of the same owner
     outputs: tuple = ()  # Output
-    measures: dict = field(default_factory=dict, compare=False)
+    measures: dict = field(default_factory=dict)
     """{output: (deck values, nodes, Context) -> Measured}: coordinates, whose sensors need no other unknowns than those
     of the nodes; they also measure the output that is declared as the rate. Other outputs are measured by ``observe``,
     called with Duals"""
-    hidden: dict = field(default_factory=dict, compare=False)
+    hidden: dict = field(default_factory=dict)
     """{output: text, what to do instead}: outputs that signals cannot read, because ``observe`` has them from F, from
     accelerations, or not from Duals"""
     revealed: "Kind | None" = None  # variant without shared unknowns, in which nothing is hidden
     senses: "Kind | None" = None  # the kind of which it measures an output; see constraints/output_sensor.py
     start: Callable | None = None
     """record -> initial values (n_scalars,) of its scalars; zeros by default"""
-    idle: dict = field(default_factory=dict, compare=False)
+    idle: dict = field(default_factory=dict)
     """{phase: indices of outputs}: phases in which an element with a ``residual`` has no force, energy or power, and
     these outputs are zero; its ``residual`` is not called then"""
     residual: Callable | None = None
@@ -187,7 +188,7 @@ class Mechanics:
         return 3 * len(self.layout) + own + len(self.coupled_multipliers)
 
 
-@dataclass(frozen=True, kw_only=True)
+@immutable(kw_only=True, init=False)
 class Events:
     """The discrete behaviour of a kind: phases, events that change them, memory, times at which steps must end."""
 
@@ -198,13 +199,13 @@ class Events:
     """record -> index of the initial phase, where the deck specifies it; by default the first of ``phases``"""
     memory: tuple = ()  # names of the values kept from step to step
     commit: Callable | None = None
-    kept: dict = field(default_factory=dict, compare=False)
+    kept: dict = field(default_factory=dict)
     """{phase: indices of values of the memory that ``commit`` does not change in it}"""
     times: Callable = nothing
     """(deck values, start, end) -> [time]: times between start and end of a run at which a step must end"""
 
 
-@dataclass(frozen=True, kw_only=True)
+@immutable(kw_only=True)
 class Kind(DeckEntry, Mechanics, Events):
     """A kind of element: everything that the rest of mecano may know about it.
 

@@ -9,27 +9,17 @@ import hashlib
 import os
 import sys
 import traceback
-from dataclasses import dataclass
 from functools import cache
 from glob import glob
 from importlib.util import module_from_spec, spec_from_file_location
 
-from mecano.element_interface import SECTIONS, Kind
-from mecano.elements import KINDS
-from mecano.elements.wheels.slip_law import SlipLaw
-from mecano.elements.wheels.slip_laws import SLIP_LAWS
-from mecano.elements.wheels.tire_law import register as register_slip_law
 from mecano.errors import UsageError
-from mecano.jit.digest import is_digested
-from mecano.laws import TERMS
-from mecano.laws.table import evaluate_curve, number_terms
-from mecano.laws.term import Term
+from mecano.immutable import immutable
 
 GROUP = "mecano.kinds"  # entry points of installed packages, each of which names a module
-REGISTRIES = {Kind: ("kind", KINDS), SlipLaw: ("slip law", SLIP_LAWS), Term: ("term of a law", TERMS)}
 
 
-@dataclass(frozen=True)
+@immutable
 class Plugin:
     """A module whose kinds and laws are registered."""
 
@@ -130,29 +120,6 @@ def _failed(error, source):
 
 
 def _register(source, digest, module):
-    """Register the kinds and laws of a module; raises UsageError, and registers none, if a name is in use."""
-    own = {id(value): value for name, value in vars(module).items() if not name.startswith("_") and _is_new(value)}
-    found = tuple(own.values())
-    if not found:
-        raise UsageError(f"plugin {source} defines no Kind, SlipLaw or Term at its top level")
-    for item in found:
-        what, registry = REGISTRIES[type(item)]
-        if item.name in registry:
-            raise UsageError(f"plugin {source}: the name of the {what} '{item.name}' is already in use")
-    if any(isinstance(item, Term) for item in found) and is_digested(evaluate_curve.__wrapped__):
-        raise UsageError(f"plugin {source} has terms of laws: load it before the first model of the process")
-    for item in found:
-        if isinstance(item, SlipLaw):
-            register_slip_law(item)
-        else:
-            REGISTRIES[type(item)][1][item.name] = item
-    if any(isinstance(item, Term) for item in found):
-        number_terms()
-    _loaded[source] = Plugin(source, digest, found)
+    from mecano.elements.plugin_registry import register  # with all laws, which a run without plugins need not import
 
-
-def _is_new(value):
-    """Return whether a value is a kind or law that a deck can name and that is not registered yet."""
-    if type(value) not in REGISTRIES or (isinstance(value, Kind) and value.section not in SECTIONS):
-        return False
-    return all(value is not known for known in REGISTRIES[type(value)][1].values())
+    _loaded[source] = Plugin(source, digest, register(source, module))

@@ -8,10 +8,7 @@ process that finds all its functions there imports neither numba nor LLVM's comp
 import atexit
 import hashlib
 import os
-import secrets
-import shutil
 import sys
-import tempfile
 import time
 from collections.abc import Callable
 from contextlib import contextmanager, suppress
@@ -65,6 +62,9 @@ def folder():
         found.parent.mkdir(parents=True, exist_ok=True)
         found.mkdir(exist_ok=True, mode=0o700)
     except OSError:
+        import shutil
+        import tempfile
+
         found = Path(tempfile.mkdtemp(prefix="mecano-"))
         atexit.register(shutil.rmtree, found, ignore_errors=True)
         return found
@@ -130,6 +130,8 @@ def _sources():
 
 def _remove_old(paths):
     """Remove files and folders that have not been used for long."""
+    import shutil
+
     for path in paths:
         with suppress(OSError):  # another process may be faster
             if time.time() - path.stat().st_mtime > UNUSED:
@@ -265,7 +267,7 @@ def _size(of):
 
 def put(path, data):
     """Write a file atomically, even with concurrent writers; leaves no file if the disk is full."""
-    own = path.with_name(f"{path.name}.{secrets.token_hex(8)}")
+    own = path.with_name(f"{path.name}.{os.urandom(8).hex()}")
     try:
         own.write_bytes(data)
         own.replace(path)

@@ -9,7 +9,6 @@ user, root, or the owner of mecano's own sources, whose code the process runs an
 import hashlib
 import hmac
 import os
-import secrets
 import stat
 from contextlib import suppress
 from pathlib import Path
@@ -82,7 +81,7 @@ def secret():
     path = _secret_path()
     with suppress(OSError):
         return _read(path) or _made(path)
-    return secrets.token_bytes(LENGTH)
+    return os.urandom(LENGTH)
 
 
 def _secret_path():
@@ -105,9 +104,9 @@ def _made(path):
     path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     if path.exists() and _read(path) is None:  # not usable; another process may have just created a good one
         path.unlink()
-    own = path.with_name(f"{path.name}.{secrets.token_hex(8)}")
+    own = path.with_name(f"{path.name}.{os.urandom(8).hex()}")
     with open(os.open(own, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
-        file.write(secrets.token_bytes(LENGTH))
+        file.write(os.urandom(LENGTH))
     try:
         os.link(own, path)
     except FileExistsError:

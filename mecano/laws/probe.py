@@ -5,6 +5,7 @@ import numpy as np
 from mecano.jit.entry import Matrix, Vector, entry
 from mecano.laws import TERMS
 from mecano.laws.table import LawTable, breakpoints, evaluate_curve, terms_of
+from mecano.maths.distinct import distinct
 
 JUMP = 1e-6  # of a value, a derivative or a second derivative, in SI units: smaller jumps are round-off
 
@@ -23,7 +24,7 @@ def shape_of_curve(law, low, high):
     For unbounded terms they lie between ``low`` and ``high``.
     """
     places = [TERMS[name].shape(values, low, high) for name, values in terms_of(law)]
-    s = np.unique(np.concatenate([np.zeros(0), *places]))
+    s = distinct(np.concatenate([np.zeros(0), *places]))
     table = LawTable()
     start, values = table.add(law), np.zeros((len(s), 3))
     _evaluate(table.array(), start, s, values)

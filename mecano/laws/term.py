@@ -1,7 +1,8 @@
 """A term of a law: one summand with its deck fields, its numbers and its compiled functions."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+
+from mecano.immutable import immutable
 
 # A law may be a function of metres, seconds or radians: its units depend on where the deck uses it.
 ARGUMENT = "unit of the argument"
@@ -23,7 +24,7 @@ def nothing(*_):
     return []
 
 
-@dataclass(frozen=True)
+@immutable
 class Term:
     """One summand of a law.
 

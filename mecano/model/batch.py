@@ -15,7 +15,7 @@ LINES = 128  # B, two lines of the cache
 WORK = ("q", "v", "a", "R", "f", "K", "C", "M", "seeded", "F", "g")
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Batch:
     """Elements of one kind: records, tables, and their addresses for the compiled loops.
 

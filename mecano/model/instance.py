@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Instance:
     """An element or a part of an element: its kind, its nodes and its parameters."""
 

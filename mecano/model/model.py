@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Node:
     """A named frame in the initial configuration."""
 
@@ -16,7 +16,7 @@ class Node:
     internal: bool = False  # not part of the deck: its motion is not an output
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Element:
     """A named element: its kind, the names of its nodes, its checked deck values."""
 
@@ -26,7 +26,7 @@ class Element:
     values: dict = field(default_factory=dict)
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Model:
     """Nodes, elements, laws and gravity; the node name ``GROUND`` denotes a fixed node at the element's other node."""
 

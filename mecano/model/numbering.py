@@ -74,7 +74,7 @@ class Unknowns(NamedTuple):
     n: int
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Numbering:
     """Positions of all unknowns in z; see state.py for the order."""
 

@@ -1,11 +1,11 @@
 """All output values at one instant as a flat row: motion of the nodes, outputs of the elements, energies."""
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from mecano.immutable import immutable
 from mecano.jit.entry import Indices, Table, Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.maths.hermite import between, hermite, is_smooth
@@ -16,7 +16,7 @@ from mecano.model.state import Motion
 QUATERNION = (4,)
 
 
-@dataclass(frozen=True)
+@immutable
 class Column:
     """A named quantity of the row, with its unit and meaning; ``shape`` is (), (3,) or (4,)."""
 

@@ -13,7 +13,7 @@ import numpy as np
 from mecano.jit.entry import Indices, Matrices, Vector
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class State:
     """Motion, phases and memory at time ``t`` [s]; shares no arrays with the model."""
 
@@ -52,7 +52,7 @@ class Instant(NamedTuple):
     memory: Vector
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class History:
     """Variables of generalized-alpha besides the motion."""
 
@@ -69,7 +69,7 @@ class History:
     taken: float = 0.0  # size of the last step [s]; 0 at a start
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class RadauHistory:
     """Variables of Radau IIA besides the motion."""
 

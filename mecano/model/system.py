@@ -292,7 +292,7 @@ class System:
         for b in batches:
             first, count = b.kind.first_reaction, len(b.kind.coupled_multipliers)
             found.append(b.dofs[:, first : first + count].ravel() - self.n_q)
-        return np.unique(np.concatenate(found))
+        return distinct(np.concatenate(found))
 
     def add_coupled_multipliers(self, s, k, data):
         """Add the derivatives of the forces at ``s`` with respect to the coupled multipliers (columns by lambda)."""

@@ -18,7 +18,6 @@ chunks, which only grows at its end, and with metadata aligned to pages of the o
 
 import errno
 import os
-import shutil
 import signal
 import struct
 import threading
@@ -168,6 +167,8 @@ def atomic_hdf5_file(path, begun=None):
     """
     with atomic_file(Path(path)) as hidden:
         if begun is not None:
+            import shutil
+
             shutil.copyfile(begun, hidden)
         disk = Disk(hidden, begun is not None)
         try:

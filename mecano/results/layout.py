@@ -13,9 +13,10 @@ docs/results-file.md describes the whole file.
 import itertools
 import json
 import re
-from dataclasses import dataclass
 from functools import cached_property
 from math import prod
+
+from mecano.immutable import immutable
 
 FORMAT = "mecano results"
 FORMAT_VERSION = 1
@@ -26,7 +27,7 @@ AXES = {3: ("x", "y", "z"), 4: ("w", "x", "y", "z")}
 """Names of the components of vectors and of unit quaternions."""
 
 
-@dataclass(frozen=True)
+@immutable
 class Series:
     """Declaration of a series: path in the file, unit, description, shape of one value."""
 

@@ -10,7 +10,6 @@ import errno
 import json
 import os
 import platform
-import secrets
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -78,7 +77,7 @@ def _take(path, record, content):
 
 def _made(record, content):
     """Create the record completely or not at all, and return whether it was created. Raises OSError."""
-    own = record.with_name(f"{record.name}.{platform.node()[:20]}.{secrets.token_hex(4)}")
+    own = record.with_name(f"{record.name}.{platform.node()[:20]}.{os.urandom(4).hex()}")
     try:
         own.write_bytes(content)
         try:

@@ -5,7 +5,7 @@ import os
 import platform
 import sys
 import time
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, field
 from datetime import UTC, datetime
 from glob import glob
 
@@ -13,12 +13,13 @@ import h5py
 
 import mecano
 from mecano.element_interface import SECTIONS, Display
+from mecano.immutable import immutable
 from mecano.jit import thread_pool
 
 PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "h5py")
 
 
-@dataclass(frozen=True)
+@immutable
 class Source:
     """The input of a run.
 

@@ -5,19 +5,20 @@ starting at y[i]; the other arguments are those of ``observe``.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from mecano.constraints.body_fixed import follow
 from mecano.constraints.coordinates.slide import SLIDE, slide
 from mecano.constraints.coordinates.twist import TWIST, turned
 from mecano.element_interface import Measured, Output
+from mecano.immutable import immutable
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec
 
 OVER_TURNS = "rotation of b relative to a about the axis since the start, over any turns"
 
 
-@dataclass(frozen=True)
+@immutable
 class Outputs:
     """Outputs of a joint that belong together, and the compiled function that writes them."""
 

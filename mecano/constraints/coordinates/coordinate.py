@@ -6,13 +6,13 @@ coordinates, in along_coordinate/.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
+from mecano.immutable import immutable
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, dot, vec
 
 
-@dataclass(frozen=True, eq=False)
+@immutable
 class Coordinate:
     """A scalar function of the positions and rotations of nodes."""
 

@@ -6,7 +6,7 @@ axes, and then each of them is held by a part of its own.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import chain
 
 import numpy as np
@@ -26,6 +26,7 @@ from mecano.constraints.pair import (
 )  # fmt: skip
 from mecano.constraints.release import FIRST_ROW, RELEASE, check_release, releasable
 from mecano.element_interface import FREELY, Display, Kind
+from mecano.immutable import immutable
 from mecano.jit.kernel import kernel
 from mecano.schema import Field
 
@@ -39,7 +40,7 @@ def _put_all_held(p, at, F, y, i):
 ALL_HELD = Outputs(REACTIONS, _put_all_held)
 
 
-@dataclass(frozen=True)
+@immutable
 class Shared:
     """Unknowns shared by the nodes of a joint if no option needs all reactions."""
 
@@ -50,7 +51,7 @@ class Shared:
     check: Callable  # nodes -> texts: what keeps them from sharing it
 
 
-@dataclass(frozen=True)
+@immutable
 class LowerPair:
     """A row of the table of lower pairs."""
 

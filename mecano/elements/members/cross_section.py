@@ -7,11 +7,12 @@ are reduced by the factors of Cowper (1966); the torsion of a rectangle is that 
 
 import operator
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 import numpy as np
 
+from mecano.immutable import immutable
 from mecano.schema import NUMBER, POINTS, Field, Type, not_negative, positive
 
 MATRIX = Type("matrix", "6 rows of 6 numbers, symmetric")
@@ -20,7 +21,7 @@ MOST_POINTS = 8
 SMALLEST = 1e-100  # lower bound of stiffnesses and masses, whose squares must not vanish
 
 
-@dataclass(frozen=True)
+@immutable
 class Constants:
     """Section constants of a beam, in section axes."""
 
@@ -55,7 +56,7 @@ class Constants:
         return {}
 
 
-@dataclass(frozen=True)
+@immutable
 class Shape:
     """A kind of section: its deck fields, and the function deck values -> Constants."""
 

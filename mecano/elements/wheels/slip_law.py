@@ -10,10 +10,10 @@ quantities are written with ``select``, and the normal force may be zero or, on 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from mecano.element_interface import recorded, recorded_values
+from mecano.immutable import immutable
 from mecano.jit.kernel import kernel
 from mecano.schema import Type
 
@@ -57,7 +57,7 @@ class Carcass(NamedTuple):
     creep: tuple  # (along t, along l) rolling distances in which a deflection decays under a constant force [m]
 
 
-@dataclass(frozen=True, eq=False)
+@immutable
 class SlipLaw:
     """A slip law: its deck fields and its compiled function. A tyre law names exactly one."""
 

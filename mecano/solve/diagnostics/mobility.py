@@ -6,12 +6,14 @@ null space of B couples redundant constraints, its null space couples unknowns t
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
 
+from mecano.immutable import immutable
+from mecano.maths.sparse_rows import SparseRows, sparse_rows
 from mecano.model.numbering import ROTATION
 from mecano.solve.diagnostics.constraint_names import by_joint
 
@@ -21,13 +23,13 @@ NEARLY = 0.99  # of the largest value: larger ones count as equal to it
 DENSE_ROWS = 3000  # with more constraints in closed loops, or more unknowns, no singular values are computed
 
 
-@dataclass(frozen=True)
+@immutable
 class Group:
     """Constraints with ``count`` redundancies, or unknowns that move together in ``count`` free motions."""
 
     count: int
     names: tuple  # EquationName
-    totals: dict = field(default_factory=dict, compare=False)  # place of a name -> number of its constraints
+    totals: dict = field(default_factory=dict)  # place of a name -> number of its constraints
 
     def by_joint(self, most):
         """Return a text for the constraints of all joints that take part alike, with up to ``most`` joints each."""
@@ -52,7 +54,7 @@ class Entries(NamedTuple):
         return out
 
 
-@dataclass(frozen=True)
+@immutable
 class Analysis:
     """Mobility of a model at one configuration.
 
@@ -61,8 +63,8 @@ class Analysis:
 
     rank: int
     redundant: tuple  # Group
-    dependent: object  # projector on the reactions in redundancies, see ``_directions``, or None
-    release_matrix: object  # csr_matrix (n_l, n_l) whose rows times reactions vanish, see ``_repeated``, or None
+    dependent: SparseRows | None  # projector (n_l, n_l) on the reactions in redundancies, see ``_directions``
+    release_matrix: SparseRows | None  # (n_l, n_l) whose rows times reactions vanish, see ``_repeated``
     gradient: Entries
     names: Sequence  # EquationName of the unknowns, and of others that follow
     signals: np.ndarray  # (n_q,) bool: unknowns that are signals, not motions
@@ -99,11 +101,7 @@ class Analysis:
     @property
     def released(self):
         """Indices (n,) of the released constraints."""
-        return (
-            np.zeros(0, np.int64)
-            if self.release_matrix is None
-            else np.flatnonzero(np.diff(self.release_matrix.indptr))
-        )
+        return np.zeros(0, np.int64) if self.release_matrix is None else self.release_matrix.filled
 
 
 def analyse(system, s, length):
@@ -113,9 +111,8 @@ def analyse(system, s, length):
     loops, n_l = in_loops(B, of.group), int(holds.sum())
     loops, names = loops[holds[loops]], of.name
     if len(loops) > DENSE_ROWS:
-        import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
-
-        dependent = sp.diags(holds.astype(float), format="csr")
+        rows = np.flatnonzero(holds)
+        dependent = sparse_rows(rows, rows, np.ones(len(rows)), system.n_l)
         return Analysis(n_l, (), dependent, None, B, names, system.signals, holds, False)
     null = _left_null(B.dense(loops))
     every = partial(of.name.__getitem__, slice(of.n_q, of.n_q + system.n_l))
@@ -232,11 +229,8 @@ def _repeated(null, of_rates):
 
 def _spread(block, rows, cols, n):
     """Return a sparse matrix (n, n) with the dense ``block`` at ``rows`` and ``cols``, without rounding errors."""
-    import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
-
-    block = np.where(np.abs(block) < SHARE, 0.0, block)
-    i, j = np.nonzero(block)
-    return sp.csr_matrix((block[i, j], (rows[i], cols[j])), shape=(n, n))
+    i, j = np.nonzero(np.abs(block) >= SHARE)
+    return sparse_rows(rows[i], cols[j], block[i, j], n)
 
 
 def _null_projector(B, rank):
@@ -267,12 +261,9 @@ def _directions(system, projector, loops, size):
         rows += np.repeat(members, len(members)).tolist()
         cols += members * len(members)
         values += (direction @ direction.T).ravel().tolist()
-    import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
-
-    found = sp.csr_matrix((values, (rows, cols)), shape=(system.n_l, system.n_l))
-    found.data[np.abs(found.data) < SHARE] = 0.0
-    found.eliminate_zeros()
-    return found
+    rows, cols, values = np.array(rows, np.int64), np.array(cols, np.int64), np.array(values, float)
+    kept = np.abs(values) >= SHARE
+    return sparse_rows(rows[kept], cols[kept], values[kept], system.n_l)
 
 
 def groups(projector, names, every=tuple):

@@ -1,10 +1,10 @@
 """Physical scales of residuals and errors, and the factors that balance the linear system."""
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from mecano.immutable import immutable
 from mecano.jit.entry import Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.model.numbering import (
@@ -30,7 +30,7 @@ SMALL = 1e-3  # signals that are smaller are judged as if they were of this size
 ANGULAR_SHARE = 1e-3  # the scale of moments is at least this share of (largest force) x (length), and vice versa
 
 
-@dataclass(frozen=True)
+@immutable
 class Tolerances:
     """Convergence criteria of Newton's method, relative to the scales of the mechanism."""
 

@@ -17,7 +17,7 @@ MOST_AT_ONCE = 20  # times that one event of one element may happen while time s
 MOST_NAMES = 8  # named in a warning
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class EventApplication:
     """Applies events to the run of ``system`` by ``method``; counts those that happen while time stands still."""
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class EventCapture:
     """Decides when elastic events (``Event.elastic``) are captured, and makes steps that do.
 

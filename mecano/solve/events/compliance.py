@@ -4,12 +4,14 @@ Velocity constraints implied by position constraints are released: :math:`P \Lam
 projector P on the reactions that the position constraints could balance. See docs/theory.md, section 3.
 """
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from mecano.immutable import immutable
 from mecano.jit.entry import Indices, Vector, entry
+from mecano.maths.distinct import distinct
+from mecano.maths.sparse_rows import SparseRows, sparse_rows
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SIGNAL
 
 SOFTNESS = 1e-11  # of the length scale, or rad: a tenth of the tolerance of the constraints
@@ -19,7 +21,7 @@ LEAST_ACCELERATION = 1.0  # [m/s2] of the mean mass, where no forces act at the 
 TINY = 1e-300
 
 
-@dataclass(frozen=True)
+@immutable
 class Compliance:
     """The symmetric matrix c, which couples rows of one element only, rows P, and their entries in the tangent.
 
@@ -29,22 +31,22 @@ class Compliance:
     as well: P projects on exactly those reactions that change with the multipliers of released constraints.
     """
 
-    matrix: object  # csr_matrix (n_l, n_l): c [m/N, rad/(N m)], per second for constraints on velocities; P [-]
-    places: np.ndarray  # (matrix.nnz,) indices into the values of the tangent; the last one if there is none
-    of_rates: np.ndarray  # (matrix.nnz,) bool
-    released_entries: np.ndarray  # (matrix.nnz,) bool: P
+    matrix: SparseRows  # (n_l, n_l): c [m/N, rad/(N m)], per second for constraints on velocities; P [-]
+    places: np.ndarray  # (nnz,) indices into the values of the tangent; the last one if there is none
+    of_rates: np.ndarray  # (nnz,) bool
+    released_entries: np.ndarray  # (nnz,) bool: P
     active: np.ndarray  # (n_l,) bool: constraints whose redundancies the compliances account for
-    values: np.ndarray  # (matrix.nnz,) in a step
+    values: np.ndarray  # (nnz,) in a step
 
     @cached_property
     def released(self):
         """Numbers (n,) of the released constraints."""
-        return np.unique(self.matrix.tocoo().row[self.released_entries])
+        return distinct(self.matrix.rows[self.released_entries])
 
     @cached_property
     def soft(self):
         """Numbers (n,) of the redundant constraints, which are compliant."""
-        return np.unique(self.matrix.tocoo().row[~self.released_entries])
+        return distinct(self.matrix.rows[~self.released_entries])
 
     def deflection(self, reactions):
         """Return c Lambda (n_l,) for the reactions Lambda (n_l,), zero for released constraints."""
@@ -54,22 +56,22 @@ class Compliance:
 
     @cached_property
     def in_tangent_share(self):
-        """Factors (matrix.nnz,) of ``values`` in the tangent, where the identity replaces P."""
-        entries = self.matrix.tocoo()
-        return np.where(self.released_entries, (entries.row == entries.col) / entries.data, 1.0)
+        """Factors (nnz,) of ``values`` in the tangent, where the identity replaces P."""
+        c = self.matrix
+        return np.where(self.released_entries, (c.rows == c.columns) / c.values, 1.0)
 
     def largest_penalty(self, stiffness):
         """Return the largest penalty [N/m] with a negligible share of the reactions of compliant constraints.
 
         ``stiffness`` [N/m] is the mean stiffness of the tangent.
         """
-        softest = self.matrix.data[~self.released_entries].max(initial=TINY)
+        softest = self.matrix.values[~self.released_entries].max(initial=TINY)
         return min(SHARE_OF_PENALTY / softest, stiffness / RELEASED_COMPLIANCE if len(self.released) else np.inf)
 
     @property
     def rows(self):
         """The matrices c and P in CSR form for ``soften``: (row starts, columns, values)."""
-        return self.matrix.indptr.astype(np.int64), self.matrix.indices.astype(np.int64), self.values
+        return self.matrix.starts, self.matrix.columns, self.values
 
     def set_step(self, lag, stiffness):
         """Set the values for steps of mean ``stiffness`` [N/m] in which rates count ``lag`` [s] times."""
@@ -78,7 +80,7 @@ class Compliance:
     def _values(self, lag, stiffness):
         return (
             np.where(self.released_entries, RELEASED_COMPLIANCE / stiffness, np.where(self.of_rates, lag, 1.0))
-            * self.matrix.data
+            * self.matrix.values
         )
 
     def soften_tangent(self, k, data, values=None):
@@ -86,7 +88,7 @@ class Compliance:
         np.add.at(data, self.places, self.in_tangent(k, self._values(1.0, k) if values is None else values))
 
     def in_tangent(self, k, values):
-        """Return the contribution of ``values`` (matrix.nnz,) to the tangent, whose rows of constraints are times k."""
+        """Return the contribution of ``values`` (nnz,) to the tangent, whose rows of constraints are times k."""
         return -k * k * values * self.in_tangent_share
 
     def sharing(self, k, bottom, x):
@@ -105,17 +107,14 @@ class Compliance:
     def to_plain(self):
         """Return a dict of arrays from which ``from_plain`` restores the compliances."""
         c = self.matrix
-        of = {"data": c.data, "indices": c.indices, "indptr": c.indptr}
+        of = {"data": c.values, "indices": c.columns, "indptr": c.starts}
         own = {"places": self.places, "of_rates": self.of_rates, "active": self.active, "values": self.values}
         return {**of, **own, "let_go": self.released_entries}
 
     @classmethod
     def from_plain(cls, plain):
         """Restore the compliances from the dict of ``to_plain``."""
-        import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
-
-        n = len(plain["indptr"]) - 1
-        matrix = sp.csr_matrix((plain["data"], plain["indices"], plain["indptr"]), shape=(n, n))
+        matrix = SparseRows(plain["indptr"].astype(np.int64), plain["indices"].astype(np.int64), plain["data"])
         own = (plain[name] for name in ("places", "of_rates", "let_go", "active"))
         return cls(matrix, *own, plain["values"].copy())
 
@@ -134,7 +133,7 @@ def compliances_of_a_step(compliance):
         return none | {"largest_penalty": np.inf, "largest_penalty_share": np.inf}
     kinds = np.where(compliance.released_entries, OF_RELEASED, np.where(compliance.of_rates, OF_RATES, OF_POSITIONS))
     return {
-        "soft_base": compliance.matrix.data, "soft_kinds": kinds, "soft_in_tangent": compliance.in_tangent_share,
+        "soft_base": compliance.matrix.values, "soft_kinds": kinds, "soft_in_tangent": compliance.in_tangent_share,
         "largest_penalty": compliance.largest_penalty(np.inf),
         "largest_penalty_share": 1.0 / RELEASED_COMPLIANCE if len(compliance.released) else np.inf,
     }  # fmt: skip
@@ -158,24 +157,23 @@ def compliance(system, s, length, analysis):
     """
     if analysis.dependent is None and analysis.release_matrix is None:
         return None
-    import scipy.sparse as sp  # no ordinary run needs it (docs/architecture.md, Start)
-
     assembly, of = system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0), system.numbering
     sizes = np.where(of.kind == ROTATION, assembly.size / length, assembly.size)[of.kind < SIGNAL]
     inertias = assembly.data[system.diagonal[: system.n_q]]
     masses = np.where(of.kind[: system.n_q] == ROTATION, inertias / length**2, inertias)
     force = max(sizes.max(), LEAST_ACCELERATION * masses.sum() / max(np.count_nonzero(masses), 1), TINY)
     angular = of.kind[system.n_q : system.n] != LENGTH_CONSTRAINT
-    root = sp.diags(np.sqrt(SOFTNESS * np.where(angular, 1.0 / (force * length), length / force)))
-    none = sp.csr_matrix((system.n_l, system.n_l))
-    dependent, release = (none if part is None else part for part in (analysis.dependent, analysis.release_matrix))
-    matrix = sp.csr_matrix(root @ dependent @ root + release)
-    matrix.sort_indices()
-    entries = matrix.tocoo()
-    released = np.isin(entries.row, analysis.released)
-    places = _places(system, entries.row.astype(np.int64), entries.col)
-    of_rates = of.of_rates[entries.row]
-    return Compliance(matrix, places, of_rates, released, analysis.active, matrix.data.copy())
+    root = np.sqrt(SOFTNESS * np.where(angular, 1.0 / (force * length), length / force))
+    parts = []
+    if (dependent := analysis.dependent) is not None:
+        rows = dependent.rows
+        parts.append((rows, dependent.columns, root[rows] * dependent.values * root[dependent.columns]))
+    if (release := analysis.release_matrix) is not None:
+        parts.append((release.rows, release.columns, release.values))
+    matrix = sparse_rows(*map(np.concatenate, zip(*parts, strict=True)), system.n_l)
+    rows = matrix.rows
+    places, released = _places(system, rows, matrix.columns), np.isin(rows, analysis.released)
+    return Compliance(matrix, places, of.of_rates[rows], released, analysis.active, matrix.values.copy())
 
 
 def _places(system, rows, cols):

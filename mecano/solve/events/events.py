@@ -1,16 +1,17 @@
 """Events: detect them in a step, and apply the change of phase."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from mecano.immutable import immutable
 from mecano.jit.entry import Vector, entry
 from mecano.solve.time.signals import solve_signals
 
 EQUAL = 1e-6  # of its value at the beginning of the step: values that differ by less are equal
 
 
-@dataclass(frozen=True)
+@immutable
 class EventRecord:
     """An event that happened: time, element, change of phase, and impulse if any."""
 

@@ -1,13 +1,14 @@
 """Events of a system that can cause an impact: their places among the events, their constraint rows and phases."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from mecano.element_interface import CONTACT, LOCK, Event
+from mecano.immutable import immutable
 
 
-@dataclass(frozen=True, eq=False)
+@immutable
 class ImpactCandidate:
     """An event of one element that comes with an impact."""
 

@@ -8,12 +8,11 @@ opposes the velocity of sliding u after the impact:
 The coefficient is that of the velocity of sliding before the impact.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from mecano.element_interface import Place
 from mecano.errors import AssemblyError, Failure
+from mecano.immutable import immutable
 
 ACCELERATED = 60  # sweeps at first, from each of which the next is extrapolated
 SHARES = 1.0, 0.3, 0.1  # of the change of a sweep that is made, one after the other
@@ -25,7 +24,7 @@ TINY = 1e-300  # impulse [N s] that none is less than, as a divisor
 MASSLESS = 1e-14  # of the largest response: a contact that moves no mass along its surface is without friction
 
 
-@dataclass(frozen=True)
+@immutable
 class RoughContact:
     """Friction of one contact: its place among the contacts of an impact, and its geometry."""
 

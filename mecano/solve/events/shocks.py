@@ -8,10 +8,11 @@ Positions are frozen; with the constraints that hold and those that become activ
 Bilateral constraints cost one factorization; contacts add the dense matrix of their mutual responses.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from mecano.immutable import immutable
 from mecano.model.numbering import LENGTH_CONSTRAINT
 from mecano.solve.diagnostics.scales import constraint_scale
 from mecano.solve.events.complementarity import solve_complementarity
@@ -33,7 +34,7 @@ STANDS = 1e-4  # of the gap within which contacts touch: less, in a step, by an 
 DEPARTING = -1e-300  # event value of a contact that is touching and separating
 
 
-@dataclass(frozen=True)
+@immutable
 class Shock:
     """Result of an impact: velocities and phases after it, events, energy lost and given [J]."""
 

@@ -65,9 +65,9 @@ def linearize(system, s, length, frame=(0.0, 0.0, 0.0), assemble=None, complianc
     variation = _variation(system, base, w, rate, assemble, matrices)
     M, C, K = matrices
     if compliance is not None:
-        corner = sp.coo_matrix(compliance.matrix)
-        at = corner.row + system.n_q, corner.col + system.n_q
-        K = (K - sp.csr_matrix((corner.data, at), shape=K.shape)).tocsr()
+        c = compliance.matrix
+        at = c.rows + system.n_q, c.columns + system.n_q
+        K = (K - sp.csr_matrix((c.values, at), shape=K.shape)).tocsr()
     root = np.where(system.numbering.kind[: system.n_q] == ROTATION, length, 1.0)
     return Linearization(M, C, K, system.n_q, system.numbering.group, root, variation, variation * rate, system.signals)
 

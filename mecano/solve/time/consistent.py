@@ -69,7 +69,7 @@ class Consistent:
         n_q = self.system.n_q
         dependent = self.linear.cancellation()[n_q:] < DEPENDENT if self.linear.kept else np.ones(self.system.n_l, bool)
         if self.compliance is not None:
-            dependent &= np.diff(self.compliance.matrix.indptr) == 0
+            dependent &= np.diff(self.compliance.matrix.starts) == 0
         return bool(dependent.any())
 
     def _factor(self):

@@ -12,12 +12,13 @@ with residual and constraints satisfied at the end of the step. HHT and Newmark 
 
 import ctypes
 import time as clock
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
 from mecano.errors import Failure
+from mecano.immutable import immutable
 from mecano.model.assembly import Assembly
 from mecano.model.loops import constraint_derivatives, residual, tangent
 from mecano.model.numbering import MASSLESS, RELEASED, ROTATION, SIGNAL
@@ -53,7 +54,7 @@ TURN = 0.8  # of it: a step that is planned to turn a body by more would often f
 Substitution = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
 
 
-@dataclass(frozen=True)
+@immutable
 class Coefficients:
     """am, af, beta, gamma of the family, and the constant Ce of its local displacement error."""
 

@@ -1,8 +1,8 @@
 """Control of the step size from the error of the last step."""
 
 import math
-from dataclasses import dataclass
 
+from mecano.immutable import immutable
 from mecano.jit.kernel import kernel
 
 SAFETY = 0.9
@@ -65,7 +65,7 @@ def retried(change, h, minimum):
     return max(h * max(change, SHRINK), minimum)
 
 
-@dataclass(frozen=True)
+@immutable
 class StepControl:
     """Error per unit step: the local errors of a run of ``duration`` [s] add up to ``tolerance`` at most.
 

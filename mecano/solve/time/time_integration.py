@@ -41,7 +41,7 @@ class Accepted:
     event_records: tuple = ()  # events at its end
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class TimeIntegrator:
     """Time integration of ``system`` by ``method`` with step sizes from ``control``; a RunState is its state."""
 

@@ -16,7 +16,7 @@ from mecano.solve.time.stride import STRETCH
 NEGLIGIBLE_TIME = 1e-6  # of a step: no step is made for a remaining time below
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Trials:
     """Trial steps of ``system`` by ``method``, judged by ``control``; steps end at ``corners`` of laws of time.
 

@@ -5,10 +5,9 @@ than 16/5 steps. Generalized-alpha damps such a motion, but the computed force i
 mean. Positions may still be as accurate as the tolerance requires, because stiff members move little.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from mecano.immutable import immutable
 from mecano.jit.entry import Indices, Vector, entry
 from mecano.jit.kernel import kernel
 
@@ -18,7 +17,7 @@ ALL = (1 << STEPS) - 1
 SHARE = 0.05  # of its size, from which on the swing of a number counts
 
 
-@dataclass(frozen=True)
+@immutable
 class Oscillation:
     """A number of the row that alternates: index, largest oscillation from step to step, size, and time."""
 
