@@ -15,6 +15,7 @@ from mecano.analyses.control_stability import instability_warnings
 from mecano.analyses.prepare import integrator_of, prepare
 from mecano.errors import AssemblyError
 from mecano.solve.time import signals
+from mecano.solve.time.signals import _balancing
 
 CONTROL = "Signals and control"
 G, I_BAR = 9.81, 1.0 / 12.0
@@ -532,3 +533,17 @@ def test_the_resolved_form_of_a_controller_is_a_deck():
     """Its signals without a unit have the unit '-' there."""
     given = input_deck("nose_wheel_steering")
     assert deck(json.dumps(given.resolved())).resolved() == given.resolved()
+
+
+def test_rows_and_columns_of_signals_of_any_unit_are_balanced():
+    """Powers of 2 leave the digits of the entries; the largest of row and column differ by less than 4."""
+    rng = np.random.default_rng(3)
+    units = 10.0 ** rng.uniform(-150, 150, 12)
+    J = rng.normal(size=(12, 12)) * units / units[:, None] + np.eye(12)
+    d = _balancing(J)
+    assert np.all(np.frexp(d)[0] == 0.5)
+    size = np.abs(J / d[:, None] * d)
+    assert np.all(np.abs(np.log2(size.max(axis=0) / size.max(axis=1))) < 2.0)
+    d = _balancing(np.array([[1.0, 1e12], [0.0, 1.0]]))
+    assert 1e12 * d[1] / d[0] < 2.0
+    assert np.all(_balancing(np.diag([1.0, 1e200])) == 1.0)

@@ -9,7 +9,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from mecano.solve.modal.tracking import GROWS, unstable
 
@@ -46,6 +45,8 @@ def critical(spectrum_at, left, right, branch):
     xtol = TOLERANCE * max(abs(low), abs(high))
     ends = [0.0 if not unstable(v) and not unstable(-v.real + 1j * v.imag) else v.real for _, v, _ in (left, right)]
     if ends[0] * ends[1] < 0.0:
+        from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
+
         place = brentq(lambda p: trace(p).real, low, high, xtol=xtol, rtol=4e-16 + TOLERANCE)
         value = trace(place)
         if abs(value.real) > SMALL * max(abs(value), abs(left[1]), abs(right[1])):

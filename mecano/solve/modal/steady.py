@@ -24,7 +24,6 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
-from scipy.optimize import brentq
 
 from mecano.errors import ConvergenceError
 from mecano.maths.vector import skew
@@ -277,6 +276,8 @@ class Steady:
                 break
             low, high = high, -np.sign(here) * width
             if np.sign(moment(high)) != np.sign(here):  # their product may underflow
+                from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
+
                 found = brentq(moment, low, high, xtol=1e-15 * width, rtol=1e-15)
                 break
             width *= WIDER

@@ -16,7 +16,6 @@ ends there, and the path continues to the side on which closed contacts push and
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from mecano.errors import ConvergenceError, Failure
 from mecano.solve.linear.iteration import SINGULAR, Iterated, iterate
@@ -256,6 +255,8 @@ class Arc:
 
         if not value(0.0) < 0.0 < value(trial.ds):
             return trial
+        from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
+
         ds = brentq(value, 0.0, trial.ds, xtol=MET * trial.ds)
         s, mu, result = solved(ds)
         found = statics.status_of(result, s, point.state)

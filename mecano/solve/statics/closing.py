@@ -8,7 +8,6 @@ beginning of the step to the equilibrium, where the event value vanishes.
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import brentq
 
 ROUNDING = 1e-15  # of the way
 
@@ -52,4 +51,6 @@ def _place(statics, s, s0, i):
 
     if not value(0.0) < 0.0 < value(1.0):
         return None
+    from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
+
     return at(brentq(value, 0.0, 1.0, xtol=ROUNDING, rtol=4.0 * np.finfo(float).eps))

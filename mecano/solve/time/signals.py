@@ -4,13 +4,14 @@ import numpy as np
 
 from mecano.errors import AssemblyError, Failure, NonFiniteError
 from mecano.model.assembly import Assembly
-from mecano.process.memory import reserve_blas_buffer
 from mecano.solve.diagnostics.scales import SMALL
 from mecano.solve.time.increments import displaced, moved
 
 ITERATIONS = 30
 TOLERANCE = 1e-13  # of the signals
 SINGULAR = 1e-13  # of the largest singular value
+SWEEPS = 20  # of the balancing, which takes 2 or 3
+WORTH = 0.95  # of the sum of the norms of a row and a column: balancing must reduce it below
 PART = 1e-6  # of the largest entry of a singular vector: signals that take part in it
 ELSEWHERE = 1e-2  # m, rad, m/s, rad/s: distance of another state, in which a circle is tried again
 
@@ -115,12 +116,31 @@ def _decomposed(J):
     """Return scales of the signals, which have any units, and the singular values and vectors of J in these scales."""
     if not len(J):
         return np.ones(0), np.linalg.svd(J)
-    import scipy.linalg as la  # not imported for decks without signals
+    scales = _balancing(J)
+    return scales, np.linalg.svd(J / scales[:, None] * scales)
 
-    reserve_blas_buffer(la.lapack.dgesv)
-    with np.errstate(invalid="ignore"):  # large scales are not numbers of a permutation, which is not asked for
-        balanced, (scales, _) = la.matrix_balance(J, permute=False, separate=True)
-    return scales, np.linalg.svd(balanced)
+
+def _balancing(J):
+    """Return powers of 2, d (n,), with which the rows and columns of D^-1 J D have alike largest entries.
+
+    Parlett and Reinsch 1969, "Balancing a matrix for calculation of eigenvalues and eigenvectors", as LAPACK's gebal;
+    scipy.linalg takes as long to import as a short run.
+    """
+    size, d = np.abs(J), np.ones(len(J))
+    for _ in range(SWEEPS):
+        settled = True
+        for i in range(len(J)):
+            column, row = float(size[:, i].max()), float(size[i].max())
+            if column > 0.0 and row > 0.0:
+                factor = 2.0 ** round(0.5 * (np.log2(row) - np.log2(column)))
+                if column * factor + row / factor < WORTH * (column + row):
+                    settled = False
+                    d[i] *= factor
+                    size[:, i] *= factor
+                    size[i] /= factor
+        if settled:
+            break
+    return d
 
 
 def _refuse_undetermined(equations, s):
