@@ -170,6 +170,16 @@ class TestRun:
         kinds = set(MODULES.values()) & {name.removeprefix("mecano.elements.") for name in loaded}
         assert kinds == {"bodies.rigid_body", "joints.hinge", "signals.formula"}  # any deck may contain the last
 
+    @pytest.mark.parametrize(("deck", "most"), [("pendulum", 265), ("four_bar", 265)])
+    def test_a_short_run_imports_few_modules(self, folder, deck, most):
+        """Their import takes most of the processor time of a short run: at most 3 % more of mecano's than now."""
+        code = "import sys, mecano.cli; mecano.cli.commands(standalone_mode=False); print(*sys.modules)"
+        run = ["run", INPUTS / f"{deck}.yaml", "-q", "-o", "short.h5", "--set", "time.end=0.01"]
+        loaded = subprocess.run([sys.executable, "-c", code, *run], capture_output=True, text=True, check=True)
+        loaded = loaded.stdout.split()
+        assert not {"scipy", "numpy.ma", "secrets"} & set(loaded)
+        assert sum(name.startswith("mecano") for name in loaded) <= most
+
     def test_quiet(self, call, folder):
         assert call("run", "deck.yaml", "-q", "-o", "quiet.h5") == (0, "", "")
         assert (folder / "quiet.h5").exists()

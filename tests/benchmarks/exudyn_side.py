@@ -304,6 +304,17 @@ class Exudyn:
         ]
         return np.column_stack(columns)
 
+    def save(self, path, interval):
+        """Solve the whole duration, and write the solution to a file at every ``interval`` [s]."""
+        container, mbs, _ = self._build()
+        mbs.Assemble()
+        given = self._simulation()
+        given.solution.file.write = True
+        given.solution.file.name = str(path)
+        given.solution.file.writePeriod = interval
+        if not mbs.SolveDynamic(given, showHints=False):
+            raise RuntimeError(f"Exudyn does not solve {self.case.name}")
+
     def _sensor(self, mbs, bodies, probe):
         kind = exu.OutputVariableType
         what = kind.Position if probe.what == "position" else kind.AngularVelocity

@@ -123,13 +123,18 @@ def rolling_disc(n):
 MODELS = {"chain": chain, "four_bar": four_bar, "gear_drop": gear_drop, "rolling_disc": rolling_disc}
 
 
+def deck_of(case, step):
+    """The whole deck of a case with steps of this size [s]."""
+    deck, _ = MODELS[case.model](case.size)
+    return {"mecano": 1, **deck, "time": {"end": case.duration, "step": step, "rho_inf": case.rho}}
+
+
 class Mecano:
     """A case ready to be integrated repeatedly, with steps of one size."""
 
     def __init__(self, case, step=None):
         self.case, self.step = case, step or case.step
-        deck, places = MODELS[case.model](case.size)
-        deck = {"mecano": 1, **deck, "time": {"end": case.duration, "step": self.step, "rho_inf": case.rho}}
+        deck, places = deck_of(case, self.step), MODELS[case.model](case.size)[1]
         self.prepared = prepare(deck_of_bytes(yaml.safe_dump(deck, sort_keys=False).encode(), case.name))
         self.index = {node.name: i for i, node in enumerate(self.prepared.system.nodes)}
         self.places = places

@@ -1,4 +1,7 @@
-"""The tables of docs/benchmarks.md that ``run.py all --write`` measures, and the rows of the README taken from them."""
+"""The tables of docs/benchmarks.md that ``run.py all --write`` and ``processes.py --write`` measure.
+
+Also the rows of the README taken from them.
+"""
 
 import datetime
 import importlib.metadata
@@ -10,6 +13,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 PAGE, README = ROOT / "docs" / "benchmarks.md", ROOT / "README.md"
+PROCESSES_HEAD = """
+| case | `mecano run` [s] | script for Exudyn [s] | ratio |
+|---|---|---|---|
+"""
 SHORT = 6  # columns of the rows in the README
 CASES_HEAD = """
 | case | mecano [µs/step] | error | Exudyn [µs/step] | error | ratio | at equal error | wanted |
@@ -33,6 +40,15 @@ def write(cases, beams):
         name, short = row.split("|")[1], "|".join(row.split("|")[: SHORT + 1]) + "|"
         text = re.sub(f"^[|]{re.escape(name)}[|].*$", lambda _, short=short: short, text, flags=re.MULTILINE)
     README.write_text(text, encoding="utf-8")
+
+
+def write_processes(rows):
+    """Replace the table of whole processes; rows of (Case, processor time of mecano [s], of Exudyn [s])."""
+    lines = (
+        f"| {case.name}: {case.words} | {own:.2f} | {other:.2f} | {own / other:.2f} |" for case, own, other in rows
+    )
+    text = _between(PAGE.read_text(encoding="utf-8"), "processes", _measured() + PROCESSES_HEAD + "\n".join(lines))
+    PAGE.write_text(text, encoding="utf-8")
 
 
 def _between(text, name, new):

@@ -171,8 +171,9 @@ def compliance(system, s, length, analysis):
     if (release := analysis.release_matrix) is not None:
         parts.append((release.rows, release.columns, release.values))
     matrix = sparse_rows(*map(np.concatenate, zip(*parts, strict=True)), system.n_l)
-    rows = matrix.rows
-    places, released = _places(system, rows, matrix.columns), np.isin(rows, analysis.released)
+    rows, is_released = matrix.rows, np.zeros(system.n_l, bool)
+    is_released[analysis.released] = True
+    places, released = _places(system, rows, matrix.columns), is_released[rows]
     return Compliance(matrix, places, of.of_rates[rows], released, analysis.active, matrix.values.copy())
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from mecano.maths.distinct import distinct
 from mecano.model.numbering import ROTATION, TRANSLATION, Classes
 from mecano.solve.diagnostics.mobility import DENSE_ROWS, RANK_TOLERANCE, SHARE, gradient
 
@@ -65,7 +66,7 @@ def _apart(light, rows, cols, entries):
         classes.join(first.setdefault(row, i), i)
     of = np.array([classes.find(i) for i in range(len(light))])
     order, members = np.argsort(of[index], kind="stable"), np.argsort(of, kind="stable")
-    bounds = np.searchsorted(of[members], np.unique(of), side="right")[:-1]
+    bounds = np.searchsorted(of[members], distinct(of.copy()), side="right")[:-1]
     owners = of[index][order]
     for columns in np.split(light[members], bounds):
         owner = of[np.searchsorted(light, columns[0])]
