@@ -83,11 +83,12 @@ def check(d, nodes):
     if not np.allclose(J, J.T, rtol=1e-9, atol=0):
         return ["'inertia' must be a symmetric matrix"]
     moments = np.linalg.eigvalsh(J)
+    text = ", ".join(f"{moment:.6g}" for moment in moments)
     if moments[0] <= 0:
-        return [f"'inertia' must be positive definite; its principal moments are {moments} kg m2"]
+        return [f"'inertia' must be positive definite; its principal moments are {text} kg m2"]
     if moments[0] + moments[1] < moments[2] * (1 - 1e-9):
         return [
-            f"'inertia' is impossible: of the principal moments {moments} kg m2 the largest exceeds the sum of "
+            f"'inertia' is impossible: of the principal moments {text} kg m2 the largest exceeds the sum of "
             "the two others (triangle inequality)"
         ]
     return []
