@@ -84,11 +84,11 @@ def friction_fields(*geometry):
               argument="m/s"),
         Field(
             "regularization", NUMBER, "m/s",
-            "sliding speed at which friction reaches its full value; a sticking joint creeps below it", check=positive,
+            "sliding speed at which friction reaches its full value; sticking bodies creep below it", check=positive,
         ),
         *geometry,
     )  # fmt: skip
-    doc = "Coulomb friction driven by the reactions of the joint; none when absent"
+    doc = "Coulomb friction, from the normal forces; none when absent"
     return Field("friction", mapping(*given), "-", doc, None)
 
 
