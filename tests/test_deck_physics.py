@@ -81,6 +81,7 @@ def test_an_angle_is_prescribed_about_the_axis_of_the_hinge():
         ("{position: [0", "{fixed:1, position: [0", "unknown key 'fixed:1'", "write a space after ':'"),
         ("mass: 1,", "mass: 1,5,", "a key must be a name, got '5'", "a decimal point, not a comma: 1.5"),
         ("[0, -2, 0]", "[0, -2, 0", "not valid YAML", "the bracket opened in line 8 is not closed before this"),
+        ("ground, a]", 'ground, "a]', "not valid YAML", "the quotation mark in line 7 is not closed"),
         ("  motor:", "   motor:", "not valid YAML", "keys that belong together begin in the same column"),
         ("mecano: 1", "mecano: 1\nbodies: {}", "unknown key 'bodies'", "here it is called 'elements'"),
         ("mecano: 1", "mecano: 1\nuse: {}", "unknown key 'use'", "here it is called 'place'"),

@@ -249,6 +249,8 @@ def _syntax_hint(error, place):
         return "put the text in quotes"
     if "alias" in (error.context or ""):
         return "'*' begins a reference of YAML; lists have no products: multiply each of their numbers"
+    if "quoted scalar" in (error.context or "") and error.context_mark:
+        return f"the quotation mark in line {error.context_mark.line + 1} is not closed"
     if "flow" in (error.context or "") and error.context_mark:
         return f"the bracket opened in line {error.context_mark.line + 1} is not closed before this"
     if ("expected key" in problem or "mapping values" in problem) and (glued := GLUED.match(place.mark.text)):
