@@ -257,6 +257,14 @@ def test_hints_on_what_is_no_mapping(text, hint):
     assert info.value.problems[0].hint == hint
 
 
+def test_an_indented_section_is_no_entry_of_the_section_before():
+    with pytest.raises(DeckError) as info:
+        read_fake(VALID.replace("joints:", "  joints:"))
+    first, *others = info.value.problems
+    assert (first.message, first.hint) == ("element 'joints': this is a section", "begin it in the first column")
+    assert [problem.mark.line for problem in others] == [17, 18]  # its entries
+
+
 def test_the_deck_itself_is_valid():
     assert read_fake(VALID).values["time"]["end"] == 4.0
 

@@ -139,6 +139,8 @@ def test_a_signal_named_as_something_in_formulas(name):
     ("load", "message", "hint"),
     [
         ("joint: rail, value: trust", "unknown law or signal 'trust'", "'thrust'"),
+        ("joint: rail, force: thrust", "unknown key 'force'", "did you mean 'value'?"),
+        ("joint: rail, torque: thrust", "unknown key 'torque'", "here it is called 'value'"),
         ("joint: rial, value: thrust", "unknown joint 'rial'", "'rail'"),
         ("joint: rail, value: 2*cart.velocity.w", "'velocity.w' of 'cart' cannot be measured", "did you mean"),
         ("joint: rail, value: {damper: {coefficient: 2}}", "is required here", ""),

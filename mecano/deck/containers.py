@@ -11,6 +11,7 @@ from mecano.deck.similar_names import similar
 from mecano.deck.synonyms import keys_meant, synonym
 from mecano.deck.units import is_quantity
 from mecano.deck.wording import found, quoted, unit_text
+from mecano.element_interface import SECTIONS
 from mecano.schema import Field
 
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
@@ -20,6 +21,7 @@ ELSEWHERE = dict.fromkeys(
     "give it in 'initial': velocities: [{nodes: [...], velocity: [...], angular_velocity: [...]}]",
 )
 RESERVED = {"nodes": ("ground", "all")}
+SECTION_NAMES = ("parameters", "nodes", *SECTIONS, "laws", "grounds", "tire_laws", "sections", "initial", "time")
 
 
 def checked(node, field, scope):
@@ -114,8 +116,9 @@ def _meant(key, known, fields, field, scope):
     if key in ELSEWHERE and "position" in known:
         return ELSEWHERE[key]
     near = similar(key, [*sorted(known), *(() if field.name else EXPANDED_KEYS)])
-    inside = () if near else [f"{outer.name}.{key}" for outer in fields if key in _keys_of(outer)]
-    return f"did you mean {quoted(inside[0])}?" if inside else scope.suggest(key, near or sorted(known))
+    inside = [f"{outer.name}.{key}" for outer in fields if key in _keys_of(outer)]
+    meant = inside or [inner.name for inner in fields if re.match(rf"{re.escape(key)}\b", inner.doc)]
+    return f"did you mean {quoted(meant[0])}?" if meant and not near else scope.suggest(key, near or sorted(known))
 
 
 def _keys_of(field):
@@ -159,9 +162,19 @@ def named(node, field, scope):
     for name, (key_node, value_node) in node.value.items():
         scope.subject, scope.owner = f"{singular(field.name)} {quoted(name)}", key_node
         _check_name(name, key_node, field, scope)
+        if name in SECTION_NAMES and _is_misplaced(value_node):
+            place(values, name, scope.refuse(key_node, "this is a section", "begin it in the first column"), scope)
+            continue
         place(values, name, checked(value_node, inner, scope), scope)
     scope.subject, scope.path = outer, path
     return values if len(scope.problems) == before else INVALID
+
+
+def _is_misplaced(node):
+    """Return True if an entry with the name of a section looks like one: empty, or a mapping of mappings only."""
+    if type(node.value) is dict:
+        return all(type(value.value) is dict for _, value in node.value.values())
+    return node.value is None
 
 
 def singular(section):

@@ -88,7 +88,8 @@ def _nodes_of_members(elements, kinds):
 
 
 def _unknown(reference, known, scope):
-    what = singular(reference.section)
+    drive = reference.wanted == "drive"
+    what = "law or signal" if drive else singular(reference.section)
     if reference.name == "ground" and reference.section == "nodes":
         hint = "'ground' is allowed only as one of two nodes; otherwise use a node with 'fixed: true'"
     elif "$" in reference.name:
@@ -97,9 +98,7 @@ def _unknown(reference, known, scope):
         own = scope.own_names.get(id(reference.node), ())
         hint = scope.suggest(reference.name, [*own, *known, *(["ground"] if reference.wanted == "end" else ())])
     else:
-        hint = f"the deck has no '{reference.section}'"
-    if reference.wanted == "drive":
-        what = "law or signal"
+        hint = "the deck has no 'laws' and no 'signals'" if drive else f"the deck has no '{reference.section}'"
     meant = [kind for kind in scope.kinds if kind.startswith(f"{reference.name}_")]
     if reference.section == "laws" and len(meant) == 1:  # friction: adhesive
         hint = "; ".join(part for part in (hint, f"there is the type '{meant[0]}'") if part)

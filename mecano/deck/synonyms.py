@@ -48,6 +48,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     ),
     "boom, antenna, spar": ("beam superelement", ""),
     "domino, rocking block": ("contact", ""),
+    "skid, landing skid": ("beam contact", "skids are beams with a contact at every node that may touch the ground"),
     "gripper, grab, hook, magnet, suction cup, docking, berthing, capture, attach, engage": (
         "grip latch",
         "a grip closes and is released by command; a latch locks a joint when it is reached; springs, bushings, "
@@ -119,7 +120,7 @@ NOTES = {  # words with the same meaning: (targets, note)
         "wheel tire_laws",
         "`mecano modes` finds shimmy as flutter; a tyre law with 'lateral' gives the side force of a drifting wheel",
     ),
-    "hold down, tie down, deployment, deploy, unfold, panel, solar array, solar panel, yoke, latch up": (
+    "hold down, tie down, deployment, deploy, deployable, unfold, panel, solar array, solar panel, yoke, latch up": (
         "hinge.latch release turning_law coupler rigid_body beam superelement",
         "hinges with a 'turning_law' and a 'latch'; a 'release' ends the hold-down; see docs/shocks.md",
     ),
@@ -315,6 +316,8 @@ KEYS = {  # names of keys in other programs and books, in small letters, without
     "l0, freelength, restlength, unstretchedlength, referencelength": "natural_length",
     "mu, frictioncoefficient": "coefficient friction",
     "r": "radius",
+    "od, outerdiameter, outerradius": "diameter",
+    "torque": "value moment",
     "kp": "proportional",
     "ki": "integral",
     "kd": "derivative",
