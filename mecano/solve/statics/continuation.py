@@ -136,8 +136,10 @@ class Follower:
         equations = f"most out of balance after {of.name} {last_p:.6g}{of.unit}:\n{worst}"
         if found.failure is Failure.NOT_FINITE:
             return of_equations(NonFiniteError(head + equations), system, bad)
-        free = freedom(system, last, self.stability(last, last_p), statics.length)
-        free = f"at {of.name} {last_p:.6g}{of.unit}: {free}"
+        stability = self.stability(last, last_p)
+        free = f"at {of.name} {last_p:.6g}{of.unit}: {freedom(system, last, stability, statics.length)}"
+        if stability.neutral > 0 and found.failure is Failure.SINGULAR:
+            hint = f"a joint or spring that holds this motion; {hint}"
         return ConvergenceError(f"{head}{free}\n{equations}\nwhat to try: {hint}{of.hint}")
 
 
