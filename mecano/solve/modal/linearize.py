@@ -26,6 +26,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
+from mecano.maths.so3 import exp
+from mecano.maths.vector import Vec3, skew
 from mecano.model.numbering import ROTATION
 from mecano.solve.modal.small_motions import DENSE_ROWS
 from mecano.solve.time.increments import displaced, moved
@@ -88,14 +90,14 @@ def _matrices(system, s, w, Q, assemble):
 def _blocks(system, s, w, Q):
     """Return P, G1, G2, G3 (n, n): for scalars and multipliers, identity in P and zeros in the others."""
     of, n = system.numbering, system.n
-    w_hat = _hat(Q.T @ w)
+    w_hat = np.array(skew(Q.T @ w))
     places, blocks = [], []
     for first in np.unique(of.x[of.x < of.n_q]):
         places.append(first)
         blocks.append((Q, w_hat, 2.0 * w_hat, w_hat @ w_hat))
     for r, first in enumerate(of.rotation_dof):
         if first < of.n_q:
-            omega = _hat(Q.T @ s.R[r] @ s.v[first : first + 3])
+            omega = np.array(skew(Q.T @ s.R[r] @ s.v[first : first + 3]))
             places.append(first)
             blocks.append((s.R[r].T @ Q, w_hat, 2.0 * w_hat - omega, (w_hat - omega) @ w_hat))
     rest = np.setdiff1d(np.arange(n), (np.array(places, int)[:, None] + np.arange(3)).ravel())
@@ -154,7 +156,7 @@ def _outside(rows, change):
 
 def _matrices_after(system, s, w, dt, assemble):
     """Return M', C', K' after the motion of ``s`` for dt [s], in axes that have turned with it."""
-    of, later, Q = system.numbering, moved(s, dt, system.numbering), _turn(w * dt)
+    of, later, Q = system.numbering, moved(s, dt, system.numbering), np.array(exp(Vec3(*(w * dt))))
     for first in np.unique(of.x):
         later.a[first : first + 3] = Q @ s.a[first : first + 3]
     for r, first in enumerate(of.rotation_dof):
@@ -175,13 +177,3 @@ def _react(system, s, assemble):
     assembly, motions = assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0), ~system.signals
     D = sp.csr_matrix((assembly.data[: system.nnz], (system.rows, system.cols)), shape=(n, n))[:n_q, n_q:].toarray()
     s.z[n_q:n] -= np.linalg.lstsq(D[motions], assembly.residual[:n_q][motions], rcond=1e-12)[0]
-
-
-def _hat(a):
-    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
-
-
-def _turn(a):
-    """Return the rotation matrix of the rotation vector a (3,), by Rodrigues' formula."""
-    angle, H = np.linalg.norm(a), _hat(a)
-    return np.eye(3) + np.sinc(angle / np.pi) * H + 0.5 * np.sinc(angle / (2.0 * np.pi)) ** 2 * H @ H
