@@ -1,9 +1,9 @@
 """Styles that distinguish the curves of a panel: colours, dashes, and their legends."""
 
-import numpy as np
 from matplotlib.lines import Line2D
 
 from mecano.post.equal_curves import equal_curves, first_subjects, joined
+from mecano.post.quantity import largest
 from mecano.post.sheet import Panel
 from mecano.post.style import COLOURS, DASHES, INK, PALE
 
@@ -86,7 +86,7 @@ class CurveStyles:
             return subjects
         sizes = dict.fromkeys(subjects, 0.0)
         for panel in panels:
-            own = [_size(curve.y.values) for curve in panel.curves]
+            own = [largest(curve.y.values) for curve in panel.curves]
             for curve, size in zip(panel.curves, own, strict=True):
                 sizes[curve.subject] = max(sizes[curve.subject], size / (max(own) or 1.0))
         chosen = sorted(subjects, key=sizes.get, reverse=True)[:most]
@@ -127,7 +127,3 @@ def _handle(i, name):
 
 def _others(count):
     return [Line2D([], [], label=f"{count} others", **OTHERS)] if count else []
-
-
-def _size(values):
-    return float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from mecano.post.plans import ON_GROUND, pictures_of
-from mecano.post.quantity import DERIVED, MAGNITUDE, find, peak_of, time_of
+from mecano.post.quantity import DERIVED, MAGNITUDE, find, largest, peak_of, time_of
 from mecano.post.sheet import Curve, Panel
 
 MOST = 6  # elements shown together of one run
@@ -35,7 +35,7 @@ def _by_size(panel):
     """Split a panel into panels for elements with values of similar magnitude, so that all are visible."""
     size = {}
     for curve in panel.curves:
-        size[curve.subject] = max(size.get(curve.subject, 0.0), _size(curve.y.values))
+        size[curve.subject] = max(size.get(curve.subject, 0.0), largest(curve.y.values))
     groups = []
     for subject in sorted(size, key=size.get, reverse=True):
         if not groups or size[subject] * FAR_APART < size[groups[-1][0]]:
@@ -50,7 +50,7 @@ def worth_showing(panels, runs):
     for unit, value in (item for run in runs for item in run.scales.items()):
         scale[unit] = max(scale.get(unit, 0.0), value)
     for curve in (curve for panel in panels for curve in panel.curves):
-        scale[curve.y.unit] = max(scale.get(curve.y.unit, 0.0), _size(curve.y.values))
+        scale[curve.y.unit] = max(scale.get(curve.y.unit, 0.0), largest(curve.y.values))
     if "m" in scale:  # moments are compared with forces times the size of the mechanism, and vice versa
         size, force, moment = scale["m"], scale.get("N", 0.0), scale.get("N m", 0.0)
         scale |= {"N m": max(moment, force * size), "N": max(force, moment / size if size else 0.0)}
@@ -58,14 +58,10 @@ def worth_showing(panels, runs):
     least = {unit: max(NOTHING, left if unit in ("N", "N m") else 0.0) * size for unit, size in scale.items()}
     kept = []
     for panel in panels:
-        curves = tuple(c for c in panel.curves if _size(c.y.values) > least[c.y.unit])
+        curves = tuple(c for c in panel.curves if largest(c.y.values) > least[c.y.unit])
         if any(not curve.reference for curve in curves):
             kept.append(replace(panel, curves=curves))
     return kept
-
-
-def _size(values):
-    return float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))
 
 
 def _things(plan, runs):

@@ -154,6 +154,11 @@ def time_of(quantity):
     return replace(quantity, path="time", unit=unit, doc=name, values=quantity.time)
 
 
+def largest(values):
+    """Return the largest magnitude of the finite values, 0 if there are none."""
+    return float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))
+
+
 def _components(trace):
     numbers = trace.values.reshape(len(trace.time), -1)
     paths = [f"{trace.path}.{component}" for component in trace.components] or [trace.path]

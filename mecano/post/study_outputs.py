@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from mecano.post.quantity import largest
+
 ROUNDING = 1e-9
 """Values below this part of the largest output of the same unit are rounding errors, such as the side load of a
 symmetric landing beside that of a drift landing."""
@@ -11,11 +13,10 @@ symmetric landing beside that of a drift landing."""
 
 def displayed_outputs(table):
     """Return the columns of the outputs of a StudyTable, with zeros in place of rounding errors."""
-    outputs, largest = table.group("outputs"), {}
+    outputs, sizes = table.group("outputs"), {}
     for one in outputs:
-        found = np.max(np.abs(one.values), where=np.isfinite(one.values), initial=0.0)
-        largest[one.unit] = max(largest.get(one.unit, 0.0), found)
+        sizes[one.unit] = max(sizes.get(one.unit, 0.0), largest(one.values))
     return tuple(
-        replace(one, values=np.where(np.abs(one.values) < ROUNDING * largest[one.unit], 0.0, one.values))
+        replace(one, values=np.where(np.abs(one.values) < ROUNDING * sizes[one.unit], 0.0, one.values))
         for one in outputs
     )

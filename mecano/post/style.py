@@ -4,6 +4,7 @@ from textwrap import wrap
 
 import numpy as np
 
+from mecano.post.quantity import largest
 from mecano.post.sheet import CONSTANT
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#6a51a3", "#8c564b")
@@ -53,21 +54,21 @@ FACTORS = {"k": 1e3, "M": 1e6, "m": 1e-3, "µ": 1e-6, "n": 1e-9}
 def shown_unit(unit, values):
     """Return factor and unit for the display of values: kN from 2000 N, mm below 0.1 m, µm below 0.1 mm, and so on."""
     unit = "" if unit == "-" else unit
-    largest = float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))
+    size = largest(values)
     for prefix in reversed(LARGE.get(unit, "")):
-        if largest >= 2.0 * FACTORS[prefix]:
-            return _scaled(largest, FACTORS[prefix], prefix + unit)
+        if size >= 2.0 * FACTORS[prefix]:
+            return _scaled(size, FACTORS[prefix], prefix + unit)
     for prefix in SMALL.get(unit, ""):
-        if 0.0 < largest < 100.0 * FACTORS[prefix]:
-            return _scaled(largest, FACTORS[prefix], prefix + unit)
-    return _scaled(largest, 1.0, unit)
+        if 0.0 < size < 100.0 * FACTORS[prefix]:
+            return _scaled(size, FACTORS[prefix], prefix + unit)
+    return _scaled(size, 1.0, unit)
 
 
-def _scaled(largest, factor, unit):
+def _scaled(size, factor, unit):
     """Return factor and unit, with a power of 1000 before the unit if the numbers are too long for an axis."""
-    if not largest or 2e-3 <= largest / factor < 2e5:
+    if not size or 2e-3 <= size / factor < 2e5:
         return factor, unit
-    exponent = 3 * int(np.floor(np.log10(largest / factor / 2.0) / 3.0))
+    exponent = 3 * int(np.floor(np.log10(size / factor / 2.0) / 3.0))
     return factor * 10.0**exponent, f"{power_of_ten(exponent)} {unit}".strip()
 
 
