@@ -45,10 +45,10 @@ from mecano.constraints.reeved_path import (
 )
 from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
-from mecano.laws.friction import sticking
+from mecano.laws.friction import regularization, sticking
 from mecano.maths.dual import at_least, constant, exp
 from mecano.maths.vector import add_vec, dot, vec
-from mecano.schema import NUMBER, NUMBERS, Field, mapping, positive
+from mecano.schema import NUMBERS, Field, mapping
 
 
 @kernel
@@ -166,15 +166,11 @@ def _functions(strain_of):
 
 def friction_field():
     """Return the field ``friction`` of a cable."""
-    given = (
-        Field("coefficients", NUMBERS, "-", "mu on each pulley, in their order; 0 where the cable slides freely"),
-        Field(
-            "regularization", NUMBER, "m/s",
-            "sliding speed at which friction reaches its full value; a sticking cable creeps below it", check=positive,
-        ),
-    )  # fmt: skip
+    coefficients = Field(
+        "coefficients", NUMBERS, "-", "mu on each pulley, in their order; 0 where the cable slides freely"
+    )
     doc = "capstan friction on the pulleys, which turn with their nodes alone; none when absent"
-    return Field("friction", mapping(*given), "-", doc, None)
+    return Field("friction", mapping(coefficients, regularization()), "-", doc, None)
 
 
 @cache

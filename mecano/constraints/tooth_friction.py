@@ -13,9 +13,9 @@ and the driven one receives :math:`N(1 - \mu/2)`: their ratio is the efficiency 
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.element_interface import Kind
 from mecano.jit.kernel import kernel
-from mecano.laws.friction import sticking
+from mecano.laws.friction import regularization, sticking
 from mecano.maths.dual import number
-from mecano.schema import NUMBER, Field, mapping, positive
+from mecano.schema import NUMBER, Field, mapping
 
 
 @kernel
@@ -55,8 +55,7 @@ FRICTION = Field(
     mapping(
         Field("efficiency", NUMBER, "-", "power that the driven part receives over that of the driving one, in either "
               "direction", check=_efficiency),
-        Field("regularization", NUMBER, "m/s", "speed of the pitch circle at which friction reaches its full value; a "
-              "sticking gear creeps below it", check=positive),
+        regularization("speed of the pitch circle"),
     ),
     "-", "friction of the teeth, proportional to the force that they transmit; none when absent", None,
 )  # fmt: skip

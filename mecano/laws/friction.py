@@ -7,6 +7,7 @@ A normal force N and a sliding speed u give the friction :math:`\mu(u)\,\phi(u)\
 from mecano.jit.kernel import kernel
 from mecano.laws.table import curve
 from mecano.maths.dual import at_least, select
+from mecano.schema import NUMBER, Field, positive
 
 
 @kernel
@@ -19,3 +20,9 @@ def sticking(eps, u):
 def friction(laws, law, eps, u):
     """Return mu phi/u [s/m] for the sliding speed u >= 0 [m/s], the friction per normal force and velocity."""
     return at_least(curve(laws, law, u), 0.0) * sticking(eps, u)
+
+
+def regularization(speed="sliding speed"):
+    """Return the field of the ``speed`` below which friction is regularized, epsilon [m/s]."""
+    doc = f"{speed} at which friction reaches its full value; what sticks creeps below it"
+    return Field("regularization", NUMBER, "m/s", doc, check=positive)

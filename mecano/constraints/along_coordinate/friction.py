@@ -3,7 +3,7 @@
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.element_interface import Kind, Output, Row, record
 from mecano.jit.kernel import kernel
-from mecano.laws.friction import friction
+from mecano.laws.friction import friction, regularization
 from mecano.laws.probe import curve_at
 from mecano.maths.dual import sqrt
 from mecano.schema import CURVE, NUMBER, Field, mapping, not_negative, positive
@@ -82,10 +82,7 @@ def friction_fields(*geometry):
     given = (
         Field("coefficient", CURVE, "-", "coefficient of friction, a number or a curve of the sliding speed [m/s]",
               argument="m/s"),
-        Field(
-            "regularization", NUMBER, "m/s",
-            "sliding speed at which friction reaches its full value; sticking bodies creep below it", check=positive,
-        ),
+        regularization(),
         *geometry,
     )  # fmt: skip
     doc = "Coulomb friction, from the normal forces; none when absent"
