@@ -43,7 +43,13 @@ An aligning moment on the wheel about n, linear in (y, psi, dy/dt, dpsi/dt), may
 
 import numpy as np
 
-from mecano.elements.wheels.string_law import STRING_TYPE, TANGENT_TYPE, prepare_string
+from mecano.elements.wheels.string_law import (
+    CORNERING_STIFFNESS,
+    STRING_TYPE,
+    TANGENT_TYPE,
+    TORSIONAL_STIFFNESS,
+    prepare_string,
+)
 from mecano.schema import CURVE, NUMBER, NUMBERS, Field, mapping, not_negative, positive
 
 SINGULAR = 1e-12  # relative to the magnitudes of its rows, a determinant below this counts as zero
@@ -66,10 +72,10 @@ MORELAND = mapping(
         check=positive,
     ),
     Field("yaw_time", NUMBER, "s", "C1", 0.0, not_negative),
-    Field("torsional_stiffness", NUMBER, "N m/rad", "kap of the patch; matters under braking", 1.0e4, positive),
+    TORSIONAL_STIFFNESS,
 )  # fmt: skip
 RELAXATION = mapping(
-    Field("cornering_stiffness", NUMBER, "N/rad", "lateral force per slip angle in steady rolling", check=positive),
+    CORNERING_STIFFNESS,
     Field("relaxation_length", NUMBER, "m", "rolling distance over which the force builds up", check=positive),
 )
 FACTOR = "factor on {}, a curve of {}"

@@ -53,14 +53,20 @@ from mecano.jit.kernel import kernel
 from mecano.maths.dual import select, sqrt
 from mecano.schema import NUMBER, Field, mapping, positive
 
+CORNERING_STIFFNESS = Field(
+    "cornering_stiffness", NUMBER, "N/rad", "lateral force per slip angle in steady rolling", check=positive
+)
 CORNERING = (
-    Field("cornering_stiffness", NUMBER, "N/rad", "lateral force per slip angle in steady rolling", check=positive),
+    CORNERING_STIFFNESS,
     Field("relaxation_length", NUMBER, "m", "sigma, decay length of the string ahead of the contact", check=positive),
     Field("contact_length", NUMBER, "m", "2a", check=positive),
 )
-TORSION = Field("torsional_stiffness", NUMBER, "N m/rad", "kap of the patch; matters under braking", 1.0e4, positive)
+TORSIONAL_STIFFNESS = Field(
+    "torsional_stiffness", NUMBER, "N m/rad", "kap: moment per turn psi of the patch; matters under braking", 1.0e4,
+    positive,
+)  # fmt: skip
 LEAST = Field("least_speed", NUMBER, "m/s", "v_0, below which rolling does not turn the patch", 0.5, positive)
-STRING_TYPE = mapping(*CORNERING, TORSION, LEAST)
+STRING_TYPE = mapping(*CORNERING, TORSIONAL_STIFFNESS, LEAST)
 TANGENT_TYPE = mapping(*CORNERING, LEAST)
 NO_PACE, OF_STRING, OF_TANGENT = 0.0, 1.0, 2.0
 
