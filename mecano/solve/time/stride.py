@@ -1,7 +1,7 @@
-"""Ordinary steps, many in one compiled call: those whose iterations converge and in which nothing happens.
+"""Ordinary steps, many in one compiled call: those whose iterations converge and that contain no event.
 
-The call returns where a decision is due that is rarely taken: an event, a failed iteration, a time to be met, full
-buffers, a look at signals. Python takes it, and gives the same step the same bits.
+The call returns where a rare decision is due: an event, a failed iteration, a time at which a step must end, full
+buffers, a look at signals of the process. Python takes it, and computes the same step to the same bits.
 """
 
 import numpy as np
@@ -34,11 +34,12 @@ from mecano.solve.time.workspace import (
     time_of,
 )
 
-PROBE = 50  # steps after which one whose error holds it back is asked whether that is what swings
-STRETCH = 1.01  # a step is made so much longer rather than leave a very short one before a time to be met
+PROBE = 50  # steps between two computations of the bounded error of steps that their plain error keeps short
+STRETCH = 1.01  # a step becomes so much longer rather than leave a very short one before a time at which steps end
 
-ENOUGH, DECIDE, REPEAT, WAIT, RECORDED = range(5)
-READY, STEPPING, RECORDING = range(3)
+ENOUGH, DECIDE, REPEAT, WAIT, RECORDED = range(5)  # why the call ends
+ADVANCED, AGAIN = 5, 6  # it goes on, with the next phase or with another trial
+READY, STEPPING, RECORDING = range(3)  # phases of a step
 
 STRIDE = fields(
     floats="until tolerance duration minimum maximum planned dissipated given power_dissipated power_given",
@@ -52,61 +53,80 @@ STRIDE = fields(
 
 @entry
 def stride(integrator: Records(STRIDE), work: Records(STEP), output: Records(OUTPUT)) -> int:
-    """Step on from BEGIN.
+    """Make steps from BEGIN; return why the call ends.
 
-    ENOUGH: the steps wanted are made, or the next one needs another size. DECIDE: TRIAL, the first trial from BEGIN, is
-    a step to be judged. REPEAT: the step from BEGIN is to be made by Python. WAIT: signals are to be looked at, and the
-    call repeated. RECORDED: as the code in ``output`` says, its buffers are full, or the run cannot go on.
+    ENOUGH: the requested number of steps is made, or the next one needs another size. DECIDE: Python judges TRIAL, the
+    first trial from BEGIN. REPEAT: Python makes the step from BEGIN. WAIT: Python looks at signals, and calls again.
+    RECORDED: the buffers are full, or the run must end, as the code in ``output`` states.
     """
     m, w, o = integrator[0], work[0], output[0]
     while True:
         if m.phase == READY:
-            if m.done == m.most or m.until - time_of(w, BEGIN)[0] < STRETCH * m.planned:
-                return ENOUGH
-            if m.planned != w.h and not changes(m, w, m.planned):
-                return ENOUGH
-            if departs(m, w):
-                return REPEAT
-            m.rejections, m.of_rejected = 0, 0
-            begin(m, w)
+            found = prepared(m, w)
+            if found != ADVANCED:
+                return found
         if m.phase == STEPPING:
-            call(m.attempt, m.attempt_words, 0)
-            if w.code == PAUSE:
-                return WAIT
-            if w.code == TOO_MANY or w.code == DIVERGES:
-                if w.by_velocity:
-                    return REPEAT if m.rejections else DECIDE
-                m.in_vain, w.begun, w.by_velocity = int(floats(w.report, 8)[0]), 0, 1  # as GeneralizedAlpha.step
+            found = tried(m, w, o)
+            if found == AGAIN:
                 continue
-            if w.code != CONVERGED or w.turn > MOST_TURN or parts(m, w):
-                return REPEAT
-            lag = counted(w.lag, FORGOTTEN, m.duration, w.h)
-            plain = max(w.error * w.h * w.h * w.change, w.turning, w.signalled, lag)
-            share = allowed(m.tolerance, m.duration, w.h)
-            within = plain <= share or w.h < m.minimum
-            error = plain if within and not is_probe(m, w, plain, share) else bounded(m, w, plain)
-            if not (within or error <= share):
-                if w.h <= m.minimum or not reject(m, w, plain, share):
-                    return REPEAT if m.rejections else DECIDE
-                continue
-            if happens(m, w):
-                return REPEAT if m.rejections else DECIDE
-            accept(m, w, o, error, share)
+            if found != ADVANCED:
+                return found
         if m.phase == RECORDING:
             call(m.record, m.record_words, 0)
-            if o.code != DONE:
-                if o.code == FULL:
-                    return RECORDED
-                move_on(m, w)
+            if o.code == FULL:
                 return RECORDED
             move_on(m, w)
+            if o.code != DONE:
+                return RECORDED
         if is_due(w):
             return WAIT
 
 
 @kernel
+def prepared(m, w):
+    """Begin the next step; return ADVANCED, or why the call ends."""
+    if m.done == m.most or m.until - time_of(w, BEGIN)[0] < STRETCH * m.planned:
+        return ENOUGH
+    if m.planned != w.h and not changes(m, w, m.planned):
+        return ENOUGH
+    if departs(m, w):
+        return REPEAT
+    m.rejections, m.of_rejected = 0, 0
+    begin(m, w)
+    return ADVANCED
+
+
+@kernel
+def tried(m, w, o):
+    """Make a trial of the step and accept or reject it; return ADVANCED, AGAIN, or why the call ends."""
+    call(m.attempt, m.attempt_words, 0)
+    if w.code == PAUSE:
+        return WAIT
+    if w.code == TOO_MANY or w.code == DIVERGES:
+        if w.by_velocity:
+            return REPEAT if m.rejections else DECIDE
+        m.in_vain, w.begun, w.by_velocity = int(floats(w.report, 8)[0]), 0, 1  # as GeneralizedAlpha.step
+        return AGAIN
+    if w.code != CONVERGED or w.turn > MOST_TURN or parts(m, w):
+        return REPEAT
+    lag = counted(w.lag, FORGOTTEN, m.duration, w.h)
+    plain = max(w.error * w.h * w.h * w.change, w.turning, w.signalled, lag)
+    share = allowed(m.tolerance, m.duration, w.h)
+    within = plain <= share or w.h < m.minimum
+    error = plain if within and not is_probe(m, w, plain, share) else bounded(m, w, plain)
+    if not (within or error <= share):
+        if w.h <= m.minimum or not reject(m, w, plain, share):
+            return REPEAT if m.rejections else DECIDE
+        return AGAIN
+    if happens(m, w):
+        return REPEAT if m.rejections else DECIDE
+    accept(m, w, o, error, share)
+    return ADVANCED
+
+
+@kernel
 def bounded(m, w, plain):
-    """Return the error of a step of adaptive size as error_bound.py bounds it; ``plain`` is the whole of it."""
+    """Return the error of a step with oscillations bounded (error_bound.py); ``plain`` is that without a bound."""
     if not m.bound:
         return plain
     call(m.bound_error, m.bound_error_words, 0)
@@ -116,7 +136,7 @@ def bounded(m, w, plain):
 
 @kernel
 def reject(m, w, plain, share):
-    """Begin the step once more with a smaller size; return whether it was possible in compiled code.
+    """Begin the step again with a smaller size; return whether it was possible in compiled code.
 
     The size follows from the ``plain`` error: the bounded one falls only once steps resolve oscillations.
     """
@@ -157,7 +177,7 @@ def evaluate_events(m, w, which, out):
 
 @kernel
 def departs(m, w):
-    """Return whether a contact that has opened still stands where it closes: its rates tell what comes (shocks.py)."""
+    """Return whether a contact that has opened has no gap yet: its rates decide what follows (shocks.py)."""
     if not m.n_events:
         return False
     values, own = floats(m.before_values, m.n_events), integers(m.departing, m.n_departing)
@@ -180,7 +200,7 @@ def happens(m, w):
 
 @kernel
 def parts(m, w):
-    """Return whether constraints that repeat one another are apart at TRIAL by more than is allowed."""
+    """Return whether redundant constraints contradict one another at TRIAL by more than is allowed."""
     if not m.checks_gaps:
         return False
     n, weight = w.n_l, floats(m.share_of_gap, w.n_l)
@@ -194,7 +214,7 @@ def parts(m, w):
 
 @kernel
 def is_probe(m, w, error, share):
-    """Return whether it is to be asked if what holds the step back only swings."""
+    """Return whether this step computes the bounded error, to find out if only oscillations keep steps short."""
     return m.steps % PROBE == PROBE - 1 and w.h < m.maximum and factor(error, share) < HOLD
 
 
@@ -238,7 +258,7 @@ def take(m, w):
 
 @kernel
 def plan(m, w, error, share):
-    """Plan the size of the next step; one that grows turns no body too far."""
+    """Plan the size of the next step; it grows only as far as no body turns too far in it."""
     iterations = m.in_vain + int(floats(w.report, 8)[0])
     wanted = planned(error, share, w.h, m.minimum, m.maximum, iterations)
     if wanted > w.h:
