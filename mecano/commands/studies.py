@@ -94,16 +94,8 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
         if not wait:
             return show(f"`mecano sweep {study} -o {folder.path} --collect` writes the table")
         return _finish(execution.collect(folder, units), plot)
-    from mecano.analyses.progress import StudyProgress
-
-    progress = StudyProgress(quiet, folder.path)
     run_cases = partial(_runner(executor, scheduler), limits=limits, jobs=jobs or cores())
-    if cases:
-        execution.compile_first(deck, progress.note)
-    interruption.raise_if_asked("before the cases started")
-    table = execution.execute(folder, units, cases, run_cases, progress)
-    progress.done(len(cases))
-    _finish(table, plot)
+    _finish(execution.execute(deck, folder, units, cases, run_cases, interruption, quiet=quiet), plot)
 
 
 def _refuse_strays(executor, *, resume, force, jobs, scheduler, sbatch, wait):

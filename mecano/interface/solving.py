@@ -219,7 +219,6 @@ def sweep(
     ------
     DeckError, UsageError, ResultsError
     """
-    from mecano.analyses.progress import StudyProgress
     from mecano.deck.source import is_utf8
     from mecano.results.study_file import read_study as read_table
     from mecano.study import execution
@@ -235,16 +234,11 @@ def sweep(
     place = Folder(folder or f"{name_of(study)}_runs", checked)
     if not is_utf8(place.path):
         raise UsageError(f"the name of the folder {ascii(str(place.path))} is not UTF-8 text")
-    progress = StudyProgress(quiet, place.path)
     interruption = Interruption(again=f"mecano.sweep({os.fspath(study)!r}, {str(place.path)!r}, resume=True)")
     with interruptible(interruption):
         cases = execution.due(place, resume=resume, force=force)
-        if cases:
-            execution.compile_first(deck, progress.note)
-        interruption.raise_if_asked("before the cases started")
         run_cases = partial(run_here, limits=Limits(), jobs=jobs or cores())
-        execution.execute(place, units_of(checked, deck), cases, run_cases, progress, interruption.again)
-    progress.done(len(cases))
+        execution.execute(deck, place, units_of(checked, deck), cases, run_cases, interruption, quiet=quiet)
     return Study(read_table(place.table))
 
 

@@ -2,7 +2,7 @@
 
 import subprocess
 
-from mecano.analyses.progress import COMPILING
+from mecano.analyses.progress import COMPILING, StudyProgress
 from mecano.errors import IncompleteStudyError, UsageError
 from mecano.process.interrupt import Stopped, again
 from mecano.process.lifeline import popen_options
@@ -38,7 +38,7 @@ def _clear(folder, cases):
             folder.clear(cases)
 
 
-def compile_first(deck, announce=lambda text: None):
+def _compile_first(deck, announce):
     """Run the beginning of a checked Deck in a separate process, so that no case has to compile.
 
     A case that compiles may exceed its limits of time and memory. ``announce(text)`` is called if something is
@@ -60,12 +60,39 @@ def compile_first(deck, announce=lambda text: None):
             raise
 
 
-def execute(folder, units, cases, run_cases, progress=lambda done, total, text: None, resume_by=""):
-    """Run cases by ``run_cases(folder, cases, ended)`` (see ``run_here``), write the table, and return the Table.
+def execute(deck, folder, units, cases, run_cases, interruption, *, quiet=False):
+    """Compile what the Deck needs, run the cases, write the table, and return the Table.
 
-    ``units`` are the units of the varied values (units.py). ``progress(done, total, text)`` is called for every case.
-    Raises Stopped if a signal ends the study, with the command to resume: ``resume_by``, or that of this process.
+    Parameters
+    ----------
+    deck : Deck
+        That of the study, checked.
+    folder : Folder
+    units : dict
+        Units of the varied values (units.py).
+    cases : list of Case
+    run_cases : function
+        (folder, cases, ended) -> number of the signal that ended them, or None (see ``run_here``).
+    interruption : Interruption
+    quiet : bool
+        Print no progress on the standard error.
+
+    Raises
+    ------
+    Stopped
+        A signal has ended the study; the message states the command that resumes it.
     """
+    progress = StudyProgress(quiet, folder.path)
+    if cases:
+        _compile_first(deck, progress.note)
+    interruption.raise_if_asked("before the cases started")
+    table = _with_table(folder, units, cases, run_cases, progress, interruption.again or again())
+    progress.done(len(cases))
+    return table
+
+
+def _with_table(folder, units, cases, run_cases, progress, resume_by):
+    """Run cases with ``progress(done, total, text)`` after every case, write the table, and return the Table."""
     table, failed = Table(folder, units), []
 
     def ended(case, record):
@@ -79,7 +106,7 @@ def execute(folder, units, cases, run_cases, progress=lambda done, total, text: 
     done = len(table.records)
     table.written()
     if number is not None:
-        raise Stopped(number, f" after {done} of {len(cases)} cases; continue with: {resume_by or again()}")
+        raise Stopped(number, f" after {done} of {len(cases)} cases; continue with: {resume_by}")
     return table
 
 
