@@ -14,7 +14,7 @@ from mecano.analyses.replay import gaps_at_start, replayed, scalars_in
 from mecano.errors import DeckError, Problem, ResultsError, name_list
 
 MOST = 8  # names in a text
-ROUNDING = 1e-9  # of the time, by which a saved time may differ from the wanted one
+ROUNDING = 1e-9  # of the time: largest difference of a saved time from the requested one
 
 
 def saved_time(text):
@@ -79,7 +79,7 @@ def _begun(system, state, results, row, name, near):
 
 
 def _without_past(system, memory):
-    """Return the memory without that of signals, which has times of the other run, and the names of these signals."""
+    """Return the memory with that of signals cleared, since it refers to times of the other run, and their names."""
     memory, anew = memory.copy(), []
     for b in system.batches:
         if b.kind.section == "signals" and b.kind.memory:

@@ -45,7 +45,7 @@ def list_():
 def explain(name):
     """Explain a kind, a term of a law or a section of the deck: fields, units, defaults, outputs, equations.
 
-    Without NAME it lists the names that it knows, as `mecano list`.
+    Without NAME it lists all names, as `mecano list` does.
     For a word of other programs, such as "motor" or "ball joint", it names the counterparts in mecano.
     `mecano explain study` describes the files of `mecano sweep`.
     """

@@ -99,7 +99,7 @@ def kept_shifts(memory, phases):
 
 
 def _with_samples(found, stress_free):
-    """Return samples together with those of the first of them that waits, and that was activated."""
+    """Return samples together with those of the first one before and after its activation."""
     values, nodes, phase = found[0]
     given = {"time": 0.3, "when": None}
     triggers = [given, {**given, "stress_free": True}] if stress_free else [given]

@@ -53,7 +53,7 @@ from mecano.schema import NUMBERS, Field, mapping
 
 @kernel
 def _pulley(p, at, i):
-    """Return half of the arc on pulley i, and the gradients of what it takes up of the spans before and behind it."""
+    """Return half of the arc on pulley i, and gradients of the lengths that it takes up of the spans at its sides."""
     before, g_before, turning_before = side(p, at, i, i - 1)
     behind, g_behind, turning_behind = side(p, at, i, i)
     r = p.radii[i]

@@ -17,7 +17,7 @@ def overridden(root, overrides, sections, problems):
     """Return a copy of the tree with the overrides applied in order.
 
     ``overrides`` are texts ``path=value``: the keys of the path are separated by dots, items of lists are counted
-    from 0, the value is YAML. Keys may be new where the schema may know them; names in a section of names (nodes,
+    from 0, the value is YAML. New keys are allowed where the schema has them; names in a section of names (nodes,
     laws, parameters...) must exist in the deck; null removes them, except parameters, and terms of laws. Adds to
     ``problems``.
     """

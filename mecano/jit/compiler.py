@@ -63,7 +63,7 @@ NUMBERS = {float: types.float64, int: types.int64, bool: types.int64}
 
 @register_model(PlainDispatcher)
 class _PlainModel(OpaqueModel):
-    """Nothing, as of other functions."""
+    """Value of a function: no data, as for the functions of numba."""
 
 
 def get_ready():

@@ -224,7 +224,7 @@ def phase_rate(program, t):
     try:
         low, high = (value(evaluate_formula(laws, 0, t + by, [0.0], 0)) for by in (-dt, dt))
         rate = abs(high - low) / (2.0 * dt)
-    except (ArithmeticError, ValueError, TypeError):  # as of the root of a negative number
+    except (ArithmeticError, ValueError, TypeError):  # such as the root of a negative number
         return 0.0
     return rate if math.isfinite(rate) else 0.0
 

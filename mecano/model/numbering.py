@@ -100,7 +100,7 @@ class Numbering:
 class _Entries(Sequence):
     """Entries of z: kinds, the first entry of each class of shared unknowns, and, as a sequence, their EquationNames.
 
-    The names of classes are made when they are asked for: most never are, and a large model has many.
+    Names are made on request: a large model has many, and few are used.
     """
 
     def __init__(self, sharing):

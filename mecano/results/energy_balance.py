@@ -1,7 +1,7 @@
 """Scale of an error of the energy balance, for warnings, summaries and pictures alike."""
 
 EXCHANGED = ("kinetic", "potential", "dissipated", "given")
-OF_OTHERS = 0.1  # of an error of the balance: smaller changes of other energies than the kinetic one are none
+OF_OTHERS = 0.1  # of an error of the balance: smaller changes of the other energies count as zero
 
 
 def scale_of_balance(ranges):

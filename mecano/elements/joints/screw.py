@@ -40,7 +40,7 @@ from mecano.schema import DIRECTION, NUMBER, Field
 
 @kernel
 def _put_motion(p, at, F, y, i):
-    """Write rotation and sliding; the sliding tells which turn it is."""
+    """Write rotation and sliding; the sliding determines the number of turns of the angle."""
     angle, y[i + 1] = angle_in_turn(p, at.v, at.R)
     put_sliding(p, at, F, y, i + 2)
     along = slide(at.q, at.v, mat(at.R[0]), vec(p.mu[2], 0))[0]
@@ -49,7 +49,7 @@ def _put_motion(p, at, F, y, i):
 
 @kernel
 def _put_reactions(p, at, F, y, i):
-    """Write the force of three multipliers; with that of the thread comes its moment."""
+    """Write the force, from three multipliers, and the moment, which includes that of the thread."""
     put(y, i, vec(at.q, 14))
     put(y, i + 3, (-number(at.q[13]), number(at.q[12]), -p.travel * number(at.q[16])))
 

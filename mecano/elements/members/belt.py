@@ -3,7 +3,8 @@ r"""Belt or cable over pulleys, on which it does not slip: hoists, block and tac
 It runs through ``nodes`` in their order, and from the last one back to the first if it is ``closed``. A node with a
 radius is the centre of a pulley, and turns with it: give it a body (its inertia is that of the pulley) and a hinge. A
 node with the radius zero is a point, to which the belt is fixed. The radius is positive where the belt turns
-counter-clockwise about the ``axis``, negative where it turns clockwise.
+counter-clockwise about the ``axis``, negative where it turns clockwise: the sign selects the side of the pulley on
+which a rope hangs.
 
 Each span between two nodes is an elastic line along the common tangent of both circles, with the stiffness EA/L of its
 length at the start, where its tension is ``pretension``. The belt on the pulleys is carried along: a pulley that turns
@@ -15,9 +16,9 @@ A span whose tension falls to zero is slack until it has its length again: both 
 the stiffness of a span does not change with its length. All pulleys are in one plane, nearly; the belt stays on them.
 
 With ``activate`` the belt carries no force before, and its energy at that instant is given. The stretch of its spans
-counts from the start, and includes all that the pulleys have turned since; ``stress_free``, the belt lies down with its
-``pretension`` on the pulleys as they stand and turn then, as in a drive that is engaged. A ``release`` cuts all of it:
-it carries no force from then on, and its elastic energy is lost. Neither changes velocities at once.
+counts from the start, and includes all turns of the pulleys since; with ``stress_free`` the belt has its ``pretension``
+at that instant, on pulleys in any position, as in a drive that is engaged. A ``release`` cuts all of it: it carries no
+force from then on, and its elastic energy is lost. Neither changes velocities at once.
 """
 
 import numpy as np

@@ -12,14 +12,14 @@ from mecano.solve.events.events import EventMonitor
 from mecano.solve.events.shocks import Shocks
 
 STANDSTILL = 1e-3  # of a step: while time advances by less, it counts as standing still
-MOST_REBOUNDS = 10  # of one contact while time stands still: it is then at rest
-MOST_AT_ONCE = 20  # times that one event of one element may happen while time stands still
+MOST_REBOUNDS = 10  # of one contact at one instant: it is then at rest
+MOST_AT_ONCE = 20  # times that one event of one element may happen at one instant
 MOST_NAMES = 8  # named in a warning
 
 
 @dataclass(eq=False, repr=False)
 class EventApplication:
-    """Applies events to the run of ``system`` by ``method``; counts those that happen while time stands still."""
+    """Applies events to the run of ``system`` by ``method``; counts those that repeat at one instant."""
 
     system: object
     method: object
@@ -27,7 +27,7 @@ class EventApplication:
     capture: EventCapture
     shocks: Shocks
     warnings: list = field(default_factory=list)  # on constraints that become redundant
-    since: float = -np.inf  # time since which time stands still [s]
+    since: float = -np.inf  # instant of the counted events [s]
     repeats: Counter = field(default_factory=Counter)  # events by element and name since then
 
     def apply(self, run, s, hit, at_once=False):
@@ -78,10 +78,10 @@ class EventApplication:
         self.warnings += [_redundant(t, event_records, group) for group in redundant]
 
     def _guard(self, run, hit, event_records):
-        """Capture elastic events if one of those that ``hit`` occurs again and again while time stands still.
+        """Capture elastic events if one of the events ``hit`` repeats at one instant.
 
-        If it is none, or it occurs as often once more because no phases fit the end of a step (capture.py), raise
-        ConvergenceError.
+        Raises ConvergenceError if it is not elastic, or if it repeats as often again because no phases are consistent
+        with the end of a step (capture.py).
         """
         t = run.motion.t
         if t - self.since > STANDSTILL * run.h:

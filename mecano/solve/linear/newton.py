@@ -1,12 +1,12 @@
 """Newton's iterations of a step, in one compiled call.
 
 The factor of an earlier tangent is used as long as the residual falls quickly enough; otherwise the tangent is
-evaluated and factored anew. What compiled code cannot do alone is left to the caller, who calls again: a look at
-signals before a factorization (PAUSE), a matrix that the fixed order of elimination cannot factor (OTHERWISE).
+evaluated and factored again. The call returns to Python, which then calls again, to look at signals of the process
+before a factorization (PAUSE), or if the fixed order of elimination cannot factor the matrix (OTHERWISE).
 
 In a step that is cut because a longer one failed, corrections of massless unknowns that overshoot are halved (Matthies
-and Strang, Int. J. Numer. Methods Eng. 14 (1979) 1613-1626). Where a tyre begins to stick they would go to and fro
-between sliding in both directions, however short the step.
+and Strang, Int. J. Numer. Methods Eng. 14 (1979) 1613-1626). Where a tyre begins to stick they would alternate between
+sliding in both directions, however short the step.
 """
 
 import numpy as np
@@ -82,7 +82,7 @@ def newton(w):
 
 @kernel
 def iterate(w):
-    """Iterate with the factor at hand: STALE where a new one is wanted, or another of the codes."""
+    """Iterate with the present factor; return STALE if a new one is needed, or another of the codes."""
     s, R0, of = state_of(w, TRIAL), state_of(w, BEGIN).R, unknowns_of(w)
     r, x = floats(w.residual, w.n_all), floats(w.increment, w.n)
     report, system = floats(w.report, 8), system_of(w)
@@ -150,7 +150,7 @@ def present_norms(w, share, most, reach):
 
 @kernel
 def judge(w, report, signals):
-    """Return one of the codes for the present norms, or -1 to go on with the factor at hand."""
+    """Return one of the codes for the present norms, or -1 to continue with the present factor."""
     worst, iteration = report[WORST], report[ITERATIONS]
     if iteration == 0:
         report[FIRST] = worst
@@ -180,7 +180,7 @@ def judge(w, report, signals):
 
 @kernel
 def renew(w):
-    """Factor the tangent at TRIAL and solve for the residual there: STALE if iterations may go on, or a code."""
+    """Factor the tangent at TRIAL and solve for the residual there; return STALE to continue, or another code."""
     evaluate(w, TRIAL)
     report = floats(w.report, 8)
     measure(w, report, 1.0)

@@ -73,7 +73,7 @@ class LinearSolver:
         else:
             self._bind_divided(analysis)
         self._superlu = None  # the factorization by SuperLU, if the last matrix needed it
-        self.label = None  # by which the caller knows the factored matrix again
+        self.label = None  # set and compared by the caller: identifies the factored matrix
 
     def _bind(self, analysis):
         """Enter the entries that factor and substitute, and their constant arguments."""

@@ -45,8 +45,8 @@ LESS, HOPELESS = 0.9, 60  # relaxation ends if the force does not fall by this f
 MOST_GROWTH, HARDER = 1.5, 4.0  # largest growth of the force in a relaxation step; factor on the drag beyond it
 STEADY = 1e-6  # largest relative change of forces per radian or length scale; of constraints relative to the speed
 ROUNDED = 1e-12  # of the speed, or of speed over length scale: smaller velocities are set to zero
-DRAG = 0.5  # of the largest out-of-balance force: smaller sums along the road are none of their causes
-NOTICEABLE = 0.1  # of the length scale: displacement by which a state has another shape
+DRAG = 0.5  # of the largest out-of-balance force: a smaller sum along the road is not its cause
+NOTICEABLE = 0.1  # of the length scale: a state displaced by more has another shape
 WIDER, WIDENINGS = 2.0, 40  # factor on the bracket of a spin; number of times it is widened
 
 

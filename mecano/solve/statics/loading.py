@@ -13,7 +13,7 @@ without loads is removed in proportion. Gravity is scaled by the principle of eq
 
 import numpy as np
 
-ROUNDING = 1e-9  # of the largest force: a smaller imbalance is none
+ROUNDING = 1e-9  # of the largest force: a smaller imbalance counts as zero
 STRESSED = (
     "; over: time, with heating, preload or natural lengths that grow by laws of time: over the load factor they act "
     "in full from the start, where forces that fade hold the model"

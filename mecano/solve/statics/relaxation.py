@@ -24,7 +24,7 @@ MOST_CREEPS = 400  # largest number of steps
 FADES = 0.02, 0.5  # least and largest factor on the drag per step
 STIFFEST = 1e8  # largest drag with which a step is retried, relative to the first one
 NUDGE = 0.01  # displacement by which an unstable equilibrium is left, in length scales or rad
-NO_DRAG = 0.01  # of the tolerated force: what is left of the drag where the state stands still
+NO_DRAG = 0.01  # of the tolerated force: largest force of the drag on a state at rest
 ALIKE = 1e-6  # relative difference of creep up to which both sides are equivalent and the positive one is taken
 DEPARTURES = 5  # unstable equilibria left before the search fails
 

@@ -226,11 +226,11 @@ def freedom(system, s, stability, length):
     return f"stable; the softest motion ({stability.stiffness:.3g} N/m): {motion}"
 
 
-FREE = 1e-9  # of the sum of its terms: a force of a rigid motion of everything that is rounding
+FREE = 1e-9  # of the sum of its terms: a smaller force in a rigid motion of the model is rounding
 
 
 def floats(system, s, stability):
-    """Return whether the neutral directions at ``s`` are the six rigid motions of all nodes, as of a satellite."""
+    """Return whether the neutral directions at ``s`` are the six rigid motions of the model, such as a satellite."""
     if stability.unstable > 0 or stability.neutral != 6:
         return False
     data, n_q, of = system.assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0).data[: system.nnz], system.n_q, system.numbering

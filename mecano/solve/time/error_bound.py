@@ -7,7 +7,7 @@ mode of circular frequency omega this may be too much: it can be off by no more 
 .. math:: \tau^2 |P^2 \Delta a| + |P (1 - P) a| / \omega_c^2, \qquad P = \omega_c^2 (K + \omega_c^2 M)^{-1} M
 
 along the constraints (modal_filter.py); but all of :math:`\Delta a` where the motion is unstable (docs/theory.md, 2.2).
-Where the constraints leave nothing of it, as of a motion that they prescribe, the errors do not add up.
+Where the constraints allow no part of it, as in a prescribed motion, the errors do not add up.
 
 The error of bodies that spin (turning_error.py) is a change of the angular velocities. The constraints undo what would
 violate them: with no stiffness in P, what remains is its part along the constraints, projected with the masses.
@@ -33,7 +33,7 @@ from mecano.solve.time.step_control import FORGOTTEN, counted
 from mecano.solve.time.turning_error import turning_error
 from mecano.solve.time.workspace import BEGIN, STEP, TRIAL, history_of, state_of
 
-FREE = 1e6  # times the weight of the masses: no stiffness has a say
+FREE = 1e6  # times the weight of the masses: beside it any stiffness is negligible
 NOTHING = 1e-8  # of a change of the accelerations: a part along the constraints that may be rounding
 BOUND = fields(floats=f"bounded turning {FLOATS}", words=f"vectors {WORDS}")
 NONE, CHANGE, PART, TWICE = range(4)  # rows of ``vectors``, (4, n_all)

@@ -11,10 +11,10 @@ from mecano.immutable import immutable
 from mecano.jit.entry import Indices, Vector, entry
 from mecano.jit.kernel import kernel
 
-STEPS = 8  # in which the changes of sign are counted
-CHANGES = 5  # of them, from which on a force counts as alternating
+STEPS = 8  # last steps in which changes of sign are counted
+CHANGES = 5  # least number of them in these steps for a force that alternates
 ALL = (1 << STEPS) - 1
-SHARE = 0.05  # of its size, from which on the swing of a number counts
+SHARE = 0.05  # of its size: a smaller oscillation of a number is not reported
 
 
 @immutable
@@ -81,7 +81,7 @@ def count_changes(
     difference_out: Vector, signs_out: Indices, swing_out: Vector, time_out: Vector, largest_out: Vector,
     columns: Indices, t: float, row0: Vector, row: Vector,
 ):  # fmt: skip
-    """Shift a bit for a change of sign into the ``signs``; keep the largest of the swings while they alternate."""
+    """Append to ``signs`` a bit that is 1 for a change of sign; keep the largest difference while signs alternate."""
     for i in range(columns.shape[0]):
         x = row[columns[i]]
         difference = x - row0[columns[i]]
