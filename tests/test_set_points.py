@@ -159,10 +159,10 @@ SIGNAL = """
     [
         (
             "motion: {type: switch, input: time, upper: 0.2}",
-            "it jumps with the switch 'motion', and a set point must not",
+            "a set point must not jump, as the switch 'motion' does",
         ),
-        ("motion: 2*held, held: {type: sample_and_hold, input: time, period: 0.1}", "with the sample_and_hold 'held'"),
-        ("motion: {type: delay, input: sign(time - 1), time: 0.1}", "it jumps with 'sign'"),
+        ("motion: 2*held, held: {type: sample_and_hold, input: time, period: 0.1}", "as the sample_and_hold 'held' does"),
+        ("motion: {type: delay, input: sign(time - 1), time: 0.1}", "as 'sign' does"),
     ],
 )
 def test_a_set_point_must_not_jump(signals, message):

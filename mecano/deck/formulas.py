@@ -146,8 +146,8 @@ def check_continuous(values, scope):
     for found, node, subject in scope.continuous:
         scope.subject = subject
         if name := _jump(found, values["signals"], scope.kinds, set()):
-            text = f"it jumps with {name}, and a set point must not"
-            scope.refuse(node, text, "pass it through a 'lag', the time constant of the actuator")
+            text = f"a set point must not jump, as {name} does"
+            scope.refuse(node, text, "pass it through a 'lag' with the time constant of the actuator")
 
 
 def _jump(found, signals, kinds, seen):
