@@ -161,7 +161,10 @@ SIGNAL = """
             "motion: {type: switch, input: time, upper: 0.2}",
             "a set point must not jump, as the switch 'motion' does",
         ),
-        ("motion: 2*held, held: {type: sample_and_hold, input: time, period: 0.1}", "as the sample_and_hold 'held' does"),
+        (
+            "motion: 2*held, held: {type: sample_and_hold, input: time, period: 0.1}",
+            "as the sample_and_hold 'held' does",
+        ),
         ("motion: {type: delay, input: sign(time - 1), time: 0.1}", "as 'sign' does"),
     ],
 )
