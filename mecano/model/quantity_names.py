@@ -13,6 +13,11 @@ from mecano.element_interface import Part
 
 AXES = "xyz"
 MAGNITUDE = ".magnitude"
+OF_NODES = {  # quantities of nodes that signals cannot measure: what to read instead
+    "rotation": "read the angle of a joint, or compute an angle from the positions of two nodes of the body: "
+    "atan2(nose.position.y - body.position.y, nose.position.x - body.position.x)",
+    "acceleration": "read the 'washout' of a component of the velocity, with the gain 1/time_constant",
+}
 RATES = ("rate", "speed", "velocity", "derivative", "dot")  # names that an output with another name may be given
 
 
@@ -114,9 +119,10 @@ def _is_given(value, axis):
 
 def _advice(what, kind=None, d=None):
     """Return what to write for an output that cannot be measured, a vector or a rate; "" if unknown."""
+    name = what.partition(".")[0]
     if kind is None:
-        return ""
-    name, chosen = what.partition(".")[0], kind.chosen(d)
+        return OF_NODES.get(name, "")
+    chosen = kind.chosen(d)
     if chosen.hidden.get(name):
         return chosen.hidden[name]
     for o in chosen.outputs:
