@@ -497,6 +497,19 @@ def test_states_that_are_not_found_are_left_out(tmp_path):
         sweep(INPUTS / "caster_shimmy.yaml", (tow,), ["speed=10,30"])
 
 
+def test_motions_of_one_kind_are_one_warning():
+    case = sweeps.Case("")
+    for value, motion in enumerate(("node 'tip' turns about [0, 1, 0]; node 'a' turns about [0, 1, 0]; and 3 more",
+                                    "node 'a' moves along [1, 0, 0]; and 4 more")):  # fmt: skip
+        case.warn(f"the equilibrium at load factor 1 is unstable; {value + 1} direction(s): {motion}", value)
+        case.warn(f"deck.yaml:{value}:2: node '{'ab'[value]}' has no mass", value)
+    assert [text.partition(" ")[0] for text in case.counted_warnings({0, 1})] == [
+        "the",
+        "deck.yaml:0:2:",
+        "deck.yaml:1:2:",
+    ]
+
+
 def test_warnings_count_states_and_not_the_search_for_critical_values(tmp_path, monkeypatch):
     """The oscillator becomes stable at 0: there its mode is computed again and again, with the same warnings."""
     (tmp_path / "o.yaml").write_text(textwrap.dedent(OSCILLATOR))

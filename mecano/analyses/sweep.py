@@ -26,6 +26,7 @@ MOST = 100_000  # states in one sweep
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 RANGE = re.compile(f"({NUMBER}):({NUMBER}):({NUMBER})")
 ALONE = re.compile(rf"(?<!\w){NUMBER}")  # not within a name
+MOTIONS = re.compile(r"(?:node '[^']*' (?:turns|moves) [^;]*(?:; )?)+")  # the largest of a motion
 LIST = re.compile(f"{NUMBER}(?:,{NUMBER})*")
 STEADY = 1e-8  # variation of the equations (linearize.py) below which a state is steady; rounding causes 1e-10
 FAILED = (AssemblyError, ConvergenceError, NonFiniteError)  # the sweep continues without a state that raises these
@@ -117,7 +118,7 @@ class Case:
     number: int = 1_000_000
     frame: str = "inertial"
     method: str = "automatic"
-    warnings: dict = field(default_factory=dict)  # text without numbers -> (first text, set of settings)
+    warnings: dict = field(default_factory=dict)  # text without numbers and motions -> (first text, set of settings)
     about: str = ""
     error: Exception | None = None  # of the last state that was not found
     variation: float = 0.0  # of the Linearizations, largest of all states
@@ -128,8 +129,12 @@ class Case:
         return read_deck(self.path, (*self.overrides, *(f"{path}={value!r}" for path, value in settings)))
 
     def warn(self, text, settings):
-        """Record a warning about the state with ``settings``; texts that differ in numbers only are one warning."""
-        self.warnings.setdefault(ALONE.sub("#", text), (text, set()))[1].add(settings)
+        """Record a warning about the state with ``settings``.
+
+        Texts that differ only in numbers, or in the nodes that move most, are one warning.
+        """
+        alike = ALONE.sub("#", MOTIONS.sub("motions", text))
+        self.warnings.setdefault(alike, (text, set()))[1].add(settings)
 
     def fail(self, error, settings):
         """Record the error of a state."""
