@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from time_runs import INPUTS, RecordedRun, deck, input_deck
 
 from mecano.analyses.modal import modes
-from mecano.errors import DeckError
+from mecano.errors import ConvergenceError, DeckError
 
 S = "Gear stages"
 MASSES = 1.0, 2.0  # of the gears a and b, reduced to the pitch circles [kg]
@@ -35,7 +35,7 @@ def test_rebounds_in_the_backlash(stages, verify):
 RESTING = (
     "loads.motor.nodes=[ground, a_1]",
     "joints.loose.restitution=0",
-    "joints.loose.friction={efficiency: 0.8, regularization: 0.1 mm/s}",
+    "joints.loose.friction={efficiency: 0.8, backdriving_efficiency: 0.6, regularization: 0.1 mm/s}",
 )
 
 
@@ -48,9 +48,9 @@ def test_flanks_on_which_it_rests():
     assert times[1:] == pytest.approx([0.08, 0.08 + crossing], rel=1e-9)
     assert lost[2] == pytest.approx(0.5 * (2.0 / 3.0) * (30.0 * crossing) ** 2, rel=1e-9)
     force, t = run["joints/loose/force"], run.time
-    driving, braking = 30.0 / (1.0 + 2.0 / 0.8), 30.0 / (1.0 + 2.0 * 0.8)
+    driving, braking = 30.0 / (1.0 + 2.0 / 0.8), 30.0 / (1.0 + 2.0 * 0.6)
     np.testing.assert_allclose(force[(t > 0.01) & (t < 0.08)], -0.5 * (2.0 / 0.8 + 2.0) * driving, rtol=1e-6)
-    np.testing.assert_allclose(force[t > 0.1], 0.5 * (2.0 * 0.8 + 2.0) * braking, rtol=1e-6)
+    np.testing.assert_allclose(force[t > 0.1], 0.5 * (2.0 * 0.6 + 2.0) * braking, rtol=1e-6)
 
 
 def test_efficiency_in_both_directions(stages, verify):
@@ -68,6 +68,54 @@ def test_efficiency_in_both_directions(stages, verify):
     np.testing.assert_allclose(power[braking], 0.2 * 2.0 * backward * v[braking], rtol=1e-6)
 
 
+WORM = "joints.lossy.friction={efficiency: 0.4, backdriving_efficiency: -0.2, regularization: 0.1 mm/s}"
+ENDS = "time={end: 0.09, step: 2.0e-5}", "output={every: 0.001}"
+
+
+def test_a_worm_that_brakes_stops_itself(verify):
+    """The worm a, 1 kg, cannot be driven by the wheel b, 2 kg, of which it takes 0.2 times the force to be turned.
+
+    The motor drives with 30 N, then brakes, and drives backward after the stop.
+    """
+    run = RecordedRun(input_deck("gear_stages", WORM, "loads.motor.value.step.time=20 ms", *ENDS))
+    forward, braking = 30.0 / (1.0 + 2.0 / 0.4), 30.0 / (1.0 - 2.0 * 0.2)
+    speed = 1.0 + 0.02 * forward
+    stop = 0.02 + speed / braking
+    found = at_times(run, 0.1 * run["joints/lossy/rate_a"], [0.02, 0.04, 0.09])
+    exact = speed, speed - 0.02 * braking, -forward * (0.09 - stop)
+    within = 2e-5 * (braking - forward)  # the acceleration changes within the step of the stop
+    verify(S, "worm: speeds [m/s]", found, exact, "momentum", absolute=within)
+    assert np.ptp(run["energy/balance"]) < 1e-4 * np.ptp(run["energy/dissipated"])
+
+
+def test_a_worm_locks_itself(verify):
+    """The load on the wheel b makes it creep at the speed u with mu phi(u) = 2, and does not reach the worm a."""
+    start = "initial.velocities=[]"
+    run = RecordedRun(input_deck("gear_stages", WORM, start, "loads.motor.nodes=[ground, b_3]", "time.end=0.05"))
+    creep = 1e-4 * (1.0 - math.sqrt(1.0 - 2.0 / 3.0))
+    found = -0.1 * run["joints/lossy/rate_a"][-1], 0.2 * run["joints/lossy/rate_b"][-1]
+    verify(S, "worm driven by its wheel: speeds [m/s]", found, [creep, creep], "balance of forces", relative=1e-6)
+    force = run["joints/lossy/force"][-1]
+    assert abs(force) == pytest.approx(0.5 * 15.0, rel=1e-6)  # the mean of 3 N m/0.2 m and none
+    assert run["joints/lossy/dissipated_power"][-1] == pytest.approx(15.0 * creep, rel=1e-6)
+
+
+LIGHT = "elements.gear_a_3.inertia=[1.0e-3, 1.0e-3, 2.0e-3]"  # 0.2 kg, less than 0.2 times the 2 kg of the wheel
+
+
+def test_a_light_worm_jams():
+    """Rigid teeth have no acceleration when the wheel drives; elastic ones stop worm and wheel within 20 ms."""
+    changes = WORM, LIGHT, "loads.motor.value=-0.5", "time={end: 0.05, step: 1.0e-4}"
+    with pytest.raises(ConvergenceError, match="gear_pair 'lossy' binds"):
+        RecordedRun(input_deck("gear_stages", *changes))
+    elastic = "joints.lossy.teeth={stiffness: 1 MN/m, damping: 200}"
+    run = RecordedRun(input_deck("gear_stages", *changes, elastic))
+    braking = np.abs(0.1 * run["joints/lossy/rate_a"]) > 0.9
+    assert run.time[braking].max() < 0.02
+    assert np.abs(0.2 * run["joints/lossy/rate_b"][-50:]).max() < 0.05
+    assert np.ptp(run["energy/balance"]) < 5e-3 * np.ptp(run["energy/dissipated"])
+
+
 def test_energy_of_all_stages(stages):
     """Friction, shocks and the motor account for all changes of energy; varying teeth give and take nothing."""
     assert np.ptp(stages["energy/balance"]) < 1e-4 * np.ptp(stages["energy/given"])
@@ -82,7 +130,7 @@ def test_mode_of_elastic_teeth(verify):
 
 def motion_of_two_masses(end):
     """Return the transmission error [m] over time, a function, of two masses on the pitch circles, by SciPy."""
-    k, play, chi, c, loss, eps, per_metre, force = 1e6, 1e-4, 0.5, 20.0, 0.2 / 1.9, 0.01, 24.0 / 0.1, 30.0
+    k, play, chi, c, eps, per_metre, force = 1e6, 1e-4, 0.5, 20.0, 0.01, 24.0 / 0.1, 30.0
 
     def rates(t, y):
         u, v = y[:2], y[2:]
@@ -90,7 +138,7 @@ def motion_of_two_masses(end):
         kappa, slope = 1.0 + 0.2 * math.cos(per_metre * w), -0.2 * per_metre * math.sin(per_metre * w)
         d = max(abs(s) - 0.5 * play, 0.0)
         N = kappa * k * math.copysign(d, s) * max(1.0 + chi * math.copysign(s1, s * s1), 0.0) + c * s1
-        ratio = min(abs(w1) / eps, 1.0)
+        ratio, loss = min(abs(w1) / eps, 1.0), 0.2 / 1.9 if N * w1 > 0.0 else 0.6 / 1.7
         half = 0.5 * (slope * 0.5 * k * d * d + loss * abs(N) * ratio * (2.0 - ratio) * math.copysign(1.0, w1))
         return [v[0], v[1], (force - N - half) / MASSES[0], (N - half) / MASSES[1]]
 
@@ -103,7 +151,7 @@ ALL = (
     "joints.elastic.backlash=0.1 mm",
     "joints.elastic.teeth.damping=20",
     "joints.elastic.teeth.impact_damping=0.5",
-    "joints.elastic.friction={efficiency: 0.9, regularization: 0.01}",
+    "joints.elastic.friction={efficiency: 0.9, backdriving_efficiency: 0.7, regularization: 0.01}",
     "loads.motor.nodes=[ground, a_2]",
     "time.end=0.03",
 )
@@ -244,6 +292,7 @@ REFUSED = [
     ((f"{PAIR}.teeth.variation=[0.7, 0.4]",), "whose sum is less than 1"),
     ((f"{PAIR}.teeth.phases=[0, 1]",), "'teeth.phases' must be as many as the amplitudes"),
     (("joints.lossy.friction.efficiency=0",), "must be greater than 0 and at most 1"),
+    (("joints.lossy.friction.backdriving_efficiency=-1",), "must be greater than -1 and at most 1"),
 ]
 
 
@@ -264,7 +313,7 @@ def test_errors_of_teeth_point_at_their_values():
 RACK = (
     "joints.teeth.backlash=2 mm",
     "joints.teeth.teeth={stiffness: 1 MN/m, damping: 1 kN s/m}",
-    "joints.teeth.friction={efficiency: 0.9, regularization: 1 mm/s}",
+    "joints.teeth.friction={efficiency: 0.9, backdriving_efficiency: 0.5, regularization: 1 mm/s}",
 )
 
 

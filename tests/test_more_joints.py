@@ -43,6 +43,34 @@ def test_screw_is_driven_by_its_moment():
     assert recorded[f"{jack}/angle"][-1] > 4.0 * np.pi
 
 
+@pytest.mark.parametrize("rate, moment, ratio", [(1.0, 5.0, 1.0 / 0.4), (-1.0, -2.0, -0.5), (-1.0, 0.0, -0.5)])
+def test_thread_with_an_efficiency(rate, moment, ratio):
+    """Lifting takes h/0.4 times the load, lowering 0.5 h times it: the thread locks itself, the motor must turn it."""
+    h, load = 0.02 / (2.0 * np.pi), 50.0
+    start = f"velocity: [0, 0, {h * rate}], angular_velocity: [0, 0, {rate}]"
+    recorded = RecordedRun(
+        input_deck(
+            "screw_jack",
+            "joints.jack.friction={efficiency: 0.4, backdriving_efficiency: -0.5, regularization: 1.0e-5}",
+            f"loads.motor.value={moment}",
+            f"initial.velocities=[{{nodes: [spindle], {start}}}]",
+            "time={end: 0.05, step: 1.0e-3}",
+            "output={}",
+        )
+    )
+    t, jack = recorded.time, "joints/jack"
+    second = (moment - ratio * h * load * 9.81) / (0.01 + load * h**2 * ratio)
+    moves = rate * (rate + second * t) > 0.0
+    close(recorded[f"{jack}/rate"][moves], (rate + second * t)[moves], 10.0)
+    thrust = load * (9.81 + h * second)  # what the load feels: force of the thread without friction, less friction
+    friction, force = recorded[f"{jack}/friction_force"], recorded[f"{jack}/force"][:, 2]
+    close((force - friction)[moves][1:], thrust, 1e3)
+    close((h * force + recorded[f"{jack}/friction_moment"])[moves][1:], ratio * h * thrust, 10.0)
+    if moment == 0.0:  # it stops, and creeps where mu phi = 2, mu = 6
+        close(recorded[f"{jack}/velocity"][-1] / 1e-5, np.sqrt(1.0 - 2.0 / 6.0) - 1.0, 1.0)
+        close(recorded[f"{jack}/dissipated_power"][-1] / (load * 9.81e-5), 1.0 - np.sqrt(1.0 - 2.0 / 6.0), 1.0)
+
+
 def test_screw_locks_and_rebounds():
     """At 20 mm it locks with the impulse (J + m h^2) omega/h, or comes back from a stop with half its rate."""
     h, inertia = 0.02 / (2.0 * np.pi), 0.01 + 50.0 * (0.02 / (2.0 * np.pi)) ** 2

@@ -15,7 +15,7 @@ from mecano.jit.kernel import kernel
 from mecano.schema import NUMBER, Field, not_negative, share
 
 VALUES = {
-    "loss": (), "regularization": (), "half_play": (), "restitution": (), "damping": (), "law": "i", "variation": "i",
+    "loss": 2, "regularization": (), "half_play": (), "restitution": (), "damping": (), "law": "i", "variation": "i",
 }  # fmt: skip
 """Fields of the record of a joint before those of its mesh."""
 FIELDS = (
@@ -46,6 +46,7 @@ class Mesh(NamedTuple):
 
     held: Kind  # the constraint of rigid teeth without play, on the transmission error s
     travel: Callable  # (p, at) -> (s [m], its gradient), (mean travel w [m], its gradient)
+    driver: int  # part that drives if power passes forward: 0, the part that s > 0 is ahead, or 1
 
 
 def with_teeth(kind, mesh, put_motion, radius):
@@ -57,18 +58,20 @@ def with_teeth(kind, mesh, put_motion, radius):
     shapes = {name: mesh.held.dtype[name].shape for name in mesh.held.dtype.names}
     dtype = record(**VALUES, **shapes)
     flanks, friction = backlash_kind(mesh), tooth_friction_kind(mesh, dtype)
+    flank_friction = replace(friction, name=f"{mesh.held.name}_flank_friction", phases=STOP_PHASES)
     nodes = tuple(range(1 + max(int(slot[1:]) for slot in mesh.held.layout)))
 
     def prepare(d, at_start, context):
         teeth = teeth_values(d, d[radius], context)
-        return {**kind.prepare(d, at_start, context), **teeth, **friction_values(d["friction"]),
+        return {**kind.prepare(d, at_start, context), **teeth, **friction_values(d["friction"], mesh.driver),
                 "restitution": d["restitution"]}  # fmt: skip
 
     def parts(d, at_start, context):
         first = Part(flanks if d["backlash"] else mesh.held, nodes, kind.prepare(d, at_start, context))
         if d["friction"] is None:
             return [first]
-        return [first, Part(friction, nodes, prepare(d, at_start, context), coupled_to=(0,))]
+        dry = flank_friction if d["backlash"] else friction
+        return [first, Part(dry, nodes, prepare(d, at_start, context), coupled_to=(0,))]
 
     held = replace(
         kind, dtype=dtype, layout=mesh.held.layout, fields=(*kind.fields, *FIELDS), outputs=(*kind.outputs, *OUTPUTS),
@@ -121,7 +124,7 @@ def _observe_rigid(mesh, put_motion, force):
         (s, _), (_, along) = travel(p, at)
         rate = rate_of(along, at.v)
         y[4], y[5] = force(at.phase, at.q[row]), s
-        y[6] = tooth_friction(p, y[4], rate) * rate
+        y[6] = tooth_friction(p, -y[4], rate) * rate
 
     return observe
 
@@ -144,7 +147,7 @@ def _elastic(held, mesh, put_motion):
 def _samples(first):
     """Return samples of all sorts of teeth from the ``first`` one of a joint, on each flank and between them."""
     values, nodes, _ = first
-    dry = {"friction": {"efficiency": 0.8, "regularization": 0.6}}
+    dry = {"friction": {"efficiency": 0.8, "backdriving_efficiency": -0.2, "regularization": 0.6}}
     spring = {"stiffness": 40.0, "damping": 3.0, "impact_damping": 0.0, "number": None, "variation": (), "phases": ()}
     rippled = {**spring, "number": 7.0, "variation": [0.3, -0.2], "phases": [0.4, 1.0]}
     damped = {**rippled, "impact_damping": 0.2}

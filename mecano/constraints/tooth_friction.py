@@ -1,4 +1,4 @@
-r"""Friction of meshing teeth, proportional to the force that they transmit: the efficiency of a gear stage.
+r"""Friction of meshing teeth or of a thread, proportional to the force that it transmits: its efficiency.
 
 With the force N of the teeth and the mean travel w of both pitch circles relative to the carrier:
 
@@ -7,37 +7,51 @@ With the force N of the teeth and the mean travel w of both pitch circles relati
 
 with :math:`\phi(u) = (u/\epsilon)(2 - u/\epsilon)` below the speed :math:`\epsilon` of the ``regularization``, 1
 beyond. Half of :math:`F_r` acts against each of the gears, so that the driving one pushes with :math:`N(1 + \mu/2)`
-and the driven one receives :math:`N(1 - \mu/2)`: their ratio is the efficiency :math:`\eta`, whichever of them drives.
+and the driven one receives :math:`N(1 - \mu/2)`: their ratio is the efficiency :math:`\eta` of the direction in which
+power passes, forward if :math:`N\dot w > 0`. The force is continuous where the direction changes, as N or
+:math:`\dot w` is zero there. With a backdriving efficiency :math:`\eta_b \le 0` the mesh locks itself: driven backward,
+it creeps at the speed at which :math:`\mu\phi = 2`, without a force on the forward driver.
 """
 
+from mecano.constraints.along_coordinate.stops import UPPER
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.element_interface import Kind
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import regularization, sticking
-from mecano.maths.dual import number
+from mecano.maths.dual import number, value
 from mecano.schema import NUMBER, Field, mapping
 
 
 @kernel
 def tooth_friction(p, N, rate):
-    """Return F_r [N] for the force N of the teeth [N] and the rate of the mean travel [m/s]."""
-    return p.loss * abs(N) * sticking(p.regularization, abs(rate)) * rate
+    """Return F_r [N] for the force N with which part 0 pushes part 1 [N] and the rate of the mean travel [m/s]."""
+    loss = p.loss[0] if value(N) * value(rate) > 0.0 else p.loss[1]
+    return loss * abs(N) * sticking(p.regularization, abs(rate)) * rate
+
+
+@kernel
+def _push(phase, reaction):
+    """Return the force with which part 0 pushes part 1 [N], of teeth without play or of flanks (backlash.py)."""
+    return reaction if phase == UPPER else -reaction
 
 
 def tooth_friction_kind(mesh, dtype):
-    """Return the Kind of the friction of rigid teeth, to whose force it is coupled; ``mesh`` as in gear_teeth.py."""
+    """Return the Kind of the friction of rigid teeth, to whose force it is coupled; ``mesh`` as in gear_teeth.py.
+
+    For teeth with backlash, replace its phases by those of the flanks.
+    """
     travel, row = mesh.travel, 3 * len(mesh.held.layout)
 
     @kernel
     def residual(p, at, f):
         _, (_, along) = travel(p, at)
-        add_along(f, tooth_friction(p, number(at.q[row]), rate_of(along, at.v)), along)
+        add_along(f, tooth_friction(p, _push(at.phase, number(at.q[row])), rate_of(along, at.v)), along)
 
     @kernel
     def observe(p, at, F, y, e):
         _, (_, along) = travel(p, at)
         rate = rate_of(along, at.v)
-        e[2] = tooth_friction(p, at.q[row], rate) * rate
+        e[2] = tooth_friction(p, _push(at.phase, at.q[row]), rate) * rate
 
     return Kind(
         name=f"{mesh.held.name}_friction", doc=__doc__, dtype=dtype, layout=mesh.held.layout,
@@ -50,20 +64,31 @@ def _efficiency(value):
     return None if 0.0 < value <= 1.0 else "must be greater than 0 and at most 1"
 
 
+def _backdriving(value):
+    return None if -1.0 < value <= 1.0 else "must be greater than -1 and at most 1; 0 or less locks itself"
+
+
 FRICTION = Field(
     "friction",
     mapping(
-        Field("efficiency", NUMBER, "-", "power that the driven part receives over that of the driving one, in either "
-              "direction", check=_efficiency),
-        regularization("speed of the pitch circle"),
+        Field("efficiency", NUMBER, "-", "power that the driven part receives over that of the driving one",
+              check=_efficiency),
+        Field("backdriving_efficiency", NUMBER, "-", "the same if power passes from gear b to a, from the rack to the "
+              "pinion, or from the thrust to the turning of a screw; 0 or less: it locks itself; 'efficiency' when "
+              "absent", None, _backdriving),
+        regularization("speed of the pitch circle, the mean of both parts,"),
     ),
-    "-", "friction of the teeth, proportional to the force that they transmit; none when absent", None,
+    "-", "friction proportional to the force of the teeth or the thread; none when absent", None,
 )  # fmt: skip
 
 
-def friction_values(friction):
-    """Return the values loss (mu) and regularization of a record from the deck's ``friction``, or None."""
+def friction_values(friction, driver):
+    """Return the values loss (mu if part 0 drives, if part 1 does) and regularization of a record from the deck.
+
+    ``friction`` is that of the deck or None, ``driver`` the part (0, 1) that drives if power passes forward.
+    """
     if friction is None:
-        return {"loss": 0.0, "regularization": 1.0}
-    eta = friction["efficiency"]
-    return {"loss": 2.0 * (1.0 - eta) / (1.0 + eta), "regularization": friction["regularization"]}
+        return {"loss": (0.0, 0.0), "regularization": 1.0}
+    eta, back = friction["efficiency"], friction["backdriving_efficiency"]
+    mu = [2.0 * (1.0 - e) / (1.0 + e) for e in (eta, eta if back is None else back)]
+    return {"loss": mu[::-1] if driver else mu, "regularization": friction["regularization"]}

@@ -163,5 +163,5 @@ _PAIR = Kind(
     check=check,
     sample=sample,
 )  # fmt: skip
-GEAR_PAIR = with_teeth(_PAIR, Mesh(GEAR_MESH, gear_travel), _put_motion, "radius_a")
+GEAR_PAIR = with_teeth(_PAIR, Mesh(GEAR_MESH, gear_travel, driver=0), _put_motion, "radius_a")
 del _PAIR  # its record lacks what `commit` reads: it is not among the kinds that `mecano warmup` compiles

@@ -86,4 +86,4 @@ _RIGID = Kind(
     check=check,
     sample=sample,
 )  # fmt: skip
-RACK_AND_PINION = with_teeth(_RIGID, Mesh(GEARED_SLIDE, slide_travel), _put_motion, "radius")
+RACK_AND_PINION = with_teeth(_RIGID, Mesh(GEARED_SLIDE, slide_travel, driver=1), _put_motion, "radius")

@@ -8,10 +8,11 @@ A cylindrical joint whose sliding s is coupled to its angle, with the pitch P (>
 
 The axis is that of a and passes through node b; the axes across it are chosen as for the hinge, and the assembly
 rejects :math:`\xi_3 = -\mu_3`. The multipliers are those of the cylindrical joint, then the thrust F of the thread on b
-along the axis; it is accompanied by the moment :math:`-P F/(2\pi)` about the axis, since the thread has no friction.
+along the axis; it is accompanied by the moment :math:`-P F/(2\pi)` about the axis.
 
-Options: ``turning_law`` gives a moment about the axis from the angle and its rate; a ``latch`` and
-``stops`` act at given displacements (docs/shocks.md).
+Options: ``friction`` gives the thread an efficiency in each direction of the power, also one that locks itself; its
+force and moment are added to the reactions. ``turning_law`` gives a moment about the axis from the angle and its rate;
+a ``latch`` and ``stops`` act at given displacements (docs/shocks.md).
 """
 
 import math
@@ -29,13 +30,18 @@ from mecano.constraints.coordinates.slide import slide
 from mecano.constraints.geared_slide import GEARED_SLIDE
 from mecano.constraints.joint_options import SLIDE_ENDS, TURNING_LAW, Option
 from mecano.constraints.joint_samples import SLIDE_STOPPED, SPRUNG, two_places
+from mecano.constraints.of_coordinates import BOTH
 from mecano.constraints.pair import AXES_FIELDS, axis_place
+from mecano.constraints.thread_friction import THREAD_FRICTION, thread_friction_parts
+from mecano.constraints.tooth_friction import FRICTION
 from mecano.element_interface import Display, Part, record
 from mecano.elements.joints.lower_pair import LowerPair, rigid_pair
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import DIRECTION, NUMBER, Field
+
+HELD = "about_2", "about_1", "along_1", "along_2"
 
 
 @kernel
@@ -60,7 +66,8 @@ def _place(d, nodes, context):
 
 def _thread(d, p, context):
     axes = {"mu": p["mu"], "xi": p["xi"], "sigma": p["mu"][2]}
-    return [Part(GEARED_SLIDE, (0, 1), {**axes, "offset": p["start"][2], "travel": p["travel"]})]
+    thread = {**axes, "offset": p["start"][2], "travel": p["travel"]}
+    return [Part(GEARED_SLIDE, BOTH, thread), *thread_friction_parts(d["friction"], thread, len(HELD))]
 
 
 def _has_pitch(value):
@@ -74,6 +81,7 @@ def sample(rng):
         (d, nodes, ""),
         ({**d, "pitch": -3.0, "turning_law": SPRUNG, "natural_angle": 0.2}, nodes, ""),
         ({**d, **SLIDE_STOPPED}, nodes, ""),
+        ({**d, "friction": {"efficiency": 0.6, "backdriving_efficiency": -0.2, "regularization": 0.5}}, nodes, ""),
     ]
 
 
@@ -82,12 +90,12 @@ SCREW = rigid_pair(
     __doc__,
     LowerPair(
         axis=Field("axis", DIRECTION, "-", "axis at the start, inertial; it goes through node b"),
-        held=("about_2", "about_1", "along_1", "along_2"),
+        held=HELD,
         display=Display(support=False, pictures=("gears",)),
         motions=(
             Outputs((*TURNING.declared, *SLIDING.declared), _put_motion, measures=TURNING.measures | SLIDING.measures),
         ),
-        options=(Option((), _thread), TURNING_LAW, SLIDE_ENDS),
+        options=(Option((FRICTION,), _thread, (("friction", THREAD_FRICTION, ""),)), TURNING_LAW, SLIDE_ENDS),
         reactions=Outputs(REACTIONS, _put_reactions),
         fields=(
             Field("pitch", NUMBER, "m", "advance along the axis in one turn; > 0: right-handed", check=_has_pitch),

@@ -1,0 +1,49 @@
+r"""Friction of a thread, proportional to its force: the efficiency of a screw that turns its nut, or is turned by it.
+
+The friction is that of meshing teeth (tooth_friction.py) with the sliding s and the travel :math:`h\theta` of the
+angle, :math:`h = P/2\pi`, as the pitch circles. Of :math:`F_r`, half acts against the sliding, and a moment
+:math:`h F_r/2` against the rotation. With the lead angle :math:`\gamma` and the friction angle :math:`\rho` of the
+thread,
+
+.. math::  \eta = \frac{\tan\gamma}{\tan(\gamma + \rho)}, \qquad \eta_b = \frac{\tan(\gamma - \rho)}{\tan\gamma}
+
+if the moment drives the thrust, and the reverse.
+"""
+
+from dataclasses import replace
+
+from mecano.constraints.along_coordinate.friction import FRICTION_FORCE, FRICTION_MOMENT, POWER
+from mecano.constraints.coordinates.coordinate import rate_of
+from mecano.constraints.gear_teeth import Mesh
+from mecano.constraints.geared_slide import GEARED_SLIDE, MULTIPLIER, slide_travel
+from mecano.constraints.of_coordinates import BOTH
+from mecano.constraints.tooth_friction import friction_values, tooth_friction, tooth_friction_kind
+from mecano.element_interface import Part, record
+from mecano.jit.kernel import kernel
+
+THREAD = Mesh(GEARED_SLIDE, slide_travel, driver=1)
+AXES = {name: GEARED_SLIDE.dtype[name].shape for name in GEARED_SLIDE.dtype.names}
+
+
+@kernel
+def observe(p, at, F, y, e):
+    """Write friction and its power."""
+    _, (_, along) = slide_travel(p, at)
+    rate = rate_of(along, at.v)
+    drag = tooth_friction(p, -at.q[MULTIPLIER], rate)
+    y[0], y[1], y[2] = 0.5 * drag, 0.5 * p.travel * drag, drag * rate
+    e[2] = y[2]
+
+
+THREAD_FRICTION = replace(
+    tooth_friction_kind(THREAD, record(loss=2, regularization=(), **AXES)),
+    name="thread_friction", doc=__doc__, outputs=(FRICTION_FORCE, FRICTION_MOMENT, POWER), observe=observe,
+)  # fmt: skip
+
+
+def thread_friction_parts(friction, thread, row):
+    """Return the [Part] of the deck's ``friction``, or none; ``thread`` are values of the part ``row``, the thread."""
+    if friction is None:
+        return []
+    values = {**thread, **friction_values(friction, THREAD.driver)}
+    return [Part(THREAD_FRICTION, BOTH, values, coupled_to=(row,))]
