@@ -25,7 +25,7 @@ from mecano.cli import commands
 from mecano.deck.format import deck_error_text
 from mecano.deck.read import read_deck
 from mecano.elements import KINDS
-from mecano.errors import DeckError, UsageError
+from mecano.errors import DeckError, ResultsError, UsageError
 from mecano.jit import store
 from mecano.post.pictures import post
 from mecano.post.study_outputs import displayed_outputs
@@ -35,7 +35,7 @@ from mecano.post.study_statistics import statistics
 from mecano.results.study_file import Column, StudyTable
 from mecano.results.study_file import read_study as read_table
 from mecano.study import dask, slurm
-from mecano.study.execution import due
+from mecano.study.execution import clear, due
 from mecano.study.folder import COMPLETE, FAILED, Folder, Record
 from mecano.study.pool import Limits
 from mecano.study.read import read_study, try_deck
@@ -271,9 +271,11 @@ class TestFolder:
                 runs.write(case, Record(status, 0, 1.0))
         with pytest.raises(UsageError, match="runs has cases: --resume"):
             due(runs)
-        assert [case.number for case in due(runs, resume=True)] == [3]
-        assert [case.number for case in due(runs, failed=True)] == [2, 3]
-        assert [case.number for case in due(runs, force=True)] == [1, 2, 3] and not runs.begun()
+        for option, cases, again in (("resume", [3], []), ("failed", [2, 3], [2]), ("force", [1, 2, 3], [1, 2, 3])):
+            found = due(runs, **{option: True})
+            assert ([case.number for case in found.cases], [case.number for case in found.again]) == (cases, again)
+        clear(runs, found.again)
+        assert not runs.begun()
 
     def test_a_study_that_has_changed_is_noticed(self, folder):
         found = study(folder, "grid: {time.end: [1, 2, 3]}")
@@ -293,10 +295,10 @@ class TestFolder:
         runs = Folder("runs", study(folder, "grid: {time.end: [1]}"))
         with runs.held():
             runs.write(runs.study.cases[0], Record(FAILED, 3))
-            for options in ({"force": True}, {"failed": True}):
+            for begin in (clear, lambda runs, cases: runs.set_aside(cases).__enter__()):
                 with pytest.raises(UsageError, match="another process is running cases in runs"):
-                    due(runs, **options)
-            assert runs.begun()
+                    begin(runs, runs.study.cases)
+            assert runs.file(runs.study.cases[0], ".json").exists()
 
 
 def test_a_study_from_its_beginning_to_its_table(folder):
@@ -602,6 +604,36 @@ def test_no_case_is_deleted_that_cannot_run_again(folder, monkeypatch, executor,
     result = CliRunner().invoke(commands, ["sweep", "study.yaml", "--executor", executor, *option])
     assert isinstance(result.exception, UsageError), result.output
     assert [runs.record(case).status for case in runs.study.cases] == [FAILED, FAILED]
+
+
+SBATCH = """\
+#!/bin/sh
+ls study_runs > seen
+{answer}
+"""
+
+
+@pytest.mark.parametrize("accepts", (True, False))
+def test_cases_are_replaced_when_sbatch_has_accepted_the_study(folder, monkeypatch, accepts):
+    """The files of cases that start again are gone when tasks may begin, and back if sbatch refuses its options."""
+    runs = Folder("study_runs", study(folder, "grid: {time.end: [0.1, -1]}"))
+    with runs.held():
+        for case in runs.study.cases:
+            runs.write(case, Record(FAILED, 2))
+            runs.file(case, ".h5").write_text("results")
+    answer = "echo Submitted batch job 7" if accepts else "echo invalid partition specified: x >&2; exit 1"
+    (folder / "sbatch").write_text(SBATCH.format(answer=answer))
+    (folder / "sbatch").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{folder}:{os.environ['PATH']}")
+    result = CliRunner().invoke(commands, ["sweep", "study.yaml", "--executor", "slurm", "--force"])
+    assert (folder / "seen").read_text().split() == ["array.sbatch", "replaced"]
+    left = [path.name for path in sorted(runs.path.iterdir())]
+    if accepts:
+        assert result.exit_code == 0 and left == ["array.sbatch"]
+    else:
+        assert isinstance(result.exception, ResultsError) and "invalid partition" in str(result.exception)
+        assert left == ["0001.h5", "0001.json", "0002.h5", "0002.json", "array.sbatch"]
+        assert [runs.record(case).status for case in runs.study.cases] == [FAILED, FAILED]
 
 
 def test_one_case_alone_ends_with_the_exit_code_of_its_run(folder):

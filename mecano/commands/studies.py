@@ -4,7 +4,6 @@ import os
 import shlex
 import sys
 from functools import partial
-from importlib import import_module
 
 import click
 
@@ -84,18 +83,20 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
     units = units_of(checked, deck)
     if only_table:
         return _finish(execution.collect(folder, units), plot)
-    if (force or again) and executor != "local":  # before cases are deleted that could not run again
-        import_module(f"mecano.study.{executor}").require()
-    cases = execution.due(folder, resume=resume, failed=again == "failed", force=force)
-    if executor == "slurm" and cases:
+    due = execution.due(folder, resume=resume, failed=again == "failed", force=force)
+    if executor == "slurm" and due.cases:
         from mecano.study.slurm import submit
 
-        show(submit(folder, cases, limits, options, wait))
+        show(submit(folder, due, limits, options, wait))
         if not wait:
             return show(f"`mecano sweep {study} -o {folder.path} --collect` writes the table")
         return _finish(execution.collect(folder, units), plot)
+    if executor == "dask":
+        from mecano.study.dask import require
+
+        require()  # before cases are deleted that could not run again
     run_cases = partial(_runner(executor, scheduler), limits=limits, jobs=jobs or cores())
-    _finish(execution.execute(deck, folder, units, cases, run_cases, interruption, quiet=quiet), plot)
+    _finish(execution.execute(deck, folder, units, due, run_cases, interruption, quiet=quiet), plot)
 
 
 def _refuse_strays(executor, *, resume, force, jobs, scheduler, sbatch, wait):

@@ -236,9 +236,9 @@ def sweep(
         raise UsageError(f"the name of the folder {ascii(str(place.path))} is not UTF-8 text")
     interruption = Interruption(again=f"mecano.sweep({os.fspath(study)!r}, {str(place.path)!r}, resume=True)")
     with interruptible(interruption):
-        cases = execution.due(place, resume=resume, force=force)
+        due = execution.due(place, resume=resume, force=force)
         run_cases = partial(run_here, limits=Limits(), jobs=jobs or cores())
-        execution.execute(deck, place, units_of(checked, deck), cases, run_cases, interruption, quiet=quiet)
+        execution.execute(deck, place, units_of(checked, deck), due, run_cases, interruption, quiet=quiet)
     return Study(read_table(place.table))
 
 

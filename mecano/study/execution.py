@@ -1,38 +1,44 @@
 """Execution of a study: selection of the cases, their run here, by Slurm or by Dask, and the final table."""
 
 import subprocess
+from typing import NamedTuple
 
 from mecano.analyses.progress import COMPILING, StudyProgress
 from mecano.errors import IncompleteStudyError, UsageError
-from mecano.process.interrupt import Stopped, again
+from mecano.process.interrupt import Stopped
+from mecano.process.interrupt import again as this_command
 from mecano.process.lifeline import popen_options
 from mecano.study.folder import COMPLETE, FAILED
 from mecano.study.pool import PROGRAM, Pool
 from mecano.study.table import Table
 
 
+class Due(NamedTuple):
+    """Cases to run, and those of them that start again: their files are removed first."""
+
+    cases: list
+    again: list
+
+
 def due(folder, *, resume=False, failed=False, force=False):
-    """Return the cases to run: all cases of a new study, the incomplete cases of one that has begun.
+    """Return what is Due: all cases of a new study, the incomplete cases of one that has begun.
 
     Failed cases are included only with ``failed``; these and, with ``force``, all cases start again. Raises UsageError
-    if cases have been run and none of ``resume``, ``failed`` and ``force`` is given, or if another process runs cases
-    that would start again.
+    if cases have been run and none of ``resume``, ``failed`` and ``force`` is given.
     """
     cases = folder.study.cases
     if folder.begun() and not (resume or failed or force):
         raise UsageError(f"{folder.path} has cases: --resume continues them, --force deletes them and runs all")
     if force:
-        _clear(folder, cases)
-        return list(cases)
+        return Due(list(cases), list(cases))
     records = {case.number: folder.record(case) for case in cases}
-    if failed:
-        _clear(folder, [case for case in cases if records[case.number].status == FAILED])
+    again = [case for case in cases if failed and records[case.number].status == FAILED]
     done = (COMPLETE,) if failed else (COMPLETE, FAILED)
-    return [case for case in cases if records[case.number].status not in done]
+    return Due([case for case in cases if records[case.number].status not in done], again)
 
 
-def _clear(folder, cases):
-    """Remove all files of some cases, unless another process runs cases of the study."""
+def clear(folder, cases):
+    """Remove all files of some cases. Raises UsageError if another process runs cases of the study."""
     if cases and folder.begun():
         with folder.held():
             folder.clear(cases)
@@ -60,8 +66,8 @@ def _compile_first(deck, announce):
             raise
 
 
-def execute(deck, folder, units, cases, run_cases, interruption, *, quiet=False):
-    """Compile what the Deck needs, run the cases, write the table, and return the Table.
+def execute(deck, folder, units, due, run_cases, interruption, *, quiet=False):
+    """Delete the cases that run again, compile what the Deck needs, run the cases, write and return the Table.
 
     Parameters
     ----------
@@ -70,7 +76,7 @@ def execute(deck, folder, units, cases, run_cases, interruption, *, quiet=False)
     folder : Folder
     units : dict
         Units of the varied values (units.py).
-    cases : list of Case
+    due : Due
     run_cases : function
         (folder, cases, ended) -> number of the signal that ended them, or None (see ``run_here``).
     interruption : Interruption
@@ -82,11 +88,12 @@ def execute(deck, folder, units, cases, run_cases, interruption, *, quiet=False)
     Stopped
         A signal has ended the study; the message states the command that resumes it.
     """
-    progress = StudyProgress(quiet, folder.path)
+    clear(folder, due.again)
+    progress, cases = StudyProgress(quiet, folder.path), due.cases
     if cases:
         _compile_first(deck, progress.note)
     interruption.raise_if_asked("before the cases started")
-    table = _with_table(folder, units, cases, run_cases, progress, interruption.again or again())
+    table = _with_table(folder, units, cases, run_cases, progress, interruption.again or this_command())
     progress.done(len(cases))
     return table
 

@@ -3,11 +3,12 @@
 import fcntl
 import json
 import os
+import shutil
 from contextlib import contextmanager, nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from mecano.errors import ResultsError, UsageError
+from mecano.errors import MecanoError, ResultsError, UsageError
 from mecano.results.lock import locked
 from mecano.results.whole_file import atomic_file, make_folder
 
@@ -68,8 +69,34 @@ class Folder:
     def clear(self, cases):
         """Remove all files of some cases."""
         for case in cases:
-            for ending in (".h5", ".json", ".log"):
-                self.file(case, ending).unlink(missing_ok=True)
+            for path in self._files(case):
+                path.unlink(missing_ok=True)
+
+    def _files(self, case):
+        return [self.file(case, ending) for ending in (".h5", ".json", ".log")]
+
+    @contextmanager
+    def set_aside(self, cases):
+        """Keep all files of some cases in the folder ``replaced`` within this block; delete them at its end.
+
+        A MecanoError in the block restores them. Raises UsageError if another process runs cases.
+        """
+        files = [path for case in cases for path in self._files(case) if path.exists()]
+        if not files:
+            yield
+            return
+        aside = self.path / "replaced"
+        with self.held():
+            make_folder(aside)
+            moved = [(path, path.replace(aside / path.name)) for path in files]
+        try:
+            yield
+        except MecanoError:
+            for path, kept in moved:
+                kept.replace(path)
+            shutil.rmtree(aside, ignore_errors=True)
+            raise
+        shutil.rmtree(aside, ignore_errors=True)
 
     def begun(self):
         """Return True if a case of the study has been run here."""

@@ -68,14 +68,22 @@ def ranges(numbers):
 def require():
     """Raise UsageError if there is no sbatch on this machine."""
     if not shutil.which("sbatch"):
-        raise UsageError("there is no sbatch on this machine; the existing cases are kept")
+        raise UsageError("there is no sbatch on this machine: run the study where Slurm's commands are installed")
 
 
-def submit(folder, cases, limits, options, wait=False):
-    """Write the script into the folder and submit it to sbatch with ``options``; return the output of sbatch.
+def submit(folder, due, limits, options, wait=False):
+    """Submit the cases that are ``due`` (execution.py) to sbatch with ``options``; return the output of sbatch.
 
-    With ``wait``, return after all tasks have ended. Raises ResultsError if sbatch refuses, UsageError without sbatch.
+    The script is written into the folder. With ``wait``, return after all tasks have ended. Existing files of cases
+    that start again are deleted when sbatch has accepted them. Raises ResultsError if sbatch refuses, UsageError
+    without sbatch.
     """
+    require()
+    with folder.set_aside(due.again):
+        return _submitted(folder, due.cases, limits, options, wait)
+
+
+def _submitted(folder, cases, limits, options, wait):
     path = folder.path / "array.sbatch"
     make_folder(folder.path)
     try:
@@ -83,10 +91,7 @@ def submit(folder, cases, limits, options, wait=False):
     except OSError as error:
         raise ResultsError(f"cannot write {path}: {error.strerror}") from error
     words = ["sbatch", *(["--wait"] if wait else []), *options, str(path)]
-    try:
-        ended = subprocess.run(words, capture_output=True, text=True)
-    except FileNotFoundError:
-        raise UsageError(f"there is no sbatch on this machine; the script is in {path}") from None
+    ended = subprocess.run(words, capture_output=True, text=True)
     reported = ended.stdout.strip()
     if "Submitted" not in reported:
         raise ResultsError(f"sbatch refuses {path}: {ended.stderr.strip()}")
