@@ -1,9 +1,13 @@
 r"""Friction of a thread, proportional to its force: the efficiency of a screw that turns its nut, or is turned by it.
 
-The friction is that of meshing teeth (tooth_friction.py) with the sliding s and the travel :math:`h\theta` of the
-angle, :math:`h = P/2\pi`, as the pitch circles. Of :math:`F_r`, half acts against the sliding, and a moment
-:math:`h F_r/2` against the rotation. With the lead angle :math:`\gamma` and the friction angle :math:`\rho` of the
-thread,
+With the force N of the thread along the axis, :math:`h = P/2\pi` and the mean travel :math:`w = (s + h\theta)/2`,
+
+.. math::  F_r = \mu\,|N|\,\phi(|\dot w|)\,\mathrm{sign}\,\dot w, \qquad \mu = 2\,\frac{1 - \eta}{1 + \eta}
+
+half of which acts against the sliding s, and :math:`h F_r/2` against the rotation: the ratio of the power received to
+the power given is :math:`\eta`, or :math:`\eta_b` if the thrust drives. :math:`\phi(u) = (u/\epsilon)(2 - u/\epsilon)`
+below the speed :math:`\epsilon` of the ``regularization``, 1 beyond. With the lead angle :math:`\gamma` and the
+friction angle :math:`\rho` of the thread,
 
 .. math::  \eta = \frac{\tan\gamma}{\tan(\gamma + \rho)}, \qquad \eta_b = \frac{\tan(\gamma - \rho)}{\tan\gamma}
 
