@@ -75,7 +75,7 @@ def commands():
     Exit codes: 0 done, 2 usage or deck error, 3 no convergence, 4 cannot be assembled or singular, 5 input or
     output, 6 not finite, 7 out of memory, 75 stopped in time by --max-walltime or SIGUSR1, 130 by Ctrl-C, 143 by
     SIGTERM, 129 by SIGHUP, 152 by SIGXCPU (all with a file for --resume), 1 a bug in mecano; for a study, 3 means that
-    not all cases are complete.
+    not all cases are complete, 8 that all are, and some are beyond the limits of its outputs.
     """
 
 

@@ -72,6 +72,12 @@ class IncompleteStudyError(MecanoError):
     exit_code = 3
 
 
+class BeyondLimitsError(MecanoError):
+    """All cases of a study are complete, and some have outputs beyond their limits; the message gives their number."""
+
+    exit_code = 8
+
+
 class AssemblyError(MecanoError):
     """The initial configuration cannot be assembled or the equations are singular.
 

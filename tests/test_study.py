@@ -28,6 +28,7 @@ from mecano.elements import KINDS
 from mecano.errors import DeckError, ResultsError, UsageError
 from mecano.jit import store
 from mecano.post.pictures import post
+from mecano.post.report_page import page_of
 from mecano.post.study_outputs import displayed_outputs
 from mecano.post.study_plots import study_figure
 from mecano.post.study_report import study_report
@@ -37,6 +38,7 @@ from mecano.results.study_file import read_study as read_table
 from mecano.study import dask, slurm
 from mecano.study.execution import clear, due
 from mecano.study.folder import COMPLETE, FAILED, Folder, Record
+from mecano.study.outputs import Output
 from mecano.study.pool import Limits
 from mecano.study.read import read_study, try_deck
 from mecano.study.slurm import ranges, script
@@ -361,6 +363,66 @@ def test_warnings_of_complete_cases_are_counted_and_reported(folder):
     [warnings] = [section.parts for section in report.sections if section.heading == "Warnings"]
     assert warnings[0].rows == [(table.warnings[1][0], "1", "2")] and not report.sound
     assert "only the start and the end are saved" in table.warnings[1][0]
+
+
+LIMITED = """\
+grid: {parameters.speed: [10, 20, 30]}
+outputs:
+  way: {of: ball.position.x, take: final, at_least: 3 m, at_most: 500 cm}
+  when: {of: ball.position.x, take: time_of_max, at_most: 300 ms}
+"""
+
+
+def test_limits_of_outputs_give_verdicts_and_an_exit_code(folder):
+    """The ways are 2, 4 and 6 m; a limit that is added later applies to the cases that exist."""
+    (folder / "study.yaml").write_text(HEAD + LIMITED)
+    code, out, err = mecano_process("sweep", "study.yaml", "--plot")
+    assert code == 8 and "3 cases: 3 complete; 2 beyond limits\n  way: beyond its limits in case 1, 3\n" in out
+    assert "2 of 3 cases have outputs beyond their limits: see study_runs/table.csv" in err
+    table = read_table("study_runs/table.h5")
+    assert list(table.verdicts) == ["fail", "pass", "fail"] and list(table["case/beyond_limits"]) == ["way", "", "way"]
+    way, when = table.group("outputs")
+    assert way.limits == (3.0, 5.0) and when.limits == (None, 0.3) and table.verdict in out
+    report = study_report("study_runs/table.h5")
+    limits, governing, cases = (section.parts[0] for section in report.sections[:3])
+    assert limits.rows == [
+        ("way", "final of ball.position.x", "1, 3", "m", "3", "5"),
+        ("when", "time of max of ball.position.x", "none", "s", "", "0.3"),
+    ]
+    assert cases.marked == {(0, 2), (2, 2)} and not report.sound
+    assert page_of(report).count('class="number beyond"') == 2
+    study = (folder / "study.yaml").read_text()
+    (folder / "study.yaml").write_text(study.replace("at_least: 3 m, at_most: 500 cm", "at_most: 7 m"))
+    code, out, _ = mecano_process("sweep", "study.yaml", "--collect")
+    assert code == 0 and out.startswith("3 cases: 3 complete\n")
+    assert set(read_table("study_runs/table.h5").verdicts) == {"pass"}
+
+
+@pytest.mark.parametrize(
+    "limits,place,message",
+    [
+        ("of: ball.position.x, take: max, at_most: 3 N", "4:56", "'at_most': a length [m] is expected"),
+        ("of: ball.position.x, take: time_of_max, at_least: 3 m", "4:65", "'at_least': a time [s] is expected"),
+        (
+            "of: ball.position.x, take: max, at_least: 3, at_most: 2",
+            "4:57",
+            "'at_least' must not be greater than 'at_most'",
+        ),
+    ],
+)
+def test_limits_that_do_not_fit_are_refused(folder, limits, place, message):
+    with pytest.raises(DeckError) as info:
+        try_deck(study(folder, f"grid: {{time.end: [1]}}\noutputs: {{a: {{{limits}}}}}"))
+    reported = deck_error_text(info.value)
+    assert reported.startswith(f"study.yaml:{place}") and message in reported, reported
+
+
+@pytest.mark.parametrize("low, high", [(None, 5.0), (3.0, None), (None, None)])
+def test_a_missing_output_is_not_within_limits(low, high):
+    output = Output("way", "ball.position.x", None, "final", low, high)
+    column = Column("outputs", "way", "m", "", np.array([np.nan, 4.0]), (low, high))
+    assert output.within(np.nan) == (low is high) and output.within(4.0)
+    assert column.beyond.tolist() == [low is not high, False]
 
 
 def test_the_unit_of_an_impulse_is_that_of_the_cases_that_have_one(folder):

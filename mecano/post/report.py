@@ -28,11 +28,15 @@ HEALTH = {
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of texts; columns with an index of at least ``first_number`` hold numbers."""
+    """Rows of texts; columns with an index of at least ``first_number`` hold numbers.
+
+    ``marked`` cells (row, column) are those beyond a limit.
+    """
 
     columns: tuple
     rows: list
     first_number: int = 1
+    marked: frozenset = frozenset()
 
 
 @dataclass(frozen=True)

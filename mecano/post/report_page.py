@@ -80,16 +80,20 @@ def _part(part):
 
 
 def _table(table):
-    def row(texts, tag):
-        cells = (
-            f"<{tag}{' class=number' if i >= table.first_number else ''}>{escape(text)}</{tag}>"
-            for i, text in enumerate(texts)
-        )
+    def row(texts, tag, number=None):
+        cells = (f"<{tag}{_class(table, number, i)}>{escape(text)}</{tag}>" for i, text in enumerate(texts))
         return f"<tr>{''.join(cells)}</tr>"
 
     head = f"<thead>{row(table.columns, 'th')}</thead>" if any(table.columns) else ""
-    body = "\n".join(row(texts, "td") for texts in table.rows)
+    body = "\n".join(row(texts, "td", i) for i, texts in enumerate(table.rows))
     return f"<table>{head}<tbody>\n{body}\n</tbody></table>"
+
+
+def _class(table, row, column):
+    """Return the attribute of the class of a cell; ``row`` is None in the head."""
+    if (row, column) in table.marked:
+        return ' class="number beyond"'
+    return " class=number" if column >= table.first_number else ""
 
 
 def _image(figure):

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from mecano.post.figure import plain_figure
-from mecano.post.style import COLOURS, GREY, shown_unit, with_unit
+from mecano.post.study_outputs import near_limits
+from mecano.post.style import COLOURS, DASHES, GREY, LIMIT, shown_unit, with_unit
 
 COLUMNS = 2
 WIDTH, ROW = 5.6, 0.19  # inches of a panel, and of a bar
@@ -38,4 +39,6 @@ def _panel(ax, output):
                  color=GREY)  # fmt: skip
     ax.margins(x=0.18)
     ax.axvline(0.0, color=GREY, linewidth=0.8)
+    for limit in near_limits(output):
+        ax.axvline(limit / factor, color=LIMIT, linewidth=0.8, linestyle=DASHES[1])
     ax.set_xlabel(with_unit(output.name.replace("_", " "), unit))

@@ -8,8 +8,8 @@ import numpy as np
 from mecano.errors import ResultsError
 from mecano.post.figure import plain_figure, save
 from mecano.post.study_bars import bar_figure
-from mecano.post.study_outputs import displayed_outputs
-from mecano.post.style import COLOURS, DASHES, GREY, SETTINGS, shown_unit, with_unit
+from mecano.post.study_outputs import displayed_outputs, near_limits
+from mecano.post.style import COLOURS, DASHES, GREY, LIMIT, SETTINGS, shown_unit, with_unit
 from mecano.results.study_file import read_study
 
 PANEL = (3.4, 2.4)  # inches
@@ -85,6 +85,8 @@ def _panel(ax, output, parameter, other, joined, title):
         ax.plot(parameter.values[known], output.values[known] / factor, marker="o", markersize=3.5,
                 linestyle=DASHES[0] if joined else "none", linewidth=0.8, color=COLOURS[number], alpha=0.8,
                 label=label)  # fmt: skip
+    for limit in near_limits(output):
+        ax.axhline(limit / factor, color=LIMIT, linewidth=0.8, linestyle=DASHES[1])
     if distinguished and title:
         ax.legend(title=title, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, fontsize=7, title_fontsize=7,
                   handlelength=0.8, columnspacing=0.8, borderaxespad=0.2, alignment="left",

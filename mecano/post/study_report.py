@@ -4,30 +4,47 @@ from pathlib import Path
 
 import numpy as np
 
+from mecano.errors import name_list
 from mecano.post.report import Picture, Report, Section, Table, Text, number
 from mecano.post.study_outputs import displayed_outputs
 from mecano.post.study_plots import study_figure
 from mecano.post.study_statistics import statistics
 from mecano.post.style import shown_unit, with_unit
-from mecano.results.study_file import read_study
+from mecano.results.study_file import FAIL, read_study
 
 COMPLETE = "complete"
 MOST_WARNINGS = 20  # different ones that are shown
+MOST_CASES = 8  # beyond a limit, that are named
 
 
 def study_report(path, title=None):
     """Return the Report of the table of a study. Raises ResultsError."""
     table = read_study(path)
     sections = (
-        Section("Governing cases", tuple(_governing(table))), Section("Statistics", tuple(statistics(table))),
-        Section("Cases", tuple(_cases(table))),
+        Section("Limits", tuple(_limits(table))), Section("Governing cases", tuple(_governing(table))),
+        Section("Statistics", tuple(statistics(table))), Section("Cases", tuple(_cases(table))),
         Section("Cases that are not complete", tuple(_incomplete(table))), Section("Warnings", tuple(_warnings(table))),
         Section("Pictures", tuple(_pictures(table))),
         Section("Study", (Text(f"Deck: {table.deck}"), Text(table.text, True, "The study file"))),
     )  # fmt: skip
     kept = tuple(section for section in sections if section.parts)
-    sound = all(status == COMPLETE for status in table["case/status"]) and not any(table.warnings)
+    complete = all(status == COMPLETE for status in table["case/status"])
+    sound = complete and not any(table.warnings) and FAIL not in table.verdicts
     return Report(title or table.title or Path(table.deck).stem, table.verdict, sound, "", kept)
+
+
+def _limits(table):
+    """Yield the table of the limits of outputs, and of the cases beyond them."""
+    names, rows = np.array(table.case_names, object), []
+    for output in (one for one in table.group("outputs") if one.limits != (None, None)):
+        known = [limit for limit in output.limits if limit is not None]
+        factor, unit = shown_unit(output.unit, np.append(output.values, known))
+        beyond = names[output.beyond & (table["case/status"] == COMPLETE)]
+        shown = ("" if limit is None else number(limit / factor) for limit in output.limits)
+        beyond = name_list(list(beyond), MOST_CASES) or "none"
+        rows.append((output.name.replace("_", " "), output.doc, beyond, unit, *shown))
+    if rows:
+        yield Table(("output", "which is", "cases beyond", "unit", "at least", "at most"), rows, 4)
 
 
 def _governing(table):
@@ -57,7 +74,9 @@ def _cases(table):
         (name, *(_cell(one.values[i], factor) for one, (factor, _) in zip(columns, scales, strict=True)))
         for i, name in enumerate(table.case_names)
     ]
-    yield Table(("case", *head), rows)
+    complete = table["case/status"] == COMPLETE
+    beyond = {(i, j) for j, one in enumerate(columns, 1) for i in np.flatnonzero(one.beyond & complete)}
+    yield Table(("case", *head), rows, marked=frozenset(beyond))
 
 
 def _cell(value, factor):

@@ -14,6 +14,7 @@ LONGEST_LABEL = 27  # characters
 LINE_OF_TEXT = 13.0  # points
 BESIDE = 24  # characters of small print that fit beside the label of an axis
 GREY, PALE, INK = "#777777", "#bbbbbb", "#222222"
+LIMIT = "#b34700"
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SETTINGS = {
     "text.parse_math": False,  # titles and names may contain any characters

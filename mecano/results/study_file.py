@@ -18,6 +18,9 @@ from mecano.results.whole_file import atomic_file
 FORMAT, FORMAT_VERSION = "mecano study", 1
 TEXT = h5py.string_dtype()
 BETWEEN = " | "  # two warnings of a case
+FAIL = "fail"  # verdict on a case with an output beyond its limits
+LIMITS = "at_least", "at_most"
+ENDLESS = -np.inf, np.inf
 
 
 @dataclass(frozen=True)
@@ -29,11 +32,20 @@ class Column:
     unit: str
     doc: str
     values: np.ndarray
+    limits: tuple = (None, None)  # smallest and largest value of a case that passes
 
     @property
     def numeric(self):
         """True if the values are numbers."""
         return self.values.dtype.kind in "fi"
+
+    @property
+    def beyond(self):
+        """Flags (n,): the value is beyond the limits, or missing; all False without limits."""
+        if self.limits == (None, None):
+            return np.zeros(len(self.values), bool)
+        low, high = (bound if limit is None else limit for limit, bound in zip(self.limits, ENDLESS, strict=True))
+        return ~((low <= self.values) & (self.values <= high))
 
     @property
     def path(self):
@@ -74,7 +86,13 @@ class StudyTable:
         """Numbers of cases by status, as text."""
         counts = Counter(self["case/status"])
         words = ", ".join(f"{count} {word}" for word, count in counts.items())
-        return f"{counts.total()} cases: {words}{warned_text(sum(map(bool, self.warnings)))}"
+        failed = list(self.verdicts).count(FAIL)
+        return f"{counts.total()} cases: {words}{remarks_text(sum(map(bool, self.warnings)), failed)}"
+
+    @property
+    def verdicts(self):
+        """Verdicts on the cases, "pass", "fail", or "" of incomplete ones; empty if no output has limits."""
+        return next((column.values for column in self.columns if column.path == "case/verdict"), ())
 
     @property
     def warnings(self):
@@ -83,18 +101,19 @@ class StudyTable:
         return [text.split(BETWEEN) if text else [] for text in texts]
 
 
-def warned_text(warned):
-    """Return the end of a verdict on a study in which this number of complete cases has warnings."""
-    return f"; {warned} with warnings" if warned else ""
+def remarks_text(warned, failed):
+    """Return the end of a verdict on a study: numbers of complete cases with warnings, and beyond their limits."""
+    remarks = (warned, "with warnings"), (failed, "beyond limits")
+    return "".join(f"; {count} {what}" for count, what in remarks if count)
 
 
-def column(group, name, unit, doc, values):
+def column(group, name, unit, doc, values, limits=(None, None)):
     """Return a Column of Python values: floats if all are numbers or None (nan), otherwise texts."""
     numbers = all(value is None or type(value) in (int, float) for value in values)
     array = np.array([np.nan if value is None else value for value in values], float) if numbers else np.array(
         ["" if value is None else str(value) for value in values], object
     )  # fmt: skip
-    return Column(group, name, unit, doc, array)
+    return Column(group, name, unit, doc, array, limits)
 
 
 def write_study(path, table):
@@ -104,6 +123,8 @@ def write_study(path, table):
             kind = None if one.numeric else TEXT
             dataset = file.create_dataset(one.path, data=one.values, dtype=kind)
             describe(dataset, units=one.unit, long_name=one.doc)
+            limits = zip(LIMITS, one.limits, strict=True)
+            dataset.attrs.update({name: limit for name, limit in limits if limit is not None})
         file["study/text"] = table.text
         file["study/columns"] = np.array([one.path for one in table.columns], TEXT)
         run = file.create_group("run")
@@ -124,7 +145,8 @@ def read_study(path):
 def _read(file, path):
     dataset, (group, _, name) = file[path], path.partition("/")
     values = dataset[:] if dataset.dtype.kind in "fi" else dataset.asstr()[:]
-    return Column(group, name.replace("|", "/"), dataset.attrs["units"], dataset.attrs["long_name"], values)
+    limits = tuple(dataset.attrs.get(limit) for limit in LIMITS)
+    return Column(group, name.replace("|", "/"), dataset.attrs["units"], dataset.attrs["long_name"], values, limits)
 
 
 def write_columns(path, table):

@@ -4,7 +4,7 @@ import subprocess
 from typing import NamedTuple
 
 from mecano.analyses.progress import COMPILING, StudyProgress
-from mecano.errors import IncompleteStudyError, UsageError
+from mecano.errors import BeyondLimitsError, IncompleteStudyError, UsageError
 from mecano.process.interrupt import Stopped
 from mecano.process.interrupt import again as this_command
 from mecano.process.lifeline import popen_options
@@ -137,6 +137,9 @@ def collect(folder, units):
 
 
 def judge(table):
-    """Raise IncompleteStudyError unless all cases of a Table are complete."""
+    """Raise IncompleteStudyError unless all cases of a Table are complete, BeyondLimitsError unless all pass."""
     if table.incomplete:
         raise IncompleteStudyError(f"not all cases are complete: {table.incomplete}; see {table.folder.path}/table.csv")
+    if table.beyond:
+        counted = f"{len(table.beyond)} of {len(table.records)} cases"
+        raise BeyondLimitsError(f"{counted} have outputs beyond their limits: see {table.folder.path}/table.csv")

@@ -35,6 +35,8 @@ def check_output(output):
         return f"'take' of {what} is one of: {', '.join(known)}"
     if output["event"] is not None and len(output["event"].split()) != 2:
         return "'event' is the name of an element and the name of its event: 'wheel touch_down'"
+    if None not in (output["at_least"], output["at_most"]) and output["at_least"] > output["at_most"]:
+        return "'at_least' must not be greater than 'at_most'"
     return None
 
 
@@ -77,6 +79,8 @@ OUTPUT_FIELDS = (
     Field("of", TEXT, "-", "a series of the results, as in `mecano post --plot`: wheel.radial_force", None),
     Field("event", TEXT, "-", "an element, or a pattern, and its event: wheel touch_down, '* locks'", None),
     Field("take", choice(*OF_SERIES, *OF_EVENTS), "-", "the number to take"),
+    Field("at_least", NUMBER, ANY, "a case with a smaller number fails; no limit when absent", None),
+    Field("at_most", NUMBER, ANY, "a case with a larger number fails; no limit when absent", None),
 )
 OUTPUT = replace(mapping(*OUTPUT_FIELDS), expects="a mapping, such as {of: hinge.angle, take: max}")
 FIELDS = (

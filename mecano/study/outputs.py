@@ -6,12 +6,14 @@ from fnmatch import fnmatchcase
 import numpy as np
 
 from mecano.analyses.dynamic import layout_of
+from mecano.deck.units import UnitError, converted, is_quantity
 from mecano.deck.wording import quoted, suggestion
 from mecano.errors import UnknownNameError
 from mecano.model.sampler import Sampler
 from mecano.results.lookup import Lookup
 
 MAGNITUDE = ".magnitude"
+EVENT_UNITS = {"first": "s", "last": "s", "count": "-", "impulse": "N s or N m s", "energy_lost": "J"}
 ONLY_IN_PLOTS = {
     "compression_force": ("force", "use {}, whose minimum (take: min) is the largest compression"),
     "drag_force": ("longitudinal_force", "use {}, whose minimum (take: min) is the largest drag"),
@@ -35,6 +37,19 @@ class Output:
     of: str | None
     event: str | None
     take: str
+    at_least: float | None = None
+    at_most: float | None = None
+
+    @property
+    def limited(self):
+        """True if the output has limits."""
+        return self.at_least is not None or self.at_most is not None
+
+    def within(self, value):
+        """Return True if a number is within the limits; a missing one (nan) is not."""
+        low = -np.inf if self.at_least is None else self.at_least
+        high = np.inf if self.at_most is None else self.at_most
+        return not self.limited or low <= value <= high
 
     @property
     def doc(self):
@@ -95,29 +110,44 @@ def checked_outputs(outputs, prepared, node_of, scope):
         scope.subject = f"output {quoted(output.name)}"
         if output.event:
             _check_event(output.event, event_records, node.value["event"][1], scope)
-        else:
-            _check_series(output.of, lookup, node.value["of"][1], scope)
+            _check_limits(node, EVENT_UNITS[output.take], scope)
+        elif series := _checked_series(output.of, lookup, node.value["of"][1], scope):
+            _check_limits(node, "s" if output.take.startswith("time") else series.unit, scope)
 
 
-def _check_series(name, lookup, node, scope):
+def _check_limits(node, unit, scope):
+    """Report limits that are quantities of another kind than the output, in ``unit``."""
+    for name in ("at_least", "at_most"):
+        limit = node.value[name][1] if name in node.value else None
+        if limit is not None and is_quantity(limit.raw):
+            try:
+                converted(limit.raw, unit or "-")
+            except UnitError as error:
+                scope.refuse(limit, f"{quoted(name)}: {error}")
+
+
+def _checked_series(name, lookup, node, scope):
+    """Return the series of an output, or None after reporting that the model lacks it."""
     try:
         series, component = lookup.find(name.removesuffix(MAGNITUDE))
     except UnknownNameError as error:
         if set(name) & set("*?"):
             hint = "for the largest of several, define a signal, such as max(a.force, b.force)"
             scope.refuse(node, f"{quoted(name)} is a pattern, but an output is of one series", hint)
-            return
+            return None
         stem, _, last = name.rpartition(".")
         if last in ONLY_IN_PLOTS:
             other, hint = ONLY_IN_PLOTS[last]
             scope.refuse(node, f"{quoted(name)} exists only in plots", hint.format(f"{stem}.{other}"))
         else:
             scope.refuse(node, str(error).replace("in this file", "in the results"))
-        return
+        return None
     if (len(series.shape) > 0) == (component is None and not name.endswith(MAGNITUDE)):
         components = ", ".join(series.components)
         hint = f"add one of {components}, or magnitude" if components else "it is one number"
         scope.refuse(node, f"{quoted(name)} is not one number", hint)
+        return None
+    return series
 
 
 def _check_event(event, event_records, node, scope):

@@ -5,9 +5,9 @@ from contextlib import suppress
 
 import numpy as np
 
-from mecano.errors import ResultsError, UnknownNameError
+from mecano.errors import ResultsError, UnknownNameError, name_list
 from mecano.results.reader import open_results
-from mecano.results.study_file import BETWEEN, StudyTable, column, warned_text, write_columns, write_study
+from mecano.results.study_file import BETWEEN, FAIL, StudyTable, column, remarks_text, write_columns, write_study
 from mecano.study.folder import COMPLETE, STATUSES
 
 ENDED = (
@@ -17,6 +17,8 @@ ENDED = (
     ("wall_time", "s", "wall-clock time"),
     ("memory", "MB", "peak memory"),
 )
+VERDICT = "pass: all outputs of a complete case are within their limits; fail: some are not"
+BEYOND = "outputs of a complete case that are beyond their limits, or missing"
 MOST_REASONS = 10  # shown in the summary
 
 
@@ -26,6 +28,7 @@ class Table:
     def __init__(self, folder, varied):
         self.folder, self.study, self.varied = folder, folder.study, varied
         self.records, self.numbers, self.units, self.warnings = {}, {}, {}, {}
+        self.limited = tuple(output for output in self.study.outputs if output.limited)
 
     def take(self, case, record):
         """Record how a case ended, and read its outputs and warnings if it is complete."""
@@ -77,19 +80,49 @@ class Table:
             yield column("case", name, unit, doc, [v / 1e6 for v in values] if unit == "MB" else values)
         for output in self.study.outputs:
             values = [self.numbers.get(case.number, {}).get(output.name, np.nan) for case in cases]
-            yield column("outputs", output.name, self.units.get(output.name, ""), output.doc, values)
+            limits = output.at_least, output.at_most
+            yield column("outputs", output.name, self.units.get(output.name, ""), output.doc, values, limits)
+        if self.limited:
+            yield column("case", "verdict", "", VERDICT, [self._verdict(case.number) for case in cases])
+            yield column("case", "beyond_limits", "", BEYOND, [", ".join(self._beyond(case.number)) for case in cases])
         yield column("case", "reason", "", "why a case is not complete", [record.reason for record in records])
         warned = [self.warnings.get(case.number, "") for case in cases]
         yield column("case", "warnings", "", f"warnings of a complete case, with '{BETWEEN}' between them", warned)
 
+    def _beyond(self, number):
+        """Return the names of the outputs of a complete case that are not within their limits."""
+        if number not in self.numbers:
+            return []
+        found = self.numbers[number]
+        return [output.name for output in self.limited if not output.within(found.get(output.name, np.nan))]
+
+    def _verdict(self, number):
+        return "" if number not in self.numbers else FAIL if self._beyond(number) else "pass"
+
+    @property
+    def beyond(self):
+        """Numbers of the complete cases that have outputs beyond their limits."""
+        return [case.number for case in self.study.cases if self._beyond(case.number)]
+
     def summary(self):
         """Return the numbers of cases by status, and the reasons of those that are not complete, as lines of text."""
         warned = sum(map(bool, self.warnings.values()))
-        lines = [f"{len(self.study.cases)} cases: {self._counted(STATUSES)}{warned_text(warned)}"]
+        remarks = remarks_text(warned, len(self.beyond))
+        lines = [f"{len(self.study.cases)} cases: {self._counted(STATUSES)}{remarks}"]
+        lines += self._exceeded()
         reasons = Counter((r.exit_code, r.reason) for r in self.records.values() if r.reason).most_common()
         lines += [f"  {count} x exit code {code}: {reason}" for (code, reason), count in reasons[:MOST_REASONS]]
         more = sum(count for _, count in reasons[MOST_REASONS:])
         return "\n".join([*lines, f"  and {more} others, see table.csv"] if more else lines)
+
+    def _exceeded(self):
+        """Return a line for each limited output that is beyond its limits in some case."""
+        lines = []
+        for output in self.limited:
+            numbers = [str(number) for number in self.beyond if output.name in self._beyond(number)]
+            if numbers:
+                lines.append(f"  {output.name}: beyond its limits in case {name_list(numbers, MOST_REASONS)}")
+        return lines
 
     @property
     def incomplete(self):
