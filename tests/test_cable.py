@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from time_runs import RecordedRun, deck, input_deck
 
+from mecano.analyses.modal import modes
 from mecano.elements import KINDS
 
 g = 9.81
@@ -130,6 +131,65 @@ def test_stiffness_and_length_are_checked():
         ({"E": 1.0}, ["'area' is missing: 'E' alone gives no axial stiffness"]),
         ({"axial_stiffness": 1.0, "natural_length": 0.0}, ["'natural_length' must be greater than zero at t = 0"]),
         ({"E": 1.0, "area": 1.0}, []),
+        (
+            {"axial_stiffness": 1.0, "natural_length": 1.0, "pretension": 1.0},
+            ["give either 'natural_length' or 'pretension', from which it follows"],
+        ),
+        ({"axial_stiffness": 1.0, "pretension": -1.0}, ["'pretension' must be greater than -EA"]),
     ):
         for kind in (KINDS["bar"], KINDS["cable"]):
-            assert kind.check({**{f.name: f.default for f in kind.fields}, **d}, nodes) == texts
+            values = {**{f.name: f.default for f in kind.fields}, **d}
+            negative = kind is KINDS["cable"] and values["pretension"] < 0.0
+            assert kind.check(values, nodes) == texts + ["'pretension' of a cable must not be negative"] * negative
+
+
+WIRES = """
+    mecano: 1
+    gravity: none
+    nodes:
+      left: {position: [0, 0, 0], fixed: true}
+      bead: {position: [0.5, 0, 0], velocity: [0, 0.01, 0]}
+      right: {position: [1.5, 0, 0], fixed: true}
+    elements:
+      bead: {type: point_mass, node: bead, mass: 0.2}
+      a: {type: cable, nodes: [left, bead], axial_stiffness: 20 kN, pretension: 50}
+      b: {type: cable, nodes: [bead, right], axial_stiffness: 30 kN, pretension: 50}
+    time: {end: 0.05, step: 1.0e-4}
+"""
+
+
+def test_a_bead_on_prestressed_wires(verify):
+    """Across the wires T/l_1 + T/l_2 is its stiffness; along them EA/L of both, L = l/(1 + T/EA)."""
+    checked = deck(WIRES.replace(", velocity: [0, 0.01, 0]", ""))
+    frequencies = np.sort(np.abs(modes(checked, None)[1].values))
+    stiffness = np.array([50.0 / 0.5 + 50.0, 50.0 / 0.5 + 50.0, 20e3 * 1.0025 / 0.5 + 30e3 * (1.0 + 50.0 / 30e3)])
+    what = "prestressed wires: frequencies [rad/s]"
+    verify("Cables", what, frequencies, np.sqrt(stiffness / 0.2), "closed form", relative=1e-9)
+
+
+HOOKED = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {top: {position: [0, 0, 0], fixed: true}, b: {position: [0, 0, -1]}}
+    elements:
+      b: {type: point_mass, node: b, mass: 2}
+      line: {type: cable, nodes: [top, b], axial_stiffness: 2 kN, pretension: 40,
+             activate: {time: 0.2, stress_free: true}}
+    time: {end: 0.3, step: 5.0e-4}
+"""
+
+
+def test_a_cable_is_hooked_on_a_falling_weight():
+    """Its natural length makes the pretension T at the distance l that it finds; u'' = g - (T + k u)/m from then on."""
+    run = RecordedRun(deck(HOOKED))
+    (activated,) = run.event_records
+    length, speed = 1.0 + 0.5 * g * 0.04, 0.2 * g
+    natural = length / (1.0 + 40.0 / 2e3)
+    k, after = 2e3 / natural, run.time > 0.2 + 1e-9
+    assert activated.t == pytest.approx(0.2, abs=1e-9) and activated.after == "taut"
+    assert activated.lost == pytest.approx(-0.5 * 40.0**2 / k, rel=1e-8)
+    np.testing.assert_allclose(run["elements/line/natural_length"][after], natural, rtol=1e-8)
+    w, mean, t = math.sqrt(k / 2.0), (2.0 * g - 40.0) / k, run.time[after] - 0.2
+    u = mean * (1.0 - np.cos(w * t)) + speed / w * np.sin(w * t)
+    np.testing.assert_allclose(run["elements/line/length"][after], length + u, atol=1e-5)
+    assert np.ptp(run["energy/balance"]) < 1e-4 * activated.lost * -1.0

@@ -73,21 +73,31 @@ def add_strain_energy(elastic, viscous, strain, strain_rate, L, L_rate, e):
 
 
 def line_record(d, nodes, context):
-    """Return the values of ``LINE_RECORD``; the natural length defaults to the initial distance.
+    """Return the values of ``LINE_RECORD``; the natural length defaults to that of the pretension at the start.
 
     That of a formula is not known yet: the mass is then that of the initial distance.
     """
-    natural = distance(nodes) if d["natural_length"] is None else d["natural_length"]
+    natural = distance(nodes) / (1.0 + prestrain(d)) if d["natural_length"] is None else d["natural_length"]
     known = distance(nodes) if is_formula(natural) else natural
     mass, area = d["mass_per_length"] * curve_at(known, 0.0)[0], d["area"]
     own, cross = (mass / 3, mass / 6) if d["mass_distribution"] == "consistent" else (mass / 2, 0.0)
     return {
-        "EA": d["E"] * area if d["axial_stiffness"] is None else d["axial_stiffness"],
+        "EA": axial_stiffness(d),
         "inverse_area": 0.0 if area is None else 1.0 / area,
         "damping": d["damping"],
         "law": law_of(natural, context),
         "mass": mass, "own": own, "cross": cross, "gravity": context.gravity,
     }  # fmt: skip
+
+
+def axial_stiffness(d):
+    """Return EA [N]."""
+    return d["E"] * d["area"] if d["axial_stiffness"] is None else d["axial_stiffness"]
+
+
+def prestrain(d):
+    """Return the strain of the pretension."""
+    return d["pretension"] / axial_stiffness(d)
 
 
 def distance(nodes):

@@ -11,7 +11,8 @@ never pushes, even with damping. The changes from slack to taut and back are eve
 goes slack with :math:`\varepsilon > 0`, it is dissipated while the cable is relaxing: while it shortens to its natural
 length, where an event says that it is relaxed. A ``release`` cuts the cable: it carries no force from then on, its
 elastic energy is lost at that instant, and its mass stays; ``release: {when: rope.tension > 5000}`` breaks it. With
-``activate`` it carries no force before, and the energy that it has then is given.
+``activate`` it carries no force before, and the energy that it has then is given; ``stress_free``, its natural
+length is shifted so that it has only its ``pretension`` then, as a cable that is hooked on.
 
 A varying natural length, a law of time or a formula of signals, does work, which is supplied by the surroundings (a
 winder). With :math:`N_d = N - EA\varepsilon` (:math:`-EA\varepsilon` while it is relaxing) the powers are
@@ -32,7 +33,7 @@ from dataclasses import replace
 import numpy as np
 
 from mecano.constraints import wound_line
-from mecano.constraints.activation import with_activation
+from mecano.constraints.activation import SHIFT, is_stress_free, since_activation, with_activation
 from mecano.constraints.along_coordinate.demand import is_formula, with_rate
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.elastic_line import (
@@ -43,6 +44,7 @@ from mecano.constraints.elastic_line import (
     distance,
     line_inertia,
     line_record,
+    prestrain,
     put_line,
     put_line_energy,
     put_no_push,
@@ -58,7 +60,7 @@ from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.laws.table import evaluate_curve, terms_of
 from mecano.maths.dual import select
-from mecano.schema import CONTINUOUS_DRIVE, CURVE, NODE_PAIR, NUMBER, Field, choice, not_negative, positive
+from mecano.schema import BOOLEAN, CONTINUOUS_DRIVE, CURVE, NODE_PAIR, NUMBER, Field, choice, not_negative, positive
 
 RECORD = record(**LINE_RECORD)
 INPUT = 6  # local index of a natural length that is a signal
@@ -126,8 +128,13 @@ def _cable_functions(natural):
 
 
 def prepare(d, nodes, context):
-    """Return the record of one bar or cable; the natural length defaults to the initial distance."""
+    """Return the record of one bar or cable; the natural length defaults to that of the pretension at the start."""
     return line_record(d, nodes, context)
+
+
+def prepare_stress_free(d, nodes, context):
+    """Return the record of a cable that is activated stress-free."""
+    return {**line_record(d, nodes, context), "prestrain": prestrain(d)}
 
 
 def prepare_wound(d, nodes, context):
@@ -148,6 +155,11 @@ def variant(d):
     return ELASTIC_CABLE if d["payout_tension"] is None and d["at_full_length"] == "stretch" else WOUND_CABLE
 
 
+def variant_stress_free(d):
+    """Return the cable that is activated stress-free, with a natural length of either sort, and with a release."""
+    return STRESS_FREE_CABLES[is_formula(d["natural_length"]), d["release"] is not None]
+
+
 def check(d, nodes):
     """Check that the line has a direction and an initial natural length, and exactly one axial stiffness."""
     texts = at_one_place(nodes)
@@ -158,12 +170,24 @@ def check(d, nodes):
     natural = d["natural_length"]
     if natural is not None and not is_formula(natural) and not curve_at(natural, 0.0)[0] > 0.0:
         texts.append("'natural_length' must be greater than zero at t = 0")
-    return texts
+    if not texts and prestrain(d) <= -1.0:
+        texts.append("'pretension' must be greater than -EA")
+    return texts + check_pretension(d)
+
+
+def check_pretension(d):
+    """Check that the natural length follows from a pretension, or is given, or is shifted at an activation."""
+    free = bool(d.get("activate")) and is_stress_free(d)  # a bar has no activation
+    if d["pretension"] and d["natural_length"] is not None and not free:
+        return ["give either 'natural_length' or 'pretension', from which it follows"]
+    return []
 
 
 def check_cable(d, nodes):
     """Check the values as for a bar, a release, and that a winder has a full length that is not yet reached."""
     texts = check(d, nodes) + check_release(d, ["payout_tension"])
+    if d["pretension"] < 0.0:
+        texts.append("'pretension' of a cable must not be negative")
     winds = {"payout_tension": d["payout_tension"] is not None, "at_full_length": d["at_full_length"] != "stretch"}
     texts += [f"'activate' and {name!r} exclude one another" for name in winds if winds[name] and d["activate"]]
     if d["release"] is not None and winds["at_full_length"]:
@@ -197,7 +221,7 @@ def sample_bar(rng):
 def sample_cable(rng):
     """Return cables: taut while it is wound up, and slack; with winder and shock in all phases."""
     d = {"axial_stiffness": 80.0, "area": 0.01, "mass_per_length": 0.5, "damping": 0.05}
-    wound = (("linear", {"slope": -0.3, "offset": 1.5}),)
+    wound, hooked = (("linear", {"slope": -0.3, "offset": 1.5}),), {"time": 0.3, "when": None, "stress_free": True}
     winder = {"payout_tension": (("linear", {"slope": 4.0, "offset": 0.03}),), "at_full_length": "shock"}
     return [
         *(({**d, "natural_length": wound}, _apart(rng, 2.0), phase) for phase in ("taut", "relaxing")),
@@ -206,6 +230,7 @@ def sample_cable(rng):
         ({**d, **SAMPLE, "natural_length": 3.0}, _apart(rng, 2.0), "slack"),
         ({**d, "natural_length": "command"}, _apart(rng, 2.0), "taut"),
         ({**d, **SAMPLE, "natural_length": "command"}, _apart(rng, 2.0), "taut"),
+        ({**d, "activate": hooked, "pretension": 5.0, "natural_length": "command"}, _apart(rng, 2.0), "taut"),
         ({**d, "natural_length": wound, "at_full_length": "hold"}, _apart(rng, 2.0), "held"),
         ({**d, "natural_length": 3.0, "at_full_length": "hold"}, _apart(rng, 2.0), "slack"),
         *(({**d, **winder, "natural_length": 2.6}, _apart(rng, 2.0), phase) for phase in ("taut", "paying out")),
@@ -225,8 +250,9 @@ FIELDS = (
     Field("area", NUMBER, "m2", "area of the cross-section; without it the stress is written as zero", None, positive),
     Field(
         "natural_length", CONTINUOUS_DRIVE, "m",
-        "length without force: a function of time [s], or a formula of signals; the initial distance", None,
+        "length without force: a function of time [s], or a formula of signals; when absent, from the pretension", None,
     ),
+    Field("pretension", NUMBER, "N", "tension at the start, at the initial distance", 0.0),
     Field("damping", NUMBER, "s", "tau: viscous over elastic stiffness", 0.0, not_negative),
     Field("mass_per_length", NUMBER, "kg/m", "mass per natural length at t = 0", 0.0, not_negative),
     Field(
@@ -316,4 +342,28 @@ WOUND_CABLE = replace(
     event_values=wound_line.event_values,
     commit=wound_line.commit,
 )
-CABLE = with_activation(ELASTIC_CABLE, "cable", None)
+
+
+def _stress_free(kind, natural):
+    """Return the Kind of a cable that is activated stress-free, from that with this natural length."""
+
+    @kernel
+    def commit(p, at, m_out):
+        m_out[0] = line(at.q, at.v)[0] / (1.0 + p.prestrain) - natural(p, at)[0]
+
+    return replace(
+        kind, dtype=record(**LINE_RECORD, prestrain=()), prepare=prepare_stress_free, variant=variant_stress_free,
+        memory=(SHIFT,), commit=commit, **_cable_functions(since_activation(natural, 0)),
+    )  # fmt: skip
+
+
+_HOOKED, _HOOKED_BY_SIGNAL = _stress_free(ELASTIC_CABLE, _of_time), _stress_free(CABLE_BY_SIGNAL, with_rate(INPUT))
+STRESS_FREE_CABLES = {
+    (False, False): _HOOKED, (True, False): _HOOKED_BY_SIGNAL, (False, True): cut(_HOOKED, "cable"),
+    (True, True): cut(_HOOKED_BY_SIGNAL, "cable"),
+}  # fmt: skip
+"""Keys: the natural length is a formula; it has a release."""
+STRESS_FREE = Field(
+    "stress_free", BOOLEAN, "-", "it has only its pretension then, at the distance that it finds", False
+)
+CABLE = with_activation(ELASTIC_CABLE, "cable", None, (_HOOKED, None), STRESS_FREE)
