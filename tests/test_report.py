@@ -6,6 +6,7 @@ import re
 from html.parser import HTMLParser
 
 import every_kind
+import numpy as np
 import pytest
 from browser import browser, dom
 
@@ -14,6 +15,7 @@ from mecano.errors import ResultsError, UsageError
 from mecano.post.report import Picture, Table, report_of
 from mecano.post.report_page import write_report
 from mecano.post.runs import open_runs
+from mecano.post.style import COLOURS, GREY, INK, LIMIT
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.writer import Writer
@@ -92,6 +94,43 @@ def test_a_browser_shows_all_pictures(page, tmp_path):
     probed.write_text(text.replace("img-src data:;", "img-src data:; script-src 'unsafe-inline';") + probe)
     shown, count, asked = json.loads(re.search("<title>(.*?)</title>", dom(probed))[1])
     assert shown == count == text.count("<img") > 3 and asked == 0
+
+
+def luminance(colour):
+    """The relative luminance of #rrggbb or of (r, g, b) from 0 to 1 (WCAG 2)."""
+    channels = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)] if isinstance(colour, str) else colour
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def contrast(*colours):
+    dark, light = sorted(map(luminance, colours))
+    return (light + 0.05) / (dark + 0.05)
+
+
+def filtered(colour, inverted=0.9):
+    """What invert() and hue-rotate(180deg) make of a colour (Filter Effects 1)."""
+    weights = np.array([0.213, 0.715, 0.072])
+    channels = inverted + (1.0 - 2.0 * inverted) * np.array([int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)])
+    return np.clip(2.0 * weights @ channels - channels, 0.0, 1.0)
+
+
+def test_the_page_is_readable_in_a_light_and_in_a_dark_scheme(page):
+    """Texts have the contrast 4.5 of WCAG 2, and the colours of pictures at least that which they have on white."""
+    style = re.search(r"<style>(.*?)</style>", page.read_text(), re.DOTALL)[1]
+    light, dark = (
+        dict(re.findall(r"--(\w+): (#\w{6})", block)) for block in re.findall(r":root \{([^}]*--[^}]*)\}", style)
+    )
+    assert light.keys() == dark.keys() and not re.search(r"#\w{3,6}", re.sub(r"--\w+: #\w{6}|#ffffff", "", style))
+    for scheme in (light, dark):
+        for text, paper in [(name, "paper") for name in ("ink", "faint", "accent", "beyond")] + [("ink", "block")]:
+            assert contrast(scheme[text], scheme[paper]) > 4.5, (text, scheme)
+        assert min(contrast(scheme[badge], "#ffffff") for badge in ("bad", "good")) > 4.5
+    paper = filtered("#ffffff")
+    assert "filter: invert(0.9) hue-rotate(180deg)" in style
+    assert dark["paper"] == "#" + f"{round(255 * paper[0]):02x}" * 3
+    for colour in (*COLOURS, GREY, INK, LIMIT):
+        assert contrast(filtered(colour), paper) > min(4.5, contrast(colour, "#ffffff")), colour
 
 
 def test_what_users_write_is_text(page):

@@ -50,7 +50,7 @@ def draw_sketch(ax, sketch, title="", named=True):
             ax.set_xlabel(f"{LETTERS[sketch.axes[0]]} [m]")
         unit = sketch.axis[1]
         span = f"{sketch.times[0]:.3g} to {sketch.times[-1]:.3g}"
-        text = f"{span}{' ' * bool(unit)}{unit}, later is darker"
+        text = f"{span}{' ' * bool(unit)}{unit}, earlier is fainter"
         note_below(ax, text if count > 1 and named else "")
     else:
         _label_instants(ax, sketch)
