@@ -1,17 +1,16 @@
 """Events: detect them in a step, and apply the change of phase."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mecano.immutable import immutable
 from mecano.jit.entry import Vector, entry
 from mecano.solve.time.signals import solve_signals
 
 EQUAL = 1e-6  # of its value at the beginning of the step: values that differ by less are equal
 
 
-@immutable
+@dataclass(frozen=True)
 class EventRecord:
     """An event that happened: time, element, change of phase, and impulse if any."""
 
