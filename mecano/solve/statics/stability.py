@@ -12,25 +12,17 @@ divergence.
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg as la
-import scipy.sparse as sp
-import scipy.sparse.linalg as spla
 
 from mecano.errors import name_list
-from mecano.model.numbering import ANGLE_CONSTRAINT, ROTATION
-from mecano.solve.diagnostics.scales import mean_diagonal
-from mecano.solve.linear.sparse import LinearSolver, pattern_of
+from mecano.model.numbering import ROTATION
 
 DENSE = 400  # unknowns up to which all eigenvalues are computed
 NEUTRAL = 1e-13  # of the largest stiffness: softer directions are neutral (dense)
 NEUTRAL_WHERE_SOFT = 1e-10  # the same if redundant constraints are compliant
-NEUTRAL_PIVOT = 1e-13  # relative pivot below which it counts as zero (sparse)
 SYMMETRIC = 1e-7  # of the largest entry: largest asymmetry of a symmetric tangent
 ROUNDED = 1e-11  # of the largest entry: asymmetry that is rounding, also beside a softer direction
 RANK = 1e-9  # singular value of normalized rows below which it counts as zero
 UNKNOWN = -1
-SHIFT = 1e-9  # of the mean stiffness: by which that of all directions is raised to find the softest
-FARTHER = 4.0  # factor by which the shift to the most negative stiffness grows
 NAMED = 2  # nodes named in the description of a motion
 SMALL = 0.2  # of the largest displacement: nodes that move less are not named
 
@@ -62,7 +54,7 @@ class Judge:
         self.dense = system.n_q <= DENSE
         self.root = np.where(system.numbering.kind[: system.n_q] == ROTATION, length, 1.0)
         self.metric = np.where(system.signals, 0.0, self.root**2)
-        self._solver, self._analysis = None, analysis
+        self._pivots, self._analysis = None, analysis
 
     def __call__(self, data, drag=0.0):
         """Return the Stability from ``data``, the tangent with k = 1 and no penalty: K and the borders -B, -B^T.
@@ -71,20 +63,24 @@ class Judge:
         """
         if not np.isfinite(data).all():
             return Stability(UNKNOWN, UNKNOWN)
-        data = self._dragged(data, drag) if drag else data
-        return self._dense(data) if self.dense else self._sparse(data)
+        data = self.dragged(data, drag) if drag else data
+        if self.dense:
+            return self._dense(data)
+        if self._pivots is None:
+            from mecano.solve.statics.pivot_signs import PivotSigns  # with SciPy, which takes 0.3 s to import
 
-    def _dragged(self, data, drag):
+            self._pivots = PivotSigns(self, self._analysis)
+        return self._pivots(data)
+
+    def dragged(self, data, drag):
+        """Return ``data`` with ``drag`` [N/m] added to the stiffness against all motions."""
         data = data.copy()
         data[self.system.diagonal[: self.system.n_q]] += drag * self.metric
         return data
 
-    def _matrix(self, data):
-        shape = (self.system.n, self.system.n)
-        return sp.csr_matrix((data[: self.system.nnz], (self.system.rows, self.system.cols)), shape=shape)
-
     def _dense(self, data):
-        n_q, full, own = self.system.n_q, self._matrix(data).toarray(), ~self.system.signals
+        n_q, full, own = self.system.n_q, np.zeros((self.system.n, self.system.n)), ~self.system.signals
+        full[self.system.rows, self.system.cols] = data[: self.system.nnz]
         K, root = condensed(full[:n_q, :n_q], own), self.root[own]
         if K is None:
             return Stability(UNKNOWN, UNKNOWN)
@@ -94,78 +90,16 @@ class Judge:
         K = K / np.outer(root, root)
         largest = np.abs(K).max()
         K = Z.T @ K @ Z
-        values, vectors = la.eigh(0.5 * (K + K.T))
+        values, vectors = np.linalg.eigh(0.5 * (K + K.T))
         if _unsymmetric(K, largest, values):
-            values, vectors = _real(*la.eig(K))
+            values, vectors = _real(*np.linalg.eig(K))
         if not len(values):
             return Stability(0, 0)
         limit = self.neutral * max(largest, np.finfo(float).tiny)
         shape = np.zeros(n_q)
         shape[own] = (Z @ vectors[:, 0]) / root
         unstable, neutral = int(np.sum(values < -limit)), int(np.sum(np.abs(values) <= limit))
-        return Stability(unstable, neutral, float(values[0]), _scaled(shape, self.root))
-
-    def _sparse(self, data):
-        unstable, zeros = self._negative(data)
-        if unstable == UNKNOWN:
-            stiffness, shape = self._softest(data)
-            free = abs(stiffness) <= NEUTRAL_WHERE_SOFT * np.abs(data).max()
-            return Stability(UNKNOWN, 1 if free else UNKNOWN, stiffness, shape)
-        stiffness, shape = (np.nan, None) if not (unstable or zeros) else self._softest(data, unstable)
-        return Stability(max(unstable, 0), zeros, stiffness, shape)
-
-    def _negative(self, data):
-        """Return (negative pivots beyond those of the constraints, zero pivots); UNKNOWN if rows were exchanged."""
-        if self._solver is None:
-            self._solver = LinearSolver(pattern_of(self.system), tolerance=0.0, analysis=self._analysis)
-        x = np.zeros(self.system.n)
-        status = self._solver.solve(self._penalized(data), np.ones(self.system.n), x)
-        if status.fallback:
-            return UNKNOWN, UNKNOWN
-        zero = self._solver.cancellation() <= NEUTRAL_PIVOT
-        return int(np.sum((self._solver.pivots() < 0.0) & ~zero)) - self.system.n_l, int(zero.sum())
-
-    def _penalized(self, data):
-        """Return the tangent with k and penalty equal to its mean stiffness, to avoid zero pivots."""
-        n_q, n = self.system.n_q, self.system.n
-        if not self.system.n_l:
-            return data
-        of_angles = self.system.numbering.kind[n_q:n] == ANGLE_CONSTRAINT
-        k = sp.diags(self._mean_stiffness(data) * np.where(of_angles, self.length**2, 1.0))
-        full = self._matrix(data)
-        B = full[n_q:, :n_q]
-        scaled = k @ B
-        matrix = full + sp.bmat([[B.T @ scaled, (scaled - B).T], [scaled - B, None]])
-        return np.asarray(matrix[self.system.rows, self.system.cols]).ravel()
-
-    def _mean_stiffness(self, data):
-        """Return the mean stiffness [N/m] of the tangent, or 1 N/m if it has none."""
-        own = np.flatnonzero(~self.system.signals)
-        return mean_diagonal(data[self.system.diagonal[own]], self.system.numbering.kind[own], self.length) or 1.0
-
-    def _softest(self, data, unstable=0):
-        """Return (stiffness nearest to zero, or most negative one if ``unstable``, its motion); (nan, None) on failure.
-
-        By inverse iteration; the shift exceeds the most negative stiffness.
-        """
-        n, n_q = self.system.n, self.system.n_q
-        metric = sp.diags(np.concatenate([self.metric, np.zeros(n - n_q)])).tocsc()
-        matrix = self._matrix(data).tocsc()
-        shift = SHIFT * self._mean_stiffness(data)
-        while unstable > 0:
-            shift *= FARTHER
-            unstable = self._negative(self._dragged(data, shift))[0]
-        try:
-            lu = spla.splu((matrix + shift * metric).tocsc())
-        except RuntimeError:
-            return np.nan, None
-        x = np.random.default_rng(1).normal(size=n)
-        for _ in range(30):
-            x = lu.solve(metric @ x)
-            x /= np.sqrt(x @ (metric @ x))
-        if not np.all(np.isfinite(x)):
-            return np.nan, None
-        return float(x @ (matrix @ x)), _scaled(x[:n_q], self.root)
+        return Stability(unstable, neutral, float(values[0]), scaled(shape, self.root))
 
 
 def condensed(K, own):
@@ -208,7 +142,7 @@ def _real(values, vectors):
     return values[order].real, vectors[:, order].real
 
 
-def _scaled(shape, root):
+def scaled(shape, root):
     """Return the motion scaled to a largest displacement of 1 (rotations times the length scale)."""
     size = np.abs(shape * root)
     return shape / (shape[np.argmax(size)] * root[np.argmax(size)])
@@ -240,9 +174,12 @@ def floats(system, s, stability):
             motions[x : x + 3] = np.hstack([np.eye(3), np.cross(np.eye(3), s.z[x : x + 3]).T])
         if r < n_q:
             motions[r : r + 3, 3:] = s.R[rotation].T
-    matrix = sp.csr_matrix((data, (system.rows, system.cols)), shape=(system.n, system.n))
     own = np.append(~system.signals, np.ones(system.n - n_q, bool))
-    forces, largest = np.abs(matrix @ motions)[own], (abs(matrix) @ np.abs(motions)).max(initial=0.0)
+    terms = data[:, None] * motions[system.cols]
+    forces, sizes = np.zeros_like(motions), np.zeros_like(motions)
+    np.add.at(forces, system.rows, terms)
+    np.add.at(sizes, system.rows, np.abs(terms))
+    forces, largest = np.abs(forces)[own], sizes.max(initial=0.0)
     return bool((forces <= FREE * largest).all())
 
 

@@ -14,7 +14,6 @@ redundant rows (two wheels on one axle) are always consistent.
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 
 NONE = np.zeros(0, np.int64)
 
@@ -23,7 +22,7 @@ NONE = np.zeros(0, np.int64)
 class Held:
     """The constraints on velocities of one state as constraints on displacements, and their part of the tangent."""
 
-    B: sp.csr_matrix  # (n_l, n_q): rows of other constraints are empty
+    B: object  # csr_matrix (n_l, n_q): rows of other constraints are empty
     values: np.ndarray  # entries of B in the tangent, one for each of ``VelocityConstraints.entries``
     squares: np.ndarray  # entries of B^T B in the tangent
     square_places: np.ndarray  # their indices in the values of the tangent
@@ -47,6 +46,8 @@ class VelocityConstraints:
         """Return the Held of ``s`` at rest, or None without constraints on velocities."""
         if not self.any:
             return None
+        import scipy.sparse as sp  # takes 0.2 s to import, hence only when needed
+
         system = self.system
         values = -system.assemble(s, 1.0, 0.0, 0.0, 1.0, 0.0).data[self.entries]
         B = sp.csr_matrix((values, (self.rows, self.cols)), shape=(system.n_l, system.n_q))
