@@ -52,7 +52,8 @@ FIELDS = (
     Field("contact_length", NUMBER, "m", "2a, for the aligning moment", 0.0, not_negative),
     Field("least_speed", NUMBER, "m/s", "v_0, speed below which the slip no longer grows as 1/speed", 0.1, positive),
     Field(
-        "carcass_stiffness", NUMBERS, "N/m", "for a transient_wheel, K [along t, along l]: relaxation length C/K",
+        "carcass_stiffness", NUMBERS, "N/m",
+        "for a transient_wheel, K [along t, along l]: relaxation length C/K + creep_length",
         None, two_positive,
     ),
     Field(
