@@ -19,7 +19,7 @@ from mecano.errors import ConvergenceError, DeckError, NonFiniteError
 from mecano.model.sampler import Sampler
 from mecano.results.reader import open_results
 from mecano.solve.statics.continuation import Follower
-from mecano.solve.statics.stability import DENSE
+from mecano.solve.statics.stability import DENSE, FEW, LOWEST, _lowest
 
 LIMIT = -minimize_scalar(lambda z: -truss_force(z), bounds=(0.0, 0.3), method="bounded", options={"xatol": 1e-12}).fun
 
@@ -104,6 +104,17 @@ def test_stability_with_a_controller(torque, unstable):
     path = Path(controlled("static: {}", torque, gravity=0.0))
     assert np.all(path.unstable == unstable)
     assert path.points[-1].stability.stiffness == pytest.approx(6.0 if not unstable else -6.0)
+
+
+@pytest.mark.parametrize("soft", [0, 1, LOWEST - 1, LOWEST, LOWEST + 3])
+def test_the_lowest_stiffnesses_include_all_unstable_directions(soft):
+    """However many directions are ``soft``, and the next one, which bounds how near to zero the others are."""
+    known = np.append(np.linspace(-5.0, -1.0, soft), np.linspace(2.0, 9.0, FEW))
+    Q = np.linalg.qr(np.random.default_rng(soft).normal(size=(len(known), len(known))))[0]
+    values, vectors = _lowest(Q @ np.diag(known) @ Q.T, 1e-13)
+    assert len(values) > soft
+    np.testing.assert_allclose(values, known[: len(values)], atol=1e-12)
+    np.testing.assert_allclose(np.abs(Q.T @ vectors)[: len(values)], np.eye(len(values)), atol=1e-10)
 
 
 def test_stability_is_unknown_with_an_integrator():

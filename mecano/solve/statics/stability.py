@@ -17,6 +17,8 @@ from mecano.errors import name_list
 from mecano.model.numbering import ROTATION
 
 DENSE = 400  # unknowns up to which all eigenvalues are computed
+FEW = 100  # motions up to which all eigenvalues take less time than the import of scipy.linalg
+LOWEST = 8  # eigenvalues computed first: the six rigid motions of a free model, an unstable one, and one above
 NEUTRAL = 1e-13  # of the largest stiffness: softer directions are neutral (dense)
 NEUTRAL_WHERE_SOFT = 1e-10  # the same if redundant constraints are compliant
 SYMMETRIC = 1e-7  # of the largest entry: largest asymmetry of a symmetric tangent
@@ -90,12 +92,12 @@ class Judge:
         K = K / np.outer(root, root)
         largest = np.abs(K).max()
         K = Z.T @ K @ Z
-        values, vectors = np.linalg.eigh(0.5 * (K + K.T))
+        limit = self.neutral * max(largest, np.finfo(float).tiny)
+        values, vectors = _lowest(0.5 * (K + K.T), limit)
         if _unsymmetric(K, largest, values):
             values, vectors = _real(*np.linalg.eig(K))
         if not len(values):
             return Stability(0, 0)
-        limit = self.neutral * max(largest, np.finfo(float).tiny)
         shape = np.zeros(n_q)
         shape[own] = (Z @ vectors[:, 0]) / root
         unstable, neutral = int(np.sum(values < -limit)), int(np.sum(np.abs(values) <= limit))
@@ -124,11 +126,26 @@ def null_space(B):
     return Vt[int(np.sum(sigma > RANK)) :].T
 
 
+def _lowest(K, limit):
+    """Return the lowest eigenvalues of K, symmetric, with their vectors: all up to ``limit``, and the next above it.
+
+    Without those below the limit a few are enough, in half of the time of all.
+    """
+    if len(K) > FEW:
+        import scipy.linalg as la
+
+        values, vectors = la.eigh(K, subset_by_index=[0, LOWEST - 1])
+        if values[-1] > limit:
+            return values, vectors
+    return np.linalg.eigh(K)
+
+
 def _unsymmetric(K, largest, values):
     """Return whether the asymmetry of K matters beside its ``largest`` entry, or beside its softest direction.
 
-    ``values``: the eigenvalues of the symmetric part. By the theorem of Bauer and Fike those of K are no farther from
-    them than the norm of the other part, which follower loads of slender beams make small beside the axial stiffness.
+    ``values``: the lowest eigenvalues of the symmetric part. By the theorem of Bauer and Fike those of K are no farther
+    from them than the norm of the other part, which follower loads of slender beams make small beside the axial
+    stiffness.
     """
     other = 0.5 * np.linalg.norm(K - K.T)
     return np.abs(K - K.T).max() > SYMMETRIC * largest or other > max(ROUNDED * largest, np.abs(values).min())
