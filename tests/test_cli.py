@@ -133,6 +133,7 @@ class TestDeckErrors:
     def test_a_deck_that_is_not_there(self, call, folder):
         code, _, err = call("run", "other.yaml")
         assert code == 2 and "other.yaml:1:1: the deck cannot be read" in err and "No such file" in err
+        assert "did you mean" not in err and "did you mean 'deck.yaml'?" in call("run", "dekc.yml")[2]
 
     def test_overrides(self, call, folder):
         code, _, err = call("run", "deck.yaml", "--set", "time.stop=1")
@@ -536,3 +537,4 @@ class TestCatalogue:
     def test_explain_unknown_names(self, call):
         code, out, err = call("explain", "hnge")
         assert (code, out) == (2, "") and "'hnge'; did you mean 'hinge'?" in err
+        assert "did you mean 'hinge.latch'?" in call("explain", "hinge.lach")[2]

@@ -131,7 +131,9 @@ def _called(name):
 
 def _nearest(name, known):
     """Return a hint for an unknown name: similar names of mecano first, then similar words of other programs."""
-    return suggestion(name, [*known, *SYNONYMS]) or "`mecano list` lists all"
+    owner = name.rpartition(".")[0]
+    inside = [f"{owner}.{field.name}" for where, field in _fields() if owner and where == owner]
+    return suggestion(name, inside or [*known, *SYNONYMS]) or "`mecano list` lists all"
 
 
 def _for_synonym(name, targets, note, known):
@@ -157,10 +159,9 @@ def _first_words(target):
 def _found(name):
     """Yield (place, Field) of fields with the name "owner.field"."""
     owner, _, last = name.rpartition(".")
-    for place, fields in _declared():
-        for where, field in _walk(fields, place):
-            if field.name == last and (not owner or where == owner):
-                yield where, field
+    for where, field in _fields():
+        if field.name == last and (not owner or where == owner):
+            yield where, field
 
 
 def _section(section):
@@ -178,23 +179,22 @@ def _inside(name):
     """Yield texts on a field of kinds or sections, or on a keyword of one: "friction", "hinge.friction"."""
     owner, _, last = name.rpartition(".")
     owners = {}
-    for place, fields in _declared():
-        for where, field in _walk(fields, place):
-            if owner and not f"{where}.".startswith(f"{owner}."):
-                continue
-            if field.name == last:
-                owners.setdefault("\n".join(field_lines((field,))), []).append(where)
-            elif field.type.name == "choice" and last in field.type.options:
-                owners.setdefault("\n".join(field_lines((field,))), []).append(f"{where}.{field.name}")
+    for where, field in _fields():
+        if owner and not f"{where}.".startswith(f"{owner}."):
+            continue
+        if field.name == last:
+            owners.setdefault("\n".join(field_lines((field,))), []).append(where)
+        elif field.type.name == "choice" and last in field.type.options:
+            owners.setdefault("\n".join(field_lines((field,))), []).append(f"{where}.{field.name}")
     for lines, places in owners.items():
         yield "\n".join([*wrap(f"{last} (in {', '.join(places)})", WIDTH), "", lines, ""])
 
 
-def _declared():
-    """Yield (name, fields) of all kinds, shapes and sections."""
+def _fields():
+    """Yield (place, Field) of all fields of kinds, shapes and sections."""
     for kind in (*KINDS.values(), *SHAPES.values()):
-        yield kind.name, kind.fields
-    yield "deck", SECTIONS
+        yield from _walk(kind.fields, kind.name)
+    yield from _walk(SECTIONS, "deck")
 
 
 def _walk(fields, place):
