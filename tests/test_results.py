@@ -186,6 +186,7 @@ def test_the_solver_history_has_names_too(finished):
         ("axle.position.3", "no component '3'"),
         ("wheel.radial_force.x", "no output 'wheel.radial_force.x'"),
         ("qqqqqq", "no output 'qqqqqq' in this file; `mecano info` lists them"),
+        ("axle", "no output 'axle' in this file, but axle.position, axle.rotation"),
     ],
 )
 def test_names_that_are_wrong(finished, name, message):

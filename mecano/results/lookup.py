@@ -25,6 +25,9 @@ class ByName:
         return True
 
 
+MOST = 8  # outputs of one owner that a message names
+
+
 class Lookup:
     """Series by any ending of their paths, with dots or slashes, followed by a component for vectors.
 
@@ -86,6 +89,10 @@ class Lookup:
         pieces = self._pieces(dotted) or self._pieces(_split(dotted, 1)[0])
         if pieces:
             return f": this member is divided; write {pieces[0]} to {pieces[-1]}, or a * instead of the number for all"
+        own = [ending for ending in self._by_ending if ending.rpartition(".")[0] == dotted]
+        if own:
+            shown = ", ".join(own[:MOST]) + (", ..." if len(own) > MOST else "")
+            return f", but {shown}"
         node = dotted.removeprefix("nodes.").partition(".")[0]
         if ".displacement" in dotted and f"{node}.position" in self._by_ending:
             return f": nodes have positions only; write {node}.position"
