@@ -80,7 +80,7 @@ def ellipsoid_gap_at_start(d, nodes):
 def check_ellipsoid(d, nodes):
     """Return errors for an ellipsoid at a surface that is no plane, with a radius, or without a place."""
     if named_surface(d)[0] != "plane":
-        return [f"an 'ellipsoid' touches a 'plane', no '{named_surface(d)[0]}'"]
+        return [f"an 'ellipsoid' touches a 'plane', not a '{named_surface(d)[0]}'"]
     if d["radius"]:
         return ["'radius' is that of a ball or rod; an 'ellipsoid' has 'semi_axes' only"]
     return check_place_on_b(d, "ellipsoid")

@@ -124,7 +124,7 @@ def _refuse_living(path, record, content):
         state = _state(reported)
         who = f"process {reported['process']} on {reported['host']} (since {reported['since']})"
     except (ValueError, KeyError, TypeError, AttributeError):
-        raise ResultsError(f"{path} may be being written: {record} does not name the process; {advice}") from None
+        raise ResultsError(f"another process may be writing {path}: {record} does not name it; {advice}") from None
     if state == HERE:
         raise ResultsError(f"{path} is being written by {who}: wait for it, end it, or give another name with -o")
     if state == ELSEWHERE:
