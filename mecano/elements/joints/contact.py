@@ -26,12 +26,11 @@ is activated begins to act where it no longer does, whether or not the condition
 
 from dataclasses import replace
 
-import numpy as np
-
 from mecano.constraints.activation import with_activation
 from mecano.constraints.along_coordinate.friction import check_friction, friction_fields
 from mecano.constraints.along_coordinate.trigger import trigger_of
 from mecano.constraints.contact_functions import elastic, observed_rigid, observed_rubbing, rigid, rubbing, rubs
+from mecano.constraints.contact_samples import samples
 from mecano.constraints.release import COMMAND, SAMPLE, with_release
 from mecano.constraints.touching import BALL, FIELDS, ROUNDING, check_given
 from mecano.constraints.touching_ellipsoid import ELLIPSOID, ELLIPSOIDS
@@ -47,8 +46,6 @@ PHASES = ("open", "closed")
 NORMAL = Row("normal force of the contact", "N", "m", unilateral=True)
 CLOSES = Event("closes", "open", "closed", "the ball reaches the surface; a shock if it is rigid", SHOCK, "restitution")
 OPENS = Event("opens", "closed", "open", "the normal force falls to zero")
-
-
 SHAPES = {"rod": RODS, "ellipsoid": ELLIPSOIDS, "revolution": REVOLUTIONS, "ball": BALL}  # by fields of the deck
 
 
@@ -114,60 +111,13 @@ def _check_shape_of_b(d):
     return ["give 'rod' or 'ellipsoid', not both"] if both else []
 
 
-def sample(rng):
-    """Return rigid and elastic contacts of all surfaces, open and closed, with and without friction."""
-    law = (("power", {"coefficient": 3e2, "exponent": 2.0}),)
-    dry = {"coefficient": (("constant", {"value": 0.4}),), "regularization": 0.5}
-    elastic = {"nodes": ["a", "b"], "law": law, "damping": 0.1}
-    rough = {**elastic, "friction": dry}
-    x, axis = rng.normal(size=3), np.array([0.0, 0.0, 1.0])
-    nodes = [(x - [0.0, 0.1, 0.0], np.eye(3)), (x + [0.3, 0.4, 0.6], np.eye(3))]
-    surfaces = (
-        {"plane": {"normal": axis, "point": x}, "radius": 0.9}, {"sphere": {"radius": 0.5, "center": x}, "radius": 0.5},
-        {"cylinder": {"axis": axis, "radius": 0.55, "inside": True, "center": x}, "radius": 0.25},
-        {"capsule": {"axis": axis, "length": 0.4, "radius": 0.4, "center": x}, "radius": 0.4},
-    )  # fmt: skip
-    found = [({**surface, **rough}, nodes, "closed") for surface in surfaces]
-    stiff = {"nodes": ["a", "b"], "radius": 0.04}
-    found += [({**surface, **stiff}, nodes, phase) for surface in surfaces for phase in PHASES]
-    found += [({**surfaces[2], **stiff, "friction": dry}, nodes, phase) for phase in PHASES]
-    found += [({**surfaces[2], **elastic}, nodes, "closed"), ({**surfaces[0], **rough}, nodes, "open")]
-    line = {"axis": axis, "radius": 0.4, "center": x}
-    rods = {"capsule": {**line, "length": 0.8}}, {"cylinder": {**line, "inside": False}}
-    crossing = {"rod": {"axis": np.array([1.0, -2.0, 0.5]), "length": 0.9, "center": None}, "radius": 0.15}
-    found += [({**rod, **crossing, **elastic}, nodes, "closed") for rod in rods]
-    found += [({**rods[0], **crossing, **rough}, nodes, phase) for phase in PHASES]
-    thin = {**crossing, "nodes": ["a", "b"], "radius": 0.02}
-    found += [({**rod, **thin}, nodes, phase) for rod in rods for phase in PHASES]
-    found += [({**rods[0], **thin, "friction": dry}, nodes, "closed")]
-    barrel = {"axis": axis, "center": x, "inside": False, "profile": _barrel(0.44)}
-    turned = [{"revolution": surface} for surface in (barrel, {**barrel, "inside": True, "profile": _barrel(0.5)})]
-    found += [({**drum, **of, "radius": 0.15}, nodes, "closed") for drum in turned for of in (rough, elastic)]
-    touching = {"nodes": ["a", "b"], "radius": 0.01}
-    found += [({**drum, **touching}, nodes, phase) for drum in turned for phase in PHASES]
-    found += [({**drum, **touching, "friction": dry}, nodes, "closed") for drum in turned]
-    egg = {**surfaces[0], "radius": 0.0, "ellipsoid": {"semi_axes": np.array([0.5, 0.7, 0.9]), "center": None}}
-    found += [({**egg, **of}, nodes, "closed") for of in (rough, elastic)]
-    pebble = {**egg, "nodes": ["a", "b"], "ellipsoid": {**egg["ellipsoid"], "semi_axes": np.array([0.3, 0.4, 0.5])}}
-    found += [(pebble, nodes, phase) for phase in PHASES]
-    return [*found, ({**pebble, "friction": dry}, nodes, "closed")]
-
-
 def sample_in_time(rng):
     """Return those samples, and rigid contacts that are activated or released, in all phases."""
     timed = {**SAMPLE, "activate": {"time": 0.1, "when": None}}
     found = ELASTIC_CONTACT.sample(rng)
-    smooth, _, _, _, rough = [(values, nodes) for values, nodes, phase in found if _held(values, phase)][:5]
+    held = [(d, nodes) for d, nodes, phase in found if phase == "closed" and "law" not in d]
+    smooth, rough = (next(one for one in held if ("friction" in one[0]) == dry) for dry in (False, True))
     return found + [({**d, **timed}, nodes, phase) for d, nodes in (smooth, rough) for phase in SWITCHES["phases"]]
-
-
-def _held(values, phase):
-    return phase == "closed" and "law" not in values and "rod" not in values
-
-
-def _barrel(radius):
-    """Return the profile of a barrel with this radius [m] at its origin, for samples."""
-    return (("polynomial", {"coefficients": [radius, 0.1, -0.05]}),)
 
 
 _ALWAYS_ACTIVE = Kind(
@@ -208,7 +158,7 @@ _ALWAYS_ACTIVE = Kind(
     prepare=prepare,
     variant=variant,
     check=check,
-    sample=sample,
+    sample=samples,
     **rigid(BALL),
     **observed_rigid(BALL),
 )  # fmt: skip
@@ -219,8 +169,6 @@ ELASTIC = {
     ),
 }  # fmt: skip
 ROUGH_LAYOUT = RODS.layout
-
-
 INACTIVE, RELEASED, OVERLAPPING = "inactive", "released", "overlapping"
 ACTIVATES = Event("activates", INACTIVE, "open", "the contact begins to act")
 SWITCHES = {
