@@ -4,15 +4,24 @@ import numpy as np
 
 from mecano.constraints.along_coordinate.demand import is_formula, law_of
 from mecano.constraints.line import SHORTEST
+from mecano.element_interface import Output
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.maths.dual import at_least, number
 from mecano.maths.vector import add_vec, dot, vec
+from mecano.schema import NUMBER, Field, not_negative, positive
 
 STRAIN_OF_STEEL = 2e-3  # at its yield strength
 LINE_RECORD = {
     "EA": (), "inverse_area": (), "damping": (), "law": "i", "mass": (), "own": (), "cross": (), "gravity": 3,
 }  # fmt: skip
+DAMPING = Field("damping", NUMBER, "s", "tau: viscous over elastic stiffness", 0.0, not_negative)
+AXIAL_STIFFNESS = Field("axial_stiffness", NUMBER, "N", "EA: force per strain", check=positive)
+STRAINS = (
+    Output("natural_length", "m", "length without force"),
+    Output("strain", "-", "extension over natural length"),
+    Output("strain_rate", "1/s", "rate of the strain"),
+)
 
 
 @kernel

@@ -26,10 +26,11 @@ import numpy as np
 from mecano.constraints.activation import activate_field, is_stress_free
 from mecano.constraints.along_coordinate.trigger import check_trigger, trigger_of
 from mecano.constraints.belt_span import BELT_END, BELT_SPAN, CLOSEST, check_tangent, span_kind, span_record
+from mecano.constraints.elastic_line import AXIAL_STIFFNESS, DAMPING
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.release import check_release, elastic_release
 from mecano.element_interface import Display, Kind, Part
-from mecano.schema import BOOLEAN, DIRECTION, NODES, NUMBER, NUMBERS, Field, not_negative, positive
+from mecano.schema import BOOLEAN, DIRECTION, NODES, NUMBER, NUMBERS, Field, not_negative
 
 
 def _spans(d):
@@ -101,9 +102,7 @@ def sample(rng):
     return [(hoist, nodes, ""), (drive, nodes[1:3], ""), *(({**hoist, **more}, nodes, "") for more in timed)]
 
 
-STRESS_FREE = Field(
-    "stress_free", BOOLEAN, "-", "it has only its pretension then, on the pulleys as they stand then", False
-)
+STRESS_FREE = Field("stress_free", BOOLEAN, "-", "the tension of its spans at that instant is its pretension", False)
 BELT = Kind(
     name="belt",
     section="elements",
@@ -114,9 +113,9 @@ BELT = Kind(
         Field("radii", NUMBERS, "m", "of the pulley at each node, > 0 counter-clockwise about the axis; 0 at a point"),
         Field("axis", DIRECTION, "-", "axis of all pulleys at the start, inertial"),
         Field("closed", BOOLEAN, "-", "whether it runs from the last node back to the first", False),
-        Field("axial_stiffness", NUMBER, "N", "EA: force per strain", check=positive),
+        AXIAL_STIFFNESS,
         Field("pretension", NUMBER, "N", "tension of all spans at the start", 0.0, not_negative),
-        Field("damping", NUMBER, "s", "tau: viscous over elastic stiffness", 0.0, not_negative),
+        DAMPING,
         elastic_release("belt"),
         activate_field("belt", STRESS_FREE),
     ),

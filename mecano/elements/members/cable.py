@@ -37,8 +37,10 @@ from mecano.constraints.activation import SHIFT, is_stress_free, since_activatio
 from mecano.constraints.along_coordinate.demand import is_formula, with_rate
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.elastic_line import (
+    DAMPING,
     LINE_RECORD,
     STRAIN_OF_STEEL,
+    STRAINS,
     add_line_inertia,
     add_strain_energy,
     distance,
@@ -253,7 +255,7 @@ FIELDS = (
         "length without force: a function of time [s], or a formula of signals; when absent, from the pretension", None,
     ),
     Field("pretension", NUMBER, "N", "tension at the start, at the initial distance", 0.0),
-    Field("damping", NUMBER, "s", "tau: viscous over elastic stiffness", 0.0, not_negative),
+    DAMPING,
     Field("mass_per_length", NUMBER, "kg/m", "mass per natural length at t = 0", 0.0, not_negative),
     Field(
         "mass_distribution", choice("consistent", "lumped"), "-", "distribution of the mass to the nodes", "consistent"
@@ -270,9 +272,7 @@ WINDER_FIELDS = (
 )  # fmt: skip
 OUTPUTS = (
     Output("length", "m", "distance of the nodes"),
-    Output("natural_length", "m", "length without force"),
-    Output("strain", "-", "extension over natural length"),
-    Output("strain_rate", "1/s", "rate of the strain"),
+    *STRAINS,
     Output("tension", "N", "axial force; > 0 pulls the nodes together"),
     Output("stress", "Pa", "axial force over area"),
 )

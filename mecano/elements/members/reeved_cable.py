@@ -23,9 +23,9 @@ cable. The cable has no mass. With ``friction`` on the pulleys each span has its
 ``release`` cuts the cable: it carries no force from then on, its elastic energy is lost, and its outputs are zero.
 
 With ``activate`` it carries no force before, and the energy that it has then is given. Its natural length is that at
-the start; ``stress_free``, it takes the path that it finds: its natural length is then that of this path under its
-``pretension``, and only what is paid out from then on is added. Its arcs are followed from the start in both cases.
-Before, its nodes may stand anywhere; where they leave it no path, its outputs are zero.
+the start; with ``stress_free`` it has its ``pretension`` on the path at that instant, from which its natural length
+follows, and only what is paid out from then on is added. Its arcs are followed from the start in both cases. Before
+the activation its nodes may be anywhere; where no path is possible, its outputs are zero.
 
 The length is exact for parallel axes and pulleys in one plane, and small inclinations of a span to the planes of its
 pulleys are allowed (``inclination``). The arc at the start is less than one turn. The run ends when the cable leaves a
@@ -42,7 +42,7 @@ from mecano.constraints.activation import is_stress_free, with_activation
 from mecano.constraints.along_coordinate.demand import is_formula, law_of
 from mecano.constraints.belt_span import CLOSEST, INCLINATION, check_tangent, span_record
 from mecano.constraints.capstan import CAPSTAN, capstan, friction_field
-from mecano.constraints.elastic_line import add_strain_energy
+from mecano.constraints.elastic_line import AXIAL_STIFFNESS, DAMPING, STRAINS, add_strain_energy
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, TAUT, put_line_events
 from mecano.constraints.reeved_path import (
@@ -63,7 +63,7 @@ from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.maths.dual import at_least, number, select, value
 from mecano.maths.vector import add_vec, dot, mat, norm
-from mecano.schema import BOOLEAN, CONTINUOUS_DRIVE, DIRECTION, NODES, NUMBER, NUMBERS, Field, not_negative, positive
+from mecano.schema import BOOLEAN, CONTINUOUS_DRIVE, DIRECTION, NODES, NUMBER, NUMBERS, Field, not_negative
 
 LIFTED = 0.01  # [rad]: the length of a path off a pulley by this angle is in error by less than its square
 TURN = 2.0 * np.pi
@@ -180,6 +180,13 @@ def check(d, nodes):
         return [f"'radii' must have {len(names)} numbers, one for each node; it has {len(radii)}"]
     if len(names) < 3:
         return ["'nodes' must name two points and the pulleys between them; a cable without pulleys is a 'cable'"]
+    texts = _check_pulleys(d, nodes) + _check_friction(d) + check_release(d, [])
+    return texts or _check_length(d, nodes)
+
+
+def _check_pulleys(d, nodes):
+    """Return errors in the radii, and for neighbours that leave no tangent between them."""
+    names, radii = d["nodes"], d["radii"]
     texts = [
         f"'radii': the cable ends at '{names[i]}', a point with the radius 0; a drum at an end needs a 'belt'"
         for i in (0, -1) if radii[i]
@@ -193,17 +200,29 @@ def check(d, nodes):
     for i in range(len(names) - 1):
         ends = slice(i, i + 2)
         texts += check_tangent(names[ends], [x for x, _ in nodes[ends]], radii[ends], frame)
-    if d["friction"] is not None and len(d["friction"]["coefficients"]) != len(names) - 2:
-        given = len(d["friction"]["coefficients"])
-        texts.append(f"'friction' needs {len(names) - 2} coefficients, one for each pulley; it has {given}")
-    if d["friction"] is not None and min(d["friction"]["coefficients"], default=0.0) < 0.0:
-        texts.append("'friction' needs coefficients that are not negative")
-    texts += check_release(d, [])
-    if not texts and d["payout"] is not None and not is_formula(d["payout"]):
-        length, paid_out = _start(d, nodes)[2], curve_at(d["payout"], 0.0)[0]
-        if not length + paid_out > 0.0:
-            texts.append(f"'payout' is {paid_out:.4g} m at t = 0, and the cable is {length:.4g} m long")
     return texts
+
+
+def _check_friction(d):
+    """Return errors in the number and signs of the coefficients of friction."""
+    if d["friction"] is None:
+        return []
+    coefficients, pulleys, texts = d["friction"]["coefficients"], len(d["nodes"]) - 2, []
+    if len(coefficients) != pulleys:
+        texts.append(f"'friction' needs {pulleys} coefficients, one for each pulley; it has {len(coefficients)}")
+    if min(coefficients, default=0.0) < 0.0:
+        texts.append("'friction' needs coefficients that are not negative")
+    return texts
+
+
+def _check_length(d, nodes):
+    """Return an error in the natural length at the start."""
+    if d["payout"] is None or is_formula(d["payout"]):
+        return []
+    length, paid_out = _start(d, nodes)[2], curve_at(d["payout"], 0.0)[0]
+    if length + paid_out > 0.0:
+        return []
+    return [f"'payout' is {paid_out:.4g} m at t = 0, and the cable is {length:.4g} m long"]
 
 
 def limits(d):
@@ -271,19 +290,17 @@ FIELDS = (
     Field("nodes", NODES, "-", "a point, the centres of the pulleys as the cable runs, and a point"),
     Field("radii", NUMBERS, "m", "of the pulley at each node, > 0 counter-clockwise about the axis; 0 at both points"),
     Field("axis", DIRECTION, "-", "axis of all pulleys at the start, inertial; fixed in their nodes"),
-    Field("axial_stiffness", NUMBER, "N", "EA: force per strain", check=positive),
+    AXIAL_STIFFNESS,
     Field("pretension", NUMBER, "N", "tension at the start, without payout and friction", 0.0, not_negative),
     Field("payout", CONTINUOUS_DRIVE, "m", "natural length paid out at the first node since the start: a function of "
           "time [s], or a formula of signals; a winch that hauls in has negative values", None),
-    Field("damping", NUMBER, "s", "tau: viscous over elastic stiffness", 0.0, not_negative),
+    DAMPING,
     friction_field(),
     elastic_release("cable"),
 )  # fmt: skip
 OUTPUTS = (
     Output("length", "m", "length of the path: free spans and arcs"),
-    Output("natural_length", "m", "length without force"),
-    Output("strain", "-", "extension over natural length"),
-    Output("strain_rate", "1/s", "rate of the strain"),
+    *STRAINS,
     Output("tension", "N", "tension of the whole cable, with friction its mean; zero while it is slack"),
     Output("state", "-", "0 relaxing, slack or released, 1 taut"),
     Output("inclination", "-", "sine of the largest angle of a span to the plane of its pulleys"),
@@ -312,5 +329,5 @@ _ALWAYS_ACTIVE = Kind(
     **_functions(strain_by(of_law)),
 )
 LYING = (6, 7, 8)  # indices of the outputs that say whether the cable lies on its pulleys
-STRESS_FREE = Field("stress_free", BOOLEAN, "-", "it has only its pretension then, on the path that it finds", False)
+STRESS_FREE = Field("stress_free", BOOLEAN, "-", "its tension at that instant is its pretension", False)
 REEVED_CABLE = with_activation(_ALWAYS_ACTIVE, "cable", LYING, (_ALWAYS_ACTIVE, (1, 2, 3, *LYING)), STRESS_FREE)
