@@ -94,7 +94,7 @@ def named(type_, check=None):
 
 def list_of(type_, check=None):
     """Return the type of a list of values of one type; ``check`` as in ``Field``, for each value."""
-    return Type("list", "a list", (type_, check))
+    return Type("list", f"a list, each item {type_.expects}", (type_, check))
 
 
 def either(type_, *words):
