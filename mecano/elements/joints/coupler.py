@@ -9,6 +9,9 @@ the same order and the ``constant`` c,
 The multiplier is the load along :math:`c_1`, a moment or a force; the load along :math:`c_i` is :math:`h_i/h_1` times
 it. Each load acts between the two nodes of its joint, and together they do no work. A coupler has no inertia, friction
 or play of its own.
+
+Angles and displacements are zero at the start. A cable by which a second hinge turns twice as far as the first one, in
+the opposite direction, has ``angles: [first, second]`` and ``factors: [2, 1]``.
 """
 
 from collections import namedtuple
@@ -137,7 +140,7 @@ def prepare(d, nodes, context):
 
 
 def check(d, nodes):
-    """Check that there are two coordinates or more, no one twice, and a factor for each."""
+    """Check that there are at least two coordinates, each named once, with a factor for each."""
     n = len(_joints(d))
     if n < 2:
         return ["'angles' and 'displacements' must name at least two joints together"]
