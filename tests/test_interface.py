@@ -199,6 +199,8 @@ class TestDeck:
         ):
             with pytest.raises(TypeError, match="a deck holds dicts, lists, numbers and strings, not object"):
                 call()
+        with pytest.raises(TypeError, match="a deck is a path, a mecano.Deck or a dict, not int"):
+            mecano.check(1)
         with pytest.raises(TypeError, match="expected str"):
             deck.save(1)  # the number of an open file
 

@@ -120,6 +120,8 @@ def checked_deck(deck, overrides):
         if isinstance(deck, Deck):
             file = os.path.join("" if deck.folder == os.curdir else deck.folder, f"<{deck.name}>")
             return deck_of_bytes(deck.text.encode(), file, overrides=texts)
+        if not isinstance(deck, (str, os.PathLike)):
+            raise TypeError(f"a deck is a path, a mecano.Deck or a dict, not {type(deck).__name__}")
         return read_deck(os.fspath(deck), texts)
 
 
