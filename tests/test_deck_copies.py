@@ -235,6 +235,11 @@ def test_a_range_may_be_empty():
     assert list(read_fake(entries).values["elements"]) == list(read_fake(CHAIN).values["elements"])
 
 
+def test_a_bracket_in_a_name_that_is_not_closed():
+    first, *_ = problems_of(CHAIN.replace("p$i: {repeat", "p$(i + 1: {repeat"))
+    assert first == "4:3 node 'p$(i + 1': what follows a $ in a name is a value or in brackets: p$i, p$(i + 1)"
+
+
 def test_names_of_copies_must_differ():
     (text,) = problems_of(CHAIN.replace("p$i: {repeat", "p: {repeat"))
     assert text == "4:3 node 'p': all copies would have the name 'p'; put a value of 'repeat' into it, as in 'p$(i)'"

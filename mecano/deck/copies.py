@@ -108,7 +108,11 @@ class Copies:
         copied, entry = self.copy(key, level), self.copy(node, level)
         if type(copied.value) is not str:
             self.scope.refuse(copied, f"a name begins with a letter or '_': {quoted(key.value)} is {copied.value:g}")
-        elif len(self.scope.problems) == before:
+        elif len(self.scope.problems) > before:
+            return
+        elif "$" in copied.value:  # it was not the name of a value, nor an expression in brackets
+            self.scope.refuse(copied, "what follows a $ in a name is a value or in brackets: p$i, p$(i + 1)")
+        else:
             self._add(found, copied.value, copied, entry)
 
     def _rows(self, key, node, level):
