@@ -1,11 +1,11 @@
-"""Capture of events: elements take the phases that fit the end of a step, instead of one step for each event.
+"""Capture of events: elements take the phases consistent with the end of a step, instead of one step per event.
 
-Locating events ends no run whose events accumulate, as where stiff lines on light nodes become slack and taut much
-faster than the steps. Time-stepping schemes do (Acary & Brogliato, Numerical Methods for Nonsmooth Dynamical Systems,
-Springer 2008): the phases follow, as the motion does, from the equations at the end of the step. The step is repeated
-in other phases until none of its elements has an event that it has not had in this step. For lines that only pull, the
-equations are a linear complementarity problem, and this is Newton's method on it; of an elastic line with a winder it
-is the return mapping of plasticity: the elastic line first, its winder if the tension is too large.
+A run in which all events are located does not end where they accumulate: stiff lines on light nodes may become slack
+and taut much faster than the steps. Time-stepping schemes (Acary & Brogliato, Numerical Methods for Nonsmooth Dynamical
+Systems, Springer 2008) pass such instants: the phases follow, as the motion does, from the equations at the end of the
+step. The step is repeated in other phases until no element has an event that is new in this step. For lines that only
+pull, the equations are a linear complementarity problem, and this is Newton's method on it; of an elastic line with a
+winder it is the return mapping of plasticity: the elastic line first, its winder if the tension is too large.
 """
 
 from collections import Counter
@@ -18,9 +18,9 @@ import numpy as np
 class EventCapture:
     """Decides when elastic events (``Event.elastic``) are captured, and makes steps that do.
 
-    Instants with such events are located as long as they are at most ``most`` more than the steps without one, in any
-    part of the run, which bounds the work. Then events are captured, until a whole step has none. The event values of
-    the ``monitor`` leave them out meanwhile.
+    Elastic events are located until, in some part of the run, their instants exceed the steps without one by more than
+    ``most``, which bounds the work. From then on they are captured, until a whole step has none; meanwhile the
+    ``monitor`` omits their values.
     """
 
     monitor: object  # EventMonitor

@@ -254,7 +254,10 @@ class GeneralizedAlpha:
         return ErrorBound(self)
 
     def insist(self, strictly):
-        """Accept, or not, iterations that end at rounding only if the residual is rounding as well."""
+        """Choose whether an iteration whose correction is rounding converges only if its residual is rounding, too.
+
+        If so, corrections of massless unknowns that overshoot are halved (newton.py).
+        """
         self.workspace.record["strict"] = strictly
 
     def longest(self, s):

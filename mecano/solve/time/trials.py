@@ -1,4 +1,4 @@
-"""Trial steps: the first from a state whose error is allowed and in which no event is passed over."""
+"""Trial steps from a state, until one has an admissible error and ends at its first event, if it has any."""
 
 from dataclasses import dataclass
 
@@ -34,7 +34,7 @@ class Trials:
     def acceptable(self, run, stop, trial, cuts):
         """Return the first acceptable step towards ``stop``: (h, trial, first event in it, rejected, iterations).
 
-        Failed trials are added to ``cuts``, after which the method insists.
+        Failed trials are added to ``cuts``; after one, convergence requires more of the residual (``insist``).
         """
         h, rejected, iterations = self._clip(run, stop), 0, 0
         while True:
