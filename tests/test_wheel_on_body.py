@@ -42,6 +42,30 @@ def test_a_drum_spins_a_wheel_up(verify):
     np.testing.assert_allclose(recorded["elements/tyre/spin_rate"].ravel()[early], rate, rtol=1e-6, atol=1e-9)
 
 
+ROLLING = (
+    "tire_laws.rubber.rolling_radius_coefficient=0.25",
+    "tire_laws.rubber.rolling_resistance={coefficient: 0.02}",
+    "time.end=0.4",
+)
+
+
+def test_a_wheel_rolls_on_a_drum_at_its_rolling_radius(verify):
+    """The belt runs as fast as the drum, r_e w = R W; the resistance f N brakes the drum and the wheel geared to it."""
+    recorded = RecordedRun(input_deck("tyre_drum", *ROLLING))
+    R, N = 1.5, 600.0 * 9.81
+    ratio = R / (0.36 - 0.25 * N / 4e5)
+    rolls = recorded.time > 0.25
+    drum, wheel = -recorded["nodes/drum/angular_velocity"][rolls, 1], recorded["elements/tyre/spin_rate"].ravel()[rolls]
+    creep = 0.05 * 0.5 * 0.02 / 0.6  # [m/s] of the rim, where the regularized friction is 0.02 N; it needs less
+    verify("Tyres", "a tyre on a drum: rate at its rolling radius over that of the drum", wheel / drum, ratio,
+           "the belt does not slip", relative=creep / (R * drum.min()))  # fmt: skip
+    braked = np.polyfit(recorded.time[rolls], drum, 1)[0]
+    exact = -0.02 * N * R / (200.0 + 2.0 * ratio**2)
+    verify("Tyres", "a tyre on a drum: deceleration by rolling resistance [rad/s2]", braked, exact,
+           "energy of drum and wheel", relative=1e-6)  # fmt: skip
+    assert np.ptp(recorded["energy/balance"]) < 1e-6 * recorded["energy/dissipated"][-1]
+
+
 def _ship(t):
     """Heave [m] and pitch [rad] of inputs/ship_deck.yaml with their rates."""
     a, b, low, high = 0.8, math.radians(4.0), 2 * math.pi * 0.12, 2 * math.pi * 0.1

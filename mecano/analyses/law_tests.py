@@ -30,7 +30,8 @@ class Tyre:
         """Return the SlipForces of a wheel that slips with v (2,) and moves with u (2,) [m/s]."""
         spin = (u[0] - v[0]) / 0.3 if spin is None else spin
         v, u = Vec3(v[0], v[1], 0.0), Vec3(u[0], u[1], 0.0)
-        return self.law.forces(self.p[0], self.laws, Slip(load, 0.02, 1.0, v, v, u, Vec3(*omega), spin, lean, T, L, N))
+        k = Slip(load, 0.02, 1.0, v, v, u, Vec3(*omega), spin, lean, T, L, N, 0.0)
+        return self.law.forces(self.p[0], self.laws, k)
 
 
 def tyres(law):

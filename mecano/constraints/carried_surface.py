@@ -28,7 +28,9 @@ from mecano.maths.surface import LEAST_Q, disc_contact
 from mecano.maths.vector import ZERO, Vec3, cross, dot, norm
 from mecano.schema import BOOLEAN, DIRECTION, NUMBER, POINT, Field, mapping, positive
 
-CARRIED_RECORD = {"surface_axis": 3, "surface_origin": 3, "cylindrical": (), "drum_radius": (), "drum_side": ()}
+CARRIED_RECORD = {
+    "surface_axis": 3, "surface_origin": 3, "cylindrical": (), "drum_radius": (), "drum_side": (), "drum_curvature": (),
+}  # fmt: skip
 SURFACES = {
     "plane": mapping(
         Field("normal", DIRECTION, "-", "normal at the start, inertial, towards the wheel"),
@@ -110,9 +112,11 @@ def carried_record(d, nodes):
     """Return the values of CARRIED_RECORD; the first of ``nodes`` carries the surface."""
     (name, values), (x, R) = named_surface(d), nodes[0]
     place, main = place_at_start(d, nodes)
+    side = -1.0 if values.get("inside") else 1.0
     return {
         "surface_axis": R.T @ main, "surface_origin": R.T @ (place - x), "cylindrical": float(name == "cylinder"),
-        "drum_radius": values.get("radius", 0.0), "drum_side": -1.0 if values.get("inside") else 1.0,
+        "drum_radius": values.get("radius", 0.0), "drum_side": side,
+        "drum_curvature": side / values["radius"] if name == "cylinder" else 0.0,
     }  # fmt: skip
 
 

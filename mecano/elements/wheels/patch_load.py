@@ -34,7 +34,7 @@ def load_of(p, at, k):
     N, damping = radial / k.g.q, (radial - elastic_force(at.laws, p.radial, w)) / k.g.q
     u, (t, l) = v - dot(k.g.n, v) * k.g.n, directions(k.a, k.g)
     grip = surface_at(p, at, k.g.n, vec(at.q, 0) + k.rho).grip
-    slip = Slip(N, w, grip, k.v_C, k.v_0, u, k.omega, dot(k.omega, k.a), k.g.s, t, l, k.g.n)
+    slip = Slip(N, w, grip, k.v_C, k.v_0, u, k.omega, dot(k.omega, k.a), k.g.s, t, l, k.g.n, 0.0)
     turning = dot(k.g.n, k.omega)
     law = lateral_law(p, at.laws, vec(at.q, Y), vec(at.v, Y), k.rolled, N, norm(u), dot(t, u), turning)
     return Load(radial, N, damping, slip, law)

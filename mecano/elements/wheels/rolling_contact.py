@@ -44,12 +44,15 @@ def rolling(p, at, touching):
     """Return the Rolling of a wheel; if not ``touching``, with the velocity of the lowest point of the rim."""
     x, axis = vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)
     g = touch(p, at.laws, x, axis)
-    return rolling_on(p, at, touching, g, axis, surface_at(p, at, g.n, x + g.arm), 0.0)
+    return rolling_on(p, at, touching, g, axis, surface_at(p, at, g.n, x + g.arm), 0.0, 0.0)
 
 
 @kernel
-def rolling_on(p, at, touching, g, axis, surface, rise):
-    """Return the Rolling at the Contact ``g`` with a Surface that moves along its normal with ``rise`` [m/s]."""
+def rolling_on(p, at, touching, g, axis, surface, rise, curvature):
+    """Return the Rolling at the Contact ``g`` with a Surface that moves along its normal with ``rise`` [m/s].
+
+    ``curvature`` is that of the surface along the driving direction [1/m].
+    """
     v, omega = vec(at.v, 0), mat(at.R[0]) @ vec(at.v, 3)
     point = v + cross(omega, g.arm if touching else p.radius * g.c)
     lift = dot(g.n, point)
@@ -58,7 +61,8 @@ def rolling_on(p, at, touching, g, axis, surface, rise):
     t, l = directions(axis, g)
     v_C, u = v_C - surface.v, v - dot(g.n, v) * g.n - surface.v
     turning = omega - surface.omega
-    slip = Slip(F / g.q, p.radius - g.r, surface.grip, v_C, v_C, u, turning, dot(omega, axis), g.s, t, l, g.n)
+    spin = dot(omega, axis)
+    slip = Slip(F / g.q, p.radius - g.r, surface.grip, v_C, v_C, u, turning, spin, g.s, t, l, g.n, curvature)
     return Rolling(g, surface, axis, w1, F, slip)
 
 

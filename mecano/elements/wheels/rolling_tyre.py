@@ -14,6 +14,11 @@ direction and W = a.omega the spin relative to the ground:
 The force F of the slip law at v' still acts at the contact; with the moment -(r_e - r_l) (F.t) a its moment about the
 axle is r_e F.t, and no power is lost except by the slip: F.v_C + M.omega = F.v'.
 
+On a drum of the curvature k along t the normal at the contact turns, too: relative to it, a wheel that rolls without
+slip has the spin W/(1 + k r_e). This takes the place of W, and the moments are those above over 1 + k r_e, for the same
+power. A free wheel on a fixed axle then spins at R/r_e times the rate of a drum of the radius R, and the rolling
+resistance brakes the drum by the force f g N.
+
 ``rolling_resistance`` f(N) g(u), a coefficient times a factor of the speed u of the axle, adds the moment
 
     M = -f g N r_e phi(|W| r_e/v_0) sign(W) a,      phi(x) = x (2 - x) for x < 1, else 1
@@ -63,12 +68,13 @@ def rolling_law(law):
     def rolled_forces(p, laws, k):
         """Return the SlipForces at the contact ``k`` (a Slip) with the moment about the axle."""
         ground = forces(p, laws, k)
-        a, extra = _axis(k), p.undeflected * at_least(k.w, 0.0)
-        spin, r_e = dot(a, k.omega), p.radius - k.w + extra
-        load, rim = at_least(k.N, 0.0), r_e * spin
+        a, (extra, r_e, share) = _axis(k), _radius(p, k)
+        spin = dot(a, k.omega)
+        load, rim = at_least(k.N, 0.0), r_e * share * spin
         f, g = curve(laws, p.resistance, load), curve(laws, p.resistance_by_speed, norm(k.u))
-        moment = -load * at_least(f, 0.0) * at_least(g, 0.0) * r_e * sticking(p.resistance_speed, abs(rim)) * rim
-        M = ground.M + (moment - extra * dot(ground.F, k.t)) * a
+        full = load * at_least(f, 0.0) * at_least(g, 0.0) * r_e * sticking(p.resistance_speed, abs(rim)) * rim
+        moment = -share * full
+        M = ground.M + (moment - share * extra * dot(ground.F, k.t)) * a
         return SlipForces(ground.F, M, ground.lost - moment * spin, ground.given)
 
     def prepare(d, context):
@@ -87,10 +93,19 @@ def _axis(k):
 
 
 @kernel
+def _radius(p, k):
+    """Return r_e - r_l [m], r_e [m] and 1/(1 + k r_e) of a Slip."""
+    extra = p.undeflected * at_least(k.w, 0.0)
+    r_e = p.radius - k.w + extra
+    return extra, r_e, 1.0 / (1.0 + k.curvature * r_e)
+
+
+@kernel
 def at_effective_radius(p, k):
     """Return the Slip of a rim of the effective rolling radius."""
-    back = p.undeflected * at_least(k.w, 0.0) * dot(_axis(k), k.omega) * k.t
-    return Slip(k.N, k.w, k.grip, k.v - back, k.v_0 - back, k.u, k.omega, k.spin, k.lean, k.t, k.l, k.n)
+    extra, _, share = _radius(p, k)
+    back = extra * share * dot(_axis(k), k.omega) * k.t
+    return Slip(k.N, k.w, k.grip, k.v - back, k.v_0 - back, k.u, k.omega, k.spin, k.lean, k.t, k.l, k.n, k.curvature)
 
 
 def _prepare(d, context):

@@ -33,6 +33,7 @@ class Slip(NamedTuple):
     t: tuple  # driving direction
     l: tuple  # lateral direction
     n: tuple  # normal of the ground; (t, l, n) is right-handed
+    curvature: float  # of the ground along t, > 0 on a drum [1/m]; 0 on grounds, whatever their shape
 
 
 @kernel

@@ -76,7 +76,7 @@ def carried(at, slip):
     moved = number(at.v[X]) * slip.t + number(at.v[Y]) * slip.l
     return Slip(
         slip.N, slip.w, slip.grip, slip.v + moved, slip.v_0, slip.u, slip.omega, slip.spin, slip.lean, slip.t, slip.l,
-        slip.n,
+        slip.n, slip.curvature,
     )  # fmt: skip
 
 

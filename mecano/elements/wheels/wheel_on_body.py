@@ -13,8 +13,8 @@ The contact on a drum follows the lean and the heading of the wheel. The force F
 acts at C on the wheel and with the opposite sign on the body, and so does M: momentum is exchanged between both, and
 the work of a driven drum is supplied by its motor, not by this element. Motions of the first node may be prescribed.
 
-Validity: as the kind ``wheel``; inside a drum, its radius must exceed that of the wheel. A drum has no ends, and the
-tyre law is not corrected for its curvature.
+Validity: as the kind ``wheel``; inside a drum, its radius must exceed that of the wheel. A drum has no ends. Its
+curvature enters the rolling at the effective radius, not the stiffness and the patch of the tyre.
 """
 
 from functools import partial
@@ -52,6 +52,7 @@ from mecano.elements.wheels.tire_wheel import (
 )
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import constant
+from mecano.maths.surface import directions
 from mecano.maths.vector import add_vec, cross, dot, mat, vec
 from mecano.schema import DIRECTION, NODE_PAIR, TIRE_LAW, Field
 
@@ -70,11 +71,13 @@ def _touch(p, at):
 def _rolling(p, at, touching):
     """Return the Rolling of the wheel and the arm from the first node to the contact [m]."""
     g, axis, arm = _touch(p, at)
-    omega = mat(at.R[1]) @ vec(at.v, TURN)
+    R = mat(at.R[1])
+    omega = R @ vec(at.v, TURN)
     v_g = vec(at.v, BODY) + cross(omega, arm)
     rise = dot(g.n, v_g)
     surface = Surface(constant(1.0, rise), v_g - rise * g.n, omega)
-    return rolling_on(p, at, touching, g, axis, surface, rise), arm
+    along = dot(directions(axis, g)[0], R @ vec(p.surface_axis, 0))
+    return rolling_on(p, at, touching, g, axis, surface, rise, p.drum_curvature * (1.0 - along * along)), arm
 
 
 def compiled(law):
