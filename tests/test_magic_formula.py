@@ -13,8 +13,9 @@ from mecano.analyses.law_tests import Tyre
 from mecano.deck.deck import Deck
 from mecano.deck.read import deck_of_bytes, read_deck
 from mecano.elements.wheels.magic_formula import EXAMPLE, MAGIC_FORMULA, relaxation_lengths, slip_stiffness
-from mecano.elements.wheels.slip_law import default_values
+from mecano.elements.wheels.slip_law import Slip, default_values
 from mecano.errors import DeckError
+from mecano.maths.vector import Vec3
 
 CAR = read(INPUTS / "passenger_car.tir")
 SOURCE = "Pacejka 2012, (4.E9)-(4.E78), written once more"
@@ -43,6 +44,31 @@ def points(count, most_load):
         rng.uniform(0.2, 2.0, count) * most_load, rng.uniform(-0.6, 0.6, count), rng.uniform(-0.35, 0.35, count),
         rng.uniform(-0.15, 0.15, count), rng.uniform(5.0, 40.0, count),
     ])  # fmt: skip
+
+
+def turned(T, speed, slip, lean, way):
+    """Force and moment of a wheel with a speed and slip (2,) each, in the axes (t, l) or, with ``way`` -1, (-t, -l)."""
+    spin = way * (speed[0] - slip[0]) / 0.32
+    v, u, omega = Vec3(*slip, 0.0), Vec3(*speed, 0.0), Vec3(0.0, way * spin, 0.0)
+    t, l, n = Vec3(way, 0.0, 0.0), Vec3(0.0, way, 0.0), Vec3(0.0, 0.0, 1.0)
+    k = T.law.forces(T.p[0], T.laws, Slip(3e3, 0.02, 1.0, v, v, u, omega, spin, way * lean, t, l, n, 0.0))
+    return np.array([*k.F, *k.M])
+
+
+@pytest.mark.parametrize("version", [6.1, 5.2])
+def test_a_wheel_in_reverse_is_one_that_rolls_forward_the_other_way(version):
+    """Between them, within the least speed, forces and their slopes are continuous; at rest both count for a half."""
+    car = tyre({**EXAMPLE, "UNLOADED_RADIUS": 0.32}, version, least_speed=0.5)
+    for speed, slip, lean in (((-8.0, 0.3), (0.2, 0.3), 0.05), ((-20.0, -1.0), (-1.0, -1.0), -0.1)):
+        reverse = turned(car, speed, slip, lean, 1.0)
+        np.testing.assert_array_equal(reverse, turned(car, speed, slip, lean, -1.0))
+        assert reverse[1] * slip[1] < 0.0  # against the slip
+    for V in (-0.5, 0.0, 0.5):
+        values = [turned(car, (V + step, 0.1), (0.1, 0.1), 0.05, 1.0) for step in np.array([-2, -1, 0, 1, 2]) * 1e-5]
+        slopes = np.diff(values, axis=0) / 1e-5
+        np.testing.assert_allclose(slopes[1], slopes[2], rtol=2e-3, atol=1e-3 * np.abs(slopes).max())
+    np.testing.assert_allclose(turned(car, (0.0, 0.1), (0.1, 0.1), 0.0, 1.0)[:2], [
+        turned(car, (0.0, 0.1), (0.1, 0.1), 0.0, -1.0)[i] for i in range(2)], rtol=1e-12)  # fmt: skip
 
 
 @pytest.mark.parametrize("version", [6.1, 5.2])

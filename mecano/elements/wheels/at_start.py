@@ -51,8 +51,6 @@ def _one_way(law):
     """Return what a tyre law that holds for rolling forward only gets wrong in reverse."""
     if any((law.get("lateral") or {}).get(form) for form in ("string", "matrices")):
         return ", and the lateral force grows until the patch slides, as 'tire_law.lateral' holds for rolling forward"
-    if law.get("magic_formula"):
-        return ", and the moments are wrong, as 'tire_law.magic_formula' holds for rolling forward"
     return ""
 
 

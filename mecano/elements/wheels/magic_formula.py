@@ -11,11 +11,13 @@ rolling radius R_e, the slip velocity of the contact and V = sqrt(V_x^2 + v_0^2)
 
     F_x = G(alpha) F_x0(kappa),   F_y = G(kappa) F_y0(alpha, gamma) + S_Vyk,   M_z = -t F_y' + M_zr + s F_x
 
-in the axes (t, l, n), which are the axes of ISO 8855 used in such files. Turn slip and rolling backward are not
-implemented. M_y, M_z and the shifts S_H, S_V of F_x0 and F_y0 (conicity, ply steer, camber) come from rolling: they
-have the factor V_x/V, so that a tyre at rest is without force. The formula is a fit: near zero slip its shifts may
-drive the wheel. The power that the force takes from the slip, and rolling resistance from the spin, counts as
-dissipated; the rest is exchanged with the rolling.
+in the axes (t, l, n), which are the axes of ISO 8855 used in such files. Turn slip is not implemented. A wheel that
+rolls backward is one that rolls forward in the axes (-t, -l, n), also in its asymmetries, which a file does not tell
+apart as conicity and ply steer; within -v_0 < V_x < v_0 forces and moments pass smoothly from one to the other. M_y,
+M_z and the shifts S_H, S_V of F_x0 and F_y0 (conicity, ply steer, camber) come from rolling: they have the factor
+V_x/V, so that a tyre at rest is without force. The formula is a fit: near zero slip its shifts may drive the wheel. The
+power that the force takes from the slip, and rolling resistance from the spin, counts as dissipated; the rest is
+exchanged with the rolling.
 """
 
 import math
@@ -23,7 +25,7 @@ import math
 from mecano.elements.wheels.magic_equations import Slips, atan, formula, rolling_radius
 from mecano.elements.wheels.slip_law import Carcass, SlipForces, SlipLaw
 from mecano.jit.kernel import kernel
-from mecano.maths.dual import at_least, at_most, atan2, sqrt
+from mecano.maths.dual import at_least, at_most, atan2, sqrt, value
 from mecano.maths.vector import dot
 from mecano.schema import BOOLEAN, NUMBER, TEXT, Field, mapping, named, positive
 
@@ -170,12 +172,32 @@ def sample(rng):
 @kernel
 def forces(p, laws, k):
     """Return the SlipForces of the Slip ``k``."""
-    V_x, V_sy = dot(k.t, k.u), dot(k.l, k.v)
+    backward = _ramp(0.5 - 0.5 * dot(k.t, k.u) / p.least_speed)
+    F, M, lost = 0.0 * k.v, 0.0 * k.v, 0.0 * k.N
+    for way in (1.0, -1.0):
+        part = 1.0 - backward if way > 0.0 else backward
+        if value(part) > 0.0:
+            F_way, M_way, lost_way = _rolling(p, k, way)
+            F, M, lost = F + part * F_way, M + part * M_way, lost + part * lost_way
+    return SlipForces(F, M, lost, lost + dot(F, k.v) + dot(M, k.omega))
+
+
+@kernel
+def _ramp(x):
+    """Return 3 x^2 - 2 x^3 between 0 and 1, constant beyond."""
+    x = at_most(at_least(x, 0.0), 1.0)
+    return x * x * (3.0 - 2.0 * x)
+
+
+@kernel
+def _rolling(p, k, way):
+    """Return force [N], moment [N m] and dissipated power [W] of a wheel that rolls along ``way`` t, 1 or -1."""
+    V_x, V_sy = way * dot(k.t, k.u), way * dot(k.l, k.v)
     least = LEAST_LOAD * p.FNOMIN
     N = at_least(k.N, least)
-    V_sx = dot(k.t, k.v) + (V_x - dot(k.t, k.v_0)) - rolling_radius(p, N, k.spin) * k.spin
+    V_sx = way * dot(k.t, k.v) + (V_x - way * dot(k.t, k.v_0)) - rolling_radius(p, N, k.spin) * way * k.spin
     V = sqrt(V_x * V_x + p.least_speed * p.least_speed)
-    lean = atan2(k.lean, sqrt(1.0 - k.lean * k.lean))
+    lean = way * atan2(k.lean, sqrt(1.0 - k.lean * k.lean))
     mu = at_least(k.grip, LEAST_GRIP) / (1.0 + p.LMUV * sqrt(V_sx * V_sx + V_sy * V_sy) / p.LONGVL)
     df, dp = N / (p.LFZO * p.FNOMIN) - 1.0, p.pressure / p.NOMPRES - 1.0
     forward = V_x / V
@@ -183,10 +205,10 @@ def forces(p, laws, k):
     F_x, F_y, M_x, M_y, M_z = formula(p, s, mu, V_x)
     share = at_least(at_most(k.N / least, 1.0), 0.0)
     F_t, F_l = share * F_x, share * p.side * F_y
-    M = (share * p.side * M_x) * k.t + (share * forward * M_y) * k.l + (share * p.side * forward * M_z) * k.n
-    F = F_t * k.t + F_l * k.l
-    lost = at_least(-(F_t * V_sx + F_l * V_sy) - share * forward * M_y * dot(k.l, k.omega), 0.0)
-    return SlipForces(F, M, lost, lost + dot(F, k.v) + dot(M, k.omega))
+    along, across = way * k.t, way * k.l
+    M = (share * p.side * M_x) * along + (share * forward * M_y) * across + (share * p.side * forward * M_z) * k.n
+    lost = at_least(-(F_t * V_sx + F_l * V_sy) - share * forward * M_y * dot(across, k.omega), 0.0)
+    return F_t * along + F_l * across, M, lost
 
 
 EXAMPLE = {  # plausible values, with all terms of the formula nonzero
