@@ -73,6 +73,20 @@ def test_strut_binds_beyond_the_threshold():
     assert recorded["joints/rail_2/friction_force"][-1] == pytest.approx(1000.0, rel=1e-9)
 
 
+def test_errors_of_a_start_of_sliding():
+    """m a = P - 6 P drag(v): fixed steps lose up to half a step of friction; adaptive ones about 6 tolerances."""
+    rate = lambda t, y: (y[1], 100.0 * (1.0 - 6.0 * drag(0.15, 1e-3, y[1])))  # noqa: E731
+    path, speed = solve_ivp(rate, (0.0, 0.2), [0.0, 0.0], "LSODA", rtol=1e-10, atol=1e-13, max_step=1e-4).y[:, -1]
+    for step in (2e-3, 1e-3):
+        recorded = RecordedRun(input_deck("binding_strut", f"time.step={step}"))
+        assert 0.4 < (recorded["joints/rail_1/velocity"][-1] - speed) / (step * 90.0) < 0.5
+    for tolerance in (1e-3, 1e-4):  # relative to the diagonal of the box around the nodes
+        recorded = RecordedRun(
+            input_deck("binding_strut", f"time.adaptive={{tolerance: {tolerance}}}", "time.step=1e-3")
+        )
+        assert abs(recorded["joints/rail_1/displacement"][-1] - path) < 7.0 * tolerance * math.hypot(1.0, 0.3)
+
+
 @pytest.mark.parametrize(("mu", "slides"), [(0.166, True), (0.1675, False)])
 @pytest.mark.parametrize("kind", ["prismatic", "cylindrical"])
 def test_threshold_is_sharp_in_both_guides(kind, mu, slides):
