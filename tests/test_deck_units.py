@@ -7,8 +7,7 @@ import pytest
 from deck_samples import VALID, problems_of, read_fake
 from time_runs import INPUTS
 
-from mecano.deck.catalogue import _declared as declared_fields
-from mecano.deck.catalogue import _walk
+from mecano.deck.catalogue import _fields as declared_fields
 from mecano.deck.laws import _unit_in_use, units_in
 from mecano.deck.read import deck_of_bytes
 from mecano.deck.units import ANY, UnitError, converted, is_quantity, parsed, written_in_si
@@ -49,7 +48,7 @@ def test_what_is_no_quantity(text):
 
 def test_every_declared_unit_can_be_checked():
     """A field that is declared with a unit that is none could not be given one."""
-    units = {field.unit for place, fields in declared_fields() for _, field in _walk(fields, place)}
+    units = {field.unit for _, field in declared_fields()}
     for unit in units:
         if unit != "-" and "unit" not in unit:
             assert all(parsed(part.strip()) for part in unit.replace(" or ", ",").split(",")), unit
@@ -207,7 +206,7 @@ def test_units_of_named_laws_are_those_of_each_use(law, push, message, hint):
 
 def test_laws_are_declared_with_the_unit_of_their_argument():
     """Except that of the signal 'curve', whose input may be anything."""
-    fields = [field for place, fields in declared_fields() for _, field in _walk(fields, place)]
+    fields = [field for _, field in declared_fields()]
     laws = {field.doc: units_in(field) for field in fields if field.type.name in ("law", "curve", "drive")}
     assert [doc for doc, units in laws.items() if not all(units)] == [
         "c, the value as a function of the input, both in SI units"

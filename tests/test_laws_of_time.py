@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from mecano.analyses.kind_trial import samples
-from mecano.deck.catalogue import _declared as declared_fields
-from mecano.deck.catalogue import _walk
+from mecano.deck.catalogue import _fields as declared_fields
 from mecano.deck.laws import units_in
 from mecano.element_interface import Context
 from mecano.elements import KINDS
@@ -14,8 +13,7 @@ from mecano.schema import MOTION
 
 OF_TIME = [
     (place, field)
-    for place, fields in declared_fields()
-    for place, field in _walk(fields, place)
+    for place, field in declared_fields()
     if field.type.name in ("law", "curve", "drive") and units_in(field)[1] == "s"
 ]
 EXCEPTIONS = {

@@ -106,7 +106,7 @@ def record(path, **changed):
         ),
         ({"machine": "another of the same name"}, "which cannot be determined on"),
         ({"space": "pid:[1]"}, "which cannot be determined on"),
-        ({"process": None}, "does not name the process"),
+        ({"process": None}, "does not name it"),
     ],
 )
 def test_records_that_are_respected(path, changed, message):
@@ -128,7 +128,7 @@ def test_records_that_are_stale(path, changed):
 def test_a_record_that_is_cut_is_respected(path):
     lock_of(path).write_text('{"process": 47')
     with (
-        pytest.raises(ResultsError, match=r"does not name the process; if no process .* remove .*\.r\.h5\.lock"),
+        pytest.raises(ResultsError, match=r"does not name it; if no process .* remove .*\.r\.h5\.lock"),
         locked(path),
     ):
         pass

@@ -15,7 +15,7 @@ from mecano.jit.null_matrix import NULL_MATRIX
 from mecano.laws.table import LawTable
 from mecano.maths.dual import Dual
 from mecano.maths.dual import value as number_in
-from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL, list_of
+from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL
 
 GRAVITY = np.array([0.7, -0.4, -9.3])
 BEYOND = 30  # places behind the outputs that must stay empty
@@ -313,7 +313,7 @@ def _turned(fields, values, Q, shift):
             out[field.name] = Q @ np.asarray(value, float)
         if value is not None and field.type == POINT:
             out[field.name] = Q @ np.asarray(value, float) + shift
-        if value is not None and field.type == list_of(POINT):
+        if value is not None and field.type.name == "list" and field.type.options[0] is POINT:
             out[field.name] = [list(Q @ point + shift) for point in value]
         if value is not None and field.type == GROUND:
             out[field.name] = _turned_ground(value, Q, shift)
