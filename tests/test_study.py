@@ -33,7 +33,7 @@ from mecano.post.study_outputs import displayed_outputs
 from mecano.post.study_plots import study_figure
 from mecano.post.study_report import study_report
 from mecano.post.study_statistics import statistics
-from mecano.results.study_file import Column, StudyTable
+from mecano.results.study_file import Column, StudyTable, within
 from mecano.results.study_file import read_study as read_table
 from mecano.study import dask, slurm
 from mecano.study.execution import clear, due
@@ -421,7 +421,7 @@ def test_limits_that_do_not_fit_are_refused(folder, limits, place, message):
 def test_a_missing_output_is_not_within_limits(low, high):
     output = Output("way", "ball.position.x", None, "final", low, high)
     column = Column("outputs", "way", "m", "", np.array([np.nan, 4.0]), (low, high))
-    assert output.within(np.nan) == (low is high) and output.within(4.0)
+    assert within(output.limits, np.nan) == (low is high) and within(output.limits, 4.0)
     assert column.beyond.tolist() == [low is not high, False]
 
 

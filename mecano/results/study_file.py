@@ -42,10 +42,7 @@ class Column:
     @property
     def beyond(self):
         """Flags (n,): the value is beyond the limits, or missing; all False without limits."""
-        if self.limits == (None, None):
-            return np.zeros(len(self.values), bool)
-        low, high = (bound if limit is None else limit for limit, bound in zip(self.limits, ENDLESS, strict=True))
-        return ~((low <= self.values) & (self.values <= high))
+        return ~np.array([within(self.limits, value) for value in self.values], bool)
 
     @property
     def path(self):
@@ -99,6 +96,17 @@ class StudyTable:
         """Lists of warnings of all cases; empty for those of older files."""
         texts = next((column.values for column in self.columns if column.path == "case/warnings"), ())
         return [text.split(BETWEEN) if text else [] for text in texts]
+
+
+def within(limits, value):
+    """Return whether a number is within (smallest, largest), each None if it is absent.
+
+    A missing number (nan) is within absent limits only.
+    """
+    if limits == (None, None):
+        return True
+    low, high = (bound if limit is None else limit for limit, bound in zip(limits, ENDLESS, strict=True))
+    return bool(low <= value <= high)
 
 
 def remarks_text(warned, failed):

@@ -41,15 +41,9 @@ class Output:
     at_most: float | None = None
 
     @property
-    def limited(self):
-        """True if the output has limits."""
-        return self.at_least is not None or self.at_most is not None
-
-    def within(self, value):
-        """Return True if a number is within the limits; a missing one (nan) is not."""
-        low = -np.inf if self.at_least is None else self.at_least
-        high = np.inf if self.at_most is None else self.at_most
-        return not self.limited or low <= value <= high
+    def limits(self):
+        """Smallest and largest number of a case that passes, each None if it is absent."""
+        return self.at_least, self.at_most
 
     @property
     def doc(self):

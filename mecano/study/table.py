@@ -7,7 +7,16 @@ import numpy as np
 
 from mecano.errors import ResultsError, UnknownNameError, name_list
 from mecano.results.reader import open_results
-from mecano.results.study_file import BETWEEN, FAIL, StudyTable, column, remarks_text, write_columns, write_study
+from mecano.results.study_file import (
+    BETWEEN,
+    FAIL,
+    StudyTable,
+    column,
+    remarks_text,
+    within,
+    write_columns,
+    write_study,
+)  # fmt: skip
 from mecano.study.folder import COMPLETE, STATUSES
 
 ENDED = (
@@ -28,7 +37,7 @@ class Table:
     def __init__(self, folder, varied):
         self.folder, self.study, self.varied = folder, folder.study, varied
         self.records, self.numbers, self.units, self.warnings = {}, {}, {}, {}
-        self.limited = tuple(output for output in self.study.outputs if output.limited)
+        self.limited = tuple(output for output in self.study.outputs if output.limits != (None, None))
 
     def take(self, case, record):
         """Record how a case ended, and read its outputs and warnings if it is complete."""
@@ -80,8 +89,7 @@ class Table:
             yield column("case", name, unit, doc, [v / 1e6 for v in values] if unit == "MB" else values)
         for output in self.study.outputs:
             values = [self.numbers.get(case.number, {}).get(output.name, np.nan) for case in cases]
-            limits = output.at_least, output.at_most
-            yield column("outputs", output.name, self.units.get(output.name, ""), output.doc, values, limits)
+            yield column("outputs", output.name, self.units.get(output.name, ""), output.doc, values, output.limits)
         if self.limited:
             yield column("case", "verdict", "", VERDICT, [self._verdict(case.number) for case in cases])
             yield column("case", "beyond_limits", "", BEYOND, [", ".join(self._beyond(case.number)) for case in cases])
@@ -94,7 +102,7 @@ class Table:
         if number not in self.numbers:
             return []
         found = self.numbers[number]
-        return [output.name for output in self.limited if not output.within(found.get(output.name, np.nan))]
+        return [output.name for output in self.limited if not within(output.limits, found.get(output.name, np.nan))]
 
     def _verdict(self, number):
         return "" if number not in self.numbers else FAIL if self._beyond(number) else "pass"
@@ -117,9 +125,9 @@ class Table:
 
     def _exceeded(self):
         """Return a line for each limited output that is beyond its limits in some case."""
-        lines = []
+        lines, names = [], {number: self._beyond(number) for number in self.beyond}
         for output in self.limited:
-            numbers = [str(number) for number in self.beyond if output.name in self._beyond(number)]
+            numbers = [str(number) for number, beyond in names.items() if output.name in beyond]
             if numbers:
                 lines.append(f"  {output.name}: beyond its limits in case {name_list(numbers, MOST_REASONS)}")
         return lines
