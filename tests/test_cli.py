@@ -78,6 +78,13 @@ def started(folder, *arguments, **options):
     return subprocess.Popen([*COMMAND, "run", "deck.yaml", *arguments], cwd=folder, stderr=subprocess.PIPE, **options)
 
 
+def loaded_by(*words):
+    """Return the names of the modules that a command has loaded at its end."""
+    code = "import sys, mecano.cli; mecano.cli.commands(standalone_mode=False); print(*sys.modules)"
+    ended = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, check=True)
+    return set(ended.stdout.split())
+
+
 class TestHelp:
     def test_it_comes_at_once(self):
         code = f"import sys, mecano.cli; print([name for name in {HEAVY!r} if name in sys.modules])"
@@ -163,10 +170,7 @@ class TestRun:
     @pytest.mark.parametrize("words", [("run", "deck.yaml", "-q"), ("check", "deck.yaml")])
     def test_a_warm_one_imports_neither_compiler_nor_scipy_nor_other_kinds(self, call, folder, words):
         call(*words)  # compiles, if need be
-        code = "import sys, mecano.cli; mecano.cli.commands(standalone_mode=False); print(*sys.modules)"
-        again = [*words, "-o", "warm.h5"] if words[0] == "run" else words
-        loaded = subprocess.run([sys.executable, "-c", code, *again], capture_output=True, text=True, check=True)
-        loaded = set(loaded.stdout.split())
+        loaded = loaded_by(*words, *(("-o", "warm.h5") if words[0] == "run" else ()))
         assert "mecano.solve.time.time_integration" in loaded and not {"numba", "scipy", "matplotlib"} & loaded
         kinds = set(MODULES.values()) & {name.removeprefix("mecano.elements.") for name in loaded}
         assert kinds == {"bodies.rigid_body", "joints.hinge", "signals.formula"}  # any deck may contain the last
@@ -174,11 +178,8 @@ class TestRun:
     @pytest.mark.parametrize(("deck", "most"), [("pendulum", 265), ("four_bar", 265)])
     def test_a_short_run_imports_few_modules(self, folder, deck, most):
         """Their import takes most of the processor time of a short run: at most 3 % more of mecano's than now."""
-        code = "import sys, mecano.cli; mecano.cli.commands(standalone_mode=False); print(*sys.modules)"
-        run = ["run", INPUTS / f"{deck}.yaml", "-q", "-o", "short.h5", "--set", "time.end=0.01"]
-        loaded = subprocess.run([sys.executable, "-c", code, *run], capture_output=True, text=True, check=True)
-        loaded = loaded.stdout.split()
-        assert not {"scipy", "numpy.ma", "secrets"} & set(loaded)
+        loaded = loaded_by("run", INPUTS / f"{deck}.yaml", "-q", "-o", "short.h5", "--set", "time.end=0.01")
+        assert not {"scipy", "numpy.ma", "secrets"} & loaded
         assert sum(name.startswith("mecano") for name in loaded) <= most
 
     def test_quiet(self, call, folder):

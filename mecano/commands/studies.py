@@ -62,8 +62,8 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
 
     STUDY is a file that names the deck, the variations (grid, list, csv, latin_hypercube, seeds) and the outputs of
     each run (docs/studies.md). The folder receives a results file and a log for each case, table.csv and table.h5. A
-    failed case does not stop the others. Exit code 0: all cases are complete, 3: some are
-    not, 8: some are beyond the limits of the outputs.
+    failed case does not stop the others. Exit code 0: all cases are complete, 3: some are not, 8: some are beyond the
+    limits of the outputs.
     """
     elsewhere = {"scheduler": scheduler, "sbatch": options, "wait": wait}
     _refuse_strays(executor, resume=resume or again, force=force, jobs=jobs, **elsewhere)
