@@ -6,13 +6,11 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.imputils import lower_builtin
 from numba.extending import intrinsic, overload, type_callable
-from numba.np.arrayobj import make_array, populate_array
 from numba.np.numpy_support import from_dtype
 
 from mecano.jit import memory
+from mecano.jit.aggregates import WORD, array_at
 from mecano.jit.array_object import DATA, SHAPE
-
-WORD = ir.IntType(64)
 
 
 def _load(builder, address, kind=WORD):
@@ -21,13 +19,8 @@ def _load(builder, address, kind=WORD):
 
 def _array(context, builder, of, address, shape):
     """Return the contiguous array of a numba type with the first item at ``address``."""
-    array, item = make_array(of)(context, builder), context.get_data_type(of.dtype)
-    size = context.get_abi_sizeof(item)
-    strides = [context.get_constant(types.intp, size)]
-    for n in shape[:0:-1]:
-        strides.insert(0, builder.mul(strides[0], n))
-    populate_array(array, builder.inttoptr(address, item.as_pointer()), shape, strides, size, meminfo=None)
-    return array._getvalue()
+    item = context.get_data_type(of.dtype)
+    return array_at(context, builder, of, builder.inttoptr(address, item.as_pointer()), shape)
 
 
 def _type_of_array(item, shape):

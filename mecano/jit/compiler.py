@@ -15,12 +15,13 @@ from llvmlite import ir
 from numba import cfunc, njit, types
 from numba.core import cgutils
 from numba.core.datamodel.models import OpaqueModel
-from numba.core.imputils import lower_builtin, lower_getattr
+from numba.core.imputils import lower_builtin, lower_constant, lower_getattr
 from numba.core.registry import cpu_target
 from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global, signature
 from numba.extending import overload, register_model
 
 from mecano.jit import convention, indexing, memory, methods, symbols  # noqa: F401  indexing registers itself
+from mecano.jit.aggregates import known_items
 from mecano.jit.array_object import ALIGNED, C_CONTIGUOUS, WRITEABLE, fits
 from mecano.jit.arrays import array_object, refuse
 from mecano.jit.entry import Array
@@ -64,6 +65,11 @@ NUMBERS = {float: types.float64, int: types.int64, bool: types.int64}
 @register_model(PlainDispatcher)
 class _PlainModel(OpaqueModel):
     """Value of a function: no data, as for the functions of numba."""
+
+
+@lower_constant(PlainDispatcher)
+def _no_data(context, builder, of, value):
+    return ir.Constant(context.get_value_type(of), None)
 
 
 def get_ready():
@@ -147,7 +153,7 @@ def _machine_code(signature, function):
 
 def _code_of(signature, function):
     _learn_methods()
-    with not_loaded(), shortcuts(), convention.without_errors_and_references():
+    with not_loaded(), shortcuts(), known_items(), convention.without_errors_and_references():
         function = cfunc(signature, error_model="numpy", pipeline_class=KernelCompiler)(function)
     module = function._library.optimized(function.native_name)
     needs = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")} - KNOWN

@@ -1,44 +1,38 @@
-"""Code of ``A[i]``, ``A[i, j]`` and of assignments to them: a tenth of the instructions that numba generates."""
+"""Code of ``A[i]``, ``A[i, j]``, ... and of assignments to them: a tenth of the instructions that numba generates."""
 
 import operator
 
 from llvmlite import ir
-from numba.core import types
+from numba.core import cgutils, types
 from numba.core.imputils import lower_builtin
 from numba.np.arrayobj import getitem_array_tuple, getitem_arraynd_intp, load_item, setitem_array, store_item
 
+from mecano.jit.aggregates import DATA, SHAPE, STRIDES, array_at
 
-def _names_item(array, index):
-    """Return True if an index of this type denotes one item of an array."""
+
+def _number_of_integers(index):
+    """Return how many integers an index of this type consists of, 0 if there is anything else in it."""
     kinds = index.types if isinstance(index, types.BaseTuple) else [index]
-    return len(kinds) == array.ndim and all(isinstance(kind, types.Integer) for kind in kinds)
+    return len(kinds) if all(isinstance(kind, types.Integer) for kind in kinds) else 0
 
 
-def _parts(builder, value, n):
-    """Return the n values in a tuple, where possible those that it was made of."""
-    found = [None] * n
-    while isinstance(value, ir.instructions.InsertValue) and None in found:
-        value, part, (i, *_) = *value.operands, value.indices
-        found[i] = part if found[i] is None else found[i]
-    return [builder.extract_value(value, i) if part is None else part for i, part in enumerate(found)]
+def _address(context, builder, array, value, index, given):
+    """Return the address of the item of an array (numba type and value) at an index (type and value).
 
-
-def _item(context, builder, array, value, index, given):
-    """Return the address of the item of an array (numba type and value) at an index (type and value)."""
+    An index with fewer integers than a contiguous array has dimensions gives the first of many items.
+    """
     is_tuple = isinstance(index, types.BaseTuple)
-    fields = context.data_model_manager[array]
-    data, shape, strides = (builder.extract_value(value, fields.get_field_position(name)) for name in (
-        "data", "shape", "strides"
-    ))  # fmt: skip
-    kinds, given = (index.types, _parts(builder, given, array.ndim)) if is_tuple else ([index], [given])
+    kinds, given = (index.types, cgutils.unpack_tuple(builder, given)) if is_tuple else ([index], [given])
+    data, shape, strides = (builder.extract_value(value, place) for place in (DATA, SHAPE, STRIDES))
     places = [
         _from_start(context, builder, kind, i, shape, axis)
         for axis, (kind, i) in enumerate(zip(kinds, given, strict=True))
     ]
     if array.layout == "C":
         place = places[0]
-        for axis, i in enumerate(places[1:], start=1):
-            place = builder.add(builder.mul(place, builder.extract_value(shape, axis)), i)
+        for axis in range(1, array.ndim):
+            place = builder.mul(place, builder.extract_value(shape, axis))
+            place = builder.add(place, places[axis]) if axis < len(places) else place
         return builder.gep(data, [place])
     steps = [builder.mul(i, builder.extract_value(strides, axis)) for axis, i in enumerate(places)]
     offset = steps[0]
@@ -60,8 +54,13 @@ def _from_start(context, builder, kind, i, shape, axis):
 @lower_builtin(operator.getitem, types.Array, types.BaseTuple)
 def _get(context, builder, signature, arguments):
     (array, index), (value, given) = signature.args, arguments
-    if _names_item(array, index):
-        return load_item(context, builder, array, _item(context, builder, array, value, index, given))
+    n = _number_of_integers(index)
+    if n == array.ndim:
+        return load_item(context, builder, array, _address(context, builder, array, value, index, given))
+    if n and array.layout == "C":
+        shape = cgutils.unpack_tuple(builder, builder.extract_value(value, SHAPE))[n:]
+        first = _address(context, builder, array, value, index, given)
+        return array_at(context, builder, signature.return_type, first, shape)
     generic = getitem_array_tuple if isinstance(index, types.BaseTuple) else getitem_arraynd_intp
     return generic(context, builder, signature, arguments)
 
@@ -69,7 +68,7 @@ def _get(context, builder, signature, arguments):
 @lower_builtin(operator.setitem, types.Array, types.Any, types.Any)
 def _set(context, builder, signature, arguments):
     (array, index, kind), (value, given, new) = signature.args, arguments
-    if not _names_item(array, index) or isinstance(kind, types.Array):
+    if _number_of_integers(index) != array.ndim or isinstance(kind, types.Array):
         return setitem_array(context, builder, signature, arguments)
-    item = _item(context, builder, array, value, index, given)
+    item = _address(context, builder, array, value, index, given)
     return store_item(context, builder, array, context.cast(builder, new, kind, array.dtype), item)

@@ -30,8 +30,8 @@ except ImportError:  # not a POSIX system
     fcntl = None
 
 COMPILER = (
-    "array_object", "arrays", "compiler", "convention", "entry", "indexing", "kernel", "library", "memory", "methods",
-    "named_tuple", "null_matrix", "passes", "symbols",
+    "aggregates", "array_object", "arrays", "compiler", "convention", "entry", "indexing", "kernel", "library",
+    "memory", "methods", "named_tuple", "null_matrix", "passes", "symbols",
 )  # fmt: skip
 """Modules that generate code."""
 DAY = 86400.0  # s
