@@ -5,6 +5,7 @@ A unit is a product of factors, each with a power, and divided by single ones: "
 """
 
 import difflib
+import itertools
 import math
 import re
 from functools import lru_cache
@@ -51,6 +52,18 @@ COMMON = (  # candidates for suggestions
     "mm", "cm", "km", "kg", "ms", "mrad", "kN", "MN", "kPa", "MPa", "GPa", "mbar", "kJ", "kW", "kHz", "km/h", "m/s",
     "m/s2", "rad/s", "deg/s", "N/m", "N/mm", "kN/mm", "kN/m", "N m", "kN m", "kg m2", "kg/m3", "mm2", "cm2", "m2",
 )  # fmt: skip
+IN_FULL = {  # words -> symbols; the words of symbols with a prefix, such as kilonewton, follow from these
+    "metre": "m", "meter": "m", "gram": "g", "gramme": "g", "second": "s", "sec": "s", "radian": "rad", "newton": "N",
+    "pascal": "Pa", "joule": "J", "watt": "W", "hertz": "Hz", "degree": "deg", "revolution": "rev", "turn": "rev",
+    "minute": "min", "hour": "h", "hr": "h", "tonne": "t", "ton": "t", "pound": "lb", "inche": "in", "foot": "ft",
+    "feet": "ft", "mile": "mi", "knot": "kt", "litre": "l", "liter": "l", "percent": "%", "kilo": "kg",
+    "kph": "km/h", "kmh": "km/h",
+}  # fmt: skip
+PREFIXES_IN_FULL = {"giga": "G", "mega": "M", "kilo": "k", "deci": "d", "centi": "c", "milli": "m", "micro": "u",
+                    "nano": "n"}  # fmt: skip
+HEADS = ("N", "kN", "MN", "kg", "Pa", "W")  # of products that are written without a space, such as Nm
+MOST_READINGS = 64
+CLOSE = 0.5, 0.7  # likeness of a suggestion to short and longer words
 ANY = "unit of its use"
 LONGEST = 60  # characters of a unit
 
@@ -120,8 +133,8 @@ def factor_of(unit, declared):
     """Return the value of a unit in SI units, for a field declared with another; arguments as in ``converted``."""
     if len(unit) > LONGEST:
         raise UnitError(f"'{unit[:40]}...' is not a unit")
-    value, powers = _unit(unit)
     wanted = _declared(declared)
+    value, powers = _unit(unit, wanted)
     if wanted is not None and not any(_fits(powers, known) for known in wanted):
         shown = "" if declared == "-" else f" [{declared}]"
         expected = " or ".join(_name(known, declared) for known in wanted)
@@ -157,7 +170,7 @@ def _simple(name):
     return None
 
 
-def _unit(unit):
+def _unit(unit, wanted=None):
     found = parsed(unit)
     if found is None and re.search(r"/[^/]* ", unit):
         raise UnitError(f"'{unit[:40]}' can be read in two ways: divide by one unit at a time, as in 'N/m/s'")
@@ -166,17 +179,53 @@ def _unit(unit):
             f"'{unit[:40]}' is not a unit; expressions contain no units: give a parameter the number with its unit"
         )
     if found is None or not math.isfinite(found[0]):
-        near = _meant(unit[:40])
+        near = _meant(unit[:40], wanted)
         hint = f"; did you mean '{near}'?" if near else ""
+        if exponent := re.fullmatch("[dD]([-+]?[0-9]+)", unit):
+            hint = f"; an exponent begins with e: e{exponent[1]}"
         raise UnitError(f"'{unit[:40]}' is not a unit{hint}")
     return found
 
 
-def _meant(word):
-    """Return the unit that equals a word except for case and spaces, or the most similar one, or ""."""
-    known = (*ALONE, *PREFIXED, *COMMON)
-    alike = [unit for unit in known if unit.replace(" ", "").lower() == word.replace(" ", "").lower()]
-    return next(iter(alike or difflib.get_close_matches(word, known, n=1, cutoff=0.5)), "")
+def _meant(word, wanted=None):
+    """Return the unit that is meant by a text, best one of the ``wanted`` dimensions, or ""."""
+    text = re.sub(r"(?<=[A-Za-z])-(?=[A-Za-z])", " ", word.replace("**", "^"))
+    parts = [[part] if i % 2 else _readings(part) for i, part in enumerate(re.split(r"([ /*·]+)", text))]
+    combined = itertools.islice(itertools.product(*parts), MOST_READINGS)
+    whole = [unit for unit in map("".join, combined) if parsed(unit)]
+    near = difflib.get_close_matches(word, (*ALONE, *PREFIXED, *COMMON), n=1, cutoff=CLOSE[len(word) > 3])
+    fitting = [unit for unit in whole if any(_fits(parsed(unit)[1], powers) for powers in wanted or ())]
+    return next(iter([*fitting, *whole, *near]), "")
+
+
+def _readings(factor):
+    """Return the units that may be meant by a factor: but for case and spaces, in full, plural; or the factor."""
+    if parsed(factor):
+        return [factor]
+    name, power = re.fullmatch(r"(.*?)((?:\^?-?[0-9])?)", factor, re.DOTALL).groups()
+    plain = name.replace(".", "").lower()
+    alike = [unit for unit in (*ALONE, *PREFIXED, *COMMON) if unit.replace(" ", "").lower() == plain]
+    found = [*alike, _symbol(plain), _symbol(plain.removesuffix("s")), name.removesuffix("s"), *_splits(name)]
+    return [unit + power for unit in found if parsed(unit)] or [factor]
+
+
+def _splits(name):
+    """Yield a product that is written without spaces, "Nms", with spaces: "N ms", "N m s"."""
+    for head in HEADS:
+        if name.startswith(head):
+            rest = name.removeprefix(head)
+            yield from (f"{head} {rest}", f"{head} {rest[:-1]} {rest[-1:]}")
+
+
+def _symbol(word):
+    """Return the symbol of a unit in full, such as "millimetre", or ""."""
+    if word in IN_FULL:
+        return IN_FULL[word]
+    for prefix, letter in PREFIXES_IN_FULL.items():
+        symbol = IN_FULL.get(word.removeprefix(prefix)) if word.startswith(prefix) else None
+        if symbol in PREFIXED:
+            return letter + symbol
+    return ""
 
 
 @lru_cache(maxsize=1024)
