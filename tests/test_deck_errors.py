@@ -57,6 +57,28 @@ STRUCTURE = [
      "node 'top': unknown key 'q'; known: fixed, orientation, position"),
     ("  axle: {position: [0.25, 0, 0.3225]}", "  axle: [0, 0, 0]", 10, "[0,",
      "node 'axle': must be a mapping, got [0, 0, 0]; write {position: [0, 0, 0]}"),
+    ("mass: 7e1", "mass: 7,1 kg", 12, "1 kg",
+     "a key must be a name, got '1 kg'; a decimal point, not a comma: 7.1 kg"),
+    ("mass: 7e1", "mass: 7,100.5", 12, "100.5",
+     "a key must be a name, got '100.5'; write 7100.5"),
+    ("mass: 7e1", "mass: 7'000", 12, "7'000",
+     "body 'leg': 'mass' must be a number [kg], got the text \"7'000\"; write 7000"),
+    ("mass: 7e1", "mass: 7 000", 12, "000,",
+     "body 'leg': the expression '7 000' cannot be understood; write 7000"),
+    ("mass: 7e1", "mass: 7·10^3 kg", 12, "7·10",
+     "body 'leg': 'mass' must be a number [kg], got the text '7·10^3 kg'; write 7e3 kg"),
+    ("position: [0.0, 0.0, 1.0]", "position: 0.0, 0.0, 1.0", 8, "0.0, 0.0, 1.0",
+     "node 'knee': 'position' must be a list of 3 numbers [m], got the text '0.0, 0.0, 1.0'; write [0.0, 0.0, 1.0]"),
+    ("[0.25, 0, 0.3225]", "0.25, 0, 0.3225", 10, "0, ",
+     "a key must be a name, got '0'; a list is written in brackets: position: [0.25, 0, ...]"),
+    ("[0.25, 0, 0.3225]", "(0.25, 0, 0.3225)", 10, "0, ",
+     "a key must be a name, got '0'; a list is written in brackets: position: [0.25, 0, ...]"),
+    ("[0.25, 0, 0.3225]", "[0.25 0 0.3225]", 10, "[0.25",
+     "node 'axle': 'position' must be a list of 3 numbers [m], got ['0.25 0 0.3225']; write [0.25, 0, 0.3225]"),
+    ("nodes: [top, knee], axis", "nodes: [top knee], axis", 17, "[top",
+     "hinge 'pin': 'nodes' must be a list of 2 node names, got ['top knee']; write [top, knee]"),
+    ("axis: [0, 1, 0], stop_axis", "axis: -Y, stop_axis", 17, "-Y",
+     "hinge 'pin': 'axis' must be a list of 3 numbers, not all zero, got the text '-Y'; write [0, -1, 0]"),
     ("mass: 7e1", "mass: -7e1", 12, "-7e1",
      "body 'leg': 'mass' must be greater than zero [kg], got -7e1"),
     ("mass: $mass", "mass: -$mass", 13, "-$mass",
@@ -285,6 +307,17 @@ def test_empty_sections():
     ]
 
 
+def test_list_of_names_without_brackets():
+    problems = problems_of(VALID.replace("attached: [top]", "attached: top, knee"))
+    assert problems[-1].endswith("unknown key 'knee'; a list is written in brackets: [top, knee]")
+
+
+@pytest.mark.parametrize("name,hint", [("7", "a name begins with a letter, such as n1"), ("true", "put it in quotes")])
+def test_keys_that_are_no_names(name, hint):
+    text = VALID.replace("  axle: {position", f"  {name}: {{position")
+    assert problems_of(text)[0] == f"10:3 a key must be a name, got '{name}'; {hint}"
+
+
 def test_all_problems_of_a_step_at_once():
     text, expected = VALID, set()
     for old, new, line, _, problem in STRUCTURE[4:]:
@@ -296,7 +329,7 @@ def test_all_problems_of_a_step_at_once():
         ):
             text = text.replace(old, new)
             expected.add((line, problem))
-    assert len(expected) == 18
+    assert len(expected) == 19
     found = {(int(at.split(":")[0]), problem) for at, problem in (p.split(" ", 1) for p in problems_of(text))}
     assert expected <= found
 

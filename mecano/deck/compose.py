@@ -20,6 +20,7 @@ MAX_MARKS = 3_500_000  # ':' and ',' in a text: a deck with far more values is r
 MAX_EXPANDED = 100_000  # nodes that aliases may add
 MAX_ITEMS = 100_000  # of one list: YAML takes 5 us and 150 B for each
 GLUED = re.compile(r"\s*([\w$()]+:)[{\[]")  # a key and a mapping or list without a space between them
+NAME = re.compile(r"[^\W\d][\w$()-]*")
 CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
 
 
@@ -50,6 +51,12 @@ class Given(Node):
         super().__init__(value, node.source, node.line, node.column, f"{value} ({text})")
         self.text = text
         self.given = given
+
+
+class Continued(Node):
+    """A list without brackets in a mapping in one line, {position: 1, 0, 0}, which has been reported."""
+
+    __slots__ = ()
 
 
 class Frame:
@@ -179,21 +186,49 @@ class Composer:
                 self.stop(f"a list of more than {MAX_ITEMS} values", frame.node, hint)
         elif frame.key is None:
             frame.key = node
-            self.check_key(frame.node.value, node)
         else:
             key, frame.key = frame.key, None
-            if type(key.value) is str:
-                frame.node.value.setdefault(key.value, (key, node))
+            self.pair(frame.node.value, key, node)
 
-    def check_key(self, mapping, key):
-        """Report a key that is not a text or is a duplicate."""
-        if type(key.value) is not str:
+    def pair(self, mapping, key, node):
+        """Put a key and its value into a mapping, unless the key is not a text, a duplicate, or belongs to a value."""
+        if node.value is None and _is_item(mapping, key, node):
+            self.continued(mapping, key)
+        elif type(key.value) is not str:
             shown = quoted(key.raw) if key.raw else "nothing" if key.value is None else "a list or mapping"
-            hint = _decimal_comma(mapping, key) or "put such names in quotes"
+            hint = "a name begins with a letter, such as n1"
+            if _is_bare(key, node):
+                hint = "write a key and ':' before it"
+            elif key.raw and (key.value is None or type(key.value) is bool):
+                hint = "put it in quotes"
             self.problem(f"a key must be a name, got {shown}", key, hint)
         elif key.value in mapping:
             line = mapping[key.value][0].line + 1
             self.problem(f"duplicate key {quoted(key.value)}, first given in line {line}", key)
+        else:
+            mapping[key.value] = (key, node)
+
+    def continued(self, mapping, item):
+        """Report an item that continues the last value of a mapping, and correct this value, to report it once."""
+        name, (key, value) = list(mapping.items())[-1]
+        if type(value) is Continued:
+            value.value.append(self.without_brackets(item))
+            return
+        if whole := _with_comma(value, item):
+            hint = f"a decimal point, not a comma: {whole}" if "." not in item.raw else f"write {whole}"
+            correct = Node(resolved(whole), self.source, value.line, value.column, whole)
+        else:
+            items = [self.without_brackets(value), self.without_brackets(item)]
+            hint = f"a list is written in brackets: {name}: [{items[0].raw}, {items[1].raw}, ...]"
+            correct = Continued(items, self.source, value.line, value.column)
+        mapping[name] = (key, correct)
+        self.problem(f"a key must be a name, got {quoted(item.raw)}", item, hint)
+
+    def without_brackets(self, item):
+        """Return an item of a list in round brackets, (1, 0, 0), without the brackets."""
+        opened, closed = "(" in item.raw, ")" in item.raw
+        text = item.raw if opened == closed else item.raw.lstrip("(") if opened else item.raw.rstrip(")")
+        return Node(resolved(text), self.source, item.line, item.column, text)
 
     def problem(self, message, node, hint=""):
         """Record a problem and continue."""
@@ -262,10 +297,23 @@ def _syntax_hint(error, place):
     return ""
 
 
-def _decimal_comma(mapping, key):
-    """Return a hint if a key consists of the digits after a decimal comma ("1,5"), or ""."""
-    _, before = list(mapping.values())[-1] if mapping else (None, None)
-    if before is None or type(before.value) is not int or not key.raw.isdigit() or before.line != key.line:
+def _is_item(mapping, key, node):
+    """Return True if a key is not a name, stands alone and follows a scalar: the "0" of {position: 1, 0, 0}."""
+    if not _is_bare(key, node) or NAME.fullmatch(key.raw) or not mapping:
+        return False
+    _, before = list(mapping.values())[-1]
+    return type(before) is Continued or type(before.value) not in (list, dict, type(None))
+
+
+def _is_bare(key, node):
+    """Return True if a key of a mapping in one line has neither a colon nor a value."""
+    end = (key.line, key.column + len(key.raw))
+    return key.raw != "" and node.raw == "" and node.value is None and (node.line, node.column) == end
+
+
+def _with_comma(before, item):
+    """Return the number of which ``before`` and ``item`` are the digits on the sides of a comma, "1,5 kg", or ""."""
+    behind = item.line == before.line and item.column == before.column + len(before.raw) + 1
+    if not behind or type(before.value) is not int or not item.raw[0].isdigit():
         return ""
-    behind = key.column == before.column + len(before.raw) + 1
-    return f"a decimal point, not a comma: {before.raw}.{key.raw}" if behind else ""
+    return before.raw + ("" if "." in item.raw else ".") + item.raw

@@ -78,12 +78,13 @@ def filled(node, field, fields, scope, given=None):
     known = {inner.name for inner in fields}.union(values)
     if field.name:
         scope.path.append(field.name)
-    hints = ""
-    for key, (key_node, _) in node.value.items():
+    hints, before_it = "", None
+    for key, (key_node, value_node) in node.value.items():
         if key not in known:
-            hint = _meant(key, known, fields, field, scope)
+            hint = _of_list(before_it, key_node, value_node) or _meant(key, known, fields, field, scope)
             scope.refuse(key_node, f"unknown key {quoted(scope.name_of(key))}", hint)
             hints += hint
+        before_it = value_node
     for inner in fields:
         pair = node.value.get(inner.name)
         if pair and not _left_out(pair[1], inner):
@@ -119,6 +120,14 @@ def _meant(key, known, fields, field, scope):
     inside = [f"{outer.name}.{key}" for outer in fields if key in _keys_of(outer)]
     meant = inside or [inner.name for inner in fields if re.match(rf"{re.escape(key)}\b", inner.doc)]
     return f"did you mean {quoted(meant[0])}?" if meant and not near else scope.suggest(key, near or sorted(known))
+
+
+def _of_list(before, key_node, value_node):
+    """Return a hint for a key without a value after a text: items of a list without brackets, or ""."""
+    alone = value_node.value is None and value_node.raw == "" and key_node.value.isidentifier()
+    if not alone or before is None or type(before.value) is not str or before.line != key_node.line:
+        return ""
+    return f"a list is written in brackets: [{before.value}, {key_node.value}]"
 
 
 def _keys_of(field):

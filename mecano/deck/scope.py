@@ -9,7 +9,7 @@ from mecano.deck.parameters import Parameters, Refused
 from mecano.deck.similar_names import similar
 from mecano.deck.source import Source
 from mecano.deck.units import is_quantity
-from mecano.deck.wording import found, how_to_write, quoted, suggestion, unit_text
+from mecano.deck.wording import as_list, corrected, found, how_to_write, quoted, suggestion, unit_text
 from mecano.errors import DeckError, Problem
 from mecano.schema import SECTION_OF, Field
 
@@ -97,6 +97,7 @@ class Scope:
         subject = f"{quoted(name)} " if name else ""
         expression = type(node.value) is str and is_evaluated(node.value)
         hint = hint or (self.where_given(node) if expression else self._keyword(node, declared))
+        hint = hint or as_list(node, declared)
         hint = hint or ("" if expression else self._of_parameters(node, declared) or how_to_write(node, declared))
         return self.refuse(node, f"{subject}{what}{unit_text(declared)}, got {self.got(node)}", hint)
 
@@ -168,6 +169,8 @@ class Scope:
         hint = ""
         if error.near:
             hint = self.suggest(*error.near) if error.near[1] else "the deck has no 'parameters'"
+        elif right := corrected(node.value):
+            hint = f"write {right}"
         return self.refuse_at(node, error, hint)
 
     def refuse_at(self, node, error, hint):

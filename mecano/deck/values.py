@@ -269,7 +269,7 @@ def node_names(node, field, scope):
     """Return a list of names of nodes, of the length required by the type; one of a fixed number may be ``ground``."""
     length = field.type.options[0] if field.type.options else None
     if type(node.value) is not list or (length and len(node.value) != length):
-        hint = f"write [{node.value}]" if type(node.value) is str and not length else ""
+        hint = f"write [{node.value}]" if type(node.value) is str and node.value.isidentifier() and not length else ""
         return scope.refuse_value(node, field, hint=hint)
     values = []
     for i, item in enumerate(node.value):

@@ -2,10 +2,20 @@
 
 import re
 
+from mecano.deck.scalar import number
 from mecano.deck.similar_names import similar
 from mecano.deck.units import is_quantity
 
 NUMERIC = ("number", "integer", "curve", "drive", "either")  # types whose values may be numbers
+SLIPS = (  # what engineers type, what is read
+    (re.compile("[−–]"), "-"), (re.compile(r"(?<=[0-9])[ _'’](?=[0-9]{3}(?![0-9]))"), ""),
+    (re.compile(r"(?<=[0-9]),(?=[0-9]{3}(?:,[0-9]{3})*\.)"), ""), (re.compile("(?<=[0-9]),(?=[0-9])"), "."),
+    (re.compile(r"\s*[x*·×]\s*10\s*(?:\^|\*\*)\s*"), "e"), (re.compile(r"^10\s*\^"), "1e"),
+)  # fmt: skip
+THOUSANDS_COMMA = re.compile(r"[^,.]*[0-9],[0-9]{3}(?![0-9])[^,.]*")
+LISTS = ("vector", "direction", "inertia", "numbers", "nodes")  # types whose values are lists
+AXES = {sign + axis: f"[{', '.join(f'{sign}1' if axis == other else '0' for other in 'xyz')}]".replace("+", "")
+        for sign in ("", "+", "-") for axis in "xyz"}  # fmt: skip
 MAX_SHOWN = 60
 MAX_LISTED = 16
 
@@ -39,8 +49,33 @@ def how_to_write(node, field):
     unit = re.split(r" or |,", field.unit)[0].strip() if "unit" not in field.unit else ""
     if text.strip() == "pi":
         return "write '=pi', or 180 deg" if unit == "rad" else "write '=pi'"
+    if right := corrected(text):
+        return f"write {right}"
     shown = f"2.5 or 2.5 {unit}" if unit not in ("", "-") else "2.5"
     return f"a number is written as {shown}" if any(letter.isdigit() for letter in text) else ""
+
+
+def corrected(text):
+    """Return the number or quantity that is meant by a text with slips of typing, or ""."""
+    if THOUSANDS_COMMA.fullmatch(text):
+        return ""  # 1,000 may be 1000 or 1.000
+    for slip, right in SLIPS:
+        text = slip.sub(right, text)
+    return text if is_quantity(text) or number(text) is not None else ""
+
+
+def as_list(node, field):
+    """Return a hint for a text, or a list of one text, in place of a list: where the brackets or commas are missing."""
+    if type(node.value) is str and field.type.name == "direction" and node.value.lower() in AXES:
+        return f"write {AXES[node.value.lower()]}"
+    lone = node.value[0].value if type(node.value) is list and len(node.value) == 1 else node.value
+    if type(lone) is not str or field.type.name not in LISTS or len(lone) > MAX_SHOWN:
+        return ""
+    items = [item for item in re.split(r"[\s,;]+", lone.strip(" ()")) if item]
+    names = field.type.name == "nodes" and all(item.isidentifier() for item in items)
+    if len(items) > 1 and (names or all(number(item) is not None for item in items)):
+        return f"write [{', '.join(items)}]"
+    return ""
 
 
 def _listed(items):
