@@ -24,6 +24,7 @@ LINES = (
 SIZES, LIMITS = 100, 25  # of 150: sizes of a disk, of a file
 ROOM = 2**24  # bytes
 NOBODY = 65534
+TRIES = 10
 SETTLED = 15.0  # s for the other run to write its first rows
 
 
@@ -195,8 +196,10 @@ def vanishing_path(share, folder):
     run = started("double_pendulum", place)
     waited(place / "r.h5")
     time.sleep(0.5 * share * reference("double_pendulum")[1])
+    os.kill(run.pid, signal.SIGSTOP)  # it does not end while its folder is being removed
     early = not ended(run.pid)
     shutil.rmtree(place)
+    os.kill(run.pid, signal.SIGCONT)
     outcome = run.ended()
     return refused(outcome) if early else unlike(outcome)
 
@@ -208,13 +211,24 @@ def waited(path):
         time.sleep(0.005)
 
 
+def stopped_run(folder, share):
+    """A run that has begun its file, stopped so that it seems to run, and does not end before the trial is made."""
+    for _ in range(TRIES):
+        run = started("bouncing_ball", folder)
+        waited(folder / "r.h5")
+        time.sleep(0.3 * share * reference("bouncing_ball")[1])
+        os.kill(run.pid, signal.SIGSTOP)
+        if not ended(run.pid):
+            return run
+        run.ended()  # it had come to its end: this process got no processor in the meantime
+        (folder / "r.h5").unlink()
+    raise RuntimeError(f"a run has ended before it could be stopped, {TRIES} times")
+
+
 def live_file(words, share, folder):
     """A second run into the file of a running one: refused, and the first reaches its end unaffected."""
     path = folder / "r.h5"
-    run = started("bouncing_ball", folder)
-    waited(path)
-    time.sleep(0.3 * share * reference("bouncing_ball")[1])
-    os.kill(run.pid, signal.SIGSTOP)  # it appears to be running, and does not end before the second
+    run = stopped_run(folder, share)
     second = forked([word for word in arguments("bouncing_ball") if word != "--resume"] + list(words), folder).ended()
     os.kill(run.pid, signal.SIGCONT)
     first = run.ended()
@@ -237,9 +251,7 @@ def live_file_resumed(share, folder):
 
 def export_over_live(share, folder):
     """`export --vtk` into the file of a running simulation is refused."""
-    run = started("bouncing_ball", folder)
-    waited(folder / "r.h5")
-    os.kill(run.pid, signal.SIGSTOP)
+    run = stopped_run(folder, share)
     outcome = in_process(["export", "r.h5", "--vtk", "--force"], folder)
     os.kill(run.pid, signal.SIGCONT)
     first = run.ended()

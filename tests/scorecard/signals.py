@@ -75,11 +75,12 @@ def command_time(name):
 
 
 def begun(words, folder, **environment):
-    """A process of the command line, as a user starts it, its messages in said.txt."""
+    """A process of the command line, as a user starts it, also where this one runs under nohup; it says in said.txt."""
     with open(Path(folder) / "said.txt", "ab") as said:
         return subprocess.Popen(
             [*COMMAND, *map(str, words)], cwd=folder, stdin=subprocess.DEVNULL, stdout=said, stderr=said,
             start_new_session=True, env={**os.environ, **environment},
+            preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL),
         )  # fmt: skip
 
 
