@@ -118,6 +118,40 @@ def test_aliases_may_not_explode(loader):
         compose(Source("f", "\n".join(deep)), [], loader)
 
 
+SLIPS = {  # what is wrong -> what would be right
+    "mecano:1\ntitle: x": "write a space after 'mecano:' in line 1",
+    "mecano 1\ntitle: x": "write ': ' after 'mecano' in line 1",
+    "time:\n  end 2\n  step: 1": "write ': ' after 'end' in line 2",
+    "nodes\n  a: {b: 1}": "write ': ' after 'nodes' in line 1",
+    "nodes:\n  a {b: [1]}": "write ': ' after 'a'",
+    "nodes:\n  a = {b: [1]}": "write ': ' after 'a'",
+    "nodes: {a [1, 2]}": "write ': ' after 'a'",
+    "nodes: {a:[1, 2]}": "write a space after ':'",
+    "nodes:\n  a: 1\n  - b: 2": "an entry of a mapping begins with its name, not with '-'",
+    "- a: 1\nb: 2": "lines above begin with '-', as items of a list",
+    " a: 1\nb: 2": "keys that belong together begin in the same column",
+    "// deck\na: 1": "comments begin with '#', not as in line 1",
+    "% deck\na: 1": "comments begin with '#'",
+    'a: "C:\\data"': "within double quotes a \\ begins an escape; use single quotes",
+    "a: 'It's'\nb: 1": "within single quotes an apostrophe is written twice",
+    "a: {b: ${c}}": "a parameter is written without brackets: $name",
+    "a: {b: 1 [kg], c: 2}": "a unit is written without brackets: 2 kN/m",
+    "a: {b: [1, 2] m}": "write ',' before it; in a list each number has its own unit",
+    "a: {b: 1; c: 2}": "write ',' instead of ';'",
+    "a: {b: 1 c: 2}": "write ',' before 'c'",
+    "a: {b: 1,, c: 2}": "there is nothing before the ','",
+    "a: {b: 1 # total, c: 2}\nd: 3": "the bracket opened in line 1 is not closed before this; "
+    "the '#' in line 1 begins a comment",
+}
+
+
+@pytest.mark.parametrize("text", SLIPS)
+def test_slips_get_hints(text):
+    with pytest.raises(DeckError) as info:
+        compose(Source("f", text), [])
+    assert info.value.problems[-1].hint == SLIPS[text]
+
+
 def test_tab_gets_a_hint():
     with pytest.raises(DeckError) as info:
         compose(Source("f", "a:\n\tb: 1\n"), [])

@@ -9,6 +9,7 @@ import re
 import yaml
 
 from mecano.deck.scalar import resolved
+from mecano.deck.syntax_errors import syntax_error, syntax_hint
 from mecano.deck.wording import quoted, suggestion
 from mecano.errors import DeckError, Problem
 
@@ -19,8 +20,8 @@ MAX_NODES = 4_000_000
 MAX_MARKS = 3_500_000  # ':' and ',' in a text: a deck with far more values is refused before it is parsed
 MAX_EXPANDED = 100_000  # nodes that aliases may add
 MAX_ITEMS = 100_000  # of one list: YAML takes 5 us and 150 B for each
-GLUED = re.compile(r"\s*([\w$()]+:)[{\[]")  # a key and a mapping or list without a space between them
 NAME = re.compile(r"[^\W\d][\w$()-]*")
+ITEM_START = frozenset("-+.0123456789$(")  # of an item of a list that is a number
 CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
 
 
@@ -261,48 +262,20 @@ def compose(source, problems, loader=LOADER):
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Node(None, source, mark.line, mark.column) if mark else Node(None, source)
-        composer.stop(_syntax(error), place, _syntax_hint(error, place))
+        too_deep = "nesting depth" in (error.problem or "")  # libyaml reads ahead and has a limit of its own
+        composer.stop(*((TOO_DEEP, place) if too_deep else (syntax_error(error), place, syntax_hint(error, place))))
     except (yaml.YAMLError, ValueError, OverflowError) as error:
         composer.stop(f"not valid YAML: {error}".splitlines()[0], Node(None, source))
     return composer.root
 
 
-def _syntax(error):
-    if "nesting depth" in (error.problem or ""):  # libyaml reads ahead and has a limit of its own
-        return TOO_DEEP
-    parts = [part for part in (error.context, error.problem) if part]
-    return "not valid YAML: " + ", ".join(parts)
-
-
-def _syntax_hint(error, place):
-    rest, problem = place.mark.text[place.column :], error.problem or ""
-    if "nesting depth" in problem:
-        return ""
-    if rest.startswith("\t"):
-        return "indent with spaces, not with tabs"
-    if rest[:1] in ("%", "@", "`"):
-        return "put the text in quotes"
-    if "alias" in (error.context or ""):
-        return "'*' begins a reference of YAML; lists have no products: multiply each of their numbers"
-    if "quoted scalar" in (error.context or "") and error.context_mark:
-        return f"the quotation mark in line {error.context_mark.line + 1} is not closed"
-    if "flow" in (error.context or "") and error.context_mark:
-        return f"the bracket opened in line {error.context_mark.line + 1} is not closed before this"
-    if ("expected key" in problem or "mapping values" in problem) and (glued := GLUED.match(place.mark.text)):
-        return f"write a space after '{glued[1]}'"
-    if "expected key" in problem:
-        return "keys that belong together begin in the same column"
-    if "mapping values are not allowed" in problem:
-        return "put a text with ': ' in quotes; keys that belong together begin in the same column"
-    return ""
-
-
 def _is_item(mapping, key, node):
     """Return True if a key is not a name, stands alone and follows a scalar: the "0" of {position: 1, 0, 0}."""
-    if not _is_bare(key, node) or NAME.fullmatch(key.raw) or not mapping:
+    if not mapping or not _is_bare(key, node) or NAME.fullmatch(key.raw) or ":" in key.raw or "=" in key.raw:
         return False
     _, before = list(mapping.values())[-1]
-    return type(before) is Continued or type(before.value) not in (list, dict, type(None))
+    scalar = type(before.value) not in (list, dict, type(None))
+    return type(before) is Continued or (scalar and key.raw[0] in ITEM_START)
 
 
 def _is_bare(key, node):
