@@ -57,6 +57,8 @@ STRUCTURE = [
      "node 'top': unknown key 'q'; known: fixed, orientation, position"),
     ("  axle: {position: [0.25, 0, 0.3225]}", "  axle: [0, 0, 0]", 10, "[0,",
      "node 'axle': must be a mapping, got [0, 0, 0]; write {position: [0, 0, 0]}"),
+    ("law: oleo", "k: 7e10", 14, "k: ",
+     "spring 'absorber': unknown key 'k'; write it in the 'law': {spring: ..., damper: ...}"),
     ("mass: 7e1", "mass: 7,1 kg", 12, "1 kg",
      "a key must be a name, got '1 kg'; a decimal point, not a comma: 7.1 kg"),
     ("mass: 7e1", "mass: 7,100.5", 12, "100.5",
@@ -154,7 +156,7 @@ STRUCTURE = [
     ("{table: {points: [[0, 0], [1, 1e3]]}}", "{damper: {coefficient: 1}}", 20, "damper",
      "force 'push': 'damper' is a force of extension and rate; a number, the name of a law, or a law of one variable written in place is required here"),
     ("law: oleo", "law: 7", 14, "7",
-     "spring 'absorber': 'law' must be the name of a law, or a law written in place [N], got 7"),
+     "spring 'absorber': 'law' must be the name of a law, or a law written in place [N], got 7; write {spring: 7}, if it is a stiffness"),
     ("damper: {", "dampr: {", 24, "dampr",
      "law 'oleo': unknown term 'dampr' of a law; did you mean 'damper'?"),
     ("damper: {", "damping: {", 24, "damping",
@@ -316,6 +318,11 @@ def test_list_of_names_without_brackets():
 def test_keys_that_are_no_names(name, hint):
     text = VALID.replace("  axle: {position", f"  {name}: {{position")
     assert problems_of(text)[0] == f"10:3 a key must be a name, got '{name}'; {hint}"
+
+
+def test_parameters_by_another_name_are_refused_once():
+    text = VALID.replace("parameters: {", "variables: {")
+    assert problems_of(text) == ["3:1 unknown key 'variables'; here it is called 'parameters'"]
 
 
 def test_all_problems_of_a_step_at_once():

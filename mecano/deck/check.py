@@ -16,8 +16,9 @@ from mecano.deck.physics import check_model
 from mecano.deck.reduced_file import reduced, rows
 from mecano.deck.resolve import resolve, unknown_names
 from mecano.deck.scope import INVALID, Scope
-from mecano.deck.sections import shortest_interval
+from mecano.deck.sections import SECTIONS, shortest_interval
 from mecano.deck.similar_names import similar
+from mecano.deck.synonyms import keys_meant
 from mecano.deck.templates import arguments
 from mecano.deck.units import ANY
 from mecano.deck.wording import found, quoted
@@ -143,8 +144,15 @@ def checked_values(root, sections, scope):
 
 def _written_parameters(root):
     """Return {name: node} of the section ``parameters``, or {} if it is not a mapping."""
-    section = root.value.get("parameters")
+    section = root.value.get("parameters") or next(iter(_miswritten(root, "parameters")), None)
     return {name: node for name, (_, node) in section[1].value.items()} if section and _is_mapping(section[1]) else {}
+
+
+def _miswritten(root, section):
+    """Return the pairs (key, value) of a deck whose key seems to be meant as a section; each is refused as unknown."""
+    sections = {field.name for field in (*SECTIONS, *EXPANDED_SECTIONS)}
+    unknown = [(key, pair) for key, pair in root.value.items() if key not in sections]
+    return [pair for key, pair in unknown if section in (keys_meant(key) or similar(key, (section,)))]
 
 
 def _is_mapping(node):
@@ -162,10 +170,10 @@ def _check_process(root, sections, scope):
     if "static" not in fields:
         return
     time, static = (key in root.value and root.value[key][1].value is not None for key in ("time", "static"))
-    if not time and not static:
+    if not time and not static and not _miswritten(root, "time") and not _miswritten(root, "static"):
         time = fields["time"]
         scope.refuse(root, f"missing 'time', {time.type.expects}: {time.doc}; or 'static': {fields['static'].doc}")
-    elif time and static:
+    if time and static:
         hint = "to start a dynamic analysis from an equilibrium write 'initial: static'"
         scope.refuse(root.value["static"][0], "'static' and 'time' exclude one another", hint)
 
@@ -173,7 +181,8 @@ def _check_process(root, sections, scope):
 def _check_gravity(root, scope):
     """Refuse a deck without ``gravity`` if an element has weight."""
     section = root.value["elements"][1].value if "elements" in root.value else None
-    if type(section) is not dict or ("gravity" in root.value and root.value["gravity"][1].value is not None):
+    given = "gravity" in root.value and root.value["gravity"][1].value is not None
+    if type(section) is not dict or given or _miswritten(root, "gravity"):
         return
     heavy = next((name for name, (_, node) in section.items() if _has_weight(node, scope.kinds)), None)
     if heavy is not None:

@@ -20,6 +20,12 @@ ELSEWHERE = dict.fromkeys(
     ("velocity", "velocities", "angular_velocity"),
     "give it in 'initial': velocities: [{nodes: [...], velocity: [...], angular_velocity: [...]}]",
 )
+IN_PLACE = {  # key -> (key that is known in its place, hint)
+    **dict.fromkeys(("stiffness", "damping", "k", "c"), ("law", "write it in the 'law': {spring: ..., damper: ...}")),
+    "radius": ("diameter", "give the 'diameter', twice the radius"),
+    "outer_radius": ("diameter", "give the 'diameter', twice the radius"),
+    "diameter": ("radius", "give the 'radius', half the diameter"),
+}
 RESERVED = {"nodes": ("ground", "all")}
 SECTION_NAMES = ("parameters", "nodes", *SECTIONS, "laws", "grounds", "tire_laws", "sections", "initial", "time")
 
@@ -83,7 +89,7 @@ def filled(node, field, fields, scope, given=None):
         if key not in known:
             hint = _of_list(before_it, key_node, value_node) or _meant(key, known, fields, field, scope)
             scope.refuse(key_node, f"unknown key {quoted(scope.name_of(key))}", hint)
-            hints += hint
+            hints += hint + _unseparated(key)
         before_it = value_node
     for inner in fields:
         pair = node.value.get(inner.name)
@@ -106,11 +112,15 @@ def _meant(key, known, fields, field, scope):
     """Return a hint for an unknown key."""
     if ":" in key:
         return "write a space after ':'"
+    if "=" in key:
+        return "write ': ' instead of '='"
     if key == "<<":
         return "merge keys of YAML are not read; 'templates' and 'repeat' write similar entries"
     if key == "include" and not field.name:  # files were included before: this is of --set
         return f"{quoted(key)} is allowed in the file of the deck only"
     allowed = known if field.name else known.union(EXPANDED_KEYS)
+    if key.lower() in IN_PLACE and IN_PLACE[key.lower()][0] in known:
+        return IN_PLACE[key.lower()][1]
     here = [quoted(name) for name in keys_meant(key) if name in allowed]
     if here:
         return f"here it is called {' or '.join(here)}"
@@ -120,6 +130,12 @@ def _meant(key, known, fields, field, scope):
     inside = [f"{outer.name}.{key}" for outer in fields if key in _keys_of(outer)]
     meant = inside or [inner.name for inner in fields if re.match(rf"{re.escape(key)}\b", inner.doc)]
     return f"did you mean {quoted(meant[0])}?" if meant and not near else scope.suggest(key, near or sorted(known))
+
+
+def _unseparated(key):
+    """Return the word in quotes before the first ':' or '=' of a key that contains its value, "mass:1", or ""."""
+    word = re.split("[:=]", key)[0].strip()
+    return quoted(word) if word != key else ""
 
 
 def _of_list(before, key_node, value_node):
@@ -261,7 +277,11 @@ def _missing_type(node, section, scope):
     """Report an entry without 'type', or a key that resembles 'type'."""
     kinds = _kinds_of(section, scope)
     for key, (key_node, value) in node.value.items():
-        if value.value in kinds and similar(key, ("type",)):
+        if type(value.value) is not str or value.value not in kinds:
+            continue
+        if "type" in keys_meant(key):
+            return scope.refuse(key_node, f"unknown key {quoted(key)}", "here it is called 'type'")
+        if similar(key, ("type",)):
             return scope.refuse(key_node, f"unknown key {quoted(key)}", scope.suggest(key, ("type",)))
     return scope.refuse(scope.owner, "missing 'type'", "known: " + ", ".join(kinds))
 

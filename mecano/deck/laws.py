@@ -38,7 +38,10 @@ def law_or_name(node, field, scope):
         return Reference(node.value, "laws", field.type.name, node, scope.subject, use=field)
     if type(node.value) is list and any(type(item.value) is dict for item in node.value):
         return scope.refuse(node, "a law is a mapping of terms, not a list", f"write {HOW}; terms add up")
-    return scope.refuse_value(node, field)
+    hint = (
+        f"write {{spring: {node.raw}}}, if it is a stiffness" if value is not None and "spring" in scope.terms else ""
+    )
+    return scope.refuse_value(node, field, hint=hint)
 
 
 def law_in_place(node, field, scope):

@@ -9,6 +9,8 @@ from mecano.laws.formula import read_formula
 from mecano.model.mesh import divides, inner_names
 from mecano.schema import MOTION
 
+OTHERS = ("nodes", "elements", "joints", "loads", "sections", "grounds", "tire_laws")  # where a name may be
+
 
 def resolve(values, scope):
     """Resolve every reference of the scope in the checked values, which are changed in place."""
@@ -29,7 +31,7 @@ def resolve(values, scope):
             continue
         if reference.name not in known:
             more = values["signals"] if reference.wanted == "drive" else ()
-            _unknown(reference, [*known, *more], scope)
+            _unknown(reference, [*known, *more], values, scope)
             continue
         found = known[reference.name]
         if reference.section == "laws":
@@ -78,7 +80,7 @@ def unknown_names(root, scope):
         inside = reference.section == "nodes" and "." in reference.name
         time = reference.wanted == "drive" and reference.name == "time"
         if reference.name not in names and not inside and not time:
-            _unknown(reference, list(names), scope)
+            _unknown(reference, list(names), known, scope)
 
 
 def _nodes_of_members(elements, kinds):
@@ -87,13 +89,16 @@ def _nodes_of_members(elements, kinds):
     return [node for name, d in members.items() for node in inner_names(name, d)]
 
 
-def _unknown(reference, known, scope):
+def _unknown(reference, known, sections, scope):
+    """Report an unknown name; ``sections``: {section: its entries, checked or as nodes of the deck}."""
     drive = reference.wanted == "drive"
     what = "law or signal" if drive else singular(reference.section)
     if reference.name == "ground" and reference.section == "nodes":
         hint = "'ground' is allowed only as one of two nodes; otherwise use a node with 'fixed: true'"
     elif "$" in reference.name:
         hint = "names contain values of a 'repeat' only, those of the entry itself: repeat: {n: [$last]}"
+    elif elsewhere := _elsewhere(reference, sections):
+        hint = elsewhere
     elif known:
         own = scope.own_names.get(id(reference.node), ())
         hint = scope.suggest(reference.name, [*own, *known, *(["ground"] if reference.wanted == "end" else ())])
@@ -103,6 +108,20 @@ def _unknown(reference, known, scope):
     if reference.section == "laws" and len(meant) == 1:  # friction: adhesive
         hint = "; ".join(part for part in (hint, f"there is the type '{meant[0]}'") if part)
     scope.refuse(reference.node, f"unknown {what} {quoted(reference.name)}", hint)
+
+
+def _elsewhere(reference, sections):
+    """Return a hint if the name of a reference is that of an entry of another section, or ""."""
+    for section in OTHERS:
+        entry = (sections.get(section) or {}).get(reference.name)
+        if entry is None or section == reference.section:
+            continue
+        hint = f"{quoted(reference.name)} is {'an' if section[0] in 'aeiou' else 'a'} {singular(section)}"
+        entry = entry[1].value if type(entry) is tuple else entry
+        node = entry.get("node") if type(entry) is dict and reference.section == "nodes" else None
+        node = node[1].value if type(node) is tuple else node
+        return f"{hint}, whose node is {quoted(node)}" if type(node) is str and node != reference.name else hint
+    return ""
 
 
 def _check_terms(reference, law, scope):
