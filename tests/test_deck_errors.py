@@ -208,7 +208,7 @@ STRUCTURE = [
     ("every: 5e-3", "every: 0", 41, "0",
      "'output.every' must be greater than zero [s], got 0"),
     ("output: {every: 5e-3}", "output: 3", 41, "3",
-     "'output' must be a mapping, got 3"),
+     "'output' must be a mapping, got 3; write {every: 3}"),
     ("  top: {", "  ground: {", 6, "ground",
      "node 'ground': the name 'ground' is reserved"),
     ("  top: {", "  2nd: {", 6, "2nd",

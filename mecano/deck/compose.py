@@ -55,9 +55,27 @@ class Given(Node):
 
 
 class Continued(Node):
-    """A list without brackets in a mapping in one line, {position: 1, 0, 0}, which has been reported."""
+    """A list without brackets, or a formula without quotes, with the items that follow its first comma."""
 
     __slots__ = ()
+
+    def __init__(self, node):
+        formula = type(node.value) is str and _is_open(node.raw)
+        value = node.raw if formula else [_without_brackets(node)]
+        super().__init__(value, node.source, node.line, node.column, node.raw)
+
+    def add(self, item):
+        """Append an item."""
+        if type(self.value) is str:
+            self.value = self.raw = f"{self.value}, {item.raw}"
+        else:
+            self.value.append(_without_brackets(item))
+
+    def hint(self, name):
+        """Return what to write for the key ``name``; more items may follow."""
+        if type(self.value) is str:
+            return "put a formula with commas in quotes"
+        return f"a list is written in brackets: {name}: [{', '.join(item.raw for item in self.value)}, ...]"
 
 
 class Frame:
@@ -211,25 +229,19 @@ class Composer:
 
     def continued(self, mapping, item):
         """Report an item that continues the last value of a mapping, and correct this value, to report it once."""
-        name, (key, value) = list(mapping.items())[-1]
+        name, (key, value) = next(reversed(mapping.items()))
         if type(value) is Continued:
-            value.value.append(self.without_brackets(item))
+            value.add(item)
             return
         if whole := _with_comma(value, item):
             hint = f"a decimal point, not a comma: {whole}" if "." not in item.raw else f"write {whole}"
             correct = Node(resolved(whole), self.source, value.line, value.column, whole)
         else:
-            items = [self.without_brackets(value), self.without_brackets(item)]
-            hint = f"a list is written in brackets: {name}: [{items[0].raw}, {items[1].raw}, ...]"
-            correct = Continued(items, self.source, value.line, value.column)
+            correct = Continued(value)
+            correct.add(item)
+            hint = correct.hint(name)
         mapping[name] = (key, correct)
         self.problem(f"a key must be a name, got {quoted(item.raw)}", item, hint)
-
-    def without_brackets(self, item):
-        """Return an item of a list in round brackets, (1, 0, 0), without the brackets."""
-        opened, closed = "(" in item.raw, ")" in item.raw
-        text = item.raw if opened == closed else item.raw.lstrip("(") if opened else item.raw.rstrip(")")
-        return Node(resolved(text), self.source, item.line, item.column, text)
 
     def problem(self, message, node, hint=""):
         """Record a problem and continue."""
@@ -271,11 +283,27 @@ def compose(source, problems, loader=LOADER):
 
 def _is_item(mapping, key, node):
     """Return True if a key is not a name, stands alone and follows a scalar: the "0" of {position: 1, 0, 0}."""
-    if not mapping or not _is_bare(key, node) or NAME.fullmatch(key.raw) or ":" in key.raw or "=" in key.raw:
+    if not mapping or not _is_bare(key, node):
         return False
-    _, before = list(mapping.values())[-1]
+    _, before = next(reversed(mapping.values()))
+    if type(before.value) is str and _is_open(before.value):
+        return True
+    if NAME.fullmatch(key.raw) or ":" in key.raw or "=" in key.raw:
+        return False
     scalar = type(before.value) not in (list, dict, type(None))
     return type(before) is Continued or (scalar and key.raw[0] in ITEM_START)
+
+
+def _is_open(text):
+    """Return True if a text is the begin of a call of a function, "max(time"."""
+    return text.count("(") > text.count(")") and not text.startswith("(")
+
+
+def _without_brackets(item):
+    """Return an item of a list in round brackets, (1, 0, 0), without the brackets."""
+    opened, closed = "(" in item.raw, ")" in item.raw
+    text = item.raw if opened == closed else item.raw.lstrip("(") if opened else item.raw.rstrip(")")
+    return Node(resolved(text), item.source, item.line, item.column, text)
 
 
 def _is_bare(key, node):

@@ -153,14 +153,15 @@ def _keys_of(field):
 
 def _as_mapping(node, fields):
     """Return a hint if a value stands in place of a mapping whose one required field, or 'points', it may be, or ""."""
-    required = [field for field in fields if field.required or field.type.name == "points"]
+    required = [field for field in fields if field.required or field.type.name == "points" or len(fields) == 1]
     if len(required) != 1:
         return ""
     name, type_ = required[0].name, required[0].type.name
     if type(node.value) is list:
         text = found(node)
         return f"write {{{name}: {text if text.startswith('[') else '[...]'}}}" if type_ in ("vector", "points") else ""
-    return f"write {{{name}: {node.raw}}}" if type_ == "number" and node.raw else ""
+    is_number = type(node.value) in (int, float) or (type(node.value) is str and _is_number(node.value))
+    return f"write {{{name}: {node.raw}}}" if type_ in ("number", "either") and is_number and node.raw else ""
 
 
 def _left_out(node, field):
@@ -222,7 +223,8 @@ def wrong_name(name, section):
 def list_(node, field, scope):
     """Return a list of values of one type, each with its own check."""
     if type(node.value) is not list:
-        return scope.refuse_value(node, field)
+        hint = "begin each item with '-', or put it in a list: [{...}]" if type(node.value) is dict else ""
+        return scope.refuse_value(node, field, hint=hint)
     before, values = len(scope.problems), [None] * len(node.value)
     type_, check = field.type.options
     for i, item in enumerate(node.value):
@@ -238,7 +240,8 @@ def either(node, field, scope):
     if type(node.value) is str and node.value in words:
         return node.value
     if type(node.value) is str and not _is_number(node.value):
-        return scope.refuse_value(node, field)
+        lone = type_.name == "nodes" and IDENTIFIER.fullmatch(node.value) and not similar(node.value, words)
+        return scope.refuse_value(node, field, hint=f"write [{node.value}]" if lone else "")
     return scope.checks[type_.name](node, replace(field, type=type_), scope)
 
 

@@ -193,7 +193,11 @@ def _meant(word, wanted=None):
     parts = [[part] if i % 2 else _readings(part) for i, part in enumerate(re.split(r"([ /*·]+)", text))]
     combined = itertools.islice(itertools.product(*parts), MOST_READINGS)
     whole = [unit for unit in map("".join, combined) if parsed(unit)]
-    near = difflib.get_close_matches(word, (*ALONE, *PREFIXED, *COMMON), n=1, cutoff=CLOSE[len(word) > 3])
+    near = (
+        difflib.get_close_matches(word, (*ALONE, *PREFIXED, *COMMON), n=1, cutoff=CLOSE[len(word) > 3])
+        if len(word) > 1
+        else []
+    )
     fitting = [unit for unit in whole if any(_fits(parsed(unit)[1], powers) for powers in wanted or ())]
     return next(iter([*fitting, *whole, *near]), "")
 

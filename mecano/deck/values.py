@@ -214,6 +214,8 @@ def points(node, field, scope):
     """Return a list of pairs of numbers."""
     if type(node.value) is not list:
         return scope.refuse_value(node, field)
+    if node.value and all(type(item.value) not in (list, dict) for item in node.value):
+        return scope.refuse_value(node, field, hint="write [[0, 0], [1, 5]]")
     odd = [i for i, item in enumerate(node.value) if type(item.value) is not list or len(item.value) != 2]
     for i in odd:
         scope.refuse_value(node.value[i], replace(field, name=f"{field.name}[{i}]", type=PAIR))

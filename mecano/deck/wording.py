@@ -89,7 +89,7 @@ def _listed(items):
 
 def unit_text(field):
     """Return the unit of a field in brackets; "" if it has none or depends on the use of a law."""
-    return "" if field.unit == "-" or "unit of" in field.unit else f" [{field.unit}]"
+    return "" if field.unit in ("", "-") or "unit of" in field.unit else f" [{field.unit}]"
 
 
 def suggestion(word, known):

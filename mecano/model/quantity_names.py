@@ -74,7 +74,7 @@ def meaning(name, entries, nodes):
         if ("signals", name) in entries:
             return "signals", name, ""
         signals = [n for section, n in entries if section == "signals"]
-        hint = "; the time is written 'time'" if name.lower() in ("t", "time") else ""
+        hint = "; the time is written 'time'" if name.lower() in ("t", "time") else _of_owner(name, entries, nodes)
         raise UnknownQuantity(f"there is no signal '{name}'{hint}", name, () if hint else signals)
     sections = dict.fromkeys(section for section, _ in entries)
     if words[0] in (*sections, "nodes") and len(words) > 2:
@@ -96,6 +96,13 @@ def meaning(name, entries, nodes):
     nothing = "" if known else "; it has no measurable outputs"
     hint = next((f": {text}" for section in owners if (text := _advice(rest, *entries.get((section, owner), ())))), "")
     raise UnknownQuantity(f"'{rest}' of '{owner}' cannot be measured{nothing}{hint}", rest, () if hint else known)
+
+
+def _of_owner(name, entries, nodes):
+    """Return a hint for a name of an element, joint or node without the name of an output; "" for other names."""
+    owners = [section for section, owner in entries if owner == name] + (["nodes"] if name in nodes else [])
+    offered = [f"{name}.{what}" for section in owners for what in _offered(section, name, entries)]
+    return f"; write what is measured of it, such as {offered[0]}" if offered else ""
 
 
 def _offered(section, owner, entries):
