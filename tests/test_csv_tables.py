@@ -21,6 +21,14 @@ def read_table(folder, data):
     return read_deck(str(folder / "deck.yaml"), **FAKE)
 
 
+def test_a_misspelt_file_is_answered_with_a_similar_one(tmp_path):
+    (tmp_path / "pushes.csv").write_text("0,0\n1,1\n")
+    (tmp_path / "deck.yaml").write_text(DECK.replace("tables/push.csv", "pushs.csv"))
+    with pytest.raises(DeckError) as info:
+        read_deck(str(tmp_path / "deck.yaml"), **FAKE)
+    assert info.value.problems[0].hint == "did you mean 'pushes.csv'?"
+
+
 @pytest.mark.parametrize(
     "data",
     [

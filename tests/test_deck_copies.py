@@ -363,6 +363,13 @@ def test_wrong_includes(tmp_path, files, expected):
         assert text.startswith(start.format(path.parent))
 
 
+def test_a_misspelt_include_is_answered_with_a_similar_file(tmp_path):
+    path = write(tmp_path / "a", **{"parts/more.yaml": "include: legs.yml"})
+    with pytest.raises(DeckError) as info:
+        read_deck(path, **FAKE)
+    assert info.value.problems[0].hint == "did you mean 'leg.yaml'?"
+
+
 def test_an_error_in_an_included_file_names_the_include(tmp_path):
     path = write(tmp_path / "a", **{"laws.yaml": LAWS.replace("7 N/mm", "7 bar")})
     with pytest.raises(DeckError) as info:

@@ -119,6 +119,7 @@ def test_aliases_may_not_explode(loader):
 
 
 SLIPS = {  # what is wrong -> what would be right
+    "a: 1\n!include b.yaml\nc: 1": "write 'include: FILE' in line 2",
     "mecano:1\ntitle: x": "write a space after 'mecano:' in line 1",
     "mecano 1\ntitle: x": "write ': ' after 'mecano' in line 1",
     "time:\n  end 2\n  step: 1": "write ': ' after 'end' in line 2",

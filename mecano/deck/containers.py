@@ -161,6 +161,8 @@ def _as_mapping(node, fields):
         text = found(node)
         return f"write {{{name}: {text if text.startswith('[') else '[...]'}}}" if type_ in ("vector", "points") else ""
     is_number = type(node.value) in (int, float) or (type(node.value) is str and _is_number(node.value))
+    if type_ == "text" and type(node.value) is str and IDENTIFIER.fullmatch(node.value):
+        return f"write {{{name}: {node.value}}}"
     return f"write {{{name}: {node.raw}}}" if type_ in ("number", "either") and is_number and node.raw else ""
 
 

@@ -4,6 +4,7 @@ import os
 from dataclasses import replace
 
 from mecano.deck.compose import Node, compose
+from mecano.deck.similar_files import similar_files
 from mecano.deck.source import Unreadable, read_source
 from mecano.deck.wording import quoted
 from mecano.errors import DeckError, Problem
@@ -79,7 +80,8 @@ class Inclusion:
             source, self.files[name] = read_source(path, os.path.join(self.folder, name))
         except Unreadable as error:
             self.unread = True
-            return self._refuse(node, f"file {quoted(node.value)} cannot be read: {error}")
+            hint = similar_files(path, (".yaml", ".yml"))
+            return self._refuse(node, f"file {quoted(node.value)} cannot be read: {error}", hint)
         mark = replace(node.mark, role="included at", stack=())
         source = replace(source, stack=(*node.source.stack, mark))
         self.beside[source.file] = os.path.dirname(name)
@@ -104,5 +106,5 @@ class Inclusion:
                 self._refuse(key, f"{quoted(name)} is given twice; first at {first.value[name][0].mark}")
         return Node({**first.value, **node.value}, first.source, first.line, first.column)
 
-    def _refuse(self, node, message):
-        self.problems.append(Problem(message, node.mark))
+    def _refuse(self, node, message, hint=""):
+        self.problems.append(Problem(message, node.mark, hint))

@@ -3,6 +3,7 @@
 import os
 
 from mecano.deck.include import confined
+from mecano.deck.similar_files import similar_files
 from mecano.deck.source import Unreadable, read_source
 from mecano.deck.wording import quoted
 from mecano.errors import DeckError
@@ -24,7 +25,8 @@ def source_of(name, node, scope):
     try:
         source, digest = read_source(path, os.path.join(scope.folder, name))
     except Unreadable as error:
-        scope.refuse(node, f"file {quoted(name)} cannot be read: {error}")
+        hint = similar_files(path, (os.path.splitext(name)[1],))
+        scope.refuse(node, f"file {quoted(name)} cannot be read: {error}", hint)
         return None
     except DeckError as error:
         scope.problems.extend(error.problems)

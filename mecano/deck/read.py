@@ -11,9 +11,8 @@ from mecano.deck.include import Inclusion
 from mecano.deck.lint import suspicious
 from mecano.deck.overrides import overridden
 from mecano.deck.sections import SECTIONS
-from mecano.deck.similar_names import similar
+from mecano.deck.similar_files import similar_files
 from mecano.deck.source import Unreadable, decoded, read_source
-from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS as ELEMENT_SECTIONS
 from mecano.elements import KINDS
 from mecano.elements.plugins import load_installed
@@ -21,7 +20,6 @@ from mecano.errors import DeckError, Mark, Problem
 from mecano.laws import TERMS
 from mecano.process.memory import reserve_blas_buffer
 
-LONGEST_NAME, MOST_NAMES = 80, 1000  # of decks, among which a similar name is searched
 BEFORE_COPIES = re.compile(r"\s*(mecano|parameters|templates|place)\s*[.=]")  # overrides that affect the expansion
 
 
@@ -35,21 +33,11 @@ def read_deck(path, overrides=(), kinds=KINDS, sections=SECTIONS, terms=TERMS):
     try:
         source, digest = read_source(path)
     except Unreadable as error:
-        problem = Problem(f"the deck cannot be read: {error}", Mark(str(path), 1, 1), _beside(str(path)))
+        problem = Problem(
+            f"the deck cannot be read: {error}", Mark(str(path), 1, 1), similar_files(str(path), (".yaml", ".yml"))
+        )
         raise DeckError([problem]) from None
     return deck_of(source, digest, overrides, kinds, sections, terms)
-
-
-def _beside(path):
-    """Return a hint on decks in the same folder whose names are similar, or ""."""
-    folder, name = os.path.split(path)
-    try:
-        names = {os.path.splitext(n)[0]: n for n in sorted(os.listdir(folder or ".")) if n.endswith((".yaml", ".yml"))}
-    except (OSError, ValueError):
-        return ""
-    few = len(name) <= LONGEST_NAME and len(names) <= MOST_NAMES
-    near = [quoted(names[stem]) for stem in similar(os.path.splitext(name)[0], names)] if few else []
-    return f"did you mean {' or '.join(near)}?" if near else ""
 
 
 def deck_of(source, digest="", overrides=(), kinds=KINDS, sections=SECTIONS, terms=TERMS):

@@ -98,6 +98,8 @@ def _of_line_above(place):
     numbers = range(place.line - 1, max(place.line - 1 - MOST_LINES, -1), -1)
     number = next((i for i in numbers if place.source.lines[i].strip()), None)
     above = "" if number is None else place.source.lines[number].strip()
+    if above.startswith("!include"):
+        return f"write 'include: FILE' in line {number + 1}"
     if COMMENT.match(above):
         return f"comments begin with '#', not as in line {number + 1}"
     if glued := GLUED.match(above):
