@@ -32,6 +32,7 @@ COMMANDS = {
     "verify": "results.verify", "view": "viewing.view", "warmup": "studies.warmup",
 }  # fmt: skip
 """The function of each command, of a module of mecano/commands."""
+MEANT = {".yaml": "run", ".yml": "run", ".h5": "post"}  # ending of a file in place of a command -> command
 
 
 class _OnDemand(Mapping):
@@ -51,7 +52,17 @@ class _OnDemand(Mapping):
         return len(COMMANDS)
 
 
-@click.group(commands=_OnDemand(), context_settings={"help_option_names": ["-h", "--help"]})
+class _Commands(click.Group):
+    """The group of the commands, which answers a file in place of a command."""
+
+    def resolve_command(self, ctx, args):
+        """Return the command of the arguments. Raises click.UsageError."""
+        if args[0] not in COMMANDS and (ending := os.path.splitext(args[0])[1]) in MEANT:
+            ctx.fail(f"No such command '{args[0]}'. Did you mean 'mecano {MEANT[ending]} {args[0]}'?")
+        return super().resolve_command(ctx, args)
+
+
+@click.group(cls=_Commands, commands=_OnDemand(), context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="mecano")
 def commands():
     """Simulate flexible mechanisms: decks in, results and pictures out.

@@ -10,6 +10,7 @@ import time
 from textwrap import dedent
 
 import pytest
+from click.testing import CliRunner
 from process import COMMAND, processor_time
 from test_deck_physics import MOTOR, problems
 from time_runs import INPUTS
@@ -22,6 +23,7 @@ from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS, MODULES
 from mecano.elements.members.cross_section import SHAPES
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
+from mecano.errors import UsageError
 from mecano.laws import TERMS
 from mecano.process.interrupt import EXIT_CODES
 
@@ -185,6 +187,17 @@ class TestRun:
     def test_quiet(self, call, folder):
         assert call("run", "deck.yaml", "-q", "-o", "quiet.h5") == (0, "", "")
         assert (folder / "quiet.h5").exists()
+
+    def test_results_and_modes_have_names_of_hdf5_files(self, folder):
+        for call, words in ((mecano.run, "mecano export"), (mecano.modes, "prints the table of modes")):
+            with pytest.raises(UsageError, match=f"results are HDF5, not '.csv': name them .h5; .*{words}"):
+                call("deck.yaml", "x.csv")
+        assert not (folder / "x.csv").exists()
+
+    @pytest.mark.parametrize("file,command", [("deck.yaml", "run"), ("deck.h5", "post")])
+    def test_files_in_place_of_commands_are_answered(self, file, command):
+        output = CliRunner().invoke(commands, [file]).output
+        assert f"No such command '{file}'. Did you mean 'mecano {command} {file}'?" in output
 
     def test_no_file_is_overwritten_without_force(self, call, folder):
         (folder / "deck.h5").write_text("precious")

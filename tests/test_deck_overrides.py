@@ -93,6 +93,7 @@ place: {left: {template: leg}}
         ("laws.new=3", "1:6 'laws' has no 'new'; known: oleo, smooth; " + ADDING),
         ("joints.pim=null", "1:8 'joints' has no 'pim'; did you mean 'pin'?; " + ADDING),
         ("include=a.yaml", "1:1 unknown key 'include'; 'include' is allowed in the file of the deck only"),
+        ("hub.mass=3", "1:1 unknown key 'hub'; write elements.hub.mass"),
         ("tme.end=3", "1:1 unknown key 'tme'; did you mean 'time'?"),
         ("time.edn=3", "1:6 unknown key 'time.edn'; did you mean 'end'?"),
         ("time.newton.iterations=3", "1:13 unknown key 'time.newton.iterations'; did you mean 'maximum_iterations'?"),

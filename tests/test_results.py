@@ -18,7 +18,7 @@ from mecano.jit import store
 from mecano.results import empty_file
 from mecano.results.checked import cut_short
 from mecano.results.layout import Layout, Series
-from mecano.results.lookup import Lookup
+from mecano.results.lookup import Lookup, similar_outputs
 from mecano.results.provenance import Source, lives, threads
 from mecano.results.reader import open_results
 from mecano.results.state import load_state, save_state
@@ -342,6 +342,20 @@ def test_files_that_are_no_results(tmp_path, make, message):
     with pytest.raises(ResultsError, match=message) as error:
         open_results(tmp_path / "r.h5")
     assert error.value.exit_code == 5
+
+
+def test_decks_and_folders_of_studies_as_results_are_answered(tmp_path):
+    (tmp_path / "deck.yaml").write_text("mecano: 1")
+    with pytest.raises(ResultsError, match="not an HDF5 file; if it is a deck: mecano run .*deck.yaml"):
+        open_results(tmp_path / "deck.yaml")
+    (tmp_path / "table.h5").touch()
+    with pytest.raises(ResultsError, match="it is a folder; the table of its study is .*table.h5"):
+        open_results(tmp_path)
+
+
+def test_similar_outputs():
+    paths = ["joints/hinge/angle", "joints/hinge/rate", "nodes/pin/position"]
+    assert similar_outputs("hinge.angel", paths)[0] == "hinge.angle"
 
 
 STATE = {

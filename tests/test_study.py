@@ -36,7 +36,7 @@ from mecano.post.study_statistics import statistics
 from mecano.results.study_file import Column, StudyTable, within
 from mecano.results.study_file import read_study as read_table
 from mecano.study import dask, slurm
-from mecano.study.execution import clear, due
+from mecano.study.execution import clear, collect, due
 from mecano.study.folder import COMPLETE, FAILED, Folder, Record
 from mecano.study.outputs import Output
 from mecano.study.pool import Limits
@@ -155,7 +155,8 @@ def test_errors_of_a_study_have_places(folder, text, place, message):
 @pytest.mark.parametrize(
     "head,message",
     [
-        (BALL, "missing 'study', the version of the study file; begin with 'study: 1': this is a deck"),
+        (BALL, "missing 'study', the version of the study file; this is a deck: run it by `mecano run`"),
+        ("study: 1\ndeck: dekc.yaml\n", "cannot be read: No such file or directory; did you mean 'deck.yaml'?"),
         ("study: 2\ndeck: deck.yaml\n", "this program reads studies of version 1"),
         ("study: 1\ndeck: other.yaml\n", "study.yaml:2:7: the deck other.yaml cannot be read: No such file"),
         ("", "missing 'study'"),
@@ -165,6 +166,14 @@ def test_errors_in_a_study_file(folder, head, message):
     with pytest.raises(DeckError) as info:
         study(folder, "grid: {time.end: [1]}" if head else "", head=head)
     assert message in deck_error_text(info.value)
+
+
+def test_wrong_folders_of_a_study(folder):
+    found = study(folder, "grid: {time.end: [1]}")
+    with pytest.raises(UsageError, match="deck.yaml is a file; -o takes a folder for the cases"):
+        due(Folder("deck.yaml", found))
+    with pytest.raises(UsageError, match="there is no folder none with cases: run the study first"):
+        collect(Folder("none", found), {})
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from mecano.process.interrupt import call_interruptibly
 from mecano.results.lock import locked
 from mecano.results.modes_file import write_modes
 from mecano.results.provenance import Source
-from mecano.results.writer import refuse_existing
+from mecano.results.writer import refuse_existing, refuse_other_ending
 from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.modal.linearize import linearize
 from mecano.solve.modal.modes import CONVERGED, solve
@@ -144,6 +144,8 @@ def modes(deck, path, *, at=None, at_rest=False, number=10, frame="inertial", me
     or "wx,wy,wz" [rad/s]. Raises UsageError, the errors of ``mecano run``, and, before anything is computed,
     ResultsError if ``path`` exists.
     """
+    if path is not None:
+        refuse_other_ending(path, "the command prints the table of modes")
     with nullcontext() if path is None else locked(path):
         if path is not None:
             refuse_existing(path, force)

@@ -15,7 +15,7 @@ from mecano.process.interrupt import call_interruptibly
 from mecano.results.lock import locked
 from mecano.results.provenance import Source
 from mecano.results.sweep_file import contents, refuse_tables, write_sweep, write_tables
-from mecano.results.writer import refuse_existing
+from mecano.results.writer import refuse_existing, refuse_other_ending
 from mecano.solve.modal.critical import critical
 from mecano.solve.modal.families import FAMILIES, families, running_axes
 from mecano.solve.modal.linearize import linearize
@@ -296,6 +296,7 @@ def sweep_into(file, path, overrides, texts, *, columns=False, force=False, **op
 
     Raises the errors of ``sweep``, and ResultsError if one of the files exists, unless ``force``, or cannot be written.
     """
+    refuse_other_ending(file, "--csv also writes the numbers")
     tables = Path(file).with_suffix(".csv")
     with locked(file):
         refuse_existing(file, force)

@@ -9,7 +9,6 @@ import re
 import yaml
 
 from mecano.deck.scalar import resolved
-from mecano.deck.syntax_errors import syntax_error, syntax_hint
 from mecano.deck.wording import quoted, suggestion
 from mecano.errors import DeckError, Problem
 
@@ -274,6 +273,8 @@ def compose(source, problems, loader=LOADER):
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Node(None, source, mark.line, mark.column) if mark else Node(None, source)
+        from mecano.deck.syntax_errors import syntax_error, syntax_hint  # few decks need it
+
         too_deep = "nesting depth" in (error.problem or "")  # libyaml reads ahead and has a limit of its own
         composer.stop(*((TOO_DEEP, place) if too_deep else (syntax_error(error), place, syntax_hint(error, place))))
     except (yaml.YAMLError, ValueError, OverflowError) as error:

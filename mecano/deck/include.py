@@ -4,9 +4,8 @@ import os
 from dataclasses import replace
 
 from mecano.deck.compose import Node, compose
-from mecano.deck.similar_files import similar_files
 from mecano.deck.source import Unreadable, read_source
-from mecano.deck.wording import quoted
+from mecano.deck.wording import quoted, similar_files
 from mecano.errors import DeckError, Problem
 
 MOST_FILES = 100

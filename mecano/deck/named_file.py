@@ -3,9 +3,8 @@
 import os
 
 from mecano.deck.include import confined
-from mecano.deck.similar_files import similar_files
 from mecano.deck.source import Unreadable, read_source
-from mecano.deck.wording import quoted
+from mecano.deck.wording import quoted, similar_files
 from mecano.errors import DeckError
 
 

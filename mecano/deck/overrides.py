@@ -53,6 +53,12 @@ def _applied(root, text, names):
     return _replaced(root, places, 0, new, names)
 
 
+def _owner(name, sections, names):
+    """Return the section of names that has an entry of this name, or None."""
+    owners = (section for section in names & sections.keys() if type(sections[section][1].value) is dict)
+    return next((section for section in sorted(owners) if name in sections[section][1].value), None)
+
+
 def _replaced(node, places, depth, new, names):
     """Return a copy of ``node`` in which the value at places[depth:] is ``new``."""
     if depth == len(places):
@@ -63,6 +69,8 @@ def _replaced(node, places, depth, new, names):
         if key not in known and depth == 1 and places[0].value in names:
             hints = [suggestion(key, known)] + ([ADDING] if depth + 1 == len(places) else [])
             _refuse(place, f"'{places[0].value}' has no {quoted(key)}", "; ".join(filter(None, hints)))
+        if key not in known and depth == 0 and (owner := _owner(key, known, names)) and len(places) > 1:
+            _refuse(place, f"unknown key {quoted(key)}", f"write {owner}.{'.'.join(part.value for part in places)}")
         if key not in known and depth + 1 < len(places) and INDEX.fullmatch(places[depth + 1].value):
             _refuse(place, f"the deck has no list {quoted(key)} whose item could be set", "set the whole list")
         if key in known and _removes(places, depth, new, names):

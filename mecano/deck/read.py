@@ -11,8 +11,8 @@ from mecano.deck.include import Inclusion
 from mecano.deck.lint import suspicious
 from mecano.deck.overrides import overridden
 from mecano.deck.sections import SECTIONS
-from mecano.deck.similar_files import similar_files
 from mecano.deck.source import Unreadable, decoded, read_source
+from mecano.deck.wording import similar_files
 from mecano.element_interface import SECTIONS as ELEMENT_SECTIONS
 from mecano.elements import KINDS
 from mecano.elements.plugins import load_installed

@@ -1,5 +1,6 @@
 """Words for messages: quoted texts, descriptions of values, and suggestions."""
 
+import os
 import re
 
 from mecano.deck.scalar import number
@@ -18,6 +19,7 @@ AXES = {sign + axis: f"[{', '.join(f'{sign}1' if axis == other else '0' for othe
         for sign in ("", "+", "-") for axis in "xyz"}  # fmt: skip
 MAX_SHOWN = 60
 MAX_LISTED = 16
+LONGEST_NAME, MOST_NAMES = 80, 1000  # of files among which a similar one is searched
 
 
 def quoted(text):
@@ -102,3 +104,15 @@ def suggestion(word, known):
     if 0 < len(known) <= MAX_LISTED:
         return "known: " + ", ".join(quoted(name)[1:-1] for name in known)
     return ""
+
+
+def similar_files(path, endings):
+    """Return a hint on files with these endings in the folder of a path whose names are similar to its own, or ""."""
+    folder, name = os.path.split(path)
+    try:
+        names = {os.path.splitext(n)[0]: n for n in sorted(os.listdir(folder or ".")) if n.endswith(endings)}
+    except (OSError, ValueError):
+        return ""
+    few = len(name) <= LONGEST_NAME and len(names) <= MOST_NAMES
+    near = [quoted(names[stem]) for stem in similar(os.path.splitext(name)[0], names)] if few else []
+    return f"did you mean {' or '.join(near)}?" if near else ""

@@ -2,18 +2,15 @@
 
 from functools import partial
 from importlib import import_module
-from pathlib import Path
 
 from mecano.analyses.progress import Progress, StaticProgress
 from mecano.errors import UsageError
-
-OTHERS = (".csv", ".txt", ".xlsx", ".mat", ".json", ".yaml", ".yml", ".png", ".html", ".vtkhdf")  # names of no results
+from mecano.results.writer import refuse_other_ending
 
 
 def run_with_progress(checked, path, *, force=False, resume=False, checkpoint=None, quiet=False, interruption=None):
     """Solve a checked deck and write the results file ``path``; options and errors as in ``mecano.run``."""
-    if (ending := Path(path).suffix.lower()) in OTHERS:
-        raise UsageError(f"results are HDF5, not '{ending}': name them .h5; `mecano export` writes columns (.csv)")
+    refuse_other_ending(path, "`mecano export` writes columns (.csv)")
     static = checked.values["static"]
     if static and checkpoint is not None:
         raise UsageError("checkpoint: this deck asks for equilibria ('static'), which have no checkpoints")

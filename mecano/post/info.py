@@ -15,6 +15,7 @@ from mecano.post.info_modes import info_other, is_other
 from mecano.post.runs import Run
 from mecano.post.verdict import verdict
 from mecano.results.energy_balance import EXCHANGED, scale_of_balance
+from mecano.results.lookup import similar_outputs
 from mecano.results.reader import open_results
 from mecano.results.writer import WRITING
 
@@ -221,7 +222,9 @@ def _event(group, unit, width):
 def _names(results, pattern):
     paths = results.names(pattern)
     if not paths:
-        raise UnknownNameError(f"no output of {results.path} matches '{pattern}'; 'wheel.*' matches all of a wheel")
+        near = similar_outputs(pattern, results.names())
+        hint = f"did you mean {' or '.join(near)}?" if near else "'wheel.*' matches all of a wheel"
+        raise UnknownNameError(f"no output of {results.path} matches '{pattern}'; {hint}")
     lines, declared = [], results.series
     for path in paths:
         series = declared.get(path) or declared[path.rpartition(".")[0]]  # of a component

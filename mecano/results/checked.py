@@ -212,13 +212,16 @@ def checked(path):
     """Return a Checked of an HDF5 file. Raises ResultsError if it is unreadable or not an HDF5 file."""
     try:
         if os.path.exists(path) and (other := other_than_file(path)):
-            raise ResultsError(f"cannot read {path}: it is {other}")
+            table = os.path.join(path, "table.h5")
+            hint = f"; the table of its study is {table}" if os.path.exists(table) else ""
+            raise ResultsError(f"cannot read {path}: it is {other}{hint}")
         source = Checked(path)
     except (OSError, ValueError) as error:
         raise ResultsError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}") from error
     try:
         if source.size < len(SIGNATURE) or source.read(len(SIGNATURE)) != SIGNATURE:
-            raise ResultsError(f"{path} is not a results file of mecano: not an HDF5 file")
+            hint = f"; if it is a deck: mecano run {path}" if str(path).endswith((".yaml", ".yml")) else ""
+            raise ResultsError(f"{path} is not a results file of mecano: not an HDF5 file{hint}")
         if source.sums is None:
             _refuse_deadly(path)
     except (OSError, ResultsError) as error:

@@ -108,6 +108,11 @@ class Lookup:
         return [found[number] for number in sorted(found)]
 
 
+def similar_outputs(name, paths):
+    """Return at most three endings of paths that are similar to a name."""
+    return difflib.get_close_matches(name, dict.fromkeys(end for path in paths for end in _endings(path)), 3)
+
+
 def _matching(paths, pattern):
     return [path for path in paths if any(fnmatchcase(end, pattern) for end in _endings(path))]
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mecano.errors import ResultsError
+from mecano.errors import ResultsError, UsageError
 from mecano.jit.store import compile_time
 from mecano.model.extremes import Extremes
 from mecano.results.checkpoints import Slots
@@ -27,6 +27,7 @@ from mecano.results.whole_file import exists, hidden_name, refuse_other_than_fil
 
 STATUSES = (RUNNING, "complete", "stopped", "failed")
 _EXISTS = "{} exists already; give another name, or --force (in Python force=True) to replace it"
+OTHERS = (".csv", ".txt", ".xlsx", ".mat", ".json", ".yaml", ".yml", ".png", ".html", ".vtkhdf")  # of other formats
 WRITING = "writing failed"
 LOST = (errno.ENOENT, errno.ENODATA)  # the file was removed, replaced or cut short
 """Beginning of the reason of a run that ended because of a full disk."""
@@ -321,6 +322,13 @@ class Writer:
                 stopped = isinstance(error, KeyboardInterrupt)
                 reason = str(error) or ("interrupted" if stopped else kind.__name__)
                 self.close("stopped" if stopped else "failed", reason)
+
+
+def refuse_other_ending(path, instead):
+    """Raise UsageError if the name of a results file ends like that of another format; ``instead``: what writes it."""
+    ending = os.path.splitext(path)[1].lower()
+    if ending in OTHERS:
+        raise UsageError(f"results are HDF5, not '{ending}': name them .h5; {instead}")
 
 
 def refuse_existing(path, force):

@@ -27,6 +27,8 @@ def due(folder, *, resume=False, failed=False, force=False):
     if cases have been run and none of ``resume``, ``failed`` and ``force`` is given.
     """
     cases = folder.study.cases
+    if folder.path.exists() and not folder.path.is_dir():
+        raise UsageError(f"{folder.path} is a file; -o takes a folder for the cases")
     if folder.begun() and not (resume or failed or force):
         raise UsageError(f"{folder.path} has cases: --resume continues them, --force deletes them and runs all")
     if force:
@@ -130,7 +132,12 @@ def one_case(folder, number, limits):
 
 
 def collect(folder, units):
-    """Write the table of the existing cases, with the ``units`` of the varied values; return the Table."""
+    """Write the table of the existing cases, with the ``units`` of the varied values; return the Table.
+
+    Raises UsageError if the study has no folder.
+    """
+    if not folder.path.is_dir():
+        raise UsageError(f"there is no folder {folder.path} with cases: run the study first, without --collect")
     table = Table(folder, units)
     table.written()
     return table

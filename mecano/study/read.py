@@ -10,6 +10,7 @@ from mecano.deck.containers import filled
 from mecano.deck.read import read_deck
 from mecano.deck.scope import Scope
 from mecano.deck.source import Unreadable, read_source
+from mecano.deck.wording import similar_files
 from mecano.errors import DeckError, Mark, Problem
 from mecano.schema import TEXT, Field
 from mecano.study.error_location import in_study
@@ -115,7 +116,8 @@ def _source(path, mark, what):
     try:
         return read_source(path)
     except Unreadable as error:
-        raise DeckError([Problem(f"the {what} {path} cannot be read: {error}", mark)]) from None
+        hint = similar_files(str(path), (".yaml", ".yml"))
+        raise DeckError([Problem(f"the {what} {path} cannot be read: {error}", mark, hint)]) from None
 
 
 def _table_source(path, name, root, scope):
@@ -123,14 +125,16 @@ def _table_source(path, name, root, scope):
     try:
         return read_source(file)[0]
     except Unreadable as error:
-        scope.refuse(root.value["csv"][1], f"the table {file} cannot be read: {error}")
+        hint = similar_files(file, (".csv",))
+        scope.refuse(root.value["csv"][1], f"the table {file} cannot be read: {error}", hint)
         return None
 
 
 def _values(root, scope):
     """Return the checked values of the fields; the version is checked first."""
     if type(root.value) is not dict or "study" not in root.value:
-        hint = "begin with 'study: 1'" + (": this is a deck" if "mecano" in (root.value or ()) else "")
+        deck = "mecano" in (root.value or ())
+        hint = "this is a deck: run it by `mecano run`" if deck else "begin with 'study: 1'"
         scope.problems.append(Problem("missing 'study', the version of the study file", root.mark, hint))
     elif root.value["study"][1].value != VERSION:
         scope.refuse(root.value["study"][1], f"this program reads studies of version {VERSION}", "write 'study: 1'")
