@@ -133,7 +133,10 @@ def _by_path(node, field, scope, value_of):
         return scope.refuse_value(node, field)
     if not node.value and field.required:
         return scope.refuse_value(node, field, "must not be empty")
-    found = {path_of(key, scope): Entry(key, value_of(value, name)) for name, (key, value) in node.value.items()}
+    found = {}
+    for name, (key, value) in node.value.items():
+        scope.owner = key
+        found[path_of(key, scope)] = Entry(key, value_of(value, name))
     return INVALID if INVALID in found or any(entry.node is INVALID for entry in found.values()) else found
 
 
