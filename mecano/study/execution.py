@@ -1,5 +1,6 @@
 """Execution of a study: selection of the cases, their run here, by Slurm or by Dask, and the final table."""
 
+import os
 import subprocess
 from typing import NamedTuple
 
@@ -27,7 +28,7 @@ def due(folder, *, resume=False, failed=False, force=False):
     if cases have been run and none of ``resume``, ``failed`` and ``force`` is given.
     """
     cases = folder.study.cases
-    if folder.path.exists() and not folder.path.is_dir():
+    if os.path.exists(folder.path) and not os.path.isdir(folder.path):
         raise UsageError(f"{folder.path} is a file; -o takes a folder for the cases")
     if folder.begun() and not (resume or failed or force):
         raise UsageError(f"{folder.path} has cases: --resume continues them, --force deletes them and runs all")
@@ -136,7 +137,7 @@ def collect(folder, units):
 
     Raises UsageError if the study has no folder.
     """
-    if not folder.path.is_dir():
+    if not os.path.isdir(folder.path):
         raise UsageError(f"there is no folder {folder.path} with cases: run the study first, without --collect")
     table = Table(folder, units)
     table.written()
