@@ -314,6 +314,11 @@ def test_list_of_names_without_brackets():
     assert problems[-1].endswith("unknown key 'knee'; a list is written in brackets: [top, knee]")
 
 
+def test_names_in_one_item_of_a_list():
+    (problem,) = problems_of(VALID.replace("attached: [top]", "attached: [top axle]"))
+    assert problem.endswith("unknown node 'top axle'; each name is an item of its own: top, axle")
+
+
 @pytest.mark.parametrize("name,hint", [("7", "a name begins with a letter, such as n1"), ("true", "put it in quotes")])
 def test_keys_that_are_no_names(name, hint):
     text = VALID.replace("  axle: {position", f"  {name}: {{position")

@@ -88,6 +88,8 @@ def filled(node, field, fields, scope, given=None):
     for key, (key_node, value_node) in node.value.items():
         if key not in known:
             hint = _of_list(before_it, key_node, value_node) or _meant(key, known, fields, field, scope)
+            if not field.name and not hint and _is_entry(value_node):
+                hint = "indent it, if it is an entry of the section above"
             scope.refuse(key_node, f"unknown key {quoted(scope.name_of(key))}", hint)
             hints += hint + _unseparated(key)
         before_it = value_node
@@ -130,6 +132,11 @@ def _meant(key, known, fields, field, scope):
     inside = [f"{outer.name}.{key}" for outer in fields if key in _keys_of(outer)]
     meant = inside or [inner.name for inner in fields if re.match(rf"{re.escape(key)}\b", inner.doc)]
     return f"did you mean {quoted(meant[0])}?" if meant and not near else scope.suggest(key, near or sorted(known))
+
+
+def _is_entry(node):
+    """Return True if a value looks like an entry of a section: an element, a joint, a load or a node."""
+    return type(node.value) is dict and not {"type", "position", "repeat"}.isdisjoint(node.value)
 
 
 def _unseparated(key):
@@ -282,6 +289,8 @@ def _missing_type(node, section, scope):
     """Report an entry without 'type', or a key that resembles 'type'."""
     kinds = _kinds_of(section, scope)
     for key, (key_node, value) in node.value.items():
+        if key in kinds:
+            return scope.refuse(key_node, f"unknown key {quoted(key)}", f"write 'type: {key}'")
         if type(value.value) is not str or value.value not in kinds:
             continue
         if "type" in keys_meant(key):

@@ -1,5 +1,7 @@
 """Resolution of references: nodes must exist; laws, grounds and tire laws replace their names."""
 
+import re
+
 from mecano.deck.containers import singular, wrong_name
 from mecano.deck.formulas import note_continuous
 from mecano.deck.laws import fits
@@ -97,6 +99,8 @@ def _unknown(reference, known, sections, scope):
         hint = "'ground' is allowed only as one of two nodes; otherwise use a node with 'fixed: true'"
     elif "$" in reference.name:
         hint = "names contain values of a 'repeat' only, those of the entry itself: repeat: {n: [$last]}"
+    elif len(parts := re.split(r"[\s,;]+", reference.name)) > 1 and set(parts) <= {*known}:
+        hint = f"each name is an item of its own: {', '.join(parts)}"
     elif elsewhere := _elsewhere(reference, sections):
         hint = elsewhere
     elif known:

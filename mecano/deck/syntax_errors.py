@@ -5,7 +5,7 @@ import re
 GLUED = re.compile(r"\s*([\w$()-]+:)[^\s:]")  # a key and its value without a space between them
 UNCOLONED = re.compile(r"\s*([\w$()-]+)\s*=?\s*[{\[]")  # a key and a mapping or list without ':' between them
 COMMENT = re.compile(r"\s*(//|/\*|--|!|%|;|\*)")  # of other languages
-WITHOUT_COLON = re.compile(r"([\w$]+)(?:\s+=?\s*[^:\s]+)?\s*$")
+WITHOUT_COLON = re.compile(r"([\w$]+)(?:\s*=[^:]*|(?:\s+[^:\s]+){0,2})\s*$")
 SWALLOWED = re.compile(r"[^\s,\[{]\s+#.*[\]}]")  # a comment that may contain the end of an entry
 MOST_LINES = 100  # that are searched
 SAME_COLUMN = "keys that belong together begin in the same column"
@@ -31,6 +31,8 @@ def syntax_hint(error, place):
         return "comments begin with '#'"
     if rest[:1] in ("%", "@", "`"):
         return "put the text in quotes"
+    if "alias" in context and before.strip() == "*":
+        return "an item of a list begins with '-', not with '*'"
     if "alias" in context:
         return "'*' begins a reference of YAML; lists have no products: multiply each of their numbers"
     if "quoted scalar" in context and error.context_mark:
@@ -40,6 +42,8 @@ def syntax_hint(error, place):
     if "expected key" in problem:
         return _of_key(line, before, rest)
     if "mapping values are not allowed" in problem:
+        if rest.strip() == ":" and ": " in before:
+            return "delete the ':' at the end of the line"
         hint = "" if GLUED.match(before) is None else f"write a space after '{GLUED.match(before)[1]}'"
         return hint or _of_line_above(place) or f"put a text with ': ' in quotes; {SAME_COLUMN}"
     if "unexpected ':'" in problem:

@@ -9,7 +9,8 @@ from mecano.deck.units import is_quantity
 
 NUMERIC = ("number", "integer", "curve", "drive", "either")  # types whose values may be numbers
 SLIPS = (  # what engineers type, what is read
-    (re.compile("[−–]"), "-"), (re.compile(r"(?<=[0-9])[ _'’](?=[0-9]{3}(?![0-9]))"), ""),
+    (re.compile(r"[,;]\s*$"), ""), (re.compile("[−–]"), "-"),
+    (re.compile(r"(?<=[0-9])[ _'’](?=[0-9]{3}(?![0-9]))"), ""),
     (re.compile(r"(?<=[0-9]),(?=[0-9]{3}(?:,[0-9]{3})*\.)"), ""), (re.compile("(?<=[0-9]),(?=[0-9])"), "."),
     (re.compile(r"\s*[x*·×]\s*10\s*(?:\^|\*\*)\s*"), "e"), (re.compile(r"^10\s*\^"), "1e"),
 )  # fmt: skip
@@ -70,6 +71,8 @@ def as_list(node, field):
     """Return a hint for a text, or a list of one text, in place of a list: where the brackets or commas are missing."""
     if type(node.value) is str and field.type.name == "direction" and node.value.lower() in AXES:
         return f"write {AXES[node.value.lower()]}"
+    if type(node.value) is str and field.type.name in LISTS and re.fullmatch(r"-[A-Za-z_]\w*", node.value):
+        return "write a space after '-'"
     lone = node.value[0].value if type(node.value) is list and len(node.value) == 1 else node.value
     if type(lone) is not str or field.type.name not in LISTS or len(lone) > MAX_SHOWN:
         return ""
