@@ -1,5 +1,6 @@
 """Decks at the limits: vanishing numbers, long names and chains, files that claim to be huge, models without motion."""
 
+import contextlib
 import subprocess
 import sys
 import time
@@ -9,8 +10,10 @@ import pytest
 import yaml
 
 from mecano.analyses.prepare import control_of, prepare
+from mecano.deck.compose import compose
 from mecano.deck.format import deck_error_text
 from mecano.deck.read import deck_of_bytes
+from mecano.deck.source import Source
 from mecano.errors import DeckError
 
 DECK = """\
@@ -228,3 +231,13 @@ def test_warnings_of_python_stay_off_the_terminal(tmp_path):
     path.write_text(DECK.replace("mass: 1", "mass: '=1or 2'"))
     done = subprocess.run([sys.executable, "-m", "mecano", "check", path], capture_output=True, text=True)
     assert done.returncode == 2 and "Warning" not in done.stderr and done.stderr.startswith(str(path))
+
+
+def test_a_long_list_without_brackets_is_refused_quickly():
+    """Its items are appended to one value; a formula without quotes is cut, not copied for each of its items."""
+    for text in ("1" + ", 2" * 110_000, "max(1" + ", 2" * 110_000 + ")"):
+        begun, problems = time.process_time(), []
+        with contextlib.suppress(DeckError):
+            compose(Source("f", f"a: {{b: {text}}}"), problems)
+        assert time.process_time() - begun < 5.0
+        assert [problem.message for problem in problems] == ["a key must be a name, got '2'"]

@@ -20,6 +20,7 @@ MAX_MARKS = 3_500_000  # ':' and ',' in a text: a deck with far more values is r
 MAX_EXPANDED = 100_000  # nodes that aliases may add
 MAX_ITEMS = 100_000  # of one list: YAML takes 5 us and 150 B for each
 NAME = re.compile(r"[^\W\d][\w$()-]*")
+LONGEST_FORMULA = 1000  # characters of one without quotes
 ITEM_START = frozenset("-+.0123456789$(")  # of an item of a list that is a number
 CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
 
@@ -65,9 +66,9 @@ class Continued(Node):
 
     def add(self, item):
         """Append an item."""
-        if type(self.value) is str:
+        if type(self.value) is str and len(self.value) <= LONGEST_FORMULA:
             self.value = self.raw = f"{self.value}, {item.raw}"
-        else:
+        elif type(self.value) is list:
             self.value.append(_without_brackets(item))
 
     def hint(self, name):
@@ -230,6 +231,8 @@ class Composer:
         """Report an item that continues the last value of a mapping, and correct this value, to report it once."""
         name, (key, value) = next(reversed(mapping.items()))
         if type(value) is Continued:
+            if len(value.value) > MAX_ITEMS:
+                self.stop(f"a list of more than {MAX_ITEMS} values", value)
             value.add(item)
             return
         if whole := _with_comma(value, item):
@@ -297,7 +300,7 @@ def _is_item(mapping, key, node):
 
 def _is_open(text):
     """Return True if a text is the begin of a call of a function, "max(time"."""
-    return text.count("(") > text.count(")") and not text.startswith("(")
+    return len(text) <= LONGEST_FORMULA and text[:1] != "(" and text.count("(") > text.count(")")
 
 
 def _without_brackets(item):

@@ -8,6 +8,7 @@ COMMENT = re.compile(r"\s*(//|/\*|--|!|%|;|\*)")  # of other languages
 WITHOUT_COLON = re.compile(r"([\w$]+)(?:\s*=[^:]*|(?:\s+[^:\s]+){0,2})\s*$")
 SWALLOWED = re.compile(r"[^\s,\[{]\s+#.*[\]}]")  # a comment that may contain the end of an entry
 MOST_LINES = 100  # that are searched
+NEAR = 200  # characters on each side of the place, and of other lines, that are searched
 SAME_COLUMN = "keys that belong together begin in the same column"
 
 
@@ -18,13 +19,8 @@ def syntax_error(error):
 
 def syntax_hint(error, place):
     """Return what is probably meant where the YAML parser stopped, the node ``place``; or ""."""
-    line = place.mark.text
-    before, rest, problem, context = (
-        line[: place.column],
-        line[place.column :],
-        error.problem or "",
-        error.context or "",
-    )
+    line, at, problem, context = place.mark.text, place.column, error.problem or "", error.context or ""
+    before, rest, line = line[max(at - NEAR, 0) : at], line[at : at + NEAR], line[:NEAR]
     if rest.startswith("\t"):
         return "indent with spaces, not with tabs"
     if "directive" in context:
@@ -79,7 +75,7 @@ def _of_brackets(error, place, before, rest):
     if rest.startswith(","):
         return "there is nothing before the ','"
     lines = range(opened, min(place.line, opened + MOST_LINES))
-    comment = next((i + 1 for i in lines if SWALLOWED.search(place.source.lines[i])), None)
+    comment = next((i + 1 for i in lines if SWALLOWED.search(place.source.lines[i][:NEAR])), None)
     also = f"; the '#' in line {comment} begins a comment" if comment else ""
     return f"the bracket opened in line {opened + 1} is not closed before this{also}"
 
@@ -101,7 +97,7 @@ def _of_line_above(place):
     """Return a hint on the line above the place, if it is a key without its ':' or a comment of another language."""
     numbers = range(place.line - 1, max(place.line - 1 - MOST_LINES, -1), -1)
     number = next((i for i in numbers if place.source.lines[i].strip()), None)
-    above = "" if number is None else place.source.lines[number].strip()
+    above = "" if number is None else place.source.lines[number].strip()[:NEAR]
     if above.startswith("!include"):
         return f"write 'include: FILE' in line {number + 1}"
     if COMMENT.match(above):

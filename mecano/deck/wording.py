@@ -60,7 +60,7 @@ def how_to_write(node, field):
 
 def corrected(text):
     """Return the number or quantity that is meant by a text with slips of typing, or ""."""
-    if THOUSANDS_COMMA.fullmatch(text):
+    if len(text) > MAX_SHOWN or THOUSANDS_COMMA.fullmatch(text):
         return ""  # 1,000 may be 1000 or 1.000
     for slip, right in SLIPS:
         text = slip.sub(right, text)
