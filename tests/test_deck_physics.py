@@ -119,6 +119,7 @@ def test_an_angle_is_prescribed_about_the_axis_of_the_hinge():
             "must be a list of node names, got the text '-a'",
             "write a space after",
         ),
+        ("time:", "tire_laws: {t: 3}\ntime:", "tire law 't': must be a mapping, got 3", ""),
         ("mass: 1,", "weight: 1,", "unknown key 'weight'", "here it is called 'mass'"),
         ("mass: 1,", "mass = 1,", "unknown key 'mass = 1'", "write ': ' instead of '='"),
         ("type: hinge", "kind: hinge", "unknown key 'kind'", "here it is called 'type'"),

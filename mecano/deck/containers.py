@@ -160,6 +160,7 @@ def _keys_of(field):
 
 def _as_mapping(node, fields):
     """Return a hint if a value stands in place of a mapping whose one required field, or 'points', it may be, or ""."""
+    fields = tuple(fields)
     required = [field for field in fields if field.required or field.type.name == "points" or len(fields) == 1]
     if len(required) != 1:
         return ""
