@@ -314,6 +314,12 @@ def test_list_of_names_without_brackets():
     assert problems[-1].endswith("unknown key 'knee'; a list is written in brackets: [top, knee]")
 
 
+def test_a_misspelt_node_with_the_name_of_an_element_gets_both_hints():
+    text = VALID.replace("  knee:", "  kneee:").replace("  leg:", "  knee:")
+    hint = "'knee' is an element; did you mean 'kneee'?"
+    assert any(problem.endswith(f"unknown node 'knee'; {hint}") for problem in problems_of(text))
+
+
 def test_names_in_one_item_of_a_list():
     (problem,) = problems_of(VALID.replace("attached: [top]", "attached: [top axle]"))
     assert problem.endswith("unknown node 'top axle'; each name is an item of its own: top, axle")

@@ -6,6 +6,7 @@ from mecano.deck.containers import singular, wrong_name
 from mecano.deck.formulas import note_continuous
 from mecano.deck.laws import fits
 from mecano.deck.motions import NotAMotion, motion_of
+from mecano.deck.similar_names import similar
 from mecano.deck.wording import quoted
 from mecano.laws.formula import read_formula
 from mecano.model.mesh import divides, inner_names
@@ -102,7 +103,8 @@ def _unknown(reference, known, sections, scope):
     elif len(parts := re.split(r"[\s,;]+", reference.name)) > 1 and set(parts) <= {*known}:
         hint = f"each name is an item of its own: {', '.join(parts)}"
     elif elsewhere := _elsewhere(reference, sections):
-        hint = elsewhere
+        near = similar(reference.name, known)
+        hint = "; ".join(filter(None, (elsewhere, near and scope.suggest(reference.name, near))))
     elif known:
         own = scope.own_names.get(id(reference.node), ())
         hint = scope.suggest(reference.name, [*own, *known, *(["ground"] if reference.wanted == "end" else ())])
