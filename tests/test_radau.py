@@ -77,6 +77,59 @@ def test_saved_motion_has_the_accuracy_of_the_steps(tmp_path):
         assert np.abs(saved - exact).max() <= tolerance
 
 
+PARALLELOGRAM = """
+mecano: 1
+gravity: none
+nodes:
+  crank_0: {position: [0, 0, 0]}
+  tip_0: {position: [0, 0, 1]}
+  crank_1: {position: [1, 0, 0]}
+  tip_1: {position: [1, 0, 1]}
+  coupler: {position: [0, 0, 1]}
+  end: {position: [1, 0, 1]}
+elements:
+  bar_0: {BAR, node: crank_0, center_of_mass: [0, 0, 0.5], attached: [tip_0]}
+  bar_1: {BAR, node: crank_1, center_of_mass: [0, 0, 0.5], attached: [tip_1]}
+  link: {BAR, node: coupler, center_of_mass: [0.5, 0, 0], attached: [end]}
+joints:
+  hinge_0: {type: hinge, nodes: [ground, crank_0], axis: [0, 1, 0]}
+  hinge_1: {type: hinge, nodes: [ground, crank_1], axis: [0, 1, 0]}
+  hinge_2: {type: hinge, nodes: [tip_0, coupler], axis: [0, 1, 0]}
+  hinge_3: {type: hinge, nodes: [tip_1, end], axis: [0, 1, 0]}
+initial:
+  velocities:
+    - {nodes: [crank_0, tip_0], angular_velocity: [0, 1, 0], about: [0, 0, 0]}
+    - {nodes: [crank_1, tip_1], angular_velocity: [0, 1, 0], about: [1, 0, 0]}
+    - {nodes: [coupler, end], velocity: [1, 0, 0]}
+time: {end: END, step: STEP, method: radau}
+""".replace("BAR", "type: rigid_body, mass: 1.0, inertia: [0.1, 0.1, 0.1]")
+
+
+def parallelogram(before, steps=10, end=None):
+    """Deck of a parallelogram at 1 rad/s in steps one of which ends an angle ``before`` its singular position."""
+    h = (np.pi / 2 - before) / steps
+    return deck(PARALLELOGRAM.replace("STEP", repr(h)).replace("END", repr(end or (steps + 2) * h)))
+
+
+@pytest.mark.parametrize("before", [1e-3, 1e-5, 1e-7, 0.0])
+def test_a_step_may_end_at_a_singular_position(before):
+    """All bars lie in one line: angles grow by 1 rad/s, each bearing carries 1 N (half a bar and half the coupler)."""
+    recorded = RecordedRun(parallelogram(before))
+    for hinge in ("hinge_0", "hinge_1"):
+        assert np.abs(recorded[f"joints/{hinge}/angle"] - recorded.time).max() < 1e-7
+        force = np.linalg.norm(recorded[f"joints/{hinge}/force"], axis=1)
+        assert np.abs(force - 1.0).max() < 1e-6
+    assert not recorded.integrator.cuts
+
+
+def test_steps_that_are_too_short_for_a_singular_position_are_refused():
+    """A step from 1e-4 rad before it to 1e-4 rad behind it: the error names the loop."""
+    run = RecordedRun(parallelogram(1e-4, end=np.pi / 2 - 1e-4))
+    with pytest.raises(ConvergenceError, match="(?s)is at a singular position.*hinge 'hinge_3'.*too short") as raised:
+        run.integrator.method.step(run.run.motion, run.run.history, 2e-4)
+    assert "rigid_body 'link'" in raised.value.elements
+
+
 DAMPED = """
 mecano: 1
 gravity: none

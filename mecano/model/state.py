@@ -79,3 +79,5 @@ class RadauHistory:
     reactions: np.ndarray  # (3, n_l) at the stages
     known: int  # 0 at a start
     k: float  # mean stiffness of the tangent of a step [N/m]
+    amplified: float = 1.0  # amplification of violated constraints at the end of the last step (singular_position.py)
+    least_amplified: float = 1.0  # its least value since the start

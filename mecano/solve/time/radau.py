@@ -22,6 +22,7 @@ from mecano.solve.time.increments import displaced, largest, moved, reach_of
 from mecano.solve.time.radau_stages import Stages
 from mecano.solve.time.radau_tableau import ERROR, REAL, TO_CUBIC, A
 from mecano.solve.time.radau_tangent import StageTangent
+from mecano.solve.time.singular_position import LOST, ROUNDED, Amplification, cannot_pass
 from mecano.solve.time.step_control import SUDDEN, counted
 from mecano.solve.time.step_info import MOST_TURN, PATIENCE, TURNS_TOO_FAR, StepInfo
 from mecano.solve.time.workspace import Workspace
@@ -58,15 +59,16 @@ class Radau:
         self.contradictions = Contradictions(self.system, self.length, compliance)
         self.stages = Stages(self.system, self.assembly, compliance, self.length)
         self.tangent = StageTangent(self.system, self.assembly, compliance)
+        self.amplification = Amplification(self.system, self.length)
 
     def start(self, s, h, consistent=None):
         """Return a consistent state and the history for a first step of size h, at the start and after events.
 
         ``consistent``, if given, is factored for ``s``. Raises AssemblyError where constraints contradict one another.
         """
-        s, _ = consistent_state(self.system, self.linear, s, h, self.contradictions, self.compliance, consistent)
-        none = np.zeros((4, self.system.n_q)), np.zeros((3, self.system.n_l))
-        return s, RadauHistory(s.a, h, *none, 0, self._stiffness(s, h))
+        s, used = consistent_state(self.system, self.linear, s, h, self.contradictions, self.compliance, consistent)
+        none, amplified = (np.zeros((4, self.system.n_q)), np.zeros((3, self.system.n_l))), self.amplification.at(used)
+        return s, RadauHistory(s.a, h, *none, 0, self._stiffness(s, h), amplified, amplified)
 
     def restart(self, s, history, h):
         """Return the history for a new step size: the same, because steps do not depend on earlier ones."""
@@ -144,7 +146,7 @@ class Radau:
         within = stages.states()
         error = self._error(s0, k, h)
         work = h * A @ np.array([self.system.observe(s).powers for s in within])
-        s, drift = self._projected(within[2])
+        s, drift, amplified = self._projected(within[2], h, history)
         of = self.system.numbering
         turn = np.abs(stages.increments[-1][of.kind[: of.n_q] == ROTATION]).max(initial=0.0)
         text, failure = TURNS_TOO_FAR if turn > MOST_TURN else "", Failure.NOT_CONVERGED
@@ -153,22 +155,32 @@ class Radau:
         norms = 0.0, drift, increment
         if text:
             return s, history, StepInfo(False, iterations, norms, np.nan, history, text, failure)
-        new = RadauHistory(s.a, h, stages.velocities.copy(), stages.reactions.copy(), 1, k)
+        least = min(amplified, history.least_amplified)
+        new = RadauHistory(s.a, h, stages.velocities.copy(), stages.reactions.copy(), 1, k, amplified, least)
         info = StepInfo(
             True, iterations, norms, error, history, plain=error,
             stages=tuple(within[:2]), work=work,
         )  # fmt: skip
         return s, new, info
 
-    def _projected(self, s):
-        """Return ``s`` projected on the constraints, with its accelerations and multipliers, and the way there."""
-        of = self.system.numbering
-        consistent = Consistent(self.system, self.linear, s, self.length, self.compliance)
-        change = consistent.change(-self.stages.gap(s))
-        s = displaced(s, change, of)
+    def _projected(self, stage, h, history):
+        """Return the last ``stage`` projected on the constraints, the way there, and the amplification there.
+
+        The state has its accelerations and multipliers. Near a singular position it is the stage itself.
+        """
+        of, n_q = self.system.numbering, self.system.n_q
+        consistent = Consistent(self.system, self.linear, stage, self.length, self.compliance)
+        amplified = self.amplification.at(consistent)
+        before, now = history.amplified / history.least_amplified, amplified / history.least_amplified
+        if min(before, now) > LOST:
+            raise cannot_pass(self.amplification.dependent(consistent), stage.t, h)
+        if now > max(before, ROUNDED):
+            return displaced(stage, np.zeros(n_q), of), 0.0, amplified
+        change = consistent.change(-self.stages.gap(stage))
+        s = displaced(stage, change, of)
         consistent.project_velocity(s)
         consistent.accelerate(s)
-        return s, largest(change, of.kind, of.n_q, self.length)
+        return s, largest(change, of.kind, n_q, self.length), amplified
 
     def _error(self, s0, k, h):
         r"""Return the local error of a step.

@@ -1,0 +1,57 @@
+r"""Singular positions, in which constraints become dependent: the bars of a parallelogram in one line.
+
+At a distance :math:`\varepsilon` [rad] from such a position, a violation u of the constraints, such as its rounding,
+belongs to a displacement :math:`u/\varepsilon` across the motion, to velocities :math:`u/\varepsilon^2`, and to
+reactions :math:`u/\varepsilon^4`: positions projected on the constraints have useless reactions. The stages of Radau
+IIA are computed with a tangent in the middle of the step, which is regular: they pass with their full accuracy. The
+last stage is therefore the end of a step that comes so near that the reactions of a projection would have less than
+four digits. Steps so short that they begin and end where less than two are left cannot pass.
+
+:math:`1/\varepsilon` is found as the *amplification*, a displacement for a violation of the constraints, relative to
+its least value since the start of the run or the last event, which depends on the mechanism alone.
+"""
+
+import numpy as np
+
+from mecano.errors import ConvergenceError, name_list
+from mecano.solve.diagnostics.scales import constraint_scale
+from mecano.solve.time.increments import largest
+
+ROUNDED, LOST = (float((share / np.finfo(float).eps) ** 0.25) for share in (1e-4, 1e-2))  # errors of reactions
+TAKE_PART = 0.1  # of the largest share of a constraint in the dependence
+NAMED = 8  # constraints in the message
+
+
+class Amplification:
+    """Displacements, relative to the size of the mechanism, that belong to unit violations of its constraints."""
+
+    def __init__(self, system, length):
+        self.system, self.length = system, length
+        signs = np.cos(np.arange(system.n_l) ** 2)  # of both signs, in no order: no dependence is without a part of it
+        self._violation = signs * constraint_scale(system, length)
+
+    def at(self, consistent):
+        """Return the amplification, 1 to 50 at usual positions and at least 1, for a factored ``Consistent``."""
+        of = self.system.numbering
+        return max(largest(consistent.change(self._violation), of.kind, of.n_q, self.length), 1.0)
+
+    def dependent(self, consistent):
+        """Return the names of the constraints that become dependent at a factored ``Consistent``, the most first."""
+        share, of = np.abs(consistent.exchange(self._violation)[1]), self.system.numbering
+        order = [i for i in np.argsort(-share, kind="stable") if share[i] >= TAKE_PART * share.max(initial=0.0)]
+        return [of.name[of.n_q + i] for i in order]
+
+
+def cannot_pass(names, t, h):
+    """Return the error of a step of size h [s] up to ``t`` [s] that begins and ends near a singular position."""
+    places = list(dict.fromkeys(name.place for name in names))
+    error = ConvergenceError(
+        f"at t = {t:.9g} s the mechanism is at a singular position, where constraints become dependent: "
+        f"{name_list(places, NAMED)}\n"
+        f"steps of {h:.3g} s are too short to pass it: the rounding of positions dominates the reactions\n"
+        "what to try: a larger time.step or time.adaptive.tolerance, so that bodies turn by more than 2e-3 rad in a "
+        "step; time.method: generalized_alpha with fixed steps; elasticity of a joint or member of this loop, if the "
+        "mechanism stops or turns back here"
+    )
+    error.elements = tuple(places)
+    return error
