@@ -13,7 +13,7 @@ from time_runs import INPUTS, RecordedRun, deck, input_deck
 
 import mecano
 from mecano.analyses import dynamic
-from mecano.analyses.diagnostics import energy_warnings, spin_warnings, step_cut_warnings
+from mecano.analyses.diagnostics import circle_warnings, energy_warnings, spin_warnings, step_cut_warnings
 from mecano.analyses.modal import modes, operating_point
 from mecano.analyses.prepare import prepare, startup_warnings
 from mecano.analyses.progress import Progress
@@ -379,6 +379,35 @@ def test_a_spin_about_an_axis_fixed_in_space_is_not_reported(low, high):
     extremes = SimpleNamespace(low=np.array(low, float), high=np.array(high, float))
     values = {"adaptive": None, "step": 1e-3, "method": "generalized_alpha"}
     assert not list(spin_warnings(values, sampler, extremes))
+
+
+UNBALANCED = """
+    mecano: 1
+    gravity: none
+    nodes: {hub: {position: [0, 0, 0]}, weight: {position: [0.5, 0, 0]}}
+    elements:
+      rotor: {type: rigid_body, node: hub, mass: 3, inertia: [4, 4, 4], attached: [weight]}
+      mass: {type: point_mass, node: weight, mass: 0.01}
+    joints:
+      axle: {type: hinge, nodes: [ground, hub], axis: [0, 1, 0]}
+    initial: {velocities: [{nodes: [hub, weight], angular_velocity: [0, 300, 0], about: [0, 0, 0]}]}
+    time: {end: 0.05, step: 1 ms}
+"""
+
+
+@pytest.mark.parametrize(("step", "rho", "reported"), [(1e-3, 0.8, True), (5e-4, 0.8, False), (3.125e-4, 0.0, True)])
+def test_a_mass_that_circles_far_in_each_step_is_reported(step, rho, reported):
+    """The centrifugal force of 450 N is wrong by what is reported, to a tenth."""
+    given = deck(UNBALANCED.replace("1 ms", f"{step}, rho_inf: {rho}"))
+    recorded = RecordedRun(given)
+    off, rows = np.linalg.norm(recorded["joints/axle/force"][-1]) / 450.0 - 1, recorded.rows
+    extremes = SimpleNamespace(high=rows.max(axis=0), low=rows.min(axis=0))
+    method, s = recorded.integrator.method, recorded.run.motion
+    texts = list(circle_warnings(given.values["time"], method, s, recorded.sampler, extremes))
+    assert bool(texts) == reported == (off > 0.007)
+    if reported:
+        assert "node 'weight' moves on a circle of 0." in texts[0] and "N of its mass is wrong by" in texts[0]
+        assert float(texts[0].split("some ")[1].split(" %")[0]) == pytest.approx(100 * off, rel=0.1)
 
 
 @pytest.mark.parametrize("options", [(), ("--sweep", "elements.bar.mass=1,2")])

@@ -24,6 +24,8 @@ NOTED = 0.01  # failed trials per step above which a fixed step is reported as t
 UNBALANCED = 0.01  # of the largest change of an energy, above which an error of the balance is reported
 SPUN = 0.2  # [rad] turned in a fixed step by a node whose axis turns too, above which it is reported
 GYROSCOPIC = 0.22  # error of a gyroscopic moment over the square of this angle, measured at rho_inf = 0.8
+OFF = 0.007  # error of the force of a mass that circles, above which it is reported: 0.2 rad in a step at rho_inf = 0.8
+SIMILAR = 2.0  # ratio of a speed over a radius to the angular velocity, and of two radii, below which a node circles
 AXIS_TURNS = 0.1  # of the angular velocity: its change across its mean direction, above which the axis turns
 WRAPPED = 6.2  # rad: an angle known within one turn only whose values range so far has jumped
 NOISE = 1e-5  # of the largest energy, below which an error of the balance is never reported
@@ -124,6 +126,49 @@ def spin_warnings(values, sampler, extremes):
         f"turns too: its gyroscopic moment is wrong by some {100 * GYROSCOPIC * angle**2:.2g} %; use a smaller "
         "'time.step', 'time.adaptive', or 'method: radau'"
     )
+
+
+def circle_warnings(values, method, s, sampler, extremes):
+    """Yield a warning if a mass that is attached off the axis of a body circles far in each fixed step.
+
+    Positions are integrated apart from rotations, so that the acceleration on a circle is wrong by a factor
+    (``Coefficients.acceleration``), and with it the force of the mass, found in the tangent at the state ``s``. Circles
+    about a moving centre are not recognized. A ``method`` without coefficients has no such error.
+    """
+    if values["adaptive"] or not method.in_compiled_code:
+        return
+    system, h, starts = method.system, values["step"], {column.path: column.start for column in sampler.columns}
+    mass = system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0).data[system.diagonal[: system.n_q]]
+    free = [(column, x) for column, x in zip(_spins(sampler), sampler.nodes.x, strict=True) if 0 <= x < system.n_q]
+    circles = [(*_circle(column, starts, extremes), mass[x], column.path) for column, x in free if mass[x] > 0.0]
+    rate, radius, m, path = max(circles, key=lambda circle: circle[0] ** 2 * circle[1] * circle[2], default=(0,) * 4)
+    off = abs(method.coefficients.acceleration(rate * h) - 1.0) if rate else 0.0
+    if off <= OFF:
+        return
+    yield (
+        f"node '{path.split('/')[1]}' moves on a circle of {radius:.3g} m by {rate * h:.2g} rad in a step of {h:g} s: "
+        f"the centrifugal force of {m * rate**2 * radius:.3g} N of its mass is wrong by some {100 * off:.2g} %, by "
+        "more if the mass is large beside its rotor; use a smaller 'time.step', 'time.adaptive', 'method: radau', or "
+        "the 'center_of_mass' of the rotor instead of an attached mass"
+    )
+
+
+def _circle(column, starts, extremes):
+    """Return the angular velocity [rad/s] of a node and the radius [m] of its circle, or zeros if it does not circle.
+
+    Along at least two of the axes a circle has more than half of its largest range. ``column`` is that of the angular
+    velocity, ``starts`` maps the paths of all columns to their places in a row.
+    """
+    node = column.path.rpartition("/")[0]
+    places = [starts[f"{node}/{name}"] for name in ("position", "velocity")]
+    ranges = [0.5 * np.sort(extremes.high[at : at + 3] - extremes.low[at : at + 3]) for at in places]
+    spin = slice(column.start, column.start + 3)
+    rate = float(np.maximum(np.abs(extremes.low[spin]), np.abs(extremes.high[spin])).max())
+    (radius, speed), second = (float(r[-1]) for r in ranges), [float(r[-2]) for r in ranges]
+    circles = second[0] > 0.5 * radius and second[1] > 0.5 * speed
+    if circles and rate * radius < SIMILAR * speed and speed < SIMILAR * rate * radius:
+        return rate, radius
+    return 0.0, 0.0
 
 
 def _spins(sampler):

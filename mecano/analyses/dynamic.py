@@ -10,6 +10,7 @@ from mecano.analyses.compilation import compile_time_integration
 from mecano.analyses.control_stability import instability_warnings
 from mecano.analyses.diagnostics import (
     capture_warnings,
+    circle_warnings,
     energy_warnings,
     failure_text,
     limit_warnings,
@@ -255,6 +256,7 @@ class Ongoing:
         warnings += wrap_warnings(deck, sampler, extremes)
         warnings += energy_warnings(values, sampler, extremes)
         warnings += spin_warnings(values, sampler, extremes)
+        warnings += circle_warnings(values, integrator.method, self.state.motion, sampler, extremes)
         length = integrator.method.length
         return [*warnings, *oscillation_warnings(values, sampler, recorder.ringing, extremes, length)]
 

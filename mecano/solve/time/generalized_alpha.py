@@ -88,6 +88,17 @@ class Coefficients:
         """Ce of the local error Ce h^2 |a_{n+1} - a_n| of the displacement."""
         return self.beta + 0.5 * (self.am - self.af) - 1.0 / 6.0
 
+    def acceleration(self, phase):
+        """Return the acceleration of a coordinate that turns by ``phase`` [rad] in each step, over the exact one.
+
+        Complex: of exp(i omega t), whose displacements, velocities and both accelerations follow from one another by
+        the formulas of the method.
+        """
+        z = np.exp(1j * phase)
+        moved = (1.0 - self.gamma) + self.gamma * z + (z - 1.0) * (0.5 - self.beta + self.beta * z)
+        averaged = ((1.0 - self.am) * z + self.am) / ((1.0 - self.af) * z + self.af)
+        return -((z - 1.0) ** 2) / (phase**2 * moved) * averaged
+
 
 class GeneralizedAlpha:
     """The method for one system: coefficients, tolerances, linear solver. Holds no motion."""
