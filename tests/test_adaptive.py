@@ -6,6 +6,7 @@ from time_runs import RecordedRun, deck, input_deck
 from work_precision import CASES, adaptive, fixed
 
 from mecano.analyses.prepare import control_of, prepare, startup_warnings
+from mecano.errors import ConvergenceError
 from mecano.solve.time.step_control import StepControl
 
 FAST = {"four_bar": (1e-3, 1e-4, 1e-5), "wheel_drop": (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)}
@@ -237,3 +238,20 @@ def test_steps_without_numerical_damping_are_as_long_as_others():
         for rho in (0.9, 1.0)
     ]
     assert steps[1] < 1.2 * steps[0]
+
+
+def test_a_tolerance_that_rounding_defeats_is_refused():
+    """At 1e-12 each step of 1e-8 s may be off by 2e-19 m: steps would fall without end. At 1e-10 none is refused."""
+    with pytest.raises(ConvergenceError, match="(?s)tolerance of 1e-12 cannot be met.* rounding .*radau") as raised:
+        RecordedRun(input_deck("four_bar", "time.end=0.05", "time.adaptive.tolerance=1e-12"))
+    rejected, trials = (int(part.split()[-1]) for part in str(raised.value).split(" trials")[0].split(" of the last "))
+    assert 0.2 * trials <= rejected < trials < 3000
+    usual = RecordedRun(input_deck("four_bar", "time.end=0.01", "time.adaptive.tolerance=1e-10"))
+    assert usual.run.rejected < 10
+
+
+def test_the_least_step_is_said_to_be_lost_in_rounding():
+    """The rounding of steps of 1e-6 s exceeds 1e-12: a smaller least step would not help, Radau IIA would."""
+    tight = "time.adaptive={tolerance: 1.0e-12, minimum_step: 1.0e-6}"
+    with pytest.raises(ConvergenceError, match="(?s)less than the rounding of positions.*try: a larger.*method: radau"):
+        RecordedRun(input_deck("four_bar", "time.end=0.05", tight))

@@ -157,18 +157,23 @@ def acting(system, i):
     return f"; on it act {name_list(names, NAMED)}"
 
 
-def minimum_step(system, before, after, error, t, h):
+def minimum_step(system, before, after, error, t, h, rounded):
     """Return the error of a step of the least size ``h`` [s] whose local error is ``error`` times the allowed one.
 
-    ``before`` and ``after`` (n_all,) are the algorithmic accelerations that the estimate compares.
+    ``before`` and ``after`` (n_all,) are the algorithmic accelerations that the estimate compares. ``rounded``: the
+    local error is less than the rounding of positions.
     """
     worst = int(np.argmax(np.abs(after - before)[: system.n_q]))
     where = system.numbering.name[worst].motion
+    what, smaller = "", "a smaller time.adaptive.minimum_step; a larger time.adaptive.tolerance; "
+    if rounded:
+        what = ", although it is less than the rounding of positions"
+        smaller = "a larger time.adaptive.tolerance; time.method: radau; "
     failed = ConvergenceError(
-        f"at t = {t:.9g} s a step of {h:.3g} s, the smallest allowed, has {error:.3g} times the allowed error\n"
+        f"at t = {t:.9g} s a step of {h:.3g} s, the smallest allowed, has {error:.3g} times the allowed error{what}\n"
         f"the acceleration changes most in {where}{acting(system, worst)}\n"
-        "what to try: a smaller time.adaptive.minimum_step; a larger time.adaptive.tolerance; laws without jumps near "
-        "this state; a fixed step, if the mechanism passes a singular position"
+        f"what to try: {smaller}laws without jumps near this state; a fixed step, if the mechanism passes a singular "
+        "position"
     )
     return of_equations(failed, system, [worst])
 

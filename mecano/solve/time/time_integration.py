@@ -17,6 +17,7 @@ from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.binding import refuse_binding
 from mecano.solve.time.consistent import consistent_state
 from mecano.solve.time.ordinary_steps import OrdinarySteps
+from mecano.solve.time.rounding_limit import RoundingLimit
 from mecano.solve.time.run_state import RunState
 from mecano.solve.time.signals import solve_signals
 from mecano.solve.time.step_control import HOLD
@@ -63,6 +64,7 @@ class TimeIntegrator:
     shocks: Shocks = field(init=False)
     events: EventApplication = field(init=False)
     trials: Trials = field(init=False)
+    rounding: RoundingLimit = field(init=False)
     start_events: list = field(init=False, default_factory=list)  # [EventRecord] before the first step
     cuts: list = field(init=False, default_factory=list)  # (time, step size) of trials that failed and were cut
     _ordinary_steps: OrdinarySteps = field(init=False, default=None)
@@ -78,6 +80,7 @@ class TimeIntegrator:
         self.trials = Trials(
             self.system, self.method, self.control, self.monitor, self.capture, self.shocks, self._is_corner
         )
+        self.rounding = RoundingLimit(self.control, self.method)
 
     @property
     def warnings(self):
@@ -136,6 +139,7 @@ class TimeIntegrator:
                     run = replace(run, motion=replace(run.motion, t=stop))
                     break
                 run = self._steps_towards(run, stop)
+                self.rounding.refuse(run, len(self.cuts))
                 for report in self.reporters:
                     report(run)
             if stop < end:

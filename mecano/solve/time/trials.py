@@ -10,6 +10,7 @@ from mecano.solve.events.events import EventMonitor
 from mecano.solve.events.location import locate
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.binding import refuse_binding
+from mecano.solve.time.rounding_limit import below_rounding
 from mecano.solve.time.step_control import AFTER_FAILURE
 from mecano.solve.time.stride import STRETCH
 
@@ -89,7 +90,8 @@ class Trials:
             return None
         if h <= self.control.minimum:
             share = info.error / self.control.allowed(h)
-            raise failure.minimum_step(self.system, run.history.a, history.a, share, run.motion.t, h)
+            rounded = self.method.in_compiled_code and below_rounding(info.error, run.motion, self.method)
+            raise failure.minimum_step(self.system, run.history.a, history.a, share, run.motion.t, h, rounded)
         return self.control.retry(info.plain, h)  # the bounded one falls only once steps resolve oscillations
 
     def judged(self, trial, h):

@@ -1,0 +1,60 @@
+r"""Tolerances that no step size can meet, because of the rounding of the positions.
+
+Positions are known to :math:`u L r`, with u = 2.2e-16, the length scale L and the largest coordinate r over it (at
+least 1), and the accelerations of a step of size h to :math:`u L r/(\beta h^2)`. The estimate of the local error,
+:math:`C_e h^2 |\Delta a|`, is therefore about u r, or more, at any step size, while the share of the tolerance of a
+step falls with h. Where it is less, trials are rejected or accepted by chance, and the step size falls without end.
+
+The error of a smooth motion may be far below u r, as that of a spinning top. Hence a tolerance is too tight only if
+many trials are rejected, too.
+"""
+
+import numpy as np
+
+from mecano.errors import ConvergenceError
+from mecano.solve.time.increments import reach_of
+
+NEAR = 4.0 * np.finfo(float).eps  # of the reach: share of a step that its rounding may exceed
+FAR = 1e6  # a reach that no model has
+TRIALS = 2000  # judged together
+REJECTED = 0.2  # of them
+
+
+class RoundingLimit:
+    """Watch over the rejected trials of a run; ``refuse`` is called with its RunState again and again."""
+
+    def __init__(self, control, method):
+        self.control, self.method, self._begun = control, method, None
+
+    def refuse(self, run, cuts):
+        """Raise ConvergenceError if the last trials were rejected because of rounding.
+
+        ``cuts`` is the number of trials in the run that were rejected for other reasons.
+        """
+        here = run.steps, run.rejected - cuts
+        if not below_rounding(self.control.allowed(run.h), run.motion, self.method):
+            self._begun = None
+            return
+        begun = self._begun = self._begun or here
+        steps, rejected = here[0] - begun[0], here[1] - begun[1]
+        if steps + rejected < TRIALS:
+            return
+        if rejected >= REJECTED * (steps + rejected):
+            raise self._too_tight(run, rejected, steps + rejected)
+        self._begun = here
+
+    def _too_tight(self, run, rejected, trials):
+        """Return the error of a tolerance for which so many of the last ``trials`` were ``rejected``."""
+        other = "time.method: radau, whose steps are much longer; " if self.method.in_compiled_code else ""
+        allowed = f"an error of {self.control.allowed(run.h):.2g} of the length scale in a step of {run.h:.3g} s"
+        return ConvergenceError(
+            f"at t = {run.motion.t:.9g} s the tolerance of {self.control.tolerance:.3g} cannot be met: it allows "
+            f"{allowed}, less than the rounding of positions, for which {rejected} of the last {trials} trials were "
+            "rejected\n"
+            f"what to try: a larger time.adaptive.tolerance; {other}a shorter run, whose fewer steps share it"
+        )
+
+
+def below_rounding(error, s, method):
+    """Return whether an ``error``, relative to the length scale, is below that of the rounding of ``s``."""
+    return error < NEAR * FAR and error < NEAR * reach_of(s.z, method.system.numbering, method.length)
