@@ -657,3 +657,31 @@ def test_carts_that_are_not_connected_keep_their_restitutions(more, coupler, spe
     m = RecordedRun(deck(text))
     np.testing.assert_allclose([event.t for event in m.event_records], 1.0, atol=1e-9)
     np.testing.assert_allclose([m[f"nodes/{name}/velocity"][-1, 0] for name in "abc"], after, rtol=1e-9, atol=1e-9)
+
+
+HAMMER = """
+mecano: 1
+gravity: none
+nodes: {pin: {position: [0, 0, 0]}, tip: {position: [1, 0, 0]}}
+elements:
+  bar: {type: rigid_body, node: pin, mass: 1, center_of_mass: [0.5, 0, 0], inertia: [1e-4, INERTIA], attached: [tip]}
+  anvil: {type: plane_contact, node: tip, ground: anvil, restitution: 0.5}
+grounds: {anvil: {plane: {normal: [0, 0, 1], point: [0, 0, -0.1]}}}
+joints:
+  pin: {type: hinge, nodes: [ground, pin], axis: [0, 1, 0], FRICTION}
+initial: {velocities: [{nodes: [pin, tip], angular_velocity: [0, 2, 0], about: [0, 0, 0]}]}
+time: {end: 0.06, step: 1 ms}
+""".replace("INERTIA", f"{1 / 12}, {1 / 12}")
+RUBS = "friction: {coefficient: 0.3, radius: 0.01, regularization: 1e-4}"
+
+
+def test_the_friction_of_a_joint_that_a_shock_leaves_out_is_reported():
+    """A thin bar meets an anvil at an angle a: the pin carries P/2 cos(a) across it and P sin(a) along it, of P."""
+    recorded = RecordedRun(deck(HAMMER.replace("FRICTION", RUBS)))
+    (event,), a = recorded.event_records, np.arcsin(0.1)
+    reaction = event.impulse * np.hypot(0.5 * np.cos(a), np.sin(a))
+    (said,) = recorded.integrator.warnings
+    assert said.startswith("the friction of hinge 'pin' has no impulse in shocks: at t = 0.05")
+    assert float(said.split("brake it by ")[1].split(" N m s")[0]) == pytest.approx(0.3 * 0.01 * reaction, rel=5e-3)
+    without = RecordedRun(deck(HAMMER.replace(", FRICTION", "")))
+    assert not without.integrator.warnings

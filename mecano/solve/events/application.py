@@ -7,6 +7,7 @@ import numpy as np
 
 from mecano.errors import name_list
 from mecano.solve.diagnostics import failure
+from mecano.solve.events import joint_friction
 from mecano.solve.events.capture import EventCapture
 from mecano.solve.events.events import EventMonitor
 from mecano.solve.events.shocks import Shocks
@@ -26,7 +27,7 @@ class EventApplication:
     monitor: EventMonitor
     capture: EventCapture
     shocks: Shocks
-    warnings: list = field(default_factory=list)  # on constraints that become redundant
+    warnings: list = field(default_factory=list)  # on constraints that become redundant, and on friction in shocks
     since: float = -np.inf  # instant of the counted events [s]
     repeats: Counter = field(default_factory=Counter)  # events by element and name since then
 
@@ -68,6 +69,7 @@ class EventApplication:
         impossible = [] if shock.event_records else self.monitor.apply(s, hit)[1]  # a contact would pull
         self._guard(run, hit, shock.event_records or impossible)
         self._soften(shock.compliance, s.t, shock.event_records, shock.redundant)
+        self._report_friction(s.t, shock)
         work = {"dissipated": run.dissipated + shock.lost, "given": run.given + shock.given}
         return replace(run, compliance=shock.compliance, **work), shock.state, shock.event_records, shock.consistent
 
@@ -76,6 +78,12 @@ class EventApplication:
         if compliance is not self.method.compliance:
             self.method.use(compliance)
         self.warnings += [_redundant(t, event_records, group) for group in redundant]
+
+    def _report_friction(self, t, shock):
+        """Add a warning for each joint whose friction lacks an impulse for the first time."""
+        for found in joint_friction.missing_friction(self.system, shock) if shock.event_records else ():
+            if not any(one.startswith(joint_friction.start(found[0])) for one in self.warnings):
+                self.warnings.append(joint_friction.text(t, shock, *found))
 
     def _guard(self, run, hit, event_records):
         """Capture elastic events if one of the events ``hit`` repeats at one instant.

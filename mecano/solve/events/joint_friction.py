@@ -1,0 +1,49 @@
+r"""Friction of joints that a shock leaves out.
+
+A shock has no impulse of the friction of joints: the reactions of a joint change by impulses :math:`\Lambda`, and its
+friction, :math:`f(\Lambda, v)`, would have the impulse :math:`f(\Lambda, v^+)`, which brakes the joint. It is found
+here from the outputs of the element with the impulses in place of the reactions, to be reported.
+"""
+
+import numpy as np
+
+from mecano.element_interface import Output
+
+FRICTION = "friction_"  # start of the names of outputs that are the force or moment of friction
+NOTED = 1e-6  # of the largest impulse of the shock: smaller ones are rounding
+
+
+def missing_friction(system, shock):
+    """Return the impulses of friction that a ``shock`` leaves out, as (title of the joint, impulse, unit), sorted."""
+    if not len(system.coupled_multipliers):
+        return []
+    s, n_q, found = shock.state.copy(), system.n_q, []
+    s.z[n_q : system.n] = shock.impulses
+    outputs, least = system.observe(s).outputs, NOTED * np.abs(shock.impulses).max(initial=0.0)
+    for batch in system.batches:
+        if not batch.kind.coupled_multipliers or batch.kind.rubs is not None:
+            continue
+        at = [i for i, output in enumerate(batch.kind.outputs) if _is_friction(output)]
+        for title, row in zip(batch.names, np.abs(batch.outputs(outputs)), strict=True):
+            found += [(title, float(row[i]), f"{batch.kind.outputs[i].unit} s") for i in at if row[i] > least]
+    return sorted(found, key=lambda one: -one[1])
+
+
+def _is_friction(output: Output):
+    """Return whether a scalar output is a force or moment of friction."""
+    return output.name.startswith(FRICTION) and not output.shape
+
+
+def text(t, shock, title, impulse, unit):
+    """Return the warning on the friction of a joint that the first ``shock`` which it misses leaves out, at ``t``."""
+    event = max(shock.event_records, key=lambda one: abs(one.impulse))
+    return (
+        f"{start(title)}: at t = {t:.4g} s ({event.element} {event.name}, {event.impulse:.3g} {event.unit}) the "
+        f"impulses of its reactions would brake it by {impulse:.3g} {unit}; where this matters, give the contact or "
+        "stop a law, so that the shock takes time"
+    )
+
+
+def start(title):
+    """Return the beginning of the warning on this joint."""
+    return f"the friction of {title} has no impulse in shocks"
