@@ -5,11 +5,14 @@ has no error but rounding; what happens at the end of a contact has an error of 
 """
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 from time_runs import RecordedRun, deck, input_deck
+
+from mecano.solve.events.location import Point, Search
 
 g = 9.81
 WHEELS = """
@@ -336,3 +339,11 @@ def test_a_line_that_a_shock_makes_slack_does_not_push(step):
     assert [name for name, _ in happened] == ["closes", "goes slack", "goes taut"]
     np.testing.assert_allclose([t for _, t in happened], [0.05, 0.05, 0.05 + taut], atol=0.1 * step**2 / 0.02)
     assert recorded["energy/dissipated"][-1] < 25.0  # of 289 J; a line that pushes takes 80 to 415 J
+
+
+def test_a_step_that_does_not_advance_time_ends_the_search():
+    """At t = 1 s a step of 1e-18 s is lost in rounding: the event is as well known as time is."""
+    monitor = SimpleNamespace(smooth=np.zeros(1, bool), values=lambda s: np.array([s.z]))
+    before, after = SimpleNamespace(t=1.0, z=-1.0), SimpleNamespace(t=1.0 + 1e-18, z=1.0)
+    search = Search(monitor, None, np.ones(1, bool), Point(0.0, -1.0, (before,)), (after,), 1e-18)
+    assert search.succeeds() and search.late.trial == (after,)

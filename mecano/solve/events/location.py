@@ -131,8 +131,9 @@ class Search:
         return found is not None
 
     def _is_over(self, early, late):
-        """Return whether the event is known to the tolerance, or happens at the beginning of the step."""
-        return late.h - early.h <= self.tolerance or late.h <= self.at_once or late.value == 0.0
+        """Return whether the event is known to the tolerance or the rounding of time, or happens at the beginning."""
+        known = late.h - early.h <= self.tolerance or late.state.t <= early.state.t
+        return known or late.h <= self.at_once or late.value == 0.0
 
     def _past(self, root):
         """Return how far behind the ``root`` the next step ends: one that just misses the event is made again."""
