@@ -192,6 +192,14 @@ def test_a_steered_wheel_takes_no_steps_for_an_error_that_its_axle_prevents():
     assert np.abs(moment / (0.9 * 65.0 * 0.5) - 1.0).max() < 1e-2
 
 
+def test_redundant_constraints_change_no_error_of_a_step():
+    """A second bearing of the yoke repeats constraints; their compliance let a part of the error of the spin pass."""
+    steps = []
+    for second in ("", "  again: {type: hinge, nodes: [ground, yoke], axis: [0, 0, 1]}\n"):
+        steps.append(RecordedRun(deck(STEERED.replace("initial:", f"{second}initial:"))).run.steps)
+    assert steps[1] == pytest.approx(steps[0], rel=0.02)
+
+
 DRIVEN = """
 mecano: 1
 gravity: [0, 0, -9.81]

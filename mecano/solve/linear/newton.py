@@ -209,19 +209,19 @@ def evaluate(w, which):
     loops = loops_at(w.n_tangents, w.tangents, w.tangent_batches)
     assemble(loops, system, s, T, w.k, w.penalty, 1.0, w.cC, w.cM)
     soften_rows(w, s.z, floats(w.residual, w.n_all))
-    soften_tangent(w, system[0])
+    soften_tangent(w, system[0], 1.0)
 
 
 @kernel
-def soften_tangent(w, s):
-    """Add the compliances of redundant constraints to the tangent."""
+def soften_tangent(w, s, share):
+    """Add a ``share`` of the compliances of redundant constraints to the tangent."""
     places, values, data = (
         integers(w.entry_places, w.n_entries),
         floats(w.entry_values, w.n_entries),
         floats(s.data, s.n_data),
     )
     for i in range(w.n_entries):
-        data[places[i]] += values[i]
+        data[places[i]] += share * values[i]
 
 
 @kernel

@@ -24,6 +24,8 @@ from mecano.solve.linear.sparse import ACCEPT_BELOW
 from mecano.solve.time.increments import tangents
 from mecano.solve.time.workspace import TRIAL, state_of
 
+HARDER = 1e-4  # times the compliances of the step: still far above rounding
+
 # Numbers and addresses of a filter, fields of a record
 FLOATS = "cM"  # weight of the masses [1/s^2]
 WORDS = "system masses solve solve_words solve_results substitute substitute_words right solution pivots"
@@ -49,10 +51,14 @@ def keep_masses(w, f):
 
 @kernel
 def factor_filter(w, f, cM):
-    """Factor the tangent K + cM M at TRIAL; return whether it is finite."""
+    """Factor the tangent K + cM M at TRIAL; return whether it is finite.
+
+    The compliances of redundant constraints fall with the mobility of the masses, beside which the constraints would
+    give way, and are smaller than in the step: in a short one they let some thousandths of an acceleration pass.
+    """
     f.cM = cM
     assemble_at_end(w, f, w.k, w.penalty, 1.0, cM)
-    soften_tangent(w, items(f.system, 1, SYSTEM)[0])
+    soften_tangent(w, items(f.system, 1, SYSTEM)[0], HARDER * min(w.cM / cM, 1.0))
     floats(f.right, w.n)[:] = 0.0
     call(f.solve, f.solve_words, f.solve_results)
     return floats(f.solve_results, 3)[2] <= ACCEPT_BELOW

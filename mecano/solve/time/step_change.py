@@ -189,7 +189,7 @@ def assemble_scaled(w, h, as_given):
     """
     scale_constraints(w, h, as_given)
     assemble_at_tangent(w, 1.0, w.cC, w.cM)
-    soften_tangent(w, system_of(w)[0])
+    soften_tangent(w, system_of(w)[0], 1.0)
 
 
 @kernel
