@@ -155,6 +155,25 @@ def test_where_there_is_no_steady_running(tow, parameters, text):
     assert text in str(info.value)
 
 
+@pytest.mark.parametrize("unit", [1.0, 1e-3, 1e3])
+def test_drag_is_balanced_by_the_integrator_of_a_drive(unit):
+    """The thrust is c spin/r, whatever the unit of the signal, whose 50 N are many length scales."""
+    signals = f"""signals:
+  missing: $speed - carriage.velocity.x
+  stored: {{type: integrator, input: missing}}
+  thrust: 100*missing + 10*stored*{unit}
+loads: {{thrust: {{type: force, node: carriage, direction: [1, 0, 0], value: thrust}}}}
+"""
+    free = textwrap.dedent(TROLLEY.format(tow="")).replace("drag: 0.0", "drag: 0.5")
+    base = operating_point(deck(free + signals))
+    r = 0.4 - np.roots([3e5, 1e5, -210.0 * G]).max()
+    q, names = base.state.z, base.prepared.system.numbering.name
+    thrust = 10 * unit * q[names.index("integrator 'stored': value")]
+    slip = 15.0 - running(base, "hub")[2][1] * r
+    assert 0.8 * 210.0 * G * slip / 0.01 * (2.0 - slip / 0.01) == pytest.approx(thrust, rel=1e-6)
+    assert thrust == pytest.approx(0.5 * 15.0 / r**2, rel=1e-3)
+
+
 @pytest.mark.parametrize(
     ("read", "text"),
     [

@@ -14,9 +14,10 @@ the minimum-norm solution :math:`\omega_0`, and N is the null space of K_r: the 
 Newton's method on :math:`(q, \sigma, \Lambda)` takes the minimum-norm step: positions along the road, angles of spin
 and reactions that are undetermined stay unchanged; steps are halved until the residual decreases. The force on a
 sliding wheel hardly depends on its spin: therefore the spin of a wheel that no constraint makes roll is found, in every
-iteration, from the moment about its axle, which increases with the spin. If Newton's method does not converge, the
+iteration, from the moment about its axle, which increases with the spin. If Newton's method halves many steps, the
 state is relaxed first, against a drag that decreases with the forces, and Newton's method continues from there; so it
-is if the mechanism has another shape, as a vehicle whose wheels just touch may be balanced on one of them.
+is if the mechanism has another shape, as a vehicle whose wheels just touch may be balanced on one of them. Signals have
+any unit: their changes limit no step, and the drag of the relaxation does not act on them.
 """
 
 from dataclasses import dataclass
@@ -39,6 +40,7 @@ SPINS = 1e-9  # the same, for rotations that leave the forces constant
 FARTHEST = 0.2  # largest change in one iteration, in length scales or rad
 FORCE, GAP, CHANGE = 1e-9, 1e-10, 1e-9  # tolerances: of the force scale; of length scale or speed; length scales or rad
 ROUGHLY = 1e-4  # of the force scale: residual at which relaxation ends and Newton's method continues
+HALVINGS = 16  # of steps, after which the state is relaxed before Newton's method has all its iterations
 LEAST_GAIN, SMALLEST_SHARE = 1e-4, 2.0**-20  # required relative decrease of the residual by a full step; least share
 FIRST_CREEP, FADES = 0.01, (0.1, 2.0)  # first displacement in length scales; limits of the change of the drag per step
 LESS, HOPELESS = 0.9, 60  # relaxation ends if the force does not fall by this factor in so many steps
@@ -74,7 +76,8 @@ class Steady:
         of = system.numbering
         self.n_q, self.of_rates = system.n_q, of.of_rates
         self.turning = of.kind[: self.n_q] == ROTATION
-        self.signals = np.flatnonzero(of.kind[: self.n_q] == SIGNAL)
+        self.at_once = np.flatnonzero(of.kind[: self.n_q] == SIGNAL)
+        self.signals, self.moving = np.flatnonzero(system.signals), np.flatnonzero(~system.signals)
         self.root = np.where(self.turning, length, 1.0)
         self.speed = float(np.linalg.norm(self.V)) or length  # [m/s]; at rest, one length scale per second
         self.along = np.zeros(of.n_all)
@@ -87,9 +90,11 @@ class Steady:
         """Return the steady State near ``start``; raises ConvergenceError with the reason if none is found."""
         if self.system.n > LARGEST:
             raise ConvergenceError(f"steady running can be computed for models of at most {LARGEST} equations")
-        s, arrived = self._newton(self._begun(start))
+        s, arrived = self._newton(self._begun(start), HALVINGS)
         if not arrived or self._reshaped(start, s) > NOTICEABLE * self.length:
             crept, settled = self._newton(self._put_back(start, self._creep(self._begun(start))))
+            if not (arrived or settled):
+                s, arrived = self._newton(self._begun(start))
             if not arrived or (settled and self._reshaped(start, crept) < self._reshaped(start, s)):
                 s, arrived = crept, settled
         self._judge(s, arrived)
@@ -113,8 +118,11 @@ class Steady:
         s.z[self.n_q : self.system.n] = 0.0
         return s
 
-    def _newton(self, s):
-        """Return (state, whether Newton's method converged); steps are halved until the residual decreases."""
+    def _newton(self, s, halvings=np.inf):
+        """Return (state, whether Newton's method converged); steps are halved until the residual decreases.
+
+        Newton's method gives up after more than ``halvings`` in all.
+        """
         s, N, at = self._spun(s)
         last = np.inf
         for _ in range(ITERATIONS):
@@ -126,8 +134,8 @@ class Steady:
                 trial = self._spun(self._moved(s, step, N, share))
                 if trial[2].merit <= (1.0 - LEAST_GAIN * share) * at.merit or max(trial[2].excess, at.excess) <= 1.0:
                     break
-                share *= 0.5
-                if share < SMALLEST_SHARE:
+                share, halvings = 0.5 * share, halvings - 1
+                if share < SMALLEST_SHARE or halvings < 0:
                     return s, at.excess <= 1.0
             else:
                 return s, False
@@ -182,19 +190,23 @@ class Steady:
     def _step(self, at, N, drag=0.0):
         """Return the step of an iteration, or of relaxation if ``drag``: (changes of q, spins, reactions), largest q.
 
-        The largest change of q is in length scales or rad; inf if the equations are not finite.
+        The largest change of q is in length scales or rad, signals excepted, which have any unit and no drag; inf if
+        the equations are not finite.
         """
         n_q, spins, k = self.n_q, N.shape[1], at.k
         rows = np.where(self.of_rates, self.length / self.speed, 1.0)
         A = np.hstack([at.K[:, :n_q] / self.root, at.C @ N * (self.speed / self.length), at.K[:, n_q:] * k])
-        A[np.arange(n_q), np.arange(n_q)] += drag * self.root
+        A[self.moving, self.moving] += (drag * self.root)[self.moving]
         A *= np.concatenate([1.0 / (k * self.root), rows])[:, None]
         b = np.concatenate([-at.f / (k * self.root), at.gap])
         if not (np.all(np.isfinite(A)) and np.all(np.isfinite(b))):
             return None, np.inf
-        x = la.lstsq(A, b, cond=RANK, lapack_driver="gelsy")[0]
+        size = np.abs(A).max(axis=0, initial=0.0)
+        weight = np.ones(A.shape[1])  # signals have any unit; they balance forces rather than motions against the drag
+        weight[self.signals] = size.max(initial=0.0) / np.maximum(size[self.signals], 1e-300)
+        x = weight * la.lstsq(A * weight, b, cond=RANK, lapack_driver="gelsy")[0]
         spin, reaction = x[n_q : n_q + spins] * (self.speed / self.length), k * x[n_q + spins :]
-        return (x[:n_q] / self.root, spin, reaction), float(np.abs(x[:n_q]).max(initial=0.0)) / self.length
+        return (x[:n_q] / self.root, spin, reaction), float(np.abs(x[self.moving]).max(initial=0.0)) / self.length
 
     def _moved(self, s, step, N, share):
         """Return the state after a share of a step."""
@@ -253,11 +265,11 @@ class Steady:
 
         A signal may vary in steady running, such as a position along the road, if no force changes with it.
         """
-        if not len(self.signals):
+        if not len(self.at_once):
             return K
-        own = K[self.signals]
-        K = K - K[:, self.signals] @ la.lstsq(own[:, self.signals], own)[0]
-        K[self.signals] = K[:, self.signals] = 0.0
+        own = K[self.at_once]
+        K = K - K[:, self.at_once] @ la.lstsq(own[:, self.at_once], own)[0]
+        K[self.at_once] = K[:, self.at_once] = 0.0
         return K
 
     def _roll(self, s, direction):
