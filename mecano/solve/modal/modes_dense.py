@@ -18,6 +18,7 @@ ZERO, SINGULAR = 1e-12, 1e-9  # of the largest singular value: rounding; a singu
 EXACT_ZERO = 2e-14  # of the largest singular value: tighter bound of rounding, as stiff and soft motions occur together
 ROUNDED_MASS = 1e-12  # of the largest inertia: asymmetry that is rounding
 ROUNDED = 1e-15  # of the largest entry of its row: an entry that is rounding
+COUPLED = 1e-12  # of the same: smaller entries do not scale unknowns, else undetermined angles would amplify rounding
 SLOW = 1e-8  # of the largest square of a frequency: the smaller ones lose half of the digits beside it
 INFINITE = 3e-7  # smaller denominators of the generalized eigenvalues count as zero
 
@@ -130,10 +131,16 @@ def _first_order(M, C, K):
     rates -= U2 @ np.linalg.solve(drag, U2.T @ np.hstack([K, C @ U1]))
     forces = np.hstack([K, np.zeros_like(U1)]) + C @ rates
     A = np.vstack([rates, -np.linalg.solve(U1.T @ M @ U1, U1.T @ forces)])
-    A[np.abs(A) <= ROUNDED * np.abs(A).max(axis=1, keepdims=True)] = 0.0  # else undetermined angles would be balanced
-    A, T = la.matrix_balance(A, permute=False)  # signals have any unit
+    A[_below(ROUNDED, A)] = 0.0
+    T = la.matrix_balance(np.where(_below(COUPLED, A), 0.0, A), permute=False)[1]  # signals have any unit
+    A = A * np.diag(T) / np.diag(T)[:, None]
     values, vectors = _without_zeros(A, np.eye(len(A)), EXACT_ZERO * np.linalg.norm(A, 2), _all)
     return values * rate, (T @ vectors)[:r].T
+
+
+def _below(share, A):
+    """Return where entries of A (n, n) are at most this share of the largest one of their row."""
+    return np.abs(A) <= share * np.abs(A).max(axis=1, keepdims=True)
 
 
 def _pace(M, C, K):
