@@ -57,8 +57,8 @@ FIELDS = (
         None, two_positive,
     ),
     Field(
-        "creep_length", NUMBER, "m", "rolling distance in which the carcass settles when the whole contact slides",
-        0.02, positive,
+        "creep_length", NUMBER, "m", "rolling distance in which the carcass settles when the whole contact slides; "
+        "its share of the relaxation length acts at once", 0.02, positive,
     ),
 )  # fmt: skip
 RECORD = {"cornering": "i", "longitudinal": "i", "camber": "i", "mu": "i", "half_length": (), "least_speed": ()}
