@@ -1,10 +1,11 @@
 """Belts and cables over pulleys: hoists, tackles, drives, drums."""
 
 import math
+import re
 
 import numpy as np
 import pytest
-from time_runs import RecordedRun, deck, input_deck
+from time_runs import INPUTS, RecordedRun, deck, input_deck
 
 from mecano.analyses.dynamic import run
 from mecano.deck.format import deck_error_text
@@ -44,6 +45,57 @@ def test_a_loose_belt_slackens_on_one_side():
     assert "goes slack" in {event.name for event in recorded.event_records}
     tensions = sorted(recorded[f"elements/belt/tension_{i}"][-1] for i in (1, 2))
     np.testing.assert_allclose(tensions, [0.0, 48.0], rtol=1e-4)
+
+
+CREEP = """
+    mecano: 1
+    gravity: none
+    parameters: {radius: 0.1, EA: 20 kN, slowest: 0.1}
+    nodes:
+      motor: {position: [0, 0, 0]}
+      rim: {position: [0.8, 0, 0]}
+      machine: {position: [0.8, 0, 0]}
+    elements:
+      motor: {type: rigid_body, node: motor, mass: 2, inertia: [0.02, 0.02, 0.02]}
+      rim: {type: rigid_body, node: rim, mass: 1, inertia: [0.01, 0.01, 0.01]}
+      machine: {type: rigid_body, node: machine, mass: 8, inertia: [0.3, 0.05, 0.3]}
+      belt: {type: belt, nodes: [motor, rim], radii: [$radius, $radius], axis: [0, 1, 0], closed: true,
+             axial_stiffness: $EA, damping: 5 ms, pretension: 300}
+    joints:
+      motor: {type: hinge, nodes: [ground, motor], axis: [0, 1, 0]}
+      shaft: {type: hinge, nodes: [ground, machine], axis: [0, 1, 0]}
+      creep: {type: hinge, nodes: [machine, rim], axis: [0, 1, 0]}
+      drive: {type: prescribed_angle, nodes: [ground, motor], axis: [0, 1, 0], value: {linear: {slope: 50}}}
+    loads:
+      load: {type: joint_moment, joint: shaft, value: -20}
+      adhesion: {type: joint_moment, joint: creep, value: "-$radius*$EA*creep.rate/hypot(shaft.rate, $slowest)"}
+    initial: {velocities: [{nodes: [motor, rim, machine], angular_velocity: [0, 50, 0], about: own}]}
+    time: {end: 0.5, step: 1 ms}
+"""
+
+
+def test_a_belt_creeps_on_a_rim():
+    """The spans of 400 and 200 N are strained by 2 and 1 %: (1 + e_2)/(1 + e_1) of the speed, as the belt is fed."""
+    recorded = RecordedRun(deck(CREEP))
+    tensions = sorted(recorded[f"elements/belt/tension_{i}"][-1] for i in (1, 2))
+    np.testing.assert_allclose(tensions, [200.0, 400.0], rtol=1e-4)
+    assert recorded["joints/shaft/rate"][-1] / 50.0 == pytest.approx(1.01 / 1.02, abs=1.1e-4)
+
+
+def test_a_belt_along_a_panel_synchronises_the_next():
+    """As the coupler of the deck does: it turns by -2 times the angle of the first, which latches at 3.5154 s."""
+    text = (INPUTS / "synchronised_panels.yaml").read_text()
+    coupler = re.search(r"  synchronisation: .*\n", text)[0]
+    belt = """  cable: {type: belt, nodes: [base, end], radii: [0.1, 0.05], axis: [0, 0, 1], closed: true,
+          axial_stiffness: 1.0e5, pretension: 50, damping: 5 ms}
+"""
+    text = text.replace(coupler, "").replace("nodes:\n", "nodes:\n  base: {position: [0, 0, 0], fixed: true}\n", 1)
+    recorded = RecordedRun(deck(text.replace("elements:\n", "elements:\n" + belt, 1)))
+    (locked,) = (event.t for event in recorded.event_records if event.name == "locks")
+    assert locked == pytest.approx(3.5154, abs=2e-3)
+    before = recorded.time < 3.5
+    first, second = (recorded[f"joints/{name}_hinge/angle"][before] for name in ("root", "elbow"))
+    np.testing.assert_allclose(second, -2.0 * first, atol=1.5e-3)  # 0.6 N m over the 500 N m/rad of the cable
 
 
 DRUM = """

@@ -18,6 +18,13 @@ NOTES = {  # words with the same meaning: (targets, note)
         "reeved_cable belt", "a reeved_cable slides over the pulleys, with or without friction; a belt turns them"
     ),
     "timing belt, belt drive": ("belt", ""),
+    "creep, belt creep, belt slip, v belt, flat belt": (
+        "belt hinge joint_moment",
+        "a belt does not slip; its creep is that of a rim on a hinge with a joint_moment, see docs/pulleys.md",
+    ),
+    "motorcycle, motorbike, weave, wobble, capsize": (
+        "transient_wheel rigid_wheel", "`mecano modes --sweep` follows the modes over the speed; see docs/tyres.md"
+    ),
     "drum": ("belt wheel_on_body", "a rope runs on a drum, or a wheel"),
     "capstan, bollard, rope brake, band brake": ("reeved_cable", "a reeved_cable with 'friction'"),
     "chain drive, sprocket": (
