@@ -1,8 +1,11 @@
 # ruff: noqa: E501
 """All messages about invalid decks, each provoked by one change of a valid deck."""
 
+import re
+
 import pytest
 from deck_samples import VALID, problems_of, read_fake
+from time_runs import deck
 
 from mecano.deck.format import deck_error_text
 from mecano.errors import DeckError
@@ -281,12 +284,96 @@ def test_hints_on_what_is_no_mapping(text, hint):
     assert info.value.problems[0].hint == hint
 
 
-def test_an_indented_section_is_no_entry_of_the_section_before():
+@pytest.mark.parametrize("entries", ["  ", ""], ids=["with its entries", "its first line alone"])
+@pytest.mark.parametrize(
+    ("section", "before"),
+    [
+        ("nodes", "parameter"),
+        ("elements", "node"),
+        ("joints", "element"),
+        ("loads", "joint"),
+        ("laws", "load"),
+        ("signals", "law"),
+        ("grounds", "signal"),
+    ],
+)
+def test_an_indented_section_is_one_mistake(section, before, entries):
+    """Not that its entries, what refers to them, or the section itself are missing."""
+    text = """mecano: 1
+gravity: none
+parameters:
+  speed: 1
+nodes:
+  pin: {position: [0, 0, 0]}
+elements:
+  bar: {type: rigid_body, node: pin, mass: 1, inertia: [1, 1, 1]}
+joints:
+  hinge: {type: hinge, nodes: [ground, pin], axis: [0, 1, 0]}
+loads:
+  push: {type: force, node: pin, direction: [1, 0, 0], value: pull}
+  turn: {type: joint_moment, joint: hinge, value: height}
+laws:
+  pull: {constant: 3}
+signals:
+  height: pin.position.z
+  twice: 2*height
+grounds:
+  road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}
+time: {end: 1, step: 0.1}
+"""
+    head, start, tail = text.partition(f"{section}:\n")
+    own, end, rest = re.split(r"^(?=\w)()", tail, maxsplit=1, flags=re.M)
+    indented = head + "  " + start + re.sub("^", entries, own.rstrip("\n"), flags=re.M) + "\n" + rest
     with pytest.raises(DeckError) as info:
-        read_fake(VALID.replace("joints:", "  joints:"))
-    first, *others = info.value.problems
-    assert (first.message, first.hint) == ("element 'joints': this is a section", "begin it in the first column")
-    assert [problem.mark.line for problem in others] == [17, 18]  # its entries
+        deck(indented)
+    (problem,) = info.value.problems
+    assert problem.message == f"{before} '{section}': this is a section"
+    assert problem.hint == "begin it in the first column"
+
+
+def test_sections_inside_an_entry_and_inside_others():
+    text = """mecano: 1
+gravity: none
+nodes: {pin: {position: [0, 0, 0]}}
+elements:
+  bar:
+    type: point_mass
+    node: pin
+    mass: 1
+    joints:
+      hold: {type: spherical, nodes: [ground, pin], release: {time: 1}}
+time:
+  end: 1
+  step: 0.1
+  output: {every: 0.1}
+"""
+    with pytest.raises(DeckError) as info:
+        deck(text)
+    assert [problem.message for problem in info.value.problems] == [
+        "point_mass 'bar': 'joints' is a section",
+        "'time.output' is a section",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("entry", "hint"),
+    [
+        ("{type: spherical, nodes: [ground, pin], release: {time: 1}}",
+         "it is a field of hinge, cylindrical, prismatic, fixed, grip"),
+        ("{type: spherical, node: [ground, pin]}", "did you mean 'nodes'?"),
+    ],
+)  # fmt: skip
+def test_fields_of_other_kinds(entry, hint):
+    text = f"""mecano: 1
+gravity: none
+nodes: {{pin: {{position: [0, 0, 0]}}}}
+elements: {{bar: {{type: point_mass, node: pin, mass: 1}}}}
+joints: {{hold: {entry}}}
+time: {{end: 1, step: 0.1}}
+"""
+    with pytest.raises(DeckError) as info:
+        deck(text)
+    assert info.value.problems[0].hint == hint
 
 
 def test_the_deck_itself_is_valid():

@@ -121,7 +121,8 @@ def checked_values(root, sections, scope):
     _check_gravity(root, scope)
     if problems:
         unknown_names(root, scope)
-    _stop_at(problems, UNCHECKED)
+    missing = tuple(f"missing '{name}'" for name in scope.misplaced)
+    _stop_at([problem for problem in problems if not problem.message.startswith(missing)], UNCHECKED)
     for start in ("static", "steady", "from"):
         if result.get("static") and result["initial"][start]:
             scope.refuse(root.value["initial"][0], f"'initial.{start}' belongs to a deck with 'time'")

@@ -16,18 +16,29 @@ from mecano.schema import Field
 
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 EXPANDED_KEYS = ("include", "templates", "place", "repeat")  # of a deck or of an entry, removed by the expansion
-ELSEWHERE = dict.fromkeys(
-    ("velocity", "velocities", "angular_velocity"),
-    "give it in 'initial': velocities: [{nodes: [...], velocity: [...], angular_velocity: [...]}]",
-)
 IN_PLACE = {  # key -> (key that is known in its place, hint)
     **dict.fromkeys(("stiffness", "damping", "k", "c"), ("law", "write it in the 'law': {spring: ..., damper: ...}")),
     "radius": ("diameter", "give the 'diameter', twice the radius"),
     "outer_radius": ("diameter", "give the 'diameter', twice the radius"),
     "diameter": ("radius", "give the 'radius', half the diameter"),
 }
+ELSEWHERE = {  # names of keys: a key that is known there, where the value is given
+    ("velocity", "velocities", "angular_velocity"): (
+        "position", "give it in 'initial': velocities: [{nodes: [...], velocity: [...], angular_velocity: [...]}]"
+    ),
+    ("relaxation_length", "relaxation_lengths"): (
+        "carcass_stiffness", "it is cornering_stiffness / carcass_stiffness + creep_length"
+    ),
+}  # fmt: skip
 RESERVED = {"nodes": ("ground", "all")}
-SECTION_NAMES = ("parameters", "nodes", *SECTIONS, "laws", "grounds", "tire_laws", "sections", "initial", "time")
+FEW = 8  # kinds that have a field, which are named
+BEGIN = "begin it in the first column"
+SECTION_NAMES = (
+    "parameters", "nodes", *SECTIONS, "laws", "grounds", "tire_laws", "sections", "initial", "time", "output",
+)  # fmt: skip
+KEYS_OF_SECTIONS = {  # of those that are no mappings of names
+    "initial": ("velocities", "steady", "static", "from"), "time": ("end", "step"), "output": ("every", "at"),
+}  # fmt: skip
 
 
 def checked(node, field, scope):
@@ -86,7 +97,10 @@ def filled(node, field, fields, scope, given=None):
         scope.path.append(field.name)
     hints, before_it = "", None
     for key, (key_node, value_node) in node.value.items():
-        if key not in known:
+        if key in SECTION_NAMES and key not in known and _is_misplaced(key, value_node):
+            scope.misplaced.add(key)
+            scope.refuse(key_node, f"{quoted(scope.name_of(key))} is a section", BEGIN)
+        elif key not in known:
             hint = _of_list(before_it, key_node, value_node) or _meant(key, known, fields, field, scope)
             if not field.name and not hint and _is_entry(value_node):
                 hint = "indent it, if it is an entry of the section above"
@@ -126,9 +140,13 @@ def _meant(key, known, fields, field, scope):
     here = [quoted(name) for name in keys_meant(key) if name in allowed]
     if here:
         return f"here it is called {' or '.join(here)}"
-    if key in ELSEWHERE and "position" in known:
-        return ELSEWHERE[key]
-    near = similar(key, [*sorted(known), *(() if field.name else EXPANDED_KEYS)])
+    for keys, (there, hint) in ELSEWHERE.items():
+        if key in keys and there in known:
+            return hint
+    near = similar(key, sorted(known))
+    if not near and (kinds := _kinds_with(key, field, scope)):
+        return f"it is a field of {', '.join(kinds)}"
+    near = near or (() if field.name else similar(key, EXPANDED_KEYS))
     inside = [f"{outer.name}.{key}" for outer in fields if key in _keys_of(outer)]
     meant = inside or [inner.name for inner in fields if re.match(rf"{re.escape(key)}\b", inner.doc)]
     return f"did you mean {quoted(meant[0])}?" if meant and not near else scope.suggest(key, near or sorted(known))
@@ -151,6 +169,13 @@ def _of_list(before, key_node, value_node):
     if not alone or before is None or type(before.value) is not str or before.line != key_node.line:
         return ""
     return f"a list is written in brackets: [{before.value}, {key_node.value}]"
+
+
+def _kinds_with(key, field, scope):
+    """Return the names of the kinds of a section whose entries have a field ``key``; none if they are many."""
+    section = field.type.options[0] if field.type.name == "kind" else ""
+    kinds = [name for name in _kinds_of(section, scope) if any(key == own.name for own in scope.kinds[name].fields)]
+    return kinds if len(kinds) <= FEW else []
 
 
 def _keys_of(field):
@@ -198,19 +223,27 @@ def named(node, field, scope):
     for name, (key_node, value_node) in node.value.items():
         scope.subject, scope.owner = f"{singular(field.name)} {quoted(name)}", key_node
         _check_name(name, key_node, field, scope)
-        if name in SECTION_NAMES and _is_misplaced(value_node):
-            place(values, name, scope.refuse(key_node, "this is a section", "begin it in the first column"), scope)
+        if name in SECTION_NAMES and _is_misplaced(name, value_node):
+            scope.misplaced.add(name)
+            place(values, name, scope.refuse(key_node, "this is a section", BEGIN), scope)
+            if value_node.value is None:  # its entries follow as if they were some of this section
+                break
             continue
         place(values, name, checked(value_node, inner, scope), scope)
     scope.subject, scope.path = outer, path
     return values if len(scope.problems) == before else INVALID
 
 
-def _is_misplaced(node):
-    """Return True if an entry with the name of a section looks like one: empty, or a mapping of mappings only."""
-    if type(node.value) is dict:
-        return all(type(value.value) is dict for _, value in node.value.values())
-    return node.value is None
+def _is_misplaced(name, node):
+    """Return True if an entry with the ``name`` of a section looks like one: empty, of mappings, or with its keys."""
+    if type(node.value) is not dict:
+        return node.value is None
+    if name in KEYS_OF_SECTIONS:
+        return any(key in node.value for key in KEYS_OF_SECTIONS[name])
+    values = [value.value for _, value in node.value.values()]
+    if name == "signals":
+        return not {"type", "position"} & node.value.keys() and all(type(value) in (dict, str) for value in values)
+    return all(type(value) is dict for value in values)
 
 
 def singular(section):

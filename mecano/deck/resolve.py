@@ -68,8 +68,8 @@ def _put_motion(reference, signals, scope):
 def unknown_names(root, scope):
     """Report references to names that are in no section of the tree ``root``, in a deck with other errors.
 
-    Sections that are missing or have invalid names are skipped; so are nodes inside members, which may be among the
-    errors.
+    Sections that are missing, misplaced or have invalid names are skipped; so are nodes inside members, which may be
+    among the errors.
     """
     known = {name: node.value for name, (_, node) in root.value.items() if type(node.value) is dict}
     known = {section: names for section, names in known.items() if not any(wrong_name(n, section) for n in names)}
@@ -80,6 +80,8 @@ def unknown_names(root, scope):
         names = known.get(reference.section, (reference.name,))
         if reference.wanted == "drive":
             names = [*known.get("laws", ()), *known.get("signals", ())]
+        if scope.misplaced & ({"laws", "signals"} if reference.wanted == "drive" else {reference.section}):
+            continue
         inside = reference.section == "nodes" and "." in reference.name
         time = reference.wanted == "drive" and reference.name == "time"
         if reference.name not in names and not inside and not time:

@@ -67,6 +67,7 @@ class Scope:
     defaults: dict = field(default_factory=dict)  # id of a Field -> checked default
     own_names: dict = field(default_factory=dict)
     """id of a Node with a name that its template does not define -> names that the template defines in that section"""
+    misplaced: set = field(default_factory=set)  # names of sections that are written inside others
     subject: str = ""  # "hinge 'knee'"
     path: list = field(default_factory=list)  # keys between the subject and the current value
     owner: Node | None = None  # node of the key of the current value: a missing key is reported here
