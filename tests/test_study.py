@@ -12,6 +12,7 @@ from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from textwrap import dedent
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -678,6 +679,21 @@ def test_no_case_is_deleted_that_cannot_run_again(folder, monkeypatch, executor,
     result = CliRunner().invoke(commands, ["sweep", "study.yaml", "--executor", executor, *option])
     assert isinstance(result.exception, UsageError), result.output
     assert [runs.record(case).status for case in runs.study.cases] == [FAILED, FAILED]
+
+
+def test_no_case_is_deleted_if_the_scheduler_does_not_answer(folder, monkeypatch):
+    def refuse(address, timeout):
+        raise OSError("timed out")
+
+    runs = Folder("study_runs", study(folder, "grid: {time.end: [0.1]}"))
+    with runs.held():
+        runs.write(runs.study.cases[0], Record(FAILED, 2))
+    monkeypatch.setattr(dask, "find_spec", lambda name: True)
+    monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(Client=refuse))
+    words = ["sweep", "study.yaml", "--executor", "dask", "--scheduler", "tcp://a:1", "--force"]
+    result = CliRunner().invoke(commands, words)
+    assert "no Dask scheduler answers at tcp://a:1: timed out" in str(result.exception), result.output
+    assert runs.record(runs.study.cases[0]).status == FAILED
 
 
 SBATCH = """\

@@ -95,7 +95,7 @@ def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, e
     if executor == "dask":
         from mecano.study.dask import require
 
-        require()  # before cases are deleted that could not run again
+        require(scheduler)  # before cases are deleted that could not run again
     run_cases = partial(_runner(executor, scheduler), limits=limits, jobs=jobs or cores())
     _finish(execution.execute(deck, folder, units, due, run_cases, interruption, quiet=quiet), plot)
 

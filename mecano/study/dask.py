@@ -22,10 +22,22 @@ MISSING = "--executor dask needs Dask, which is not installed: pip install mecan
 AT_ONCE = 2  # signals that end the study without waiting for its cases
 
 
-def require():
-    """Raise UsageError if Dask is not installed."""
+def require(scheduler=None):
+    """Raise UsageError if Dask is not installed, or the ``scheduler`` at an address does not answer."""
     if not find_spec("distributed"):
         raise UsageError(MISSING)
+    if scheduler is not None:
+        _connected(scheduler).close()
+
+
+def _connected(scheduler):
+    """Return a Client of the scheduler at an address. Raises UsageError if it does not answer."""
+    from distributed import Client
+
+    try:
+        return Client(scheduler, timeout=PATIENCE)
+    except (OSError, ValueError) as error:
+        raise UsageError(f"no Dask scheduler answers at {scheduler}: {error}") from error
 
 
 def run_in_tasks(folder, cases, ended, *, limits, jobs, scheduler=None):
@@ -43,11 +55,7 @@ def run_in_tasks(folder, cases, ended, *, limits, jobs, scheduler=None):
         workers = {"n_workers": 1, "threads_per_worker": jobs, "processes": False, "dashboard_address": None}
         with LocalCluster(silence_logs=logging.CRITICAL, **workers) as cluster, Client(cluster) as client:
             return Tasks(folder, limits, ended, client).run(cases)
-    try:
-        client = Client(scheduler, timeout=PATIENCE)
-    except (OSError, ValueError) as error:
-        raise UsageError(f"no Dask scheduler answers at {scheduler}: {error}") from error
-    with client:
+    with _connected(scheduler) as client:
         return Tasks(folder, limits, ended, client).run(cases)
 
 
