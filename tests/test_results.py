@@ -229,6 +229,14 @@ def test_results_are_asked_for_names(finished):
             results.extremes["wheel.radial_fors"]
 
 
+def test_a_trace_stands_for_its_values(finished):
+    with open_results(finished) as results:
+        trace = results.find("axle.position")
+        np.testing.assert_array_equal(trace, trace.values)
+        assert np.asarray(trace).shape == trace.values.shape == (len(trace.time), 3)
+        assert trace[-1, 2] == trace.values[-1, 2] and np.max(trace) == trace.values.max()
+
+
 def test_closed_results_are_refused_until_they_are_opened_again(finished):
     with open_results(finished) as results:
         pass

@@ -44,6 +44,7 @@ class Trace:
     time : (n,) array
         Saved times, or ends of the accepted steps [s].
     values : (n, ...) array
+        Functions of NumPy take them from the Trace itself, and so do indices.
     """
 
     path: str
@@ -52,6 +53,15 @@ class Trace:
     components: tuple
     time: np.ndarray
     values: np.ndarray
+
+    def __array__(self, dtype=None, copy=None):
+        """Return the values as an array."""
+        values = np.asarray(self.values, dtype)
+        return values.copy() if copy else values
+
+    def __getitem__(self, index):
+        """Return values by index, as ``values[index]``."""
+        return self.values[index]
 
 
 @dataclass(frozen=True)
