@@ -18,7 +18,7 @@ ZERO, SINGULAR = 1e-12, 1e-9  # of the largest singular value: rounding; a singu
 EXACT_ZERO = 2e-14  # of the largest singular value: tighter bound of rounding, as stiff and soft motions occur together
 ROUNDED_MASS = 1e-12  # of the largest inertia: asymmetry that is rounding
 ROUNDED = 1e-15  # of the largest entry of its row: an entry that is rounding
-COUPLED = 1e-12  # of the same: smaller entries do not scale unknowns, else undetermined angles would amplify rounding
+COUPLED = 3e-14  # of the same: smaller entries do not scale unknowns, else undetermined angles would amplify rounding
 SLOW = 1e-8  # of the largest square of a frequency: the smaller ones lose half of the digits beside it
 INFINITE = 3e-7  # smaller denominators of the generalized eigenvalues count as zero
 
