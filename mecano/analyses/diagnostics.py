@@ -137,12 +137,15 @@ def circle_warnings(values, method, s, sampler, extremes):
     """
     if values["adaptive"] or not method.in_compiled_code:
         return
-    system, h, starts = method.system, values["step"], {column.path: column.start for column in sampler.columns}
+    system, h, spins = method.system, values["step"], _spins(sampler)
+    if not np.any(_off(method, _rates(spins, extremes) * h) > OFF):
+        return
+    starts = {column.path: column.start for column in sampler.columns}
     mass = system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0).data[system.diagonal[: system.n_q]]
-    free = [(column, x) for column, x in zip(_spins(sampler), sampler.nodes.x, strict=True) if 0 <= x < system.n_q]
+    free = [(column, x) for column, x in zip(spins, sampler.nodes.x, strict=True) if 0 <= x < system.n_q]
     circles = [(*_circle(column, starts, extremes), mass[x], column.path) for column, x in free if mass[x] > 0.0]
     rate, radius, m, path = max(circles, key=lambda circle: circle[0] ** 2 * circle[1] * circle[2], default=(0,) * 4)
-    off = abs(method.coefficients.acceleration(rate * h) - 1.0) if rate else 0.0
+    [off] = _off(method, np.array([rate * h]))
     if off <= OFF:
         return
     yield (
@@ -151,6 +154,19 @@ def circle_warnings(values, method, s, sampler, extremes):
         "more if the mass is large beside its rotor; use a smaller 'time.step', 'time.adaptive', 'method: radau', or "
         "the 'center_of_mass' of the rotor instead of an attached mass"
     )
+
+
+def _off(method, phases):
+    """Return the errors (n,) of the accelerations on circles that turn by these ``phases`` (n,) [rad] in each step."""
+    off, turning = np.zeros(len(phases)), (phases > 0.0) & np.isfinite(phases)
+    off[turning] = np.abs(method.coefficients.acceleration(phases[turning]) - 1.0)
+    return off
+
+
+def _rates(spins, extremes):
+    """Return the largest components (n,) of the angular velocities in these n columns [rad/s]."""
+    places = np.array([column.start for column in spins], int)[:, None] + np.arange(3)
+    return np.maximum(np.abs(extremes.low[places]), np.abs(extremes.high[places])).max(axis=1)
 
 
 def _circle(column, starts, extremes):
@@ -162,8 +178,7 @@ def _circle(column, starts, extremes):
     node = column.path.rpartition("/")[0]
     places = [starts[f"{node}/{name}"] for name in ("position", "velocity")]
     ranges = [0.5 * np.sort(extremes.high[at : at + 3] - extremes.low[at : at + 3]) for at in places]
-    spin = slice(column.start, column.start + 3)
-    rate = float(np.maximum(np.abs(extremes.low[spin]), np.abs(extremes.high[spin])).max())
+    rate = float(_rates([column], extremes)[0])
     (radius, speed), second = (float(r[-1]) for r in ranges), [float(r[-2]) for r in ranges]
     circles = second[0] > 0.5 * radius and second[1] > 0.5 * speed
     if circles and rate * radius < SIMILAR * speed and speed < SIMILAR * rate * radius:
