@@ -26,10 +26,6 @@ class Convention(CPUCallConv):
         """Return the LLVM type of a function with a result and arguments of these types."""
         return ir.FunctionType(self.context.get_value_type(restype), map(self.context.get_value_type, argtypes))
 
-    def get_return_type(self, ty):
-        """Return the LLVM type of a pointer to a result."""
-        return self.context.get_value_type(ty).as_pointer()
-
     def decorate_function(self, fn, args, fe_argtypes, noalias=False):
         """Name the arguments of a function."""
         for value, name in zip(fn.args, args, strict=True):
@@ -114,7 +110,6 @@ def without_errors_and_references():
         (CPUContext, "call_conv", property(Convention)),
         (CPUContext, "create_cfunc_wrapper", _wrap),
         (CPUContext, "get_return_value", _as_it_is),
-        (CPUContext, "get_returned_value", _as_it_is),
         (NRTContext, "incref", _ignore),
         (NRTContext, "decref", _ignore),
         (base, "user_function", _call_of),
