@@ -299,7 +299,7 @@ def _is_item(mapping, key, node):
 
 
 def _is_open(text):
-    """Return True if a text is the begin of a call of a function, "max(time"."""
+    """Return True if a text is the beginning of a call of a function, "max(time"."""
     return len(text) <= LONGEST_FORMULA and text[:1] != "(" and text.count("(") > text.count(")")
 
 
