@@ -11,7 +11,7 @@ from mecano.errors import DeckError
 from mecano.jit import store
 from mecano.jit.ahead import compile_ahead
 from mecano.model import loops
-from mecano.model.loop_code import code_of
+from mecano.model.loop_code import codes_of
 from mecano.model.quantity_names import measurable
 from mecano.model.signal_units import signal_units
 
@@ -185,6 +185,8 @@ def test_sensors_of_all_kinds_compile():
         for instance in (one for sample in samples(kind) for one in sample.instances):
             if instance.kind.observe is not None and measurable(instance.kind):
                 sensor = sensor_of(instance, 0).kind
-                codes |= {(sensor.name, loop): code_of(sensor, loop) for loop in (loops.tangent, loops.residual)}
+                codes |= {
+                    (sensor.name, loop): codes_of(sensor, loop).function for loop in (loops.tangent, loops.residual)
+                }
     compile_ahead(list(codes.values()))
     assert [name for (name, _), code in codes.items() if not store.holds(code.file)] == []

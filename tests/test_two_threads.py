@@ -24,7 +24,7 @@ from mecano.jit.entry import entry
 from mecano.jit.thread_pool import run_parts
 from mecano.model import halves as module
 from mecano.model.halves import ONE, OTHER, halves
-from mecano.model.loop_code import code_of
+from mecano.model.loop_code import codes_of
 from mecano.model.loops import residual
 from mecano.process.interrupt import Stopped
 from mecano.solve.linear.ordering import PIVOTS, SIZE
@@ -183,7 +183,7 @@ class TestModels:
         system = prepare(input_deck("reflector")).system
         system.loops(residual)
         counts = [records["n"].sum() for _, records, _ in system._divided_loops[residual].found]
-        assert sum(counts) == sum(len(b.p) for b in system.batches if code_of(b.kind, residual)) and min(counts) > 0
+        assert sum(counts) == sum(len(b.p) for b in system.batches if codes_of(b.kind, residual)) and min(counts) > 0
 
     def test_statics_has_the_same_bits(self):
         found = set()

@@ -17,7 +17,7 @@ from mecano.element_interface import Kind
 from mecano.errors import ResultsError
 from mecano.jit import store
 from mecano.jit.ahead import compile_ahead
-from mecano.model.loop_code import PURPOSES, code_of
+from mecano.model.loop_code import PURPOSES, codes_of
 from mecano.solve.time.error_bound import bound_error
 
 STEPS = 3
@@ -84,7 +84,8 @@ def _longer(time):
 
 
 def _compile(kinds, further=()):
-    codes = [code for kind in kinds for purpose in PURPOSES if (code := code_of(kind, purpose))]
+    found = [codes_of(kind, purpose) for kind in kinds for purpose in PURPOSES]
+    codes = [code for codes in found if codes is not None for code in codes if code is not None]
     compile_ahead([*(entry.code for entry in (*TIME_INTEGRATION, bound_error, *radau())), *codes, *further])
     for code in codes:
         store.address(code)

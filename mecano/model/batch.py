@@ -89,6 +89,7 @@ class Batch:
         """Return the record BATCH for the loops; ``entries`` must be set."""
         n, n_local = self.dofs.shape
         sizes = {
+            "function": 0, "inertia": 0, "element": 0, "of_rates": self.kind.of_rates,
             "n": n, "n_local": n_local, "n_rotations": len(self.columns), "n_multipliers": self.multipliers.shape[1],
             "first_reaction": self.kind.first_reaction,
             "n_reactions": len(self.kind.multipliers) + len(self.kind.coupled_multipliers),
@@ -123,6 +124,12 @@ class Batch:
         for name, size, end in zip(WORK, sizes, np.cumsum(sizes), strict=True):
             records[name] = memory.ctypes.data + LINES + end - size
         return memory
+
+
+def calling(records, calls):
+    """Give records of a batch the addresses of the functions that its loop calls (Calls), and return them."""
+    records["function"], records["inertia"] = calls.function, calls.inertia or 0
+    return records
 
 
 def batches(instances, of, n_slots, partition):

@@ -11,6 +11,7 @@ from mecano.jit.digest import digest
 from mecano.jit.memory import call, floats, integers, items
 from mecano.jit.store import Code, address
 from mecano.jit.thread_pool import PARTS, run_parts
+from mecano.model.batch import calling
 from mecano.model.halves import BETWEEN, ONE, OTHER
 from mecano.model.loop_records import BATCH, SYSTEM, batch_at, fields, record
 
@@ -71,8 +72,8 @@ class DividedLoops:
     ----------
     system : System
         Its ``halves`` are not None.
-    loops : list of (Batch, int)
-        Batches, and the addresses of their loops.
+    loops : list of (Batch, Calls)
+        Batches, and the addresses of their loops and of what these call.
 
     Attributes
     ----------
@@ -103,11 +104,11 @@ class DividedLoops:
 def _part(which, loops, of_unknown):
     """Return addresses of loops (n,), records of batches (n,), and their work arrays for one half or the rest."""
     addresses, records, kept = [np.zeros(0, np.int64)], [np.zeros(0, BATCH)], []
-    for batch, loop in loops:
+    for batch, calls in loops:
         own = np.concatenate([[False], _part_of(of_unknown[batch.dofs]) == which, [False]])
         begins, ends = np.flatnonzero(~own[:-1] & own[1:]), np.flatnonzero(own[:-1] & ~own[1:])
-        records.append(batch.records_of(begins, ends))
-        addresses.append(np.full(len(begins), loop, np.int64))
+        records.append(calling(batch.records_of(begins, ends), calls))
+        addresses.append(np.full(len(begins), calls.loop, np.int64))
         kept.append(batch.give_work(records[-1]))
     return np.concatenate(addresses), np.concatenate(records), kept
 

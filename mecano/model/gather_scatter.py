@@ -1,8 +1,7 @@
 """Gather the state of an element and scatter its results: code shared by the loops over elements of all kinds.
 
-``b`` and ``s`` are the records BATCH and SYSTEM, ``e`` is the number of the element in its batch. These functions are
-compiled once, and only the templates of loops.py for each kind. They find the arrays again for each element; loops in
-which that would be a noticeable part of the time keep them instead.
+``b`` and ``s`` are the records BATCH and SYSTEM, ``element`` of the batch is the number of the element. These functions
+find the arrays again for each element; loops in which that would be a noticeable part of the time keep them instead.
 """
 
 import math
@@ -15,13 +14,6 @@ from mecano.maths.vector import Vec3, mat, skew, vec
 
 SIZE = DUAL.itemsize
 NEVER = -1.0  # number of an event that does not occur
-
-
-@kernel
-def given(b, s):
-    """Return the memories (n, n_memory) and phases (n,) of a batch, and the table of laws."""
-    memory = floats(s.memory + 8 * b.first_memory, (b.n, b.n_memory))
-    return memory, integers(s.phases + 8 * b.first_phase, b.n), floats(s.laws, s.n_laws)
 
 
 @kernel
@@ -54,43 +46,65 @@ def gather(dofs, rots, s, q_out, v_out, a_out, R_out):
 
 
 @kernel
-def is_idle(b, s, e):
+def is_idle(b, s):
     """Return whether an element has no force in its phase."""
-    return idle_phases(b)[phase_of(b, s, e), 0] != 0
+    return idle_phases(b)[phase_of(b, s), 0] != 0
 
 
 @kernel
-def phase_of(b, s, e):
+def phase_of(b, s):
     """Return the phase of an element."""
-    return integers(s.phases + 8 * b.first_phase, b.n)[e]
+    return integers(s.phases + 8 * b.first_phase, b.n)[b.element]
 
 
 @kernel
-def memory_of(b, s, e):
+def memory_of(b, s):
     """Return the memory (n_memory,) of an element."""
-    return floats(s.memory + 8 * b.first_memory, (b.n, b.n_memory))[e]
+    return floats(s.memory + 8 * b.first_memory, (b.n, b.n_memory))[b.element]
 
 
 @kernel
-def gather_unknowns(b, s, e):
+def rotations_of(b):
+    """Return the indices (n_rotations,) of the rotations of an element."""
+    return integers(b.rots, (b.n, b.n_rotations))[b.element]
+
+
+@kernel
+def gather_unknowns(b, s):
     """Copy the local unknowns of an element to the work arrays."""
     q, v, a, R = work(b)
-    gather(integers(b.dofs, (b.n, b.n_local))[e], integers(b.rots, (b.n, b.n_rotations))[e], s, q, v, a, R)
+    gather(
+        integers(b.dofs, (b.n, b.n_local))[b.element], integers(b.rots, (b.n, b.n_rotations))[b.element], s, q, v, a, R
+    )
 
 
 @kernel
-def gather_observed(b, s, e):
+def gather_observed(b, s):
     """Copy the unknowns that ``observe`` reads of an element to the work arrays."""
     q, v, a, R = work(b)
-    gather(integers(b.output_dofs, (b.n, b.n_output_dofs))[e], integers(b.rots, (b.n, b.n_rotations))[e], s, q, v, a, R)
+    gather(
+        integers(b.output_dofs, (b.n, b.n_output_dofs))[b.element],
+        integers(b.rots, (b.n, b.n_rotations))[b.element],
+        s,
+        q,
+        v,
+        a,
+        R,
+    )
 
 
 @kernel
-def place(b, s, e):
-    """Return the Place of a gathered element."""
+def lag_of(b, s):
+    """Return the factor of the rows and penalty of constraints: 1 for those on positions."""
+    return s.lag if b.of_rates else 1.0
+
+
+@kernel
+def place(b, s, lag):
+    """Return the Place of a gathered element; ``lag`` multiplies the penalty."""
     q, v, a, R = work(b)
     laws = floats(s.laws, s.n_laws)
-    return Place(s.t, phase_of(b, s, e), s.k, s.penalty, laws, memory_of(b, s, e), q, v, a, R)
+    return Place(s.t, phase_of(b, s), s.k, s.penalty * lag, laws, memory_of(b, s), q, v, a, R)
 
 
 @kernel
@@ -114,25 +128,25 @@ def dual_constraints(b):
 
 
 @kernel
-def dual_place(b, s, e, lag):
-    """Return the Place of a gathered element with Duals; ``lag`` multiplies the penalty of constraints on rates."""
+def dual_place(b, s, lag):
+    """Return the Place of a gathered element with Duals; ``lag`` multiplies the penalty."""
     q, v, a, R = seeded(b)
     laws = floats(s.laws, s.n_laws)
-    return Place(s.t, phase_of(b, s, e), s.k, s.penalty * lag, laws, memory_of(b, s, e), q, v, a, R)
+    return Place(s.t, phase_of(b, s), s.k, s.penalty * lag, laws, memory_of(b, s), q, v, a, R)
 
 
 @kernel
-def moving_place(b, s, e):
+def moving_place(b, s):
     """Return the Place of a gathered element with Duals whose slopes are rates in time."""
     q, v, _, R = seeded(b)
     laws, a = floats(s.laws, s.n_laws), floats(b.a, b.n_local)
-    return Place(Dual(s.t, 1.0), phase_of(b, s, e), s.k, s.penalty, laws, memory_of(b, s, e), q, v, a, R)
+    return Place(Dual(s.t, 1.0), phase_of(b, s), s.k, s.penalty, laws, memory_of(b, s), q, v, a, R)
 
 
 @kernel
-def gather_duals(b, s, e):
+def gather_duals(b, s):
     """Copy the state of an element to the work arrays, also to those of Duals, without slopes."""
-    gather_unknowns(b, s, e)
+    gather_unknowns(b, s)
     q, v, a, R = work(b)
     q_1, v_1, a_1, R_1 = seeded(b)
     for i in range(b.n_local):
@@ -144,7 +158,7 @@ def gather_duals(b, s, e):
 
 
 @kernel
-def seed(b, s, e, j):
+def seed(b, s, j):
     """Set forces to zero, and the slopes along the local unknown j if columns are wanted.
 
     q_j varies by cK, v_j by cC, a_j by cM, a rotation by R hat(cK T_j).
@@ -160,8 +174,7 @@ def seed(b, s, e, j):
         reaction = b.first_reaction <= j < b.first_reaction + b.n_reactions
         q_1[j].slope = s.cK * (s.k if reaction else 1.0)
     else:
-        rots, c = integers(b.rots, (b.n, b.n_rotations)), j - columns[r]
-        turn = floats(s.T, (s.n_rotations, 3, 3))[rots[e, r]]
+        turn, c = floats(s.T, (s.n_rotations, 3, 3))[rotations_of(b)[r]], j - columns[r]
         R = mat(floats(b.R, (b.n_rotations, 3, 3))[r])
         put_turned(R_1[r], R, s.cK * Vec3(turn[0, c], turn[1, c], turn[2, c]))
     v_1[j].slope = s.cC
@@ -169,14 +182,18 @@ def seed(b, s, e, j):
 
 
 @kernel
-def add_column(b, s, e, j, lag):
+def add_column(b, s, j, lag):
     """Add the column j of the tangent of an element, the slopes of its forces, if it is wanted; clear the seeds."""
     if not s.columns:
         return
-    n, data_out, entries = b.n_local, floats(s.data, s.n_data), integers(b.entries, (b.n, b.n_local, b.n_local))
+    n, data_out, entries = (
+        b.n_local,
+        floats(s.data, s.n_data),
+        integers(b.entries, (b.n, b.n_local, b.n_local))[b.element],
+    )
     columns, f_1, first_row = integers(b.columns, b.n_rotations), dual_forces(b), n - b.n_multipliers
     for i in range(n):
-        data_out[entries[e, i, j]] += (lag if i >= first_row else 1.0) * f_1[i].slope
+        data_out[entries[i, j]] += (lag if i >= first_row else 1.0) * f_1[i].slope
     q_1, v_1, a_1, R_1 = seeded(b)
     q_1[j].slope = 0.0
     v_1[j].slope = 0.0
@@ -187,46 +204,38 @@ def add_column(b, s, e, j, lag):
 
 
 @kernel
-def add_dual_force(b, s, e, lag):
+def add_dual_force(b, s, lag):
     """Add the values of the forces of an element and their magnitudes; those of its own multipliers times ``lag``."""
     n, f_1, slots = b.n_local, dual_forces(b), integers(b.slots, (b.n, b.n_local))
     force_out, size_out = floats(s.force, s.n_slots), floats(s.size, s.n_slots)
     for i in range(n):
         f = f_1[i].value * (lag if i >= n - b.n_multipliers else 1.0)
-        force_out[slots[e, i]] += f
-        size_out[slots[e, i]] += abs(f)
+        force_out[slots[b.element, i]] += f
+        size_out[slots[b.element, i]] += abs(f)
 
 
 @kernel
-def masses(b):
-    """Return an array (n_local,) for the masses of an element, set to zero."""
-    m = floats(b.f, b.n_local)
-    m[:] = 0.0
-    return m
-
-
-@kernel
-def add_masses(b, s, e):
+def add_masses(b, s):
     """Add the masses of an element."""
     m, slots, mass_out = floats(b.f, b.n_local), integers(b.slots, (b.n, b.n_local)), floats(s.mass, s.n_slots)
     for i in range(b.n_local):
-        mass_out[slots[e, i]] += abs(m[i])
+        mass_out[slots[b.element, i]] += abs(m[i])
 
 
 @kernel
-def put_derivatives(b, s, e):
+def put_derivatives(b, s):
     """Store values, rates and second rates of the constraints of an element."""
     multipliers, g = integers(b.multipliers, (b.n, b.n_multipliers)), floats(b.g, (b.n_multipliers, 3))
     g_out = floats(s.constraint_derivatives, (s.n_constraints, 3))
     for i in range(b.n_multipliers):
         for j in range(3):
-            g_out[multipliers[e, i], j] = g[i, j]
+            g_out[multipliers[b.element, i], j] = g[i, j]
 
 
 @kernel
-def gather_motion(b, s, e):
+def gather_motion(b, s):
     """Copy the state of an element to arrays of Duals whose slopes are rates in time; set its constraints to zero."""
-    gather_unknowns(b, s, e)
+    gather_unknowns(b, s)
     columns, g_1 = integers(b.columns, b.n_rotations), dual_constraints(b)
     q, v, a, R = work(b)
     q_1, v_1, _, R_1 = seeded(b)
@@ -241,41 +250,40 @@ def gather_motion(b, s, e):
 
 
 @kernel
-def put_dual_derivatives(b, s, e):
+def put_dual_derivatives(b, s):
     """Store values, rates and second rates of the constraints of an element; the last are slopes of the rates."""
     multipliers, g_1 = integers(b.multipliers, (b.n, b.n_multipliers)), dual_constraints(b)
     g_out = floats(s.constraint_derivatives, (s.n_constraints, 3))
     for i in range(b.n_multipliers):
-        g_out[multipliers[e, i], 0] = g_1[i, 0].value
-        g_out[multipliers[e, i], 1] = g_1[i, 1].value
-        g_out[multipliers[e, i], 2] = g_1[i, 1].slope
+        g_out[multipliers[b.element, i], 0] = g_1[i, 0].value
+        g_out[multipliers[b.element, i], 1] = g_1[i, 1].value
+        g_out[multipliers[b.element, i], 2] = g_1[i, 1].slope
 
 
 @kernel
-def observation(b, s, e):
-    """Return the forces F (n_forces,) on an element, and its outputs (n_outputs,) and energies (4,), set to zero."""
+def put_observation(b, s):
+    """Copy the forces on an element to the work array F, and set its outputs and energies to zero."""
     slots, force = integers(b.output_slots, (b.n, b.n_forces)), floats(s.transmitted, s.n_transmitted)
     F = floats(b.F, b.n_forces)
     for i in range(b.n_forces):
-        F[i] = force[slots[e, i]]
-    y, energies = observed(b, s, e)
+        F[i] = force[slots[b.element, i]]
+    y, energies = observed(b, s)
     y[:] = 0.0
     energies[:] = 0.0
-    return F, y, energies
 
 
 @kernel
-def observed(b, s, e):
+def observed(b, s):
     """Return the outputs (n_outputs,) and energies (4,) of an element."""
-    y = floats(s.outputs + 8 * b.first_output, (b.n, b.n_outputs))[e]
-    return y, floats(s.energies + 32 * b.first_phase, (b.n, 4))[e]
+    y = floats(s.outputs + 8 * b.first_output, (b.n, b.n_outputs))[b.element]
+    return y, floats(s.energies + 32 * b.first_phase, (b.n, 4))[b.element]
 
 
 @kernel
-def add_energies(b, s, e):
+def add_energies(b, s):
     """Set to zero what vanishes in the phase of an element, and add its energies to the totals."""
-    y, energies = observed(b, s, e)
-    idle, total_out = idle_phases(b)[phase_of(b, s, e)], floats(s.energy, 4)
+    y, energies = observed(b, s)
+    idle, total_out = idle_phases(b)[phase_of(b, s)], floats(s.energy, 4)
     if idle[0]:
         energies[:] = 0.0
         for i in range(b.n_outputs):
@@ -286,15 +294,15 @@ def add_energies(b, s, e):
 
 
 @kernel
-def event_values_of(b, s, e):
+def event_values_of(b, s):
     """Return the array (n_events,) for the event values of an element."""
-    return floats(s.event_values + 8 * b.first_event, (b.n, b.n_events))[e]
+    return floats(s.event_values + 8 * b.first_event, (b.n, b.n_events))[b.element]
 
 
 @kernel
-def put_commands(b, s, e):
+def put_commands(b, s):
     """Write the numbers of the events by command: the value of the input, or NEVER of those that do not replace one."""
-    commands, q, g_out, first = integers(b.commands, (b.n_events, 2)), work(b)[0], event_values_of(b, s, e), 0
+    commands, q, g_out, first = integers(b.commands, (b.n_events, 2)), work(b)[0], event_values_of(b, s), 0
     for i in range(b.n_events):
         command, beyond = commands[i, 0], commands[i, 1]
         if command >= 0:
@@ -308,25 +316,25 @@ def put_commands(b, s, e):
 
 
 @kernel
-def clear_other_events(b, s, e):
+def clear_other_events(b, s):
     """Set the values of events that are not monitored in the phase of an element to -inf."""
-    phase, before, g_out = phase_of(b, s, e), integers(b.before, b.n_events), event_values_of(b, s, e)
+    phase, before, g_out = phase_of(b, s), integers(b.before, b.n_events), event_values_of(b, s)
     for i in range(b.n_events):
         if phase != before[i]:
             g_out[i] = -math.inf
 
 
 @kernel
-def new_memory_of(b, s, e):
+def new_memory_of(b, s):
     """Return the array (n_memory,) to which an element writes its memory."""
-    return floats(s.memory_out + 8 * b.first_memory, (b.n, b.n_memory))[e]
+    return floats(s.memory_out + 8 * b.first_memory, (b.n, b.n_memory))[b.element]
 
 
 @kernel
-def keep_memory(b, s, e):
+def keep_memory(b, s):
     """Undo what an element wrote to the values of its memory that are kept in its phase."""
-    kept, old, m_out = integers(b.kept, (b.n_phases, b.n_memory)), memory_of(b, s, e), new_memory_of(b, s, e)
-    phase = phase_of(b, s, e)
+    kept, old, m_out = integers(b.kept, (b.n_phases, b.n_memory)), memory_of(b, s), new_memory_of(b, s)
+    phase = phase_of(b, s)
     for i in range(b.n_memory):
         if kept[phase, i]:
             m_out[i] = old[i]

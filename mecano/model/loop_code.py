@@ -1,61 +1,83 @@
-"""The code of the loops of a kind: templates of loops.py, with the function of the kind among their globals."""
+"""The compiled loops, and the functions of a kind that they call: templates of element_calls.py with the function of
+the kind among their globals.
+"""
 
 import types
 from functools import cache
+from typing import NamedTuple
 
 from mecano.element_interface import UNUSED, record
 from mecano.jit.digest import digest
 from mecano.jit.store import Code, address
-from mecano.model.loops import (
-    commit,
-    constraint_derivatives,
-    dual_constraint_derivatives,
-    dual_tangent,
-    event_values,
-    no_event_values,
-    no_inertia,
-    observe,
-    plain_residual,
-    residual,
-    tangent,
-)  # fmt: skip
+from mecano.model import element_calls, loops
 
 NO_PARAMETERS = record(**{UNUSED: ()})
-# The function of a kind that each loop calls.
+# For each purpose: the loop, the template of the call, the function of the kind.
 PURPOSES = {
-    tangent: "force", residual: "force", dual_tangent: "residual", plain_residual: "residual",
-    constraint_derivatives: "constraint_derivatives", dual_constraint_derivatives: "constraints",
-    observe: "observe", event_values: "event_values", commit: "commit",
+    loops.tangent: (loops.tangent, element_calls.tangent, "force"),
+    loops.residual: (loops.residual, element_calls.force, "force"),
+    loops.constraint_derivatives: (
+        loops.constraint_derivatives, element_calls.constraint_derivatives, "constraint_derivatives"
+    ),
+    loops.observe: (loops.observe, element_calls.observe, "observe"),
+    loops.event_values: (loops.event_values, element_calls.event_values, "event_values"),
+    loops.commit: (loops.commit, element_calls.commit, "commit"),
 }  # fmt: skip
+BY_DUALS = loops.dual_tangent, element_calls.dual_residual, "residual"
+BY_RESIDUAL = loops.residual, element_calls.residual, "residual"
+BY_MOTION = loops.dual_constraint_derivatives, element_calls.moving_constraints, "constraints"
 
 
-def loop_of(kind, template):
-    """Return the address of the compiled loop ``template`` for a kind, or None if the kind has no such function."""
-    code = code_of(kind, template)
-    return None if code is None else _address(code)
+class Calls(NamedTuple):
+    """A loop, and the functions of a kind that it calls: Codes, or their addresses."""
+
+    loop: Code | int
+    function: Code | int
+    inertia: Code | int | None
 
 
-def code_of(kind, template):
-    """Return the Code of the loop ``template`` for a kind, or None if the kind has no such function."""
-    if kind.residual is not None:
-        alone = dual_tangent if kind.senses else plain_residual  # a sensor takes longer, but is compiled once
-        template = {tangent: dual_tangent, residual: alone}.get(template, template)
-    if kind.constraints is not None and template is constraint_derivatives:
-        template = dual_constraint_derivatives
-    function = getattr(kind, PURPOSES[template])
-    if template is event_values and function is None and kind.events:
-        return _code(template, no_event_values, None, NO_PARAMETERS, False)
-    inertia = kind.inertia if template is dual_tangent else None
-    return None if function is None else _code(template, function, inertia, kind.dtype, kind.of_rates)
+def calls_of(kind, purpose):
+    """Return the addresses of a loop and of what it calls as Calls, or None if the kind has no such function."""
+    found = codes_of(kind, purpose)
+    return None if found is None else Calls(*(code and _address(code) for code in found))
+
+
+def codes_of(kind, purpose):
+    """Return the Codes of a loop and of what it calls as Calls, or None if the kind has no such function."""
+    loop, template, name = _of(kind, purpose)
+    function, parameters = getattr(kind, name), kind.dtype
+    if function is None and purpose is loops.event_values and kind.events:
+        function, parameters = element_calls.no_event_values, NO_PARAMETERS
+    if function is None:
+        return None
+    inertia = kind.inertia if loop is loops.dual_tangent else None
+    return Calls(
+        loop_code(loop), _code(template, function, parameters),
+        None if inertia is None else _code(element_calls.inertia, inertia, parameters),
+    )  # fmt: skip
+
+
+def _of(kind, purpose):
+    """Return the loop of a purpose for a kind, the template of the call, and the name of the function of the kind."""
+    if kind.residual is not None and purpose is loops.tangent:
+        return BY_DUALS
+    if kind.residual is not None and purpose is loops.residual:
+        return BY_DUALS if kind.senses else BY_RESIDUAL  # a sensor takes longer, but is compiled once
+    if kind.constraints is not None and purpose is loops.constraint_derivatives:
+        return BY_MOTION
+    return PURPOSES[purpose]
 
 
 @cache
-def _code(template, function, inertia, parameters, of_rates):
-    """Return the Code of the loop; kinds with the same function and record of parameters share one."""
-    values = {
-        **template.__globals__, "function": function, "inertia": inertia or no_inertia,
-        "has_inertia": inertia is not None, "parameters": parameters, "of_rates": of_rates,
-    }  # fmt: skip
+def loop_code(loop):
+    """Return the Code of a loop."""
+    return Code(f"loop_{loop.__name__}", digest(loop), lambda compiler: compiler.loop_code(loop))
+
+
+@cache
+def _code(template, function, parameters):
+    """Return the Code of a call; kinds with the same function and record of parameters share one."""
+    values = {**template.__globals__, "function": function, "parameters": parameters}
     name = f"{template.__name__}_{function.__module__.rpartition('.')[2]}"
     bound = types.FunctionType(template.__code__, values, name)
     return Code(name, digest(bound), lambda compiler: compiler.loop_code(bound))

@@ -11,9 +11,11 @@ def fields(floats="", words=""):
     return np.dtype([(name, "f8") for name in floats.split()] + [(name, "i8") for name in words.split()], align=True)
 
 
-# Addresses of arrays, and their lengths (n, n_...); shapes as in batch.py.
+# Addresses of the functions of the kind, number of the present element, addresses of arrays, and their lengths
+# (n, n_...); shapes as in batch.py.
 BATCH = fields(
-    words="n n_local n_rotations n_multipliers first_reaction n_reactions n_output_dofs n_forces n_outputs n_phases "
+    words="function inertia element of_rates n n_local n_rotations n_multipliers first_reaction n_reactions "
+    "n_output_dofs n_forces n_outputs n_phases "
     "n_events n_memory p dofs rots slots columns entries multipliers output_dofs output_slots "
     "q v a R f K C M seeded F g idle before commands kept first_phase first_memory first_output first_event"
 )

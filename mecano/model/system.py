@@ -9,10 +9,10 @@ from mecano.maths.distinct import distinct
 from mecano.model import assembly_driver, loops
 from mecano.model.assembly import Assembly, Observation
 from mecano.model.assembly_driver import Loops
-from mecano.model.batch import batches
+from mecano.model.batch import batches, calling
 from mecano.model.expansion import expand
 from mecano.model.halves import halves
-from mecano.model.loop_code import PURPOSES, code_of, loop_of
+from mecano.model.loop_code import PURPOSES, calls_of, codes_of
 from mecano.model.loop_records import SYSTEM, record
 from mecano.model.mesh import divided
 from mecano.model.model import with_ground
@@ -89,7 +89,7 @@ class System:
         for b, code in zip(self.batches, codes[1:], strict=True):
             place = np.where(code >= 0, np.searchsorted(unique, code), self.nnz)
             b.entries = place.reshape(len(b.p), b.dofs.shape[1], b.dofs.shape[1])
-        self._divided_loops = {}  # by template
+        self._divided_loops = {}  # by purpose
 
     def _record(self):
         """Create the record SYSTEM of the loops, without arrays to be written, and the records of the batches."""
@@ -115,39 +115,40 @@ class System:
         return out
 
     def codes(self):
-        """Return the Codes of all loops of the model."""
-        found = [code_of(b.kind, template) for b in self.batches for template in PURPOSES]
-        return [code for code in found if code is not None]
+        """Return the Codes of all loops of the model, and of the functions that they call."""
+        found = [codes_of(b.kind, purpose) for b in self.batches for purpose in PURPOSES]
+        return [code for codes in found if codes is not None for code in codes if code is not None]
 
     @cached_property
     def halves(self):
         """Half to which each unknown belongs (n,), or None for a model that is not divided (halves.py)."""
         return halves(self.n, self.rows, self.cols, self.numbering.group)
 
-    def loops(self, template, chosen=None):
+    def loops(self, purpose, chosen=None):
         """Return the Loops of all kinds that have them.
 
         Of the batches ``chosen``, if given; otherwise the only loop may be that of a divided model.
         """
-        found = [None if chosen and not chosen(b) else loop_of(b.kind, template) for b in self.batches]
-        own = np.array([loop is not None for loop in found], bool)
-        if chosen is None and own.any() and self.halves is not None:
-            return self._divided(
-                template, [(b, at) for b, at in zip(self.batches, found, strict=True) if at is not None]
-            )
-        return Loops(np.array([loop for loop in found if loop is not None], np.int64), self._batch_records[own])
+        found = [None if chosen and not chosen(b) else calls_of(b.kind, purpose) for b in self.batches]
+        own = [i for i, calls in enumerate(found) if calls is not None]
+        if chosen is None and own and self.halves is not None:
+            return self._divided(purpose, [(self.batches[i], found[i]) for i in own])
+        records = self._batch_records[own]
+        for i, place in enumerate(own):
+            calling(records[i : i + 1], found[place])
+        return Loops(np.array([found[i].loop for i in own], np.int64), records)
 
-    def _divided(self, template, loops):
-        if template not in self._divided_loops:
+    def _divided(self, purpose, loops):
+        if purpose not in self._divided_loops:
             from mecano.model.divided_loops import DividedLoops  # no small model needs it
 
-            self._divided_loops[template] = DividedLoops(self, loops)
-        found = self._divided_loops[template]
+            self._divided_loops[purpose] = DividedLoops(self, loops)
+        found = self._divided_loops[purpose]
         return Loops(found.loops, found.batches)
 
-    def _bind(self, driver, template, chosen=None):
+    def _bind(self, driver, purpose, chosen=None):
         """Bind a ``driver`` of assembly_driver.py to the loops of one purpose for the batches ``chosen``."""
-        return driver.bind(self.loops(template, chosen))
+        return driver.bind(self.loops(purpose, chosen))
 
     @cached_property
     def signal_units(self):
@@ -249,9 +250,10 @@ class System:
         """Return the names of the elements whose own forces or tangents at ``s`` are not finite."""
         found, alone = [], Assembly(self)
         for b in self.batches:
-            loop = loop_of(b.kind, loops.tangent)
-            for e in range(len(b.p) if loop is not None else 0):
-                assemble = assembly_driver.assemble.bind(Loops(np.array([loop], np.int64), b.record_of(e)))
+            calls = calls_of(b.kind, loops.tangent)
+            for e in range(len(b.p) if calls is not None else 0):
+                alone_in_loop = Loops(np.array([calls.loop], np.int64), calling(b.record_of(e), calls))
+                assemble = assembly_driver.assemble.bind(alone_in_loop)
                 assemble(alone.record, s, self._no_turn, 1.0, 0.0, 1.0, 1.0, 1.0)
                 if not (np.isfinite(alone.forces).all() and np.isfinite(alone.data).all()):
                     found.append(b.names[e])
