@@ -27,11 +27,14 @@ class Library(JITCodeLibrary):
         return 0
 
     def optimized(self, name):
-        """Return the LLVM module of the function ``name``, optimized, in which only this function is visible."""
+        """Return the LLVM module of the function ``name``, optimized, in which only this function is visible.
+
+        Variables that numba adds for Python objects, of which nothing reads, are left out then.
+        """
         module = self._final_module
-        for function in module.functions:
-            if not function.is_declaration and function.name != name:
-                function.linkage = "internal"
+        for value in (*module.functions, *module.global_variables):
+            if not value.is_declaration and value.name != name:
+                value.linkage = "internal"
         super()._optimize_final_module()
         return self._final_module
 
