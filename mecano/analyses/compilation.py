@@ -1,10 +1,12 @@
 """Find and compile the functions that a run needs, before it begins."""
 
+from mecano.jit import store
 from mecano.jit.ahead import compile_ahead
 from mecano.model import assembly_driver, extremes, sampler
 from mecano.solve.events.events import some_happened
 from mecano.solve.linear import multifrontal
 from mecano.solve.linear.refactorization import LARGER
+from mecano.solve.time import increments
 from mecano.solve.time.error_bound import bound_error
 from mecano.solve.time.interpolate import between_states
 from mecano.solve.time.output import record_step
@@ -17,9 +19,11 @@ from mecano.solve.time.unresolved_oscillation import count_changes
 TIME_INTEGRATION = (
     multifrontal.solve, attempt, change_step, record_step, stride, multifrontal.substitute,
     assembly_driver.add, assembly_driver.assemble, assembly_driver.assemble_residual,
-    assembly_driver.constraint_derivatives, assembly_driver.observe, assembly_driver.event_values,
-    assembly_driver.commit, sampler.fill, count_changes, extremes.update, some_happened,
+    assembly_driver.constraint_derivatives, assembly_driver.observe, assembly_driver.commit, sampler.fill,
+    increments.move, increments.tangents, count_changes, extremes.update,
 )  # fmt: skip
+
+EVENTS = assembly_driver.event_values, some_happened, between_states
 
 
 def radau():
@@ -43,12 +47,14 @@ def divided():
 
 
 def compile_time_integration(system, time):
-    """Compile the time integration and the loops of all kinds of ``system`` on all cores, as far as no store has them.
+    """Load the time integration and the loops of ``system``; compile on all cores what no store has.
 
     ``time`` are the checked values of that section of the deck. Everything else is compiled when it is needed.
     """
     own = radau() if time["method"] == "radau" else (bound_error,) if time["adaptive"] else ()
-    own += (between_states,) if system.n_events else ()
+    own += EVENTS if system.n_events else ()
     own += (multifrontal.residual,) if system.n_events and system.n >= LARGER else ()  # repeated_steps.py
     further = [] if system.halves is None else divided()
-    compile_ahead([*(entry.code for entry in (*TIME_INTEGRATION, *own)), *system.codes(), *further])
+    codes = [*(entry.code for entry in (*TIME_INTEGRATION, *own)), *system.codes(), *further]
+    compile_ahead(codes)
+    store.load(codes)

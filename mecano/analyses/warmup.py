@@ -7,7 +7,7 @@ from pathlib import Path
 from pkgutil import walk_packages
 
 from mecano import constraints, elements
-from mecano.analyses.compilation import TIME_INTEGRATION, divided, radau
+from mecano.analyses.compilation import EVENTS, TIME_INTEGRATION, divided, radau
 from mecano.analyses.dynamic import run
 from mecano.analyses.prepare import prepare
 from mecano.analyses.static import run as run_static
@@ -86,7 +86,7 @@ def _longer(time):
 def _compile(kinds, further=()):
     found = [codes_of(kind, purpose) for kind in kinds for purpose in PURPOSES]
     codes = [code for codes in found if codes is not None for code in codes if code is not None]
-    compile_ahead([*(entry.code for entry in (*TIME_INTEGRATION, bound_error, *radau())), *codes, *further])
+    compile_ahead([*(entry.code for entry in (*TIME_INTEGRATION, *EVENTS, bound_error, *radau())), *codes, *further])
     for code in codes:
         store.address(code)
 

@@ -24,6 +24,7 @@ from mecano.jit import convention, indexing, memory, methods, symbols  # noqa: F
 from mecano.jit.aggregates import known_items
 from mecano.jit.array_object import ALIGNED, C_CONTIGUOUS, WRITEABLE, fits
 from mecano.jit.arrays import array_object, refuse
+from mecano.jit.digest import digest
 from mecano.jit.entry import Array
 from mecano.jit.library import not_loaded
 from mecano.jit.named_tuple import classes, gathered
@@ -91,7 +92,7 @@ def compiled(function):
 
 def loop_code(function):
     """Return (symbol, machine code) of a C function of two addresses that returns nothing."""
-    return _machine_code(LOOP, function)
+    return _machine_code(LOOP, function, digest(function))
 
 
 def entry_code(entry):
@@ -103,7 +104,7 @@ def entry_code(entry):
     source, names = _unpacking(entry)
     exec(compile(source, f"<entry {entry.__qualname__}>", "exec"), names)
     result = types.void if entry.several or not entry.returns else NUMBERS[entry.returns[0]]
-    return _machine_code(result(types.int64, types.int64), names["entry"])
+    return _machine_code(result(types.int64, types.int64), names["entry"], digest(entry.__wrapped__))
 
 
 def _unpacking(entry):
@@ -142,16 +143,16 @@ def _required(kind: Array, is_written):
     return f"{kind.dimensions}, {flags}, {letters}, {kind.dtype.itemsize}"
 
 
-def _machine_code(signature, function):
+def _machine_code(signature, function, key):
     """Return (symbol, machine code) of a Python function as a C function with this numba signature.
 
-    Raises SystemError if it needs functions that are not available. A signal interrupts the compiler, which takes
-    seconds.
+    The symbol consists of the ``key``, so that no two functions share one. A signal interrupts the compiler, which
+    takes seconds. Raises SystemError if the code needs functions that are not available.
     """
-    return call_interruptibly(_code_of, signature, function)
+    return call_interruptibly(_code_of, signature, function, key)
 
 
-def _code_of(signature, function):
+def _code_of(signature, function, key):
     _learn_methods()
     with not_loaded(), shortcuts(), known_items(), convention.without_errors_and_references():
         function = cfunc(signature, error_model="numpy", pipeline_class=KernelCompiler)(function)
@@ -164,7 +165,9 @@ def _code_of(signature, function):
     module.link_in(llvm.parse_assembly(str(_ending(variables))))
     for name in variables:  # avoids a table of addresses, which a loader may place too far away
         module.get_global_variable(name).visibility = "hidden"
-    return function.native_name, _target().emit_object(module)
+    symbol = f"mecano_{key}"
+    module.get_function(function.native_name).name = symbol
+    return symbol, _target().emit_object(module)
 
 
 def _ending(variables):
