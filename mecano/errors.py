@@ -1,5 +1,6 @@
 """Errors that a user can cause or encounter, each with the exit code of the command line."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import field
 from enum import Enum
 
@@ -55,7 +56,7 @@ class DeckError(MecanoError):
 
     exit_code = 2
 
-    def __init__(self, problems, unchecked=""):
+    def __init__(self, problems: Iterable[Problem], unchecked: str = ""):
         self.problems, self.unchecked = list(problems), unchecked
         super().__init__("\n".join(f"{p.mark}: {p.message}" if p.mark else p.message for p in self.problems))
 
@@ -86,7 +87,7 @@ class AssemblyError(MecanoError):
 
     exit_code = 4
 
-    def __init__(self, message, failure=Failure.NOT_CONVERGED, timed=False):
+    def __init__(self, message: str, failure: Failure = Failure.NOT_CONVERGED, timed: bool = False):
         self.failure, self.timed = failure, timed
         super().__init__(message)
 
@@ -119,7 +120,7 @@ class UnknownNameError(ResultsError):
     exit_code = 2
 
 
-def name_list(names, most, separator=", "):
+def name_list(names: Sequence[str], most: int, separator: str = ", ") -> str:
     """Return up to ``most`` names as text, with the number of further ones: "a, b, and 3 more"."""
     more = len(names) - most
     return separator.join([*names[:most], *([f"and {more} more"] if more > 0 else [])])

@@ -6,7 +6,12 @@ import signal
 import sys
 import threading
 import time
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, TypeVar
+
+if TYPE_CHECKING:
+    from types import FrameType
 
 CLOCK = getattr(signal, "SIGALRM", 14)  # Windows has none: there the clock is checked between steps only
 CODES = {"SIGINT": 130, "SIGTERM": 143, "SIGHUP": 129, "SIGXCPU": 152, "SIGUSR1": 75}
@@ -20,12 +25,13 @@ RESERVE, LARGEST_RESERVE = 0.05, 30.0  # share of the wall-clock time, and [s] a
 UNITS = re.compile(r"(?:(\d{1,9})d)?(?:(\d{1,9})h)?(?:(\d{1,9})m)?(?:(\d{1,12})s?)?")
 OF_A_CLOCK = re.compile(r"(?:(\d{1,9})-)?(\d{1,9}):(\d\d):(\d\d)")
 LONGEST_LIMIT = 10**9  # s, thirty years: a timer of the system takes no more than nine times as much
+T = TypeVar("T")
 
 
 class Stopped(KeyboardInterrupt):
     """The run was stopped by a signal or by the limit of wall-clock time; ``exit_code`` is that of the process."""
 
-    def __init__(self, number, further=""):
+    def __init__(self, number: int, further: str = ""):
         self.exit_code = EXIT_CODES[number]
         super().__init__(f"stopped by {WORDS.get(number) or signal.Signals(number).name}{further}")
 
@@ -41,13 +47,15 @@ class Interruption:
         Command that resumes the run, for messages.
     """
 
-    def __init__(self, limit=None, again=""):
+    def __init__(self, limit: float | None = None, again: str = ""):
         self.again = again
         self._deadline = float("inf") if limit is None else BEGUN + limit - min(RESERVE * limit, LARGEST_RESERVE)
-        self._number, self._postponed = None, False
-        self._asked, self._longest = None, 0.0
+        self._number: int | None = None  # of the signal that was received, or of the clock
+        self._postponed = False
+        self._asked: float | None = None  # time [s] of the last call of ``wanted``
+        self._longest = 0.0
 
-    def listen(self, numbers=SIGNALS):
+    def listen(self, numbers: Iterable[int] = SIGNALS) -> None:
         """Handle these signals and the clock from now on; SIGHUP stays ignored under `nohup`."""
         sys.unraisablehook = _unraisable
         for number in numbers:
@@ -56,7 +64,7 @@ class Interruption:
         if self._deadline < float("inf") and hasattr(signal, "setitimer"):
             signal.setitimer(signal.ITIMER_REAL, max(self._deadline - time.monotonic(), 1e-6))
 
-    def _ask(self, number, frame):
+    def _ask(self, number: int, frame: "FrameType | None") -> None:
         again, self._number = self._number is not None, self._number or number
         if not self._postponed:
             raise Stopped(number)  # may be lost where exceptions cannot propagate; ``wanted`` still returns True
@@ -64,7 +72,7 @@ class Interruption:
             raise self.stopped("within a step")
 
     @contextmanager
-    def postponed(self):
+    def postponed(self) -> Iterator[None]:
         """Postpone the end of the process in this block to ``wanted``, ``call_interruptibly``, or a second SIGINT."""
         self._postponed = True
         try:
@@ -72,7 +80,7 @@ class Interruption:
         finally:
             self._postponed = False
 
-    def check(self, what, left, ending):
+    def check(self, what: str, left: float, ending: float) -> None:
         """Raise an exception if an activity before the time integration must not continue.
 
         Parameters
@@ -91,7 +99,7 @@ class Interruption:
         UsageError
             The limit of wall-clock time leaves none for the integration, and would not if the run were repeated.
         """
-        if self._number not in (None, CLOCK):
+        if self._number is not None and self._number != CLOCK:
             raise Stopped(self._number, f" while {what}; the file is unchanged")
         now = time.monotonic()
         if now + ending > self._deadline:
@@ -103,7 +111,7 @@ class Interruption:
                 "no time for a step; allow several times as much. The file is unchanged"
             )
 
-    def wanted(self, now, ending=0.0):
+    def wanted(self, now: float, ending: float = 0.0) -> bool:
         """Return whether the process must end now, as the time limit may not allow to wait for the next call.
 
         ``now`` is monotonic time [s], ``ending`` the time to end the process [s].
@@ -115,17 +123,18 @@ class Interruption:
             self._number = CLOCK
         return self._number is not None
 
-    def raise_if_asked(self, where):
+    def raise_if_asked(self, where: str) -> None:
         """Raise Stopped if a signal was received, for instance where its own exception was lost."""
         if self._number is not None:
             raise self.stopped(where)
 
-    def stopped(self, where):
+    def stopped(self, where: str) -> Stopped:
         """Return the exception that ends the run; ``where`` describes the place, such as "at t = 1 s"."""
+        assert self._number is not None, "nothing has asked for the end"
         return Stopped(self._number, f" {where}; continue with: {self.again}" if self.again else f" {where}")
 
 
-def call_interruptibly(call, *arguments):
+def call_interruptibly(call: Callable[..., T], *arguments: Any) -> T:
     """Return ``call(*arguments)``, executed in a separate thread, so that a signal interrupts the wait at once.
 
     Python runs signal handlers only in the main thread, between two of its instructions, hence not while a library
@@ -135,7 +144,8 @@ def call_interruptibly(call, *arguments):
     global _waits_for_a_call
     if threading.current_thread() is not threading.main_thread():
         return call(*arguments)
-    outcome, done = [], threading.Event()
+    outcome: list[Any] = []
+    done = threading.Event()
     _waits_for_a_call = True
     try:
         usual = threading.stack_size(STACK)
@@ -164,7 +174,7 @@ def _keep_outcome(outcome, done, call, arguments):
     done.set()
 
 
-def stopped_by(error):
+def stopped_by(error: BaseException | None) -> Stopped | None:
     """Return the Stopped in the chain of an exception, or None; compiled code may replace it by another exception."""
     seen = set()  # a chain of exceptions may be cyclic
     while error is not None and not isinstance(error, Stopped) and id(error) not in seen:
@@ -179,13 +189,13 @@ def _unraisable(lost):
         sys.__unraisablehook__(lost)
 
 
-def again():
+def again() -> str:
     """Return the command that resumes the command of this process."""
     words = [word for word in sys.argv[1:] if word not in ("--force", "--resume")]
     return shlex.join(["mecano", *words, "--resume"])
 
 
-def seconds(text):
+def seconds(text: str) -> int:
     """Return the seconds of "3600", "2h30m", "1d", "90s", "02:30:00" or, as in Slurm, "1-02:30:00".
 
     Raises UsageError.

@@ -3,6 +3,13 @@
 import errno
 import mmap
 import sys
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+    import numpy as np
 
 WORDS = (  # in errors of the dynamic loader, of threads, of C++ and of HDF5
     "failed to map segment from shared object",
@@ -17,7 +24,7 @@ SCIPY = 144 * 2**20  # bytes of address space: the libraries of scipy.linalg, an
 WITH_BLAS = ("scipy.linalg", "scipy.sparse.linalg")  # modules that load it first
 
 
-def is_lack_of_memory(error):
+def is_lack_of_memory(error: BaseException | None) -> bool:
     """Decide whether an exception, or one in its chain of causes, reports a lack of memory."""
     seen = set()
     while error is not None and id(error) not in seen:
@@ -41,7 +48,7 @@ def _is_room():
     return True
 
 
-def require_memory(size):
+def require_memory(size: int) -> None:
     """Raise MemoryError if ``size`` bytes cannot be had, before a library that would abort the process without them."""
     try:
         mmap.mmap(-1, size).close()
@@ -49,7 +56,7 @@ def require_memory(size):
         raise MemoryError from None
 
 
-def reserve_blas_buffer(solve=None):
+def reserve_blas_buffer(solve: "Callable[[np.ndarray, np.ndarray], object] | None" = None) -> None:
     """Let a BLAS allocate its buffer, as OpenBLAS does at its first use; raise MemoryError if there is no room for it.
 
     Without room, OpenBLAS itself would end the process with exit code 1 (that of NumPy) or try for ever (that of
@@ -68,13 +75,13 @@ class RoomForSciPy:
     """
 
     @classmethod
-    def find_spec(cls, name, path=None, target=None):
+    def find_spec(cls, name: str, path: Sequence[str] | None = None, target: "ModuleType | None" = None) -> None:
         """Require memory before the first module that loads a BLAS."""
         if name in WITH_BLAS:
             require_memory(SCIPY)
             sys.meta_path.remove(cls)
 
 
-def guard_imports():
+def guard_imports() -> None:
     """Let the import of SciPy raise MemoryError in this process where there is no room for it."""
     sys.meta_path.insert(0, RoomForSciPy)
