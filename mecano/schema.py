@@ -5,10 +5,12 @@ The deck check, `mecano explain`, the documentation and the JSON Schema are all 
 
 from collections.abc import Callable
 from dataclasses import field
+from typing import Any, TypeAlias
 
 from mecano.immutable import immutable
 
 REQUIRED = object()
+Values: TypeAlias = dict[str, Any]  # checked values of a mapping in a deck: name of the field -> value
 
 
 @immutable
@@ -129,7 +131,7 @@ class Field:
     unit: str
     doc: str
     default: object = field(default=REQUIRED)
-    check: Callable[[object], str | None] | None = None
+    check: Callable[[Any], str | None] | None = None
     argument: str = ""
 
     @property

@@ -5,6 +5,7 @@ crashes on deeply nested input and expands aliases without bound. Anchors and al
 """
 
 import re
+from typing import Any, TypeAlias
 
 import yaml
 
@@ -23,6 +24,8 @@ NAME = re.compile(r"[^\W\d][\w$()-]*")
 LONGEST_FORMULA = 1000  # characters of one without quotes
 ITEM_START = frozenset("-+.0123456789$(")  # of an item of a list that is a number
 CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
+
+Content: TypeAlias = Any  # of a node: a scalar, a list of nodes, or {key: (node of the key, node)}
 
 
 class Node:

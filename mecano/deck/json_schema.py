@@ -5,6 +5,7 @@ It describes keys and types; names, physics and dimensions are left to `mecano c
 
 import json
 import math
+from typing import Any, TypeAlias
 
 from mecano.deck.expanded_sections import EXPANDED_SECTIONS, REPEAT
 from mecano.deck.sections import SECTIONS
@@ -19,6 +20,7 @@ BOUNDS = {positive: {"exclusiveMinimum": 0}, not_negative: {"minimum": 0}, share
 TEXT, NULL = {"type": "string"}, {"type": "null"}
 WORKED_OUT = {"type": "string", "pattern": EXPRESSION}
 NUMBER = {"$ref": "#/definitions/number"}
+Schema: TypeAlias = dict[str, Any]  # JSON Schema, or a part of one, as plain data
 LAW = {"$ref": "#/definitions/law"}
 
 

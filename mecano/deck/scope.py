@@ -1,7 +1,10 @@
 """Shared state of the checks of a deck: problems found so far, current subject, parameters and references."""
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any, Final, TypeAlias
 
 from mecano.deck.compose import Given, Node
 from mecano.deck.expressions import ExpressionError, evaluate, is_evaluated, is_expression, names_in
@@ -30,7 +33,16 @@ MOST_PARAMETERS_DEEP = 10  # parameters given by one another
 BARE = re.compile(r"\$([A-Za-z_][A-Za-z0-9_-]*)")  # nothing but a parameter
 MOST_NODES = 1000  # of a value, in which parameters are looked for
 DEFAULT = Source("default", "")
-INVALID = object()  # stands for a value that has been refused
+
+
+class Invalid(Enum):
+    """The type of INVALID, which stands for a value that has been refused."""
+
+    INVALID = "invalid"
+
+
+INVALID: Final = Invalid.INVALID
+Check: TypeAlias = "Callable[[Node, Field, Scope], Any]"  # returns the checked value of a node, or INVALID
 
 
 @dataclass(eq=False, repr=False)

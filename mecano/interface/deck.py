@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, MutableMapping
 from contextlib import contextmanager
 from copy import deepcopy
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import yaml
@@ -18,6 +18,9 @@ from mecano.deck.read import deck_of_bytes, read_deck
 from mecano.deck.scalar import resolved
 from mecano.deck.source import Unreadable, read_source
 from mecano.errors import DeckError, Mark, Problem, UsageError
+
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck as CheckedDeck
 
 WIDTH = 110
 
@@ -111,7 +114,7 @@ AnyDeck = AnyPath | Deck | Mapping[str, Any]
 Values = Mapping[str, Any]  # {"path.to.key": value}
 
 
-def checked_deck(deck, overrides):
+def checked_deck(deck: AnyDeck, overrides: Values | None) -> "CheckedDeck":
     """Return the checked deck of a path, Deck or dict; ``overrides`` {"path.to.key": value}. Raises DeckError."""
     texts = _override_texts(overrides)
     if isinstance(deck, Mapping) and not isinstance(deck, Deck):
@@ -147,7 +150,7 @@ def _yaml(value, flow, width):
         ) from None
 
 
-def name_of(deck):
+def name_of(deck: AnyDeck) -> str:
     """Return the stem of the names of results files of a path, Deck or dict."""
     if isinstance(deck, Mapping):
         return deck.name if isinstance(deck, Deck) else "deck"
@@ -155,7 +158,7 @@ def name_of(deck):
 
 
 @contextmanager
-def explained():
+def explained() -> Iterator[None]:
     """Format a DeckError as the command line does: lines of the deck, carets, suggestions."""
     try:
         yield

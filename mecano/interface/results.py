@@ -12,8 +12,11 @@ from mecano.results import reader
 from mecano.results.layout import AXES
 
 if TYPE_CHECKING:
+    from types import ModuleType
+
     import pandas
     import xarray
+    from matplotlib.figure import Figure
 
 
 class Results(reader.Results):
@@ -134,7 +137,7 @@ class Results(reader.Results):
 class Plot:
     """A plot displayed by notebooks; ``figure`` is the Figure of matplotlib."""
 
-    def __init__(self, figure):
+    def __init__(self, figure: "Figure"):
         self.figure = figure
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -164,7 +167,7 @@ def _dotted(path):
     return path.replace("/", ".")
 
 
-def imported(library, method):
+def imported(library: str, method: str) -> "ModuleType":
     """Import an optional library. Raises ImportError with the command that installs it."""
     try:
         return import_module(library)

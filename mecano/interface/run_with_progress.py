@@ -2,13 +2,27 @@
 
 from functools import partial
 from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from mecano.analyses.progress import Progress, StaticProgress
 from mecano.errors import UsageError
 from mecano.results.writer import refuse_other_ending
 
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck
+    from mecano.process.interrupt import Interruption
 
-def run_with_progress(checked, path, *, force=False, resume=False, checkpoint=None, quiet=False, interruption=None):
+
+def run_with_progress(
+    checked: "Deck",
+    path: str,
+    *,
+    force: bool = False,
+    resume: bool = False,
+    checkpoint: float | None = None,
+    quiet: bool = False,
+    interruption: "Interruption | None" = None,
+) -> None:
     """Solve a checked deck and write the results file ``path``; options and errors as in ``mecano.run``."""
     refuse_other_ending(path, "`mecano export` writes columns (.csv)")
     static = checked.values["static"]
@@ -17,7 +31,9 @@ def run_with_progress(checked, path, *, force=False, resume=False, checkpoint=No
     progress = StaticProgress(static, quiet, path) if static else Progress(checked.values["time"], quiet, path)
     runs = import_module("mecano.analyses.static" if static else "mecano.analyses.dynamic")
     begin = runs.resume if resume else partial(runs.run, force=force)
-    options = {"observers": (progress,)} if static else {"reporters": (progress,), "interruption": interruption}
+    options: dict[str, Any] = (
+        {"observers": (progress,)} if static else {"reporters": (progress,), "interruption": interruption}
+    )
     if checkpoint is not None:
         options["interval"] = checkpoint
     with progress.announcing_compiling():

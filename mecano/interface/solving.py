@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +19,9 @@ from mecano.interface.run_with_progress import run_with_progress
 from mecano.process.cores import cores
 from mecano.process.interrupt import Interruption
 from mecano.solve.modal import SOLVERS
+
+if TYPE_CHECKING:
+    from mecano.results.study_file import StudyTable
 
 
 def run(
@@ -245,7 +249,7 @@ def sweep(
 class Study:
     """Table of a study; ``study[name]`` is the array of a column."""
 
-    def __init__(self, table):
+    def __init__(self, table: "StudyTable"):
         self._columns = {one.name: one for one in table.columns}
 
     @property
@@ -266,7 +270,7 @@ class Study:
             raise UnknownNameError(f"no column '{name}' in this study: there are {', '.join(self._columns)}")
         return self._columns[name].values
 
-    def to_pandas(self):
+    def to_pandas(self) -> Any:
         """Return a DataFrame with a row for each case. Raises ImportError without pandas."""
         from mecano.interface.results import imported
 
@@ -287,7 +291,7 @@ def _require(valid, option, value, wanted):
 
 
 @contextmanager
-def interruptible(interruption):
+def interruptible(interruption: Interruption) -> Iterator[None]:
     """Let an Interruption handle Ctrl-C within the block, and restore the handlers at its end.
 
     Does nothing outside the main thread, which alone receives signals.
@@ -304,7 +308,7 @@ def interruptible(interruption):
         sys.unraisablehook = hook
 
 
-def resuming(deck, path, overrides):
+def resuming(deck: AnyDeck, path: str, overrides: Values | None) -> str:
     """Return the Python call that resumes a run, for messages."""
     words = ["deck" if isinstance(deck, Mapping) else repr(os.fspath(deck)), repr(path)]
     words += [f"set={dict(overrides)!r}"] if overrides else []

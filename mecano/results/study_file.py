@@ -4,6 +4,7 @@ import csv
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeAlias
 
 import h5py
 import numpy as np
@@ -20,6 +21,7 @@ TEXT = h5py.string_dtype()
 BETWEEN = " | "  # two warnings of a case
 FAIL = "fail"  # verdict on a case with an output beyond its limits
 LIMITS = "at_least", "at_most"
+Bounds: TypeAlias = tuple[float | None, float | None]  # smallest and largest value of a case that passes, if limited
 ENDLESS = -np.inf, np.inf
 
 
@@ -32,7 +34,7 @@ class Column:
     unit: str
     doc: str
     values: np.ndarray
-    limits: tuple = (None, None)  # smallest and largest value of a case that passes
+    limits: Bounds = (None, None)
 
     @property
     def numeric(self):

@@ -5,16 +5,25 @@ import logging
 import queue
 import signal
 import subprocess
+from collections.abc import Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 from uuid import uuid4
 
 from mecano.errors import UsageError
 from mecano.process.lifeline import popen_options
-from mecano.study.folder import STOPPED, Record
-from mecano.study.pool import END_BY, LOOK, PROGRAM, case_words, gist
+from mecano.study.folder import STOPPED, Folder, Record
+from mecano.study.pool import END_BY, LOOK, PROGRAM, Ended, Limits, case_words, gist
+
+if TYPE_CHECKING:
+    import os
+
+    from distributed import Client, Future
+
+    from mecano.study.read import Case
 
 PATIENCE = 10  # s until a scheduler must answer
 ASK = 1.0  # s between two checks of a worker for the end of the study
@@ -22,7 +31,7 @@ MISSING = "--executor dask needs Dask, which is not installed: pip install mecan
 AT_ONCE = 2  # signals that end the study without waiting for its cases
 
 
-def require(scheduler=None):
+def require(scheduler: str | None = None) -> None:
     """Raise UsageError if Dask is not installed, or the ``scheduler`` at an address does not answer."""
     if not find_spec("distributed"):
         raise UsageError(MISSING)
@@ -40,7 +49,9 @@ def _connected(scheduler):
         raise UsageError(f"no Dask scheduler answers at {scheduler}: {error}") from error
 
 
-def run_in_tasks(folder, cases, ended, *, limits, jobs, scheduler=None):
+def run_in_tasks(
+    folder: Folder, cases: "Sequence[Case]", ended: Ended, *, limits: Limits, jobs: int, scheduler: str | None = None
+) -> int | None:
     """Run cases on the workers of the ``scheduler`` at an address, which share the folder, or ``jobs`` at a time here.
 
     ``ended`` and the return value: see ``Pool``. Raises UsageError without Dask, or if no scheduler answers.
@@ -62,16 +73,17 @@ def run_in_tasks(folder, cases, ended, *, limits, jobs, scheduler=None):
 class Tasks:
     """Runner of cases as tasks of a Dask client; otherwise like ``Pool``."""
 
-    def __init__(self, folder, limits, ended, client):
+    def __init__(self, folder: Folder, limits: Limits, ended: Ended, client: "Client"):
         self.folder, self.ended, self.client = folder, ended, client
         self.words = case_words(folder, limits)
-        self.asked = []  # received signals that end the study
+        self.asked: list[int] = []  # received signals that end the study
 
-    def run(self, cases):
+    def run(self, cases: "Sequence[Case]") -> int | None:
         """Run all cases to their ends, or until a signal ends them; return the number of the signal, or None."""
         from distributed import Event
 
-        stop, done = Event(f"mecano-{uuid4()}", client=self.client), queue.SimpleQueue()
+        stop = Event(f"mecano-{uuid4()}", client=self.client)
+        done: queue.SimpleQueue[Future] = queue.SimpleQueue()  # tasks that have ended
         futures = {self._submit(case, stop.name, done): case for case in cases}
         with self._listening():
             while futures and self.client.status == "running" and len(self.asked) < AT_ONCE:
@@ -117,7 +129,7 @@ class Tasks:
                 signal.signal(number, handler)
 
 
-def run_case(words, file, stop):
+def run_case(words: Sequence[str], file: "str | os.PathLike[str]", stop: str) -> Record | None:
     """Run a case on a worker by the ``words`` of a command; return the Record that its process wrote to ``file``.
 
     The process is terminated once the Event named ``stop`` is set; if it is already set, None is returned. Raises
@@ -125,27 +137,27 @@ def run_case(words, file, stop):
     """
     from distributed import Event
 
-    stop, before = Event(stop), _content(file)
-    if stop.is_set():
+    asked, before = Event(stop), _content(file)
+    if asked.is_set():
         return None
     process = subprocess.Popen(
         [*PROGRAM, *words], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
         process_group=0, **popen_options(),
     )  # fmt: skip
-    said = _said(process, stop)
+    said = _said(process, asked)
     content = _content(file)
     if content == before:
         raise RuntimeError(gist(said) or f"exit code {process.returncode}")
     return Record(**json.loads(content)["ended"])
 
 
-def _said(process, stop):
+def _said(process, asked):
     """Wait until a process ends, and terminate it once the Event is set; return its error output."""
     while True:
         try:
             return process.communicate(timeout=ASK)[1]
         except subprocess.TimeoutExpired:
-            if stop.is_set():
+            if asked.is_set():
                 process.terminate()
 
 

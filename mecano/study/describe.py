@@ -1,7 +1,7 @@
 """Description of the study file as text and as JSON Schema, from the declarations used to read it."""
 
 from mecano.deck.describe import field_lines
-from mecano.deck.json_schema import file_schema
+from mecano.deck.json_schema import Schema, file_schema
 from mecano.study.grammar import FIELDS, SPAN_FIELDS
 
 EXAMPLE = """\
@@ -24,14 +24,14 @@ outputs:
 """
 
 
-def explain_study():
+def explain_study() -> str:
     """Return the text on study files: the meaning of each field, and an example."""
     lines = ["study (a file of its own, for mecano sweep)", "", "Fields", *field_lines(FIELDS)]
     lines += ["", "Values of a grid at equal distances", *field_lines(SPAN_FIELDS), "", "Example"]
     return "\n".join([*lines, *(f"  {line}" for line in EXAMPLE.splitlines()), "", "More: docs/studies.md"])
 
 
-def study_schema():
+def study_schema() -> Schema:
     """Return the JSON Schema of study files as plain data."""
     schema = file_schema("study", FIELDS, [field.name for field in FIELDS if field.required], {})
     del schema["properties"]["outputs"]["additionalProperties"]["properties"]["repeat"]  # only decks repeat

@@ -2,21 +2,26 @@
 
 import re
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from mecano.deck.overrides import shown
-from mecano.errors import DeckError
+from mecano.errors import DeckError, Mark
+from mecano.study.grammar import Entries, Entry
+
+if TYPE_CHECKING:
+    from mecano.study.read import Case, Study
 
 SET = re.compile(r"(--set .+?):1:(\d+)(?=: )")
 MOST_REPORTED = 3  # values of a case
 
 
-def in_study(error, study, case):
+def in_study(error: DeckError, study: "Study", case: "Case") -> DeckError:
     """Return the DeckError of a case with positions in the study; errors of the deck itself name the case."""
     places = _places(study.entries(case))
     return DeckError([_moved(problem, places, case) for problem in error.problems], error.unchecked)
 
 
-def line_in_study(said, study, case):
+def line_in_study(said: str, study: "Study", case: "Case") -> str:
     """Return an error line of `mecano run` with its position in the study."""
     places = _places(study.entries(case))
     return SET.sub(lambda match: str(_mark(*places[match[1]], int(match[2]))) if match[1] in places else match[0], said)
@@ -33,11 +38,11 @@ def _moved(problem, places, case):
     return replace(problem, hint=f"{problem.hint}; {hint}" if problem.hint else hint)
 
 
-def _places(entries):
+def _places(entries: Entries) -> dict[str, tuple[str, Entry]]:
     """Return {text shown in place of a file: (path, Entry)}."""
     return {shown(path): (path, entry) for path, entry in entries.items()}
 
 
-def _mark(path, entry, column):
+def _mark(path: str, entry: Entry, column: int) -> Mark:
     """Return the Mark of the path, or of the value, for a column of "path=value"."""
     return (entry.key if column <= len(path) else entry.node).mark

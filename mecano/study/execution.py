@@ -2,26 +2,34 @@
 
 import os
 import subprocess
-from typing import NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from mecano.analyses.progress import COMPILING, StudyProgress
 from mecano.errors import BeyondLimitsError, IncompleteStudyError, UsageError
-from mecano.process.interrupt import Stopped
+from mecano.process.interrupt import Interruption, Stopped
 from mecano.process.interrupt import again as this_command
 from mecano.process.lifeline import popen_options
-from mecano.study.folder import COMPLETE, FAILED
-from mecano.study.pool import PROGRAM, Pool
+from mecano.study.folder import COMPLETE, FAILED, Folder, Record
+from mecano.study.pool import PROGRAM, Ended, Limits, Pool
 from mecano.study.table import Table
+
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck
+    from mecano.study.read import Case
+
+RunCases: TypeAlias = "Callable[[Folder, Sequence[Case], Ended], int | None]"
+"""Runs cases; returns the number of the signal that ended them, or None"""
 
 
 class Due(NamedTuple):
     """Cases to run, and those of them that start again: their files are removed first."""
 
-    cases: list
-    again: list
+    cases: "list[Case]"
+    again: "list[Case]"
 
 
-def due(folder, *, resume=False, failed=False, force=False):
+def due(folder: Folder, *, resume: bool = False, failed: bool = False, force: bool = False) -> Due:
     """Return what is Due: all cases of a new study, the incomplete cases of one that has begun.
 
     Failed cases are included only with ``failed``; these and, with ``force``, all cases start again. Raises UsageError
@@ -40,7 +48,7 @@ def due(folder, *, resume=False, failed=False, force=False):
     return Due([case for case in cases if records[case.number].status not in done], again)
 
 
-def clear(folder, cases):
+def clear(folder: Folder, cases: "Sequence[Case]") -> None:
     """Remove all files of some cases. Raises UsageError if another process runs cases of the study."""
     if cases and folder.begun():
         with folder.held():
@@ -69,7 +77,16 @@ def _compile_first(deck, announce):
             raise
 
 
-def execute(deck, folder, units, due, run_cases, interruption, *, quiet=False):
+def execute(
+    deck: "Deck",
+    folder: Folder,
+    units: Mapping[str, str],
+    due: Due,
+    run_cases: RunCases,
+    interruption: Interruption,
+    *,
+    quiet: bool = False,
+) -> Table:
     """Delete the cases that run again, compile what the Deck needs, run the cases, write and return the Table.
 
     Parameters
@@ -120,19 +137,22 @@ def _with_table(folder, units, cases, run_cases, progress, resume_by):
     return table
 
 
-def one_case(folder, number, limits):
+def one_case(folder: Folder, number: int, limits: Limits) -> int:
     """Run one case by its number, as a task of an array does; return its exit code. Raises UsageError."""
     if not 1 <= number <= len(folder.study.cases):
         raise UsageError(f"there is no case {number}: the study has {len(folder.study.cases)}")
-    case, codes = folder.study.cases[number - 1], []
+    case = folder.study.cases[number - 1]
+    ended: list[Record] = []
     with folder.held(alone=False):
-        number = Pool(folder, 1, limits, lambda case, record: codes.append(record.exit_code)).run([case])
-    if not codes:
-        raise Stopped(number, f" before case {case.number} was begun")
-    return codes[0] if codes[0] >= 0 else 128 - codes[0]
+        signal = Pool(folder, 1, limits, lambda case, record: ended.append(record)).run([case])
+    if signal is not None and not ended:
+        raise Stopped(signal, f" before case {case.number} was begun")
+    code = ended[0].exit_code
+    assert code is not None, "a case that has ended has an exit code"
+    return code if code >= 0 else 128 - code
 
 
-def collect(folder, units):
+def collect(folder: Folder, units: Mapping[str, str]) -> Table:
     """Write the table of the existing cases, with the ``units`` of the varied values; return the Table.
 
     Raises UsageError if the study has no folder.
@@ -144,7 +164,7 @@ def collect(folder, units):
     return table
 
 
-def judge(table):
+def judge(table: Table) -> None:
     """Raise IncompleteStudyError unless all cases of a Table are complete, BeyondLimitsError unless all pass."""
     if table.incomplete:
         raise IncompleteStudyError(f"not all cases are complete: {table.incomplete}; see {table.folder.path}/table.csv")

@@ -1,16 +1,16 @@
 """Grammar of study files: fields and types in addition to those of decks, with their checks."""
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 from mecano.deck.check import CHECKS
-from mecano.deck.compose import MAX_DEPTH, Node
+from mecano.deck.compose import MAX_DEPTH, Content, Node
 from mecano.deck.json_schema import mapping_schema
 from mecano.deck.limits import at_least_one, not_empty
-from mecano.deck.scope import INVALID
+from mecano.deck.scope import INVALID, Invalid, Scope
 from mecano.deck.units import ANY, UnitError, alike, converted, is_quantity, si_unit
 from mecano.deck.wording import quoted
-from mecano.schema import INTEGER, NUMBER, TEXT, Field, Type, choice, list_of, mapping, named
+from mecano.schema import INTEGER, NUMBER, TEXT, Field, Type, Values, choice, list_of, mapping, named
 
 VERSION = 1
 NAME = "case"  # key of a row that names the case
@@ -26,7 +26,10 @@ class Entry(NamedTuple):
     node: Node
 
 
-def check_output(output):
+Entries: TypeAlias = dict[str, Entry]  # by the path of the value
+
+
+def check_output(output: Values) -> str | None:
     """Check that an output is of a series or of events, with a fitting ``take``; return the error text or None."""
     if (output["of"] is None) == (output["event"] is None):
         return "an output is 'of' a series, or of an 'event'"
@@ -40,7 +43,7 @@ def check_output(output):
     return None
 
 
-def check_number(number):
+def check_number(number: int) -> str | None:
     """Check a number of cases; return the error text or None."""
     return at_least_one(number) or ("must be at most 100000" if number > 100_000 else None)
 
@@ -98,7 +101,7 @@ FIELDS = (
 )  # fmt: skip
 
 
-def path_of(node, scope):
+def path_of(node: Node, scope: Scope) -> str | Invalid:
     """Return the text of a path of keys, or INVALID after reporting the problem."""
     keys = node.value.split(".") if type(node.value) is str else []
     if not keys or not all(keys) or len(keys) > MAX_DEPTH or set(node.value) & set("=\n"):
@@ -108,22 +111,22 @@ def path_of(node, scope):
     return node.value
 
 
-def path(node, field, scope):
+def path(node: Node, field: Field, scope: Scope) -> str | Invalid:
     """Return a path of keys."""
     return path_of(node, scope)
 
 
-def settings(node, field, scope):
+def settings(node: Node, field: Field, scope: Scope) -> Entries | Invalid:
     """Return {path: Entry}, at least one."""
     return _by_path(node, field, scope, lambda value, name: value)
 
 
-def choices(node, field, scope):
+def choices(node: Node, field: Field, scope: Scope) -> Entries | Invalid:
     """Return {path: Entry}, each of a list of nodes."""
     return _by_path(node, field, scope, lambda value, name: _values(value, name, scope))
 
 
-def ranges(node, field, scope):
+def ranges(node: Node, field: Field, scope: Scope) -> Entries | Invalid:
     """Return {path: Entry}, each of two numbers [lowest, highest]."""
     return _by_path(node, field, scope, lambda value, name: _range(value, name, scope))
 
@@ -178,24 +181,24 @@ def _unlike(first, last):
     return f"{first} and {last} are different quantities" if both and not alike(first, last) else ""
 
 
-def here(node, value, raw=""):
+def here(node: Node, value: Content, raw: str = "") -> Node:
     """Return the node of another value at the position of ``node``; ``raw``: the written text, with its unit."""
     return Node(value, node.source, node.line, node.column, raw)
 
 
-def between(node, value, raw):
+def between(node: Node, value: float, raw: str) -> Node:
     """Return the node of a value [SI] of a range whose end is written as ``raw``: with its SI unit, if it has one."""
     return here(node, f"{value!r} {si_unit(raw)}" if is_quantity(raw) and si_unit(raw) else value, raw)
 
 
-def plain(node):
+def plain(node: Node) -> Any:
     """Return the value of a node as plain JSON data."""
     if type(node.value) is dict:
         return {key: plain(item) for key, (_, item) in node.value.items()}
     return [plain(item) for item in node.value] if type(node.value) is list else node.value
 
 
-def shown(value):
+def shown(value: Any) -> float | str:
     """Return a value as shown in tables: a quantity as a number in SI units, lists and mappings as text."""
     if type(value) is str and is_quantity(value):
         try:

@@ -1,7 +1,9 @@
 """Numbers of a run for the table of a study, from a series or from the occurrences of an event."""
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +13,13 @@ from mecano.deck.wording import quoted, suggestion
 from mecano.errors import UnknownNameError
 from mecano.model.sampler import Sampler
 from mecano.results.lookup import Lookup
+
+if TYPE_CHECKING:
+    from mecano.analyses.prepare import Prepared
+    from mecano.deck.compose import Node
+    from mecano.deck.scope import Scope
+    from mecano.results.reader import Results
+    from mecano.results.study_file import Bounds
 
 MAGNITUDE = ".magnitude"
 EVENT_UNITS = {"first": "s", "last": "s", "count": "-", "impulse": "N s or N m s", "energy_lost": "J"}
@@ -41,16 +50,16 @@ class Output:
     at_most: float | None = None
 
     @property
-    def limits(self):
+    def limits(self) -> "Bounds":
         """Smallest and largest number of a case that passes, each None if it is absent."""
         return self.at_least, self.at_most
 
     @property
-    def doc(self):
+    def doc(self) -> str:
         """Description of the output."""
         return f"{self.take.replace('_', ' ')} of {self.of or self.event}"
 
-    def value(self, results):
+    def value(self, results: "Results") -> tuple[float, str]:
         """Return the number and its unit from open Results; nan without such an event. Raises UnknownNameError."""
         return self._of_events(results) if self.event else self._of_series(results)
 
@@ -95,7 +104,9 @@ class Output:
         return (found[1], axis_unit) if of_time else (found[0], trace.unit)
 
 
-def checked_outputs(outputs, prepared, node_of, scope):
+def checked_outputs(
+    outputs: Iterable[Output], prepared: "Prepared", node_of: "Callable[[str], Node]", scope: "Scope"
+) -> None:
     """Report outputs of names that the model of a Prepared lacks; ``node_of(name)`` is the node of an output."""
     lookup = Lookup(layout_of(Sampler(prepared.system)).series)
     event_records = _events_of_elements(prepared.system)

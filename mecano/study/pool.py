@@ -7,16 +7,21 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
 
 from mecano.elements import plugins
 from mecano.jit import thread_pool
 from mecano.process.interrupt import CLOCK, EXIT_CODES, SIGNALS
 from mecano.process.lifeline import popen_options
 from mecano.study.error_location import line_in_study
-from mecano.study.folder import COMPLETE, FAILED, GO_ON, STOPPED, Record
+from mecano.study.folder import COMPLETE, FAILED, GO_ON, STOPPED, Folder, Record
+
+if TYPE_CHECKING:
+    from mecano.study.read import Case
 
 PROGRAM = (sys.executable, "-m", "mecano")
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"), "1")
@@ -24,6 +29,7 @@ LOOK = 0.2  # s between two checks of memory and time
 GRACE, SHARE = 10.0, 0.1  # s, and share of its time limit, after which a case that does not end is killed
 END_BY = set(SIGNALS) - {CLOCK}
 LONGEST_REASON = 300  # characters
+Ended: TypeAlias = "Callable[[Case, Record], object]"  # called with each case as it ends
 HIGH_WATER = re.compile(r"VmHWM:\s*(\d+) kB")
 
 
@@ -35,7 +41,7 @@ class Limits:
     memory: int | None = None
 
 
-def case_words(folder, limits):
+def case_words(folder: Folder, limits: Limits) -> tuple[str, ...]:
     """Return the arguments of a command that runs one case of a study; the number of the case must be appended."""
     words = ["sweep", os.path.abspath(folder.study.file), "-o", str(folder.path.absolute())]
     words += plugin_words()
@@ -44,12 +50,12 @@ def case_words(folder, limits):
     return (*words, "--case")
 
 
-def plugin_words():
+def plugin_words() -> list[str]:
     """Return the options by which another process loads the plugins of this one."""
     return [word for file in plugins.files() for word in ("--plugin", file)]
 
 
-def run_here(folder, cases, ended, *, limits, jobs):
+def run_here(folder: Folder, cases: "Sequence[Case]", ended: Ended, *, limits: Limits, jobs: int) -> int | None:
     """Run cases on this machine, ``jobs`` in parallel; ``ended`` and the return value: see ``Pool``."""
     with folder.held():
         return Pool(folder, jobs, limits, ended).run(cases)
@@ -59,7 +65,7 @@ def run_here(folder, cases, ended, *, limits, jobs):
 class Running:
     """A running case; ``before`` is the Record of its earlier processes."""
 
-    case: object
+    case: "Case"
     process: subprocess.Popen
     before: Record
     log: Path
@@ -81,13 +87,13 @@ class Pool:
         Called with (case, Record) of each as it ends.
     """
 
-    def __init__(self, folder, jobs, limits, ended=lambda case, record: None):
+    def __init__(self, folder: Folder, jobs: int, limits: Limits, ended: Ended = lambda case, record: None):
         self.folder, self.jobs, self.limits, self.ended = folder, jobs, limits, ended
-        self.running = []
-        self.asked = []  # received signals that end the study
+        self.running: list[Running] = []
+        self.asked: list[int] = []  # received signals that end the study
         self._forwarded = 0
 
-    def run(self, cases):
+    def run(self, cases: "Sequence[Case]") -> int | None:
         """Run all cases to their ends, or until a signal ends them; return the number of the signal, or None."""
         waiting = list(reversed(cases))
         with self._listening() as bell:
@@ -232,7 +238,7 @@ def _words(one, code):
     return said or (f"ended by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}")
 
 
-def gist(said):
+def gist(said: str) -> str:
     """Return the line of the output of a process that gives the reason of its end, or ""."""
     lines = [line.strip() for line in said.splitlines() if line.strip()]
     line = lines[-1 if lines[0].startswith("Traceback") else 0] if lines else ""

@@ -3,6 +3,7 @@
 import json
 import os
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 from mecano.analyses.prepare import prepare
 from mecano.deck.compose import Node, compose
@@ -14,9 +15,12 @@ from mecano.deck.wording import similar_files
 from mecano.errors import DeckError, Mark, Problem
 from mecano.schema import TEXT, Field
 from mecano.study.error_location import in_study
-from mecano.study.grammar import FIELDS, NAME, STUDY_CHECKS, VERSION, plain, shown
+from mecano.study.grammar import FIELDS, NAME, STUDY_CHECKS, VERSION, Entries, plain, shown
 from mecano.study.outputs import Output, checked_outputs
 from mecano.study.variation import rows_of
+
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck
 
 TRIED = 5  # cases, spread over the study, of which at least one must have a valid deck
 
@@ -26,16 +30,16 @@ class Case:
     """One run of a study: its number, from 1, {path: Entry} of the varied values, and its name, if given."""
 
     number: int
-    entries: dict = field(repr=False, compare=False)
+    entries: Entries = field(repr=False, compare=False)
     name: str = ""
 
     @property
-    def values(self):
+    def values(self) -> dict[str, Any]:
         """{path: value} of the varied values as plain JSON data."""
         return _plain(self.entries)
 
     @property
-    def shown(self):
+    def shown(self) -> dict[str, float | str]:
         """Values as shown in tables: numbers, in SI units, and texts."""
         return {path: shown(value) for path, value in self.values.items()}
 
@@ -49,33 +53,33 @@ class Study:
     title: str
     deck: str
     digest: str
-    common: dict
-    cases: tuple
-    outputs: tuple  # of Output
+    common: Entries
+    cases: tuple[Case, ...]
+    outputs: tuple[Output, ...]
     tree: Node = field(repr=False, compare=False)
 
     @property
-    def paths(self):
+    def paths(self) -> tuple[str, ...]:
         """Paths of the varied values."""
         return tuple(dict.fromkeys(path for case in self.cases for path in case.entries))
 
-    def given(self, path):
+    def given(self, path: str) -> list[str]:
         """Return the values of a path in the cases, as written; for a range its lower end."""
         return [case.entries[path].node.raw for case in self.cases if path in case.entries]
 
-    def entries(self, case):
+    def entries(self, case: Case) -> Entries:
         """Return {path: Entry} of all values set in a case."""
         return {**self.common, **case.entries}
 
-    def overrides(self, case):
+    def overrides(self, case: Case) -> tuple[str, ...]:
         """Return the texts of `mecano run --set` for a case."""
         return tuple(f"{path}={json.dumps(value)}" for path, value in _plain(self.entries(case)).items())
 
 
-def read_study(path):
+def read_study(path: str | os.PathLike[str]) -> Study:
     """Return the Study of a file; raises DeckError with all problems of the first step that finds any."""
     source, _ = _source(path, Mark(str(path), 1, 1), "study")
-    problems = []
+    problems: list[Problem] = []
     root = compose(source, problems) or Node(None, source)
     scope = Scope(STUDY_CHECKS, {}, {}, "", problems)
     values = _values(root, scope)
@@ -89,7 +93,7 @@ def read_study(path):
     return Study(str(path), source.text, values["title"], deck, digest, values["set"], cases, outputs, root)
 
 
-def try_deck(study):
+def try_deck(study: Study) -> "Deck":
     """Check the deck of a study with the values of some cases, and the outputs; return the first valid Deck.
 
     Raises DeckError if none of these decks is valid, or an output refers to something that the model lacks.

@@ -4,10 +4,17 @@ import os
 import shlex
 import shutil
 import subprocess
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from mecano.errors import ResultsError, UsageError
 from mecano.results.whole_file import make_folder
-from mecano.study.pool import PROGRAM, case_words
+from mecano.study.pool import PROGRAM, Limits, case_words
+
+if TYPE_CHECKING:
+    from mecano.study.execution import Due
+    from mecano.study.folder import Folder
+    from mecano.study.read import Case
 
 NOTICE = 60  # s before its end at which a task is signalled, unless the user's options set another time
 SCRIPT = """\
@@ -43,7 +50,7 @@ exit $code
 """
 
 
-def script(folder, cases, limits):
+def script(folder: "Folder", cases: "Sequence[Case]", limits: Limits) -> str:
     """Return the text of the script that runs these cases, one in each task."""
     command = shlex.join([*PROGRAM, *case_words(folder, limits)])
     output = f"{folder.path.absolute()}/".replace("%", "%%") + "%4a.slurm"
@@ -54,7 +61,7 @@ def script(folder, cases, limits):
     )  # fmt: skip
 
 
-def ranges(numbers):
+def ranges(numbers: Sequence[int]) -> str:
     """Return ascending whole numbers in the notation of Slurm arrays: 1-3,7."""
     parts, first = [], None
     for number, following in zip(numbers, [*numbers[1:], None], strict=True):
@@ -65,13 +72,13 @@ def ranges(numbers):
     return ",".join(parts)
 
 
-def require():
+def require() -> None:
     """Raise UsageError if there is no sbatch on this machine."""
     if not shutil.which("sbatch"):
         raise UsageError("there is no sbatch on this machine: run the study where Slurm's commands are installed")
 
 
-def submit(folder, due, limits, options, wait=False):
+def submit(folder: "Folder", due: "Due", limits: Limits, options: Sequence[str], wait: bool = False) -> str:
     """Submit the cases that are ``due`` (execution.py) to sbatch with ``options``; return the output of sbatch.
 
     The script is written into the folder. With ``wait``, return after all tasks have ended. Existing files of cases

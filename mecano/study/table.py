@@ -1,7 +1,9 @@
 """Table of a study: varied values, how each case ended, and its outputs."""
 
 from collections import Counter
+from collections.abc import Mapping
 from contextlib import suppress
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,7 +19,12 @@ from mecano.results.study_file import (
     write_columns,
     write_study,
 )  # fmt: skip
-from mecano.study.folder import COMPLETE, STATUSES
+from mecano.study.folder import COMPLETE, STATUSES, Folder, Record
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from mecano.study.read import Case
 
 ENDED = (
     ("status", "", "complete, failed, stopped (--resume continues it) or waiting"),
@@ -34,12 +41,15 @@ MOST_REASONS = 10  # shown in the summary
 class Table:
     """Table filled as cases end; ``written`` writes it to files. ``varied``: units of the varied paths."""
 
-    def __init__(self, folder, varied):
+    def __init__(self, folder: Folder, varied: Mapping[str, str]):
         self.folder, self.study, self.varied = folder, folder.study, varied
-        self.records, self.numbers, self.units, self.warnings = {}, {}, {}, {}
+        self.records: dict[int, Record] = {}  # by the number of the case, as the next ones
+        self.numbers: dict[int, dict[str, float]] = {}  # by the name of the output
+        self.warnings: dict[int, str] = {}
+        self.units: dict[str, str] = {}  # of the outputs
         self.limited = tuple(output for output in self.study.outputs if output.limits != (None, None))
 
-    def take(self, case, record):
+    def take(self, case: "Case", record: Record) -> None:
         """Record how a case ended, and read its outputs and warnings if it is complete."""
         self.records[case.number] = record
         if record.status == COMPLETE:
@@ -60,13 +70,13 @@ class Table:
             return {}
         return found
 
-    def gather(self):
+    def gather(self) -> None:
         """Take all cases that have not been taken."""
         for case in self.study.cases:
             if case.number not in self.records:
                 self.take(case, self.folder.record(case))
 
-    def written(self):
+    def written(self) -> "Path":
         """Write table.h5 and table.csv of all cases into the folder; return the path of the latter."""
         self.gather()
         table = StudyTable(self.study.title, self.study.text, self.study.deck, tuple(self._columns()))
@@ -108,11 +118,11 @@ class Table:
         return "" if number not in self.numbers else FAIL if self._beyond(number) else "pass"
 
     @property
-    def beyond(self):
+    def beyond(self) -> list[int]:
         """Numbers of the complete cases that have outputs beyond their limits."""
         return [case.number for case in self.study.cases if self._beyond(case.number)]
 
-    def summary(self):
+    def summary(self) -> str:
         """Return the numbers of cases by status, and the reasons of those that are not complete, as lines of text."""
         warned = sum(map(bool, self.warnings.values()))
         remarks = remarks_text(warned, len(self.beyond))
@@ -133,7 +143,7 @@ class Table:
         return lines
 
     @property
-    def incomplete(self):
+    def incomplete(self) -> str:
         """Numbers of incomplete cases by status, as text; empty if all are complete."""
         return self._counted(STATUSES[1:])
 

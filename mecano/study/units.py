@@ -1,9 +1,15 @@
 """SI units of the varied values of a study, as far as they are known; the table has its numbers in these units."""
 
+from typing import TYPE_CHECKING
+
 from mecano.deck.unit_of import parameters_of, unit_of
 
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck
+    from mecano.study.read import Study
 
-def units_of(study, deck):
+
+def units_of(study: "Study", deck: "Deck") -> dict[str, str]:
     """Return {path: unit} of the varied values of a study of a checked Deck; "" if there is no unit or it is unknown.
 
     A parameter is a plain number, whose unit is taken from its value in a case or in the deck.

@@ -2,19 +2,26 @@
 
 import csv
 import math
+from collections.abc import Callable
 from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.deck.compose import Node
 from mecano.deck.scalar import resolved
 from mecano.deck.wording import quoted
-from mecano.study.grammar import Entry, between, here, path_of
+from mecano.study.grammar import Entries, Entry, between, here, path_of
+
+if TYPE_CHECKING:
+    from mecano.deck.scope import Scope
+    from mecano.deck.source import Source
+    from mecano.schema import Values
 
 MOST = 100_000  # cases
 
 
-def rows_of(values, source, scope):
+def rows_of(values: "Values", source: "Callable[[str], Source | None]", scope: "Scope") -> list[Entries]:
     """Return [{path: Entry}] of all cases from the checked values of a study; the last source varies fastest.
 
     ``source(name)`` returns the Source of a file, or None. Errors are reported to the scope.
@@ -31,8 +38,8 @@ def rows_of(values, source, scope):
                 scope.refuse(scope.owner, f"{quoted(path)} is given by '{seen[path]}' and by '{name}': keep one")
             seen[path] = name
     if not given:
-        ways = "', '".join(ways)
-        scope.refuse(scope.owner, f"nothing is varied: a study has at least one of '{ways}'")
+        names = "', '".join(ways)
+        scope.refuse(scope.owner, f"nothing is varied: a study has at least one of '{names}'")
     if scope.problems:
         return []
     combined = [rows for tables in given.values() for rows in tables]
