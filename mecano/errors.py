@@ -14,7 +14,7 @@ class Mark:
     file: str
     line: int
     column: int
-    stack: tuple = ()  # Marks of the includes and of the placed templates, outermost first
+    stack: "tuple[Mark, ...]" = ()  # of the includes and of the placed templates, outermost first
     text: str = field(default="", repr=False)  # the whole line, to be printed with a caret
     role: str = "in"  # role of a Mark in a stack: "included at", "placed at"
 
@@ -44,8 +44,8 @@ class MecanoError(Exception):
     """Error with a message for the user; the command line returns its ``exit_code``."""
 
     exit_code = 1
-    elements = ()  # titles, "kind 'name'", of the elements in the equations that failed
-    places = ()  # of these equations, "node a"
+    elements: tuple[str, ...] = ()  # titles, "kind 'name'", of the elements in the equations that failed
+    places: tuple[str, ...] = ()  # of these equations, "node a"
 
 
 class DeckError(MecanoError):

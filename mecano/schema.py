@@ -19,7 +19,7 @@ class Type:
 
     name: str
     expects: str
-    options: tuple = ()  # choices, length of a list, or the fields and types inside; see the functions below
+    options: Any = ()  # choices, length of a list, or the fields and types inside; see the functions below
     moves: str = ""  # "point", "direction" or "orientation" in inertial axes; "" for any other value
     schema: object = field(default=None)  # JSON Schema, if deck/json_schema.py does not cover the type
 

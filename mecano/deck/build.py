@@ -1,5 +1,7 @@
 """Checked deck -> model: nodes, elements, laws, and the initial velocities."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import is_formula
@@ -9,8 +11,13 @@ from mecano.elements import KINDS
 from mecano.laws.table import LawTable, breakpoints
 from mecano.model.model import Element, Model, Node
 
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck
+    from mecano.model.state import State
+    from mecano.model.system import System
 
-def build(deck):
+
+def build(deck: "Deck") -> Model:
     """Return the Model of a checked deck (deck.Deck)."""
     values = deck.values
     at = poses(values["nodes"])
@@ -23,7 +30,7 @@ def build(deck):
     return Model(nodes, elements, LawTable(), np.array(values["gravity"], float))
 
 
-def asked_velocities(deck, system):
+def asked_velocities(deck: "Deck", system: "System") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the velocities [m/s] and angular velocities [rad/s] (n_nodes, 3), inertial, of ``initial.velocities``.
 
     Entries add up. The third return value is a mask (n_nodes,) of the nodes named by an entry.
@@ -43,7 +50,7 @@ def asked_velocities(deck, system):
     return v, omega, named
 
 
-def set_velocities(deck, system, s):
+def set_velocities(deck: "Deck", system: "System", s: "State") -> None:
     """Set the velocities of the state ``s`` in place to the initial velocities of the deck.
 
     A shared unknown takes the mean over the nodes named by an entry; fixed unknowns stay at rest.
@@ -58,7 +65,7 @@ def set_velocities(deck, system, s):
     s.v[:] = np.where(free & (counts > 0), sums / np.maximum(counts, 1.0), 0.0)
 
 
-def time_breakpoints(deck):
+def time_breakpoints(deck: "Deck") -> tuple[float, ...]:
     """Return the times [s], ascending, of jumps and corners of laws of time, and of samples of signals."""
     times, run = set(), deck.values["time"]
     for section in SECTIONS:

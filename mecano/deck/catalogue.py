@@ -73,9 +73,9 @@ UNITS_TEXT = "\n".join([
 ])  # fmt: skip
 
 
-def catalogue():
+def catalogue() -> str:
     """Return the text of `mecano list`: all kinds by section, all terms of laws, all sections, each with a summary."""
-    groups = {f"{kind.section}:": [] for kind in KINDS.values()}
+    groups: dict[str, list[tuple[str, str]]] = {f"{kind.section}:": [] for kind in KINDS.values()}
     for kind in KINDS.values():
         groups[f"{kind.section}:"].append((kind.name, kind.doc))
     for role, title in ROLES.items():
@@ -95,7 +95,7 @@ def catalogue():
     return "\n".join([*lines, "mecano explain NAME describes each, mecano explain study the study files."])
 
 
-def explain(name):
+def explain(name: str) -> str:
     """Return the text on all kinds, terms of laws and sections of the deck with this name.
 
     For a word of other programs, return the equivalents in mecano. Raises UsageError for an unknown name, with the most

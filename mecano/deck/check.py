@@ -2,7 +2,9 @@
 
 import math
 from collections import ChainMap
+from collections.abc import Mapping, MutableMapping, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 from mecano.deck import values
 from mecano.deck.containers import either, filled, kind, list_, mapping, named, shorthand
@@ -15,7 +17,7 @@ from mecano.deck.parameters import Parameters
 from mecano.deck.physics import check_model
 from mecano.deck.reduced_file import reduced, rows
 from mecano.deck.resolve import resolve, unknown_names
-from mecano.deck.scope import INVALID, Scope
+from mecano.deck.scope import INVALID, Invalid, Scope
 from mecano.deck.sections import SECTIONS, shortest_interval
 from mecano.deck.similar_names import similar
 from mecano.deck.synonyms import keys_meant
@@ -24,8 +26,13 @@ from mecano.deck.units import ANY
 from mecano.deck.wording import found, quoted
 from mecano.elements.members.cross_section import SHAPES
 from mecano.errors import DeckError, Problem
-from mecano.schema import TEXT, Field
+from mecano.schema import TEXT, Field, Values
 from mecano.schema import mapping as mapping_type
+
+if TYPE_CHECKING:
+    from mecano.deck.compose import Node
+    from mecano.element_interface import Kind
+    from mecano.laws.term import Term
 
 VERSION = 1
 MOST_IN_A_STEP = 1e5  # saved times; they take a second or two
@@ -34,8 +41,9 @@ MOST_SAMPLES = 2_000_000  # sampling times of a signal, each of which is kept an
 UNCHECKED = "consistency is checked"  # once the errors are fixed
 
 
-def parameter(node, field, scope):
+def parameter(node: "Node", field: Field, scope: Scope) -> float | Invalid:
     """Return a number of the section ``parameters``, which the whole deck may use."""
+    assert scope.owner is not None, "the key of the parameter"
     name = scope.owner.value
     with scope.parameters.working_on(name):
         value = values.number(node, replace(field, unit=ANY), scope)
@@ -87,21 +95,23 @@ CHECKS = {
 }
 
 
-def scope_of(root, kinds, terms, folder, problems):
+def scope_of(
+    root: "Node", kinds: "MutableMapping[str, Kind]", terms: "Mapping[str, Term]", folder: str, problems: list[Problem]
+) -> Scope:
     """Return the Scope of the check of a deck; ``problems`` were found before. Raises DeckError for another version."""
     _check_version(root, problems)
     parameters = Parameters(_written_parameters(root))
-    return Scope(CHECKS, ChainMap(kinds, SHAPES), terms, folder, problems, parameters=parameters)
+    return Scope(CHECKS, ChainMap[str, Any](kinds, SHAPES), terms, folder, problems, parameters=parameters)
 
 
-def written_out(root, sections, scope):
+def written_out(root: "Node", sections: Sequence[Field], scope: Scope) -> "Node":
     """Return the tree with all copies of templates and repeated entries expanded."""
     copies = Copies(root, sections, scope)
     root = copies.written_out(root)
     if copies.incomplete:
         known = dict.fromkeys(f.name for f in (*sections, *EXPANDED_SECTIONS))
         filled(root, Field("", TEXT, "-", ""), [f for f in sections if f.name == "parameters"], scope, known)
-        if not scope.problems:
+        if not scope.problems and copies.without_value:
             scope.refuse(
                 copies.without_value,
                 "this must be a number: it contains a value of 'repeat' or 'place' that is not a number",
@@ -110,7 +120,7 @@ def written_out(root, sections, scope):
     return root
 
 
-def checked_values(root, sections, scope):
+def checked_values(root: "Node", sections: Sequence[Field], scope: Scope) -> Values:
     """Check the expanded tree of a deck and return its values.
 
     Raises DeckError with all problems of the first step of the check that finds any.
@@ -123,6 +133,7 @@ def checked_values(root, sections, scope):
         unknown_names(root, scope)
     missing = tuple(f"missing '{name}'" for name in scope.misplaced)
     _stop_at([problem for problem in problems if not problem.message.startswith(missing)], UNCHECKED)
+    assert result is not INVALID, "a value that is refused has a problem"
     for start in ("static", "steady", "from"):
         if result.get("static") and result["initial"][start]:
             scope.refuse(root.value["initial"][0], f"'initial.{start}' belongs to a deck with 'time'")

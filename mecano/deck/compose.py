@@ -5,13 +5,16 @@ crashes on deeply nested input and expands aliases without bound. Anchors and al
 """
 
 import re
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias
 
 import yaml
 
 from mecano.deck.scalar import resolved
 from mecano.deck.wording import quoted, suggestion
-from mecano.errors import DeckError, Problem
+from mecano.errors import DeckError, Mark, Problem
+
+if TYPE_CHECKING:
+    from mecano.deck.source import Source
 
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 MAX_DEPTH = 64
@@ -27,13 +30,15 @@ CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
 
 Content: TypeAlias = Any  # of a node: a scalar, a list of nodes, or {key: (node of the key, node)}
 
+Pair: TypeAlias = "tuple[Node, Node]"  # of a mapping: the node of a key, and that of its value
+
 
 class Node:
     """A value and its position: ``value`` is a scalar, a list of nodes, or {key: (node of the key, node)}."""
 
     __slots__ = ("value", "raw", "source", "line", "column")
 
-    def __init__(self, value, source, line=0, column=0, raw=""):
+    def __init__(self, value: Content, source: "Source", line: int = 0, column: int = 0, raw: str = ""):
         self.value = value
         self.raw = raw
         self.source = source
@@ -41,7 +46,7 @@ class Node:
         self.column = column
 
     @property
-    def mark(self):
+    def mark(self) -> Mark:
         """Mark of the beginning of the value."""
         return self.source.mark(self.line, self.column)
 
@@ -51,7 +56,7 @@ class Given(Node):
 
     __slots__ = ("text", "given")
 
-    def __init__(self, value, node, text, given):
+    def __init__(self, value: float, node: Node, text: str, given: str):
         super().__init__(value, node.source, node.line, node.column, f"{value} ({text})")
         self.text = text
         self.given = given
@@ -62,19 +67,19 @@ class Continued(Node):
 
     __slots__ = ()
 
-    def __init__(self, node):
+    def __init__(self, node: Node):
         formula = type(node.value) is str and _is_open(node.raw)
         value = node.raw if formula else [_without_brackets(node)]
         super().__init__(value, node.source, node.line, node.column, node.raw)
 
-    def add(self, item):
+    def add(self, item: Node) -> None:
         """Append an item."""
         if type(self.value) is str and len(self.value) <= LONGEST_FORMULA:
             self.value = self.raw = f"{self.value}, {item.raw}"
         elif type(self.value) is list:
             self.value.append(_without_brackets(item))
 
-    def hint(self, name):
+    def hint(self, name: str) -> str:
         """Return what to write for the key ``name``; more items may follow."""
         if type(self.value) is str:
             return "put a formula with commas in quotes"
@@ -86,9 +91,9 @@ class Frame:
 
     __slots__ = ("node", "key", "size", "height", "anchor")
 
-    def __init__(self, node, anchor):
+    def __init__(self, node: Node, anchor: str | None):
         self.node = node
-        self.key = None
+        self.key: Node | None = None
         self.size = 1  # nodes in it, aliases expanded
         self.height = 0  # levels below it
         self.anchor = anchor
@@ -97,23 +102,23 @@ class Frame:
 class Composer:
     """Builder of the tree of one document: ``root`` is the tree, ``problems`` are errors that do not stop it."""
 
-    def __init__(self, source, problems):
+    def __init__(self, source: "Source", problems: list[Problem]):
         self.source = source
         self.problems = problems
-        self.root = None
-        self.frames = []
-        self.anchors = {}  # name -> (node, size, height), or None while it is open
+        self.root: Node | None = None
+        self.frames: list[Frame] = []
+        self.anchors: dict[str, tuple[Node, int, int] | None] = {}  # (node, size, height), or None while it is open
         self.count = 0
         self.expanded = 0
         self.documents = 0
 
-    def take(self, event):
+    def take(self, event: yaml.Event) -> None:
         """Add one event to the tree."""
         handler = HANDLERS.get(type(event))
         if handler:
             handler(self, event)
 
-    def scalar(self, event):
+    def scalar(self, event: yaml.ScalarEvent) -> None:
         """Add a scalar: plain ones become numbers, booleans or null; quoted ones and blocks are texts."""
         text = event.value
         plain = event.implicit[0] and event.tag is None
@@ -124,15 +129,15 @@ class Composer:
             self.anchors[event.anchor] = (node, 1, 0)
         self.add(node, 1, 0)
 
-    def open_list(self, event):
+    def open_list(self, event: yaml.SequenceStartEvent) -> None:
         """Open a list."""
         self.open(event, [])
 
-    def open_mapping(self, event):
+    def open_mapping(self, event: yaml.MappingStartEvent) -> None:
         """Open a mapping."""
         self.open(event, {})
 
-    def open(self, event, value):
+    def open(self, event: yaml.CollectionStartEvent, value: Content) -> None:
         """Open a list or mapping; attach it now and count it when it is closed."""
         node = self.new(event, value)
         if len(self.frames) >= MAX_DEPTH:
@@ -142,22 +147,23 @@ class Composer:
             self.anchors[event.anchor] = None
         self.frames.append(Frame(node, event.anchor))
 
-    def close(self, _):
+    def close(self, _: yaml.CollectionEndEvent) -> None:
         """Close a list or mapping."""
         frame = self.frames.pop()
         if frame.anchor:
             self.anchors[frame.anchor] = (frame.node, frame.size, frame.height)
         self.measure(frame.size, frame.height)
 
-    def alias(self, event):
+    def alias(self, event: yaml.AliasEvent) -> None:
         """Add a referenced node; refuse one that contains itself or expands to too many values."""
         place = Node(None, self.source, event.start_mark.line, event.start_mark.column)
         if event.anchor not in self.anchors:
             hint = suggestion(event.anchor, self.anchors)
             self.stop(f"unknown alias {quoted('*' + event.anchor)}", place, hint)
-        if self.anchors[event.anchor] is None:
+        anchored = self.anchors[event.anchor]
+        if anchored is None:
             self.stop(f"alias {quoted('*' + event.anchor)} is inside the value that it refers to", place)
-        node, size, height = self.anchors[event.anchor]
+        node, size, height = anchored
         self.expanded += size
         if self.expanded > MAX_EXPANDED:
             self.stop(f"aliases expand to more than {MAX_EXPANDED} values", place)
@@ -165,13 +171,13 @@ class Composer:
             self.stop(TOO_DEEP, place)
         self.add(node, size, height)
 
-    def document(self, event):
+    def document(self, event: yaml.DocumentStartEvent) -> None:
         """Begin a document; refuse a second one."""
         self.documents += 1
         if self.documents > 1:
             self.stop("a deck is one YAML document; this is the second", self.new(event, None))
 
-    def new(self, event, value, raw=""):
+    def new(self, event: yaml.Event, value: Content, raw: str = "") -> Node:
         """Return a new node at the position of an event."""
         mark = event.start_mark
         node = Node(value, self.source, mark.line, mark.column, raw)
@@ -182,12 +188,12 @@ class Composer:
             self.problem(f"tags such as {quoted(event.tag)} are not used in decks", node)
         return node
 
-    def add(self, node, size, height):
+    def add(self, node: Node, size: int, height: int) -> None:
         """Attach a complete node."""
         self.attach(node)
         self.measure(size, height)
 
-    def measure(self, size, height):
+    def measure(self, size: int, height: int) -> None:
         """Count a complete node in the collection around it."""
         if self.frames:
             frame = self.frames[-1]
@@ -195,7 +201,7 @@ class Composer:
             if height >= frame.height:
                 frame.height = height + 1
 
-    def attach(self, node):
+    def attach(self, node: Node) -> None:
         """Put a node into the collection around it, as a key, a value or an item."""
         if not self.frames:
             self.root = node
@@ -212,7 +218,7 @@ class Composer:
             key, frame.key = frame.key, None
             self.pair(frame.node.value, key, node)
 
-    def pair(self, mapping, key, node):
+    def pair(self, mapping: dict[str, Pair], key: Node, node: Node) -> None:
         """Put a key and its value into a mapping, unless the key is not a text, a duplicate, or belongs to a value."""
         if node.value is None and _is_item(mapping, key, node):
             self.continued(mapping, key)
@@ -230,7 +236,7 @@ class Composer:
         else:
             mapping[key.value] = (key, node)
 
-    def continued(self, mapping, item):
+    def continued(self, mapping: dict[str, Pair], item: Node) -> None:
         """Report an item that continues the last value of a mapping, and correct this value, to report it once."""
         name, (key, value) = next(reversed(mapping.items()))
         if type(value) is Continued:
@@ -248,11 +254,11 @@ class Composer:
         mapping[name] = (key, correct)
         self.problem(f"a key must be a name, got {quoted(item.raw)}", item, hint)
 
-    def problem(self, message, node, hint=""):
+    def problem(self, message: str, node: Node, hint: str = "") -> None:
         """Record a problem and continue."""
         self.problems.append(Problem(message, node.mark, hint))
 
-    def stop(self, message, node, hint=""):
+    def stop(self, message: str, node: Node, hint: str = "") -> NoReturn:
         """Raise DeckError with all problems and this one."""
         raise DeckError([*self.problems, Problem(message, node.mark, hint)])
 
@@ -268,7 +274,7 @@ HANDLERS = {
 }
 
 
-def compose(source, problems, loader=LOADER):
+def compose(source: "Source", problems: list[Problem], loader: type = LOADER) -> Node | None:
     """Return the root Node of a Source, or None if it is empty; adds to ``problems``, raises DeckError."""
     composer = Composer(source, problems)
     if (marks := sum(map(source.text.count, ":,"))) > MAX_MARKS:

@@ -1,18 +1,23 @@
 """Checks of mappings and lists: known and required keys, defaults, names, kinds. Arguments as in values.py."""
 
 import re
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 from mecano.deck.expressions import is_evaluated
 from mecano.deck.limits import ARITHMETIC, BEYOND_FLOATS
 from mecano.deck.scalar import number
-from mecano.deck.scope import INVALID, Reference, node_of, place, place_of
+from mecano.deck.scope import INVALID, Invalid, Reference, Scope, node_of, place, place_of
 from mecano.deck.similar_names import similar
 from mecano.deck.synonyms import keys_meant, synonym
 from mecano.deck.units import is_quantity
 from mecano.deck.wording import found, quoted, unit_text
 from mecano.element_interface import SECTIONS
-from mecano.schema import Field
+from mecano.schema import Field, Values
+
+if TYPE_CHECKING:
+    from mecano.deck.compose import Node
 
 IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 EXPANDED_KEYS = ("include", "templates", "place", "repeat")  # of a deck or of an entry, removed by the expansion
@@ -41,7 +46,7 @@ KEYS_OF_SECTIONS = {  # of those that are no mappings of names
 }  # fmt: skip
 
 
-def checked(node, field, scope):
+def checked(node: "Node", field: Field, scope: Scope) -> Any:
     """Return the value of a field if it has the right type and passes its own check; else INVALID."""
     owner = scope.owner
     value = scope.checks[field.type.name](node, field, scope)
@@ -66,7 +71,7 @@ def _complaint(field, value):
         return f"has numbers that are {BEYOND_FLOATS}"
 
 
-def default(field, scope):
+def default(field: Field, scope: Scope) -> Any:
     """Return a new copy of the checked default of a field. An infinite number stands for an absent bound."""
     if field.default is None or field.type.name == "number":
         return field.default
@@ -81,12 +86,14 @@ def _copy(value):
     return [_copy(item) for item in value] if type(value) is list else value
 
 
-def mapping(node, field, scope):
+def mapping(node: "Node", field: Field, scope: Scope) -> Values | Invalid:
     """Return a dict with all fields of the type, defaults filled in."""
     return filled(node, field, field.type.options, scope)
 
 
-def filled(node, field, fields, scope, given=None):
+def filled(
+    node: "Node", field: Field, fields: Iterable[Field], scope: Scope, given: Mapping[str, Any] | None = None
+) -> Values | Invalid:
     """Return a dict of the fields from a mapping; ``given`` are keys and values that the caller has already read."""
     if type(node.value) is not dict:
         return scope.refuse_value(node, field, hint=_as_mapping(node, fields))
@@ -209,13 +216,14 @@ def _missing(field, owner, scope):
     scope.refuse(owner, f"missing {quoted(scope.name_of(field.name))}, {what}")
 
 
-def named(node, field, scope):
+def named(node: "Node", field: Field, scope: Scope) -> Values | Invalid:
     """Return a dict from names chosen by the user to values of one type."""
     if type(node.value) is not dict:
         listed = type(node.value) is list and any(type(item.value) is dict for item in node.value)
         hint = "begin each entry with its name and ':', not with '-'" if listed else ""
         return scope.refuse_value(node, field, hint=hint)
-    before, values = len(scope.problems), {}
+    before = len(scope.problems)
+    values: Values = {}
     type_, check = field.type.options
     inner = Field("", type_, field.unit, field.doc, check=check)
     outer, path = scope.subject, scope.path
@@ -246,7 +254,7 @@ def _is_misplaced(name, node):
     return all(type(value) is dict for value in values)
 
 
-def singular(section):
+def singular(section: str) -> str:
     """Return the name of a single entry of a section."""
     return section.removesuffix("s").replace("_", " ")
 
@@ -256,14 +264,14 @@ def _check_name(name, key_node, field, scope):
         scope.refuse(key_node, text)
 
 
-def wrong_name(name, section):
+def wrong_name(name: str, section: str) -> str:
     """Return the reason why an entry of a section cannot have this name, or ""."""
     if not IDENTIFIER.fullmatch(name):
         return "a name begins with a letter from a to z or '_', and contains only such letters, digits, '_' and '-'"
     return f"the name {quoted(name)} is reserved" if name in RESERVED.get(section, ()) else ""
 
 
-def list_(node, field, scope):
+def list_(node: "Node", field: Field, scope: Scope) -> list[Any] | Invalid:
     """Return a list of values of one type, each with its own check."""
     if type(node.value) is not list:
         hint = "begin each item with '-', or put it in a list: [{...}]" if type(node.value) is dict else ""
@@ -277,7 +285,7 @@ def list_(node, field, scope):
     return values if len(scope.problems) == before else INVALID
 
 
-def either(node, field, scope):
+def either(node: "Node", field: Field, scope: Scope) -> Any:
     """Return one of the keywords of the type, or a value of its other type."""
     type_, words = field.type.options
     if type(node.value) is str and node.value in words:
@@ -292,7 +300,7 @@ def _is_number(text):
     return is_evaluated(text) or is_quantity(text) or number(text) is not None
 
 
-def shorthand(node, field, scope):
+def shorthand(node: "Node", field: Field, scope: Scope) -> Any:
     """Return the meaning of a keyword of the type, or a value of its type."""
     type_, words = field.type.options
     for word, meaning in words:
@@ -304,7 +312,7 @@ def shorthand(node, field, scope):
     return scope.checks[type_.name](node, replace(field, type=replace(type_, expects=field.type.expects)), scope)
 
 
-def kind(node, field, scope):
+def kind(node: "Node", field: Field, scope: Scope) -> Values | Invalid:
     """Return an element, joint or load as {"type": name of the kind, and the fields of the kind}."""
     if type(node.value) is not dict:
         return scope.refuse_value(node, field)

@@ -6,9 +6,14 @@ names of the template have their prefix.
 """
 
 import re
+from collections.abc import Container, Mapping
+from typing import TYPE_CHECKING
 
 from mecano.deck.expressions import INSERT, WORDS, inner_text, inner_value, insert
 from mecano.element_interface import SECTIONS
+
+if TYPE_CHECKING:
+    from mecano.deck.parameters import Parameters
 
 OUTER = "^"  # before a name from outside, once for each template around it; no formula contains it
 SIGNS = re.compile(r"[\s*/+<>,()]|^-")  # outside of inserts: of formulas, not of names
@@ -18,7 +23,7 @@ MEASURED = re.compile(rf"(\{OUTER}*)(?<![\w.])([A-Za-z_]\w*)\b((?:\.\w+)*)\b(?!\
 JOINED = re.compile(r"[\w.$)(]")  # beside an insert: it is part of a name
 
 
-def is_formula(text, parameters):
+def is_formula(text: str, parameters: "Parameters") -> bool:
     """Return whether a text with a $ has operands besides numbers and ``parameters``, and is no name with inserts."""
     if text.startswith("=") or not SIGNS.search(INSERT.sub("", text).strip()):
         return False
@@ -26,17 +31,17 @@ def is_formula(text, parameters):
     return not QUANTITY.search(shown) and OPERAND.search(shown) is not None
 
 
-def filled_in(text, parameters):
+def filled_in(text: str, parameters: "Parameters") -> str:
     """Return a formula with the values of ``parameters``, and names with inserts; raises the errors of ``evaluate``."""
     return INSERT.sub(lambda match: _value(match, text, parameters), text)
 
 
-def with_prefix(text, prefix, own):
+def with_prefix(text: str, prefix: str, own: Mapping[str, Container[str]]) -> str:
     """Return a formula in which the names of the template, those in ``own`` {section: names}, have the ``prefix``."""
-    return MEASURED.sub(lambda match: _outside(*match.groups(), prefix, own), text)
+    return MEASURED.sub(lambda match: _outside(match, prefix, own), text)
 
 
-def is_own(name, own):
+def is_own(name: str, own: Mapping[str, Container[str]]) -> bool:
     """Return whether a template defines something of this name that can be measured, a signal, or a law."""
     return any(name in own.get(section, ()) for section in (*SECTIONS, "nodes", "laws"))
 
@@ -54,7 +59,8 @@ def _value(match, text, parameters):
     return f"({number})" if value < 0.0 else number
 
 
-def _outside(marks, first, rest, prefix, own):
+def _outside(match, prefix, own):
+    marks, first, rest = match.groups()
     if marks:
         return marks[1:] + first + rest
     if first in SECTIONS and rest and is_own(rest.split(".")[1], own):

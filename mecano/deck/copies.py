@@ -8,23 +8,29 @@ Any entry of a section of names may have ``repeat``; its values are inserted int
 A template is a small deck with parameters of its own; ``place`` puts copies of it into the deck.
 """
 
+from collections.abc import Iterable
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, TypeAlias
 
-from mecano.deck.compose import Given, Node
+from mecano.deck.compose import Given, Node, Pair
 from mecano.deck.containers import singular
 from mecano.deck.copied_formulas import filled_in, is_formula
 from mecano.deck.expressions import ExpressionError, has_inserts, inserted
 from mecano.deck.parameters import Parameters, Refused, is_word
 from mecano.deck.placing import Placement, Placing, Word
 from mecano.deck.repeat import VALUE, rows
-from mecano.deck.scope import INVALID
+from mecano.deck.scope import INVALID, Scope
 from mecano.deck.templates import Templates, place_values
 from mecano.deck.values import number
 from mecano.deck.wording import quoted
-from mecano.errors import DeckError, Problem
+from mecano.errors import DeckError, Mark, Problem
 from mecano.schema import Field
 
+if TYPE_CHECKING:
+    from mecano.deck.source import Source
+
+Entries: TypeAlias = dict[str, Pair]  # of a section, by name
 MOST_VALUES = 400_000
 MOST_PLACED = 10_000
 
@@ -34,10 +40,10 @@ class Level:
     """The deck, or a copy of a template: its parameters, its place, and its sources as seen from there."""
 
     parameters: Parameters
-    stack: tuple = ()
-    sources: dict = field(default_factory=dict)
+    stack: tuple[Mark, ...] = ()
+    sources: "dict[int, Source]" = field(default_factory=dict)
 
-    def source(self, source):
+    def source(self, source: "Source") -> "Source":
         """Return the Source with marks that include the place of the copy."""
         if not self.stack:
             return source
@@ -49,21 +55,21 @@ class Level:
 class Copies:
     """Expansion of the copies of one deck."""
 
-    def __init__(self, root, sections, scope):
+    def __init__(self, root: Node, sections: Iterable[Field], scope: Scope):
         self.scope = scope
         self.fields = {f.name: f for f in sections if f.type.name == "named" and f.name != "parameters"}
         self.problems = len(scope.problems)
-        self.without_value = None  # Node that needs a parameter without a value, which is refused elsewhere
+        self.without_value: Node | None = None  # that needs a parameter without a value, which is refused elsewhere
         self.templates = Templates(root, self.fields, scope)
         self.deck = Level(scope.parameters)
         self.count = self.count_placed = 0
 
     @property
-    def incomplete(self):
+    def incomplete(self) -> bool:
         """True if anything was refused."""
         return self.without_value is not None or len(self.scope.problems) > self.problems
 
-    def written_out(self, root):
+    def written_out(self, root: Node) -> Node:
         """Return the tree of the deck without templates, places and repeats."""
         value = {key: pair for key, pair in root.value.items() if key not in ("templates", "place")}
         for section, entries in self.sections(root, self.deck).items():
@@ -72,7 +78,7 @@ class Copies:
                 value[section] = (key, Node(entries, node.source, node.line, node.column))
         return Node(value, root.source, root.line, root.column)
 
-    def sections(self, body, level):
+    def sections(self, body: Node, level: Level) -> dict[str, Entries]:
         """Return {section: {name: (key, node)}} of the deck or of a template, including the templates it places."""
         found = {}
         for section in self.fields:
@@ -86,9 +92,9 @@ class Copies:
                     self._add(found.get(section, {}), inner, inner_key, entry)
         return found
 
-    def entries(self, given, section, level):
+    def entries(self, given: Pair, section: str, level: Level) -> Entries:
         """Return {name: (key, node)} of a section, with the copies made by ``repeat``."""
-        found = {}
+        found: Entries = {}
         if type(given[1].value) is not dict:
             self.scope.refuse(given[1], f"{quoted(section)} must be a mapping of names")
             return found
@@ -128,7 +134,7 @@ class Copies:
         placed = [{name: self._at(value, level) for name, value in row.items()} for row in values]
         return [Parameters(row, level.parameters) for row in placed]
 
-    def copy(self, node, level):
+    def copy(self, node: Node, level: Level) -> Node:
         """Return the tree with the values of the current parameters in place of expressions and inserts."""
         self.count += 1
         if self.count > MOST_VALUES:
@@ -177,7 +183,7 @@ class Copies:
             return Given(value, node, text, given)
         return Node(value, node.source, node.line, node.column, f"{value} ({text})")
 
-    def placed(self, name, key, node):
+    def placed(self, name: str, key: Node, node: Node) -> dict[str, Entries]:
         """Return {section: {name: (key, node)}} of a copy of a template."""
         before = len(self.scope.problems)
         self.count_placed += 1

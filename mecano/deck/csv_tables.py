@@ -9,15 +9,20 @@ import os
 import re
 from array import array
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mecano.deck.compose import Node
 from mecano.deck.named_file import source_of
 from mecano.deck.scalar import number
+from mecano.deck.source import Source
 from mecano.deck.units import UnitError, factor_of, parsed, unit_of
 from mecano.deck.values import in_range
 from mecano.deck.wording import quoted
+
+if TYPE_CHECKING:
+    from mecano.deck.scope import Scope
 
 HEADER = re.compile(r"(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?")
 MOST_COLUMNS = 10_000
@@ -28,17 +33,17 @@ SEPARATED = "columns are separated by ',', ';' or tabs"
 class Table:
     """Points (x, y) of a file in SI units, with the line of each."""
 
-    source: object
+    source: "Source"
     numbers: array = field(default_factory=lambda: array("d"))  # x, y of each point in turn
     rows: array = field(default_factory=lambda: array("q"))  # line number of each point, from 0
-    units: list = field(default_factory=list)  # of x and y: (unit, node at its place), or None
+    units: list[tuple[str, Node] | None] = field(default_factory=list)  # of x and y: unit, node at its place
 
     @property
-    def points(self):
+    def points(self) -> np.ndarray:
         """Return the points, (n, 2)."""
         return np.array(self.numbers).reshape(-1, 2)
 
-    def place(self, i):
+    def place(self, i: int) -> Node:
         """Return a node at the line of point i."""
         return Node(None, self.source, self.rows[i] if i < len(self.rows) else 0)
 
@@ -47,16 +52,16 @@ class Table:
 class Wanted:
     """Request of a law to a table: for x and y (node of a header or number, or None) and (node of a unit, or None)."""
 
-    columns: list
-    units: list
+    columns: list[Node | None]
+    units: list[Node | None]
     declared: str  # units of x and y in the deck
 
-    def key(self):
+    def key(self) -> tuple[Any, ...]:
         """Return a key that distinguishes this request from others to the same file."""
         return tuple(node and node.value for node in (*self.columns, *self.units)), self.declared
 
 
-def table(name, node, wanted, scope):
+def table(name: str, node: Node, wanted: Wanted, scope: "Scope") -> Table | None:
     """Return the Table of a file named in a deck at ``node``, or None after reporting the problems; each is read once.
 
     The file must be in the folder of the deck or below it.
@@ -69,7 +74,7 @@ def table(name, node, wanted, scope):
     return scope.tables[key]
 
 
-def factor(unit, declared, place, scope):
+def factor(unit: str, declared: str, place: Node, scope: "Scope") -> float | None:
     """Return the factor from the ``unit`` of a column, given at a ``place``, to SI units; None after reporting one."""
     try:
         return factor_of(unit, declared)

@@ -2,11 +2,17 @@
 
 import math
 from dataclasses import field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mecano.element_interface import SECTIONS
 from mecano.immutable import immutable
+
+if TYPE_CHECKING:
+    from mecano.deck.compose import Node
+    from mecano.errors import Mark, Problem
+    from mecano.schema import Values
 
 
 @immutable
@@ -22,30 +28,32 @@ class Deck:
     file: str  # as given by the user
     text: str
     sha256: str
-    values: dict
-    overrides: tuple = ()  # "path=value"
-    files: dict = field(default_factory=dict)  # name of each table read -> SHA-256
-    warnings: tuple = ()  # Problem: legal but suspicious input
-    keys: dict = field(default_factory=dict, repr=False)  # section -> {name: node of the tree that holds the name}
-    formulas: dict = field(default_factory=dict, repr=False)  # text of a formula -> Mark of its first place
+    values: "Values"
+    overrides: tuple[str, ...] = ()  # "path=value"
+    files: dict[str, str] = field(default_factory=dict)  # name of each table read -> SHA-256
+    warnings: "tuple[Problem, ...]" = ()  # legal but suspicious input
+    keys: "dict[str, dict[str, Node]]" = field(default_factory=dict, repr=False)
+    """section -> {name: node of the tree that holds the name}"""
+    formulas: "dict[str, Mark]" = field(default_factory=dict, repr=False)
+    """text of a formula -> Mark of its first place"""
 
     @property
-    def kinds(self):
+    def kinds(self) -> set[str]:
         """Names of the kinds of its elements, joints and loads."""
         return {d["type"] for section in SECTIONS for d in self.values[section].values()}
 
-    def mark(self, section, name):
+    def mark(self, section: str, name: str) -> "Mark | None":
         """Return the mark of a name in the deck, or None if it is not in the deck."""
         node = self.keys.get(section, {}).get(name)
-        return node and node.mark
+        return node.mark if node else None
 
-    def resolved(self):
+    def resolved(self) -> dict[str, Any]:
         """Return the checked values as a self-contained deck, without defaults, overrides, parameters or files.
 
         The deck consists of plain dicts, lists, texts and numbers, so that JSON (a subset of YAML) can represent it;
         reading it as a deck gives the same values. Absent values (None, or an infinite bound) are omitted.
         """
-        names = {}
+        names: dict[int, str] = {}  # by the id of the entry
         for section in ("laws", "grounds", "tire_laws", "sections", "elements", "joints"):
             names |= {id(value): name for name, value in self.values[section].items()}
         return {key: _plain_section(value, names) for key, value in self.values.items() if value is not None}

@@ -1,19 +1,28 @@
 """Texts on kinds, terms of laws and sections, from their declarations: the output of `mecano explain`."""
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from textwrap import wrap
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.deck.examples import example_lines
 from mecano.model.quantity_names import measurable
-from mecano.schema import Field
+from mecano.schema import Field, Type
+
+if TYPE_CHECKING:
+    from mecano.element_interface import Kind
+    from mecano.element_interface.declarations import Output
+    from mecano.elements.members.cross_section import Shape
+    from mecano.elements.wheels.slip_law import SlipLaw
+    from mecano.laws.term import Term
 
 WIDTH = 100
 
 
-def describe(kind):
+def describe(kind: "Kind") -> str:
     """Return the text on a kind of element, joint or load: its documentation, fields and outputs."""
     parts = [f"{kind.name} (section '{kind.section}')", "", kind.doc.strip(), "", "Fields", *field_lines(kind.fields)]
     if kind.outputs:
@@ -58,14 +67,14 @@ def _option(field, found):
     return lines + _event_lines(f"Events with '{field}'", [part for part, _ in found])
 
 
-def describe_shape(shape):
+def describe_shape(shape: "Shape") -> str:
     """Return the text on a shape of cross sections: its fields."""
     parts = [f"{shape.name} (section '{shape.section}')", "", shape.doc.strip(), "", "Fields"]
     example = example_lines(shape.name, shape.section, WIDTH)
     return "\n".join([*parts, *field_lines(shape.fields), *example]) + "\n"
 
 
-def describe_term(term):
+def describe_term(term: "Term") -> str:
     """Return the text on a term of a law: its fields."""
     what = "of one variable" if term.role == "curve" else "a force of extension and rate"
     parts = [f"{term.name} (term of a law, {what})", "", term.doc.strip(), "", *field_lines(term.fields)]
@@ -73,19 +82,19 @@ def describe_term(term):
     return "\n".join([*parts, *example, "", "More on laws: mecano explain laws"]) + "\n"
 
 
-def describe_slip_law(law):
+def describe_slip_law(law: "SlipLaw") -> str:
     """Return the description of a slip law of tyres: its documentation and fields."""
     fields = (Field(law.name, law.type, "-", "a field of a tyre law"),)
     parts = [f"{law.name} (slip law, a field of 'tire_laws')", "", law.doc.strip(), "", "Fields", *field_lines(fields)]
     return "\n".join([*parts, *example_lines(law.name, "tire_laws", WIDTH)]) + "\n"
 
 
-def describe_section(field):
+def describe_section(field: Field) -> str:
     """Return the text on a section of the deck with all fields below it."""
     return "\n".join([f"{field.name} (section of the deck)", "", *field_lines((field,))]) + "\n"
 
 
-def field_lines(fields, indent=1):
+def field_lines(fields: Iterable[Field], indent: int = 1) -> list[str]:
     """Return lines for each field: name, unit, type, default, meaning; fields of inner mappings below theirs."""
     lines = []
     for field in fields:
@@ -97,7 +106,7 @@ def field_lines(fields, indent=1):
     return lines
 
 
-def output_lines(outputs):
+def output_lines(outputs: "Iterable[Output]") -> list[str]:
     """Return lines for each output: name, unit, shape, meaning."""
     lines = []
     for output in outputs:
@@ -111,7 +120,7 @@ def _paragraph(text, indent):
     return wrap(text, WIDTH, initial_indent="  " * indent, subsequent_indent="  " * indent)
 
 
-def default_text(field):
+def default_text(field: Field) -> str:
     """Return the default of a field as shown to users: "required", "default 0.8", or "optional" without a default."""
     if field.required:
         return "required"
@@ -121,7 +130,7 @@ def default_text(field):
     return f"default {str(value).lower() if isinstance(value, bool) else value}"
 
 
-def inner_fields(type_):
+def inner_fields(type_: Type) -> Sequence[Field]:
     """Return the fields inside a value of a type: of a mapping, or of the mappings in a list or under names."""
     if type_.name == "mapping":
         return type_.options

@@ -1,14 +1,19 @@
 """Position of an error in an element: one of its fields, or a value in it, also of the law or ground that it names."""
 
 import re
+from typing import TYPE_CHECKING
 
 from mecano.deck.scope import place_of
 from mecano.schema import SECTION_OF
 
+if TYPE_CHECKING:
+    from mecano.deck.compose import Node, Pair
+    from mecano.element_interface import Kind
+
 PATH = re.compile(r"'(\w+)((?:\.\w+)+)'")
 
 
-def pointed_at(text, kind, entry, root):
+def pointed_at(text: str, kind: "Kind", entry: "Pair", root: "Node") -> "Node":
     """Return the node of the checked tree ``root`` to which an error text on an element of a ``kind`` refers.
 
     A text that begins with a quoted path, such as 'tire_law.radial', refers to the value at this path; for others see
@@ -16,8 +21,8 @@ def pointed_at(text, kind, entry, root):
     """
     key, node = entry
     match = PATH.match(text)
-    field = match and next((field for field in kind.fields if field.name == match[1]), None)
-    if not field:
+    field = next((field for field in kind.fields if match and field.name == match[1]), None)
+    if match is None or field is None:
         return place_of(text, node, key)
     place, at, words = key, node, [match[1], *match[2][1:].split(".")]
     if field.type.name in SECTION_OF:

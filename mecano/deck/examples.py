@@ -156,7 +156,7 @@ EXAMPLES = {
 }  # fmt: skip
 
 
-def example_lines(name, section, width):
+def example_lines(name: str, section: str, width: int) -> list[str]:
     """Return the lines of an example in its section; none for a name without an example."""
     if name not in EXAMPLES:
         return []

@@ -9,9 +9,14 @@ import ast
 import math
 import operator
 import re
+from collections.abc import Sequence
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 from mecano.deck.wording import quoted
+
+if TYPE_CHECKING:
+    from mecano.deck.parameters import Parameters
 
 LONGEST, DEEPEST = 500, 50  # characters, levels of brackets and signs
 NAME = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
@@ -35,17 +40,17 @@ ARITHMETIC = re.compile(rf"(?:[-+*/%(), .0-9]|(?<=[0-9.])[eE](?=[-+0-9])|\b(?:{W
 class ExpressionError(Exception):
     """Error in an expression, at a character ``column`` of it; ``near`` is (unknown name, known names) or None."""
 
-    def __init__(self, message, column=0, near=None):
+    def __init__(self, message: str, column: int = 0, near: tuple[str, Sequence[str]] | None = None):
         self.message, self.column, self.near = message, column, near
         super().__init__(message)
 
 
-def is_expression(text):
+def is_expression(text: str) -> bool:
     """Return True if a text must be evaluated as an expression."""
     return "$" in text or text.startswith("=")
 
 
-def is_arithmetic(text):
+def is_arithmetic(text: str) -> bool:
     """Return True if a text is arithmetic of numbers, pi and functions, which needs no '='; "0" is, "pi" is a name."""
     return (
         len(text) <= LONGEST
@@ -56,12 +61,12 @@ def is_arithmetic(text):
     )
 
 
-def is_evaluated(text):
+def is_evaluated(text: str) -> bool:
     """Return True if ``evaluate`` finds the number of a text."""
     return is_expression(text) or is_arithmetic(text)
 
 
-def names_in(text, parameters):
+def names_in(text: str, parameters: "Parameters") -> list[str]:
     """Return the names of the parameters in an expression."""
     whole = WHOLE.fullmatch(text)
     if whole and parameters.known(whole[2]):
@@ -69,12 +74,12 @@ def names_in(text, parameters):
     return NAME.findall(text)
 
 
-def has_inserts(text):
+def has_inserts(text: str) -> bool:
     """Return True if a text is a name into which values are inserted; no expression has this form."""
     return INSERTED.search(text) is not None
 
 
-def inserted(text, parameters):
+def inserted(text: str, parameters: "Parameters") -> str:
     """Return a name with whole numbers and words inserted; raises the errors of ``evaluate``."""
     if len(text) > LONGEST:
         raise _wrong(text, f"has more than {LONGEST} characters")
@@ -90,12 +95,12 @@ def inserted(text, parameters):
     return "".join(parts)
 
 
-def inner_text(match):
+def inner_text(match: re.Match[str]) -> str:
     """Return the name or expression of a match of INSERT."""
     return (match[1] if match[2] is None else match[2]).strip()
 
 
-def inner_value(match, parameters):
+def inner_value(match: re.Match[str], parameters: "Parameters") -> float:
     """Return the number of a match of INSERT; raises the errors of ``evaluate``, at their characters in the text."""
     try:
         return evaluate(f"={inner_text(match)}", parameters, bare=True)
@@ -104,7 +109,7 @@ def inner_value(match, parameters):
         raise type(error)(error.message, column, error.near) from None
 
 
-def insert(match, parameters):
+def insert(match: re.Match[str], parameters: "Parameters") -> str:
     """Return the word or whole number of a match of INSERT, as part of a name."""
     word = parameters.word(inner_text(match))
     if word:
@@ -117,7 +122,7 @@ def insert(match, parameters):
     return str(int(value))
 
 
-def evaluate(text, parameters, bare=False):
+def evaluate(text: str, parameters: "Parameters", bare: bool = False) -> float:
     """Return the value of an expression as a float; ``parameters(name)`` gives the numbers of names.
 
     ``bare``: names of parameters are written without a $.

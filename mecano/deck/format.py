@@ -1,11 +1,16 @@
 """Problems of a deck as text: position, message, the line and a caret."""
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mecano.errors import DeckError, Problem
+
 MAX_PRINTED = 50
 WINDOW = 100  # characters shown of a long line
 CUT = "…"  # replaces the first or last character shown if the line continues there
 
 
-def problem_text(problem, others=0):
+def problem_text(problem: "Problem", others: int = 0) -> str:
     """Return one problem as lines: ``file:line:column: message; hint``, the line of the deck, a caret.
 
     ``others`` is the number of further copies of the same entry with the same problem.
@@ -33,9 +38,9 @@ def _line_and_caret(mark):
     return [f"    {line}", "    " + " " * (column - begin) + "^"]
 
 
-def deck_error_text(error, limit=MAX_PRINTED):
+def deck_error_text(error: "DeckError", limit: int = MAX_PRINTED) -> str:
     """Return at most ``limit`` problems of a DeckError, sorted by position, and their number; copies count once."""
-    copies = {}
+    copies: dict[tuple[tuple[str, int, int], str], list[Problem]] = {}
     for problem in sorted(error.problems, key=_place):
         copies.setdefault((_place(problem), problem.message.partition(": ")[2] or problem.message), []).append(problem)
     parts = [problem_text(same[0], len(same) - 1) for same in list(copies.values())[:limit]]

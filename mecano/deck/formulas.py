@@ -5,21 +5,21 @@ from dataclasses import replace
 from mecano.deck.compose import Node
 from mecano.deck.containers import IDENTIFIER, kind
 from mecano.deck.expressions import NAME, ExpressionError, is_arithmetic
-from mecano.deck.laws import law_or_name
+from mecano.deck.laws import Law, law_or_name
 from mecano.deck.parameters import Refused
-from mecano.deck.scope import INVALID, Reference
+from mecano.deck.scope import INVALID, Invalid, Reference, Scope
 from mecano.deck.units import is_quantity
 from mecano.deck.values import in_range, number
 from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS
 from mecano.elements.signals.formula import FORMULA
 from mecano.laws.formula import NUMBER as NUMBER_STEP
-from mecano.laws.formula import SIGN, FormulaError, difference_of, read_formula
+from mecano.laws.formula import SIGN, Formula, FormulaError, difference_of, read_formula
 from mecano.model.quantity_names import UnknownQuantity, meaning
-from mecano.schema import CONTINUOUS_DRIVE, MOTION, NUMBER
+from mecano.schema import CONTINUOUS_DRIVE, MOTION, NUMBER, Field, Values
 
 
-def signal_entry(node, field, scope):
+def signal_entry(node: Node, field: Field, scope: Scope) -> Values | Invalid:
     """Check an entry of the section ``signals``: a formula, or a mapping with a type."""
     if type(node.value) is dict:
         return kind(node, field, scope)
@@ -29,7 +29,7 @@ def signal_entry(node, field, scope):
     return kind(written, field, scope)
 
 
-def drive(node, field, scope):
+def drive(node: Node, field: Field, scope: Scope) -> Law | Reference | str | Invalid:
     """Return a checked curve, a formula as text, or a Reference for the name of a law or a signal."""
     text = node.value
     if type(text) is str and IDENTIFIER.fullmatch(text):
@@ -44,13 +44,13 @@ def drive(node, field, scope):
     return law_or_name(node, replace(field, type=replace(field.type, name="curve"), argument="s"), scope)
 
 
-def note_continuous(found, node, options, scope):
+def note_continuous(found: Formula | Invalid, node: Node, options: tuple[str, ...], scope: Scope) -> None:
     """Note a Formula whose value must not jump: that of a field with these ``options`` of its type."""
     if found is not INVALID and options == CONTINUOUS_DRIVE.options:
         scope.continuous.append((found, node, scope.subject))
 
 
-def formula(node, field, scope):
+def formula(node: Node, field: Field, scope: Scope) -> str | Invalid:
     """Return a checked formula as text, with parameters replaced by their values."""
     if type(node.value) in (int, float):
         value = number(node, replace(field, type=NUMBER), scope)
@@ -60,7 +60,7 @@ def formula(node, field, scope):
     return _noted(_read(node.value, node, scope), node, scope)
 
 
-def condition(node, field, scope):
+def condition(node: Node, field: Field, scope: Scope) -> str | Invalid:
     """Return a checked condition as text, with parameters replaced by their values."""
     if type(node.value) is not str:
         return scope.refuse_value(node, field)
@@ -118,7 +118,7 @@ def _noted(found, node, scope):
     return found.text
 
 
-def check_formulas(values, scope):
+def check_formulas(values: Values, scope: Scope) -> None:
     """Note errors for names in formulas that are unknown or ambiguous in the checked ``values`` of a deck."""
     entries = {(s, name): (scope.kinds[d["type"]], d) for s in SECTIONS for name, d in values[s].items()}
     wrong = {name for (_, name), (_, d) in entries.items() if any(type(value) is Reference for value in d.values())}
@@ -141,7 +141,7 @@ def _meant(error, scope):
     return scope.suggest(error.word, error.known) if error.known else ""
 
 
-def check_continuous(values, scope):
+def check_continuous(values: Values, scope: Scope) -> None:
     """Note errors for set points that jump, in the checked ``values`` of a deck: their energy would be unknown."""
     for found, node, subject in scope.continuous:
         scope.subject = subject

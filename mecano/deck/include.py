@@ -1,17 +1,22 @@
 """``include: [laws.yaml, wheel.yaml]``: sections of other files, merged with those of the deck name by name."""
 
 import os
+from collections.abc import Iterable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from mecano.deck.compose import Node, compose
+from mecano.deck.compose import Node, Pair, compose
 from mecano.deck.source import Unreadable, read_source
 from mecano.deck.wording import quoted, similar_files
 from mecano.errors import DeckError, Problem
 
+if TYPE_CHECKING:
+    from mecano.schema import Field
+
 MOST_FILES = 100
 
 
-def confined(folder, name):
+def confined(folder: str, name: str) -> str | None:
     """Return the real path of a file named in a deck; None if it is not in the folder of the deck or below it."""
     folder = os.path.realpath(folder)
     try:
@@ -28,20 +33,22 @@ class Inclusion:
     to that of the deck}, for the files that it names itself.
     """
 
-    def __init__(self, folder, sections, problems):
+    def __init__(self, folder: str, sections: "Iterable[Field]", problems: list[Problem]):
         self.folder, self.problems = folder, problems
         self.named = {field.name for field in sections if field.type.name == "named"}
-        self.sections, self.files, self.beside = {}, {}, {}
+        self.sections: dict[str, Pair] = {}
+        self.files: dict[str, str] = {}
+        self.beside: dict[str, str] = {}
         self.unread = False  # whether a file could not be read
-        self._open = []  # paths of the files that are being read
+        self._open: list[str] = []  # paths of the files that are being read
 
-    def merged(self, root):
+    def merged(self, root: Node) -> Node:
         """Return the tree of a deck with the sections of all included files."""
         self._open = [os.path.realpath(root.source.file)]
         self.take(root, "")
         return Node(self.sections, root.source, root.line, root.column)
 
-    def take(self, root, beside):
+    def take(self, root: Node, beside: str) -> None:
         """Add the sections of a file in the folder ``beside``, after those of its included files."""
         include = root.value.get("include")
         if include:

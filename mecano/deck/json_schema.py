@@ -5,6 +5,7 @@ It describes keys and types; names, physics and dimensions are left to `mecano c
 
 import json
 import math
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, TypeAlias
 
 from mecano.deck.expanded_sections import EXPANDED_SECTIONS, REPEAT
@@ -12,7 +13,7 @@ from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS
 from mecano.elements.members.cross_section import SHAPES
 from mecano.laws import TERMS
-from mecano.schema import SECTION_OF, not_negative, positive, share
+from mecano.schema import SECTION_OF, Field, not_negative, positive, share
 
 EXPRESSION = r"^\s*=|\$|^[-+( ]*(\.?[0-9]|pi\b|[a-z0-9]+\()"  # in place of a number: an expression, or 25 mm
 NAME = r"^[A-Za-z_$][A-Za-z0-9_$()+*/% -]*$"
@@ -24,7 +25,7 @@ Schema: TypeAlias = dict[str, Any]  # JSON Schema, or a part of one, as plain da
 LAW = {"$ref": "#/definitions/law"}
 
 
-def deck_schema():
+def deck_schema() -> Schema:
     """Return the schema of a deck, or of an included file, as plain data."""
     definitions = {
         "repeat": _repeat(),
@@ -36,12 +37,14 @@ def deck_schema():
     return file_schema("deck", (*SECTIONS, *EXPANDED_SECTIONS), ["mecano"], definitions)  # an included file has no more
 
 
-def schema_text(schema):
+def schema_text(schema: Schema) -> str:
     """Return a JSON Schema as the text of its file."""
     return json.dumps(schema, indent=1) + "\n"
 
 
-def file_schema(what, fields, required, definitions):
+def file_schema(
+    what: str, fields: Iterable[Field], required: Sequence[str], definitions: Mapping[str, Schema]
+) -> Schema:
     """Return the schema of a file of ``fields`` as plain data; the first of ``required`` is its version, 1."""
     properties = {field.name: _property(field) for field in fields}
     properties[required[0]]["const"] = 1
@@ -100,7 +103,7 @@ def _list(item, least=0, most=None):
     return {"type": "array", "items": item, "minItems": least, **({} if most is None else {"maxItems": most})}
 
 
-def mapping_schema(fields, doc="", **more):
+def mapping_schema(fields: Iterable[Field], doc: str = "", **more: Schema) -> Schema:
     """Return the schema of a mapping of ``fields``, and of ``more`` keys with schemas of their own."""
     properties = {field.name: _property(field) for field in fields}
     required = [field.name for field in fields if field.required]

@@ -2,17 +2,19 @@
 
 import re
 from dataclasses import replace
+from typing import TypeAlias
 
 from mecano.deck.compose import Node
 from mecano.deck.containers import IDENTIFIER, filled
 from mecano.deck.csv_tables import Wanted, factor, table
-from mecano.deck.scope import INVALID, Reference, place_of
+from mecano.deck.scope import INVALID, Invalid, Reference, Scope, place_of
 from mecano.deck.units import unit_of
 from mecano.deck.values import number, plain_number
 from mecano.deck.wording import quoted
-from mecano.laws.term import ARGUMENT, VALUE
-from mecano.schema import NUMBER, TIME_CURVE, Field, Type
+from mecano.laws.term import ARGUMENT, VALUE, Term
+from mecano.schema import NUMBER, TIME_CURVE, Field, Type, Values
 
+Law: TypeAlias = tuple[tuple[str, Values], ...]  # its terms, each with the values of its fields
 TERM = Type("mapping", "a mapping")
 HOW = "{term: {field: value, ...}, another: {...}}, such as {linear: {slope: 2.0}}"
 FORCES = {"m": "N", "rad": "N m"}  # values of laws of extension and of angle, in the order of "N/m or N m/rad"
@@ -24,7 +26,7 @@ MEANT = {  # terms of forces, by other names
 POINT_NUMBER = re.compile(r"\bpoint (\d+)\b")  # number of the faulty point in the text of a check
 
 
-def law_or_name(node, field, scope):
+def law_or_name(node: Node, field: Field, scope: Scope) -> Law | Reference | Invalid:
     """Return a law as a tuple of (term, {field: value}); a name gives a Reference, a number the constant curve."""
     if type(node.value) is dict:
         return law(node, field, scope)
@@ -44,13 +46,13 @@ def law_or_name(node, field, scope):
     return scope.refuse_value(node, field, hint=hint)
 
 
-def law_in_place(node, field, scope):
+def law_in_place(node: Node, field: Field, scope: Scope) -> Law | Invalid:
     """Return a law of the section ``laws``: a number or a mapping of terms, not a name."""
     value = law_or_name(node, replace(field, unit=VALUE), scope)
-    return scope.refuse_value(node, field) if type(value) is Reference else value
+    return scope.refuse_value(node, field) if isinstance(value, Reference) else value
 
 
-def law(node, field, scope):
+def law(node: Node, field: Field, scope: Scope) -> Law | Invalid:
     """Return the terms of a mapping."""
     if not node.value:
         return scope.refuse(node, "a law needs at least one term", "known: " + ", ".join(scope.terms))
@@ -104,7 +106,7 @@ def _in_use(term, use, exponent):
     return [replace(field, unit=unit) for field, unit in zip(term.fields, units, strict=True)]
 
 
-def units_in(use):
+def units_in(use: Field) -> tuple[str, str]:
     """Return the units of the value and of the argument of a law in this use, "" where they depend on the deck."""
     if use.type.name == "law":
         return FORCES.get(use.argument, ""), use.argument
@@ -135,7 +137,7 @@ def _with(unit, value, argument):
     return "/".join([product, *under, divisor + power])
 
 
-def fits(term, wanted):
+def fits(term: Term, wanted: str) -> bool:
     """Return True if a law with this term is allowed where ``wanted`` ("law", "curve" or "drive") is required."""
     return wanted not in ("curve", "drive") or term.role == "curve"
 

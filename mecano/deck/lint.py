@@ -6,13 +6,19 @@ loads on fixed nodes; laws of time that the steps do not sample; triggers before
 """
 
 import math
+from collections.abc import Container, Mapping
+from typing import TYPE_CHECKING, TypeAlias
 
 from mecano.deck.containers import singular
 from mecano.deck.past_triggers import past_triggers
 from mecano.deck.sampled_laws import unsampled
 from mecano.deck.wording import quoted
-from mecano.element_interface import SECTIONS
+from mecano.element_interface import SECTIONS, Kind
 from mecano.errors import Problem, name_list
+
+if TYPE_CHECKING:
+    from mecano.deck.compose import Node
+    from mecano.schema import Values
 
 PUSHES = "it pushes away from its zero instead of back to it; is this intended, as in a snap-through?"
 DRIVES = "it drives slow motions instead of braking them; is this intended, as in a self-excited oscillation?"
@@ -31,10 +37,13 @@ MATERIALS = {  # field of a section: its unit, the smallest value of a solid, wh
 
 LARGEST_GRAVITY = 30.0  # m/s2, more than on any planet
 OF_THE_EARTH = (9.78, 9.84)  # m/s2
+Remark: TypeAlias = tuple[tuple[str, ...], str]  # path of keys to a suspicious value, and the text of the warning
 NAMED = ("laws", "grounds", "tire_laws", "sections")  # sections of entries that others refer to
 
 
-def suspicious(values, root, used, kinds):
+def suspicious(
+    values: "Values", root: "Node", used: Mapping[str, Container[str]], kinds: Mapping[str, Kind]
+) -> list[Problem]:
     """Return warnings (list of Problem) on the checked deck ``values``, with marks of the checked tree ``root``.
 
     ``used`` is {section: names} of the parameters and named entries that the deck refers to; ``kinds`` is {name: Kind}

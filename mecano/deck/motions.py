@@ -1,10 +1,16 @@
 """Prescribed motions by formulas: functions of the time that have two rates, into which signals are inserted."""
 
 import re
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from mecano.deck.wording import quoted
 from mecano.laws.formula import FormulaError, read_formula
 from mecano.laws.formula_rate import LONGEST, TOO_LONG, with_rates
+
+if TYPE_CHECKING:
+    from mecano.deck.laws import Law
+    from mecano.schema import Values
 
 INSTEAD = (
     "a prescribed motion needs the second rate of its value; use a spring or a law of the joint with this set point, a "
@@ -16,7 +22,7 @@ class NotAMotion(Exception):
     """A signal or formula that is no prescribed motion, and the reason."""
 
 
-def motion_of(text, signals):
+def motion_of(text: str, signals: "Mapping[str, Values]") -> "Law | str":
     """Return the motion of a formula (text): a formula of the time alone, or the terms of a law of time.
 
     ``signals`` are the checked values of the signals of the deck, with their laws. Raises NotAMotion.

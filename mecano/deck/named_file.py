@@ -1,14 +1,19 @@
 """Files that a deck names: they lie in its folder or below it."""
 
 import os
+from typing import TYPE_CHECKING
 
 from mecano.deck.include import confined
-from mecano.deck.source import Unreadable, read_source
+from mecano.deck.source import Source, Unreadable, read_source
 from mecano.deck.wording import quoted, similar_files
 from mecano.errors import DeckError
 
+if TYPE_CHECKING:
+    from mecano.deck.compose import Node
+    from mecano.deck.scope import Scope
 
-def within(name, node, scope):
+
+def within(name: str, node: "Node", scope: "Scope") -> str | None:
     """Return the path of a file in the folder of the deck or below it; None after reporting one elsewhere."""
     path = confined(scope.folder, name)
     if path is None:
@@ -16,7 +21,7 @@ def within(name, node, scope):
     return path
 
 
-def source_of(name, node, scope):
+def source_of(name: str, node: "Node", scope: "Scope") -> Source | None:
     """Return the Source of a file in the folder of the deck or below it; None after reporting what is wrong with it."""
     path = within(name, node, scope)
     if path is None:

@@ -5,12 +5,12 @@ import os
 from mecano.errors import ResultsError, UsageError
 
 
-def write_text(path, text, replace=False):
+def write_text(path: str | os.PathLike[str], text: str, replace: bool = False) -> None:
     """Write a text file; raises as ``write_bytes``."""
     write_bytes(path, text.encode(), replace)
 
 
-def write_bytes(path, data, replace=False):
+def write_bytes(path: str | os.PathLike[str], data: bytes, replace: bool = False) -> None:
     """Write a file; raises UsageError if it exists and ``replace`` is False, ResultsError if it cannot be written."""
     try:
         with open(os.fspath(path), "wb" if replace else "xb") as stream:

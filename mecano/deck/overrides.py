@@ -1,19 +1,24 @@
 """``--set a.b.c=value``: values of the command line, inserted into the tree of a deck before it is checked."""
 
 import re
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import accumulate
+from typing import TYPE_CHECKING
 
 from mecano.deck.compose import MAX_DEPTH, Node, compose
 from mecano.deck.source import FORBIDDEN, Source
 from mecano.deck.wording import quoted, suggestion
 from mecano.errors import DeckError, Problem
 
+if TYPE_CHECKING:
+    from mecano.schema import Field
+
 ADDING = "--set changes entries and does not add them: edit the deck, or use mecano.Deck in Python"
 INDEX = re.compile("[0-9]{1,9}")
 
 
-def overridden(root, overrides, sections, problems):
+def overridden(root: Node, overrides: Iterable[str], sections: "Iterable[Field]", problems: list[Problem]) -> Node:
     """Return a copy of the tree with the overrides applied in order.
 
     ``overrides`` are texts ``path=value``: the keys of the path are separated by dots, items of lists are counted
@@ -30,7 +35,7 @@ def overridden(root, overrides, sections, problems):
     return root
 
 
-def shown(path):
+def shown(path: str) -> str:
     """Return the text shown in place of a file name in messages on an override."""
     printable = "".join(c if c.isprintable() else repr(c)[1:-1] for c in path)
     return f"--set {printable if len(printable) <= 60 else printable[:57] + '...'}".strip()

@@ -4,11 +4,16 @@ They come from the section ``parameters`` of the deck, and from each copy of a t
 where they may also be words: ``side: left``.
 """
 
+from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from mecano.deck.expressions import CONSTANTS, ExpressionError, evaluate, is_evaluated, is_expression, names_in
 from mecano.deck.scalar import number
 from mecano.deck.units import ANY, UnitError, converted, is_quantity
+
+if TYPE_CHECKING:
+    from mecano.deck.compose import Node
 
 
 class Refused(Exception):
@@ -22,27 +27,27 @@ class Circle(ExpressionError):
 class Parameters:
     """Named numbers and words, evaluated on demand."""
 
-    def __init__(self, nodes=None, outer=None):
+    def __init__(self, nodes: "dict[str, Node] | None" = None, outer: "Parameters | None" = None):
         """``nodes``: {name: node of its value}; ``outer``: Parameters that are searched for names not in ``nodes``."""
         self.nodes = nodes or {}
         self.outer = outer
-        self.values = {}  # name -> number, or None when it was refused
-        self.used = set()  # names that have been referred to
-        self._open = []  # names being evaluated
+        self.values: dict[str, float | None] = {}  # name -> number, or None when it was refused
+        self.used: set[str] = set()  # names that have been referred to
+        self._open: list[str] = []  # names being evaluated
 
-    def known(self, name):
+    def known(self, name: str) -> bool:
         """Return True if there is such a parameter."""
         return name in self.nodes or (self.outer is not None and self.outer.known(name))
 
-    def names(self):
+    def names(self) -> list[str]:
         """Return the names of all parameters."""
         return [*self.nodes, *(self.outer.names() if self.outer else ())]
 
-    def node(self, name):
+    def node(self, name: str) -> "Node | None":
         """Return the node of the value of a parameter, or None."""
         return self.nodes.get(name) or (self.outer.node(name) if self.outer else None)
 
-    def word(self, name):
+    def word(self, name: str) -> "Node | None":
         """Return the node of a parameter that is a word, or None."""
         if name not in self.nodes:
             return self.outer.word(name) if self.outer else None
@@ -50,7 +55,7 @@ class Parameters:
         return node if self.outer and is_word(node) else None
 
     @contextmanager
-    def working_on(self, name):
+    def working_on(self, name: str) -> Iterator[None]:
         """Mark ``name`` as being evaluated, so that a reference to it is a circle."""
         self._open.append(name)
         try:
@@ -58,7 +63,7 @@ class Parameters:
         finally:
             self._open.pop()
 
-    def __call__(self, name, column=0):
+    def __call__(self, name: str, column: int = 0) -> float:
         """Return the number of a parameter, for a character of an expression; raises ExpressionError, Refused."""
         if name not in self.nodes:
             if self.outer and self.outer.known(name):
@@ -73,9 +78,10 @@ class Parameters:
         if self.word(name) and not _reads_as_number(self.nodes[name].value):
             raise ExpressionError(f"parameter '{name}' is the word '{self.nodes[name].value}', not a number", column)
         self._work_out(name, column)
-        if self.values[name] is None:
+        value = self.values[name]
+        if value is None:
             raise Refused
-        return self.values[name]
+        return value
 
     def _work_out(self, name, column):
         """Evaluate ``name`` after everything it depends on, without recursion: chains may have any length."""
@@ -131,6 +137,6 @@ def _reads_as_number(text):
     return number(text) is not None or is_evaluated(text)
 
 
-def is_word(node):
+def is_word(node: "Node") -> bool:
     """Return True if a value is a text that names use literally; "01" and 1/3 are numbers in expressions."""
     return type(node.value) is str and not is_expression(node.value) and not is_quantity(node.value)

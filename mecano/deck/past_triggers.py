@@ -1,11 +1,18 @@
 """Warnings of releases, activations and grips at times before the start of a run."""
 
-from mecano.element_interface import SECTIONS
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+from mecano.element_interface import SECTIONS, Kind
+
+if TYPE_CHECKING:
+    from mecano.deck.lint import Remark
+    from mecano.schema import Values
 
 TRIGGER = {"time", "when"}  # options of a trigger (constraints/along_coordinate/trigger.py)
 
 
-def past_triggers(values, kinds):
+def past_triggers(values: "Values", kinds: Mapping[str, Kind]) -> "Iterator[Remark]":
     """Yield (path, text) on times of triggers before the start; none of a run that continues an earlier one.
 
     ``values`` are those of a checked deck, ``kinds`` is {name: Kind} of all elements.

@@ -1,22 +1,29 @@
 """Checks of values in combination: the checks of each kind, nodes and names used twice or not at all."""
 
 from collections import Counter
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from mecano.deck.error_location import pointed_at
 from mecano.deck.limits import ARITHMETIC, BEYOND_FLOATS
 from mecano.deck.profile_curvature import check_profile_curvature
-from mecano.deck.scope import place_of
+from mecano.deck.scope import Scope, place_of
 from mecano.deck.wording import quoted
-from mecano.element_interface import BY_COMMAND, FREELY, SECTIONS
+from mecano.element_interface import BY_COMMAND, FREELY, SECTIONS, Kind
 from mecano.model.mesh import divides, place_members
 from mecano.model.model import GROUND, Element, beside_ground
 
+if TYPE_CHECKING:
+    from mecano.deck.compose import Node
+    from mecano.schema import Values
+
+Poses: TypeAlias = dict[str, tuple[np.ndarray, np.ndarray]]  # of nodes by name: x (3,) [m], R (3, 3)
 OTHER_AXIS = 1e-3  # rad
 
 
-def own_nodes(kind, values):
+def own_nodes(kind: Kind, values: "Values") -> list[str]:
     """Return the names of the nodes of an element, joint or load that its fields of node types give."""
     names = []
     for field in kind.fields:
@@ -28,7 +35,7 @@ def own_nodes(kind, values):
     return names
 
 
-def element_nodes(kind, values):
+def element_nodes(kind: Kind, values: "Values") -> list[str]:
     """Return the names of the nodes of an element, joint or load: its own, then those of the joints that it names."""
     joints = (joint for field in kind.fields for joint in _joints(field.type, values[field.name]))
     return [*own_nodes(kind, values), *(name for joint in joints for name in joint["nodes"])]
@@ -41,7 +48,7 @@ def _joints(type_, value):
     return value if type_.name == "list" and type_.options[0].name == "joint" else []
 
 
-def rotations(vectors):
+def rotations(vectors: np.ndarray) -> np.ndarray:
     """Return the rotation matrices (n, 3, 3) of rotation vectors (n, 3) [rad] by Rodrigues' formula."""
     angle = np.linalg.norm(vectors, axis=1)[:, None, None]
     H = np.zeros((len(vectors), 3, 3))
@@ -51,16 +58,19 @@ def rotations(vectors):
     return np.eye(3) + s * H + c * H @ H
 
 
-def poses(nodes):
+def poses(nodes: "Mapping[str, Values]") -> Poses:
     """Return {name: (x (3,) [m], R (3, 3))} of checked nodes."""
     x = np.array([node["position"] for node in nodes.values()])
     R = rotations(np.array([node["orientation"] for node in nodes.values()]))
     return {name: (x[i], R[i]) for i, name in enumerate(nodes)}
 
 
-def check_model(values, root, scope):
+def check_model(values: "Values", root: "Node", scope: Scope) -> None:
     """Report all inconsistencies in the elements, joints, loads and nodes."""
-    at, used, noted, sound = poses(values["nodes"]), set(), set(), set()
+    at = poses(values["nodes"])
+    used: set[str] = set()  # names of nodes
+    noted: set[tuple[int, str]] = set()  # reported errors of shared laws and grounds
+    sound: set[tuple[str, str]] = set()  # section and name of the elements without errors
     placed, left = _place_members(values["elements"], at, scope.kinds)
     for section in SECTIONS:
         for name, element in values[section].items():

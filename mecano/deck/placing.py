@@ -4,12 +4,15 @@ The fields concerned are declared by their types (mecano/schema.py).
 """
 
 import math
+from collections.abc import Container, Mapping, Sequence
+from typing import TypeAlias
 
 from mecano.deck.compose import Node
 from mecano.deck.copied_formulas import is_own, with_prefix
-from mecano.deck.scope import INVALID, node_of
+from mecano.deck.scope import INVALID, Scope, node_of
 from mecano.schema import SECTION_OF, Field
 
+Quaternion: TypeAlias = tuple[float, float, float, float]  # w, x, y, z of a rotation
 FORMULAS = ("formula", "condition", "drive", "signal_entry")  # types of texts that may name signals and outputs
 
 
@@ -18,19 +21,20 @@ class Word(Node):
 
     __slots__ = ("rise",)
 
-    def __init__(self, value, node, rise):
+    def __init__(self, value: str, node: Node, rise: int):
         super().__init__(value, node.source, node.line, node.column, value)
         self.rise = rise
 
 
-def quaternion(vector):
+def quaternion(vector: Sequence[float]) -> Quaternion:
     """Return the unit quaternion (w, x, y, z) of a rotation vector (3,) [rad]."""
     angle = math.hypot(*vector)
     factor = math.sin(0.5 * angle) / angle if angle > 0.0 else 0.5
-    return (math.cos(0.5 * angle), *(factor * c for c in vector))
+    x, y, z = vector
+    return math.cos(0.5 * angle), factor * x, factor * y, factor * z
 
 
-def rotation_vector(q):
+def rotation_vector(q: Quaternion) -> list[float]:
     """Return the rotation vector (3,) [rad] of a unit quaternion, of an angle up to pi."""
     w, *v = q if q[0] >= 0.0 else [-c for c in q]
     size = math.hypot(*v)
@@ -38,7 +42,7 @@ def rotation_vector(q):
     return [factor * c for c in v]
 
 
-def product(p, q):
+def product(p: Quaternion, q: Quaternion) -> Quaternion:
     """Return the quaternion of the rotation q followed by p."""
     a, b, c, d = p
     w, x, y, z = q
@@ -51,11 +55,11 @@ def product(p, q):
 class Placement:
     """Position (3,) [m] and orientation, a rotation vector (3,) [rad], of a copy; inertial."""
 
-    def __init__(self, position, orientation):
+    def __init__(self, position: Sequence[float], orientation: Sequence[float]):
         self.x, self.q = position, quaternion(orientation)
         self.turns = any(orientation)
 
-    def moved(self, value, what):
+    def moved(self, value: list[float], what: str) -> list[float]:
         """Return the three numbers of a "point", "direction" or "orientation" of the template in the copy."""
         if what == "orientation":
             return rotation_vector(product(self.q, quaternion(value))) if self.turns else value
@@ -75,11 +79,11 @@ class Placement:
 class Placing:
     """Mover of the entries of a template, in place, to the position of one copy."""
 
-    def __init__(self, prefix, placement, own, scope):
+    def __init__(self, prefix: str, placement: Placement, own: Mapping[str, Container[str]], scope: Scope):
         """``own``: {section: names defined by the template}."""
         self.prefix, self.placement, self.own, self.scope = prefix, placement, own, scope
 
-    def take(self, node, field):
+    def take(self, node: Node, field: Field) -> None:
         """Move a value, and everything inside it, declared by ``field``."""
         type_ = field.type
         if type_.moves:

@@ -1,6 +1,7 @@
 """Formulas of the documentation for a terminal: LaTeX -> letters, signs and fractions on one line."""
 
 import re
+from functools import partial
 
 LETTERS = {
     "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ϵ", "varepsilon": "ε", "zeta": "ζ", "eta": "η",
@@ -25,7 +26,7 @@ DISPLAY = re.compile(r"^( *)\.\. math:: *(.*(?:\n(?:\1 +\S.*))*)", re.MULTILINE)
 INLINE = re.compile(r":math:`([^`]*)`")
 
 
-def plain_text(doc):
+def plain_text(doc: str) -> str:
     """Return documentation with its inline and displayed formulas as plain text."""
     doc = DISPLAY.sub(lambda match: f"{match[1]}    " + _display(match), doc)
     return INLINE.sub(lambda match: plain_maths(match[1]), doc).replace("``", "'")
@@ -36,7 +37,7 @@ def _display(match):
     return re.sub(r" {4,}", f"\n{match[1]}    ", lines.strip())
 
 
-def plain_maths(tex):
+def plain_maths(tex: str) -> str:
     """Return one LaTeX formula as plain text."""
     tex = THIN.sub(" ", MATRIX.sub(_matrix, tex))
     for sign, plain in MARKS.items():
@@ -47,7 +48,7 @@ def plain_maths(tex):
     tex = re.sub(r"\^(?:\{([-+0-9Tn]+)\}|([0-9Tn]))", lambda m: "".join(RAISED[c] for c in m[1] or m[2]), tex)
     tex = re.sub(r"_\{([^{}]*)\}", lambda m: f"_{m[1]}" if m[1].isalnum() else f"_({m[1]})", tex)
     for name, mark in ABOVE.items():
-        tex = re.sub(rf"\\{name} ?{ONE}", lambda m, mark=mark: f"{(m[1] or m[2])[0]}{mark}{(m[1] or m[2])[1:]}", tex)
+        tex = re.sub(rf"\\{name} ?{ONE}", partial(_accented, mark=mark), tex)
     tex = re.sub(rf"\\widehat{INNER}", r"hat(\1)", tex)
     tex = re.sub(r"\\[td]?frac(\d)(\d)", r"\1/\2", tex)
     for _ in range(3):  # inside out
@@ -56,6 +57,11 @@ def plain_maths(tex):
     for name, sign in SIGNS.items():
         tex = re.sub(rf"\\{name}(?![A-Za-z])", sign, tex)
     return re.sub(r"\\([A-Za-z]+)", r"\1", tex).replace("{", "").replace("}", "")
+
+
+def _accented(match, mark):
+    letter, *others = match[1] or match[2]
+    return letter + mark + "".join(others)
 
 
 def _matrix(match):

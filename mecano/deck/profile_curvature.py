@@ -1,16 +1,25 @@
 """Check of grounds for hollows that are too narrow for the wheels that roll on them."""
 
 import math
+from collections.abc import Container
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.constraints.profile_curvature import tightest_concave_stretch
 from mecano.deck.error_location import pointed_at
 from mecano.deck.wording import quoted
-from mecano.schema import GROUND
+from mecano.schema import GROUND, Values
+
+if TYPE_CHECKING:
+    from mecano.deck.compose import Node
+    from mecano.deck.physics import Poses
+    from mecano.deck.scope import Scope
 
 
-def check_profile_curvature(values, at, sound, root, scope):
+def check_profile_curvature(
+    values: Values, at: "Poses", sound: Container[tuple[str, str]], root: "Node", scope: "Scope"
+) -> None:
     """Report each ground with a hollow that is narrower than a wheel; ``at``: poses of the nodes by name.
 
     Wheels with other errors, whose ("elements", name) is not in ``sound``, are skipped.

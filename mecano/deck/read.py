@@ -2,6 +2,8 @@
 
 import os
 import re
+from collections.abc import Mapping, MutableMapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from mecano.deck.check import UNCHECKED, checked_values, scope_of, written_out
 from mecano.deck.compose import Node, compose
@@ -11,19 +13,30 @@ from mecano.deck.include import Inclusion
 from mecano.deck.lint import suspicious
 from mecano.deck.overrides import overridden
 from mecano.deck.sections import SECTIONS
-from mecano.deck.source import Unreadable, decoded, read_source
+from mecano.deck.source import Source, Unreadable, decoded, read_source
 from mecano.deck.wording import similar_files
 from mecano.element_interface import SECTIONS as ELEMENT_SECTIONS
+from mecano.element_interface import Kind
 from mecano.elements import KINDS
 from mecano.elements.plugins import load_installed
 from mecano.errors import DeckError, Mark, Problem
 from mecano.laws import TERMS
 from mecano.process.memory import reserve_blas_buffer
 
+if TYPE_CHECKING:
+    from mecano.laws.term import Term
+    from mecano.schema import Field
+
 BEFORE_COPIES = re.compile(r"\s*(mecano|parameters|templates|place)\s*[.=]")  # overrides that affect the expansion
 
 
-def read_deck(path, overrides=(), kinds=KINDS, sections=SECTIONS, terms=TERMS):
+def read_deck(
+    path: str | os.PathLike[str],
+    overrides: Sequence[str] = (),
+    kinds: MutableMapping[str, Kind] = KINDS,
+    sections: "Sequence[Field]" = SECTIONS,
+    terms: "Mapping[str, Term]" = TERMS,
+) -> Deck:
     """Return the checked Deck of a file; ``overrides`` are texts "path.to.key=value".
 
     Raises DeckError with all problems of the first step that finds any: the bytes; the YAML and the structure (keys,
@@ -40,10 +53,17 @@ def read_deck(path, overrides=(), kinds=KINDS, sections=SECTIONS, terms=TERMS):
     return deck_of(source, digest, overrides, kinds, sections, terms)
 
 
-def deck_of(source, digest="", overrides=(), kinds=KINDS, sections=SECTIONS, terms=TERMS):
+def deck_of(
+    source: Source,
+    digest: str = "",
+    overrides: Sequence[str] = (),
+    kinds: MutableMapping[str, Kind] = KINDS,
+    sections: "Sequence[Field]" = SECTIONS,
+    terms: "Mapping[str, Term]" = TERMS,
+) -> Deck:
     """Return the checked Deck of a Source; see ``read_deck``."""
     reserve_blas_buffer()  # before the checks, which are the first to use linear algebra
-    problems = []
+    problems: list[Problem] = []
     root = compose(source, problems)
     if root is None or type(root.value) is not dict:
         what = "the deck is empty" if root is None or root.value is None else "a deck is a mapping of sections"
@@ -73,6 +93,6 @@ def _keys(root, section):
     return {name: key for name, (key, _) in given[1].value.items()} if given and type(given[1].value) is dict else {}
 
 
-def deck_of_bytes(data, file, **options):
+def deck_of_bytes(data: bytes, file: str, **options: Any) -> Deck:
     """Return the checked Deck of bytes, as if they were in ``file``."""
     return deck_of(decoded(data, file), **options)

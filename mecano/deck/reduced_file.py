@@ -17,12 +17,12 @@ import numpy as np
 from mecano.deck.compose import Node, compose
 from mecano.deck.containers import filled
 from mecano.deck.named_file import within
-from mecano.deck.scope import INVALID
+from mecano.deck.scope import INVALID, Invalid, Scope
 from mecano.deck.source import MAX_BYTES, decoded
 from mecano.deck.values import LARGEST
 from mecano.deck.wording import quoted
 from mecano.errors import DeckError
-from mecano.schema import NUMBERS, ROWS, TEXT, VECTOR, Field, list_of
+from mecano.schema import NUMBERS, ROWS, TEXT, VECTOR, Field, Values, list_of
 
 CONTENT = (
     Field("positions", list_of(VECTOR), "m", "place of each boundary node, axes of the superelement"),
@@ -42,7 +42,7 @@ MOST_NUMBERS = 4_000_000  # of one matrix, whatever size the header of a file cl
 KEYS = {field.name: field for field in CONTENT}
 
 
-def reduced(node, field, scope):
+def reduced(node: Node, field: Field, scope: Scope) -> Values | Invalid:
     """Return the values of CONTENT, matrices as lists of rows, from a mapping or from the file named by a text."""
     if type(node.value) is dict:
         return filled(node, field, CONTENT, scope)
@@ -191,7 +191,7 @@ def _unfit(array, width=None):
     return "" if np.all(np.abs(array.astype(float)) <= LARGEST) else "has numbers that are not finite or out of range"
 
 
-def rows(node, field, scope):
+def rows(node: Node, field: Field, scope: Scope) -> list[list[float]] | Invalid:
     """Return a matrix as a list of rows of numbers, in place or from the file named by a text."""
     if type(node.value) is str:
         array = _matrix(os.path.join(scope.beside, node.value), node, scope)

@@ -5,7 +5,7 @@ from itertools import product
 from mecano.deck.compose import Node
 from mecano.deck.parameters import is_word
 from mecano.deck.scalar import resolved
-from mecano.deck.scope import INVALID
+from mecano.deck.scope import INVALID, Invalid, Scope
 from mecano.deck.units import ANY
 from mecano.deck.values import number
 from mecano.deck.wording import quoted
@@ -16,7 +16,7 @@ RANGE = Field("", NUMBER, "-", "an end of a range")
 VALUE = Field("", NUMBER, ANY, "a value of a copy")
 
 
-def rows(node, scope, most):
+def rows(node: Node, scope: Scope, most: int) -> list[dict[str, Node]] | Invalid:
     """Return [{name: node of a number or word}] of the value of ``repeat``, at most ``most``; or INVALID."""
     if type(node.value) is dict and node.value:
         return _combinations(node, scope, most)

@@ -1,6 +1,7 @@
 """Resolution of references: nodes must exist; laws, grounds and tire laws replace their names."""
 
 import re
+from typing import TYPE_CHECKING
 
 from mecano.deck.containers import singular, wrong_name
 from mecano.deck.formulas import note_continuous
@@ -10,12 +11,16 @@ from mecano.deck.similar_names import similar
 from mecano.deck.wording import quoted
 from mecano.laws.formula import read_formula
 from mecano.model.mesh import divides, inner_names
-from mecano.schema import MOTION
+from mecano.schema import MOTION, Values
+
+if TYPE_CHECKING:
+    from mecano.deck.compose import Node
+    from mecano.deck.scope import Scope
 
 OTHERS = ("nodes", "elements", "joints", "loads", "sections", "grounds", "tire_laws")  # where a name may be
 
 
-def resolve(values, scope):
+def resolve(values: Values, scope: "Scope") -> None:
     """Resolve every reference of the scope in the checked values, which are changed in place."""
     nodes = dict.fromkeys([*values["nodes"], *_nodes_of_members(values["elements"], scope.kinds)])
     formulas = {*values["signals"], "time"}  # names that are formulas
@@ -65,7 +70,7 @@ def _put_motion(reference, signals, scope):
         scope.refuse(reference.node, str(error))
 
 
-def unknown_names(root, scope):
+def unknown_names(root: "Node", scope: "Scope") -> None:
     """Report references to names that are in no section of the tree ``root``, in a deck with other errors.
 
     Sections that are missing, misplaced or have invalid names are skipped; so are nodes inside members, which may be
@@ -77,7 +82,7 @@ def unknown_names(root, scope):
         scope.subject = reference.subject
         if reference.wanted == "motion":
             continue
-        names = known.get(reference.section, (reference.name,))
+        names = [*known.get(reference.section, (reference.name,))]
         if reference.wanted == "drive":
             names = [*known.get("laws", ()), *known.get("signals", ())]
         if scope.misplaced & ({"laws", "signals"} if reference.wanted == "drive" else {reference.section}):
@@ -85,7 +90,7 @@ def unknown_names(root, scope):
         inside = reference.section == "nodes" and "." in reference.name
         time = reference.wanted == "drive" and reference.name == "time"
         if reference.name not in names and not inside and not time:
-            _unknown(reference, list(names), known, scope)
+            _unknown(reference, names, known, scope)
 
 
 def _nodes_of_members(elements, kinds):

@@ -3,22 +3,26 @@
 import re
 from importlib.resources import files
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mecano.deck.new_file import write_bytes, write_text
 from mecano.deck.wording import quoted, suggestion
 from mecano.errors import UsageError
+
+if TYPE_CHECKING:
+    import os
 
 STARTERS = files("mecano.deck") / "starters"
 EXAMPLES = files("mecano") / "inputs"  # in a clone a link to the folder inputs/
 TITLE = re.compile("^title: *(.+)$", re.MULTILINE)
 
 
-def starters():
+def starters() -> dict[str, str]:
     """Return {name: text} of all starters."""
     return _decks(STARTERS)
 
 
-def examples():
+def examples() -> dict[str, str]:
     """Return {name: text} of all example decks."""
     return _decks(EXAMPLES)
 
@@ -28,7 +32,7 @@ def _decks(folder):
     return {path.name.removesuffix(".yaml"): path.read_text(encoding="utf-8") for path in paths}
 
 
-def starter(name):
+def starter(name: str) -> str:
     """Return the text of a starter; raises UsageError for an unknown name."""
     known = starters()
     if name not in known:
@@ -37,7 +41,7 @@ def starter(name):
     return known[name]
 
 
-def write_example(name, path):
+def write_example(name: str, path: "str | os.PathLike[str]") -> list[str]:
     """Write an example deck to ``path`` and the files that it reads beside it; return the names of these files.
 
     Raises UsageError for an unknown name or if a file would be replaced; ResultsError if one cannot be written.
@@ -59,16 +63,21 @@ def _similar(name, known, command):
     return suggestion(name, known) or f"`mecano {command}` lists them"
 
 
-def list_of_starters():
+def list_of_starters() -> str:
     """Return the text that lists the starters, each with the first line of its deck."""
     summaries = {name: text.splitlines()[0].lstrip("# ") for name, text in starters().items()}
     return _list("decks to start from:", summaries, "mecano new NAME [deck.yaml] writes one of them.")
 
 
-def list_of_examples():
+def list_of_examples() -> str:
     """Return the text that lists the examples, each with its title."""
-    titles = {name: TITLE.search(text)[1] for name, text in examples().items()}
+    titles = {name: _title(text) for name, text in examples().items()}
     return _list("examples with known answers:", titles, "mecano example NAME [deck.yaml] writes one of them.")
+
+
+def _title(text):
+    found = TITLE.search(text)
+    return found[1] if found else ""
 
 
 def _list(heading, summaries, usage):

@@ -5,21 +5,26 @@ extreme case as a constant, and no error estimate notices.
 """
 
 import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.element_interface import SECTIONS
+from mecano.element_interface import SECTIONS, Kind
 from mecano.laws import TERMS
 from mecano.laws.formula import phase_rate, phases_of_time, read_formula
 from mecano.laws.formula_rate import LONGEST
-from mecano.schema import TIME_CURVE
+from mecano.schema import TIME_CURVE, Values
+
+if TYPE_CHECKING:
+    from mecano.deck.lint import Remark
 
 LEAST, ENOUGH = 4.0, 20.0  # steps per period; a fortieth of the amplitude is lost between 20 samples
 ROUNDING = 1e-6  # of a step, so that exactly four steps a period are enough
 INSTANTS = 5  # of a run, at which the frequency of a wave in a formula is looked at
 
 
-def unsampled(values, kinds):
+def unsampled(values: Values, kinds: Mapping[str, Kind]) -> "Iterator[Remark]":
     """Yield (path, text) on waves of time with fewer than ``LEAST`` steps a period, one for all uses of a law.
 
     ``values`` are those of a checked deck, ``kinds`` is {name: Kind} of all elements.
@@ -27,7 +32,8 @@ def unsampled(values, kinds):
     time = values["time"]
     if not time:
         return
-    (step, key), found = longest_step(time), {}
+    step, key = longest_step(time)
+    found: dict[int, tuple[float, tuple[str, ...], str, list[str]]] = {}  # frequency, path, first use, all uses
     for owner, path, value in _uses(values, kinds):
         frequency = _frequency(value, time)
         if LEAST * frequency * step > 1.0 + ROUNDING:
@@ -43,7 +49,7 @@ def unsampled(values, kinds):
         yield path, text
 
 
-def longest_step(time):
+def longest_step(time: Values) -> tuple[float, str]:
     """Return the longest step [s] that no error estimate shortens, and the key of the deck that gives it.
 
     An adaptive run without 'maximum_step' lengthens its first step only as long as it sees small errors.

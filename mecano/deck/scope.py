@@ -1,10 +1,10 @@
 """Shared state of the checks of a deck: problems found so far, current subject, parameters and references."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from mecano.deck.compose import Given, Node
 from mecano.deck.expressions import ExpressionError, evaluate, is_evaluated, is_expression, names_in
@@ -15,6 +15,10 @@ from mecano.deck.units import is_quantity
 from mecano.deck.wording import as_list, corrected, found, how_to_write, quoted, suggestion, unit_text
 from mecano.errors import DeckError, Problem
 from mecano.schema import SECTION_OF, Field
+
+if TYPE_CHECKING:
+    from mecano.laws.formula import Formula
+    from mecano.laws.term import Term
 
 MAX_PROBLEMS = 10_000
 MAX_COMPARED = 1_000_000  # words: looking for similar ones is slow in a large deck
@@ -54,8 +58,8 @@ class Reference:
     wanted: str  # name of the type: "law", "curve", "ground"...
     node: Node
     subject: str
-    options: tuple = ()  # of the type
-    home: tuple | None = None  # (container, key) of the checked value
+    options: tuple[Any, ...] = ()  # of the type
+    home: tuple[Any, str | int] | None = None  # (container, key) of the checked value
     use: Field | None = None  # of a law
 
 
@@ -63,30 +67,30 @@ class Reference:
 class Scope:
     """State of one check of a deck."""
 
-    checks: dict  # name of a type -> its check
-    kinds: dict
-    terms: dict
+    checks: Mapping[str, Check]  # by the name of the type
+    kinds: Mapping[str, Any]  # Kind of an element, joint, load or signal, or Shape of a cross section, by name
+    terms: "Mapping[str, Term]"
     folder: str  # of the deck; table files are relative to it
-    problems: list
-    included: dict = field(default_factory=dict)  # file as shown -> its folder relative to that of the deck
+    problems: list[Problem]
+    included: dict[str, str] = field(default_factory=dict)  # file as shown -> its folder relative to that of the deck
     parameters: Parameters = field(default_factory=Parameters)
-    references: list = field(default_factory=list)
-    formulas: list = field(default_factory=list)  # (formula, node, subject) of all that have been read
-    continuous: list = field(default_factory=list)  # the same of those that must not jump
-    files: dict = field(default_factory=dict)  # name of a file read -> SHA-256
-    tables: dict = field(default_factory=dict)  # name of a file read -> points, or reduced matrices
+    references: list[Reference] = field(default_factory=list)
+    formulas: "list[tuple[Formula, Node, str]]" = field(default_factory=list)  # with their subjects, all that are read
+    continuous: "list[tuple[Formula, Node, str]]" = field(default_factory=list)  # the same of those that must not jump
+    files: dict[str, str] = field(default_factory=dict)  # name of a file read -> SHA-256
+    tables: dict[Any, Any] = field(default_factory=dict)  # name of a file read -> points, or reduced matrices
     beside: str = ""  # folder, relative to that of the deck, of the current file; files named in it are relative to it
-    defaults: dict = field(default_factory=dict)  # id of a Field -> checked default
-    own_names: dict = field(default_factory=dict)
+    defaults: dict[int, Any] = field(default_factory=dict)  # id of a Field -> checked default
+    own_names: dict[int, Collection[str]] = field(default_factory=dict)
     """id of a Node with a name that its template does not define -> names that the template defines in that section"""
-    misplaced: set = field(default_factory=set)  # names of sections that are written inside others
+    misplaced: set[str] = field(default_factory=set)  # names of sections that are written inside others
     subject: str = ""  # "hinge 'knee'"
-    path: list = field(default_factory=list)  # keys between the subject and the current value
+    path: list[str] = field(default_factory=list)  # keys between the subject and the current value
     owner: Node | None = None  # node of the key of the current value: a missing key is reported here
     suggestions: int = 0
     compared: int = 0  # words compared for suggestions
 
-    def refuse(self, node, message, hint=""):
+    def refuse(self, node: Node, message: str, hint: str = "") -> Invalid:
         """Report a problem of the subject at the position of a node; return INVALID."""
         text = f"{self.subject}: {message}" if self.subject else message
         self.problems.append(Problem(text, node.mark, hint))
@@ -94,16 +98,16 @@ class Scope:
             raise DeckError(self.problems)
         return INVALID
 
-    def where_given(self, node):
+    def where_given(self, node: Node) -> str:
         """Return a hint on the lines of the parameters from which a value comes, or "" if there are none or many."""
-        names = list(dict.fromkeys(name for text in texts_in(node) for name in names_in(text, self.parameters)))
-        given = [(name, self.parameters.node(name)) for name in names]
-        if not 0 < len(given) <= MOST_PARAMETERS or not all(found for _, found in given):
+        names = dict.fromkeys(name for text in texts_in(node) for name in names_in(text, self.parameters))
+        given = {name: at for name in names if (at := self.parameters.node(name))}
+        if not 0 < len(names) <= MOST_PARAMETERS or len(given) < len(names):
             return ""
-        files = [f"line {at.line + 1}" if at.source is node.source else str(at.mark) for _, at in given]
-        return ", ".join(f"${name} is given in {where}" for (name, _), where in zip(given, files, strict=True))
+        places = {n: f"line {at.line + 1}" if at.source is node.source else str(at.mark) for n, at in given.items()}
+        return ", ".join(f"${name} is given in {place}" for name, place in places.items())
 
-    def refuse_value(self, node, declared, what=None, hint=""):
+    def refuse_value(self, node: Node, declared: Field, what: str | None = None, hint: str = "") -> Invalid:
         """Report that the value of a field is not of the required form; return INVALID."""
         name = self.name_of(declared.name)
         what = what or f"must be {declared.type.expects}"
@@ -127,11 +131,11 @@ class Scope:
         near = type(node.value) is str and len(node.value) <= MAX_KEYWORD and similar(node.value, words)
         return self.suggest(node.value, near) if near else ""
 
-    def name_of(self, name):
+    def name_of(self, name: str) -> str:
         """Return the dotted path of a key below the subject."""
         return ".".join([*self.path, name] if name else self.path)
 
-    def got(self, node):
+    def got(self, node: Node) -> str:
         """Return the text of a value for messages, with the value of an expression."""
         if type(node.value) is str and is_evaluated(node.value):
             try:
@@ -140,21 +144,21 @@ class Scope:
                 pass
         return found(node)
 
-    def used_names(self):
+    def used_names(self) -> dict[str, set[str]]:
         """Return {section: names that the deck refers to}; valid once the whole deck has been checked."""
-        used = {section: set() for section in SECTION_OF.values()}
+        used: dict[str, set[str]] = {section: set() for section in SECTION_OF.values()}
         for reference in self.references:
             used[reference.section].add(reference.name)
         return {**used, "parameters": self.parameters.used}
 
-    def suggest(self, word, known):
+    def suggest(self, word: str, known: Collection[str]) -> str:
         """Return a hint for an unknown word, as long as few hints have been given."""
         self.suggestions += 1
         self.compared += len(known)
         few = self.suggestions <= MAX_SUGGESTIONS and self.compared <= MAX_COMPARED
         return suggestion(word, known) if few else ""
 
-    def evaluated(self, node):
+    def evaluated(self, node: Node) -> float | Invalid | None:
         """Return the number of an expression; None if the text is not an expression."""
         if not is_evaluated(node.value):
             return None
@@ -165,7 +169,7 @@ class Scope:
         except ExpressionError as error:
             return self.refuse_expression(node, error)
 
-    def quantity_of(self, text):
+    def quantity_of(self, text: str) -> str:
         """Return the number with a unit by which the parameter of an expression "$name" is given, or ""."""
         for _ in range(MOST_PARAMETERS_DEEP):
             name = BARE.fullmatch(text)
@@ -177,7 +181,7 @@ class Scope:
             text = node.value
         return ""
 
-    def refuse_expression(self, node, error):
+    def refuse_expression(self, node: Node, error: ExpressionError) -> Invalid:
         """Report an error of an expression, with names similar to an unknown one."""
         hint = ""
         if error.near:
@@ -186,7 +190,7 @@ class Scope:
             hint = f"write {right}"
         return self.refuse_at(node, error, hint)
 
-    def refuse_at(self, node, error, hint):
+    def refuse_at(self, node: Node, error: ExpressionError, hint: str) -> Invalid:
         """Report an ExpressionError with a hint, at its character in the line if that is known."""
         line, start = node.mark.text, node.column
         if line[start : start + 1] in "'\"":
@@ -196,7 +200,7 @@ class Scope:
         return self.refuse(place, error.message, hint)
 
 
-def texts_in(node):
+def texts_in(node: Node) -> list[str]:
     """Return the expressions in the first MOST_NODES values of a node."""
     todo, found = [node], []
     for _ in range(MOST_NODES):
@@ -212,7 +216,7 @@ def texts_in(node):
     return found
 
 
-def place(container, key, value, scope):
+def place(container: Any, key: str | int, value: Any, scope: Scope) -> None:
     """Put a checked value into a dict or list; a reference there will be replaced by its entry."""
     container[key] = value
     if type(value) is Reference:
@@ -220,7 +224,7 @@ def place(container, key, value, scope):
         scope.references.append(value)
 
 
-def node_of(value):
+def node_of(value: Any) -> Node:
     """Return the node equivalent to a default, a Python value."""
     if isinstance(value, dict):
         return Node({key: (node_of(key), node_of(item)) for key, item in value.items()}, DEFAULT)
@@ -229,7 +233,7 @@ def node_of(value):
     return Node(value, DEFAULT, raw=str(value))
 
 
-def place_of(text, node, otherwise):
+def place_of(text: str, node: Node, otherwise: Node) -> Node:
     """Return the node to which a text on a mapping refers: the quoted key at its beginning, or ``otherwise``."""
     match = QUOTED_KEY.match(text)
     if match and type(node.value) is dict and match[1] in node.value:

@@ -29,6 +29,7 @@ from mecano.schema import (
     VECTOR,
     Field,
     Type,
+    Values,
     choice,
     either,
     list_of,
@@ -38,7 +39,7 @@ from mecano.schema import (
     one_of_kinds,
     positive,
     shorthand,
-)  # fmt: skip
+)
 
 
 class TireLawFields:
@@ -57,7 +58,7 @@ MOST_INTERVALS = 1e12
 LEAST_ULPS = 16.0  # spacings of floating-point times in a step
 
 
-def check_time(time):
+def check_time(time: Values) -> str | None:
     """Check the interval, and that steps fit into it and into their bounds; return the error text or None."""
     if not time["end"] > time["start"]:
         return f"'end' must be later than 'start', {time['start']:g} s"
@@ -78,23 +79,23 @@ def check_time(time):
     return None
 
 
-def shortest_interval(time):
+def shortest_interval(time: Values) -> float:
     """Return the shortest interval [s] of steps and saved times, which must exceed the rounding of times."""
     return max(abs(time["start"]), abs(time["end"])) / MOST_INTERVALS
 
 
-def finest_step(time):
+def finest_step(time: Values) -> float:
     """Return the shortest step [s] that changes every time of the run by more than rounding."""
     return LEAST_ULPS * math.ulp(max(abs(time["start"]), abs(time["end"])))
 
 
-def check_initial(initial):
+def check_initial(initial: Values) -> str | None:
     """Check that only one kind of initial state is given; return the error text or None."""
     given = [name for name in ("static", "steady", "from") if initial[name] is not None]
     return f"'{given[0]}' and '{given[1]}' exclude one another" if len(given) > 1 else None
 
 
-def check_velocity(entry):
+def check_velocity(entry: Values) -> str | None:
     """Check that a rotating set of nodes has a centre of rotation; return the error text or None."""
     several = entry["nodes"] == "all" or len(entry["nodes"]) > 1
     if several and any(entry["angular_velocity"]) and entry["about"] is None:

@@ -2,15 +2,17 @@
 
 import difflib
 from collections import Counter
+from collections.abc import Iterable
 
 LIMITS = (0, 0, 1)  # admissible wrong letters by length of the word; two in longer words
 MOST = 8  # names at equal distance: as many as bodies are numbered in most mechanisms
 
 
-def similar(word, known):
+def similar(word: str, known: Iterable[str]) -> list[str]:
     """Return at most ``MOST`` names of ``known`` that are nearest to ``word``; none if no name is similar."""
     limit, word = LIMITS[len(word)] if len(word) < len(LIMITS) else 2, word.lower()
-    letters, found = Counter(word), {}
+    letters = Counter(word)
+    found: dict[int, list[str]] = {}  # by their distance
     for name in dict.fromkeys(known):
         lower = name.lower()
         if abs(len(lower) - len(word)) > limit or (letters - Counter(lower)).total() > limit:
@@ -21,16 +23,17 @@ def similar(word, known):
     if found:
         nearest = found[min(found)]
         likeness = {name: difflib.SequenceMatcher(None, word, name.lower()).ratio() for name in nearest}
-        return sorted(nearest, key=likeness.get, reverse=True)[:MOST]  # equal ones in their order
+        return sorted(nearest, key=lambda name: likeness[name], reverse=True)[:MOST]  # equal ones in their order
     return difflib.get_close_matches(word, known, n=1, cutoff=0.6)
 
 
-def edits(a, b):
+def edits(a: str, b: str) -> int:
     """Return the number of letters replaced, omitted, added, or exchanged with the next, from ``a`` to ``b``.
 
     The optimal string alignment distance, a restricted Damerau-Levenshtein distance.
     """
-    before, row = [], list(range(len(b) + 1))
+    before: list[int] = []
+    row = list(range(len(b) + 1))
     for i, x in enumerate(a, 1):
         last, before, row = before, row, [i]
         for j, y in enumerate(b, 1):

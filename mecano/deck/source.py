@@ -3,11 +3,16 @@
 import hashlib
 import re
 from array import array
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mecano.errors import DeckError, Mark, Problem
 from mecano.immutable import immutable
+
+if TYPE_CHECKING:
+    import os
 
 MAX_BYTES = 64 * 2**20
 BLOCK = 2**16  # characters, or more to the end of a line
@@ -25,14 +30,14 @@ class Source:
     file: str
     text: str
     begin: int = 0
-    stack: tuple = ()  # marks of the including file or the place of the template, outermost first
+    stack: tuple[Mark, ...] = ()  # marks of the including file or the place of the template, outermost first
 
     @property
-    def lines(self):
+    def lines(self) -> "Lines":
         """Lines without their ends."""
         return _lines(self.text)
 
-    def each_line(self):
+    def each_line(self) -> Iterator[str]:
         """Yield the lines of a text without forbidden characters one by one, keeping few of them at a time."""
         begin = 0
         while begin < len(self.text):
@@ -41,7 +46,7 @@ class Source:
             yield from self.text[begin:end].splitlines()  # its other line ends are forbidden
             begin = end
 
-    def mark(self, line, column):
+    def mark(self, line: int, column: int) -> Mark:
         """Return the Mark of a line and column, both counted from 0 after ``begin``; beyond the last line, its end."""
         if line >= len(self.lines):
             line = len(self.lines) - 1
@@ -49,7 +54,7 @@ class Source:
         shift = self.begin if line == 0 else 0
         return Mark(self.file, line + 1, column + shift + 1, self.stack, self.lines[line])
 
-    def mark_at(self, position):
+    def mark_at(self, position: int) -> Mark:
         """Return the Mark of a position in the text."""
         before = LINE_END.split(self.text[:position])
         return self.mark(len(before) - 1, len(before[-1]))
@@ -58,7 +63,7 @@ class Source:
 class Lines:
     """Lines of a text without their ends, by number; a list of texts would take five times the memory of the text."""
 
-    def __init__(self, text):
+    def __init__(self, text: str):
         self._text, self._begins = text, array("q", [0])
         self._begins.extend(end.end() for end in LINE_END.finditer(text))
 
@@ -80,7 +85,7 @@ class Unreadable(Exception):
     """Error for a file that cannot be opened or is too large, with the reason."""
 
 
-def is_utf8(path):
+def is_utf8(path: "str | os.PathLike[str]") -> bool:
     """Return False for a path with bytes that are no UTF-8 text, which Python keeps as lone surrogates."""
     try:
         str(path).encode()
@@ -89,7 +94,7 @@ def is_utf8(path):
     return True
 
 
-def read_source(path, file=None):
+def read_source(path: "str | os.PathLike[str]", file: str | None = None) -> tuple[Source, str]:
     """Return the Source of a file and the SHA-256 of its bytes; ``file`` is the name to show, by default the path.
 
     Raises Unreadable, or DeckError if the bytes are not valid UTF-8 text.
@@ -108,7 +113,7 @@ def read_source(path, file=None):
     return decoded(data, str(path) if file is None else file), hashlib.sha256(data).hexdigest()
 
 
-def decoded(data, file):
+def decoded(data: bytes, file: str) -> Source:
     """Return the Source of bytes, UTF-8 without control characters; a leading byte order mark is dropped.
 
     Raises DeckError for other bytes.

@@ -9,16 +9,17 @@ from mecano.schema import (
     NODE,
     NUMBER,
     Field,
+    Values,
     choice,
     either,
     mapping,
     not_negative,
     not_zero,
     positive,
-)  # fmt: skip
+)
 
 
-def check_static(static):
+def check_static(static: Values) -> str | None:
     """Check the interval, and the criteria of the end against the method; return the error text or None."""
     over_time = static["over"] == "time"
     if static["end"] <= (static["start"] if over_time else 0.0):

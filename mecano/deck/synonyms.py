@@ -383,20 +383,20 @@ KEYS_MEANT = {word: names for words, names in KEYS.items() for word in words.spl
 SEPARATORS = re.compile(r"[\s_-]+")
 
 
-def synonym(name):
+def synonym(name: str) -> tuple[tuple[str, ...], str] | None:
     """Return (names of the equivalents in mecano, best first; note) of a word of other programs, or None."""
     word = SEPARATORS.sub(" ", name.lower().strip())
     entry = next((SYNONYMS[form] for form in _forms(word) if form in SYNONYMS), None)
     return entry and (tuple(entry[0].split()), entry[1])
 
 
-def synonym_of_end(name):
+def synonym_of_end(name: str) -> tuple[tuple[str, ...], str] | None:
     """Return ``synonym`` of the longest end of several words that has one, as in "double wishbone", or None."""
     words = SEPARATORS.split(name.strip())
     return next((found for i in range(1, len(words)) if (found := synonym(" ".join(words[i:])))), None)
 
 
-def keys_meant(key):
+def keys_meant(key: str) -> tuple[str, ...]:
     """Return the names in mecano, best first, of a key of other programs; () if it is not known."""
     return tuple(KEYS_MEANT.get(key.lower().replace("_", ""), "").split())
 

@@ -1,6 +1,12 @@
 """Errors of the syntax of YAML, with what is probably meant: missing spaces, colons, commas, brackets and quotes."""
 
 import re
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import yaml
+
+    from mecano.deck.compose import Node
 
 GLUED = re.compile(r"\s*([\w$()-]+:)[^\s:]")  # a key and its value without a space between them
 UNCOLONED = re.compile(r"\s*([\w$()-]+)\s*=?\s*[{\[]")  # a key and a mapping or list without ':' between them
@@ -12,12 +18,12 @@ NEAR = 200  # characters on each side of the place, and of other lines, that are
 SAME_COLUMN = "keys that belong together begin in the same column"
 
 
-def syntax_error(error):
+def syntax_error(error: "yaml.MarkedYAMLError") -> str:
     """Return the message of an error of the YAML parser."""
     return "not valid YAML: " + ", ".join(part for part in (error.context, error.problem) if part)
 
 
-def syntax_hint(error, place):
+def syntax_hint(error: "yaml.MarkedYAMLError", place: "Node") -> str:
     """Return what is probably meant where the YAML parser stopped, the node ``place``; or ""."""
     line, at, problem, context = place.mark.text, place.column, error.problem or "", error.context or ""
     before, rest, line = line[max(at - NEAR, 0) : at], line[at : at + NEAR], line[:NEAR]
@@ -40,7 +46,8 @@ def syntax_hint(error, place):
     if "mapping values are not allowed" in problem:
         if rest.strip() == ":" and ": " in before:
             return "delete the ':' at the end of the line"
-        hint = "" if GLUED.match(before) is None else f"write a space after '{GLUED.match(before)[1]}'"
+        glued = GLUED.match(before)
+        hint = f"write a space after '{glued[1]}'" if glued else ""
         return hint or _of_line_above(place) or f"put a text with ': ' in quotes; {SAME_COLUMN}"
     if "unexpected ':'" in problem:
         return "write a space after ':'"

@@ -1,13 +1,19 @@
 """Templates (small decks with their own parameters), and the fields of ``place``, which puts copies into the deck."""
 
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from mecano.deck.containers import filled
 from mecano.deck.parameters import Parameters
 from mecano.deck.placing import Word
 from mecano.deck.wording import quoted
-from mecano.schema import ORIENTATION, POSITION, TEXT, Field, Type, mapping, named
+from mecano.schema import ORIENTATION, POSITION, TEXT, Field, Type, Values, mapping, named
+
+if TYPE_CHECKING:
+    from mecano.deck.compose import Node
+    from mecano.deck.scope import Invalid, Scope
 
 DEEPEST = 12  # templates inside templates
 ZERO = (0.0, 0.0, 0.0)
@@ -26,7 +32,7 @@ PLACE = Field(
 )  # fmt: skip
 
 
-def arguments(node, declared, scope):
+def arguments(node: "Node", declared: Field, scope: "Scope") -> "dict[str, Node] | Invalid":
     """Return the checked values for parameters: {name: node of a number or word}."""
     if type(node.value) is not dict:
         return scope.refuse_value(node, declared)
@@ -36,7 +42,7 @@ def arguments(node, declared, scope):
     return {name: value for name, (_, value) in node.value.items()}
 
 
-def place_values(node, scope):
+def place_values(node: "Node", scope: "Scope") -> "Values | Invalid":
     """Return the checked values of an entry of ``place``, or INVALID."""
     return filled(node, Field("", PLACE.type.options[0], "-", "a copy of a template"), PLACE_FIELDS, scope)
 
@@ -44,11 +50,11 @@ def place_values(node, scope):
 class Templates:
     """Templates of a deck, by name."""
 
-    def __init__(self, root, sections, scope):
+    def __init__(self, root: "Node", sections: Iterable[str], scope: "Scope"):
         """Check the templates of the deck ``root``; ``sections``: sections of names that a template may have."""
         self.sections, self.scope = ["parameters", "place", *sections], scope
         self.bodies = self._declared(root)
-        self._open = []  # names of the templates being placed
+        self._open: list[str] = []  # names of the templates being placed
 
     def _declared(self, root):
         """Return {name: node}, each a mapping of sections."""
@@ -76,7 +82,7 @@ class Templates:
                 del node.value[section]
 
     @contextmanager
-    def being_placed(self, name):
+    def being_placed(self, name: str) -> Iterator[None]:
         """Mark a template as being placed, so that it is not placed inside itself."""
         self._open.append(name)
         try:
@@ -84,7 +90,7 @@ class Templates:
         finally:
             self._open.pop()
 
-    def body(self, name, node):
+    def body(self, name: str, node: "Node") -> "Node | None":
         """Return the template with a name used at ``node``, or None if it cannot be placed."""
         if name not in self.bodies:
             self.scope.refuse(node, f"unknown template {quoted(name)}", self.scope.suggest(name, self.bodies))
@@ -98,7 +104,7 @@ class Templates:
             return None
         return self.bodies[name]
 
-    def parameters(self, body, values, key, node, outer):
+    def parameters(self, body: "Node", values: Values, key: "Node", node: "Node", outer: Parameters) -> Parameters:
         """Return the Parameters of a copy: values from its entry of ``place``, and defaults; each must have a value.
 
         ``values`` come from ``place_values``, ``key`` and ``node`` are the entry, ``outer`` the Parameters of the deck.

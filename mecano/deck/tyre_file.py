@@ -2,11 +2,16 @@
 
 import math
 import re
+from typing import TYPE_CHECKING
 
 from mecano.deck.named_file import source_of
 from mecano.deck.scalar import number
 from mecano.deck.wording import quoted
 from mecano.elements.wheels.magic_formula import KNOWN
+
+if TYPE_CHECKING:
+    from mecano.deck.compose import Node
+    from mecano.deck.scope import Scope
 
 LINE = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_]*)\s*=\s*('[^']*'|\"[^\"]*\"|[^\s$!]+)")
 UNITS = {  # key of the section [UNITS]: {word: its size in SI units}
@@ -28,7 +33,7 @@ VERSIONS = {5: 5.2, 6: 5.2, 21: 5.2, 60: 6.1, 61: 6.1, 62: 6.2}  # of the number
 FORMATS = {"PAC2002": 5.2, "MF_05": 5.2, "MF-TYRE": None}
 
 
-def read_tyre(name, node, scope):
+def read_tyre(name: str, node: "Node", scope: "Scope") -> dict[str, float] | None:
     """Return the coefficients used by the Magic Formula (dict) from a file named in the deck at ``node``.
 
     Return None, with errors noted, if it cannot be read, is for another formula or contains an invalid number.

@@ -1,5 +1,8 @@
 """SI unit of a number in a deck, named by its path, if known."""
 
+from collections.abc import Iterable
+from typing import Any
+
 from mecano.deck.compose import compose
 from mecano.deck.sections import SECTIONS
 from mecano.deck.source import Source
@@ -8,14 +11,14 @@ from mecano.elements import KINDS
 from mecano.elements.members.cross_section import SHAPES
 from mecano.laws import TERMS
 from mecano.laws.term import VALUE
-from mecano.schema import mapping
+from mecano.schema import Values, mapping
 
 EITHER = ("either", "shorthand")  # types of which the first option is another type
 LAWS = ("law", "curve", "drive", "law_in_place")
 SEVERAL = ("list", "vector", "numbers", "coefficients", "direction")
 
 
-def unit_of(path, values, texts=()):
+def unit_of(path: str, values: Values, texts: Iterable[Any] = ()) -> str:
     """Return the SI unit of the value at a ``path`` (as in ``--set``) in checked or resolved values of a deck.
 
     The result is "" if there is no unit or it is unknown. A parameter is a plain number; its unit is that of the first
@@ -24,10 +27,10 @@ def unit_of(path, values, texts=()):
     return _declared(path.split("."), values) or _written(texts)
 
 
-def parameters_of(file, text):
+def parameters_of(file: str, text: str) -> dict[str, Any]:
     """Return {path: value} of the parameters as written in the ``text`` of a deck's own ``file``."""
     root = compose(Source(file, text), [])
-    _, section = root.value.get("parameters", (None, None))
+    _, section = root.value.get("parameters", (None, None)) if root else (None, None)
     written = section.value if section and type(section.value) is dict else {}
     return {f"parameters.{name}": node.value for name, (_, node) in written.items()}
 

@@ -8,7 +8,9 @@ import difflib
 import itertools
 import math
 import re
+from collections.abc import Mapping
 from functools import lru_cache
+from typing import TypeAlias
 
 from mecano.deck.scalar import number
 
@@ -20,6 +22,7 @@ EXPRESSION = re.compile(r"[$()+]| [-*] ")  # arithmetic after a unit
 FACTOR = re.compile(r"([A-Za-zµμ°%]+|1)(?:\^?(-?[0-9])|\^(-?[0-9]\.[0-9]{1,3})|([²³]))?")
 PREFIXES = {"": 1.0, "G": 1e9, "M": 1e6, "k": 1e3, "d": 1e-1, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "μ": 1e-6,
             "n": 1e-9}  # fmt: skip
+Powers: TypeAlias = tuple[float, float, float, float]  # of m, kg, s and rad
 LENGTH, MASS, TIME, ANGLE, NONE = (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1), (0, 0, 0, 0)
 FORCE, PRESSURE, ENERGY, POWER, PER_TIME = (1, 1, -2, 0), (-1, 1, -2, 0), (2, 1, -2, 0), (2, 1, -3, 0), (0, 0, -1, 0)
 VOLUME = (3, 0, 0, 0)
@@ -72,32 +75,46 @@ class UnitError(Exception):
     """Error in the unit of a quantity; its text completes "'mass': ..."."""
 
 
-def is_quantity(text):
+def is_quantity(text: str) -> bool:
     """Return True if a text is a number followed by a possible unit; a number in quotes is not."""
     return QUANTITY.fullmatch(text) is not None and number(text) is None
 
 
-def converted(text, declared):
+def converted(text: str, declared: str) -> float:
     """Return the value of a quantity in SI units, for a field declared with a unit.
 
     ``declared`` may name several units ("N or N m"); "-" means none; any unit is accepted if it depends on the use
     ("unit of the value"). Raises UnitError.
     """
+    number, unit = _split(text)
+    return float(number) * factor_of(unit, declared)
+
+
+def _split(text: str) -> tuple[str, str]:
+    """Return the number and the unit, as written, of a quantity."""
     match = QUANTITY.fullmatch(text)
-    return float(match[1]) * factor_of(match[2], declared)
+    assert match is not None, f"{text!r} is not a quantity"
+    return match[1], match[2]
 
 
-def alike(first, second):
+def _dimension(text: str) -> Powers:
+    """Return the powers of a valid quantity."""
+    found = parsed(_split(text)[1])
+    assert found is not None, f"{text!r} has no valid unit"
+    return found[1]
+
+
+def alike(first: str, second: str) -> bool:
     """Return True if two quantities (texts) are of one kind, such as 1 m and 2 mm."""
     return _powers(first) == _powers(second)
 
 
 def _powers(text):
     """Return the powers of length, mass and time of a quantity; radians are numbers."""
-    return parsed(QUANTITY.fullmatch(text)[2])[1][:3]
+    return _dimension(text)[:3]
 
 
-def go_together(coefficients):
+def go_together(coefficients: Mapping[int, str]) -> bool:
     """Return True if quantities {power: text} can be the coefficients of one polynomial."""
     powers = {n: _powers(text) for n, text in coefficients.items()}
     for argument in (NONE, LENGTH, TIME, FORCE, (1, 0, -1, 0), PER_TIME):
@@ -107,29 +124,29 @@ def go_together(coefficients):
     return False
 
 
-def same_dimension(one, other):
+def same_dimension(one: str, other: str) -> bool:
     """Return True if two valid quantities have the same dimension."""
-    return len({parsed(QUANTITY.fullmatch(text)[2])[1] for text in (one, other)}) == 1
+    return _dimension(one) == _dimension(other)
 
 
-def si_unit(text):
+def si_unit(text: str) -> str:
     """Return the SI unit of a valid quantity in the form closest to the written one: for "40 km/h" it is m/s."""
-    unit = NAME.sub(lambda match: SI[_simple(match[0])[1]], QUANTITY.fullmatch(text)[2])
+    unit = NAME.sub(lambda match: SI[_simple(match[0])[1]], _split(text)[1])
     return "" if unit == "1" else unit
 
 
-def written_in_si(unit):
+def written_in_si(unit: str) -> str:
     """Return the SI unit of a quantity given in ``unit``, as outputs are declared: "N m" of N*mm, "-" of %.
 
     Raises UnitError.
     """
     _unit(unit)
-    plain = unit.translate(str.maketrans({"*": " ", "·": " ", "²": "2", "³": "3"}))
+    plain = unit.translate(str.maketrans("*·²³", "  23"))
     si = " ".join(NAME.sub(lambda match: SI[_simple(match[0])[1]], re.sub(r"\^(-?[0-9])(?!\.)", r"\1", plain)).split())
     return "-" if si == "1" else si
 
 
-def factor_of(unit, declared):
+def factor_of(unit: str, declared: str) -> float:
     """Return the value of a unit in SI units, for a field declared with another; arguments as in ``converted``."""
     if len(unit) > LONGEST:
         raise UnitError(f"'{unit[:40]}...' is not a unit")
@@ -143,15 +160,15 @@ def factor_of(unit, declared):
 
 
 @lru_cache(maxsize=1024)
-def parsed(unit):
+def parsed(unit: str) -> tuple[float, Powers] | None:
     """Return (value in SI, powers of m, kg, s, rad) of a unit, or None if it is not a unit."""
     product, *divisors = [part.strip() for part in unit.replace("·", " ").replace("*", " ").split("/")]
     factors = [(factor, 1) for factor in product.split()] + [(factor, -1) for factor in divisors]
     value, powers = 1.0, NONE
     for factor, sign in factors:
         match = FACTOR.fullmatch(factor)
-        known = match and _simple(match[1])
-        if not known:
+        known = _simple(match[1]) if match else None
+        if match is None or known is None:
             return None
         power = sign * (float(match[3]) if match[3] else int(match[2] or {"²": 2, "³": 3}.get(match[4], 1)))
         value *= known[0] ** power
@@ -256,7 +273,7 @@ def _name(powers, unit):
 
 
 @lru_cache(maxsize=1024)
-def unit_of(declared, i, count):
+def unit_of(declared: str, i: int, count: int) -> str:
     """Return the unit of item i of ``count``: of "m, m2" each of two has its own, otherwise all have the same."""
     units = declared.split(", ")
     return units[i] if len(units) == count else declared

@@ -7,10 +7,11 @@ be an expression, such as ``$speed / 0.35`` (expressions.py).
 import math
 import re
 from dataclasses import replace
+from typing import Any
 
-from mecano.deck.compose import Given
+from mecano.deck.compose import Given, Node
 from mecano.deck.scalar import number as number_in
-from mecano.deck.scope import INVALID, Reference
+from mecano.deck.scope import INVALID, Invalid, Reference, Scope
 from mecano.deck.units import (
     UnitError,
     converted,
@@ -21,7 +22,7 @@ from mecano.deck.units import (
     written_in_si,
 )
 from mecano.deck.wording import quoted
-from mecano.schema import NODE, NUMBER, NUMBERS, SECTION_OF, Field
+from mecano.schema import NODE, NUMBER, NUMBERS, SECTION_OF, Field, Type
 
 LARGEST = 1e100  # beyond it squares and products overflow; no quantity in SI units is near
 SMALLEST = 1e-100  # below it they vanish; zero itself is allowed
@@ -31,7 +32,7 @@ ROW = replace(NUMBERS, expects="three numbers")
 SIX = replace(NUMBERS, expects="six numbers")
 
 
-def plain_number(node, field, scope):
+def plain_number(node: Node, field: Field, scope: Scope) -> int | float | Invalid | None:
     """Return the int or float of a node, expression or quantity; None if it is no number, INVALID if it is wrong."""
     value = node.value
     if type(node) is Given and _quantity(node, node.given, field, scope, node.text) is INVALID:
@@ -58,7 +59,7 @@ def _quantity(node, text, field, scope, parameter=""):
         return scope.refuse(node, f"{subject}{of}{error}", scope.where_given(node) if parameter else "")
 
 
-def number(node, field, scope):
+def number(node: Node, field: Field, scope: Scope) -> float | Invalid:
     """Return a finite float."""
     value = plain_number(node, field, scope)
     if value is INVALID:
@@ -73,12 +74,12 @@ def number(node, field, scope):
     return scope.refuse_value(node, field, "is out of range" if math.isfinite(value) else "must be finite")
 
 
-def in_range(value):
+def in_range(value: float) -> bool:
     """Return True if a number is finite, and neither it nor its square overflows or vanishes."""
     return SMALLEST <= abs(value) <= LARGEST or value == 0
 
 
-def integer(node, field, scope):
+def integer(node: Node, field: Field, scope: Scope) -> int | Invalid:
     """Return an int; a float without fraction is accepted."""
     value = plain_number(node, field, scope)
     if value is INVALID:
@@ -88,17 +89,17 @@ def integer(node, field, scope):
     return int(value)
 
 
-def boolean(node, field, scope):
+def boolean(node: Node, field: Field, scope: Scope) -> bool | Invalid:
     """Return True or False."""
     return node.value if type(node.value) is bool else scope.refuse_value(node, field)
 
 
-def text(node, field, scope):
+def text(node: Node, field: Field, scope: Scope) -> str | Invalid:
     """Return a text."""
     return node.value if type(node.value) is str else scope.refuse_value(node, field)
 
 
-def unit(node, field, scope):
+def unit(node: Node, field: Field, scope: Scope) -> str | Invalid:
     """Return the SI unit of a quantity whose unit is given."""
     if type(node.value) is not str:
         return scope.refuse_value(node, field)
@@ -108,7 +109,7 @@ def unit(node, field, scope):
         return scope.refuse(node, f"{quoted(scope.name_of(field.name))}: {error}")
 
 
-def choice(node, field, scope):
+def choice(node: Node, field: Field, scope: Scope) -> str | Invalid:
     """Return one of the keywords of the type."""
     if type(node.value) is not str:
         return scope.refuse_value(node, field)
@@ -118,7 +119,7 @@ def choice(node, field, scope):
     return scope.refuse(node, f"{quoted(scope.name_of(field.name))} cannot be {quoted(node.value)}", hint)
 
 
-def items(node, field, scope, item_type):
+def items(node: Node, field: Field, scope: Scope, item_type: Type) -> list[Any] | Invalid:
     """Return a list of values of one type."""
     if type(node.value) is not list:
         return scope.refuse_value(node, field)
@@ -134,12 +135,12 @@ def items(node, field, scope, item_type):
     return INVALID if INVALID in values else values
 
 
-def numbers(node, field, scope):
+def numbers(node: Node, field: Field, scope: Scope) -> list[float] | Invalid:
     """Return a list of numbers."""
     return items(node, field, scope, NUMBER)
 
 
-def coefficients(node, field, scope):
+def coefficients(node: Node, field: Field, scope: Scope) -> list[float] | Invalid:
     """Return the coefficients of ascending powers of a polynomial, with consistent units."""
     count = len(node.value) if type(node.value) is list else 0
     known = [_of_power(field.unit, n) for n in range(count)]
@@ -161,14 +162,14 @@ def _of_power(unit, n):
     return unit.replace("^p", "") if n else re.sub(r"[/ ]?[^/ ]+\^p", "", unit) or "-"
 
 
-def vector(node, field, scope):
+def vector(node: Node, field: Field, scope: Scope) -> list[float] | Invalid:
     """Return a list of three numbers."""
     if type(node.value) is not list or len(node.value) != 3:
         return scope.refuse_value(node, field)
     return items(node, field, scope, NUMBER)
 
 
-def direction(node, field, scope):
+def direction(node: Node, field: Field, scope: Scope) -> list[float] | Invalid:
     """Return a vector that is not zero."""
     value = vector(node, field, scope)
     if value is INVALID or any(value):
@@ -176,7 +177,7 @@ def direction(node, field, scope):
     return scope.refuse_value(node, field)
 
 
-def inertia(node, field, scope):
+def inertia(node: Node, field: Field, scope: Scope) -> list[float] | list[list[float]] | Invalid:
     """Return three or six numbers, or three rows of three, as written."""
     size = len(node.value) if type(node.value) is list else 0
     if size == 6 or (size == 3 and type(node.value[0].value) is not list):
@@ -186,7 +187,7 @@ def inertia(node, field, scope):
     return scope.refuse_value(node, field)
 
 
-def matrix(node, field, scope):
+def matrix(node: Node, field: Field, scope: Scope) -> list[list[float]] | Invalid:
     """Return a symmetric matrix of six rows of six numbers."""
     if type(node.value) is not list or len(node.value) != 6 or any(len(_listed(row)) != 6 for row in node.value):
         return scope.refuse_value(node, field)
@@ -200,7 +201,7 @@ def _listed(node):
     return node.value if type(node.value) is list else ()
 
 
-def matrix_6(node, field, scope):
+def matrix_6(node: Node, field: Field, scope: Scope) -> list[float] | list[list[float]] | Invalid:
     """Return six numbers or six rows of six, as written."""
     rows = node.value if type(node.value) is list and len(node.value) == 6 else []
     if rows and type(rows[0].value) is not list:
@@ -210,7 +211,7 @@ def matrix_6(node, field, scope):
     return scope.refuse_value(node, field)
 
 
-def points(node, field, scope):
+def points(node: Node, field: Field, scope: Scope) -> list[list[float]] | Invalid:
     """Return a list of pairs of numbers."""
     if type(node.value) is not list:
         return scope.refuse_value(node, field)
@@ -242,12 +243,12 @@ def _with_unit(text, scope):
     return text if is_quantity(text) else scope.quantity_of(text)
 
 
-def columns(node, field, scope):
+def columns(node: Node, field: Field, scope: Scope) -> list[str | int] | Invalid:
     """Return two columns of a table: headers, or numbers from 1."""
     return _pair(node, field, scope, (str, int))
 
 
-def units(node, field, scope):
+def units(node: Node, field: Field, scope: Scope) -> list[str] | Invalid:
     """Return two units."""
     return _pair(node, field, scope, (str,))
 
@@ -259,7 +260,7 @@ def _pair(node, field, scope, types):
     return [item.value for item in items]
 
 
-def node_name(node, field, scope):
+def node_name(node: Node, field: Field, scope: Scope) -> str | Invalid:
     """Return the name of a node, resolved later."""
     if type(node.value) is not str:
         return scope.refuse_value(node, field)
@@ -267,13 +268,13 @@ def node_name(node, field, scope):
     return node.value
 
 
-def node_names(node, field, scope):
+def node_names(node: Node, field: Field, scope: Scope) -> list[str] | Invalid:
     """Return a list of names of nodes, of the length required by the type; one of a fixed number may be ``ground``."""
     length = field.type.options[0] if field.type.options else None
     if type(node.value) is not list or (length and len(node.value) != length):
         hint = f"write [{node.value}]" if type(node.value) is str and node.value.isidentifier() and not length else ""
         return scope.refuse_value(node, field, hint=hint)
-    values = []
+    values: list[Any] = []
     for i, item in enumerate(node.value):
         if length and item.value == "ground" and "ground" not in values:
             values.append("ground")
@@ -283,7 +284,7 @@ def node_names(node, field, scope):
     return INVALID if INVALID in values else values
 
 
-def named(node, field, scope):
+def named(node: Node, field: Field, scope: Scope) -> Reference | Invalid:
     """Return a Reference to a name in the section of the type, replaced later by the entry of this name."""
     if type(node.value) is not str:
         return scope.refuse_value(node, field)

@@ -2,10 +2,16 @@
 
 import os
 import re
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 from mecano.deck.scalar import number
 from mecano.deck.similar_names import similar
 from mecano.deck.units import is_quantity
+
+if TYPE_CHECKING:
+    from mecano.deck.compose import Node
+    from mecano.schema import Field
 
 NUMERIC = ("number", "integer", "curve", "drive", "either")  # types whose values may be numbers
 SLIPS = (  # what engineers type, what is read
@@ -23,12 +29,12 @@ MAX_LISTED = 16
 LONGEST_NAME, MOST_NAMES = 80, 1000  # of files among which a similar one is searched
 
 
-def quoted(text):
+def quoted(text: str) -> str:
     """Return a text in quotes, truncated if long, without unprintable characters."""
     return repr(text if len(text) <= MAX_SHOWN else text[: MAX_SHOWN - 3] + "...")
 
 
-def found(node):
+def found(node: "Node") -> str:
     """Return the description of a value of the deck, to complete "..., got"."""
     value = node.value
     if value is None:
@@ -44,7 +50,7 @@ def found(node):
     return node.raw if 0 < len(node.raw) <= MAX_SHOWN else str(value)
 
 
-def how_to_write(node, field):
+def how_to_write(node: "Node", field: "Field") -> str:
     """Return a hint on how to write a number, for a text with digits in place of a number; otherwise ""."""
     text = node.value
     if type(text) is not str or field.type.name not in NUMERIC or is_quantity(text):
@@ -58,7 +64,7 @@ def how_to_write(node, field):
     return f"a number is written as {shown}" if any(letter.isdigit() for letter in text) else ""
 
 
-def corrected(text):
+def corrected(text: str) -> str:
     """Return the number or quantity that is meant by a text with slips of typing, or ""."""
     if len(text) > MAX_SHOWN or THOUSANDS_COMMA.fullmatch(text):
         return ""  # 1,000 may be 1000 or 1.000
@@ -67,7 +73,7 @@ def corrected(text):
     return text if is_quantity(text) or number(text) is not None else ""
 
 
-def as_list(node, field):
+def as_list(node: "Node", field: "Field") -> str:
     """Return a hint for a text, or a list of one text, in place of a list: where the brackets or commas are missing."""
     if type(node.value) is str and field.type.name == "direction" and node.value.lower() in AXES:
         return f"write {AXES[node.value.lower()]}"
@@ -92,12 +98,12 @@ def _listed(items):
     return f"a list of {len(items)}"
 
 
-def unit_text(field):
+def unit_text(field: "Field") -> str:
     """Return the unit of a field in brackets; "" if it has none or depends on the use of a law."""
     return "" if field.unit in ("", "-") or "unit of" in field.unit else f" [{field.unit}]"
 
 
-def suggestion(word, known):
+def suggestion(word: str, known: Iterable[str]) -> str:
     """Return a hint for an unknown word: the most similar known words, or all if they are few."""
     known = list(known)
     if len(word) <= MAX_SHOWN:
@@ -109,7 +115,7 @@ def suggestion(word, known):
     return ""
 
 
-def similar_files(path, endings):
+def similar_files(path: str, endings: tuple[str, ...]) -> str:
     """Return a hint on files with these endings in the folder of a path whose names are similar to its own, or ""."""
     folder, name = os.path.split(path)
     try:

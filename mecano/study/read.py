@@ -83,8 +83,7 @@ def read_study(path: str | os.PathLike[str]) -> Study:
     root = compose(source, problems) or Node(None, source)
     scope = Scope(STUDY_CHECKS, {}, {}, "", problems)
     values = _values(root, scope)
-    scope.owner = root
-    rows = rows_of(values, lambda name: _table_source(path, name, root, scope), scope)
+    rows = rows_of(values, root, lambda name: _table_source(path, name, root, scope), scope)
     _stop_at(problems)
     deck = os.path.join(os.path.dirname(path), values["deck"])
     _, digest = _source(deck, root.value["deck"][1].mark, "deck")

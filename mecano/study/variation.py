@@ -21,31 +21,32 @@ if TYPE_CHECKING:
 MOST = 100_000  # cases
 
 
-def rows_of(values: "Values", source: "Callable[[str], Source | None]", scope: "Scope") -> list[Entries]:
+def rows_of(values: "Values", root: Node, source: "Callable[[str], Source | None]", scope: "Scope") -> list[Entries]:
     """Return [{path: Entry}] of all cases from the checked values of a study; the last source varies fastest.
 
-    ``source(name)`` returns the Source of a file, or None. Errors are reported to the scope.
+    ``root`` is the tree of the study; ``source(name)`` returns the Source of a file, or None. Errors are reported to
+    the scope.
     """
     ways = {
         "grid": _axes(values["grid"]), "list": [values["list"]], "csv": [_table(values["csv"], source, scope)],
-        "latin_hypercube": [_hypercube(values["latin_hypercube"])], "seeds": [_seeds(values["seeds"], scope.owner)],
+        "latin_hypercube": [_hypercube(values["latin_hypercube"])], "seeds": [_seeds(values["seeds"], root)],
     }  # fmt: skip
     given = {name: tables for name, tables in ways.items() if values[name] is not None}
     seen = dict.fromkeys(values["set"], "set")
     for name, tables in given.items():
         for path in dict.fromkeys(path for rows in tables for row in rows for path in row):
             if path in seen:
-                scope.refuse(scope.owner, f"{quoted(path)} is given by '{seen[path]}' and by '{name}': keep one")
+                scope.refuse(root, f"{quoted(path)} is given by '{seen[path]}' and by '{name}': keep one")
             seen[path] = name
     if not given:
         names = "', '".join(ways)
-        scope.refuse(scope.owner, f"nothing is varied: a study has at least one of '{names}'")
+        scope.refuse(root, f"nothing is varied: a study has at least one of '{names}'")
     if scope.problems:
         return []
     combined = [rows for tables in given.values() for rows in tables]
     count = math.prod(map(len, combined))
     if count > MOST:
-        scope.refuse(scope.owner, f"{count} cases are more than {MOST}")
+        scope.refuse(root, f"{count} cases are more than {MOST}")
         return []
     return [{path: entry for row in rows for path, entry in row.items()} for rows in product(*combined)]
 
