@@ -4,7 +4,9 @@ import os
 import signal
 import struct
 import time
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager, suppress
+from typing import Any
 
 import h5py
 import numpy as np
@@ -25,7 +27,8 @@ UNREADABLE = (
 PATIENCE = 5.0  # s of processor time in which HDF5 must read the metadata of a file without checksums
 SHORT = 2**20  # bytes
 _ATTEMPTS = 8
-_ends = {}  # version of a file without checksums -> exit code of trial reading, or minus the signal
+_ends: dict[tuple[int, ...], int] = {}
+"""Version of a file without checksums -> exit code of trial reading, or minus the signal"""
 _HEAD = struct.Struct("<8sB19xQ")  # signature, version and end of the file of a superblock of version 2
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
@@ -47,8 +50,9 @@ class Checked(Seekable):
         Numbers of the changed blocks found so far.
     """
 
-    def __init__(self, path):
-        self.path, self.damaged = path, set()
+    def __init__(self, path: str | os.PathLike[str]):
+        self.path = path
+        self.damaged: set[int] = set()
         flags = getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0)  # the latter: do not wait for a pipe
         self._descriptor = os.open(path, os.O_RDONLY | flags)
         try:
@@ -62,20 +66,20 @@ class Checked(Seekable):
             self.close()
             raise
 
-    def refresh(self):
+    def refresh(self) -> None:
         """Locate the checksums, which move as a file grows."""
         self.sums = seal_of(self._descriptor) or last_table(self._descriptor)
 
-    def close(self):
+    def close(self) -> None:
         """Close the file."""
         os.close(self._descriptor)
 
     @property
-    def end(self):
+    def end(self) -> int:
         """Size of the whole file in bytes, missing ones included."""
         return self.size + self.missing
 
-    def readinto(self, buffer):
+    def readinto(self, buffer: Any) -> int:
         """Fill a buffer. Raises OSError for changed or missing bytes."""
         view = memoryview(buffer).cast("B")
         start, stop = self._position, self._position + len(view)
@@ -90,7 +94,7 @@ class Checked(Seekable):
         return len(view)
 
     @property
-    def block(self):
+    def block(self) -> int:
         """Size of a block in bytes."""
         return self.sums.block if self.sums is not None else BLOCK
 
@@ -114,8 +118,9 @@ class Checked(Seekable):
         count = max(min(self.sums.covered - self.block * first, len(data)), 0)
         return data, self.sums.changed(memoryview(data)[:count], first)
 
-    def changed(self):
+    def changed(self) -> np.ndarray:
         """Return the numbers (n,) of all changed blocks in the file."""
+        assert self.sums is not None, "a file without checksums is read unchecked"
         last = -(-min(self.sums.covered, self.size) // self.block)
         found = []
         for first in range(0, last, AT_ONCE):
@@ -128,7 +133,7 @@ class Checked(Seekable):
             found += list(changed)
         return np.array(found, int)
 
-    def place(self, blocks):
+    def place(self, blocks: Collection[int]) -> str:
         """Return a description of the place of ``blocks`` in the file."""
         first, count = self.block * min(blocks), len(blocks)
         more = f", and {count - 1} more blocks" if count > 1 else ""
@@ -152,7 +157,7 @@ def _missing(descriptor, size):
     return max(end - size, 0) if signature == SIGNATURE and version == 2 else 0
 
 
-def cut_short(paths):
+def cut_short(paths: Iterable[str | os.PathLike[str]]) -> Iterator[str]:
     """Yield a warning for each truncated file, of which only the remaining data are shown."""
     for path in paths:
         with suppress(OSError, ValueError):
@@ -163,7 +168,7 @@ def cut_short(paths):
 
 
 @contextmanager
-def blaming(*paths):
+def blaming(*paths: str | os.PathLike[str]) -> Iterator[None]:
     """Attribute unexpected exceptions in this block to damage of files without checksums.
 
     If one of the files has no checksums, raises ResultsError instead of any exception other than a MecanoError.
@@ -183,7 +188,7 @@ def blaming(*paths):
 
 
 @contextmanager
-def open_checked(path):
+def open_checked(path: str | os.PathLike[str]) -> Iterator[h5py.File]:
     """Open the HDF5 file ``path`` for reading within a block.
 
     Raises ResultsError, which names the damage, if the file or anything read in the block is unreadable.
@@ -198,7 +203,7 @@ def open_checked(path):
         source.close()
 
 
-def format_of(path):
+def format_of(path: str | os.PathLike[str]) -> str:
     """Return the attribute ``format`` of a file of mecano, or "" if it cannot be read."""
     try:
         with open_checked(path) as file:
@@ -208,7 +213,7 @@ def format_of(path):
         return ""
 
 
-def checked(path):
+def checked(path: str | os.PathLike[str]) -> Checked:
     """Return a Checked of an HDF5 file. Raises ResultsError if it is unreadable or not an HDF5 file."""
     try:
         if os.path.exists(path) and (other := other_than_file(path)):
@@ -277,7 +282,7 @@ def _read_item(_, item):
             item[()]
 
 
-def unreadable(source, error, what=""):
+def unreadable(source: Checked, error: BaseException, what: str = "") -> str:
     """Return the message for an ``error`` in reading ``what``, or anything, from the file of a Checked."""
     name = f"'{what}' in {source.path}" if what else source.path
     if source.damaged:

@@ -8,11 +8,15 @@ changes nothing else in the file. A kill during writing invalidates this slot on
 import hashlib
 import io
 import struct
+from typing import TYPE_CHECKING
 
 import h5py
 from h5py import h5d, h5p, h5s, h5t
 
-from mecano.results.state import load_state, save_state
+from mecano.results.state import SavedState, load_state, save_state
+
+if TYPE_CHECKING:
+    from mecano.results.disk import Disk
 
 HEAD = struct.Struct("<8sQQ32s")
 MARK = b"mecano-1"
@@ -23,12 +27,12 @@ SPARE = 16384  # bytes
 class Slots:
     """The checkpoint slots of a file that is being written through a Disk."""
 
-    def __init__(self, file, disk):
+    def __init__(self, file: h5py.File, disk: "Disk"):
         self._group, self._disk = file.require_group("checkpoints"), disk
         self._slots = [(0, 0), (0, 0)]  # (offset in the file, size in bytes)
         self.count = 0
 
-    def write(self, state):
+    def write(self, state: SavedState) -> None:
         """Write a state to the older slot; failures are kept in ``Disk.error``."""
         content = packed(state)
         number = self.count + 1
@@ -52,7 +56,7 @@ class Slots:
         return dataset.get_offset(), size
 
 
-def packed(state):
+def packed(state: SavedState) -> bytes:
     """Return a state (results/state.py) as the bytes of an HDF5 file."""
     with h5py.File("state", "w", driver="core", backing_store=False) as file:
         save_state(file, "state", state)
@@ -60,7 +64,7 @@ def packed(state):
         return file.id.get_file_image()
 
 
-def latest(group):
+def latest(group: h5py.Group) -> SavedState | None:
     """Return the state of the last valid checkpoint in the group, or None."""
     number, content = max((_content(group, name) for name in group), default=(0, b""))
     if not number:

@@ -31,33 +31,33 @@ class Seal:
         Whether the sums themselves are unchanged.
     """
 
-    def __init__(self, block, covered, sums, whole):
+    def __init__(self, block: int, covered: int, sums: np.ndarray, whole: bool):
         self.block, self.covered, self.sums, self.whole = block, covered, sums, whole
 
-    def changed(self, data, first):
+    def changed(self, data: bytes | memoryview, first: int) -> np.ndarray:
         """Return the numbers (n,) of changed blocks in ``data``, which begin with block ``first``."""
         found = block_sums(data, self.block)
         return first + np.flatnonzero(found != self.sums[first : first + len(found)])
 
 
-def block_sums(data, block=BLOCK):
+def block_sums(data: bytes | memoryview, block: int = BLOCK) -> np.ndarray:
     """Return the CRC-32 (n,) uint32 of each block of bytes; the last one may be shorter."""
     return np.array(crcs(data, block), "<u4")
 
 
-def crcs(data, block=BLOCK):
+def crcs(data: bytes | memoryview, block: int = BLOCK) -> list[int]:
     """Return the CRC-32 of each block of bytes as a list."""
     view = memoryview(data)
     return [zlib.crc32(view[i : i + block]) for i in range(0, len(view), block)]
 
 
-def seal(sums, covered):
+def seal(sums: np.ndarray, covered: int) -> bytes:
     """Return the bytes to append to a file of ``covered`` bytes whose blocks have the ``sums`` (n,) uint32."""
     data = sums.tobytes()
     return data + END.pack(MARK, covered, _sum_of(covered, data))
 
 
-def seal_of(descriptor):
+def seal_of(descriptor: int) -> Seal | None:
     """Return the Seal of an open file, or None if it has none or its last bytes are missing. Raises OSError."""
     size = os.fstat(descriptor).st_size
     end = os.pread(descriptor, END.size, max(size - END.size, 0))

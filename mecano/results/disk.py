@@ -21,8 +21,10 @@ import os
 import signal
 import struct
 import threading
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import h5py
 
@@ -31,6 +33,9 @@ from mecano.results.checksums import BLOCK, seal, seal_of
 from mecano.results.live_checksums import LiveChecksums, put
 from mecano.results.seekable import Seekable
 from mecano.results.whole_file import atomic_file
+
+if TYPE_CHECKING:
+    from io import BytesIO
 
 PAGE = 4096
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -55,19 +60,20 @@ class Disk(Seekable):
         Size in bytes as HDF5 sees it, also after a failure, without the checksums.
     """
 
-    def __init__(self, path, begun=False):
-        self.error = None
+    def __init__(self, path: str | os.PathLike[str], begun: bool = False):
+        self.error: OSError | None = None
         self._descriptor = os.open(path, os.O_RDWR | (0 if begun else os.O_CREAT | os.O_TRUNC), 0o666)
         self._sums = LiveChecksums(self._descriptor)
         self.size = _unsealed_size(self._descriptor) if begun else 0
-        self._withheld = []  # (offset, bytes) of the writes after a failure, which HDF5 may read again
+        self._withheld: list[tuple[int, bytes]] = []
+        """Offset and bytes of the writes after a failure, which HDF5 may read again"""
 
     @property
-    def end(self):
+    def end(self) -> int:
         """Size of the file in bytes, without the checksums."""
         return self.size
 
-    def readinto(self, buffer):
+    def readinto(self, buffer: Any) -> int:
         """Fill a buffer as far as there are data, and return the number of bytes."""
         view = memoryview(buffer).cast("B")
         start, count = self._position, min(len(view), max(self.size - self._position, 0))
@@ -79,7 +85,7 @@ class Disk(Seekable):
         self._position += count
         return count
 
-    def write(self, data):
+    def write(self, data: Any) -> int:
         """Write bytes; a superblock that states a longer file extends the file first."""
         data = memoryview(data).cast("B")
         if self._position == 0 and data[:8] == SIGNATURE:
@@ -94,21 +100,21 @@ class Disk(Seekable):
         self.size = max(self.size, self._position)
         return len(data)
 
-    def truncate(self, size=None):
+    def truncate(self, size: int | None = None) -> int:
         """Set the size of the file, beyond which the checksums lie."""
         self.size = self._position if size is None else size
         if self.error is None:
             self._fail(self._sums.cover, self.size)
         return self.size
 
-    def flush(self):
+    def flush(self) -> None:
         """Do nothing, as no data are buffered."""
 
-    def patch(self, offset, data):
+    def patch(self, offset: int, data: Any) -> None:
         """Overwrite existing bytes in place, also after a failure, as no space is needed."""
         self._fail(self._put, offset, memoryview(data).cast("B"))
 
-    def keep_loss(self, path):
+    def keep_loss(self, path: str | os.PathLike[str]) -> None:
         """Set ``error`` if the file was removed from its ``path``, or replaced by another one."""
         if self.error is None and os.fstat(self._descriptor).st_nlink == 0:
             what = "replaced" if os.path.lexists(path) else "removed"
@@ -129,7 +135,7 @@ class Disk(Seekable):
             self.error = self.error or error
             self._sums.doubt()
 
-    def seal(self):
+    def seal(self) -> None:
         """Replace the checksums of a growing file by the shorter ones of a closed file, right after its data.
 
         If there is no space for them, the former remain, which also detect changed bytes.
@@ -141,7 +147,7 @@ class Disk(Seekable):
             self._put(covered, data)
             os.ftruncate(self._descriptor, covered + len(data))
 
-    def close(self):
+    def close(self) -> None:
         """Synchronize with the disk, and close; a late failure is kept in ``error``."""
         for action in (os.fsync, os.close):
             try:
@@ -160,7 +166,7 @@ def _unsealed_size(descriptor):
 
 
 @contextmanager
-def atomic_hdf5_file(path, begun=None):
+def atomic_hdf5_file(path: str | os.PathLike[str], begun: str | os.PathLike[str] | None = None) -> Iterator[h5py.File]:
     """Open a new HDF5 file for writing, which gets its name and its checksums at the end of the block.
 
     It starts as a copy of the file ``begun`` if that is given. Raises ResultsError; no file is left then.
@@ -181,26 +187,25 @@ def atomic_hdf5_file(path, begun=None):
             raise disk.error
 
 
-def new_file(stream):
+def new_file(stream: "Seekable | BytesIO") -> h5py.File:
     """Create an empty HDF5 file with a superblock that readers accept during writing, and newer formats otherwise."""
     h5py.File(stream, "w", libver=("earliest", "v110"), fs_strategy="page", fs_page_size=PAGE).close()
     return open_file(stream)
 
 
-def open_file(stream, cache_bytes=2**20, cache_slots=521):
+def open_file(stream: "Seekable | BytesIO", cache_bytes: int = 2**20, cache_slots: int = 521) -> h5py.File:
     """Open a file of ``new_file`` for writing, with a chunk cache of the given size for each dataset."""
     return h5py.File(stream, "r+", libver=("v110", "v110"), rdcc_nbytes=cache_bytes, rdcc_nslots=cache_slots)
 
 
 @contextmanager
-def deferring_signals():
+def deferring_signals() -> Iterator[None]:
     """Defer the Python handlers of signals to the end of the block."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
     pending = []
-    usual = {number: signal.getsignal(number) for number in SIGNALS}
-    usual = {number: handler for number, handler in usual.items() if callable(handler)}
+    usual = {number: handler for number in SIGNALS if callable(handler := signal.getsignal(number))}
     for number in usual:
         signal.signal(number, lambda *arguments: pending.append(arguments))
     try:

@@ -16,7 +16,7 @@ import numpy as np
 
 from mecano.jit import store
 from mecano.results.disk import new_file
-from mecano.results.layout import EXTREMES, FORMAT, FORMAT_VERSION
+from mecano.results.layout import EXTREMES, FORMAT, FORMAT_VERSION, Layout
 from mecano.results.table import Axes, chunk_shape, create_events, create_numbers, describe, name_axes
 from mecano.results.views import make_views
 
@@ -28,7 +28,7 @@ LEAST_TEXT = 64  # bytes of the texts of events
 MOST_KEPT = 20
 
 
-def empty_file(layout):
+def empty_file(layout: Layout) -> bytes:
     """Return the bytes of a results file of a Layout, without deck, provenance and results."""
     name = f"{_digest(layout)}.blank"
     kept = store.read(name)

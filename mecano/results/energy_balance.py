@@ -1,10 +1,12 @@
 """Scale of an error of the energy balance, for warnings, summaries and pictures alike."""
 
+from collections.abc import Mapping
+
 EXCHANGED = ("kinetic", "potential", "dissipated", "given")
 OF_OTHERS = 0.1  # of an error of the balance: smaller changes of the other energies count as zero
 
 
-def scale_of_balance(ranges):
+def scale_of_balance(ranges: Mapping[str, tuple[float, float]]) -> tuple[str, float]:
     """Return the energy with which an error of the balance is compared, as (description, energy [J]).
 
     ``ranges`` {name: (least, largest)} [J] are those of the energies ``EXCHANGED`` and of the "balance". Errors are

@@ -12,7 +12,7 @@ OBJECT = struct.Struct("<HH4xQ")  # index (0: free space), number of references,
 ALIGNMENT = 8
 
 
-def endless_heaps(descriptor, size):
+def endless_heaps(descriptor: int, size: int) -> list[int]:
     """Return the places in an open file of ``size`` bytes of the heaps over which the HDF5 library loops for ever."""
     try:
         whole = mmap.mmap(descriptor, size, access=mmap.ACCESS_READ)

@@ -13,8 +13,10 @@ docs/results-file.md describes the whole file.
 import itertools
 import json
 import re
+from collections.abc import Iterable
 from functools import cached_property
 from math import prod
+from typing import Any, Self
 
 from mecano.immutable import immutable
 
@@ -34,10 +36,10 @@ class Series:
     path: str
     unit: str
     doc: str
-    shape: tuple = ()
+    shape: tuple[int, ...] = ()
 
     @cached_property
-    def components(self):
+    def components(self) -> tuple[str, ...]:
         """Names of the components in C order: x, y, z of a vector, 0.0, 0.1, ... of a matrix, none of a number."""
         if not self.shape:
             return ()
@@ -46,17 +48,17 @@ class Series:
         return tuple(".".join(map(str, index)) for index in itertools.product(*map(range, self.shape)))
 
     @property
-    def width(self):
+    def width(self) -> int:
         """Number of components of one value."""
         return prod(self.shape)
 
     @property
-    def plain(self):
+    def plain(self) -> dict[str, Any]:
         """The declaration as plain data."""
         return {"path": self.path, "unit": self.unit, "doc": self.doc, "shape": self.shape}
 
     @property
-    def scalars(self):
+    def scalars(self) -> tuple[str, ...]:
         """Paths of its numbers: the path itself, or path.component for each component."""
         return tuple(f"{self.path}.{component}" for component in self.components) or (self.path,)
 
@@ -119,7 +121,7 @@ class Layout:
         A path is duplicate, empty, reserved or inside another series; a step column is not a scalar.
     """
 
-    def __init__(self, series, steps=STEPS, axis=TIME):
+    def __init__(self, series: Iterable[Series], steps: Iterable[Series] = STEPS, axis: Series = TIME):
         self.axis = axis
         self.series = tuple(series)
         self.steps = tuple(steps)
@@ -141,22 +143,22 @@ class Layout:
                 raise ValueError(f"'{one.path}' cannot be the path of a series")
 
     @property
-    def scalars(self):
+    def scalars(self) -> list[str]:
         """Paths of all numbers in the order of the flat array."""
         return [path for one in self.series for path in one.scalars]
 
     @property
-    def longest_name(self):
+    def longest_name(self) -> int:
         """Length in bytes of the longest part of a path."""
         return max((len(part.encode()) for one in self.series for part in one.path.split("/")), default=0)
 
-    def to_json(self):
+    def to_json(self) -> str:
         """Return the declarations as JSON text, as stored in the file."""
         series, steps = ([one.plain for one in some] for some in (self.series, self.steps))
         return json.dumps({"series": series, "steps": steps, "axis": self.axis.plain})
 
     @classmethod
-    def from_json(cls, text):
+    def from_json(cls, text: str | bytes) -> Self:
         """Return the Layout of a JSON text from a file."""
         stored = json.loads(text)
         series, steps = (

@@ -15,6 +15,7 @@ import os
 import struct
 import zlib
 from array import array
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -28,7 +29,7 @@ AT_ONCE = 256  # blocks read at once
 _ZEROS = zlib.crc32(bytes(BLOCK))
 
 
-def sizes():
+def sizes() -> Iterator[int]:
     """Yield the possible numbers of blocks of a table, ascending, without end."""
     n = FIRST
     while True:
@@ -36,7 +37,7 @@ def sizes():
         n += n // 4
 
 
-def end_of(n):
+def end_of(n: int) -> int:
     """Return the size in bytes of a file whose last table has ``n`` blocks."""
     return (BLOCK + PAIR) * n + END.size
 
@@ -44,12 +45,12 @@ def end_of(n):
 class LiveChecksums:
     """The table of checksums of an open file that only this process writes; all methods may raise OSError."""
 
-    def __init__(self, descriptor):
+    def __init__(self, descriptor: int):
         self._descriptor = descriptor
         self._blocks = 0
         self._certain = True
 
-    def cover(self, size):
+    def cover(self, size: int) -> None:
         """Move the table beyond the first ``size`` bytes, unless it lies there already."""
         if size <= BLOCK * self._blocks:
             return
@@ -70,7 +71,7 @@ class LiveChecksums:
             self.announce(place, bytes(END.size))
             self._put(place, bytes(END.size))
 
-    def announce(self, offset, data):
+    def announce(self, offset: int, data: bytes | memoryview) -> None:
         """Put the new sums of the blocks into the table before ``data`` are written at an ``offset``."""
         first, end = offset // BLOCK, offset + len(data)
         last = -(-end // BLOCK)
@@ -92,11 +93,11 @@ class LiveChecksums:
         pairs[::2] = array("I", sums)
         put(self._descriptor, place, pairs.tobytes())
 
-    def doubt(self):
+    def doubt(self) -> None:
         """Recompute the present sums of blocks from now on instead of reading them, as a write has failed."""
         self._certain = False
 
-    def sums(self, blocks):
+    def sums(self, blocks: int) -> np.ndarray:
         """Return the sums (blocks,) last written of the first ``blocks`` blocks."""
         return self._pairs(0, blocks)[:, 0]
 
@@ -126,11 +127,11 @@ class LastTable:
         Number of blocks covered.
     """
 
-    def __init__(self, descriptor, blocks):
+    def __init__(self, descriptor: int, blocks: int):
         self._descriptor, self._blocks = descriptor, blocks
         self.block, self.covered = BLOCK, BLOCK * blocks
 
-    def changed(self, data, first):
+    def changed(self, data: bytes | memoryview, first: int) -> np.ndarray:
         """Return the numbers (n,) of changed blocks in ``data``, which begin with block ``first``."""
         sums = block_sums(data)
         place = BLOCK * self._blocks + PAIR * first
@@ -139,7 +140,7 @@ class LastTable:
         return first + np.flatnonzero((sums != pairs[:, 0]) & (sums != pairs[:, 1]))
 
 
-def last_table(descriptor):
+def last_table(descriptor: int) -> LastTable | None:
     """Return the LastTable of an open file, or None if it has none. Raises OSError."""
     size = os.fstat(descriptor).st_size
     possible = list(itertools.takewhile(lambda n: end_of(n) <= size, sizes()))
@@ -149,7 +150,7 @@ def last_table(descriptor):
     return None
 
 
-def put(descriptor, offset, data):
+def put(descriptor: int, offset: int, data: bytes | memoryview) -> None:
     """Write all bytes of ``data`` at an ``offset`` of an open file. Raises OSError."""
     data = memoryview(data)
     while len(data):

@@ -10,6 +10,7 @@ import errno
 import json
 import os
 import platform
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -21,7 +22,7 @@ from mecano.results.whole_file import hidden_name, refuse_other_than_file
 try:
     import fcntl
 except ImportError:  # Windows
-    fcntl = None
+    fcntl = None  # type: ignore[assignment]  # its absence is asked for where a file is locked
 
 READ_ONLY = (errno.EACCES, errno.EROFS, errno.EPERM)
 HERE, ELSEWHERE, GONE = "here", "elsewhere", "gone"
@@ -30,7 +31,7 @@ _JOB = ("SLURM_JOB_ID", "SLURM_RESTART_COUNT")
 
 
 @contextmanager
-def locked(path):
+def locked(path: str | os.PathLike[str]) -> Iterator[None]:
     """Lock a results file within a block: no other process, on any machine, writes or replaces it.
 
     Raises
@@ -55,7 +56,7 @@ def locked(path):
                 record.unlink()
 
 
-def lock_of(path):
+def lock_of(path: str | os.PathLike[str]) -> Path:
     """Return the Path of the record of a results file."""
     path = Path(path)
     return path.with_name(f"{hidden_name(path)}.lock")

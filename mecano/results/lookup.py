@@ -2,15 +2,23 @@
 
 import difflib
 import re
+from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING
 
 from mecano.errors import UnknownNameError
+
+if TYPE_CHECKING:
+    from mecano.results.layout import Series
+    from mecano.results.reader import Extreme
 
 
 class ByName:
     """Names of outputs, for classes with ``_lookup``, a ``Lookup``, and ``[name]``."""
 
-    def names(self, pattern="*"):
+    _lookup: "Lookup"
+
+    def names(self, pattern: str = "*") -> list[str]:
         """Return the paths of all series, or of those that match a pattern such as "joints/*" or "wheel.*"."""
         return self._lookup.match(pattern)
 
@@ -36,20 +44,20 @@ class Lookup:
     series : sequence of Series
     """
 
-    def __init__(self, series):
+    def __init__(self, series: "Iterable[Series]"):
         self._by_path = {one.path: one for one in series}
-        self._by_ending = {}
+        self._by_ending: dict[str, list[Series]] = {}
         for one in series:
             for ending in _endings(one.path):
                 self._by_ending.setdefault(ending, []).append(one)
 
-    def match(self, pattern):
+    def match(self, pattern: str) -> list[str]:
         """Return the paths that match a pattern with * and ?, as a whole or by an ending; else those of components."""
         dotted = pattern.replace("/", ".")
         components = (path for one in self._by_path.values() for path in one.scalars)
         return _matching(self._by_path, dotted) or _matching(components, dotted)
 
-    def find(self, name):
+    def find(self, name: str) -> "tuple[Series, int | None]":
         """Return the series of that name, and the index of the component if one is named, otherwise None.
 
         Raises
@@ -108,7 +116,7 @@ class Lookup:
         return [found[number] for number in sorted(found)]
 
 
-def similar_outputs(name, paths):
+def similar_outputs(name: str, paths: Iterable[str]) -> list[str]:
     """Return at most three endings of paths that are similar to a name."""
     return difflib.get_close_matches(name, dict.fromkeys(end for path in paths for end in _endings(path)), 3)
 
@@ -131,7 +139,7 @@ def _split(dotted, parts):
 class Extremes(dict):
     """Extremes of numbers by path with component; ``[name]`` takes any ending of a path, as ``Results`` does."""
 
-    def __init__(self, extremes, lookup):
+    def __init__(self, extremes: "Mapping[str, Extreme]", lookup: Lookup):
         super().__init__(extremes)
         self._lookup = lookup
 

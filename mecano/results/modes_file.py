@@ -1,19 +1,25 @@
 """The file of modes that `mecano modes` writes: HDF5, layout in docs/results-file.md."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
 
+from mecano.element_interface import Display
 from mecano.errors import ResultsError
 from mecano.results.checked import open_checked
 from mecano.results.disk import atomic_hdf5_file
-from mecano.results.provenance import read_displays
+from mecano.results.provenance import Source, read_displays
 from mecano.results.table import describe
 from mecano.results.whole_file import put_source
 from mecano.results.writer import refuse_existing
+
+if TYPE_CHECKING:
+    import os
 
 FORMAT, FORMAT_VERSION = "mecano modes", 1
 NUMBERS = (
@@ -42,17 +48,21 @@ class ModesFile:
     title: str
     about: str
     values: np.ndarray  # (m,) complex eigenvalues
-    kinds: list
+    kinds: list[str]
     converged: np.ndarray  # (m,) bool
-    numbers: dict  # name -> (m,)
-    nodes: dict  # name -> {position (3,), orientation (3, 3), translation (m, 3), rotation (m, 3)}
-    inner: dict  # superelement -> {position (k, 3), translation (m, k, 3)} of the nodes inside it
-    resolved: dict  # the deck
-    displays: dict  # of its kinds: name -> Display
-    released: frozenset  # joints and elements that have been released in the state: "hinge 'pin'"
+    numbers: dict[str, np.ndarray]  # name -> (m,)
+    nodes: dict[str, dict[str, np.ndarray]]
+    """name -> {position (3,), orientation (3, 3), translation (m, 3), rotation (m, 3)}"""
+    inner: dict[str, dict[str, np.ndarray]]
+    """superelement -> {position (k, 3), translation (m, k, 3)} of the nodes inside it"""
+    resolved: dict[str, Any]  # the deck
+    displays: dict[str, Display]  # of its kinds
+    released: frozenset[str]  # joints and elements that have been released in the state: "hinge 'pin'"
 
 
-def write_modes(path, contents, source, *, force=False):
+def write_modes(
+    path: "str | os.PathLike[str]", contents: Mapping[str, Any], source: Source, *, force: bool = False
+) -> None:
     """Write a file of modes, which appears only when complete. Raises ResultsError."""
     refuse_existing(path, force)
     with atomic_hdf5_file(path) as file:
@@ -101,7 +111,7 @@ def _put(group, name, values, unit, doc, scale=None):
         dataset.dims[0].attach_scale(scale)
 
 
-def read_modes(path):
+def read_modes(path: "str | os.PathLike[str]") -> ModesFile:
     """Read a file of modes. Raises ResultsError."""
     with open_checked(path) as file:
         if file.attrs.get("format") != FORMAT:

@@ -2,8 +2,10 @@
 
 import json
 import time as clocks
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import h5py
 
@@ -11,6 +13,10 @@ from mecano.errors import ResultsError
 from mecano.results.checked import UNREADABLE, checked, unreadable
 from mecano.results.readable_rows import rows_within
 
+if TYPE_CHECKING:
+    import os
+
+T = TypeVar("T", dict[str, Any], list[Any])
 _ATTEMPTS = 5
 
 
@@ -25,11 +31,11 @@ class OpenedFile:
         Its bytes.
     """
 
-    def __init__(self, path):
+    def __init__(self, path: "str | os.PathLike[str]"):
         self.path = Path(path)
         self.source, self.h5 = _open_patiently(self.path)
 
-    def close(self):
+    def close(self) -> None:
         """Close the file."""
         if self.h5 is not None:
             self.h5.close()
@@ -37,14 +43,14 @@ class OpenedFile:
             self.h5 = None
 
     @contextmanager
-    def reading(self, what):
+    def reading(self, what: str) -> Iterator[None]:
         """Raise ResultsError for anything that cannot be read within the block."""
         try:
             yield
         except UNREADABLE as error:
             raise ResultsError(unreadable(self.source, error, what)) from error
 
-    def read(self, name, selection):
+    def read(self, name: str, selection: Any) -> Any:
         """Return part of a dataset; open the file again if the writer has changed it meanwhile."""
         for attempt in range(_ATTEMPTS):
             try:
@@ -56,14 +62,14 @@ class OpenedFile:
                 self.close()
                 self.source, self.h5 = _open_patiently(self.path)
 
-    def rows_present(self, name, rows):
+    def rows_present(self, name: str, rows: int) -> int:
         """Return how many of the first ``rows`` of a dataset can be read."""
         with self.reading(name):
             dataset = self.h5[name]
             rows = max(min(rows, len(dataset)), 0)
             return rows_within(dataset, rows, self.source.size) if self.source.missing else rows
 
-    def text(self, name):
+    def text(self, name: str) -> str:
         """Return a text."""
         with self.reading(name):
             text = self.read(name, ())
@@ -71,7 +77,7 @@ class OpenedFile:
                 raise TypeError("it is not a text")
             return text.decode()
 
-    def json(self, name, type_):
+    def json(self, name: str, type_: type[T]) -> T:
         """Return the data of a JSON text, a dict or a list."""
         text = self.text(name)
         with self.reading(name):

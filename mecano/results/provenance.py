@@ -5,9 +5,11 @@ import os
 import platform
 import sys
 import time
+from collections.abc import Mapping
 from dataclasses import asdict, field
 from datetime import UTC, datetime
 from glob import glob
+from typing import Any
 
 import h5py
 
@@ -30,16 +32,16 @@ class Source:
     """
 
     deck_text: str
-    resolved: dict
+    resolved: dict[str, Any]
     deck_path: str = ""
     title: str = ""
-    overrides: tuple = ()
-    includes: dict = field(default_factory=dict)
-    automatic: dict = field(default_factory=dict)
-    model: dict = field(default_factory=dict)
-    warnings: tuple = ()
+    overrides: tuple[str, ...] = ()
+    includes: dict[str, str] = field(default_factory=dict)
+    automatic: dict[str, float] = field(default_factory=dict)
+    model: dict[str, Any] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
 
-    def texts(self):
+    def texts(self) -> dict[str, str]:
         """Return the content of the group ``deck``: dataset name -> text."""
         return {
             "text": self.deck_text,
@@ -53,7 +55,7 @@ class Source:
         }
 
 
-def displays(resolved):
+def displays(resolved: Mapping[str, Any]) -> dict[str, Display]:
     """Return how the kinds of a resolved deck are drawn, as they declare it: name of the kind -> Display."""
     from mecano.elements import KINDS
 
@@ -61,26 +63,26 @@ def displays(resolved):
     return {name: KINDS[name].display if name in KINDS else Display() for name in used}
 
 
-def read_displays(file, resolved):
+def read_displays(file: h5py.File, resolved: Mapping[str, Any]) -> dict[str, Display]:
     """Return ``displays`` as stored in an open results file; for older files, those of the current kinds."""
     if "deck/displays" not in file:
         return displays(resolved)
     return {name: Display(**values) for name, values in json.loads(file["deck/displays"][()]).items()}
 
 
-def to_json(data):
+def to_json(data: Any) -> str:
     """Return plain data as JSON text, with arrays as lists."""
     return json.dumps(data, default=lambda value: value.tolist(), ensure_ascii=False)
 
 
-def plugins():
+def plugins() -> str:
     """Describe the kinds and laws that are not mecano's: JSON of {file or package: {"sha256", "names"}}."""
     from mecano.elements.plugins import loaded
 
     return to_json({one.source: {"sha256": one.sha256, "names": one.names} for one in loaded()})
 
 
-def provenance():
+def provenance() -> dict[str, str | int]:
     """Return a description of this process, the attributes of the group ``run``: name -> str or int."""
     return {
         "plugins": plugins(),
@@ -101,7 +103,7 @@ def provenance():
     }
 
 
-def lives(process):
+def lives(process: int) -> bool:
     """Return whether a process of that number runs on this machine; a zombie does not."""
     try:
         os.kill(process, 0)
@@ -112,7 +114,7 @@ def lives(process):
     return _listed(process)[:1] not in (["Z"], ["X"])
 
 
-def began(process):
+def began(process: int) -> float:
     """Return the start time of a process [s since 1970], or 0 if the system does not provide it."""
     try:
         ticks = start_ticks(process)
@@ -123,7 +125,7 @@ def began(process):
         return 0.0
 
 
-def start_ticks(process):
+def start_ticks(process: int) -> int:
     """Return the start time of a process in clock ticks since boot, or 0 if the system does not provide it."""
     try:
         return int(_listed(process)[19])
@@ -140,10 +142,10 @@ def _listed(process):
         return []
 
 
-def threads():
+def threads() -> int:
     """Return the number of threads of NumPy's and SciPy's linear algebra, on which the last digits depend."""
     given = os.environ.get("OPENBLAS_NUM_THREADS", "")
-    return int(given) if given.isdecimal() else os.cpu_count()
+    return int(given) if given.isdecimal() else os.cpu_count() or 1
 
 
 def _version(package):

@@ -1,7 +1,12 @@
 """Count the rows of a dataset that are complete in a truncated file, such as that of an interrupted copy."""
 
+from typing import TYPE_CHECKING
 
-def rows_within(dataset, rows, size):
+if TYPE_CHECKING:
+    import h5py
+
+
+def rows_within(dataset: "h5py.Dataset", rows: int, size: int) -> int:
     """Return how many of the first ``rows`` rows of a chunked dataset lie in the first ``size`` bytes of the file."""
     height = dataset.chunks[0]
     for start in range(0, rows, height):

@@ -2,24 +2,29 @@
 
 import os
 import platform
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mecano.element_interface import SECTIONS
+from mecano.element_interface import SECTIONS, Display
 from mecano.errors import ResultsError
 from mecano.model.mesh import piece_names
 from mecano.model.model import title_of
 from mecano.results.checkpoints import latest
-from mecano.results.layout import EVENT_NUMBERS, EVENT_TEXTS, EXTREMES, FORMAT, FORMAT_VERSION, Layout
+from mecano.results.layout import EVENT_NUMBERS, EVENT_TEXTS, EXTREMES, FORMAT, FORMAT_VERSION, Layout, Series
 from mecano.results.lookup import ByName, Extremes, Lookup
 from mecano.results.opened_file import OpenedFile
 from mecano.results.provenance import began, lives, read_displays
 from mecano.results.reason import parted
 from mecano.results.run_attributes import ENDS, read_attributes
+
+if TYPE_CHECKING:
+    from mecano.results.state import SavedState
 
 _CLOCKS = 60.0  # s by which clocks may have been set
 MOST_NUMBERS = 2**24  # of a table that is kept in memory: 128 MB
@@ -50,7 +55,7 @@ class Trace:
     path: str
     unit: str
     doc: str
-    components: tuple
+    components: tuple[str, ...]
     time: np.ndarray
     values: np.ndarray
 
@@ -92,7 +97,7 @@ class Extreme:
     unit: str
 
 
-def open_results(path):
+def open_results(path: str | os.PathLike[str]) -> "Results":
     """Open a results file for reading.
 
     Raises
@@ -106,7 +111,7 @@ def open_results(path):
 class Results(ByName):
     """Content of a results file, as acknowledged when the file was opened; a context manager."""
 
-    def __init__(self, path):
+    def __init__(self, path: str | os.PathLike[str]):
         self.path = Path(path)
         self._open()
 
@@ -140,7 +145,7 @@ class Results(ByName):
             )
 
     @property
-    def format_version(self):
+    def format_version(self) -> int:
         """Version of the format of the file."""
         with self._file.reading("format_version"):
             return int(self._file.h5.attrs["format_version"])
@@ -152,12 +157,12 @@ class Results(ByName):
         self._event_columns = [name for name in _EVENT_COLUMNS if name in self._file.h5]  # older files have fewer
         self._event_rows = min(self._file.rows_present(name, self._event_rows) for name in self._event_columns)
 
-    def refresh(self):
+    def refresh(self) -> None:
         """Open the file again, to read data added by a running writer."""
         self.close()
         self._open()
 
-    def close(self):
+    def close(self) -> None:
         """Close the file."""
         if self._opened is not None:
             self._opened.close()
@@ -177,12 +182,12 @@ class Results(ByName):
         self.close()
 
     @cached_property
-    def time(self):
+    def time(self) -> np.ndarray:
         """Saved times (n,) [s]."""
         return self._file.read("storage/output", (slice(self._rows), 0))
 
     @property
-    def axis(self):
+    def axis(self) -> Series:
         """Name, unit and description of ``time``; for statics the load factor or the length of the path."""
         return self._layout.axis
 
@@ -191,11 +196,11 @@ class Results(ByName):
         return Lookup(self._layout.series)
 
     @property
-    def series(self):
+    def series(self) -> dict[str, Series]:
         """Declarations of all series: path -> Series with unit, description and shape."""
         return {one.path: one for one in self._layout.series}
 
-    def find(self, name, rows=slice(None)):
+    def find(self, name: str, rows: slice = slice(None)) -> Trace:
         """Return the Trace of a series, named by any ending of its path: ``wheel.radial_force``, ``axle.position.z``.
 
         ``rows`` is a slice of the saved times. ``solver.step_size`` is a column of the solver history, over the ends
@@ -240,12 +245,12 @@ class Results(ByName):
         return self.find(name)
 
     @cached_property
-    def events(self):
+    def events(self) -> list[Event]:
         """List of all Events in order of time."""
         columns = [self._file.read(name, slice(self._event_rows)) for name in self._event_columns]
         return [Event(*map(_plain, values)) for values in zip(*columns, strict=True)]
 
-    def subject(self, event):
+    def subject(self, event: Event) -> tuple[str, str]:
         """Return (kind, name) of the element, joint, load or signal of an Event."""
         return self._subjects.get(event.element, ("", event.element))
 
@@ -256,19 +261,19 @@ class Results(ByName):
         return {title_of(d["type"], one): (d["type"], one) for name, d in entries for one in piece_names(name, d)}
 
     @cached_property
-    def steps(self):
+    def steps(self) -> np.ndarray:
         """Solver history: structured array of ``time`` [s] and the ``step_columns``, a row per accepted step."""
         rows = self._file.read("storage/solver", (slice(self._step_rows), slice(None)))
         kind = np.dtype([(name, "f8") for name in ("time", *(one.path for one in self._layout.steps))])
         return np.ascontiguousarray(rows).view(kind).reshape(-1)
 
     @property
-    def step_columns(self):
+    def step_columns(self) -> dict[str, tuple[str, str]]:
         """Unit and description of each column of the solver history: name -> (unit, doc)."""
         return {one.path: (one.unit, one.doc) for one in self._layout.steps}
 
     @cached_property
-    def extremes(self):
+    def extremes(self) -> Mapping[str, Extreme]:
         """Extremes of every number over all accepted steps: name of an output, with its component -> Extreme."""
         if not self._layout.size:
             return {}
@@ -279,7 +284,7 @@ class Results(ByName):
         return Extremes({name: Extreme(*values) for name, *values in table}, self._lookup)
 
     @cached_property
-    def metadata(self):
+    def metadata(self) -> dict[str, Any]:
         """Provenance: versions, machine, command line, overrides, hashes of included files, ..."""
         metadata = dict(self._run_attributes)
         metadata["overrides"] = self._file.json("deck/overrides", list)
@@ -297,38 +302,38 @@ class Results(ByName):
         return read_attributes(self._file.h5["run"], self._file.reading)
 
     @property
-    def deck_text(self):
+    def deck_text(self) -> str:
         """The deck as written by its author."""
         return self._file.text("deck/text")
 
     @cached_property
-    def resolved(self):
+    def resolved(self) -> dict[str, Any]:
         """The resolved deck: plain data after overrides, includes and defaults."""
         return self._file.json("deck/resolved", dict)
 
     @cached_property
-    def displays(self):
+    def displays(self) -> dict[str, Display]:
         """Displays of the kinds of the deck: {kind: Display}; for older files, those of the current kinds."""
         with self._file.reading("deck/displays"):
             return read_displays(self._file.h5, self.resolved)
 
     @cached_property
-    def automatic(self):
+    def automatic(self) -> dict[str, float]:
         """Values chosen where the deck says "automatic": name -> number."""
         return self._file.json("deck/automatic", dict)
 
     @cached_property
-    def model(self):
+    def model(self) -> dict[str, Any]:
         """Properties of the model: name -> number; empty for older files."""
         return self._file.json("deck/model", dict) if "deck/model" in self._file.h5 else {}
 
     @cached_property
-    def warnings(self):
+    def warnings(self) -> list[str]:
         """Warnings about the model issued before the run and, if it is complete, about its results: list of str."""
         return [*self._file.json("deck/remarks", list), *self._ended[1]]
 
     @cached_property
-    def checkpoint(self):
+    def checkpoint(self) -> "SavedState | None":
         """State of the last valid checkpoint whose rows are present, or None."""
         with self._file.reading("checkpoints"):
             state = latest(self._file.h5["checkpoints"])
@@ -336,21 +341,21 @@ class Results(ByName):
             return state if state is not None and np.all(state["file"]["rows"] <= there) else None
 
     @property
-    def resumable(self):
+    def resumable(self) -> bool:
         """True if the run ended early with a checkpoint, from which ``mecano run --resume`` continues."""
         return self.status in ("stopped", "killed", "failed", "truncated") and self.checkpoint is not None
 
-    def rows(self, table, first, last):
+    def rows(self, table: str, first: int, last: int) -> np.ndarray:
         """Return rows ``first`` to ``last`` of the table "output" or "solver" as stored, with the time first."""
         return self._file.read(f"storage/{table}", (slice(first, last), slice(None)))
 
     @property
-    def layout(self):
+    def layout(self) -> Layout:
         """The declared series, and the columns of the solver history."""
         return self._layout
 
     @property
-    def status(self):
+    def status(self) -> str:
         """End of the run: "complete", "stopped" or "failed"; otherwise "running", "killed" or "truncated".
 
         A killed run is recognized on the machine where it ran; elsewhere it seems to be running.
@@ -365,18 +370,18 @@ class Results(ByName):
         return self._status
 
     @property
-    def written_here(self):
+    def written_here(self) -> bool:
         """True if the file was written on this machine."""
         return self._run_attributes["host"] == platform.node() and os.name == "posix"
 
     @property
-    def reason(self):
+    def reason(self) -> str:
         """Reason of the end of the run, with warnings about its results; empty while it runs."""
         reason, warnings = self._ended
         return "; ".join([reason, *warnings])
 
     @property
-    def end(self):
+    def end(self) -> str:
         """Reason of the end of the run, without warnings."""
         return self._ended[0]
 

@@ -1,8 +1,15 @@
 """The attributes of the group ``run`` of a results file: read, and checked for what other programs may have changed."""
 
 import json
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
+    import h5py
 
 TYPES = {
     "title": str, "deck_path": str, "started": str, "host": str, "version_mecano": str, "process": int, "threads": int,
@@ -10,7 +17,7 @@ TYPES = {
 ENDS = ("complete", "stopped", "failed", "running")  # stored as run/status
 
 
-def read_attributes(group, reading):
+def read_attributes(group: "h5py.Group", reading: "Callable[[str], AbstractContextManager[None]]") -> dict[str, Any]:
     """Return {name: text or number} of the attributes of a group; ``reading(place)`` reports what is damaged.
 
     Those in ``TYPES`` must be present, with these types.

@@ -1,29 +1,33 @@
 """Base class of the file-like objects through which HDF5 accesses a file in Python."""
 
 import os
+from typing import Any
 
 
 class Seekable:
-    """File-like object with a position, and ``read`` in terms of ``readinto`` of the derived class.
-
-    Attributes
-    ----------
-    end : int
-        Size in bytes, from which ``seek`` counts with SEEK_END.
-    """
+    """File-like object with a position, and ``read`` in terms of ``readinto`` of the derived class."""
 
     _position = 0
 
-    def seek(self, offset, whence=os.SEEK_SET):
+    @property
+    def end(self) -> int:
+        """Size in bytes, from which ``seek`` counts with SEEK_END."""
+        raise NotImplementedError
+
+    def readinto(self, buffer: Any) -> int:
+        """Fill a buffer from the position on, which advances, and return the number of bytes."""
+        raise NotImplementedError
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
         """Set the position, and return it."""
         self._position = offset + (0, self._position, self.end)[whence]
         return self._position
 
-    def tell(self):
+    def tell(self) -> int:
         """Return the position."""
         return self._position
 
-    def read(self, size):
+    def read(self, size: int) -> bytes:
         """Return up to ``size`` bytes."""
         buffer = bytearray(size)
         return bytes(buffer[: self.readinto(buffer)])

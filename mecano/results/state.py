@@ -10,13 +10,16 @@ Integers beyond 64 bits (states of random generators) are stored as texts. NumPy
 loaded as Python's float, int and bool.
 """
 
+from typing import Any, TypeAlias
+
 import h5py
 import numpy as np
 
+SavedState: TypeAlias = dict[str, Any]  # arrays, numbers, texts, None, and dicts of the same
 BIG = "whole number: "
 
 
-def save_state(group, name, state):
+def save_state(group: h5py.Group, name: str, state: SavedState) -> None:
     """Write ``state`` as the new subgroup ``name`` of an h5py group.
 
     Raises
@@ -38,7 +41,7 @@ def save_state(group, name, state):
             target.attrs[key] = _attribute(key, value)
 
 
-def load_state(group):
+def load_state(group: h5py.Group) -> SavedState:
     """Return the dict that ``save_state`` wrote to this group."""
     state = {key: _scalar(value) for key, value in group.attrs.items()}
     for key, item in group.items():

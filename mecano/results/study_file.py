@@ -2,9 +2,10 @@
 
 import csv
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import h5py
 import numpy as np
@@ -15,6 +16,9 @@ from mecano.results.disk import atomic_hdf5_file
 from mecano.results.provenance import provenance
 from mecano.results.table import describe
 from mecano.results.whole_file import atomic_file
+
+if TYPE_CHECKING:
+    import os
 
 FORMAT, FORMAT_VERSION = "mecano study", 1
 TEXT = h5py.string_dtype()
@@ -37,17 +41,17 @@ class Column:
     limits: Bounds = (None, None)
 
     @property
-    def numeric(self):
+    def numeric(self) -> bool:
         """True if the values are numbers."""
         return self.values.dtype.kind in "fi"
 
     @property
-    def beyond(self):
+    def beyond(self) -> np.ndarray:
         """Flags (n,): the value is beyond the limits, or missing; all False without limits."""
         return ~np.array([within(self.limits, value) for value in self.values], bool)
 
     @property
-    def path(self):
+    def path(self) -> str:
         """Path in the file."""
         return f"{self.group}/{self.name.replace('/', '|')}"
 
@@ -59,9 +63,9 @@ class StudyTable:
     title: str
     text: str
     deck: str
-    columns: tuple
+    columns: tuple[Column, ...]
 
-    def group(self, name):
+    def group(self, name: str) -> tuple[Column, ...]:
         """Return the columns of a group."""
         return tuple(column for column in self.columns if column.group == name)
 
@@ -70,18 +74,18 @@ class StudyTable:
         return next(column.values for column in self.columns if column.path == path)
 
     @property
-    def named(self):
+    def named(self) -> bool:
         """True if cases have names."""
         return any(column.path == "case/name" for column in self.columns)
 
     @property
-    def case_names(self):
+    def case_names(self) -> list[str]:
         """Names of the cases; of those without one, the numbers."""
         numbers = [f"{n:.0f}" for n in self["case/case"]]
         return [name or n for name, n in zip(self["case/name"], numbers, strict=True)] if self.named else numbers
 
     @property
-    def verdict(self):
+    def verdict(self) -> str:
         """Numbers of cases by status, as text."""
         counts = Counter(self["case/status"])
         words = ", ".join(f"{count} {word}" for word, count in counts.items())
@@ -89,18 +93,18 @@ class StudyTable:
         return f"{counts.total()} cases: {words}{remarks_text(sum(map(bool, self.warnings)), failed)}"
 
     @property
-    def verdicts(self):
+    def verdicts(self) -> Sequence[str] | np.ndarray:
         """Verdicts on the cases, "pass", "fail", or "" of incomplete ones; empty if no output has limits."""
         return next((column.values for column in self.columns if column.path == "case/verdict"), ())
 
     @property
-    def warnings(self):
+    def warnings(self) -> list[list[str]]:
         """Lists of warnings of all cases; empty for those of older files."""
         texts = next((column.values for column in self.columns if column.path == "case/warnings"), ())
         return [text.split(BETWEEN) if text else [] for text in texts]
 
 
-def within(limits, value):
+def within(limits: Bounds, value: float) -> bool:
     """Return whether a number is within (smallest, largest), each None if it is absent.
 
     A missing number (nan) is within absent limits only.
@@ -111,13 +115,13 @@ def within(limits, value):
     return bool(low <= value <= high)
 
 
-def remarks_text(warned, failed):
+def remarks_text(warned: int, failed: int) -> str:
     """Return the end of a verdict on a study: numbers of complete cases with warnings, and beyond their limits."""
     remarks = (warned, "with warnings"), (failed, "beyond limits")
     return "".join(f"; {count} {what}" for count, what in remarks if count)
 
 
-def column(group, name, unit, doc, values, limits=(None, None)):
+def column(group: str, name: str, unit: str, doc: str, values: Sequence[Any], limits: Bounds = (None, None)) -> Column:
     """Return a Column of Python values: floats if all are numbers or None (nan), otherwise texts."""
     numbers = all(value is None or type(value) in (int, float) for value in values)
     array = np.array([np.nan if value is None else value for value in values], float) if numbers else np.array(
@@ -126,7 +130,7 @@ def column(group, name, unit, doc, values, limits=(None, None)):
     return Column(group, name, unit, doc, array, limits)
 
 
-def write_study(path, table):
+def write_study(path: "str | os.PathLike[str]", table: StudyTable) -> None:
     """Write a StudyTable to a file that appears only when complete. Raises ResultsError."""
     with atomic_hdf5_file(path) as file:
         for one in table.columns:
@@ -142,7 +146,7 @@ def write_study(path, table):
         file.attrs.update({"format": FORMAT, "format_version": FORMAT_VERSION})
 
 
-def read_study(path):
+def read_study(path: "str | os.PathLike[str]") -> StudyTable:
     """Read the StudyTable of a file. Raises ResultsError."""
     with open_checked(path) as file:
         if file.attrs.get("format") != FORMAT:
@@ -159,7 +163,7 @@ def _read(file, path):
     return Column(group, name.replace("|", "/"), dataset.attrs["units"], dataset.attrs["long_name"], values, limits)
 
 
-def write_columns(path, table):
+def write_columns(path: "str | os.PathLike[str]", table: StudyTable) -> None:
     """Write a StudyTable as comma-separated values: a row for each case. Raises ResultsError."""
     with atomic_file(Path(path)) as hidden, open(hidden, "w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file, lineterminator="\n")

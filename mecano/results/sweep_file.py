@@ -1,8 +1,10 @@
 """The file of a sweep by `mecano modes --sweep`, as HDF5 (layout in docs/results-file.md) and as CSV."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -13,6 +15,12 @@ from mecano.results.disk import atomic_hdf5_file
 from mecano.results.table import describe
 from mecano.results.whole_file import exists, put_source, refuse_other_than_file, write_csv
 from mecano.results.writer import refuse_existing
+
+if TYPE_CHECKING:
+    import os
+
+    from mecano.analyses.sweep import Sweep
+    from mecano.results.provenance import Source
 
 FORMAT, FORMAT_VERSION = "mecano sweep", 1
 MODES = (
@@ -45,17 +53,17 @@ class SweepFile:
     path: Path
     title: str
     about: str
-    names: tuple  # of the parameters, one or two
+    names: tuple[str, ...]  # of the parameters, one or two
     parameter: np.ndarray  # (n,)
     other: np.ndarray  # (m,); one nan when there is one parameter
-    modes: dict  # name -> (modes, n)
-    motions: list  # (modes,) str: largest motions
-    families: list  # (modes,) lists (n,) of their families, "" where there is none; empty in older files
-    map: dict  # name -> (m, n)
-    critical: dict  # name -> (c,)
+    modes: dict[str, np.ndarray]  # name -> (modes, n)
+    motions: list[str]  # (modes,) largest motions
+    families: list[list[str]]  # (modes,) (n,) of their families, "" where there is none; empty in older files
+    map: dict[str, np.ndarray]  # name -> (m, n)
+    critical: dict[str, np.ndarray]  # name -> (c,)
 
 
-def contents(sweep):
+def contents(sweep: "Sweep") -> dict[str, Any]:
     """Return the plain arrays of a Sweep by group and name."""
     axes, loci = sweep.axes, sweep.loci
     other = axes[1].values if len(axes) == 2 else np.array([np.nan])
@@ -86,7 +94,9 @@ def contents(sweep):
     }  # fmt: skip
 
 
-def write_sweep(path, plain, source, *, force=False):
+def write_sweep(
+    path: "str | os.PathLike[str]", plain: Mapping[str, Any], source: "Source", *, force: bool = False
+) -> None:
     """Write the ``contents`` of a sweep to a file that appears only when complete. Raises ResultsError."""
     refuse_existing(path, force)
     with atomic_hdf5_file(path) as file:
@@ -107,7 +117,7 @@ def _fill(file, plain, source):
     put_source(file, source, FORMAT, FORMAT_VERSION, **facts)
 
 
-def read_sweep(path):
+def read_sweep(path: "str | os.PathLike[str]") -> SweepFile:
     """Read a file of a sweep. Raises ResultsError."""
     with open_checked(path) as file:
         if file.attrs.get("format") != FORMAT:
@@ -129,7 +139,7 @@ def _columns(group, columns):
     return {name: group[name][:] for name, _, _ in columns if name in group}
 
 
-def refuse_tables(path, force):
+def refuse_tables(path: "str | os.PathLike[str]", force: bool) -> None:
     """Raise ResultsError if a file with the name of a table of ``write_tables`` exists, unless ``force``."""
     for target in _tables(path):
         refuse_other_than_file(target)
@@ -137,7 +147,7 @@ def refuse_tables(path, force):
             raise ResultsError(f"{target} exists already; --force replaces it")
 
 
-def write_tables(path, plain, force):
+def write_tables(path: "str | os.PathLike[str]", plain: Mapping[str, Any], force: bool) -> None:
     """Write the states as CSV, a row each, and the critical values as ``..._critical.csv``.
 
     Raises ResultsError as ``write_csv``.

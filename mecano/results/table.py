@@ -5,7 +5,9 @@ single chunked dataset (views.py).
 """
 
 import zlib
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
+from typing import Any
 
 import h5py
 import numpy as np
@@ -21,19 +23,19 @@ _ONE = h5s.create(h5s.SCALAR)
 _REFERENCES = h5t.py_create(h5py.vlen_dtype(h5py.ref_dtype), logical=True)
 
 
-def chunk_shape(width):
+def chunk_shape(width: int) -> tuple[int, int]:
     """Return rows and columns of a chunk: about 1 MB per row of chunks, 64 KB per chunk, to read one series fast."""
     rows = min(max(1 << max(BLOCK_NUMBERS // width, 1).bit_length() - 1, 16), 1024)
     return rows, min(max(CHUNK_NUMBERS // rows, 1), width)
 
 
-def describe(item, **texts):
+def describe(item: h5py.Dataset, **texts: str) -> None:
     """Write text attributes, as ``item.attrs[key] = text``, in half the time."""
     for key, text in texts.items():
         put_text(item.id, key.encode(), text)
 
 
-def put_text(identifier, key, text):
+def put_text(identifier: h5py.h5d.DatasetID | h5py.h5g.GroupID, key: bytes, text: str) -> None:
     """Write a text attribute of the group or dataset with an HDF5 ``identifier``."""
     h5a.create(identifier, key, _TEXT, _ONE).write(_stored(text))
 
@@ -43,7 +45,7 @@ def _stored(text):
     return np.array(text, dtype=_TEXT_DTYPE)
 
 
-def name_axes(dataset, *scales):
+def name_axes(dataset: h5py.Dataset, *scales: h5py.Dataset) -> None:
     """Assign dimension scales to the axes of a dataset, as the HDF5 dimension scale specification stores them.
 
     The back references of the scales are left out (H5DSattach_scale rewrites their whole list for every dataset).
@@ -51,7 +53,7 @@ def name_axes(dataset, *scales):
     put_axes(dataset.id, references(scales))
 
 
-def references(scales):
+def references(scales: Sequence[h5py.Dataset]) -> np.ndarray:
     """Return the references to dimension scales that ``put_axes`` writes."""
     found = np.empty(len(scales), dtype=object)
     for i, scale in enumerate(scales):
@@ -59,7 +61,7 @@ def references(scales):
     return found
 
 
-def put_axes(identifier, scales):
+def put_axes(identifier: h5py.h5d.DatasetID, scales: np.ndarray) -> None:
     """Do as ``name_axes`` for an HDF5 identifier, with ``scales`` from ``references``."""
     h5a.create(identifier, b"DIMENSION_LIST", _REFERENCES, h5s.create_simple(scales.shape)).write(scales)
 
@@ -70,15 +72,15 @@ class Axes:
     They are in the root group, as netCDF searches only a group and those above it.
     """
 
-    def __init__(self, file):
+    def __init__(self, file: h5py.File):
         self._file = file
-        self._scales = {}
+        self._scales: dict[str, h5py.Dataset] = {}
 
-    def scale(self, length, axis=1):
+    def scale(self, length: int, axis: int = 1) -> h5py.Dataset:
         """Return the scale of that length; xarray requires different ones for the axes of a matrix."""
         return self._scale(f"index_{length}" if axis == 1 else f"index{axis}_{length}", np.arange(length))
 
-    def of(self, shape):
+    def of(self, shape: tuple[int, ...]) -> list[h5py.Dataset]:
         """Return the scales of all axes of a value: letters for vectors and quaternions."""
         if len(shape) == 1 and shape[0] in AXES:
             letters = AXES[shape[0]]
@@ -92,7 +94,7 @@ class Axes:
         return self._scales[name]
 
 
-def create_numbers(file, path, width):
+def create_numbers(file: h5py.File, path: str, width: int) -> h5py.Dataset:
     """Create a dataset for a NumberTable with ``width`` numbers per row, time included."""
     return file.create_dataset(
         path, shape=(0, width), maxshape=(None, width), chunks=chunk_shape(width), dtype="<f8", fillvalue=np.nan
@@ -102,14 +104,14 @@ def create_numbers(file, path, width):
 class NumberTable:
     """Rows of float64 with the time first, buffered and written in blocks to a dataset of ``create_numbers``."""
 
-    def __init__(self, dataset):
+    def __init__(self, dataset: h5py.Dataset):
         self.dataset = dataset
         self.buffer = np.empty((dataset.chunks[0], dataset.shape[1]))
         self.filled = 0
         self.written = 0
         self.sum = 0  # CRC-32 of all rows written
 
-    def add(self, time, values):
+    def add(self, time: float, values: np.ndarray) -> bool:
         """Buffer a row; return whether the buffer is full and must be written."""
         row = self.buffer[self.filled]
         row[0] = time
@@ -117,13 +119,13 @@ class NumberTable:
         self.filled += 1
         return self.filled == len(self.buffer)
 
-    def write(self):
+    def write(self) -> None:
         """Write the buffered rows to HDF5."""
         if self.filled:
             self._put(self.buffer[: self.filled])
             self.filled = 0
 
-    def extend(self, rows):
+    def extend(self, rows: np.ndarray) -> None:
         """Write rows (n, width), with the time first, to HDF5 after the buffered ones; faster than many ``add``."""
         self.write()
         self._put(rows)
@@ -138,7 +140,7 @@ class NumberTable:
         self.written += count
 
 
-def create_events(file, text_length):
+def create_events(file: h5py.File, text_length: int) -> None:
     """Create the group ``events``: a dataset per field, scaled by the time, with texts of ``text_length`` bytes."""
     group = file.create_group("events")
     kind = h5py.string_dtype("utf-8", text_length)
@@ -158,19 +160,19 @@ def create_events(file, text_length):
 class EventTable:
     """The events in a group made by ``create_events``; longer texts are truncated."""
 
-    def __init__(self, group):
+    def __init__(self, group: h5py.Group):
         self._datasets = [group[name] for name in ("event_time", *EVENT_TEXTS, *EVENT_NUMBERS)]
         self._length = self._datasets[1].dtype.itemsize
-        self._pending = []
+        self._pending: list[tuple[Any, ...]] = []
         self.written = 0
         self.sum = 0  # CRC-32 of all events written
 
-    def add(self, time, texts, numbers):
+    def add(self, time: float, texts: Iterable[str], numbers: Iterable[float]) -> None:
         """Buffer an event: its time [s], ``texts`` as in ``EVENT_TEXTS``, ``numbers`` as in ``EVENT_NUMBERS``."""
         cut = [text.encode()[: self._length].decode(errors="ignore").encode() for text in texts]
         self._pending.append((float(time), *cut, *map(float, numbers)))
 
-    def write(self):
+    def write(self) -> None:
         """Write the buffered events to HDF5."""
         if not self._pending:
             return
@@ -183,6 +185,6 @@ class EventTable:
         self._pending.clear()
 
 
-def event_sum(rows, before=0):
+def event_sum(rows: Iterable[tuple[Any, ...]], before: int = 0) -> int:
     """Return the CRC-32 of events, tuples of time, texts as bytes, and numbers; ``before``: that of earlier events."""
     return zlib.crc32("".join(map(repr, rows)).encode(), before)

@@ -3,6 +3,7 @@
 import zlib
 from bisect import bisect_left, bisect_right
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import h5py
 
@@ -13,13 +14,18 @@ from mecano.results.layout import FORMAT
 from mecano.results.reader import open_results
 from mecano.results.table import event_sum
 
+if TYPE_CHECKING:
+    import os
+
+    import numpy as np
+
 ROWS = 1024  # read at once
 MOST = 24  # datasets named: a block may hold many short ones
 LOST = "its last bytes, with the checksums, are missing or have changed, unless an older version of mecano wrote it"
 STRUCTURE = "metadata (names, shapes, attributes, texts of the deck)"
 
 
-def verify(path):
+def verify(path: "str | os.PathLike[str]") -> str:
     """Check every byte of a results file, and return a summary if it is intact.
 
     The file may be closed, still being written, killed or incomplete, and also hold modes, a sweep or a study. If the
@@ -74,7 +80,7 @@ def _undamaged(path, source):
         raise ResultsError(f"{reported}; {LOST}; {_checked(results)}")
 
 
-def owners(path, blocks, size):
+def owners(path: "str | os.PathLike[str]", blocks: "np.ndarray", size: int) -> list[str]:
     """Return the names of datasets with bytes in the ``blocks`` (n,) of ``size`` bytes, in the order of the file."""
     try:
         with open_checked(path) as file:

@@ -11,8 +11,8 @@ import h5py
 import numpy as np
 from h5py import h5d, h5p, h5s, h5t
 
-from mecano.results.layout import Series
-from mecano.results.table import name_axes, put_axes, put_text, references
+from mecano.results.layout import Layout, Series
+from mecano.results.table import Axes, name_axes, put_axes, put_text, references
 
 MOST_VIEWS = 3000
 """Largest number of series for which views are made (0.15 ms each); with more, only the storage holds the series."""
@@ -31,7 +31,7 @@ class Views:
         Declaration of the first column.
     """
 
-    def __init__(self, file, axes, table, time):
+    def __init__(self, file: h5py.File, axes: Axes, table: h5py.Dataset, time: Series):
         self._file, self._axes, self._table = file.id, axes, table.name.encode()
         width = table.shape[1]
         self._columns = h5s.create_simple((0, width), (h5s.UNLIMITED, width))
@@ -40,11 +40,12 @@ class Views:
         self._links = h5p.create(h5p.LINK_CREATE)
         self._links.set_create_intermediate_group(True)
         self._links.set_char_encoding(h5t.CSET_UTF8)
-        self._spaces, self._scales = {}, {}  # by the shape of a value
+        self._spaces: dict[tuple[int, ...], h5s.SpaceID] = {}  # by the shape of a value
+        self._scales: dict[tuple[int, ...], np.ndarray] = {}
         self.times = h5py.Dataset(self._make(time, 0))
         self.times.make_scale(time.path)
 
-    def add(self, series, column):
+    def add(self, series: Series, column: int) -> None:
         """Create the view of a Series whose numbers begin in a ``column`` of the table."""
         if series.shape not in self._scales:
             self._scales[series.shape] = references([self.times, *self._axes.of(series.shape)])
@@ -72,7 +73,7 @@ def _space(shape):
     return space
 
 
-def make_views(file, axes, layout, outputs, steps):
+def make_views(file: h5py.File, axes: Axes, layout: Layout, outputs: h5py.Dataset, steps: h5py.Dataset) -> None:
     """Create a view of each series of a Layout in an h5py file, in the datasets ``outputs`` and ``steps``."""
     views = Views(file, axes, outputs, replace(layout.axis, path="time"))
     name_axes(outputs, views.times, axes.scale(1 + layout.size))

@@ -4,7 +4,9 @@ Format VTKHDF 2.2, UnstructuredGrid with Steps: each dataset holds the values of
 connectivity never changes and is stored once. Reference: docs.vtk.org, VTKHDF file format.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
@@ -13,6 +15,9 @@ from mecano.errors import ResultsError
 from mecano.results.checked import checked
 from mecano.results.disk import atomic_hdf5_file
 from mecano.results.table import describe, name_axes
+
+if TYPE_CHECKING:
+    import os
 
 GROUP = "VTKHDF"
 VERSION = (2, 2)  # the first version that allows other groups beside it
@@ -54,14 +59,14 @@ class Grid:
 
     times: np.ndarray
     points: Field
-    cells: tuple
-    point_data: dict
-    cell_data: dict
+    cells: tuple[tuple[int, tuple[int, ...]], ...]
+    point_data: dict[str, Field]
+    cell_data: dict[str, Field]
     cell_owner: np.ndarray
-    names: dict
+    names: dict[str, list[str]]
 
 
-def write_grids(file, grids, times):
+def write_grids(file: h5py.File, grids: Iterable[Grid], times: np.ndarray) -> None:
     """Write Grids of successive saved times as the group VTKHDF of an open h5py file, which must not have one.
 
     ``grids`` is an iterator of Grids, so that only one is held at a time; ``times`` (n,) [s] are the times of all.
@@ -99,7 +104,7 @@ def _fields(grid):
             yield f"{part}/{name}", field
 
 
-def add_grids(path, grids, times, *, force=False):
+def add_grids(path: "str | os.PathLike[str]", grids: Iterable[Grid], times: np.ndarray, *, force: bool = False) -> None:
     """Add Grids to the results file ``path``, whose other data are kept; on failure the file is unchanged.
 
     ``grids`` and ``times`` as for ``write_grids``. Raises ResultsError if the group exists and ``force`` is False, if

@@ -4,10 +4,17 @@ import csv
 import hashlib
 import io
 import os
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING
 
 from mecano.errors import ResultsError
-from mecano.results.provenance import provenance
+from mecano.results.provenance import Source, provenance
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import h5py
 
 LONGEST = 200  # bytes of a name used in a hidden one: file systems allow 255
 
@@ -17,7 +24,7 @@ MARK, BEGINNING = b"mecano", 4096  # in the first bytes
 
 
 @contextmanager
-def atomic_file(path):
+def atomic_file(path: "Path") -> "Iterator[Path]":
     """Give the Path of a hidden file that replaces ``path`` at the end of the block; on failure it is removed.
 
     Raises ResultsError.
@@ -35,7 +42,7 @@ def atomic_file(path):
             hidden.unlink()
 
 
-def hidden_name(path):
+def hidden_name(path: "Path") -> str:
     """Return the prefix of the names of all hidden files that belong to a Path: a dot and its name.
 
     A very long name is replaced by its SHA-256, as the names of hidden files are longer still.
@@ -45,7 +52,7 @@ def hidden_name(path):
     return f".{short}"
 
 
-def exists(path):
+def exists(path: str | os.PathLike[str]) -> bool:
     """Return whether a file or folder has that name. Raises ResultsError if this cannot be determined."""
     try:
         os.stat(path)
@@ -56,13 +63,13 @@ def exists(path):
     return True
 
 
-def refuse_other_than_file(path):
+def refuse_other_than_file(path: str | os.PathLike[str]) -> None:
     """Raise ResultsError if ``path`` is a folder, a pipe or a device, or not a valid name of a file."""
     if exists(path) and (other := other_than_file(path)):
         raise ResultsError(f"cannot write {path}: it is {other}; give the name of a file")
 
 
-def refuse_foreign(path, force, heading=None):
+def refuse_foreign(path: "Path", force: bool, heading: Sequence[str] | None = None) -> None:
     """Raise ResultsError if a file ``path`` exists that is not known as one of mecano's, unless ``force`` is True.
 
     Known are pictures and pages, by the name of mecano at their beginning, and tables (CSV) with the same ``heading``,
@@ -82,7 +89,7 @@ def refuse_foreign(path, force, heading=None):
         raise ResultsError(f"{path} exists already{other}; --force replaces it")
 
 
-def write_csv(path, rows, force):
+def write_csv(path: "Path", rows: Iterable[Sequence[str]], force: bool) -> None:
     """Write rows, the first of them the heading, as comma-separated values.
 
     Raises ResultsError as ``refuse_foreign``, and if the file cannot be written.
@@ -94,19 +101,19 @@ def write_csv(path, rows, force):
         csv.writer(file, lineterminator="\n").writerows(rows)
 
 
-def csv_line(cells):
+def csv_line(cells: Sequence[str]) -> str:
     """Return a row of comma-separated values with the end of its line."""
     line = io.StringIO()
     csv.writer(line, lineterminator="\n").writerow(cells)
     return line.getvalue()
 
 
-def other_than_file(path):
+def other_than_file(path: str | os.PathLike[str]) -> str:
     """Return the sort of an existing path that is not a file, such as "a folder", or ""."""
     return "a folder" if os.path.isdir(path) else "" if os.path.isfile(path) else "a pipe or a device"
 
 
-def make_folder(folder):
+def make_folder(folder: "Path") -> None:
     """Create a folder and its parents unless it exists. Raises ResultsError."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -114,7 +121,7 @@ def make_folder(folder):
         raise ResultsError(f"cannot make the folder {folder}: {error.strerror}") from error
 
 
-def put_source(file, source, format_, version, **facts):
+def put_source(file: "h5py.File", source: Source, format_: str, version: int, **facts: str) -> None:
     """Write the deck, the provenance, the ``facts`` of the run and the format to an HDF5 ``file``."""
     for name, text in source.texts().items():
         file[f"deck/{name}"] = text

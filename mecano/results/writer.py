@@ -10,7 +10,9 @@ import errno
 import glob
 import os
 import time as clocks
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -20,10 +22,13 @@ from mecano.model.extremes import Extremes
 from mecano.results.checkpoints import Slots
 from mecano.results.disk import SIGNATURE, Disk, deferring_signals, open_file
 from mecano.results.empty_file import CHANGING, RUNNING, TEXT_LENGTHS, empty_file
-from mecano.results.layout import EXTREMES
-from mecano.results.provenance import lives, provenance
+from mecano.results.layout import EXTREMES, Layout
+from mecano.results.provenance import Source, lives, provenance
 from mecano.results.table import EventTable, NumberTable, chunk_shape
 from mecano.results.whole_file import exists, hidden_name, refuse_other_than_file
+
+if TYPE_CHECKING:
+    from mecano.results.state import SavedState
 
 STATUSES = (RUNNING, "complete", "stopped", "failed")
 _EXISTS = "{} exists already; give another name, or --force (in Python force=True) to replace it"
@@ -50,7 +55,16 @@ class Writer:
     """
 
     @classmethod
-    def create(cls, path, layout, source, *, force=False, flush_interval=1.0, begin=lambda writer: None):
+    def create(
+        cls,
+        path: str | os.PathLike[str],
+        layout: Layout,
+        source: Source,
+        *,
+        force: bool = False,
+        flush_interval: float = 1.0,
+        begin: Callable[[Self], object] = lambda writer: None,
+    ) -> Self:
         """Create a results file; it appears under its name only when it is ready for the first row.
 
         Parameters
@@ -90,7 +104,7 @@ class Writer:
         atexit.register(writer._at_exit)
         return writer
 
-    def __init__(self, path, disk, layout, source, flush_interval):
+    def __init__(self, path: Path, disk: Disk, layout: Layout, source: Source, flush_interval: float):
         self.path = path
         self.extremes = Extremes(layout.size)
         self.acknowledged = 0
@@ -100,7 +114,8 @@ class Writer:
         self._due, self._unsafe = clocks.monotonic() + flush_interval, 0
         self._size = layout.size
         self._slot = 0
-        self._last_time = self._safe_time = None
+        self._last_time: float | None = None
+        self._safe_time: float | None = None
         with deferring_signals():
             disk.write(empty_file(layout))
             file = self._file = _opened(disk, layout)
@@ -130,18 +145,18 @@ class Writer:
             self._file[f"deck/{name}"] = text
         self._file["run"].attrs.update({"title": source.title, "deck_path": source.deck_path, **provenance()})
 
-    def append(self, time, values):
+    def append(self, time: float, values: np.ndarray) -> None:
         """Append the values (layout.size,) at a saved time [s]."""
         self._last_time = time
         if self._outputs.add(time, values) or clocks.monotonic() >= self._due:
             self.flush()
 
-    def append_step(self, time, values):
+    def append_step(self, time: float, values: np.ndarray) -> None:
         """Append an accepted step that ends at a time [s]: one number for each column of the solver history."""
         if self._steps.add(time, values) or clocks.monotonic() >= self._due:
             self.flush()
 
-    def extend(self, table, rows):
+    def extend(self, table: str, rows: np.ndarray) -> None:
         """Append rows (n, width), the time first, as ``Results.rows`` gives them, to "output" or "solver"."""
         if not len(rows):
             return
@@ -152,14 +167,24 @@ class Writer:
         if self._unsafe >= UNSAFE or clocks.monotonic() >= self._due:
             self.flush()
 
-    def append_event(self, time, element, name, before="", after="", impulse=0.0, unit="", lost=0.0):
+    def append_event(
+        self,
+        time: float,
+        element: str,
+        name: str,
+        before: str = "",
+        after: str = "",
+        impulse: float = 0.0,
+        unit: str = "",
+        lost: float = 0.0,
+    ) -> None:
         """Append an event: time [s], element, joint or load, name, phases before and after.
 
         A shock also has an impulse, with its unit, and the energy lost [J].
         """
         self._events.add(time, (element, name, before, after, unit), (impulse, lost))
 
-    def flush(self):
+    def flush(self) -> int:
         """Write all appended data to the file, and return the number of acknowledged saved times.
 
         Raises
@@ -182,11 +207,11 @@ class Writer:
         return self.acknowledged
 
     @property
-    def closing_time(self):
+    def closing_time(self) -> float:
         """Upper estimate of the time to close the file and write it to the disk [s]."""
         return _CLOSING * self._disk.size
 
-    def checkpoint(self, state):
+    def checkpoint(self, state: "SavedState") -> None:
         """Acknowledge all appended data, and write a checkpoint with the ``state`` (results/state.py).
 
         Raises
@@ -211,7 +236,7 @@ class Writer:
             "extremes": {name: values.copy() for name, values in extremes.items()},
         }
 
-    def resume_at(self, checkpoint):
+    def resume_at(self, checkpoint: "SavedState") -> None:
         """Continue from a checkpoint, all rows before which have been appended.
 
         Raises
@@ -268,7 +293,7 @@ class Writer:
         self._end("failed")
         raise ResultsError(f"cannot write {self.path}: {cause.strerror}{kept}") from cause
 
-    def close(self, status="complete", reason=""):
+    def close(self, status: str = "complete", reason: str = "") -> None:
         """Flush and close; later calls do nothing.
 
         Parameters
@@ -324,14 +349,14 @@ class Writer:
                 self.close("stopped" if stopped else "failed", reason)
 
 
-def refuse_other_ending(path, instead):
+def refuse_other_ending(path: str | os.PathLike[str], instead: str) -> None:
     """Raise UsageError if the name of a results file ends like that of another format; ``instead``: what writes it."""
     ending = os.path.splitext(path)[1].lower()
     if ending in OTHERS:
         raise UsageError(f"results are HDF5, not '{ending}': name them .h5; {instead}")
 
 
-def refuse_existing(path, force):
+def refuse_existing(path: str | os.PathLike[str], force: bool) -> None:
     """Raise ResultsError if ``path`` exists, unless ``force`` is True and it is an HDF5 file."""
     refuse_other_than_file(path)
     if not exists(path):
