@@ -64,7 +64,7 @@ class _Commands(click.Group):
 
 @click.group(cls=_Commands, commands=_OnDemand(), context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="mecano")
-def commands():
+def commands() -> None:
     """Simulate flexible mechanisms: decks in, results and pictures out.
 
     \b
@@ -90,7 +90,7 @@ def commands():
     """
 
 
-def main():
+def main() -> None:
     """Run a command; report every error that a user can cause or encounter by a message and an exit code."""
     if not sys.warnoptions:
         warnings.simplefilter("ignore")  # those of Python and NumPy are for developers: `python -W default -m mecano`
@@ -119,7 +119,7 @@ def _refuse_other_bytes():
             raise UsageError(f"the argument {ascii(word)} is not UTF-8 text; give the file another name")
 
 
-def program():
+def program() -> None:
     """Run ``main`` as the whole process, with rare garbage collection and without destruction of objects at exit.
 
     All objects of a model live until the end. Repeated garbage collection would take 0.1 s, their destruction 0.3 s.
@@ -133,7 +133,7 @@ def program():
         main()
         code = 0
     except SystemExit as ended:
-        code = ended.code or 0
+        code = int(ended.code or 0)
     except BaseException as error:
         if not (stopped := stopped_by(error)):
             raise

@@ -6,6 +6,7 @@ Their implementations are imported when they are called.
 import math
 import os
 import sys
+from typing import Any
 
 import click
 
@@ -37,7 +38,7 @@ plugins = click.option(
 )  # fmt: skip
 
 
-def refuse_empty(context, parameter, value):
+def refuse_empty(context: click.Context, parameter: click.Parameter, value: Any) -> Any:
     """Return the value of an option or argument; raise BadParameter for an empty text or nan.
 
     Options that may be repeated are checked where they are read, to give the position of an empty override.
@@ -49,7 +50,7 @@ def refuse_empty(context, parameter, value):
     return value
 
 
-def show(text):
+def show(text: str) -> None:
     """Print a text; a reader that closes the pipe early (such as ``head``) is no error."""
     try:
         click.echo(text)

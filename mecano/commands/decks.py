@@ -13,7 +13,7 @@ from mecano.commands import overrides, plugins, show
 @click.option("--all", "every", is_flag=True, help="List all free motions and redundant constraints, however many.")
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 @plugins
-def check(deck, overrides, every, quiet):
+def check(deck: str, overrides: tuple[str, ...], every: bool, quiet: bool) -> None:
     """Check a deck without running it: every error, with line and column, or a summary of the model.
 
     The summary gives the number of elements and steps, mass, unknowns, memory, mobility with the free motions,
@@ -32,7 +32,7 @@ def check(deck, overrides, every, quiet):
 
 @click.command(name="list", short_help="List what a deck can contain.")
 @plugins
-def list_():
+def list_() -> None:
     """List the kinds of elements, joints and loads, the terms of laws and the sections of a deck."""
     from mecano.deck.catalogue import catalogue
 
@@ -42,32 +42,32 @@ def list_():
 @click.command(short_help="Explain a kind, a term of a law or a section of a deck.")
 @click.argument("name", nargs=-1)
 @plugins
-def explain(name):
+def explain(name: tuple[str, ...]) -> None:
     """Explain a kind, a term of a law or a section of the deck: fields, units, defaults, outputs, equations.
 
     Without NAME it lists all names, as `mecano list` does.
     For a word of other programs, such as "motor" or "ball joint", it names the counterparts in mecano.
     `mecano explain study` describes the files of `mecano sweep`.
     """
-    name = " ".join(name)
-    if not name:
+    words = " ".join(name)
+    if not words:
         from mecano.deck.catalogue import catalogue
 
         return show(catalogue())
-    if name == "study":
+    if words == "study":
         from mecano.study.describe import explain_study
 
         return show(explain_study())
     from mecano.deck.catalogue import explain as text
 
-    show(text(name).rstrip())
+    show(text(words).rstrip())
 
 
 @click.command(short_help="Write the JSON Schema of decks, for editors.")
 @click.option("-o", "--output", type=click.Path(), help="File; default: the standard output.")
 @click.option("--study", is_flag=True, help="Describe study files instead of decks.")
 @plugins
-def schema(output, study):
+def schema(output: str | None, study: bool) -> None:
     """Write the JSON Schema of decks, with which editors complete, explain and check decks while you type."""
     from mecano.deck.json_schema import schema_text
     from mecano.deck.new_file import write_text
@@ -85,7 +85,7 @@ def schema(output, study):
 
 @click.command(name="check-kind", short_help="Test the kinds and laws of a Python file (plugin).")
 @click.argument("plugin", type=click.Path())
-def check_kind(plugin):
+def check_kind(plugin: str) -> None:
     """Test the kinds, tyre laws and terms of laws of a Python file: tangents, power, invariance, declarations.
 
     The tests are those that all kinds of mecano pass, in the states that their 'sample' gives.
@@ -110,7 +110,7 @@ def _starters(context, parameter, begun):
 @click.argument("template", required=False, shell_complete=_starters)
 @click.argument("deck", required=False, type=click.Path())
 @click.option("--list", "every", is_flag=True, help="List starter decks and examples.")
-def new(template, deck, every):
+def new(template: str | None, deck: str | None, every: bool) -> None:
     """Write a commented starter deck, by default to TEMPLATE.yaml in this folder; without TEMPLATE, list them.
 
     DECK is a file, or a folder for TEMPLATE.yaml.
@@ -140,7 +140,7 @@ def _examples(context, parameter, begun):
 @click.command(short_help="Write an example deck with a known answer.")
 @click.argument("name", required=False, shell_complete=_examples)
 @click.argument("deck", required=False, type=click.Path())
-def example(name, deck):
+def example(name: str | None, deck: str | None) -> None:
     """Write an example deck and the files it reads, by default to NAME.yaml in this folder; without NAME, list them.
 
     DECK is a file, or a folder for NAME.yaml.

@@ -33,7 +33,20 @@ from mecano.commands import BELOW, plugins, show
 @click.option("--report", metavar="PAGE.html", type=click.Path(), help="Write a report page on one run or study.")
 @click.option("--force", is_flag=True, help="Also replace films, and files that mecano has not written.")
 @plugins
-def post(results, plots, spectra, at, output, kind, columns, title, below, page, report, force):
+def post(
+    results: tuple[str, ...],
+    plots: tuple[str, ...],
+    spectra: tuple[str, ...],
+    at: str | None,
+    output: str | None,
+    kind: str,
+    columns: bool,
+    title: str | None,
+    below: float | None,
+    page: str | None,
+    report: str | None,
+    force: bool,
+) -> None:
     """Draw pictures of results; several files are drawn into the same pictures.
 
     Without --plot, --spectrum, --at: the standard plots for this model, from the overview to the step size.
@@ -118,7 +131,7 @@ def _refuse_strays(results, **given):
 )
 @click.option("--vtk", is_flag=True, help="Write cells and points for ParaView instead; without -o, to RESULTS itself.")
 @click.option("--force", is_flag=True, help="Replace an existing file or group.")
-def export(results, output, series, vtk, force):
+def export(results: str, output: str | None, series: tuple[str, ...], vtk: bool, force: bool) -> None:
     """Write results for other programs: all series, or some, as comma-separated values; or cells for ParaView.
 
     Without -o, columns are written to a file .csv beside RESULTS. Names as in `mecano post --plot`.
@@ -139,7 +152,7 @@ def export(results, output, series, vtk, force):
     help="List outputs with units and descriptions, all or those matching a pattern such as 'wheel.*'.",
 )  # fmt: skip
 @click.option("--events", is_flag=True, help="List all events, one per line.")
-def info(results, pattern, events):
+def info(results: str, pattern: str | None, events: bool) -> None:
     """Summarize a results file and its run: status, steps, events, extremes."""
     from mecano.post.info import info as text
     from mecano.results.checked import blaming, cut_short
@@ -152,7 +165,7 @@ def info(results, pattern, events):
 
 @click.command(short_help="Check a results file for changed or missing bytes.")
 @click.argument("results", type=click.Path())
-def verify(results):
+def verify(results: str) -> None:
     """Check a results file for changed or missing bytes; if any, name the data affected, with exit code 5."""
     from mecano.results.verify import verify as text
 

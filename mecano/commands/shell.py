@@ -9,7 +9,7 @@ from mecano.commands import show
 @click.command(short_help="Print the script for completion by a shell.")
 @click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
 @click.pass_context
-def completion(context, shell):
+def completion(context: click.Context, shell: str) -> None:
     """Print the script by which a shell completes commands, options, names of examples and files.
 
     \b
@@ -18,4 +18,6 @@ def completion(context, shell):
     fish  mecano completion fish > ~/.config/fish/completions/mecano.fish
     """
     commands = context.find_root().command
-    show(get_completion_class(shell)(commands, {}, "mecano", "_MECANO_COMPLETE").source())
+    kind = get_completion_class(shell)
+    assert kind is not None, "click completes for each shell that it offers"
+    show(kind(commands, {}, "mecano", "_MECANO_COMPLETE").source())

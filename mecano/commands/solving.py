@@ -32,7 +32,18 @@ from mecano.solve.modal import SOLVERS
 @click.option("-q", "--quiet", is_flag=True, help="Print errors only.")
 @overrides
 @plugins
-def run(deck, output, force, resume, limit, interval, threads, live, quiet, overrides):
+def run(
+    deck: str,
+    output: str | None,
+    force: bool,
+    resume: bool,
+    limit: str | None,
+    interval: float | None,
+    threads: int | None,
+    live: bool,
+    quiet: bool,
+    overrides: tuple[str, ...],
+) -> None:
     """Solve a deck and write a results file.
 
     SIGINT (Ctrl-C), SIGTERM, SIGHUP, SIGXCPU, SIGUSR1 and --max-walltime end the run with a checkpoint; --resume
@@ -92,7 +103,22 @@ def run(deck, output, force, resume, limit, interval, threads, live, quiet, over
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @overrides
 @plugins
-def modes(deck, at, at_rest, number, sweeps, frame, solver, output, plot, below, columns, quiet, force, overrides):
+def modes(
+    deck: str,
+    at: str | None,
+    at_rest: bool,
+    number: int | None,
+    sweeps: tuple[str, ...],
+    frame: str,
+    solver: str,
+    output: str | None,
+    plot: bool,
+    below: float | None,
+    columns: bool,
+    quiet: bool,
+    force: bool,
+    overrides: tuple[str, ...],
+) -> None:
     """Compute modes of small motions about the initial state of a deck, its equilibrium, or a saved state.
 
     If the deck has 'static' or 'initial: static', the modes are those about the static equilibrium; with 'initial:
@@ -167,7 +193,15 @@ def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, below, 
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @overrides
 @plugins
-def reduce_(deck, elements, nodes, number, output, force, overrides):
+def reduce_(
+    deck: str,
+    elements: str | None,
+    nodes: str,
+    number: str,
+    output: str | None,
+    force: bool,
+    overrides: tuple[str, ...],
+) -> None:
     """Reduce a part of a deck to matrices for a superelement.
 
     Method of Craig and Bampton: static shapes of the boundary nodes, and the modes of lowest frequency with these

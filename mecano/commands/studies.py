@@ -56,8 +56,24 @@ def _as_words(context, parameter, text):
 @click.option("--plot", is_flag=True, help="Draw the outputs over the varied parameters, beside the table.")
 @click.option("-q", "--quiet", is_flag=True, help="Print no progress.")
 @plugins
-def sweep(study, output, jobs, time_limit, memory_limit, resume, again, force, executor, scheduler, options, wait,
-          only_table, number, plot, quiet):  # fmt: skip
+def sweep(
+    study: str,
+    output: str | None,
+    jobs: int | None,
+    time_limit: str | None,
+    memory_limit: int | None,
+    resume: bool,
+    again: str | None,
+    force: bool,
+    executor: str,
+    scheduler: str | None,
+    options: list[str],
+    wait: bool,
+    only_table: bool,
+    number: int | None,
+    plot: bool,
+    quiet: bool,
+) -> None:
     """Run a deck many times with varied values, each case in a separate process.
 
     STUDY is a file that names the deck, the variations (grid, list, csv, latin_hypercube, seeds) and the outputs of
@@ -140,7 +156,7 @@ def _finish(table, plot):
 @overrides
 @click.option("--share", type=click.Path(), metavar="FOLDER", help="Copy all compiled code here, for other users.")
 @plugins
-def warmup(decks, overrides, share):
+def warmup(decks: tuple[str, ...], overrides: tuple[str, ...], share: str | None) -> None:
     """Compile everything a deck can contain, or what the given DECKS contain, ahead of the first run.
 
     Compiled code is kept on disk, in the folder printed. For clusters see docs/cluster.md.

@@ -3,6 +3,7 @@
 import os
 import signal
 import sys
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 import click
@@ -17,7 +18,7 @@ UNTIL = "mecano: {} (until Ctrl-C)"
 @click.option("--wait", is_flag=True, help="Wait for a results file that does not exist yet.")
 @overrides
 @plugins
-def view(file, wait, overrides):
+def view(file: str, wait: bool, overrides: tuple[str, ...]) -> None:
     """Show a deck before it runs, or the motion of a results file, in a browser.
 
     For a deck: the assembled model with the axes of its joints; point at a part to see its name. For results: the page
@@ -80,7 +81,7 @@ def _serve(path, title=None, status=None):
 
 
 @contextmanager
-def live(path, wanted):
+def live(path: str, wanted: bool) -> Iterator[None]:
     """Show the results file ``path`` in a page while the block writes it and, when it is complete, until Ctrl-C.
 
     The page is served by a process of its own, which ends with this one: the run imports nothing of it.
