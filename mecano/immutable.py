@@ -5,16 +5,16 @@ a twentieth of the processor time of a short run. One text serves all of these c
 """
 
 from dataclasses import dataclass, field, fields
-from typing import dataclass_transform
+from typing import Any, dataclass_transform
 
 
 @dataclass_transform(eq_default=False, frozen_default=True, field_specifiers=(field,))
-def immutable(cls=None, **options):
-    """Make a class a frozen dataclass, to which ``options`` such as ``kw_only`` apply; used as a decorator."""
+def immutable(cls: type | None = None, *, kw_only: bool = False, init: bool = True) -> Any:
+    """Make a class a frozen dataclass, with ``kw_only`` and ``init`` as there; used as a decorator."""
 
     def decorate(cls):
         cls.__repr__ = _text
-        return dataclass(frozen=True, eq=False, repr=False, **options)(cls)
+        return dataclass(frozen=True, eq=False, repr=False, kw_only=kw_only, init=init)(cls)
 
     return decorate if cls is None else decorate(cls)
 

@@ -3,13 +3,14 @@
 The deck check, `mecano explain`, the documentation and the JSON Schema are all derived from these declarations.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import field
 from typing import Any, TypeAlias
 
 from mecano.immutable import immutable
 
 REQUIRED = object()
+ValueCheck: TypeAlias = Callable[[Any], str | None]  # of a checked value: the text of its error, or None
 Values: TypeAlias = dict[str, Any]  # checked values of a mapping in a deck: name of the field -> value
 
 
@@ -66,7 +67,7 @@ REDUCED = Type("reduced", "a .yaml, .npz or .h5 file of reduced matrices, or a m
 ROWS = Type("rows", "a list of rows of numbers, or the name of a .mtx or .npy file")
 
 
-def pair_of(type_):
+def pair_of(type_: Type) -> Type:
     """Return the type of a list of exactly two names; used for nodes only."""
     return Type("nodes", f"a list of 2 {type_.name} names", (2,))
 
@@ -74,43 +75,43 @@ def pair_of(type_):
 NODE_PAIR = pair_of(NODE)
 
 
-def joint_with(output):
+def joint_with(output: str) -> Type:
     """Return the type of the name of a joint with this output; its checked value is the values of the joint."""
     return Type("joint", "the name of a joint", (output,))
 
 
-def choice(*names):
+def choice(*names: str) -> Type:
     """Return the type of one of the given words."""
     return Type("choice", "one of: " + ", ".join(names), names)
 
 
-def mapping(*fields):
+def mapping(*fields: "Field") -> Type:
     """Return the type of a mapping whose keys are declared by ``Field``."""
     return Type("mapping", "a mapping", fields)
 
 
-def named(type_, check=None):
+def named(type_: Type, check: ValueCheck | None = None) -> Type:
     """Return the type of a mapping from user-defined names to values of one type; ``check`` as in ``Field``."""
     return Type("named", "a mapping of names", (type_, check))
 
 
-def list_of(type_, check=None):
+def list_of(type_: Type, check: ValueCheck | None = None) -> Type:
     """Return the type of a list of values of one type; ``check`` as in ``Field``, for each value."""
     return Type("list", f"a list, each item {type_.expects}", (type_, check))
 
 
-def either(type_, *words):
+def either(type_: Type, *words: str) -> Type:
     """Return the type of a value of the given type or one of the given words."""
     return Type("either", " or ".join([type_.expects, *(f"'{word}'" for word in words)]), (type_, words))
 
 
-def shorthand(type_, words):
+def shorthand(type_: Type, words: Mapping[Any, Any]) -> Type:
     """Return the type of a mapping or list, or of a word (or true) that abbreviates one: {word: value}."""
     expects = " or ".join([type_.expects, *("true" if word is True else f"'{word}'" for word in words)])
     return Type("shorthand", expects, (type_, tuple(words.items())))
 
 
-def one_of_kinds(section):
+def one_of_kinds(section: str) -> Type:
     """Return the type of an element, joint or load: a mapping with the fields of the kind that its ``type`` names."""
     return Type("kind", "a mapping with the key 'type'", (section,))
 
@@ -131,30 +132,30 @@ class Field:
     unit: str
     doc: str
     default: object = field(default=REQUIRED)
-    check: Callable[[Any], str | None] | None = None
+    check: ValueCheck | None = None
     argument: str = ""
 
     @property
-    def required(self):
+    def required(self) -> bool:
         """True if the deck must give the field."""
         return self.default is REQUIRED
 
 
-def positive(value):
+def positive(value: float) -> str | None:
     """Check that the value is > 0."""
     return None if value > 0 else "must be greater than zero"
 
 
-def not_negative(value):
+def not_negative(value: float) -> str | None:
     """Check that the value is >= 0."""
     return None if value >= 0 else "must not be negative"
 
 
-def not_zero(value):
+def not_zero(value: float) -> str | None:
     """Check that the value is not zero."""
     return None if value else "must not be zero"
 
 
-def share(value):
+def share(value: float) -> str | None:
     """Check that the value is between 0 and 1."""
     return None if 0.0 <= value <= 1.0 else "must be from 0 to 1"

@@ -1,6 +1,11 @@
 """Declarations of a Kind: outputs, constraint equations, events, measured coordinates, display."""
 
+from typing import TYPE_CHECKING, Any
+
 from mecano.immutable import immutable
+
+if TYPE_CHECKING:
+    from mecano.constraints.coordinates.coordinate import Coordinate
 
 LOCK, CONTACT, GRIP = "lock", "contact", "grip"  # kinds of shocks
 RELEASES = "releases"  # name of the events after which an element is no longer there
@@ -18,7 +23,7 @@ class Output:
     name: str
     unit: str
     doc: str
-    shape: tuple = ()
+    shape: tuple[int, ...] = ()
     rate: str = ""
     wraps: bool = False
 
@@ -72,9 +77,9 @@ class Measured:
     The measured value is that of the coordinate minus ``zero``.
     """
 
-    coordinate: object  # constraints.coordinates.Coordinate
-    nodes: tuple  # indices into the nodes of the element
-    axes: dict  # values of the ``axes`` of the coordinate
+    coordinate: "Coordinate"
+    nodes: tuple[int, ...]  # indices into the nodes of the element
+    axes: dict[str, Any]  # values of the ``axes`` of the coordinate
     zero: float = 0.0
 
 
@@ -104,7 +109,7 @@ class Display:
 
     shape: str = ""
     support: bool = True
-    pictures: tuple = ()
+    pictures: tuple[str, ...] = ()
     force: str = ""
     along_axes: bool = False
     force_at: str = ""

@@ -1,32 +1,37 @@
 """A kind of element, joint, load, signal or basic constraint: its entry in a deck, its mechanics, its events."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import field
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from mecano.element_interface.declarations import Display
+from mecano.element_interface.declarations import Display, Event, Measured, Output, Row
 from mecano.element_interface.records import UNUSED, record, recorded, recorded_values
 from mecano.immutable import immutable
+from mecano.schema import Field, Values
+
+if TYPE_CHECKING:
+    from mecano.laws.table import LawTable
 
 SECTIONS = ("elements", "joints", "loads", "signals")  # of a deck; each entry belongs to a kind
 FREELY, BY_COMMAND = "freely", "by command"  # how the nodes of a joint may turn about its axis
 NODES = ("node", "nodes")  # types of fields that name nodes
-RANDOM = {
+Nodes: TypeAlias = Sequence[tuple[np.ndarray, np.ndarray]]  # x (3,) [m] and R (3, 3) of each node
+RANDOM: "dict[str, Callable[[np.random.Generator], Any]]" = {
     "number": lambda rng: rng.uniform(0.5, 1.0),
     "vector": lambda rng: rng.normal(size=3),
     "direction": lambda rng: rng.normal(size=3),
     "formula": lambda rng: "a",
-}  # values of samples, by type of field
+}  # values of samples, by type of field; in quotes above because np.random is imported by its first use
 
 
-def nothing(*_):
+def nothing(*_: Any) -> list[Any]:
     """Return an empty list: no shares, no parts."""
     return []
 
 
-def never(_):
+def never(_: Any) -> bool:
     """Return False."""
     return False
 
@@ -50,20 +55,21 @@ class Part:
     """
 
     kind: "Kind"
-    nodes: tuple  # indices into the nodes of the owner
-    parameters: dict
-    coupled_to: tuple = ()  # indices of the parts of the owner to whose multipliers it is coupled
+    nodes: tuple[int, ...]  # indices into the nodes of the owner
+    parameters: Values
+    coupled_to: tuple[int, ...] = ()  # indices of the parts of the owner to whose multipliers it is coupled
     label: str = ""  # suffix of the names of its outputs
-    reads: tuple = ()  # formulas of the inputs of its kind, in their order
+    reads: tuple[str, ...] = ()  # formulas of the inputs of its kind, in their order
 
 
 @immutable
 class Context:
     """Data available to ``prepare`` and ``parts`` besides their own deck values."""
 
-    laws: object  # LawTable: laws.add(law) -> start of the packed law in the flat table
+    laws: "LawTable"  # laws.add(law) -> start of the packed law in the flat table
     gravity: np.ndarray  # (3,) [m/s2]
-    kinds: dict = field(default_factory=dict)  # kinds of the model by name, for loads along coordinates of another one
+    kinds: "dict[str, Kind]" = field(default_factory=dict)
+    """kinds of the model by name, for loads along coordinates of another one"""
 
 
 @immutable(kw_only=True, init=False)
@@ -72,8 +78,8 @@ class DeckEntry:
 
     section: str = ""  # one of SECTIONS; "" for a basic constraint, which cannot be used in a deck
     doc: str  # its page of the reference
-    fields: tuple = ()  # schema.Field, the node fields first
-    optional: tuple = ()
+    fields: tuple[Field, ...] = ()  # the node fields first
+    optional: "tuple[tuple[str, Kind, str], ...]" = ()
     """(field, Kind of a part, label): outputs that are added to its own when the deck gives the field"""
     check: Callable = nothing
     """(deck values, nodes) -> [text]: errors in the combination of the values"""
@@ -99,7 +105,7 @@ class DeckEntry:
     """deck values -> [(output, value, text)]: a warning with the text when |output| exceeds the value in a run"""
     ends: Callable = nothing
     """deck values -> [(output, value, text)]: the run fails with the text if |output| exceeds the value"""
-    strains: tuple = ()
+    strains: tuple[float, ...] = ()
     """(lowest, highest) strain at the start that needs no warning, relative to 'natural_length' or, without it, to the
     distance of the two nodes in the deck"""
     suspicious: Callable = nothing
@@ -116,35 +122,35 @@ class DeckEntry:
 class Mechanics:
     """The equations of a kind: unknowns, record of parameters, compiled functions of one element, outputs."""
 
-    dtype: np.dtype | None = None
+    dtype: np.dtype = None  # type: ignore[assignment]  # declared by the fields where it is not given
     """of its record; by default, without ``prepare``, all fields that are numbers, vectors or laws"""
-    layout: tuple = ()  # slots: "x0", "R0", "x1", ...
+    layout: tuple[str, ...] = ()  # slots: "x0", "R0", "x1", ...
     flexible: bool = False  # its nodes, each with a position and a rotation, belong to one deformable body
-    scalars: tuple = ()  # names of its scalar unknowns
-    massless: tuple = ()  # massless scalars, whose rates follow from their own equations alone
-    states: tuple = ()  # names of the scalars whose rates are determined by their equations
+    scalars: tuple[str, ...] = ()  # names of its scalar unknowns
+    massless: tuple[str, ...] = ()  # massless scalars, whose rates follow from their own equations alone
+    states: tuple[str, ...] = ()  # names of the scalars whose rates are determined by their equations
     of_signals: bool = False  # its scalars are signals
     jumps: bool = False  # the value of a signal may jump although its inputs do not
     smooths: Callable = never
     """deck values of a signal -> True if its value does not jump with its inputs"""
     like: Callable = never
     """deck values of a signal -> formula (text) of the same unit as its value; "" if there is none"""
-    inputs: tuple = ()  # names of the signals that it reads
-    multipliers: tuple = ()  # Row
-    coupled_multipliers: tuple = ()  # Row: coupled multipliers, of other parts of the same owner
-    outputs: tuple = ()  # Output
-    measures: dict = field(default_factory=dict)
+    inputs: tuple[str, ...] = ()  # names of the signals that it reads
+    multipliers: tuple[Row, ...] = ()
+    coupled_multipliers: tuple[Row, ...] = ()  # of other parts of the same owner
+    outputs: tuple[Output, ...] = ()
+    measures: dict[str, Callable[..., Measured]] = field(default_factory=dict)
     """{output: (deck values, nodes, Context) -> Measured}: coordinates, whose sensors need no other unknowns than those
     of the nodes; they also measure the output that is declared as the rate. Other outputs are measured by ``observe``,
     called with Duals"""
-    hidden: dict = field(default_factory=dict)
+    hidden: dict[str, str] = field(default_factory=dict)
     """{output: text, what to do instead}: outputs that signals cannot read, because ``observe`` has them from F, from
     accelerations, or not from Duals"""
     revealed: "Kind | None" = None  # variant without shared unknowns, in which nothing is hidden
     senses: "Kind | None" = None  # the kind of which it measures an output; see constraints/output_sensor.py
     start: Callable | None = None
     """record -> initial values (n_scalars,) of its scalars; zeros by default"""
-    idle: dict = field(default_factory=dict)
+    idle: dict[str, Sequence[int]] = field(default_factory=dict)
     """{phase: indices of outputs}: phases in which an element with a ``residual`` has no force, energy or power, and
     these outputs are zero; its ``residual`` is not called then"""
     residual: Callable | None = None
@@ -162,27 +168,27 @@ class Mechanics:
     ""; q and R as passed to ``observe``; called from Python after the assembly"""
 
     @property
-    def acts(self):
+    def acts(self) -> bool:
         """True if the kind has a residual of its own, not only parts."""
         return self.residual is not None or self.force is not None
 
     @property
-    def of_rates(self):
+    def of_rates(self) -> bool:
         """True if its constraints are on velocities."""
         return any(row.constraint_unit.endswith("/s") for row in self.multipliers)
 
     @property
-    def first_reaction(self):
+    def first_reaction(self) -> int:
         """Index of the first multiplier, own or coupled, among the local unknowns; the value of a sensor follows."""
         last = len(self.scalars) if self.senses else 0
         return self.n_local - len(self.multipliers) - len(self.coupled_multipliers) - last
 
-    def place_of(self, name):
+    def place_of(self, name: str) -> int:
         """Return the index of an input among the local unknowns."""
         return 3 * len(self.layout) + len(self.scalars) + self.inputs.index(name)
 
     @property
-    def n_local(self):
+    def n_local(self) -> int:
         """Number of local unknowns, including inputs and coupled multipliers."""
         own = len(self.scalars) + len(self.inputs) + len(self.multipliers)
         return 3 * len(self.layout) + own + len(self.coupled_multipliers)
@@ -192,14 +198,14 @@ class Mechanics:
 class Events:
     """The discrete behaviour of a kind: phases, events that change them, memory, times at which steps must end."""
 
-    phases: tuple = ("",)
-    events: tuple = ()  # Event
+    phases: tuple[str, ...] = ("",)
+    events: tuple[Event, ...] = ()
     event_values: Callable | None = None
     at_start: Callable | None = None
     """record -> index of the initial phase, where the deck specifies it; by default the first of ``phases``"""
-    memory: tuple = ()  # names of the values kept from step to step
+    memory: tuple[str, ...] = ()  # names of the values kept from step to step
     commit: Callable | None = None
-    kept: dict = field(default_factory=dict)
+    kept: dict[str, Sequence[int]] = field(default_factory=dict)
     """{phase: indices of values of the memory that ``commit`` does not change in it}"""
     times: Callable = nothing
     """(deck values, start, end) -> [time]: times between start and end of a run at which a step must end"""
@@ -222,14 +228,14 @@ class Kind(DeckEntry, Mechanics, Events):
             own = recorded(self.fields) if self.acts and not self.prepare else {}
             object.__setattr__(self, "dtype", record(**own or {UNUSED: ()}))
 
-    def record_values(self, values, nodes, context):
+    def record_values(self, values: Values, nodes: Nodes, context: Context) -> dict[str, Any]:
         """Return the values of the record of an element; the arguments are those of ``prepare``."""
         if self.prepare:
             return self.prepare(values, nodes, context)
-        names = [name for name in self.dtype.names if name != UNUSED]
+        names = [name for name in self.dtype.names or () if name != UNUSED]
         return recorded_values(names, self.fields, {"gravity": context.gravity, **values}, context)
 
-    def samples(self, rng):
+    def samples(self, rng: "np.random.Generator") -> list[tuple[Values, Any, str]]:
         """Return the samples of the kind; see ``sample``."""
         if self.sample:
             return self.sample(rng)
@@ -242,10 +248,10 @@ class Kind(DeckEntry, Mechanics, Events):
         nodes = 1 + max((int(slot[1:]) for slot in self.layout), default=0)
         return [(values, nodes, phase) for phase in self.phases]
 
-    def read(self, values):
+    def read(self, values: Values) -> tuple[str, ...]:
         """Return the formulas (texts) of its inputs."""
         return tuple(self.reads(values) if self.reads else (values[name] for name in self.inputs))
 
-    def chosen(self, values):
+    def chosen(self, values: Values) -> "Kind":
         """Return the kind itself, or its variant for these deck values."""
         return self.variant(values) if self.variant else self

@@ -1,25 +1,35 @@
 """Records of parameters: structured dtypes, by default those of the deck fields of a kind."""
 
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, TypeAlias
+
 import numpy as np
 
+if TYPE_CHECKING:
+    from mecano.element_interface.kind import Context
+    from mecano.schema import Field, Values
+
+Shape: TypeAlias = int | str | tuple[int, ...]  # of a number or an array of them; "i" for an integer
 UNUSED = "unused"  # field of an empty record
-RECORDED = {"number": (), "vector": 3, "direction": 3, "law": "i", "curve": "i"}  # shape in a record, by type of field
+RECORDED: dict[str, Shape] = {"number": (), "vector": 3, "direction": 3, "law": "i", "curve": "i"}  # by type of field
 LAWS = ("law", "curve")  # types of fields of which a record has the start in the table of laws
 
 
-def record(**fields):
+def record(**fields: Shape) -> np.dtype:
     """Return a structured dtype from names and shapes: record(mass=(), r_C=3, J=(3, 3)); shape "i" for an integer."""
     return np.dtype(
         [(name, "i8") if shape == "i" else (name, "f8", shape) for name, shape in fields.items()], align=True
     )
 
 
-def recorded(fields):
+def recorded(fields: "Iterable[Field]") -> dict[str, Shape]:
     """Return {name: shape} of the fields that a record can hold: numbers, vectors and laws that are always given."""
     return {f.name: RECORDED[f.type.name] for f in fields if f.type.name in RECORDED and f.default is not None}
 
 
-def recorded_values(names, fields, values, context):
+def recorded_values(
+    names: Iterable[str], fields: "Iterable[Field]", values: "Values", context: "Context"
+) -> dict[str, Any]:
     """Return the values of a record with these names from those of the ``fields``; of a law, its start in the table."""
     laws = [f.name for f in fields if f.type.name in LAWS]
     return {name: context.laws.add(values[name]) if name in laws else values[name] for name in names}
