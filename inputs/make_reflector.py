@@ -18,6 +18,7 @@ same factor.
 import argparse
 import math
 import sys
+from collections.abc import Iterable, Iterator, Sequence
 
 DIRECTIONS = ((1, 0), (0, 1), (-1, 1), (-1, 0), (0, -1), (1, -1))  # to the neighbours on the triangular lattice
 LEVELS = ("low", "high")
@@ -26,7 +27,7 @@ MOTOR = (  # angle that is left to the motor [rad], torque [N m]
 )  # fmt: skip
 
 
-def options(arguments=None):
+def options(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     """Parsed arguments of the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     add = parser.add_argument
@@ -54,9 +55,10 @@ class Reflector:
     ``faces`` are (first, second, True for a spoke), with the numbers of longerons.
     """
 
-    def __init__(self, given):
+    def __init__(self, given: argparse.Namespace):
         self.given = given
-        points, edges = {}, {}
+        points: dict[tuple[int, int], int] = {}  # numbers of the longerons by their places
+        edges: dict[frozenset, tuple] = {}  # faces by the places at their ends
         for centre in middles(given.modules):
             corners = [(centre[0] + i, centre[1] + j) for i, j in DIRECTIONS]
             for point in (centre, *corners):
@@ -68,17 +70,17 @@ class Reflector:
         self.faces = [(points[a], points[b], spoke) for a, b, spoke in edges.values()]
         self.folded = math.cos(math.radians(given.fold))
 
-    def place(self, number):
+    def place(self, number: int) -> tuple[float, float]:
         """x and y of a longeron, deployed [m]."""
         i, j = self.points[number]
         return self.given.batten * (i + 0.5 * j), self.given.batten * math.sqrt(0.75) * j
 
-    def rise(self, number):
+    def rise(self, number: int) -> float:
         """Height of a longeron, deployed [m]."""
         x, y = self.place(number)
         return (x * x + y * y) / (2.0 * self.given.curvature)
 
-    def knee(self, a, b, z, side):
+    def knee(self, a: int, b: int, z: float, side: float) -> tuple[float, float, float]:
         """Place of the knee of a folded batten at the height z, above (side 1) or below (-1) its ends [m]."""
         (xa, ya), (xb, yb) = self.place(a), self.place(b)
         raised, height = self.rise(b) - self.rise(a), 0.5 * math.sin(math.radians(self.given.fold)) * side
@@ -87,14 +89,14 @@ class Reflector:
         middle = z + 0.5 * self.folded * (self.rise(a) + self.rise(b)) + height * self.given.batten
         return along[0] + out[0], along[1] + out[1], middle
 
-    def diagonals(self, a, b):
+    def diagonals(self, a: int, b: int) -> Iterator[tuple[str, str, float]]:
         """(level at a, level at b, full length [m]) of the two diagonals of a face."""
         raised, width = self.rise(b) - self.rise(a), self.given.batten
         for at_a, at_b, height in (("low", "high", self.given.height), ("high", "low", -self.given.height)):
             yield at_a, at_b, math.hypot(width, height + raised) / (1.0 + self.given.pretension)
 
 
-def middles(count):
+def middles(count: int) -> list[tuple[int, int]]:
     """Lattice points of the middles of modules, ring by ring, each counterclockwise."""
     reach = 1 + math.isqrt(count)
     own = [(i, j) for i in range(-reach, reach + 1) for j in range(-reach, reach + 1)]
@@ -103,12 +105,12 @@ def middles(count):
     return [(i - j, i + 2 * j) for i, j in own[:count]]
 
 
-def text(numbers):
+def text(numbers: Iterable[float]) -> str:
     """A list in YAML."""
     return "[" + ", ".join(f"{x + 0.0:.15g}" for x in numbers) + "]"
 
 
-def nodes(of):
+def nodes(of: Reflector) -> Iterator[str]:
     """Lines of the section nodes."""
     scale, height = of.folded, of.given.height
     level = dict(zip(LEVELS, (0.0, height), strict=True))
@@ -127,12 +129,12 @@ def nodes(of):
                 yield f"  {face(a, b)}_{name}_{end}: {{position: {text(position)}}}"
 
 
-def face(a, b):
+def face(a: int, b: int) -> str:
     """Name of a face."""
     return f"face{a}_{b}"
 
 
-def elements(of):
+def elements(of: Reflector) -> Iterator[str]:
     """Lines of the section elements."""
     for number in range(len(of.points)):
         yield f"  post{number}: {{type: beam, nodes: [post{number}_low, post{number}_high], section: post, mesh: 4}}"
@@ -157,7 +159,7 @@ def elements(of):
             )
 
 
-def joints(of):
+def joints(of: Reflector) -> Iterator[str]:
     """Lines of the section joints."""
     for a, b, spoke in of.faces:
         (xa, ya), (xb, yb) = of.place(a), of.place(b)
@@ -185,7 +187,7 @@ HEADER = """\
 """
 
 
-def deck(given, arguments=()):
+def deck(given: argparse.Namespace, arguments: Sequence[str] = ()) -> str:
     """The deck as text."""
     of = Reflector(given)
     points = [(-angle, -given.torque * torque) for angle, torque in reversed(MOTOR[1:])]
@@ -216,7 +218,7 @@ def deck(given, arguments=()):
     return "\n".join(lines) + "\n"
 
 
-def main():
+def main() -> None:
     """Write the deck to the standard output."""
     sys.stdout.write(deck(options(), sys.argv[1:]))
 

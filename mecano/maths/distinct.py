@@ -3,7 +3,7 @@
 import numpy as np
 
 
-def distinct(numbers):
+def distinct(numbers: np.ndarray) -> np.ndarray:
     """Return the unique values of an array (n,) in ascending order, like numpy.unique; sorts the array in place.
 
     numpy.unique uses a hash table, which takes ten times as long, both for the few numbers of a block of a matrix and

@@ -15,12 +15,12 @@ class SparseRows(NamedTuple):
     values: np.ndarray  # (nnz,)
 
     @property
-    def rows(self):
+    def rows(self) -> np.ndarray:
         """Row (nnz,) of each entry."""
         return np.repeat(np.arange(len(self.starts) - 1), np.diff(self.starts))
 
     @property
-    def filled(self):
+    def filled(self) -> np.ndarray:
         """Indices, ascending, of the rows with entries."""
         return np.flatnonzero(np.diff(self.starts))
 
@@ -29,7 +29,7 @@ class SparseRows(NamedTuple):
         return np.bincount(self.rows, self.values * x[self.columns], len(self.starts) - 1)
 
 
-def sparse_rows(rows, columns, values, n):
+def sparse_rows(rows: np.ndarray, columns: np.ndarray, values: np.ndarray, n: int) -> SparseRows:
     """Return the SparseRows (n, n) of entries, the sum of those at the same place."""
     codes = np.asarray(rows, np.int64) * n + np.asarray(columns, np.int64)
     places = distinct(codes.copy())
