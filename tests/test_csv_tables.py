@@ -38,6 +38,7 @@ def test_a_misspelt_file_is_answered_with_a_similar_one(tmp_path):
         "t\tF\r\n0\t0\r\n1\t1000\r\n",
         '\ufeff"time","force"\n"0","0"\n"1","1e3"\n',
         "t,F\r0,0\u20281,1e3\x85",
+        '"time\nfrom the start","force [N]"\n0,0\n1,1e3\n',
     ],
 )
 def test_tables_are_read(tmp_path, data):

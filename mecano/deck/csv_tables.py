@@ -24,7 +24,7 @@ from mecano.deck.wording import quoted
 if TYPE_CHECKING:
     from mecano.deck.scope import Scope
 
-HEADER = re.compile(r"(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?")
+HEADER = re.compile(r"(.*?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?", re.DOTALL)
 MOST_COLUMNS = 10_000
 SEPARATED = "columns are separated by ',', ';' or tabs"
 
