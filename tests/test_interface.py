@@ -327,6 +327,8 @@ class TestSimulation:
             s.advance(0.01)
         with pytest.raises(UsageError, match="begins in a block"):
             mecano.Simulation("pendulum.yaml").advance(0.1)
+        with pytest.raises(UsageError, match="begins in a block"):
+            mecano.Simulation("pendulum.yaml").names()
         with pytest.raises(UsageError, match="equilibria"):
             mecano.Simulation(INPUTS / "princeton_beam.yaml")
 

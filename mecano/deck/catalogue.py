@@ -1,7 +1,9 @@
 """Everything that a deck can contain, by name: the texts of `mecano list` and `mecano explain`."""
 
 import re
+from collections.abc import Callable, Mapping
 from textwrap import wrap
+from typing import Any
 
 from mecano.deck.describe import (
     WIDTH,
@@ -120,7 +122,7 @@ def _called(name):
     section = f"{name.replace(' ', '_')}s"  # ground, tire law: an entry of a section
     name = section if section in sections else name
     slip_laws = {key: law for key, law in SLIP_LAWS.items() if law.type.name == "mapping"}  # friction is of many
-    found = [
+    found: list[tuple[Mapping[str, Any], Callable[[Any], str]]] = [
         (KINDS, describe), (SHAPES, describe_shape), (TERMS, describe_term), (slip_laws, describe_slip_law),
         (sections, _section),
     ]  # fmt: skip
@@ -178,7 +180,7 @@ def _section(section):
 def _inside(name):
     """Yield texts on a field of kinds or sections, or on a keyword of one: "friction", "hinge.friction"."""
     owner, _, last = name.rpartition(".")
-    owners = {}
+    owners: dict[str, list[str]] = {}  # of fields with the same description
     for where, field in _fields():
         if owner and not f"{where}.".startswith(f"{owner}."):
             continue

@@ -175,6 +175,7 @@ class Copies:
         if word:
             return Word(word.value, word, word.rise if type(word) is Word else 0)  # at its own place, to be corrected
         value = scope.evaluated(node)
+        assert value is not None, "a text with a $ is an expression"
         if value is INVALID:
             self.without_value = node
             return node
@@ -210,7 +211,8 @@ class Copies:
 
     def _moved(self, found, name, placement):
         """Return the sections of a template with the names and positions of its copy ``name``."""
-        placing, moved = Placing(f"{name}_", placement, found, self.scope), {}
+        placing = Placing(f"{name}_", placement, found, self.scope)
+        moved: dict[str, Entries] = {}
         for section, entries in found.items():
             moved[section] = {}
             inner = Field("", self.fields[section].type.options[0], "-", "")

@@ -101,7 +101,8 @@ class _Reading:
     def __init__(self, source, wanted, scope):
         self.source, self.wanted, self.scope = source, wanted, scope
         self.found = Table(source)
-        self.columns, self.factors, self.width = None, (1.0, 1.0), 2  # set by the first row
+        self.columns: tuple[int, int] | None = None  # these three are set by the first row
+        self.factors, self.width = (1.0, 1.0), 2
         self.is_plain = source.text.isascii() and "_" not in source.text  # float() agrees with ``number``
 
     def table(self):
@@ -120,7 +121,7 @@ class _Reading:
                         break
                     if header:
                         continue
-                if point := self._checked(cells, line):
+                if point := self._checked(cells, self.columns, line):
                     self._keep(point, line)
         except csv.Error as error:
             self._refuse(rows.line_num - 1, f"not valid CSV: {error}")
@@ -136,23 +137,27 @@ class _Reading:
         if len(cells) > MOST_COLUMNS:
             self._refuse(line, f"the table has {len(cells)} columns; {MOST_COLUMNS} are allowed")
             return False
-        matches = [HEADER.fullmatch(cell) for cell in cells] if header else []
+        matches = [match for cell in cells if (match := HEADER.fullmatch(cell))] if header else []
         names = [match[1] for match in matches]
-        if self.wanted.columns[0] is None:
-            self.columns = (0, 1)
+        first, second = self.wanted.columns
+        x, y = 0, 1
+        if first is None or second is None:
             if len(cells) > 2:
                 given = ", ".join(names[:12]) or f"numbers from 1 to {len(cells)}"
                 hint = f"choose with 'columns: [x, y]' from {given}"
                 self._refuse(line, f"two columns are needed, got {len(cells)}", hint)
                 return False
         else:
-            self.columns = tuple(self._column(node, names, len(cells)) for node in self.wanted.columns)
+            x, y = (self._column(node, names, len(cells)) for node in (first, second))
             self.width = len(cells)
-        if None in self.columns:
+        if x is None or y is None:
             return False
         units = [match[2] or (match[3] if parsed(match[3] or "") else None) for match in matches]
-        self.factors = tuple(self._factor(i, units, line) for i in (0, 1))
-        return None not in self.factors
+        to_x, to_y = self._factor(0, x, units, line), self._factor(1, y, units, line)
+        if to_x is None or to_y is None:
+            return False
+        self.columns, self.factors = (x, y), (to_x, to_y)
+        return True
 
     def _column(self, node, names, count):
         """Return the column with a header or a number from 1; None after reporting an unknown one."""
@@ -167,10 +172,9 @@ class _Reading:
             self.scope.refuse(node, f"the table has no column {quoted(node.value)}", hint)
         return None
 
-    def _factor(self, i, units, line):
-        """Return the factor from the column of x (0) or y (1) to SI units; None after reporting a wrong unit."""
+    def _factor(self, i, column, units, line):
+        """Return the factor from the ``column`` of x (i = 0) or y (1) to SI units; None after reporting its unit."""
         declared, node = unit_of(self.wanted.declared, i, 2), self.wanted.units[i]
-        column = self.columns[i]
         unit = node.value if node else (units[column] if column < len(units) else None)
         if not unit:
             self.found.units.append(None)
@@ -195,15 +199,15 @@ class _Reading:
         self.found.rows.append(line)
         return True
 
-    def _checked(self, cells, line):
+    def _checked(self, cells, columns, line):
         """Return the point of a row; None after reporting the problem."""
         if self.wanted.columns[0] is None and len(cells) != 2:
             return self._refuse(line, f"two columns are needed, got {len(cells)}", SEPARATED)
-        if max(self.columns) >= len(cells):
-            text = f"the row has {len(cells)} columns, and column {max(self.columns) + 1} is needed"
+        if max(columns) >= len(cells):
+            text = f"the row has {len(cells)} columns, and column {max(columns) + 1} is needed"
             return self._refuse(line, text, SEPARATED)
         point = []
-        for column, factor in zip(self.columns, self.factors, strict=True):
+        for column, factor in zip(columns, self.factors, strict=True):
             cell = cells[column].strip()
             value = number(cell)
             if value is None or not in_range(value):

@@ -48,7 +48,8 @@ def _variants(kind):
 
 def _event_lines(heading, kinds):
     """Return the lines on the events of ``kinds``, each event once, with all its meanings."""
-    meanings, lines = {}, []
+    meanings: dict[str, dict[str, None]] = {}
+    lines: list[str] = []
     for event in (event for kind in kinds for event in kind.events):
         meanings.setdefault(event.name, {})[event.doc] = None
     for name, (first, *others) in meanings.items():

@@ -9,7 +9,7 @@ import ast
 import math
 import operator
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -25,7 +25,7 @@ INSERT = re.compile(r"\$\(([^()$]*(?:\([^()$]*\)[^()$]*)*)\)|\$([A-Za-z_][A-Za-z
 INSERTED = re.compile(r"\$\(|[A-Za-z0-9_)]\$[A-Za-z_]")
 UNIT = re.compile(r"[0-9.] ?(?![eE][-+0-9])[A-Za-z°%]")  # 90 deg
 LONGEST_NAME = 200
-OPERATORS = {
+OPERATORS: dict[type, Callable[..., float]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
     ast.Mod: operator.mod, ast.Pow: operator.pow, ast.UAdd: operator.pos, ast.USub: operator.neg,
 }  # fmt: skip
@@ -177,8 +177,9 @@ class _Reading:
         inner = [self.value(part, depth + 1) for part in _operands(tree)]
         if isinstance(tree, ast.BinOp | ast.UnaryOp) and type(tree.op) in OPERATORS:
             return _real(OPERATORS[type(tree.op)](*inner))
-        if isinstance(tree, ast.Constant) and type(tree.value) in (int, float):
-            return float(tree.value)
+        number = tree.value if isinstance(tree, ast.Constant) else None
+        if type(number) is int or type(number) is float:
+            return float(number)
         if isinstance(tree, ast.Name):
             return self._named(tree)
         if isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name) and not tree.keywords:

@@ -156,8 +156,8 @@ def _with_points(values, general, in_use, node, scope):
         scope.refuse(node.value["file"][0], "give either 'points' or 'file', not both")
         return False
     points, used = (next(field for field in fields if field.name == "points") for fields in (general, in_use))
-    columns, units = ([None, None] if values[key] is None else node.value[key][1].value for key in ("columns", "units"))
-    found = table(values["file"], node.value["file"][1], Wanted(columns, units, points.unit), scope)
+    wanted = Wanted(_pair(values, "columns", node), _pair(values, "units", node), points.unit)
+    found = table(values["file"], node.value["file"][1], wanted, scope)
     if found is None or not _units_fit(found, used.unit, scope):
         return False
     values |= {"file": None, "columns": None, "units": None, "points": found.points}
@@ -166,6 +166,11 @@ def _with_points(values, general, in_use, node, scope):
         match = POINT_NUMBER.search(text)
         scope.refuse(found.place(int(match[1]) - 1 if match else 0), f"the points {text}")
     return not text
+
+
+def _pair(values: Values, key: str, node: Node) -> list[Node | None]:
+    """Return the nodes of the two items of a list that a term may have, for x and y; twice None without it."""
+    return [None, None] if values[key] is None else node.value[key][1].value
 
 
 def _units_fit(found, declared, scope):

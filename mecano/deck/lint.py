@@ -94,7 +94,7 @@ def _gravity(vector):
 
 def _signs(values, kinds):
     """Yield (path, text) on negative stiffness and damping, one for all similar elements."""
-    found = {}
+    found: dict[tuple[str, ...], dict[str, float]] = {}  # values by section, type, path and consequence, and by name
     for section in SECTIONS:
         for name, d in values[section].items():
             for path, what, number, follows in _negative(d, kinds):

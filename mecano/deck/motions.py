@@ -54,7 +54,12 @@ def _of_time(text, signals, outer):
             what = f"{quoted(name)} depends on the motion" if d is None else f"{quoted(name)} is a {d['type']}"
             raise NotAMotion(f"it is no function of the time alone: {what}; {INSTEAD}")
         inner = _of_time(d["value"], signals, (*outer, signal))
-        text = re.sub(rf"(?<![\w.]){re.escape(name)}(?![\w.])", lambda _, inner=inner: f"({inner})", text)
+        text = _inserted(text, name, inner)
         if len(text) > LONGEST:
             raise NotAMotion(TOO_LONG)
     return text
+
+
+def _inserted(text, name, inner):
+    """Return a formula with the formula ``inner`` in place of a name."""
+    return re.sub(rf"(?<![\w.]){re.escape(name)}(?![\w.])", lambda _: f"({inner})", text)

@@ -49,7 +49,8 @@ def _applied(root, text, names):
     keys = path.split(".")
     if not equals or not all(keys) or len(keys) > MAX_DEPTH:
         raise DeckError([Problem("an override is written path.to.key=value", whole.mark(0, 0))])
-    source, problems = replace(whole, begin=len(path) + 1), []
+    source = replace(whole, begin=len(path) + 1)
+    problems: list[Problem] = []
     new = compose(source, problems) or Node(None, source)
     if problems:
         raise DeckError(problems)

@@ -127,7 +127,7 @@ def _check_latches(joints, root, scope):
 def _place_members(elements, at, kinds):
     """Add the nodes of members to ``at``; return the names of the placed members, and of those without end nodes."""
     members = [
-        Element(name, kinds[d["type"]], element_nodes(kinds[d["type"]], d), d)
+        Element(name, kinds[d["type"]], tuple(element_nodes(kinds[d["type"]], d)), d)
         for name, d in elements.items()
         if divides(kinds[d["type"]], d)
     ]

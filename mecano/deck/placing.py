@@ -4,7 +4,7 @@ The fields concerned are declared by their types (mecano/schema.py).
 """
 
 import math
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TypeAlias
 
 from mecano.deck.compose import Node
@@ -79,7 +79,7 @@ class Placement:
 class Placing:
     """Mover of the entries of a template, in place, to the position of one copy."""
 
-    def __init__(self, prefix: str, placement: Placement, own: Mapping[str, Container[str]], scope: Scope):
+    def __init__(self, prefix: str, placement: Placement, own: Mapping[str, Collection[str]], scope: Scope):
         """``own``: {section: names defined by the template}."""
         self.prefix, self.placement, self.own, self.scope = prefix, placement, own, scope
 

@@ -168,8 +168,8 @@ def _arrays(arrays, name, node, scope):
     values = dict.fromkeys(KEYS)
     unknown = next((key for key in arrays if key not in KEYS), None)
     missing = next((field.name for field in CONTENT if field.required and field.name not in arrays), None)
-    if unknown or missing:
-        what = f"has an unknown key {quoted(unknown)}" if unknown else f"has no {quoted(missing)}"
+    what = f"has an unknown key {quoted(unknown)}" if unknown else f"has no {quoted(missing)}" if missing else ""
+    if what:
         return scope.refuse(node, f"file {quoted(name)} {what}", _hint())
     for key, array in arrays.items():
         if key == "interior_names":

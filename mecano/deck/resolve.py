@@ -111,7 +111,7 @@ def _unknown(reference, known, sections, scope):
         hint = f"each name is an item of its own: {', '.join(parts)}"
     elif elsewhere := _elsewhere(reference, sections):
         near = similar(reference.name, known)
-        hint = "; ".join(filter(None, (elsewhere, near and scope.suggest(reference.name, near))))
+        hint = "; ".join(filter(None, (elsewhere, scope.suggest(reference.name, near) if near else "")))
     elif known:
         own = scope.own_names.get(id(reference.node), ())
         hint = scope.suggest(reference.name, [*own, *known, *(["ground"] if reference.wanted == "end" else ())])

@@ -104,7 +104,9 @@ def _of_line_above(place):
     """Return a hint on the line above the place, if it is a key without its ':' or a comment of another language."""
     numbers = range(place.line - 1, max(place.line - 1 - MOST_LINES, -1), -1)
     number = next((i for i in numbers if place.source.lines[i].strip()), None)
-    above = "" if number is None else place.source.lines[number].strip()[:NEAR]
+    if number is None:
+        return ""
+    above = place.source.lines[number].strip()[:NEAR]
     if above.startswith("!include"):
         return f"write 'include: FILE' in line {number + 1}"
     if COMMENT.match(above):

@@ -97,10 +97,10 @@ def _split(text: str) -> tuple[str, str]:
     return match[1], match[2]
 
 
-def _dimension(text: str) -> Powers:
-    """Return the powers of a valid quantity."""
-    found = parsed(_split(text)[1])
-    assert found is not None, f"{text!r} has no valid unit"
+def _dimension(unit: str) -> Powers:
+    """Return the powers of a valid unit."""
+    found = parsed(unit)
+    assert found is not None, f"{unit!r} is not a unit"
     return found[1]
 
 
@@ -111,7 +111,7 @@ def alike(first: str, second: str) -> bool:
 
 def _powers(text):
     """Return the powers of length, mass and time of a quantity; radians are numbers."""
-    return _dimension(text)[:3]
+    return _dimension(_split(text)[1])[:3]
 
 
 def go_together(coefficients: Mapping[int, str]) -> bool:
@@ -126,7 +126,7 @@ def go_together(coefficients: Mapping[int, str]) -> bool:
 
 def same_dimension(one: str, other: str) -> bool:
     """Return True if two valid quantities have the same dimension."""
-    return _dimension(one) == _dimension(other)
+    return _dimension(_split(one)[1]) == _dimension(_split(other)[1])
 
 
 def si_unit(text: str) -> str:
@@ -209,13 +209,13 @@ def _meant(word, wanted=None):
     text = re.sub(r"(?<=[A-Za-z])-(?=[A-Za-z])", " ", word.replace("**", "^"))
     parts = [[part] if i % 2 else _readings(part) for i, part in enumerate(re.split(r"([ /*·]+)", text))]
     combined = itertools.islice(itertools.product(*parts), MOST_READINGS)
-    whole = [unit for unit in map("".join, combined) if parsed(unit)]
+    whole = {unit: found[1] for unit in map("".join, combined) if (found := parsed(unit))}
     near = (
         difflib.get_close_matches(word, (*ALONE, *PREFIXED, *COMMON), n=1, cutoff=CLOSE[len(word) > 3])
         if len(word) > 1
         else []
     )
-    fitting = [unit for unit in whole if any(_fits(parsed(unit)[1], powers) for powers in wanted or ())]
+    fitting = [unit for unit, powers in whole.items() if any(_fits(powers, known) for known in wanted or ())]
     return next(iter([*fitting, *whole, *near]), "")
 
 
@@ -223,7 +223,8 @@ def _readings(factor):
     """Return the units that may be meant by a factor: but for case and spaces, in full, plural; or the factor."""
     if parsed(factor):
         return [factor]
-    name, power = re.fullmatch(r"(.*?)((?:\^?-?[0-9])?)", factor, re.DOTALL).groups()
+    name = re.sub(r"\^?-?[0-9]\Z", "", factor)
+    power = factor.removeprefix(name)
     plain = name.replace(".", "").lower()
     alike = [unit for unit in (*ALONE, *PREFIXED, *COMMON) if unit.replace(" ", "").lower() == plain]
     found = [*alike, _symbol(plain), _symbol(plain.removesuffix("s")), name.removesuffix("s"), *_splits(name)]
@@ -256,8 +257,9 @@ def _declared(text):
         return None
     if text == "-":
         return (NONE,)
-    found = [parsed(part.strip()) for part in re.split(r" or |,", text)]
-    return None if None in found else tuple(dict.fromkeys(powers for _, powers in found))
+    parts = [parsed(part.strip()) for part in re.split(r" or |,", text)]
+    known = [part[1] for part in parts if part]
+    return tuple(dict.fromkeys(known)) if len(known) == len(parts) else None
 
 
 def _fits(powers, wanted):
@@ -267,7 +269,7 @@ def _fits(powers, wanted):
 
 def _name(powers, unit):
     for name, known in NAMES.items():
-        if parsed(known)[1] == powers:
+        if _dimension(known) == powers:
             return name
     return "of another dimension" if unit != "-" else "a number"
 

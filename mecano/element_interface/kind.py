@@ -1,6 +1,6 @@
 """A kind of element, joint, load, signal or basic constraint: its entry in a deck, its mechanics, its events."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
@@ -68,7 +68,7 @@ class Context:
 
     laws: "LawTable"  # laws.add(law) -> start of the packed law in the flat table
     gravity: np.ndarray  # (3,) [m/s2]
-    kinds: "dict[str, Kind]" = field(default_factory=dict)
+    kinds: Mapping[str, "Kind"] = field(default_factory=dict)
     """kinds of the model by name, for loads along coordinates of another one"""
 
 

@@ -154,7 +154,7 @@ class Plot:
 
         from mecano.post.style import SETTINGS
 
-        with matplotlib.rc_context(SETTINGS):
+        with matplotlib.rc_context(SETTINGS):  # type: ignore[arg-type]  # matplotlib lists the names of all settings
             self.figure.savefig(target, **options)
 
 

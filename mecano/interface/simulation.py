@@ -2,6 +2,7 @@
 
 import os
 from contextlib import ExitStack
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -60,7 +61,6 @@ class Simulation(ByName):
         )
         columns = self._run.recorder.sampler.columns
         self._starts = {column.path: column.start for column in columns}
-        self._lookup = Lookup(layout_of(self._run.recorder.sampler).series)
         return self
 
     def __exit__(self, kind, error, trace) -> None:
@@ -126,6 +126,10 @@ class Simulation(ByName):
             self._started.recorder.flush()
             self._started.recorder.writer.flush()
         return Results(self.path)
+
+    @cached_property
+    def _lookup(self) -> Lookup:
+        return Lookup(layout_of(self._started.recorder.sampler).series)
 
     @property
     def _started(self):

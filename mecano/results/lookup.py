@@ -4,7 +4,7 @@ import difflib
 import re
 from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from mecano.errors import UnknownNameError
 
@@ -14,9 +14,14 @@ if TYPE_CHECKING:
 
 
 class ByName:
-    """Names of outputs, for classes with ``_lookup``, a ``Lookup``, and ``[name]``."""
+    """Names of outputs, for classes with a ``_lookup`` and ``[name]``."""
 
-    _lookup: "Lookup"
+    @property
+    def _lookup(self) -> "Lookup":
+        raise NotImplementedError
+
+    def __getitem__(self, name: str) -> Any:
+        raise NotImplementedError
 
     def names(self, pattern: str = "*") -> list[str]:
         """Return the paths of all series, or of those that match a pattern such as "joints/*" or "wheel.*"."""

@@ -5,7 +5,7 @@ import os
 import platform
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, field
 from datetime import UTC, datetime
 from glob import glob
@@ -39,7 +39,7 @@ class Source:
     includes: dict[str, str] = field(default_factory=dict)
     automatic: dict[str, float] = field(default_factory=dict)
     model: dict[str, Any] = field(default_factory=dict)
-    warnings: tuple[str, ...] = ()
+    warnings: Sequence[str] = ()
 
     def texts(self) -> dict[str, str]:
         """Return the content of the group ``deck``: dataset name -> text."""

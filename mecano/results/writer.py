@@ -202,7 +202,7 @@ class Writer:
             if self._disk.error is None:
                 self._acknowledge()
         if self._disk.error is not None:
-            self._give_up()
+            self._give_up(self._disk.error)
         self._due, self._unsafe = clocks.monotonic() + self._interval, 0
         return self.acknowledged
 
@@ -223,7 +223,7 @@ class Writer:
         with deferring_signals():
             self._slots.write({"run": state, "file": self._position()})
         if self._disk.error is not None:
-            self._give_up()
+            self._give_up(self._disk.error)
 
     def _position(self):
         """Return numbers of rows, checksums, clocks and extremes, for ``resume_at``."""
@@ -285,8 +285,8 @@ class Writer:
         cut = text.encode()[:length].decode(errors="ignore").encode()
         return self._offsets[f"run/{name}"], cut.ljust(length, b"\0")
 
-    def _give_up(self):
-        cause = self._disk.error
+    def _give_up(self, cause):
+        """Close the file after a failure of the disk, the ``cause``, and raise ResultsError."""
         safe = f"{self.acknowledged} saved times"
         safe += f" up to t = {self._safe_time:.6g} s" if self.acknowledged else ""
         kept = "" if cause.errno in LOST else f"; {safe} are kept"

@@ -30,7 +30,8 @@ def line_in_study(said: str, study: "Study", case: "Case") -> str:
 def _moved(problem, places, case):
     mark = problem.mark
     if mark and mark.file in places:
-        return replace(problem, mark=_mark(*places[mark.file], mark.column))
+        path, entry = places[mark.file]
+        return replace(problem, mark=_mark(path, entry, mark.column))
     reported = [f"{path} = {value}" for path, value in case.values.items()]
     hint = f"in case {case.number} of the study" + (
         f" ({', '.join(reported)})" if len(reported) <= MOST_REPORTED else ""

@@ -68,7 +68,7 @@ def _compile_first(deck, announce):
     )  # fmt: skip
     with process:
         try:
-            for line in process.stderr:
+            for line in process.stderr or ():
                 if COMPILING in line:
                     announce(COMPILING)
         except BaseException:  # a signal: end the child first, then handle it

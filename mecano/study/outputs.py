@@ -61,10 +61,13 @@ class Output:
 
     def value(self, results: "Results") -> tuple[float, str]:
         """Return the number and its unit from open Results; nan without such an event. Raises UnknownNameError."""
-        return self._of_events(results) if self.event else self._of_series(results)
+        if self.event:
+            return self._of_events(self.event, results)
+        assert self.of is not None, "an output is of an event or of a series"
+        return self._of_series(self.of, results)
 
-    def _of_events(self, results):
-        element, name = self.event.split()
+    def _of_events(self, event, results):
+        element, name = event.split()
         found = [e for e in results.events if _word(e.name) == name and fnmatchcase(results.subject(e)[1], element)]
         if self.take == "count":
             return float(len(found)), ""
@@ -78,16 +81,16 @@ class Output:
             return max(abs(event.impulse) for event in found), units.pop()
         return found[0 if self.take == "first" else -1].time, results.axis.unit
 
-    def _of_series(self, results):
-        trace = results.find(self.of.removesuffix(MAGNITUDE))
+    def _of_series(self, series, results):
+        trace = results.find(series.removesuffix(MAGNITUDE))
         values = trace.values.reshape(len(trace.time), -1)
-        values = np.linalg.norm(values, axis=1) if self.of.endswith(MAGNITUDE) else values[:, 0]
+        values = np.linalg.norm(values, axis=1) if series.endswith(MAGNITUDE) else values[:, 0]
         if self.take == "final":
             return values[-1], trace.unit
         if self.take == "mean":
             span = trace.time[-1] - trace.time[0]
             return np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(trace.time)) / span, trace.unit
-        extreme = None if self.of.endswith(MAGNITUDE) else results.extremes.get(trace.path)
+        extreme = None if series.endswith(MAGNITUDE) else results.extremes.get(trace.path)
         if self.take == "largest":
             ends = np.array((extreme.maximum, extreme.minimum)) if extreme else values
             return ends[np.argmax(np.abs(ends))], trace.unit
@@ -168,7 +171,7 @@ def _check_event(event, event_records, node, scope):
 
 def _events_of_elements(system):
     """Return {name of an element: names of the events of the element and its parts}."""
-    found = {}
+    found: dict[str, list[str]] = {}
     for batch in system.batches:
         for path, _ in batch.paths:
             if batch.kind.events:

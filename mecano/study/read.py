@@ -149,13 +149,15 @@ def _values(root, scope):
 
 def _one_deck(study):
     """Return the first valid deck of some cases; raises the errors of the first case if none is valid."""
-    count, first = len(study.cases), None
+    count = len(study.cases)
+    first: DeckError | None = None
     for number in dict.fromkeys(i * (count - 1) // (TRIED - 1) for i in range(TRIED)):
         case = study.cases[number]
         try:
             return read_deck(study.deck, study.overrides(case))
         except DeckError as error:
             first = first or in_study(error, study, case)
+    assert first is not None, "a study has a case"
     raise first
 
 

@@ -92,14 +92,14 @@ class Table:
         if any(case.name for case in cases):
             yield column("case", "name", "", "name of the case", [case.name for case in cases])
         for path in self.study.paths:
-            values = [values.get(path) for values in shown]
-            yield column("parameters", path, self.varied.get(path, ""), "value of the deck", values)
+            varied = [values.get(path) for values in shown]
+            yield column("parameters", path, self.varied.get(path, ""), "value of the deck", varied)
         for name, unit, doc in ENDED:
-            values = [getattr(record, name) for record in records]
-            yield column("case", name, unit, doc, [v / 1e6 for v in values] if unit == "MB" else values)
+            reported = [getattr(record, name) for record in records]
+            yield column("case", name, unit, doc, [v / 1e6 for v in reported] if unit == "MB" else reported)
         for output in self.study.outputs:
-            values = [self.numbers.get(case.number, {}).get(output.name, np.nan) for case in cases]
-            yield column("outputs", output.name, self.units.get(output.name, ""), output.doc, values, output.limits)
+            numbers = [self.numbers.get(case.number, {}).get(output.name, np.nan) for case in cases]
+            yield column("outputs", output.name, self.units.get(output.name, ""), output.doc, numbers, output.limits)
         if self.limited:
             yield column("case", "verdict", "", VERDICT, [self._verdict(case.number) for case in cases])
             yield column("case", "beyond_limits", "", BEYOND, [", ".join(self._beyond(case.number)) for case in cases])

@@ -82,7 +82,8 @@ def _table(name, source, scope):
     if found is None:
         return []
     lines = csv.reader(found.lines, skipinitialspace=True)
-    head, rows = (), []
+    head: list[Node] = []
+    rows: list[Entries] = []
     try:
         for cells in lines:
             cells, place = [cell.strip() for cell in cells], Node(None, found, lines.line_num - 1)
