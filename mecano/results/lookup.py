@@ -109,8 +109,7 @@ class Lookup:
         node = dotted.removeprefix("nodes.").partition(".")[0]
         if ".displacement" in dotted and f"{node}.position" in self._by_ending:
             return f": nodes have positions only; write {node}.position"
-        close = difflib.get_close_matches(dotted, self._by_ending, 3)
-        close = close or difflib.get_close_matches(_split(dotted, 1)[0], self._by_ending, 3)
+        close = similar_outputs(dotted, self._by_path) or similar_outputs(_split(dotted, 1)[0], self._by_path)
         return f"; did you mean {' or '.join(close)}?" if close else "; `mecano info` lists them"
 
     def _pieces(self, dotted):
@@ -122,7 +121,7 @@ class Lookup:
 
 
 def similar_outputs(name: str, paths: Iterable[str]) -> list[str]:
-    """Return at most three endings of paths that are similar to a name."""
+    """Return at most three endings of paths that are similar to a name, the most similar first."""
     return difflib.get_close_matches(name, dict.fromkeys(end for path in paths for end in _endings(path)), 3)
 
 
