@@ -5,6 +5,7 @@ import pytest
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
+from mecano.solve.linear.dense_front import NULL_PIVOT
 from mecano.solve.linear.ordering import Pattern, analyse
 from mecano.solve.linear.sparse import LinearSolver, multifrontal
 
@@ -324,8 +325,9 @@ def test_redundant_constraints_are_left_out(n, k, spread):
     status = solver.solve(problem.data, problem.matrix @ expected, x)
     assert status.ok and status.singular and not status.fallback
     assert status.null_pivots == 5
-    assert np.all(solver.null_equations() >= problem.n_q) and len(solver.null_equations()) == 5
-    assert np.all(x[solver.null_equations()] == 0.0)
+    left_out = np.flatnonzero(solver.cancellation() <= NULL_PIVOT)
+    assert np.all(left_out >= problem.n_q) and len(left_out) == 5
+    assert np.all(x[left_out] == 0.0)
     np.testing.assert_allclose(x[: problem.n_q], expected[: problem.n_q], rtol=1e-8, atol=1e-9)
     ratios = np.sort(solver.cancellation())
     assert ratios[4] < 1e-14 and ratios[5] > 1e-7
@@ -372,7 +374,6 @@ def test_cancellation_does_not_depend_on_scaling():
     plain.solve(problem.data, problem.rhs(), x)
     scaled.solve(problem.data * powers[0, problem.rows] * powers[1, problem.cols], problem.rhs(), x)
     np.testing.assert_array_equal(plain.cancellation(), scaled.cancellation())
-    np.testing.assert_array_equal(plain.null_equations(), scaled.null_equations())
 
 
 @pytest.mark.parametrize("b, ok", [([1.0, 0.0], True), ([1.0, 1.0], False)])

@@ -6,7 +6,6 @@ import numpy as np
 
 from mecano.jit.named_tuple import spread
 from mecano.solve.linear import multifrontal
-from mecano.solve.linear.dense_front import NULL_PIVOT
 from mecano.solve.linear.multifrontal import (
     CORRECTION,
     MAGNITUDE,
@@ -177,11 +176,6 @@ class LinearSolver:
         """
         size = self._original(self._vectors[MAGNITUDE])
         return np.abs(self.pivots()) / np.where(size > 0.0, size, 1.0)
-
-    def null_equations(self):
-        """Return the indices of unknowns (and equations, unless exchanged) that the last factorization omitted."""
-        pivot, size = np.abs(self._original(self._vectors[PIVOT])), self._original(self._vectors[MAGNITUDE])
-        return np.flatnonzero(pivot <= NULL_PIVOT * size)
 
     def _original(self, values):
         out = np.empty(self.n)
