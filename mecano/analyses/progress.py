@@ -5,8 +5,16 @@ import shutil
 import sys
 import time
 from textwrap import wrap
+from typing import TYPE_CHECKING
 
 from mecano.jit.store import compile_time, while_compiling
+
+if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
+    from mecano.schema import Values
+    from mecano.solve.statics.continuation import Point
+    from mecano.solve.time.run_state import RunState
 
 BAR = 30  # characters
 INTERVAL = 0.1  # s between redrawings of the bar
@@ -16,17 +24,16 @@ NOTICED = 0.01  # s, least compile time reported
 COMPILING = "compiling elements used for the first time, once; usually less than a minute"
 
 
-class Progress:
-    """Reporter of the progress of a run; all output goes to the standard error stream."""
+class Messages:
+    """Messages about a run on the standard error stream: notes, progress of the compilation, the last lines."""
 
-    def __init__(self, values, quiet, path):
-        self.start, self.end, self.path = values["start"], values["end"], path
-        self.quiet, self.terminal = quiet, sys.stderr.isatty()
+    def __init__(self, quiet: bool, path: str | os.PathLike[str]):
+        self.quiet, self.path, self.terminal = quiet, path, sys.stderr.isatty()
         self.begun = self.drawn = time.monotonic()
         self.compiled = compile_time()
-        self.tenths, self.integrating, self.announced = 0, None, False
+        self.announced = False
 
-    def announcing_compiling(self):
+    def announcing_compiling(self) -> "AbstractContextManager[None]":
         """Within the block, print a note before the first function is compiled, and show how many are ready."""
         return while_compiling(self._show_compiling)
 
@@ -37,7 +44,7 @@ class Progress:
         if self.terminal and not self.quiet and n > 1:
             self._say(f"\r[{_bar(done / n)}] compiled {done} of {n}\x1b[K" if done < n else "\r\x1b[K")
 
-    def note(self, text):
+    def note(self, text: str) -> None:
         """Print a text on separate lines."""
         if not self.quiet:
             self._clear()
@@ -47,39 +54,12 @@ class Progress:
             )
             self._say("\n".join(lines) + "\n")
 
-    def __call__(self, run):
-        """Show simulated time, step size and remaining time."""
-        if self.quiet:
-            return
-        now, share = time.monotonic(), self._share(run)
-        self.integrating = self.integrating or (now, share)
-        if self.terminal and now - self.drawn >= INTERVAL:
-            self.drawn = now
-            self._say(f"\r[{_bar(share)}] {self._numbers(run, now, share)}\x1b[K")
-        elif not self.terminal and int(LINES * share) > self.tenths:
-            self.tenths = int(LINES * share)
-            self._say(f"{self._numbers(run, now, share)}\n")
-
-    def done(self, run):
-        """Print the last lines: numbers of steps and iterations, elapsed time, results file."""
-        self.finished(
-            f"{run.steps} steps, {run.rejected} rejected, {run.iterations} Newton iterations including rejected steps"
-        )
-
-    def finished(self, text):
+    def finished(self, text: str) -> None:
         """Print the last lines: ``text``, elapsed time, results file."""
         compiling = compile_time() - self.compiled
         more = f" and {compiling:.2f} s for compiling" if compiling >= NOTICED else ""
         self.note(f"{text}, in {time.monotonic() - self.begun - compiling:.2f} s{more}")
         self.note(f"results in {self.path}")
-
-    def _share(self, run):
-        return (run.motion.t - self.start) / (self.end - self.start)
-
-    def _numbers(self, run, now, share):
-        begun, first = self.integrating
-        text = f"t = {run.motion.t:.4g} of {self.end:g} s, step {run.h:.2g} s"
-        return f"{text}, {(now - begun) * (1 - share) / (share - first):.0f} s left" if share > first else text
 
     def _clear(self):
         if self.terminal:
@@ -94,20 +74,55 @@ class Progress:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
 
 
+class Progress(Messages):
+    """Progress of a dynamic run, called between steps; ``values`` are the section ``time`` of the deck."""
+
+    def __init__(self, values: "Values", quiet: bool, path: str | os.PathLike[str]):
+        super().__init__(quiet, path)
+        self.start, self.end, self.tenths = values["start"], values["end"], 0
+        self.first: tuple[float, float] | None = None  # wall-clock time [s] and share of the run at the first call
+
+    def __call__(self, run: "RunState") -> None:
+        """Show simulated time, step size and remaining time."""
+        if self.quiet:
+            return
+        now, share = time.monotonic(), (run.motion.t - self.start) / (self.end - self.start)
+        self.first = self.first or (now, share)
+        if self.terminal and now - self.drawn >= INTERVAL:
+            self.drawn = now
+            self._say(f"\r[{_bar(share)}] {self._numbers(run, now, share, *self.first)}\x1b[K")
+        elif not self.terminal and int(LINES * share) > self.tenths:
+            self.tenths = int(LINES * share)
+            self._say(f"{self._numbers(run, now, share, *self.first)}\n")
+
+    def _numbers(self, run, now, share, begun, first):
+        text = f"t = {run.motion.t:.4g} of {self.end:g} s, step {run.h:.2g} s"
+        return f"{text}, {(now - begun) * (1 - share) / (share - first):.0f} s left" if share > first else text
+
+    def done(self, run: "RunState") -> None:
+        """Print the last lines: numbers of steps and iterations, elapsed time, results file."""
+        self.finished(
+            f"{run.steps} steps, {run.rejected} rejected, {run.iterations} Newton iterations including rejected steps"
+        )
+
+
 def _bar(share):
     filled = int(BAR * share)
     return "#" * filled + "." * (BAR - filled)
 
 
-class StaticProgress(Progress):
-    """Observer of the points of an equilibrium path: a line for each of the first, then at most one per second."""
+class StaticProgress(Messages):
+    """Observer of the points of an equilibrium path: a line for each of the first, then at most one per second.
 
-    def __init__(self, values, quiet, path):
-        super().__init__({"start": 0.0, "end": values["end"]}, quiet, path)
+    ``values`` are the section ``static`` of the deck.
+    """
+
+    def __init__(self, values: "Values", quiet: bool, path: str | os.PathLike[str]):
+        super().__init__(quiet, path)
         self.what = "t =" if values["over"] == "time" else "load factor"
         self.points, self.iterations, self.rejected = -1, 0, 0
 
-    def __call__(self, point):
+    def __call__(self, point: "Point") -> None:
         """Show the parameter, the iterations and the number of unstable directions."""
         self.points += 1
         self.iterations += point.iterations
@@ -119,7 +134,7 @@ class StaticProgress(Progress):
             text = f", {unstable} unstable direction(s)" if unstable > 0 else ""
             self._say(f"{self.what} {point.parameter:.6g}: {point.iterations} iterations{text}\n")
 
-    def done(self, point):
+    def done(self, point: "Point") -> None:
         """Print the last lines."""
         self.finished(
             f"{self.points} steps, {self.rejected} rejected, {self.iterations} Newton iterations; "
@@ -127,16 +142,17 @@ class StaticProgress(Progress):
         )
 
 
-class SweepProgress(Progress):
+class SweepProgress(Messages):
     """Progress of a sweep of modes: a bar on a terminal, otherwise a line for each tenth of a long sweep."""
 
     LONG = 50  # states
     WHAT = "states"
 
-    def __init__(self, quiet, path):
-        super().__init__({"start": 0.0, "end": 1.0}, quiet, path)
+    def __init__(self, quiet: bool, path: str | os.PathLike[str]):
+        super().__init__(quiet, path)
+        self.tenths = 0
 
-    def __call__(self, done, total, text):
+    def __call__(self, done: int, total: int, text: str) -> None:
         """Show the number of states done, the last of them, and the estimated remaining time."""
         now, share = time.monotonic(), done / total
         left = (now - self.begun) * (1 - share) / share
@@ -145,13 +161,12 @@ class SweepProgress(Progress):
             return
         if self.terminal and now - self.drawn >= INTERVAL:
             self.drawn = now
-            filled = int(BAR * share)
-            self._say(f"\r[{'#' * filled + '.' * (BAR - filled)}] {numbers}\x1b[K")
+            self._say(f"\r[{_bar(share)}] {numbers}\x1b[K")
         elif not self.terminal and total >= self.LONG and int(LINES * share) > self.tenths:
             self.tenths = int(LINES * share)
             self._say(f"{numbers}\n")
 
-    def done(self, total):
+    def done(self, total: int) -> None:
         """Print the last lines."""
         self.finished(f"{total} {self.WHAT}")
 
