@@ -85,7 +85,7 @@ def test_free_row_has_a_rigid_motion(method):
 def test_stiffness_that_is_rounding(stiffness, kind):
     """A mass of 200 kg beside a damped oscillator with 1 N/m: 4e-18 N/m is rounding, 1e-12 N/m is not."""
     M, C, K = (sp.csr_matrix(np.diag(d)) for d in ([200.0, 1.0], [0.0, 0.1], [stiffness, 1.0]))
-    found = solve(Linearization(M, C, K, 2, np.arange(2), np.ones(2)))
+    found = solve(Linearization(M, C, K, 2, np.arange(2), np.ones(2), np.zeros(2, bool)))
     assert found.kinds == [kind, "oscillation"]
     slow = 0.0 if kind == "free" else 1j * np.sqrt(stiffness / 200.0)
     np.testing.assert_allclose(found.values, [slow, -0.05 + 1j * np.sqrt(1.0 - 0.05**2)], rtol=1e-9, atol=1e-15)
@@ -489,7 +489,7 @@ def test_constraints_on_velocities(method):
     parts = [with_velocity_constraint(k) for k in stiffness]
     order = np.concatenate([np.delete(np.arange(36), np.arange(2, 36, 3)), np.arange(2, 36, 3)])
     M, C, K = (sp.csr_matrix(block_diag(*(part[i] for part in parts))[np.ix_(order, order)]) for i in range(3))
-    lin = Linearization(M, C, K, 24, np.arange(24) // 2, np.ones(24))
+    lin = Linearization(M, C, K, 24, np.arange(24) // 2, np.ones(24), np.zeros(24, bool))
     expected = np.concatenate([np.roots([1.0, 0.0, k, -0.63]) for k in stiffness])
     expected = np.array(sorted(expected[expected.imag >= 0.0], key=abs))
     count = 24 if method == "dense" else 5

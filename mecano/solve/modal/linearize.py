@@ -22,6 +22,7 @@ relative to the frame: a top that only spins, a wheel that rolls straight (w = 0
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 import scipy.sparse as sp
@@ -32,6 +33,12 @@ from mecano.model.numbering import ROTATION
 from mecano.solve.modal.small_motions import DENSE_ROWS
 from mecano.solve.time.increments import displaced, moved
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mecano.model.assembly import Assembly
+
+Assemble: TypeAlias = "Callable[..., Assembly]"  # with the arguments of System.assemble
 PROBE = 1e-6  # [rad] motion over which the change of the matrices is measured
 
 
@@ -48,9 +55,9 @@ class Linearization:
     n_q: int
     groups: np.ndarray  # (n_q,) group number: motions of one node share it
     root: np.ndarray  # (n_q,) 1 for displacements, the length scale [m] for rotations: makes motions comparable
+    signals: np.ndarray  # (n_q,) bool: scalars that are signals, whose equations have any unit
     variation: float = 0.0  # relative change of the matrices over one radian of rotation; zero for an equilibrium
     pace: float = 0.0  # [1/s] rate of change of the matrices: smaller eigenvalues have no meaning
-    signals: np.ndarray | None = None  # (n_q,) bool: scalars that are signals, whose equations have any unit
 
 
 def linearize(system, s, length, frame=(0.0, 0.0, 0.0), assemble=None, compliance=None):
@@ -71,7 +78,7 @@ def linearize(system, s, length, frame=(0.0, 0.0, 0.0), assemble=None, complianc
         at = c.rows + system.n_q, c.columns + system.n_q
         K = (K - sp.csr_matrix((c.values, at), shape=K.shape)).tocsr()
     root = np.where(system.numbering.kind[: system.n_q] == ROTATION, length, 1.0)
-    return Linearization(M, C, K, system.n_q, system.numbering.group, root, variation, variation * rate, system.signals)
+    return Linearization(M, C, K, system.n_q, system.numbering.group, root, system.signals, variation, variation * rate)
 
 
 def _matrices(system, s, w, Q, assemble):

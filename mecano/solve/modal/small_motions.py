@@ -31,7 +31,7 @@ class SmallMotions:
         rows_K, rows_C = -self.full[2][n_q:, :n_q], -self.full[1][n_q:, :n_q]
         self.on_velocity = np.asarray(abs(rows_C).sum(axis=1)).ravel() > 0.0
         self.B, self.E, self.F = rows_K[~self.on_velocity], rows_C[self.on_velocity], rows_K[self.on_velocity]
-        self.signals = np.zeros(n_q, bool) if lin.signals is None else lin.signals
+        self.signals = lin.signals
         self.groups = lin.groups
         self.size = [float(abs(A).max()) if A.nnz else 0.0 for A in (self.M, self.C, self.K)]
 
@@ -41,7 +41,7 @@ class SmallMotions:
         From the equations of the signals, combinations of those of motions are subtracted such that no multiplier is
         left in them.
         """
-        if signals is None or not (read := np.flatnonzero(signals[: self.n_q] & self._read(matrices[2]))).size:
+        if not (read := np.flatnonzero(signals[: self.n_q] & self._read(matrices[2]))).size:
             return matrices
         D, motions = matrices[2][:, self.n_q :], np.flatnonzero(~signals)
         parts = _least(D[motions].T.tocsr(), D[read].T.toarray())
