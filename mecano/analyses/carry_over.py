@@ -7,17 +7,24 @@ contacts) follow from its events, memory from all its rows (replay.py). What is 
 import math
 import os
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.analyses.replay import gaps_at_start, replayed, scalars_in
 from mecano.errors import DeckError, Problem, ResultsError, name_list
 
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck
+    from mecano.model.state import State
+    from mecano.model.system import System
+    from mecano.results.reader import Results
+
 MOST = 8  # names in a text
 ROUNDING = 1e-9  # of the time: largest difference of a saved time from the requested one
 
 
-def saved_time(text):
+def saved_time(text: str) -> tuple[str, float | None]:
     """Split "stowed.h5:2.0" into (file, time [s]); the time is None if not given."""
     name, colon, time = text.rpartition(":")
     try:
@@ -27,7 +34,7 @@ def saved_time(text):
     return (name, found) if math.isfinite(found) else (text, None)
 
 
-def carried_over(deck, system, state, length):
+def carried_over(deck: "Deck", system: "System", state: "State", length: float) -> "tuple[State, list[str]]":
     """Return the state with which a run of the deck begins, and texts on the values carried over from another run.
 
     ``state`` is that of the deck alone, ``length`` the length scale [m]. Raises DeckError, with the place of
@@ -48,7 +55,7 @@ def carried_over(deck, system, state, length):
         raise DeckError([Problem(f"'initial.from': {error}", deck.mark("initial", "from"))]) from None
 
 
-def _row(results, time):
+def _row(results: "Results", time: float | None) -> int:
     """Return the number of the row saved at a time [s], or of the last one. Raises ResultsError."""
     t = results.time
     if not len(t):
@@ -65,7 +72,9 @@ def _row(results, time):
     raise ResultsError(f"{time:.9g} s is not a saved time of {results.path}; the nearest ones are {near}")
 
 
-def _begun(system, state, results, row, name, near):
+def _begun(
+    system: "System", state: "State", results: "Results", row: int, name: str, near: np.ndarray
+) -> "tuple[State, list[str]]":
     named = [(i, node.name) for i, node in enumerate(system.nodes) if not node.internal]
     nodes = [(i, node) for i, node in named if f"nodes/{node}/position" in results.series]
     if not nodes:
@@ -78,7 +87,7 @@ def _begun(system, state, results, row, name, near):
     return found, list(_remarks(results, row, name, system, nodes, missing, anew))
 
 
-def _without_past(system, memory):
+def _without_past(system: "System", memory: np.ndarray) -> tuple[np.ndarray, list[str]]:
     """Return the memory with that of signals cleared, since it refers to times of the other run, and their names."""
     memory, anew = memory.copy(), []
     for b in system.batches:

@@ -2,9 +2,16 @@
 
 import json
 import time
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from mecano.errors import ResultsError
-from mecano.solve.time.run_state import from_plain, to_plain
+from mecano.solve.time.run_state import RunState, from_plain, to_plain
+
+if TYPE_CHECKING:
+    from mecano.analyses.recorder import Recorder
+    from mecano.process.interrupt import Interruption
+    from mecano.solve.time.time_integration import TimeIntegrator
 
 INTERVAL = 30.0  # s of wall-clock time between checkpoints
 SHARE = 100  # least time between checkpoints, in durations of the last one
@@ -13,11 +20,13 @@ SHARE = 100  # least time between checkpoints, in durations of the last one
 class CheckpointWriter:
     """Callable before and within a step that writes checkpoints when they are due and stops the run on request."""
 
-    def __init__(self, integrator, recorder, interruption, interval):
+    def __init__(
+        self, integrator: "TimeIntegrator", recorder: "Recorder", interruption: "Interruption", interval: float
+    ):
         self.integrator, self.recorder, self.interruption, self.interval = integrator, recorder, interruption, interval
         self.due = time.monotonic() + interval
 
-    def __call__(self, run):
+    def __call__(self, run: RunState) -> None:
         """Write a checkpoint of ``run``, the beginning of the step, if it is due. Raises Stopped, ResultsError."""
         now = time.monotonic()
         if self.interruption.wanted(now, self.recorder.writer.closing_time):
@@ -28,12 +37,12 @@ class CheckpointWriter:
             ended = time.monotonic()
             self.due = ended + max(self.interval, SHARE * (ended - now))
 
-    def poll(self):
+    def poll(self) -> None:
         """Raise Stopped within a step, on request; no checkpoint of its beginning is written."""
         if self.interruption.wanted(time.monotonic(), self.recorder.writer.closing_time):
             raise self.interruption.stopped("between two saved times of a step")
 
-    def write(self, run):
+    def write(self, run: RunState) -> None:
         """Write a checkpoint; raises ResultsError."""
         self.recorder.flush()
         integrator = json.dumps(self.integrator.to_plain())
@@ -41,7 +50,7 @@ class CheckpointWriter:
         self.recorder.writer.checkpoint(state)
 
 
-def restore(state, integrator):
+def restore(state: Mapping[str, Any], integrator: "TimeIntegrator") -> tuple[RunState, dict[str, Any]]:
     """Return the RunState and the recorder's state of a checkpoint, and restore ``integrator``. Raises ResultsError."""
     try:
         run = from_plain(state["run"])

@@ -1,5 +1,7 @@
 """Find and compile the functions that a run needs, before it begins."""
 
+from typing import TYPE_CHECKING
+
 from mecano.jit import store
 from mecano.jit.ahead import compile_ahead
 from mecano.model import assembly_driver, extremes, sampler
@@ -15,6 +17,12 @@ from mecano.solve.time.step_change import change_step
 from mecano.solve.time.stride import stride
 from mecano.solve.time.unresolved_oscillation import count_changes
 
+if TYPE_CHECKING:
+    from mecano.jit.entry import Entry
+    from mecano.jit.store import Code
+    from mecano.model.system import System
+    from mecano.schema import Values
+
 # The longest first, so that no core waits for them at the end.
 TIME_INTEGRATION = (
     multifrontal.solve, attempt, change_step, record_step, stride, multifrontal.substitute,
@@ -26,7 +34,7 @@ TIME_INTEGRATION = (
 EVENTS = assembly_driver.event_values, some_happened, between_states
 
 
-def radau():
+def radau() -> "tuple[Entry, ...]":
     """Return the functions that Radau IIA needs beside those of the time integration."""
     from mecano.solve.time import interpolate, radau_stages, radau_tangent  # no ordinary run needs them
 
@@ -36,7 +44,7 @@ def radau():
     )  # fmt: skip
 
 
-def divided():
+def divided() -> "list[Code]":
     """Return the Codes with which two threads work on a large model."""
     from mecano.jit.thread_pool import help_out  # no small model needs them
     from mecano.model import divided_loops
@@ -46,7 +54,7 @@ def divided():
     return [*(entry.code for entry in entries), *map(divided_loops.code_of, divided_loops.FUNCTIONS)]
 
 
-def compile_time_integration(system, time):
+def compile_time_integration(system: "System", time: "Values") -> None:
     """Load the time integration and the loops of ``system``; compile on all cores what no store has.
 
     ``time`` are the checked values of that section of the deck. Everything else is compiled when it is needed.

@@ -1,15 +1,22 @@
 """Controllers that make a mechanism unstable: its modes at the start, with its signals and without."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from mecano.analyses.prepare import Prepared
+    from mecano.solve.modal.linearize import Linearization
+    from mecano.solve.time.run_state import RunState
 
 MOST = 100  # motions up to which modes are computed before a run
 GROWTH = 1e3  # factor by which small motions grow in a run, from which on they are reported
 
 
-def instability_warnings(prepared, start):
+def instability_warnings(prepared: "Prepared", start: "RunState") -> Iterator[str]:
     """Yield a warning if small motions about the ``start`` of a run, a RunState, grow only because of its signals.
 
     Motions that grow by less than a factor of GROWTH in the run are not reported, nor those of models with more than
@@ -35,14 +42,14 @@ def instability_warnings(prepared, start):
         )
 
 
-def _fastest(lin):
+def _fastest(lin: "Linearization") -> complex:
     """Return the eigenvalue of a Linearization with the largest real part, or 0 if none grows."""
     from mecano.solve.modal.modes import solve
 
     return max(solve(lin, 1, "dense").values, key=lambda value: value.real, default=0j)
 
 
-def _without_signals(lin):
+def _without_signals(lin: "Linearization") -> "Linearization":
     """Return the Linearization in which all signals are constant."""
     motions = ~lin.signals
     keep = np.flatnonzero(np.concatenate([motions, np.ones(lin.K.shape[0] - lin.n_q, bool)]))

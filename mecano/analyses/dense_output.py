@@ -1,8 +1,15 @@
 """Rows between the ends of a long step whose stages satisfy the equations."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.solve.time.interpolate import between_smooth_states, interpolate
+
+if TYPE_CHECKING:
+    from mecano.model.sampler import Sampler
+    from mecano.model.state import State
+    from mecano.solve.time.time_integration import Accepted
 
 
 class DenseOutput:
@@ -21,9 +28,10 @@ class DenseOutput:
         The row at its beginning.
     """
 
-    def __init__(self, sampler, accepted, row0):
+    def __init__(self, sampler: "Sampler", accepted: "Accepted", row0: np.ndarray):
         self._sampler, self._before, self._after = sampler, accepted.before, accepted.run.motion
         self._run, work = accepted.run, accepted.info.work
+        assert work is not None, "a step that has stages has the work at these"
         states = [*accepted.info.stages, self._after]
         self.times = np.array([self._before.t, *(s.t for s in states)])
         start = accepted.run.dissipated - work[-1][0], accepted.run.given - work[-1][1]
@@ -39,7 +47,7 @@ class DenseOutput:
     def _row(self, s, work):
         return self._sampler.take(Sample(s, *work), self._sampler.system.observe(s)).copy()
 
-    def at(self, t):
+    def at(self, t: float) -> np.ndarray:
         """Return the row (n,) at the time ``t`` [s] in the step."""
         u = (t - self.times[0]) / (self.times[-1] - self.times[0])
         j = min(max(int(np.searchsorted(self._scaled, u)), 1), len(self.times) - 1)
@@ -55,5 +63,5 @@ class DenseOutput:
 class Sample:
     """A motion with the work since the start, as the sampler takes it."""
 
-    def __init__(self, motion, dissipated, given):
+    def __init__(self, motion: "State", dissipated: float, given: float):
         self.motion, self.dissipated, self.given = motion, dissipated, given

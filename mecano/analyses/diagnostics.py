@@ -2,7 +2,9 @@
 
 import re
 from bisect import bisect_right
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,10 +12,23 @@ from mecano.analyses.recorder import FORCES
 from mecano.element_interface import SECTIONS, WAITS
 from mecano.elements import KINDS
 from mecano.elements.signals.formula import FORMULA
-from mecano.errors import NonFiniteError, name_list
+from mecano.errors import MecanoError, NonFiniteError, name_list
 from mecano.model.model import title_of
 from mecano.model.output_limits import watched_outputs
 from mecano.results.energy_balance import EXCHANGED, scale_of_balance
+
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck
+    from mecano.model.extremes import Extremes
+    from mecano.model.sampler import Sampler
+    from mecano.model.state import State
+    from mecano.model.system import System
+    from mecano.schema import Values
+    from mecano.solve.events.capture import EventCapture
+    from mecano.solve.time.generalized_alpha import GeneralizedAlpha
+    from mecano.solve.time.radau import Radau
+    from mecano.solve.time.run_state import RunState
+    from mecano.solve.time.unresolved_oscillation import Oscillation, OscillationMonitor
 
 MOST_LATCHES = 8  # named in a warning
 MOST_FORCES = 4
@@ -31,7 +46,7 @@ WRAPPED = 6.2  # rad: an angle known within one turn only whose values range so 
 NOISE = 1e-5  # of the largest energy, below which an error of the balance is never reported
 
 
-def step_cut_warnings(values, cuts, final):
+def step_cut_warnings(values: "Values", cuts: Sequence[tuple[float, float]], final: "RunState") -> Iterator[str]:
     """Yield a warning if a fixed step was too large, judged by the ``cuts`` of the step and the final RunState."""
     if values["adaptive"] or len(cuts) <= NOTED * final.steps:
         return
@@ -43,7 +58,7 @@ def step_cut_warnings(values, cuts, final):
     )
 
 
-def capture_warnings(values, capture):
+def capture_warnings(values: "Values", capture: "EventCapture") -> Iterator[str]:
     """Yield a warning if events were captured at the ends of steps, by an EventCapture, instead of located."""
     if not capture.steps:
         return
@@ -57,7 +72,7 @@ def capture_warnings(values, capture):
     )
 
 
-def untouched_ground_warnings(deck, sampler, extremes):
+def untouched_ground_warnings(deck: "Deck", sampler: "Sampler", extremes: "Extremes") -> Iterator[str]:
     """Yield a warning if the model has wheels and none of them touched its ground, as their loads were always zero."""
     at = {column.path: column.start for column in sampler.columns}
     wheels = [n for n, d in deck.values["elements"].items() if "wheels" in KINDS[d["type"]].display.pictures]
@@ -66,7 +81,7 @@ def untouched_ground_warnings(deck, sampler, extremes):
         yield "no wheel touched its ground: does the run end too early, or do the wheels start too high?"
 
 
-def wrap_warnings(deck, sampler, extremes):
+def wrap_warnings(deck: "Deck", sampler: "Sampler", extremes: "Extremes") -> Iterator[str]:
     """Yield warnings on angles in formulas that jumped by a turn, as they are known within one turn only."""
     at = {column.path: column.start for column in sampler.columns}
     for section, name, kind, output in _wrapping(deck) if deck.formulas else ():
@@ -87,7 +102,7 @@ def _wrapping(deck):
             yield from ((section, name, d["type"], one.name) for one in KINDS[d["type"]].outputs if one.wraps)
 
 
-def energy_warnings(values, sampler, extremes):
+def energy_warnings(values: "Values", sampler: "Sampler", extremes: "Extremes") -> Iterator[str]:
     """Yield a warning if the integration lost or created energy; ``values`` are the section ``time`` of the deck."""
     at = {column.path: column.start for column in sampler.columns}
     high, low, balance = extremes.high, extremes.low, at["energy/balance"]
@@ -109,7 +124,7 @@ def energy_warnings(values, sampler, extremes):
     )
 
 
-def spin_warnings(values, sampler, extremes):
+def spin_warnings(values: "Values", sampler: "Sampler", extremes: "Extremes") -> Iterator[str]:
     """Yield a warning if a node turns far in each fixed step, about an axis that turns too.
 
     The change of the angular velocity is judged by the ``extremes`` of its components. Of a body that spins about an
@@ -128,7 +143,9 @@ def spin_warnings(values, sampler, extremes):
     )
 
 
-def circle_warnings(values, method, s, sampler, extremes):
+def circle_warnings(
+    values: "Values", method: "GeneralizedAlpha | Radau", s: "State", sampler: "Sampler", extremes: "Extremes"
+) -> Iterator[str]:
     """Yield a warning if a mass that is attached off the axis of a body circles far in each fixed step.
 
     Positions are integrated apart from rotations, so that the acceleration on a circle is wrong by a factor
@@ -142,7 +159,7 @@ def circle_warnings(values, method, s, sampler, extremes):
         return
     starts = {column.path: column.start for column in sampler.columns}
     mass = system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0).data[system.diagonal[: system.n_q]]
-    free = [(column, x) for column, x in zip(spins, sampler.nodes.x, strict=True) if 0 <= x < system.n_q]
+    free = [(column, x) for column, x in zip(spins, np.asarray(sampler.nodes.x), strict=True) if 0 <= x < system.n_q]
     circles = [(*_circle(column, starts, extremes), mass[x], column.path) for column, x in free if mass[x] > 0.0]
     rate, radius, m, path = max(circles, key=lambda circle: circle[0] ** 2 * circle[1] * circle[2], default=(0,) * 4)
     [off] = _off(method, np.array([rate * h]))
@@ -201,7 +218,9 @@ def _turn(column, extremes):
     return largest if across > AXIS_TURNS * largest else 0.0
 
 
-def oscillation_warnings(values, sampler, ringing, extremes, length):
+def oscillation_warnings(
+    values: "Values", sampler: "Sampler", ringing: "OscillationMonitor", extremes: "Extremes", length: float
+) -> Iterator[str]:
     """Yield a warning if forces oscillate from step to step, as found by the OscillationMonitor of the run.
 
     Moments are compared with those of the forces of the model at its ``length`` [m], too. Forces that are rounding
@@ -218,7 +237,7 @@ def oscillation_warnings(values, sampler, ringing, extremes, length):
     found = ringing.found(np.array([max(LEAST_SWING * largest[c.unit], rounding[c.unit]) for c in of]))
     if not found:
         return
-    names = {}
+    names: dict[str, tuple[Oscillation, str]] = {}
     for one in found:
         column = columns[bisect_right(starts, one.column) - 1]
         names.setdefault(column.path.replace("/", "."), (one, column.unit))
@@ -244,7 +263,13 @@ def _remedy(values):
     )
 
 
-def limit_warnings(deck, sampler, extremes, places=None, where="t = {:.4g} s"):
+def limit_warnings(
+    deck: "Deck",
+    sampler: "Sampler",
+    extremes: "Extremes",
+    places: np.ndarray | None = None,
+    where: str = "t = {:.4g} s",
+) -> list[str]:
     """Return a warning for each output whose magnitude exceeded the limit of validity of its element.
 
     ``places`` are the indices of the outputs of the ``extremes`` in a row of the ``sampler``, ascending; default: all.
@@ -263,7 +288,7 @@ def limit_warnings(deck, sampler, extremes, places=None, where="t = {:.4g} s"):
 
 
 @contextmanager
-def locating_formulas(deck):
+def locating_formulas(deck: "Deck") -> Iterator[None]:
     """Add the places of the formulas that failed to a NonFiniteError."""
     try:
         yield
@@ -271,12 +296,13 @@ def locating_formulas(deck):
         raise NonFiniteError(failure_text(error, deck, ())) from error
 
 
-def failure_text(error, deck, warnings):
+def failure_text(error: MecanoError, deck: "Deck", warnings: Iterable[str]) -> str:
     """Return the text of an ``error`` with remedies for the elements that failed, and the places of their formulas.
 
     The ``warnings`` about these elements and about the places of the equations that failed follow.
     """
-    remedies, affected = {}, [*error.elements, *(f"{place}: " for place in error.places)]
+    remedies: dict[str, list[str]] = {}
+    affected = [*error.elements, *(f"{place}: " for place in error.places)]
     for section in SECTIONS:
         for name, d in deck.values[section].items():
             title = title_of(d["type"], name)
@@ -296,7 +322,7 @@ def _formulas(error, deck):
             yield f"{title} is at {mark}"
 
 
-def waiting_warnings(system, phases):
+def waiting_warnings(system: "System", phases: np.ndarray) -> Iterator[str]:
     """Yield a text that names the elements that are due, by the ``phases`` at the end, but did not act yet."""
     found = [
         name
@@ -310,7 +336,7 @@ def waiting_warnings(system, phases):
         yield f"activated without effect, as the bodies overlapped until the end: {waiting}"
 
 
-def open_latch_warnings(deck, row, sampler):
+def open_latch_warnings(deck: "Deck", row: np.ndarray, sampler: "Sampler") -> Iterator[str]:
     """Yield a text that names open latches, with the coordinates and rates of their joints from a row of outputs.
 
     Latches with a release may have been closed before.

@@ -1,9 +1,9 @@
 """A dynamic run, from a checked deck to the results file: prepare, start or resume, integrate, close."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
 from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from mecano.analyses.checkpoint_writer import INTERVAL, CheckpointWriter, restore
 from mecano.analyses.compilation import compile_time_integration
@@ -37,8 +37,14 @@ from mecano.results.reason import ENDED, with_warnings
 from mecano.results.whole_file import exists
 from mecano.results.writer import Writer, refuse_existing
 
+if TYPE_CHECKING:
+    import os
 
-@dataclass(eq=False, repr=False)
+    from mecano.deck.deck import Deck
+    from mecano.solve.time.run_state import RunState
+    from mecano.solve.time.time_integration import Accepted, TimeIntegrator
+
+
 class Supervision:
     """Observers, reporters and interruption of a run.
 
@@ -50,23 +56,25 @@ class Supervision:
         Called with the RunState between calls of compiled code.
     announce : callable
         Called with the text of every warning.
-    interruption : Interruption, optional
+    interruption : Interruption
         Ends the run by Stopped, after a checkpoint; default: one that never does.
     interval : float
         Wall-clock time between checkpoints [s].
     """
 
-    observers: tuple = ()
-    reporters: tuple = ()
-    announce: Callable = lambda text: None
-    interruption: Interruption | None = None
-    interval: float = INTERVAL
+    def __init__(
+        self,
+        observers: "Sequence[Callable[[Accepted], object]]" = (),
+        reporters: "Sequence[Callable[[RunState], object]]" = (),
+        announce: Callable[[str], object] = lambda text: None,
+        interruption: Interruption | None = None,
+        interval: float = INTERVAL,
+    ):
+        self.observers, self.reporters, self.announce = observers, reporters, announce
+        self.interruption, self.interval = interruption or Interruption(), interval
 
-    def __post_init__(self):
-        self.interruption = self.interruption or Interruption()
 
-
-def run(deck, path, *, force=False, **supervision):
+def run(deck: "Deck", path: "str | os.PathLike[str]", *, force: bool = False, **supervision: Any) -> "RunState":
     """Run a checked deck, write its results file ``path``, and return the final RunState.
 
     ``supervision`` are the attributes of Supervision. However the run ends, the file keeps every acknowledged step and
@@ -78,7 +86,7 @@ def run(deck, path, *, force=False, **supervision):
 
 
 @contextmanager
-def begun(deck, path, force, **supervision):
+def begun(deck: "Deck", path: "str | os.PathLike[str]", force: bool, **supervision: Any) -> "Iterator[Ongoing]":
     """Find the initial state of a checked deck, open its results file, and yield an Ongoing run; see ``run``."""
     with locked(path):
         _refuse_existing(path, force)
@@ -138,7 +146,7 @@ def _resumable(path):
         return False
 
 
-def resume(deck, path, **supervision):
+def resume(deck: "Deck", path: "str | os.PathLike[str]", **supervision: Any) -> "RunState | None":
     """Resume the run in the results file ``path`` from its last checkpoint; return the final RunState.
 
     ``supervision`` are the attributes of Supervision. Without such a file, or without a checkpoint in it, the run
@@ -191,7 +199,7 @@ def _continue(deck, interrupted, supervision):
         return Ongoing(deck, start, integrator, recorder, supervision, interrupted.warnings).to_the_end()
 
 
-def layout_of(sampler):
+def layout_of(sampler: Sampler) -> Layout:
     """Return the Layout of the rows that a Sampler fills."""
     return Layout([Series(c.path, c.unit, c.doc, c.shape) for c in sampler.columns])
 
@@ -210,7 +218,15 @@ class Ongoing:
     before the time integration.
     """
 
-    def __init__(self, deck, start, integrator, recorder, supervision, notes):
+    def __init__(
+        self,
+        deck: "Deck",
+        start: "RunState",
+        integrator: "TimeIntegrator",
+        recorder: Recorder,
+        supervision: Supervision,
+        notes: Sequence[str],
+    ):
         self.deck, self.state, self.integrator, self.recorder = deck, start, integrator, recorder
         self._announce, self._notes, interval = supervision.announce, notes, supervision.interval
         writer = CheckpointWriter(integrator, recorder, supervision.interruption, interval)
@@ -220,7 +236,7 @@ class Ongoing:
         integrator.recorder, integrator.observers = recorder, tuple(supervision.observers)
         integrator.reporters = recorder.report, *supervision.reporters
 
-    def advance(self, t):
+    def advance(self, t: float) -> None:
         """Integrate to the time ``t`` [s]. Raises ConvergenceError, NonFiniteError, Stopped, ResultsError."""
         deck, sampler, recorder = self.deck, self.recorder.sampler, self.recorder
         try:
@@ -231,7 +247,7 @@ class Ongoing:
             latches = open_latch_warnings(deck, recorder.row, sampler)
             raise type(error)("\n".join([failure_text(error, deck, known), *latches])) from error
 
-    def to_the_end(self):
+    def to_the_end(self) -> "RunState":
         """Integrate to the end time of the deck, close the file, and return the final RunState."""
         self.advance(self.deck.values["time"]["end"])
         self._complete()
@@ -260,7 +276,7 @@ class Ongoing:
         length = integrator.method.length
         return [*warnings, *oscillation_warnings(values, sampler, recorder.ringing, extremes, length)]
 
-    def leave(self):
+    def leave(self) -> None:
         """Close the file: as complete at the end time of the deck, otherwise with a checkpoint."""
         t = self.state.motion.t
         if t >= self.deck.values["time"]["end"]:

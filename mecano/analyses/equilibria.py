@@ -1,21 +1,28 @@
 """Static equilibria requested by a deck: a path of equilibria, or the initial state of a dynamic run."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.analyses.prepare import AUTOMATIC, or_default
+from mecano.analyses.prepare import AUTOMATIC, Prepared, or_default
 from mecano.model.output_limits import ended, has_watched_outputs, watched_outputs
 from mecano.model.sampler import Sampler, StaticSample
 from mecano.solve.diagnostics.failure import worst_equations
 from mecano.solve.diagnostics.scales import Tolerances
 from mecano.solve.events.events import EventMonitor, NoEvents
 from mecano.solve.statics.arc_length import ArcLength, Target
-from mecano.solve.statics.continuation import Follower, Point, Steps
+from mecano.solve.statics.continuation import Follower, Observer, Point, Steps
 from mecano.solve.statics.loading import Clock, LoadFactor
 from mecano.solve.statics.relaxation import Relaxation
 from mecano.solve.statics.stability import floats, freedom
 from mecano.solve.statics.static import CLOSED, Statics
+
+if TYPE_CHECKING:
+    from mecano.model.assembly import Assembly
+    from mecano.model.state import State
+    from mecano.schema import Values
 
 FIRST_STEPS = 10  # of 'steps: automatic'
 SMALLEST = 1e-4  # of the first step, for paths that have no 'minimum_step' in the deck
@@ -29,20 +36,20 @@ class Result:
 
     point: Point
     reason: str
-    warnings: tuple
-    loading: object
+    warnings: tuple[str, ...]
+    loading: LoadFactor | Clock
 
     @property
-    def where(self):
+    def where(self) -> str:
         """Name, value and unit of the parameter at the end."""
         return f"{self.loading.name} {self.point.parameter:.6g}{self.loading.unit}"
 
-    def assemble(self, s, k, penalty, *weights):
+    def assemble(self, s: "State", k: float, penalty: float, *weights: float) -> "Assembly":
         """Return ``system.assemble`` under the loads at the end."""
         return self.loading.assemble(s, self.point.parameter, k, penalty, *weights)
 
 
-def follow(prepared, observers=()):
+def follow(prepared: Prepared, observers: Sequence[Observer] = ()) -> Result:
     """Follow the equilibrium path of a deck with ``static``, and return a Result.
 
     ``observers`` are called with every Point. Raises ConvergenceError (exit code 3), which names the free motion, and
@@ -58,7 +65,7 @@ def follow(prepared, observers=()):
     return _follow_path(prepared, statics, _steps(prepared, values), values["start"], observers, start.point.state)
 
 
-def start_in_words(prepared):
+def start_in_words(prepared: Prepared) -> Iterator[str]:
     """Yield texts on the stability of the start, held in place, without loads and under all loads."""
     values = prepared.deck.values["static"] or prepared.deck.values["initial"]["static"]
     statics = loaded(prepared, values)
@@ -72,7 +79,7 @@ def start_in_words(prepared):
         yield f"the start {words}: {text}"
 
 
-def equilibrium(prepared):
+def equilibrium(prepared: Prepared) -> tuple[str, ...]:
     """Bring ``prepared.state`` into static equilibrium, with the velocities of the deck, and return warnings.
 
     Residuals are reduced to rounding, so that a run started there has no initial acceleration. Raises the errors of
@@ -90,7 +97,7 @@ def equilibrium(prepared):
     return result.warnings
 
 
-def rest(prepared, state):
+def rest(prepared: Prepared, state: "State") -> "tuple[State, tuple[str, ...]]":
     """Find the equilibrium to which ``state`` relaxes at fixed time, under all loads, with all phases kept.
 
     Closed latches stay closed; contacts stay closed or open. Returns the State, with reactions and zero velocities,
@@ -139,19 +146,19 @@ def _stability_warnings(prepared, follower, point):
         yield f"the equilibrium at {loading.name} {point.parameter:.6g}{loading.unit} is {state}; {text}"
 
 
-def loaded(prepared, values):
+def loaded(prepared: Prepared, values: "Values") -> Statics:
     """Return the Statics with the load factor as parameter."""
     return _statics(prepared, values, LoadFactor(prepared.system, _settled(prepared)))
 
 
-def _settled(prepared):
+def _settled(prepared: Prepared) -> "State":
     """Return the start at rest, with elements in the phases that its positions imply."""
     s = prepared.state.copy()
     s.v[:] = 0.0
     return EventMonitor(prepared.system).settle(s)
 
 
-def _statics(prepared, values, loading):
+def _statics(prepared: Prepared, values: "Values", loading: LoadFactor | Clock) -> Statics:
     newton, scale = values["newton"], values.get("scale", {})
     tolerances = Tolerances(newton["force_tolerance"], newton["constraint_tolerance"], INCREMENT,
                             newton["maximum_iterations"])  # fmt: skip
@@ -162,18 +169,18 @@ def _statics(prepared, values, loading):
     )  # fmt: skip
 
 
-def _steps(prepared, values):
+def _steps(prepared: Prepared, values: "Values") -> Steps:
     count = or_default(values["steps"], FIRST_STEPS)
     start = values["start"] if values.get("over") == "time" else 0.0
     minimum = values["minimum_step"] * (values["end"] - start) / count
     return Steps(values["end"], count, minimum, grow=values["steps"] == AUTOMATIC)
 
 
-def _relaxation(prepared, values):
+def _relaxation(prepared: Prepared, values: "Values") -> Relaxation:
     return Relaxation(values["end"])
 
 
-def _arc(prepared, values):
+def _arc(prepared: Prepared, values: "Values") -> ArcLength:
     count, until = or_default(values["steps"], FIRST_STEPS), values["until"]
     target = None if until is None else _target(prepared, until)
     return ArcLength(values["end"], count, values["minimum_step"], values["maximum_steps"], values["lowest"], target)

@@ -1,14 +1,20 @@
 """Computed initial states of dynamic runs: static equilibrium, or straight steady running."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.analyses.lint import node_at_start
 from mecano.errors import ConvergenceError
 
+if TYPE_CHECKING:
+    from mecano.analyses.prepare import Prepared
+    from mecano.deck.deck import Deck
+
 WOBBLE = 1e-6  # of the inertia: a smaller product of inertia is rounding
 
 
-def set_initial_state(prepared, disturbed=True):
+def set_initial_state(prepared: "Prepared", disturbed: bool = True) -> tuple[str, ...]:
     """Set ``prepared.state`` to the equilibrium or steady motion of ``initial`` in the deck, and return warnings.
 
     Velocities of the deck are added to steady running, unless ``disturbed`` is False. Raises ConvergenceError (exit
@@ -49,7 +55,7 @@ def _wobbling(prepared):
             )
 
 
-def describe(deck):
+def describe(deck: "Deck") -> str:
     """Return a description of the initial state of a deck, in words."""
     initial = deck.values["initial"]
     if initial["static"]:

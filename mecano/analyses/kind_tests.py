@@ -5,12 +5,26 @@ all kinds of mecano, `mecano check-kind` for those of a plugin, which prints the
 """
 
 import re
+from collections.abc import Callable, Iterable
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from mecano.analyses.kind_trial import GRAVITY, SENSED, expand, moved_along, samples, seed_of, sensor_of, turned_values
-from mecano.element_interface import Context
+from mecano.analyses.kind_trial import (
+    GRAVITY,
+    SENSED,
+    Instance,
+    Local,
+    Motion,
+    Sample,
+    expand,
+    moved_along,
+    samples,
+    seed_of,
+    sensor_of,
+    turned_values,
+)
+from mecano.element_interface import Context, Kind
 from mecano.laws.table import LawTable
 from mecano.maths.dual import value as number_in
 
@@ -18,18 +32,18 @@ K_SCALE, PENALTY = 1.7, 2.3  # k and penalty of the constraints
 STEP = 1e-4  # of differences
 
 
-def difference(function, h):
+def difference(function: Callable[[float], np.ndarray | float], h: float) -> np.ndarray:
     """Return the central difference of fourth order of function(step) at 0."""
     near, far = (np.asarray(function(s)) - np.asarray(function(-s)) for s in (h, 2.0 * h))
     return (8.0 * near - far) / (12.0 * h)
 
 
-def elements(kind):
+def elements(kind: Kind) -> list[tuple[Sample, Instance]]:
     """Return [(sample, instance)] of all instances with a force in the samples of a kind."""
     return [(s, i) for s in samples(kind) for i in s.instances if i.kind.acts]
 
 
-def displaced(instance, state, column, h, array):
+def displaced(instance: Instance, state: Local, column: int, h: float, array: int) -> Local:
     """Return the local state with one unknown of q, v or a (``array`` 0, 1, 2) displaced, rotations materially."""
     q, v, a, R = (part.copy() for part in state)
     slot = column // 3
@@ -44,7 +58,7 @@ def displaced(instance, state, column, h, array):
     return q, v, a, R
 
 
-def close(actual, expected, rtol, **labels):
+def close(actual: np.ndarray, expected: np.ndarray, rtol: float, **labels: str) -> None:
     """Compare row by row, as the rows of a tangent have different units and magnitudes."""
     size = np.abs(expected).max(axis=-1, keepdims=True)
     error = np.abs(actual - expected) - rtol * np.maximum(size, 1e-6 * size.max(initial=0.0)) - 1e-9
@@ -52,7 +66,7 @@ def close(actual, expected, rtol, **labels):
     assert np.all(error <= 0.0), f"{labels} {worst}: {actual[worst]} instead of {expected[worst]}"
 
 
-def slope(instance, t, state, array, column):
+def slope(instance: Instance, t: float, state: Local, array: int, column: int) -> np.ndarray:
     """Return df/dq, df/dv or df/da for one unknown, (n_local,); forces are affine in the accelerations."""
 
     def force(h):
@@ -61,7 +75,7 @@ def slope(instance, t, state, array, column):
     return (force(STEP) - force(-STEP)) / (2.0 * STEP) if array == 2 else difference(force, STEP)
 
 
-def check_tangents(kind):
+def check_tangents(kind: Kind) -> None:
     """Tangents are the derivatives of the force, which is the same where it is computed alone."""
     for sample, instance in elements(kind):
         t, state = sample.motion.t, instance.local(sample.motion)
@@ -80,7 +94,7 @@ def check_tangents(kind):
             np.testing.assert_allclose(masses, own, 1e-12, err_msg="'inertia' must write the diagonal of the masses")
 
 
-def check_force(kind):
+def check_force(kind: Kind) -> None:
     """The force is not zero everywhere."""
     found = elements(kind)
     for of in {id(i.kind): i.kind for _, i in found}.values():
@@ -93,7 +107,7 @@ def _exerts_or_resists(instance, motion):
     return np.any(instance.residual(*at)) or any(map(np.any, instance.force(*at)))
 
 
-def check_purity(kind):
+def check_purity(kind: Kind) -> None:
     """Functions depend on their arguments only, are finite and have no side effects."""
     for sample in samples(kind):
         for instance in sample.instances:
@@ -126,12 +140,12 @@ FREE = {  # phases in which constraints do not hold
 }  # fmt: skip
 
 
-def lets_go(instance):
+def lets_go(instance: Instance) -> bool:
     """Return whether the constraints are inactive in the phase of an instance."""
     return instance.kind.phases[instance.phase] in FREE
 
 
-def check_constraint_derivatives(kind):
+def check_constraint_derivatives(kind: Kind) -> None:
     """Rates of constraints are their time derivatives."""
     for sample, instance in elements(kind):
         if not instance.kind.multipliers:
@@ -154,7 +168,7 @@ def check_constraint_derivatives(kind):
         )
 
 
-def check_multiplier_rows(kind):
+def check_multiplier_rows(kind: Kind) -> None:
     """Rows of multipliers are the constraints."""
     for sample, instance in elements(kind):
         n = len(instance.kind.multipliers)
@@ -168,7 +182,7 @@ def check_multiplier_rows(kind):
         np.testing.assert_allclose(f[-n:], expected, rtol=1e-12, atol=1e-14)
 
 
-def energies(instances, motion, h=0.0):
+def energies(instances: Iterable[Instance], motion: Motion, h: float = 0.0) -> np.ndarray:
     """Return energies and powers (4,) of an element and its parts, h seconds later."""
     later, total = motion.after(h), np.zeros(4)
     for instance in instances:
@@ -177,7 +191,7 @@ def energies(instances, motion, h=0.0):
     return total
 
 
-def check_power(kind):
+def check_power(kind: Kind) -> None:
     """The power of the forces is the change of energy, f.v = d(T + V)/dt + dissipated - given; dissipated >= 0.
 
     Less (k lambda) dPhi/dt, which vanishes on the constraints. Where an event is due the sign is not tested.
@@ -186,10 +200,9 @@ def check_power(kind):
         motion = sample.motion
 
         def energy(h, sample=sample):
-            e = energies(sample.instances, sample.motion, h)
-            return e[:2], e[0] + e[1]
+            return energies(sample.instances, sample.motion, h)[:2].sum()
 
-        _, _, dissipated, given = energies(sample.instances, motion)
+        kinetic, potential, dissipated, given = energies(sample.instances, motion)
         power, size = -dissipated + given, 1.0
         for instance in sample.instances:
             if not instance.kind.acts:
@@ -201,13 +214,13 @@ def check_power(kind):
                 continue  # signals are no coordinates
             power += terms.sum() + instance.multipliers @ instance.constraint_derivatives(motion.t, state)[:, 1]
             size += np.abs(terms).sum()
-        size += np.abs(energy(0.0)[0]).sum()
-        error = abs(power - difference(lambda h, energy=energy: energy(h)[1], 1e-3))
+        size += abs(kinetic) + abs(potential)
+        error = abs(power - difference(energy, 1e-3))
         assert error <= 1e-8 * size, f"{error:.3g} W of {size:.3g} W, phase '{sample.phase}'"
         assert dissipated >= -1e-12 * size or any(leaves_at_once(instance, motion) for instance in sample.instances)
 
 
-def leaves_at_once(instance, motion):
+def leaves_at_once(instance: Instance, motion: Motion) -> bool:
     """Return whether an event of an instance leads out of its phase at this motion."""
     events = instance.kind.events
     if instance.kind.event_values is None:
@@ -217,7 +230,7 @@ def leaves_at_once(instance, motion):
     return any(event.before == phase and value > 0.0 for event, value in zip(events, values, strict=True))
 
 
-def check_output_rates(kind):
+def check_output_rates(kind: Kind) -> None:
     """Outputs that are declared as rates are those of the outputs that name them."""
     for sample in samples(kind):
         for instance in sample.instances:
@@ -239,7 +252,7 @@ def _check_rate(sample, instance, first, rate, size):
     np.testing.assert_allclose(outputs(0.0)[rate : rate + size], found, rtol=1e-7, atol=1e-7)
 
 
-def check_invariance(kind):
+def check_invariance(kind: Kind) -> None:
     """Forces rotate with the whole model, energies do not change."""
     rng = seed_of("turn")
     Q, shift = Rotation.random(None, rng).as_matrix(), rng.normal(size=3)
@@ -265,14 +278,14 @@ def check_invariance(kind):
             np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9 * (1.0 + np.abs(other).max(initial=0.0)))
 
 
-def on_all_nodes(instances, motion, penalty, Q):
+def on_all_nodes(instances: Iterable[Instance], motion: Motion, penalty: float, Q: np.ndarray) -> np.ndarray:
     """Return forces, rotated by Q, and moments of the constraints on all nodes as one vector."""
     held = [instance for instance in instances if instance.kind.multipliers]
     force, moment, _, _ = force_on_nodes(held, motion, penalty)
     return np.concatenate([force @ Q.T, moment]).ravel()
 
 
-def set_reactions(instances, motion, wanted):
+def set_reactions(instances: Iterable[Instance], motion: Motion, wanted: np.ndarray) -> None:
     """Return multipliers that exert the forces ``wanted``: a rotated model may write its constraints in other axes."""
     held = [instance for instance in instances if instance.kind.multipliers]
     sizes = [len(instance.multipliers) for instance in held]
@@ -289,7 +302,7 @@ def set_reactions(instances, motion, wanted):
         np.testing.assert_allclose(exerted(found), wanted, rtol=1e-9, atol=1e-9)
 
 
-def force_on_nodes(instances, motion, penalty=PENALTY):
+def force_on_nodes(instances: Iterable[Instance], motion: Motion, penalty: float = PENALTY) -> list[np.ndarray]:
     """Return forces (n, 3), material moments (n, 3), forces of the scalars, and the norm of all constraint rows.
 
     The rows themselves may be different combinations of the same constraints in a rotated model.
@@ -307,10 +320,11 @@ def force_on_nodes(instances, motion, penalty=PENALTY):
     return [force, moment, np.concatenate([*scalars, np.zeros(0)]), np.sqrt(size)]
 
 
-def check_declarations(kind):
+def check_declarations(kind: Kind) -> None:
     """Fields, outputs, rows and events are declared, with units and meanings."""
     assert kind.doc and kind.doc.strip()
-    texts = [text for item in (*kind.fields, *kind.outputs) for text in (item.name, item.unit, item.doc)]
+    texts = [text for field in kind.fields for text in (field.name, field.unit, field.doc)]
+    texts += [text for output in kind.outputs for text in (output.name, output.unit, output.doc)]
     texts += [text for row in kind.multipliers for text in (row.name, row.unit, row.constraint_unit)]
     texts += [text for event in kind.events for text in (event.name, event.doc)]
     assert all(text.strip() for text in texts)
@@ -325,14 +339,14 @@ def check_declarations(kind):
         assert event.before in kind.phases and event.after in kind.phases
 
 
-def first_of(name):
+def first_of(name: str) -> str:
     """Return the name of the first of numbered outputs: force_1 for force_7, amplitude_1_rate for amplitude_2_rate."""
     return re.sub(r"_\d+", "_1", name)
 
 
-def check_outputs_of_parts(kind):
+def check_outputs_of_parts(kind: Kind) -> None:
     """Outputs that options add are declared, with unique names."""
-    found = {}
+    found: dict[tuple[str, str], Kind] = {}
     for sample in samples(kind):
         chosen = kind.chosen(sample.values)
         own, declared = ([output.name for output in one.outputs] for one in (chosen, kind))
@@ -349,7 +363,7 @@ def check_outputs_of_parts(kind):
         assert part.doc.strip() and all(o.name and o.unit and o.doc for o in part.outputs)
 
 
-def check_measures(kind):
+def check_measures(kind: Kind) -> None:
     """Signals that measure outputs have their values, and exact derivatives; hidden outputs are declared."""
     for sample in samples(kind):
         for instance in sample.instances:
@@ -382,7 +396,7 @@ def _check_sensors(instance, motion, measured, names):
         np.testing.assert_allclose(-residual[-1].slope, slopes[i], rtol=1e-6, atol=rounding, err_msg=names[i])
 
 
-def check_samples(kind):
+def check_samples(kind: Kind) -> None:
     """Samples pass the check of the kind and reach all its phases."""
     found = samples(kind)
     phases = set().union(*(kind.chosen(sample.values).phases for sample in found))

@@ -1,36 +1,42 @@
 """Samples of every registered kind, expanded into single elements that can be evaluated and moved."""
 
 import zlib
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from dataclasses import field as value_of
 from types import SimpleNamespace
+from typing import TypeAlias
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mecano.constraints.output_sensor import output_sensor
-from mecano.element_interface import Context, Place
+from mecano.element_interface import Context, Kind, Place
 from mecano.elements import KINDS
-from mecano.jit.null_matrix import NULL_MATRIX
+from mecano.jit.null_matrix import NULL_MATRIX, NullMatrix
 from mecano.laws.table import LawTable
 from mecano.maths.dual import Dual
 from mecano.maths.dual import value as number_in
-from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL
+from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL, Values
 
 GRAVITY = np.array([0.7, -0.4, -9.3])
 BEYOND = 30  # places behind the outputs that must stay empty
 SENSED = 0.3  # value of a sensor
 SPREAD = 0.05  # of the random states around the nodes of a sample [m, rad]
 
+Local: TypeAlias = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+"""q, v, a (n_local,) and R (n_rotations, 3, 3) of an element, as defined in element_interface"""
+Frame: TypeAlias = tuple[np.ndarray, np.ndarray]  # position (3,) and rotation (3, 3) of a node
+
 
 EYES = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(2, 1, 0)  # EYES @ a = hat(a), which turns b into a x b
 
 
-def duals(values, slopes):
+def duals(values: np.ndarray, slopes: np.ndarray) -> np.ndarray:
     """Return an array of Duals."""
     out = np.empty(values.shape, object)
     for place in np.ndindex(values.shape):
-        out[place] = Dual(values[place], slopes[place])
+        out[place] = Dual(values[place], slopes[place])  # type: ignore[arg-type]  # a slope may have many directions
     return out
 
 
@@ -43,7 +49,7 @@ class Motion:
     R: np.ndarray  # (n, 3, 3)
     turn: np.ndarray  # (n, 3, 3): node, level (zero, velocity, acceleration), component
 
-    def after(self, h):
+    def after(self, h: float) -> "Motion":
         """Return the motion h seconds later, exact to second order."""
         x, turn = self.x.copy(), self.turn.copy()
         x[:, 0] += h * x[:, 1] + 0.5 * h * h * x[:, 2]
@@ -52,7 +58,7 @@ class Motion:
             level[:, 1] += h * level[:, 2]
         return Motion(self.t + h, x, self.R @ Rotation.from_rotvec(increments).as_matrix(), turn)
 
-    def moved(self, Q, shift):
+    def moved(self, Q: np.ndarray, shift: np.ndarray) -> "Motion":
         """Return the same motion rotated by Q (3, 3) and shifted."""
         x = self.x @ Q.T
         x[:, 0] += shift
@@ -63,17 +69,17 @@ class Motion:
 class Instance:
     """One element, constraint or joint on its nodes, with its functions."""
 
-    kind: object
+    kind: Kind
     p: np.ndarray  # (1,) record
-    nodes: tuple
+    nodes: tuple[int, ...]
     phase: int
     memory: np.ndarray
     laws: np.ndarray
     scalars: np.ndarray  # (3, n_scalars) values, rates, second rates; then those of its inputs
     multipliers: np.ndarray  # k lambda
-    coupled: list = value_of(default_factory=list)  # instances whose multipliers it sees
+    coupled: "list[Instance]" = value_of(default_factory=list)  # instances whose multipliers it sees
 
-    def local(self, motion):
+    def local(self, motion: Motion) -> Local:
         """Return (q, v, a, R) as defined in element_interface."""
         constraint_derivatives, R = [], []
         for slot in self.kind.layout:
@@ -85,24 +91,32 @@ class Instance:
         q[len(q) - len(reactions) :] = reactions
         return q, v, a, np.array(R).reshape(-1, 3, 3)
 
-    def after(self, h):
+    def after(self, h: float) -> "Instance":
         """Return the instance with its scalars h seconds later."""
         s = self.scalars
         later = np.array([s[0] + h * s[1] + 0.5 * h * h * s[2], s[1] + h * s[2], s[2]])
         return Instance(**{**vars(self), "scalars": later})
 
-    def run(self, name, t, state, *out, k=1.0, penalty=0.0):
+    def run(
+        self,
+        name: str,
+        t: float | Dual,
+        state: Local,
+        *out: np.ndarray | NullMatrix,
+        k: float = 1.0,
+        penalty: float = 0.0,
+    ) -> None:
         """Call the function ``name`` of the kind as plain Python, without compilation."""
         with np.errstate(divide="ignore", invalid="ignore"):  # as in compiled code
-            at = Place(t, self.phase, k, penalty, self.laws, self.memory, *state)
+            at = Place(t, self.phase, k, penalty, self.laws, self.memory, *state)  # type: ignore[arg-type]  # or Duals
             getattr(self.kind, name)(_with_attributes(self.p[0]), at, *out)
 
     @property
-    def is_idle(self):
+    def is_idle(self) -> bool:
         """True in a phase in which it has no force."""
         return self.kind.phases[self.phase] in self.kind.idle
 
-    def force(self, t, state, k=1.0, penalty=0.0):
+    def force(self, t: float, state: Local, k: float = 1.0, penalty: float = 0.0) -> tuple[np.ndarray, ...]:
         """Return f, K, C, M at the local ``state`` (q, v, a, R)."""
         if self.kind.residual is not None:
             return self._dual_force(t, state, k, penalty)
@@ -111,7 +125,7 @@ class Instance:
         self.run("force", t, state, *out, k=k, penalty=penalty)
         return out
 
-    def residual(self, t, state, k=1.0, penalty=0.0):
+    def residual(self, t: float, state: Local, k: float = 1.0, penalty: float = 0.0) -> np.ndarray:
         """Return f alone, as the model computes it where no tangents are needed."""
         f = np.zeros(self.kind.n_local)
         if self.kind.residual is not None:
@@ -142,7 +156,7 @@ class Instance:
         tangents[1:, :, end:] = 0.0
         return f, *tangents
 
-    def along(self, t, state, direction):
+    def along(self, t: float, state: Local, direction: np.ndarray) -> np.ndarray:
         """Return f of a sensor of the value SENSED as Duals along the ``direction`` (2, n) of q and v of ``state``."""
         q, v, a, R = state
         n = self.kind.n_local
@@ -153,7 +167,7 @@ class Instance:
         self.run("residual", t, (of_q, of_v, np.append(a, 0.0), duals(R, turns.reshape(R.shape))), out)
         return out
 
-    def inertia(self, t, state):
+    def inertia(self, t: float, state: Local) -> np.ndarray:
         """Return the diagonal of M as a kind with a ``residual`` writes it, (n_local,)."""
         m = np.zeros(self.kind.n_local)
         if self.kind.inertia is not None:
@@ -163,7 +177,7 @@ class Instance:
     def _columns(self):
         return [3 * i for i, slot in enumerate(self.kind.layout) if slot[0] == "R"]
 
-    def constraint_derivatives(self, t, state):
+    def constraint_derivatives(self, t: float, state: Local) -> np.ndarray:
         """Return the constraint derivatives (n_multipliers, 3)."""
         g = np.zeros((len(self.kind.multipliers), 3))
         if self.kind.constraints is not None:
@@ -176,7 +190,7 @@ class Instance:
             self.run("constraint_derivatives", t, state, g)
         return g
 
-    def observe(self, t, state, F):
+    def observe(self, t: float, state: Local, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return outputs (n_outputs,) and energies (4,)."""
         n = sum(int(np.prod(o.shape, dtype=int)) for o in self.kind.outputs)
         y, e = np.zeros(n + BEYOND), np.zeros(4)
@@ -187,7 +201,7 @@ class Instance:
         assert not y[n:].any(), "more outputs are written than declared"
         return y[:n].copy(), e
 
-    def written(self, name, size, t, state):
+    def written(self, name: str, size: int, t: float, state: Local) -> np.ndarray:
         """Return the numbers (size,) that ``event_values`` or ``commit`` writes."""
         out = np.zeros(size)
         self.run(name, t, state, out)
@@ -201,7 +215,7 @@ def _with_attributes(record):
     return SimpleNamespace(**values | nested)
 
 
-def moved_along(instance, state, by):
+def moved_along(instance: Instance, state: Local, by: np.ndarray) -> Local:
     """Return the local ``state`` displaced by ``by`` (2, n) in q and v, rotations materially."""
     q, v, a, R = state
     turns = [Rotation.from_rotvec(by[0, c : c + 3]).as_matrix() for c in instance._columns()]
@@ -212,12 +226,12 @@ def moved_along(instance, state, by):
     return q + np.where(angles, 0.0, by[0]), v + by[1], a, turned
 
 
-def sensor_of(instance, index):
+def sensor_of(instance: Instance, index: int) -> Instance:
     """Return the sensor of an output of an instance, of the number ``index``."""
     coupled = [instance, *instance.coupled]
     kind = output_sensor(instance.kind, sum(len(other.multipliers) for other in coupled))
     p = np.zeros(1, kind.dtype)
-    for name in instance.kind.dtype.names:
+    for name in instance.p.dtype.names or ():
         p[name] = instance.p[name]
     p["sensed"] = index
     return replace(instance, kind=kind, p=p)
@@ -228,19 +242,19 @@ class Sample:
     """One sample of a kind: the element itself, then its parts, in a random motion near its nodes."""
 
     name: str
-    values: dict
-    nodes: list
+    values: Values
+    nodes: list[Frame]
     phase: str
-    instances: list
+    instances: list[Instance]
     motion: Motion
 
 
-def seed_of(name):
+def seed_of(name: str) -> np.random.Generator:
     """Return a random generator for each name, the same in every run."""
     return np.random.default_rng(zlib.crc32(name.encode()))
 
 
-def samples(kind):
+def samples(kind: Kind) -> list[Sample]:
     """Return all samples of a kind."""
     rng = seed_of(kind.name)
     found = []
@@ -254,12 +268,15 @@ def samples(kind):
     return found
 
 
-def expand(kind, values, nodes, phase, gravity, rng):
+def expand(
+    kind: Kind, values: Values, nodes: Sequence[Frame], phase: str, gravity: np.ndarray, rng: np.random.Generator
+) -> list[Instance]:
     """Return [Instance]: the element and its parts, with random scalars and multipliers."""
-    context, kind = Context(LawTable(), gravity, KINDS), kind.chosen(values)
+    laws, kind = LawTable(), kind.chosen(values)
+    context = Context(laws, gravity, KINDS)
     own = kind.record_values(values, nodes, context) if kind.section else values
     parts = kind.parts(values, nodes, context)
-    laws = context.laws.array()
+    packed = laws.array()
     listed = [(kind, own, tuple(range(len(nodes))), kind.phases.index(phase))]
     for part in parts:
         follows = len(part.kind.phases) > 1 and part.kind.phases == kind.phases
@@ -273,7 +290,7 @@ def expand(kind, values, nodes, phase, gravity, rng):
         scalars = 0.1 * rng.normal(size=(3, len(of.scalars) + len(of.inputs)))
         scalars[0, len(of.scalars) :] += 0.3  # inputs of which loads make forces that only push
         multipliers = rng.normal(size=len(of.multipliers))
-        instances.append(Instance(of, p, on, phase_number, memory, laws, scalars, multipliers))
+        instances.append(Instance(of, p, on, phase_number, memory, packed, scalars, multipliers))
     for part, instance in zip(parts, instances[1:], strict=True):
         instance.coupled = [instances[1 + i] for i in part.coupled_to]
         units = [row.unit for other in instance.coupled for row in other.kind.multipliers]
@@ -297,7 +314,7 @@ def _motion(kind, values, nodes, rng):
     return Motion(rng.uniform(0.1, 0.9), x, R, turn)
 
 
-def turned_values(kind, values, Q, shift):
+def turned_values(kind: Kind, values: Values, Q: np.ndarray, shift: np.ndarray) -> Values:
     """Return the deck values with all inertial quantities rotated by Q and shifted."""
     return _turned(kind.fields, values, Q, shift)
 

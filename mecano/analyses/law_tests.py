@@ -1,13 +1,20 @@
 """Generic tests of a slip law of tyres or a term of a law: functions that raise AssertionError."""
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.analyses.kind_trial import GRAVITY, seed_of
 from mecano.element_interface import Context, record
 from mecano.elements.wheels.rolling_contact import law_samples
-from mecano.elements.wheels.slip_law import Slip
+from mecano.elements.wheels.slip_law import Slip, SlipForces, SlipLaw
 from mecano.laws.table import LawTable, breakpoints, evaluate_curve, evaluate_force, potential
 from mecano.maths.vector import Vec3
+
+if TYPE_CHECKING:
+    from mecano.laws.term import Term
+    from mecano.schema import Values
 
 T, L, N = Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, 1.0)
 STEP, RANGE = 1e-4, 3.0  # of differences, of arguments
@@ -17,8 +24,9 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(40)
 class Tyre:
     """A slip law with its record, on a level ground."""
 
-    def __init__(self, law, values):
+    def __init__(self, law: SlipLaw, values: "Values"):
         """Prepare the record for the ``values`` of a tyre law."""
+        assert law.prepare is not None and law.record is not None, "a SlipLaw declares both by its fields"
         table = LawTable()
         prepared = {"radius": values.get("radius", 0.3), **law.prepare(values, Context(table, GRAVITY))}
         self.p = np.zeros(1, record(radius=(), **law.record)).view(np.recarray)
@@ -26,7 +34,15 @@ class Tyre:
             self.p[name][0] = value
         self.law, self.laws = law, table.array()
 
-    def forces(self, load, v, u=(20.0, 0.0), omega=(0.0, 0.0, 0.0), lean=0.0, spin=None):
+    def forces(
+        self,
+        load: float,
+        v: Sequence[float] | np.ndarray,
+        u: Sequence[float] | np.ndarray = (20.0, 0.0),
+        omega: Sequence[float] | np.ndarray = (0.0, 0.0, 0.0),
+        lean: float = 0.0,
+        spin: float | None = None,
+    ) -> SlipForces:
         """Return the SlipForces of a wheel that slips with v (2,) and moves with u (2,) [m/s]."""
         spin = (u[0] - v[0]) / 0.3 if spin is None else spin
         v, u = Vec3(v[0], v[1], 0.0), Vec3(u[0], u[1], 0.0)
@@ -34,17 +50,17 @@ class Tyre:
         return self.law.forces(self.p[0], self.laws, k)
 
 
-def tyres(law):
+def tyres(law: SlipLaw) -> list[Tyre]:
     """Return the Tyres of the samples of a SlipLaw."""
     return [Tyre(law, wheel["tire_law"]) for wheel, _, _ in law_samples(np.random.default_rng(4), law)]
 
 
-def check_stated_power(law):
+def check_stated_power(law: SlipLaw) -> None:
     """The power of force and moment is that stated by the slip law: -(F.v + M.omega) = lost - given, lost >= 0."""
     check_power_of_tyres(law, tyres(law))
 
 
-def check_power_of_tyres(law, trials):
+def check_power_of_tyres(law: SlipLaw, trials: Sequence[Tyre]) -> None:
     """Check ``check_stated_power`` for given Tyres; a passive law gives only the power of its moment."""
     rng, worked = seed_of(law.name), 0
     for tyre in trials:
@@ -63,7 +79,7 @@ def check_power_of_tyres(law, trials):
     assert worked > 50 * len(trials), "the force does almost no work in the samples"
 
 
-def check_no_load(law):
+def check_no_load(law: SlipLaw) -> None:
     """A tyre without load has no tangential force and no moment."""
     for tyre in tyres(law):
         k = tyre.forces(0.0, (1.0, 2.0), omega=(0.1, 20.0, 0.3))
@@ -91,7 +107,7 @@ def _difference(function, x):
     return (8.0 * near - far) / (12.0 * STEP)
 
 
-def check_derivatives(term):
+def check_derivatives(term: "Term") -> None:
     """The derivatives of the term are those of its value."""
     for laws, start, arguments, _ in _trials(term):
         for s in arguments:
@@ -105,7 +121,7 @@ def check_derivatives(term):
                 _close(by_v, _difference(lambda v: evaluate_force(laws, start, s, v)[0], 0.7), "dF/dv")  # noqa: B023
 
 
-def check_potential(term):
+def check_potential(term: "Term") -> None:
     """The integral of the term is that of its value, at rest."""
     for laws, start, _, corners in _trials(term):
         edges = np.array([-RANGE, *(c for c in corners if -RANGE < c < RANGE), RANGE])

@@ -1,6 +1,7 @@
 """Legal but suspicious input seen in the assembled model: massless nodes, strains, states at the start."""
 
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,11 +19,16 @@ from mecano.model.signal_units import drives_with_units, unlike_sums
 from mecano.solve.diagnostics.scales import extent
 from mecano.solve.time.massless import loose_knots, massless_unknowns
 
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck
+    from mecano.model.state import State
+    from mecano.model.system import System
+
 MOST_NAMED = 10  # warnings of one sort
 FAR = 1e5  # length scales from the origin, where a double pendulum has errors of 1e-6 in angles, 1 % in its forces
 
 
-def suspicious_model(deck, system, s, length):
+def suspicious_model(deck: "Deck", system: "System", s: "State", length: float) -> list[Problem]:
     """Return the warnings (list of Problem) about a model at its start ``s``; ``length`` [m] is its length scale."""
     strained, suspicious = [*_strained(deck, system, s)], [*_suspicious(deck, system, s)]
     massless = _massless(deck, system, s, length)
@@ -128,7 +134,7 @@ def _suspicious(deck, system, s):
                 yield Problem(f"{d['type']} '{name}': {text}", deck.mark("elements", name))
 
 
-def node_at_start(system, s, i):
+def node_at_start(system: "System", s: "State", i: int) -> NodeAtStart:
     """Return the NodeAtStart of the node ``i`` at the state ``s``."""
     of = system.numbering
     x = slice(of.x[i], of.x[i] + 3)

@@ -1,17 +1,23 @@
 """Reconstruction of the state of a model at a saved time of a results file."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.analyses.carry_over import saved_time
 from mecano.analyses.equilibria import loaded, rest
-from mecano.analyses.prepare import integrator_of
+from mecano.analyses.prepare import Prepared, integrator_of
 from mecano.analyses.replay import gaps_at_start, replayed, scalars_in
 from mecano.errors import ResultsError, UsageError
 from mecano.results.checked import blaming
-from mecano.results.reader import open_results
+from mecano.results.reader import Results, open_results
+
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.solve.modal.linearize import Assemble
 
 
-def parse(text):
+def parse(text: str) -> tuple[str, float | None]:
     """Split "results.h5:1.25" into (path, time); time is None if not given. Raises UsageError."""
     path, time = saved_time(text)
     if time is None and ":" in text and not text.endswith(".h5"):
@@ -19,7 +25,7 @@ def parse(text):
     return path, time
 
 
-def state_at(prepared, text):
+def state_at(prepared: Prepared, text: str) -> "tuple[Prepared, State, Assemble | None, str]":
     """Return (Prepared, State, assemble, words) of the saved time nearest to that of ``text``, "results.h5:time".
 
     The Prepared is the model there, with the redundant constraints of its phases. Velocities, accelerations and
@@ -34,7 +40,7 @@ def state_at(prepared, text):
     return prepared, *_resting(prepared, state, factor), words
 
 
-def rest_at(prepared, text):
+def rest_at(prepared: Prepared, text: str) -> "tuple[Prepared, State, str, tuple[str, ...]]":
     """Return (Prepared, State, words, warnings) of the rest position near a saved time, see ``equilibria.rest``.
 
     Raises the errors of ``state_at`` and ``rest``.
@@ -47,7 +53,7 @@ def rest_at(prepared, text):
     return prepared, state, f"equilibrium at rest near {words}", warnings
 
 
-def _saved(prepared, text):
+def _saved(prepared: Prepared, text: str) -> "tuple[State, float | None, str]":
     """Return (State, load factor, words) of a saved time; the load factor of a dynamic run is None."""
     path, time = parse(text)
     with blaming(path), open_results(path) as results:
@@ -65,7 +71,7 @@ def _saved(prepared, text):
     return state, factor, words
 
 
-def _placed(prepared, results, row):
+def _placed(prepared: Prepared, results: Results, row: int) -> "State":
     """Return the State of a row. Raises ResultsError if the results lack a node or an unknown of the deck."""
     system = prepared.system
     nodes = [(i, node.name) for i, node in enumerate(system.nodes) if " " not in node.name]
@@ -80,14 +86,14 @@ def _placed(prepared, results, row):
     return replayed(system, prepared.state, results, row, nodes, scalars, near)
 
 
-def _moving(prepared, state):
+def _moving(prepared: Prepared, state: "State") -> "State":
     """Return the State of a dynamic run with consistent velocities, accelerations and reactions."""
     if prepared.deck.values["time"] is None:
         raise UsageError("these are results of a dynamic analysis, but the deck has 'static'")
     return integrator_of(prepared).begin(state, prepared.deck.values["time"]["step"]).motion
 
 
-def _resting(prepared, state, factor):
+def _resting(prepared: Prepared, state: "State", factor: float) -> "tuple[State, Assemble]":
     """Return the equilibrium at a load factor, with its reactions, and its function ``assemble``."""
     if prepared.deck.values["static"] is None:
         raise UsageError("these are results of a static analysis, but the deck has 'time'")

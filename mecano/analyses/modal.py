@@ -1,7 +1,9 @@
 """Modes of a deck about its start, a static equilibrium or a saved state: computation, table, file, warnings."""
 
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -10,7 +12,7 @@ from mecano.analyses.diagnostics import locating_formulas
 from mecano.analyses.equilibria import follow
 from mecano.analyses.initial_state import describe, set_initial_state
 from mecano.analyses.load_state import rest_at, state_at
-from mecano.analyses.prepare import integrator_of, prepare, startup_warnings
+from mecano.analyses.prepare import Prepared, integrator_of, prepare, startup_warnings
 from mecano.element_interface import RELEASES
 from mecano.errors import UsageError
 from mecano.model.numbering import TRANSLATION
@@ -21,10 +23,17 @@ from mecano.results.modes_file import write_modes
 from mecano.results.provenance import Source
 from mecano.results.writer import refuse_existing, refuse_other_ending
 from mecano.solve.linear.rounding import ROUNDING
-from mecano.solve.modal.linearize import linearize
-from mecano.solve.modal.modes import CONVERGED, solve
+from mecano.solve.modal.linearize import Assemble, Linearization, linearize
+from mecano.solve.modal.modes import CONVERGED, Modes, solve
 from mecano.solve.statics.stability import words
 from mecano.solve.time.increments import displaced
+
+if TYPE_CHECKING:
+    import os
+
+    from mecano.deck.deck import Deck
+    from mecano.model.state import State
+    from mecano.model.system import System
 
 LARGEST = 1e100  # rad/s
 CONSTANT = 1e-3  # change by a turn of one radian below which matrices count as constant
@@ -39,15 +48,15 @@ HEAD = ("mode", "damped [Hz]", "natural [Hz]", "damping", "growth [1/s]", "resid
 class OperatingPoint:
     """A state about which modes are computed: its assembly (None: that of the system) and its description."""
 
-    prepared: object
-    state: object
-    assemble: object
+    prepared: Prepared
+    state: "State"
+    assemble: "Assemble | None"
     words: str
-    warnings: tuple = ()
+    warnings: tuple[str, ...] = ()
     is_start: bool = False
 
 
-def operating_point(deck, at=None, at_rest=False):
+def operating_point(deck: "Deck", at: str | None = None, at_rest: bool = False) -> OperatingPoint:
     """Return the state of a checked deck about which modes are computed, as an OperatingPoint.
 
     It is that of the saved time ``at`` = "results.h5:time", otherwise the static equilibrium or the start of the run.
@@ -57,7 +66,7 @@ def operating_point(deck, at=None, at_rest=False):
         return _operating_point(deck, at, at_rest)
 
 
-def _operating_point(deck, at, at_rest):
+def _operating_point(deck: "Deck", at: str | None, at_rest: bool) -> OperatingPoint:
     prepared, held = prepare(deck), tuple(_held(deck))
     if at is not None and at_rest:
         prepared, state, text, reported = rest_at(prepared, at)
@@ -88,7 +97,7 @@ def _held(deck):
         )
 
 
-def unbalanced(base, w):
+def unbalanced(base: OperatingPoint, w: np.ndarray) -> Iterator[str]:
     """Yield a warning if a start at rest in axes with the angular velocity ``w`` (3,) is not an equilibrium there.
 
     A body accelerates relative to them, by more than rounding. Bodies may turn in place, as the pylon of a rotor does
@@ -109,7 +118,7 @@ def unbalanced(base, w):
         )
 
 
-def _relative_accelerations(system, s, w):
+def _relative_accelerations(system: "System", s: "State", w: np.ndarray) -> np.ndarray | None:
     """Return the accelerations (n_q,) relative to axes with the angular velocity ``w``, None if the state moves there.
 
     The axes turn about the origin or about any other point. Angular accelerations of nodes that turn in place are zero.
@@ -137,7 +146,17 @@ def _matrix(system, s, cK, cM):
     return whole[:n_q, :n_q], assembly.size.max(initial=0.0)
 
 
-def modes(deck, path, *, at=None, at_rest=False, number=10, frame="inertial", method="automatic", force=False):
+def modes(
+    deck: "Deck",
+    path: "str | os.PathLike[str] | None",
+    *,
+    at: str | None = None,
+    at_rest: bool = False,
+    number: int = 10,
+    frame: str = "inertial",
+    method: str = "automatic",
+    force: bool = False,
+) -> tuple[str, Modes, OperatingPoint]:
     """Compute modes, write them to ``path`` unless it is None, and return (text of the table, Modes, OperatingPoint).
 
     ``at``, ``at_rest`` as in ``operating_point``; ``frame``: "inertial", the name of a node with which the axes turn,
@@ -152,7 +171,16 @@ def modes(deck, path, *, at=None, at_rest=False, number=10, frame="inertial", me
         return _find(deck, path, at, at_rest, number, frame, method, force)
 
 
-def _find(deck, path, at, at_rest, number, frame, method, force):
+def _find(
+    deck: "Deck",
+    path: "str | os.PathLike[str] | None",
+    at: str | None,
+    at_rest: bool,
+    number: int,
+    frame: str,
+    method: str,
+    force: bool,
+) -> tuple[str, Modes, OperatingPoint]:
     """Do as ``modes``, with the lock on the file held."""
     base = operating_point(deck, at, at_rest)
     prepared, system = base.prepared, base.prepared.system
@@ -175,7 +203,7 @@ def _find(deck, path, at, at_rest, number, frame, method, force):
     return "\n".join([*lines, *(f"mecano: {text}" for text in reported)]), found, base
 
 
-def turning_of(system, s, frame):
+def turning_of(system: "System", s: "State", frame: str) -> np.ndarray:
     """Return the angular velocity (3,) [rad/s] of the axes ``frame``. Raises UsageError."""
     names = [node.name for node in system.nodes]
     if frame == "inertial":
@@ -221,7 +249,7 @@ def _sliding(system, s, pair, friction):
     return max(float(v), radius * float(omega))
 
 
-def doubts(variation, residuals):
+def doubts(variation: float, residuals: np.ndarray | Sequence[float]) -> Iterator[str]:
     """Yield warnings about variable matrices, and about modes that do not satisfy the equations."""
     if variation > CONSTANT:
         yield (
@@ -236,7 +264,7 @@ def doubts(variation, residuals):
         )
 
 
-def table(system, s, found, lin):
+def table(system: "System", s: "State", found: Modes, lin: Linearization) -> list[str]:
     """Return the lines of the table for a terminal."""
     rows = [HEAD]
     columns = zip(found.values, found.frequency, found.natural_frequency, found.damping_ratio, found.residuals,
@@ -250,7 +278,7 @@ def table(system, s, found, lin):
     return ["  ".join([*(f"{row[i]:>{widths[i]}}" for i in range(7)), row[7]]) for row in rows]
 
 
-def largest_motions(system, s, lin, value, shape):
+def largest_motions(system: "System", s: "State", lin: Linearization, value: complex, shape: np.ndarray) -> str:
     """Return the nodes with the largest motions of a mode as text, those of an oscillation by their kinetic energies.
 
     Rotations would otherwise exceed the displacements of members with waves shorter than the length scale. A decay or a
@@ -260,7 +288,14 @@ def largest_motions(system, s, lin, value, shape):
     return words(system, s, shape.real, float(lin.root.max(initial=1.0)), inertial=True, most=2, M=M)
 
 
-def contents(system, s, found, words_, turning, inner):
+def contents(
+    system: "System",
+    s: "State",
+    found: Modes,
+    words_: str,
+    turning: np.ndarray,
+    inner: Mapping[str, tuple[np.ndarray, np.ndarray]],
+) -> dict[str, Any]:
     """Return the content of the file as plain arrays; see docs/results-file.md."""
     of, zero = system.numbering, np.zeros((len(found.values), 3), complex)
     nodes = {}
@@ -287,7 +322,9 @@ def _released(system, s):
         yield from (name for name, phase in zip(b.names, s.phases[b.phases], strict=True) if phase in after)
 
 
-def inner_motions(deck, system, s, shapes):
+def inner_motions(
+    deck: "Deck", system: "System", s: "State", shapes: np.ndarray
+) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Return the motions of nodes inside superelements: {name: (positions (k, 3) [m], translations (m, k, 3))}.
 
     ``shapes`` (m, n_q) as in Modes. The motions are central differences of the outputs of the displaced elements.

@@ -1,13 +1,21 @@
 """The error for an output that is not finite: no row of a results file has such a number."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.errors import NonFiniteError
 
+if TYPE_CHECKING:
+    from mecano.model.assembly import Observation
+    from mecano.model.sampler import Sampler
+
 MOST_NAMED = 5  # elements in a message
 
 
-def output_not_finite(sampler, observation, i, where, remedy):
+def output_not_finite(
+    sampler: "Sampler", observation: "Observation", i: int, where: str, remedy: str
+) -> NonFiniteError:
     """Return the NonFiniteError for number ``i`` of the row of a Sampler, taken from an Observation.
 
     ``where`` is the time or load factor as text, ``remedy`` what to try.
@@ -19,8 +27,8 @@ def output_not_finite(sampler, observation, i, where, remedy):
     batches = sampler.system.batches
     titles = of_nodes | {b.paths[e][0]: b.names[e] for b in batches for e in range(len(b.p))}
     if column.path.startswith("energy/"):  # the sum of those of all elements
-        infinite = ~np.isfinite(observation.energies).all(axis=1)
-        wrong = [b.names[e] for b in batches for e in np.flatnonzero(infinite[b.phases])]
+        finite = np.isfinite(observation.energies)
+        wrong = [b.names[e] for b in batches for e in np.flatnonzero(~finite[b.phases].all(axis=1))]
         titles = {path: "; ".join(wrong[:MOST_NAMED])} if wrong else {}
     owner = f"{titles[path]}: {output}" if path in titles else column.path
     return NonFiniteError(f"cannot continue from {where}: {owner} is not finite\nwhat to try: {remedy}")

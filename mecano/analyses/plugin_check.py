@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from traceback import walk_tb
+from typing import TYPE_CHECKING
 
 from mecano.analyses.kind_tests import OF_DECK_KINDS
 from mecano.analyses.law_tests import OF_SLIP_LAWS, OF_TERMS
@@ -10,8 +11,11 @@ from mecano.elements.wheels.rolling_contact import law_samples
 from mecano.elements.wheels.slip_law import SlipLaw
 from mecano.elements.wheels.wheel import with_law
 
+if TYPE_CHECKING:
+    from mecano.elements.plugins import Plugin
 
-def check_plugin(plugin):
+
+def check_plugin(plugin: "Plugin") -> tuple[str, int]:
     """Return (text, number of failures), with one line for each test of each item of a Plugin."""
     lines, failures = [], 0
     for item in plugin.found:

@@ -1,7 +1,9 @@
 """Preparation of a run: from a checked deck to a model with an initial state and a time integration."""
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,16 +19,22 @@ from mecano.model.system import System
 from mecano.process.interrupt import call_interruptibly
 from mecano.results.layout import STEPS
 from mecano.solve.diagnostics.joint_redundancy import by_same_joints, redundant_groups
-from mecano.solve.diagnostics.mobility import DENSE_ROWS, analyse
+from mecano.solve.diagnostics.mobility import DENSE_ROWS, Analysis, Group, analyse
 from mecano.solve.diagnostics.scales import Tolerances, length_scale
-from mecano.solve.events.compliance import compliance
+from mecano.solve.events.compliance import Compliance, compliance
 from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.linear.sparse import LinearSolver, pattern_of
 from mecano.solve.time.generalized_alpha import Coefficients, GeneralizedAlpha
 from mecano.solve.time.initial import assemble_start, most_off
 from mecano.solve.time.signals import refuse_circles
 from mecano.solve.time.step_control import StepControl
-from mecano.solve.time.time_integration import TimeIntegrator
+from mecano.solve.time.time_integration import Accepted, TimeIntegrator
+
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck
+    from mecano.model.state import State
+    from mecano.schema import Values
+    from mecano.solve.time.run_state import Method, RunState
 
 METHODS = {
     "generalized_alpha": Coefficients.generalized_alpha,
@@ -44,30 +52,29 @@ AUTOMATIC = "automatic"
 class Prepared:
     """A model ready for analysis, with its initial state and diagnostics."""
 
-    deck: object
+    deck: "Deck"
     system: System
     linear: LinearSolver
     length: float  # [m]
-    state: object  # State: positions assembled, velocities of the deck
+    state: "State"  # State: positions assembled, velocities of the deck
     displacement: float  # [m] largest correction of the deck's positions by the assembly
-    analysis: object  # redundant constraints and mechanisms
-    compliance: object  # Compliance, or None
-    carried: tuple = ()  # texts on what was carried over from another run
+    analysis: Analysis  # redundant constraints and mechanisms
+    compliance: Compliance | None  # Compliance, or None
+    carried: tuple[str, ...] = ()  # texts on what was carried over from another run
     off: str = ""  # the constraint that the deck's positions violate most, if the assembly moved them
 
     @cached_property
-    def redundant(self):
+    def redundant(self) -> list[Group]:
         """Groups of redundant constraints at the state, with all joints involved, one for the same joints."""
         return by_same_joints(redundant_groups(self.system, self.state, self.length, self.analysis))
 
-    def at(self, state):
+    def at(self, state: "State") -> "Prepared":
         """Return the same model at another state, whose phases may make other constraints redundant."""
-        analysis = analyse(self.system, state, self.length)
-        soft = compliance(self.system, state, self.length, analysis)
+        analysis, soft = _redundancy(self.system, state, self.length)
         return replace(self, state=state, analysis=analysis, compliance=soft)
 
 
-def prepare(deck, compile_ahead=lambda system: None):
+def prepare(deck: "Deck", compile_ahead: Callable[[System], object] = lambda system: None) -> Prepared:
     """Build the model of a checked deck, assemble its positions, and return a Prepared.
 
     ``compile_ahead(system)`` may compile what is needed later. A signal may interrupt it. Raises AssemblyError, and
@@ -76,7 +83,7 @@ def prepare(deck, compile_ahead=lambda system: None):
     return call_interruptibly(_prepare, deck, compile_ahead)
 
 
-def _prepare(deck, compile_ahead):
+def _prepare(deck: "Deck", compile_ahead: Callable[[System], object]) -> Prepared:
     system = System(build(deck))
     _refuse_fixed(deck, system)
     compile_ahead(system)
@@ -91,7 +98,14 @@ def _prepare(deck, compile_ahead):
     state.v += begin.v
     _refuse_circles(deck, system, state)
     off = most_off(system, begin, length) if displacement > MOVED * length else ""
-    return Prepared(deck, system, linear, length, state, displacement, None, None, tuple(carried), off).at(state)
+    analysis, soft = _redundancy(system, state, length)
+    return Prepared(deck, system, linear, length, state, displacement, analysis, soft, tuple(carried), off)
+
+
+def _redundancy(system, state, length):
+    """Return the Analysis of the constraints at a state, and the Compliance of the redundant ones, or None."""
+    analysis = analyse(system, state, length)
+    return analysis, compliance(system, state, length, analysis)
 
 
 def _refuse_fixed(deck, system):
@@ -113,7 +127,7 @@ def _refuse_circles(deck, system, state):
         raise AssemblyError(f"{mark}{error}", error.failure) from None
 
 
-def integrator_of(prepared, observers=()):
+def integrator_of(prepared: Prepared, observers: Iterable[Callable[[Accepted], object]] = ()) -> TimeIntegrator:
     """Return the TimeIntegrator of a prepared model, with the method and step control of the deck."""
     deck, system, values = prepared.deck, prepared.system, prepared.deck.values["time"]
     newton, scale = values["newton"], values["scale"]
@@ -125,6 +139,7 @@ def integrator_of(prepared, observers=()):
     control = control_of(values)
     duration = values["end"] - values["start"]
     k, penalty = or_default(scale["k"], None), or_default(scale["penalty"], None)
+    method: Method
     if values["method"] == "radau":
         from mecano.solve.time.radau import Radau  # no ordinary run needs it (docs/architecture.md, Start)
 
@@ -140,7 +155,7 @@ def integrator_of(prepared, observers=()):
     )  # fmt: skip
 
 
-def control_of(values):
+def control_of(values: "Values") -> StepControl:
     """Return the step control specified by the checked section ``time``."""
     step, adaptive = values["step"], values["adaptive"]
     smallest = max(SMALLEST_STEP * step, finest_step(values))
@@ -155,12 +170,12 @@ def control_of(values):
     )  # fmt: skip
 
 
-def or_default(value, otherwise):
+def or_default(value: Any, otherwise: Any) -> Any:
     """Return ``value``, or ``otherwise`` if it is "automatic" in the deck."""
     return otherwise if value == AUTOMATIC else value
 
 
-def startup_warnings(prepared, start=None):
+def startup_warnings(prepared: Prepared, start: "RunState | None" = None) -> list[str]:
     """Return the warnings about a model before it runs, one text each; ``start`` is the initial RunState."""
     texts, analysis = [*prepared.carried], prepared.analysis
     if start is not None:
@@ -188,20 +203,20 @@ def startup_warnings(prepared, start=None):
     return texts + (amount_warnings(prepared) if prepared.deck.values["time"] else [])
 
 
-def warnings_of(prepared):
+def warnings_of(prepared: Prepared) -> list[str]:
     """Return warnings about legal but suspicious input in deck and assembled model, with line and column."""
     deck = prepared.deck
     problems = [*deck.warnings, *suspicious_model(deck, prepared.system, prepared.state, prepared.length)]
     return [f"{p.mark}: {p.message}" if p.mark else p.message for p in problems]
 
 
-def amount_warnings(prepared):
+def amount_warnings(prepared: Prepared) -> list[str]:
     """Return warnings about implausibly many steps or results."""
     row = 1 + row_size(prepared.system)
     return size_warnings(prepared.deck.values, row, 1 + len(STEPS))
 
 
-def model_facts(prepared):
+def model_facts(prepared: Prepared) -> dict[str, Any]:
     """Return properties of the model for the results file: mass [kg], unknowns, mobility, redundant constraints."""
     system, analysis = prepared.system, prepared.analysis
     known = {"mobility": analysis.mobility} if analysis.complete else {}
@@ -211,7 +226,7 @@ def model_facts(prepared):
     }  # fmt: skip
 
 
-def mass_of(system):
+def mass_of(system: System) -> float:
     """Return the total mass [kg] of all elements whose record has a field "mass"."""
     return sum(float(batch.p["mass"].sum()) for batch in system.batches if "mass" in batch.p.dtype.names)
 
@@ -281,7 +296,7 @@ def _rates(system, s):
     return s.v[of.x[:, None] + three], np.einsum("nij,nj->ni", s.R[of.rotation], s.v[of.r[:, None] + three])
 
 
-def chosen(prepared, integrator, start):
+def chosen(prepared: Prepared, integrator: TimeIntegrator, start: "RunState") -> dict[str, float]:
     """Return the values chosen where the deck says "automatic", by name, for the results file."""
     method, control = integrator.method, integrator.control
     return {

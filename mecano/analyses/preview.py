@@ -1,16 +1,23 @@
 """The model of a deck before it runs: its assembled positions, as a results file of one saved time."""
 
+from typing import TYPE_CHECKING
+
 from mecano.analyses.prepare import model_facts, prepare
 from mecano.model.sampler import Sampler, StaticSample
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
 from mecano.results.writer import Writer
 
+if TYPE_CHECKING:
+    import os
+
+    from mecano.deck.deck import Deck
+
 UNKNOWN_BEFORE_RUN = ("N", "N m", "Pa", "W", "J", "1/s2", "m/s2")  # units of outputs that only a run computes
 ASSEMBLED = "before the run: positions as assembled, no forces yet"
 
 
-def preview(deck, path):
+def preview(deck: "Deck", path: "str | os.PathLike[str]") -> None:
     """Write the assembled positions of a checked deck into the results file ``path``.
 
     Raises AssemblyError where the positions cannot be assembled, ResultsError for the file.

@@ -1,7 +1,9 @@
 """The results of a run that go into the file: saved times, history of the solver, events, extremes."""
 
 import time as clock
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,6 +13,14 @@ from mecano.errors import ConvergenceError, ResultsError
 from mecano.model.output_limits import watched_outputs
 from mecano.solve.time.output import ENDED, FULL, NOT_FINITE, Output
 from mecano.solve.time.unresolved_oscillation import OscillationMonitor
+
+if TYPE_CHECKING:
+    from mecano.analyses.prepare import Prepared
+    from mecano.model.sampler import Sampler
+    from mecano.results.writer import Writer
+    from mecano.solve.events.events import EventRecord
+    from mecano.solve.time.run_state import RunState
+    from mecano.solve.time.time_integration import Accepted, TimeIntegrator
 
 INTERVAL = 0.2  # s of wall-clock time after which rows go to the writer
 FORCES = ("N", "N m", "Pa")  # units of outputs that are watched for ringing
@@ -26,7 +36,7 @@ class Recorder:
     ``poll()`` is called after every ``LOOK`` saved times within a step; it may raise Stopped.
     """
 
-    def __init__(self, prepared, writer, sampler, integrator):
+    def __init__(self, prepared: "Prepared", writer: "Writer", sampler: "Sampler", integrator: "TimeIntegrator"):
         self.writer, self.sampler = writer, sampler
         self.control, self._workspace = integrator.control, integrator.method.workspace
         self.observation = integrator.observation
@@ -42,17 +52,17 @@ class Recorder:
         self._due = clock.monotonic() + INTERVAL
 
     @property
-    def row(self):
+    def row(self) -> np.ndarray:
         """The row at the beginning of the next step, behind the events there."""
         return self.output.row
 
-    def first(self, run, events):
+    def first(self, run: "RunState", events: "Iterable[EventRecord]") -> None:
         """Write the initial state, behind the ``events`` [EventRecord] of the start."""
         self.restarted(run)
         self.writer.append(run.motion.t, self.row)
         self._append(events)
 
-    def restarted(self, run, passing=False):
+    def restarted(self, run: "RunState", passing: bool = False) -> None:
         """Begin the next step with the row of ``run``, whose forces are not those with which the last step ended.
 
         Between two events of one instant a state is ``passing``: a controller may be beyond its limit there, for no
@@ -64,17 +74,17 @@ class Recorder:
         self.row[:] = row
         self.ringing.begin()
 
-    def to_plain(self):
+    def to_plain(self) -> dict[str, Any]:
         """Return plain data from which ``from_plain`` continues at the beginning of the next step."""
         saved = int(self.output.record["saved"][0])
         return {"saved": saved, "row": self.row, "ringing": self.ringing.to_plain()}
 
-    def from_plain(self, plain):
+    def from_plain(self, plain: Mapping[str, Any]) -> None:
         """Continue at a checkpoint, without writing; raises ValueError if the row belongs to another model."""
         self.row[:], self.output.record["saved"] = plain["row"], plain["saved"]
         self.ringing.from_plain(plain["ringing"])
 
-    def __call__(self, accepted):
+    def __call__(self, accepted: "Accepted") -> None:
         """Write one accepted step: its line in the history, the saved times it covers, its events."""
         t = accepted.run.motion.t
         if accepted.h:
@@ -111,13 +121,13 @@ class Recorder:
             if (i := self.writer.extremes.take(t, row)) >= 0:
                 raise self._not_finite(t, i)
 
-    def report(self, run):
+    def report(self, run: "RunState") -> None:
         """Pass the contents of the buffers to the writer, at intervals."""
         if clock.monotonic() >= self._due:
             self.flush()
 
     @contextmanager
-    def emptied(self):
+    def emptied(self) -> Iterator[None]:
         """Pass the contents of the buffers to the writer at the end, also of a failed run, unless the writer failed."""
         try:
             yield
@@ -128,20 +138,20 @@ class Recorder:
             raise
         self.flush()
 
-    def empty(self, again=False):
+    def empty(self, again: bool = False) -> None:
         """Pass the contents of full buffers to the writer; may raise Stopped if one step fills them ``again``."""
         self.flush()
         if again:
             self.poll()
 
-    def flush(self):
+    def flush(self) -> None:
         """Pass the contents of the buffers to the writer."""
         rows, steps = self.output.taken()
         self.writer.extend("output", rows)
         self.writer.extend("solver", steps)
         self._due = clock.monotonic() + INTERVAL
 
-    def refuse(self, t):
+    def refuse(self, t: float) -> None:
         """Raise an error if the run cannot continue from the last step, to the time t [s]."""
         code, which = self.output.outcome()
         if code == NOT_FINITE:

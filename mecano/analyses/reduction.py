@@ -1,6 +1,8 @@
 """`mecano reduce`: reduction of a part of a deck to a file of matrices for superelements."""
 
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,12 +16,25 @@ from mecano.model.quantity_names import UnknownQuantity
 from mecano.model.system import System
 from mecano.results.whole_file import atomic_file, exists, refuse_other_than_file
 from mecano.solve.diagnostics.scales import length_scale
-from mecano.solve.modal.reduction import reduce
+from mecano.solve.modal.reduction import Reduction, reduce
+
+if TYPE_CHECKING:
+    import os
+
+    from mecano.deck.deck import Deck
 
 SHOWN = 5  # frequencies printed
 
 
-def reduce_part(deck, path, *, elements=(), nodes=(), number=None, force=False):
+def reduce_part(
+    deck: "Deck",
+    path: "str | os.PathLike[str]",
+    *,
+    elements: Sequence[str] = (),
+    nodes: Sequence[str] = (),
+    number: int | None = None,
+    force: bool = False,
+) -> tuple[str, Reduction]:
     """Reduce a part of a checked deck, write the file ``path`` (.npz or .h5), and return (text, Reduction).
 
     ``elements`` names the elements and joints of the part (empty: all), ``nodes`` its boundary nodes; ``number`` is
@@ -39,7 +54,7 @@ def reduce_part(deck, path, *, elements=(), nodes=(), number=None, force=False):
     return text(path, nodes, result), result
 
 
-def part_of(deck, elements, boundary):
+def part_of(deck: "Deck", elements: Sequence[str], boundary: Sequence[str]) -> Model:
     """Return the Model of the chosen elements and joints, without loads, signals and gravity, with free boundary nodes.
 
     Raises UsageError for unknown elements or nodes, and for a fixed node that is not on the boundary.
@@ -79,7 +94,7 @@ def _system(part):
     return system
 
 
-def lines_of(part, names):
+def lines_of(part: Model, names: Iterable[str]) -> dict[str, np.ndarray]:
     """Return {"lines": (n, 2)}, the pairs of indices into ``names`` of nodes joined by an element; {} if none."""
     index = {name: i for i, name in enumerate(names)}
     pairs = [
@@ -92,11 +107,11 @@ def lines_of(part, names):
     return {"lines": np.array(pairs, float)} if pairs else {}
 
 
-def write(path, content):
+def write(path: Path, content: Mapping[str, np.ndarray]) -> None:
     """Write a file of reduced matrices, which appears only when complete. Raises ResultsError."""
     if path.suffix == ".npz":
         with atomic_file(path) as hidden:
-            np.savez_compressed(hidden, **content)
+            np.savez_compressed(hidden, **content)  # type: ignore[arg-type]  # none is named as its option
         return
     from mecano.results.disk import atomic_hdf5_file  # imports h5py, which .npz does not need
 
@@ -105,7 +120,7 @@ def write(path, content):
             file[key] = [name.encode() for name in value] if value.dtype.kind == "U" else value
 
 
-def text(path, nodes, result):
+def text(path: Path, nodes: Sequence[str], result: Reduction) -> str:
     """Return a summary of the reduction for a terminal."""
     lowest = ", ".join(f"{f:.6g}" for f in result.frequencies[:SHOWN])
     kept, of = len(result.frequencies), f" of {result.found}" if result.found >= 0 else ""

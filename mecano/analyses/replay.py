@@ -4,6 +4,9 @@ Memory (angles over many turns, the places at which latches hold) and phases fol
 the time; positions, rotations, velocities and scalars are those of its row.
 """
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, TypeAlias
+
 import numpy as np
 
 from mecano.solve.events.events import EventMonitor
@@ -11,10 +14,25 @@ from mecano.solve.events.impact_candidates import ImpactCandidates
 from mecano.solve.events.shocks import touching_gaps
 from mecano.solve.time.signals import solve_signals
 
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck
+    from mecano.model.state import State
+    from mecano.model.system import System
+    from mecano.results.reader import Results
+
+Scalar: TypeAlias = tuple[int, np.ndarray, np.ndarray]  # index in z, values and rates (n_rows,) in the results
 COLUMNS = ("position", "rotation", "velocity", "angular_velocity")
 
 
-def replayed(system, state, results, row, nodes, scalars, near):
+def replayed(
+    system: "System",
+    state: "State",
+    results: "Results",
+    row: int,
+    nodes: Sequence[tuple[int, str]],
+    scalars: Sequence[Scalar],
+    near: np.ndarray,
+) -> "State":
     """Return the State of a row of results; ``state``, that of the deck, supplies values which the results lack.
 
     Parameters
@@ -44,7 +62,7 @@ def replayed(system, state, results, row, nodes, scalars, near):
     return state
 
 
-def gaps_at_start(deck, system, length):
+def gaps_at_start(deck: "Deck", system: "System", length: float) -> np.ndarray:
     """Return the gaps (n_l,) [m, rad] up to which the contacts of a run of ``deck`` touch; 0 in statics.
 
     ``length`` is the length scale [m].
@@ -53,7 +71,7 @@ def gaps_at_start(deck, system, length):
     return touching_gaps(system, time["newton"]["constraint_tolerance"] if time else 0.0, length)
 
 
-def scalars_in(system, results):
+def scalars_in(system: "System", results: "Results") -> tuple[list[Scalar], list[tuple[str, str]]]:
     """Return the scalar unknowns in the results, by the outputs NAME and NAME_rate, and those which are not.
 
     The former as in ``replayed``, the latter as (title of the element, name).

@@ -3,14 +3,21 @@
 import json
 import os
 import time
+from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from mecano.errors import ResultsError, UsageError, name_list
 from mecano.results.checked import blaming
-from mecano.results.layout import FORMAT_VERSION
+from mecano.results.layout import FORMAT_VERSION, Layout
 from mecano.results.provenance import plugins, provenance, to_json
 from mecano.results.reader import open_results
+
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck
+    from mecano.process.interrupt import Interruption
+    from mecano.results.writer import Writer
 
 COMPLETE = "{} is complete: there is nothing to resume"
 AT_ONCE = 2**21  # numbers copied at once, 16 MB
@@ -37,7 +44,7 @@ class InterruptedRun:
         Warnings of the interrupted run.
     """
 
-    def __init__(self, path, deck):
+    def __init__(self, path: str | os.PathLike[str], deck: "Deck"):
         self.path, self.results = path, open_results(path)
         try:
             with blaming(path):
@@ -49,7 +56,7 @@ class InterruptedRun:
             self.close()
             raise
 
-    def close(self):
+    def close(self) -> None:
         """Close the file."""
         self.results.close()
 
@@ -77,7 +84,7 @@ class InterruptedRun:
         missing, other = ([of[key] for key in of if key not in rest] for of, rest in ((was, has), (has, was)))
         return ", ".join([*(f"{s} is missing or was changed" for s in missing), *(f"{s} is new" for s in other)])
 
-    def note(self, t):
+    def note(self, t: float) -> str:
         """Return the note on resuming at ``t`` [s], with the differences of machine, versions and threads."""
         reported = f"resumed at t = {t:.9g} s, {datetime.now(UTC).isoformat(timespec='seconds')}"
         was, now = self.results.metadata, provenance()
@@ -87,12 +94,12 @@ class InterruptedRun:
         doubt = "results may differ in their last digits from those of an uninterrupted run"
         return f"{reported}; {doubt}, because of another {changed}" if changed else reported
 
-    def check_layout(self, layout):
+    def check_layout(self, layout: Layout) -> None:
         """Raise ResultsError unless the rows of the file have the ``layout`` of the resumed run."""
         if layout.to_json() != self.results.layout.to_json():
             raise ResultsError(f"{self.path} holds other outputs; it was written by another version of mecano")
 
-    def copy_to(self, writer, interruption):
+    def copy_to(self, writer: "Writer", interruption: "Interruption") -> None:
         """Copy all rows and events up to the checkpoint to a new Writer, and close.
 
         Raises ResultsError, also for damaged rows, and the errors of ``Interruption.check``.
@@ -104,6 +111,7 @@ class InterruptedRun:
             done += rows.nbytes
             more = max(size / done - 1.0, 0.0)
             interruption.check(what, more * (time.monotonic() - begun), (1.0 + more) * writer.closing_time)
+        assert self.checkpoint is not None  # as _rows needs it, too
         events = int(self.checkpoint["file"]["rows"][2])
         for e in self.results.events[:events]:
             writer.append_event(e.time, e.element, e.name, e.before, e.after, e.impulse, e.impulse_unit, e.energy_lost)
@@ -119,7 +127,7 @@ class InterruptedRun:
                 yield table, self.results.rows(table, first, min(first + at_once, count))
 
 
-def differences(was, now, path=""):
+def differences(was: Any, now: Any, path: str = "") -> Iterator[str]:
     """Yield the differences of two trees of plain data as texts: path, old and new value."""
     if isinstance(was, dict) and isinstance(now, dict):
         for key in dict.fromkeys([*was, *now]):

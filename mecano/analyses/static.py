@@ -1,5 +1,8 @@
 """A static run, from a checked deck to the results file: prepare, follow the path, close."""
 
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.analyses.diagnostics import limit_warnings, locating_formulas
@@ -7,13 +10,19 @@ from mecano.analyses.equilibria import follow
 from mecano.analyses.not_finite import output_not_finite
 from mecano.analyses.prepare import model_facts, prepare, startup_warnings
 from mecano.model.sampler import Sampler, StaticSample
-from mecano.model.system import is_scaled
+from mecano.model.system import System, is_scaled
 from mecano.results.layout import Layout, Series
 from mecano.results.lock import locked
 from mecano.results.provenance import Source
 from mecano.results.reason import with_warnings
 from mecano.results.whole_file import exists
 from mecano.results.writer import Writer, refuse_existing
+
+if TYPE_CHECKING:
+    import os
+
+    from mecano.deck.deck import Deck
+    from mecano.solve.statics.continuation import Observer, Point
 
 AXES = {
     "load_factor": Series("load factor", "", "share of the loads and of gravity"),
@@ -40,15 +49,16 @@ REMEDY = "laws that stay finite near this state"
 class Recorder:
     """Observer that writes every equilibrium as a saved time, with its iterations and residuals."""
 
-    def __init__(self, system, over_time):
-        self.system, self.over_time, self.writer = system, over_time, None
+    def __init__(self, system: System, over_time: bool):
+        self.system, self.over_time = system, over_time
+        self.writer: Writer  # of the results file, which has the ``series``; set when it is open
         self.sampler = Sampler(system)
         columns = [c for c in self.sampler.columns if not c.path.startswith("energy/") or "potential" in c.path]
         self.series = [Series(c.path, c.unit, c.doc, c.shape) for c in columns] + list(PATH)
         self.places = np.concatenate([np.arange(c.start, c.start + c.size) for c in columns])
         self.loads = _outputs_of_loads(system)
 
-    def __call__(self, point):
+    def __call__(self, point: "Point") -> None:
         """Write one Point. Raises NonFiniteError, which names the output, if one is not finite."""
         factor = 1.0 if self.over_time else point.parameter
         stability, row = point.stability, self.sampler.take(StaticSample(point.state), point.observation)
@@ -77,7 +87,13 @@ def _outputs_of_loads(system):
     return np.flatnonzero(found)
 
 
-def resume(deck, path, *, observers=(), announce=lambda text: None):
+def resume(
+    deck: "Deck",
+    path: "str | os.PathLike[str]",
+    *,
+    observers: "Sequence[Observer]" = (),
+    announce: Callable[[str], object] = lambda text: None,
+) -> "Point | None":
     """Compute the equilibria again unless ``path`` holds all of them, and return the last Point.
 
     Static runs have no checkpoints. Return None if the file is complete. Raises UsageError if the file belongs to
@@ -101,7 +117,14 @@ def resume(deck, path, *, observers=(), announce=lambda text: None):
         return _follow(deck, path, True, observers, announce)
 
 
-def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
+def run(
+    deck: "Deck",
+    path: "str | os.PathLike[str]",
+    *,
+    force: bool = False,
+    observers: "Sequence[Observer]" = (),
+    announce: Callable[[str], object] = lambda text: None,
+) -> "Point":
     """Compute the equilibria of a deck with ``static``, write them to ``path``, and return the last Point.
 
     ``observers`` are called with every Point, ``announce`` with the text of every warning. Raises AssemblyError,
@@ -112,7 +135,13 @@ def run(deck, path, *, force=False, observers=(), announce=lambda text: None):
         return _follow(deck, path, force, observers, announce)
 
 
-def _follow(deck, path, force, observers, announce):
+def _follow(
+    deck: "Deck",
+    path: "str | os.PathLike[str]",
+    force: bool,
+    observers: "Sequence[Observer]",
+    announce: Callable[[str], object],
+) -> "Point":
     """Do as ``run``, with the lock on the file held."""
     values, prepared = deck.values["static"], prepare(deck)
     over_time = values["over"] == "time"

@@ -2,16 +2,20 @@
 
 from collections import Counter
 from textwrap import wrap
+from typing import TYPE_CHECKING
 
 from mecano.analyses.initial_state import describe
 from mecano.analyses.memory_estimate import in_words, memory_of_run
-from mecano.analyses.prepare import amount_warnings, mass_of, prepare, warnings_of
+from mecano.analyses.prepare import Prepared, amount_warnings, mass_of, prepare, warnings_of
 from mecano.deck.run_size import saved_times, steps
 from mecano.element_interface import SECTIONS
 from mecano.errors import name_list
 from mecano.process.interrupt import call_interruptibly
 from mecano.solve.diagnostics.mobility import DENSE_ROWS
 from mecano.solve.diagnostics.rigidity import stiff_mechanisms
+
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck
 
 MOST_NAMES, MOST_MECHANISMS = 6, 4  # names printed of one mechanism, and mechanisms
 MOST_ALIKE = 8  # lines printed of one group of redundant constraints
@@ -20,7 +24,7 @@ WIDTH = 110
 INDENT = " " * 17
 
 
-def summary(deck, every=False):
+def summary(deck: "Deck", every: bool = False) -> str:
     """Return the summary of a checked deck as text. Raises AssemblyError if the positions cannot be assembled.
 
     Only the first of many free unknowns, mechanisms and redundant constraints are listed, unless ``every`` is True.
@@ -28,7 +32,7 @@ def summary(deck, every=False):
     return summary_of(prepare(deck), every)
 
 
-def summary_of(prepared, every=False):
+def summary_of(prepared: Prepared, every: bool = False) -> str:
     """Return the summary of a Prepared model as text, see ``summary``."""
     system, analysis, deck = prepared.system, prepared.analysis, prepared.deck
     values = deck.values

@@ -1,8 +1,10 @@
 """Modes over one or two parameters of a deck: root loci, critical values, maps of stability."""
 
 import re
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 import numpy as np
 
@@ -16,11 +18,16 @@ from mecano.results.lock import locked
 from mecano.results.provenance import Source
 from mecano.results.sweep_file import contents, refuse_tables, write_sweep, write_tables
 from mecano.results.writer import refuse_existing, refuse_other_ending
-from mecano.solve.modal.critical import critical
+from mecano.solve.modal.critical import Critical, critical
 from mecano.solve.modal.families import FAMILIES, families, running_axes
 from mecano.solve.modal.linearize import linearize
 from mecano.solve.modal.modes import solve
 from mecano.solve.modal.tracking import Spectrum, growing, least_damped, loci, track, unstable
+
+if TYPE_CHECKING:
+    import os
+
+    from mecano.deck.deck import Deck
 
 MOST = 100_000  # states in one sweep
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -29,6 +36,8 @@ ALONE = re.compile(rf"(?<!\w){NUMBER}")  # not within a name
 MOTIONS = re.compile(r"(?:node '[^']*' (?:turns|moves) [^;]*(?:; )?)+")  # the largest of a motion
 LIST = re.compile(f"{NUMBER}(?:,{NUMBER})*")
 STEADY = 1e-8  # variation of the equations (linearize.py) below which a state is steady; rounding causes 1e-10
+Settings: TypeAlias = tuple[tuple[str, float], ...]  # paths of numbers in the deck, and their values
+Describe: TypeAlias = "Callable[[complex, np.ndarray], str]"  # the largest motions of a mode, in words
 FAILED = (AssemblyError, ConvergenceError, NonFiniteError)  # the sweep continues without a state that raises these
 
 
@@ -41,7 +50,7 @@ class Axis:
     values: np.ndarray
 
     @classmethod
-    def parse(cls, text, parameters):
+    def parse(cls, text: str, parameters: Iterable[str]) -> Self:
         """Parse "speed=10:80:1" or "tire_laws.rubber.radius=0.3,0.32"; a name without a dot is a parameter.
 
         Raises UsageError.
@@ -55,7 +64,8 @@ class Axis:
             raise UsageError(f"the deck has no parameter '{path}' to sweep over" + (f"; {hint}" if hint else ""))
         full = path if "." in path else f"parameters.{path}"
         if match := RANGE.fullmatch(values):
-            return cls(full, path.removeprefix("parameters."), _range(*map(float, match.groups()), text))
+            first, last, step = map(float, match.groups())
+            return cls(full, path.removeprefix("parameters."), _range(first, last, step, text))
         if LIST.fullmatch(values):
             numbers = np.array(sorted({float(part) for part in values.split(",")}))
             return cls(full, path.removeprefix("parameters."), numbers)
@@ -76,11 +86,11 @@ class Locus:
 
     axis: Axis
     values: np.ndarray  # (branches, n) complex, imaginary parts not negative; nan where a branch has none
-    motions: list  # (branches,) str: largest motions of the mode where it is least damped
+    motions: list[str]  # (branches,) largest motions of the mode where it is least damped
     families: np.ndarray  # (branches, n) numbers in families.py; -1 where a branch has none
     converged: np.ndarray  # (branches, n) bool; True where a branch has none
-    critical: list  # of Critical
-    unrefined: list  # of str: modes that become unstable or stable between two values, with the cause
+    critical: list[Critical]
+    unrefined: list[str]  # modes that become unstable or stable between two values, with the cause
     growth: np.ndarray  # (n,) largest real part [1/s] of the eigenvalues above ``least``; nan where no state was found
     count: np.ndarray  # (n,) number of growing modes; -1 where no state was found
     fastest: np.ndarray  # (n,) complex: the eigenvalue with the largest real part
@@ -88,11 +98,11 @@ class Locus:
     variation: np.ndarray  # (n,) variation of the Linearization; 0 where no state was found
 
     @property
-    def family_names(self):
+    def family_names(self) -> list[list[str]]:
         """Lists (branches, n) of names of the families of the modes, "" where a branch has none."""
         return [["" if number < 0 else FAMILIES[number] for number in row] for row in self.families]
 
-    def of_instant(self, found):
+    def of_instant(self, found: Critical) -> bool:
         """Return whether a Critical lies between states that are not steady, so that its modes hold for an instant."""
         i = int(np.searchsorted(self.axis.values, found.place))
         return bool(self.variation[max(i - 1, 0) : i + 1].max() > STEADY)
@@ -102,11 +112,11 @@ class Locus:
 class Sweep:
     """Result of a sweep: a Locus for each value of the second axis, or a single one."""
 
-    axes: tuple
-    loci: list
-    warnings: list
+    axes: tuple[Axis, ...]
+    loci: list[Locus]
+    warnings: list[str]
     about: str
-    deck: object  # the checked deck without the values of the sweep
+    deck: "Deck"  # the checked deck without the values of the sweep
 
 
 @dataclass
@@ -114,21 +124,22 @@ class Case:
     """The deck of a sweep and the options of its modes; collects warnings and errors of the states."""
 
     path: str
-    overrides: tuple = ()
+    overrides: tuple[str, ...] = ()
     number: int = 1_000_000
     frame: str = "inertial"
     method: str = "automatic"
-    warnings: dict = field(default_factory=dict)  # text without numbers and motions -> (first text, set of settings)
+    warnings: dict[str, tuple[str, set[Settings]]] = field(default_factory=dict)
+    """text without numbers and motions -> (first text, settings of the states that have it)"""
     about: str = ""
     error: Exception | None = None  # of the last state that was not found
     variation: float = 0.0  # of the Linearizations, largest of all states
-    residuals: dict = field(default_factory=dict)  # settings -> largest of all modes but free ones
+    residuals: dict[Settings, float] = field(default_factory=dict)  # settings -> largest of all modes but free ones
 
-    def deck(self, settings=()):
+    def deck(self, settings: Settings = ()) -> "Deck":
         """Return the checked deck with ``settings``, pairs (path, value), applied."""
         return read_deck(self.path, (*self.overrides, *(f"{path}={value!r}" for path, value in settings)))
 
-    def warn(self, text, settings):
+    def warn(self, text: str, settings: Settings) -> None:
         """Record a warning about the state with ``settings``.
 
         Texts that differ only in numbers, or in the nodes that move most, are one warning.
@@ -136,17 +147,17 @@ class Case:
         alike = ALONE.sub("#", MOTIONS.sub("motions", text))
         self.warnings.setdefault(alike, (text, set()))[1].add(settings)
 
-    def fail(self, error, settings):
+    def fail(self, error: Exception, settings: Settings) -> None:
         """Record the error of a state."""
         self.error = error
         self.warn(_cause(error), settings)
 
-    def counted_warnings(self, states):
+    def counted_warnings(self, states: set[Settings]) -> list[str]:
         """Return the warnings, each with the number of ``states`` (a set of settings) that have it, if not all."""
         counted = [(text, len(found & states)) for text, found in self.warnings.values()]
         return [text if count == len(states) else f"{text} ({_share(count)})" for text, count in counted]
 
-    def spectrum(self, settings):
+    def spectrum(self, settings: Settings) -> tuple[Spectrum, Describe, float]:
         """Return (Spectrum, function of a mode that describes its motion, variation) of a state."""
         base = operating_point(self.deck(settings))
         prepared, system = base.prepared, base.prepared.system
@@ -166,7 +177,16 @@ class Case:
         return Spectrum.of(found, lin.root, lin.pace, of), motion, lin.variation
 
 
-def sweep(path, overrides, texts, *, number=None, frame="inertial", method="automatic", progress=lambda *_: None):
+def sweep(
+    path: str,
+    overrides: Iterable[str],
+    texts: Sequence[str],
+    *,
+    number: int | None = None,
+    frame: str = "inertial",
+    method: str = "automatic",
+    progress: Callable[[int, int, str], object] = lambda *_: None,
+) -> Sweep:
     """Compute the modes of a deck file over one or two ``texts`` "parameter=from:to:step", and return a Sweep.
 
     ``progress(done, total, text)`` is called for every state. Values at which no state is found are left out, with a
@@ -185,7 +205,7 @@ def sweep(path, overrides, texts, *, number=None, frame="inertial", method="auto
     for i, other in enumerate(others):
         reported = lambda done, text, i=i: progress(i * len(first.values) + done, total, text)  # noqa: E731
         found.append(_locus(case, first, other, reported))
-    if all(np.all(locus.count < 0) for locus in found):
+    if case.error is not None and all(np.all(locus.count < 0) for locus in found):
         raise case.error
     states = {(*other, (first.path, float(value))) for other in others for value in first.values}
     residuals = [case.residuals[state] for state in states if state in case.residuals]
@@ -291,7 +311,16 @@ def _distinct(criticals):
     return kept
 
 
-def sweep_into(file, path, overrides, texts, *, columns=False, force=False, **options):
+def sweep_into(
+    file: "str | os.PathLike[str]",
+    path: str,
+    overrides: Iterable[str],
+    texts: Sequence[str],
+    *,
+    columns: bool = False,
+    force: bool = False,
+    **options: Any,
+) -> tuple[str, int]:
     """Write a ``sweep`` to a file, with ``columns`` also to CSV tables beside it; return (text, number of states).
 
     Raises the errors of ``sweep``, and ResultsError if one of the files exists, unless ``force``, or cannot be written.

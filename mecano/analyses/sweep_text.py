@@ -1,16 +1,21 @@
 """The results of a sweep of modes as lines for a terminal."""
 
 import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.solve.modal.families import FAMILIES
 from mecano.solve.modal.tracking import damping, least_damped
 
+if TYPE_CHECKING:
+    from mecano.analyses.sweep import Sweep
+
 MOST_ROWS, MOST_DIGITS, INSTANT_DIGITS = 200, 11, 3
 
 
-def lines(sweep):
+def lines(sweep: "Sweep") -> Iterator[str]:
     """Yield the lines of the table: the least stable mode at each value, the modes, the critical values."""
     first = sweep.axes[0]
     yield f"modes over {first.name}, {len(first.values)} values from {first.values[0]:g} to {first.values[-1]:g}"
@@ -104,7 +109,7 @@ def _critical(name, locus):
     yield from locus.unrefined
 
 
-def known(value, error):
+def known(value: float, error: float) -> str:
     """Return a value with its correct digits, at most 11: half a unit of the last digit is at least the ``error``."""
     if not (value and error):
         return f"{value:.{MOST_DIGITS}g}"

@@ -2,6 +2,7 @@
 
 import os
 import tempfile
+from collections.abc import Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
 from pkgutil import walk_packages
@@ -24,7 +25,7 @@ STEPS = 3
 BETWEEN = 0.7  # steps between two saved times, which are then interpolated
 
 
-def warmup(decks=(), overrides=()):
+def warmup(decks: Sequence[str] = (), overrides: Sequence[str] = ()) -> Iterator[str]:
     """Compile the loops of all kinds and the solver, or all code that ``decks`` need; yield progress texts.
 
     Raises the errors of reading and running a deck.
@@ -46,7 +47,7 @@ def warmup(decks=(), overrides=()):
     yield f"compiled code is in {store.folder()}: {after / 1e6:.0f} MB, {(after - before) / 1e6:.0f} new"
 
 
-def share(folder):
+def share(folder: str | os.PathLike[str]) -> str:
     """Copy all compiled code of this user into a shared store below ``folder``; return instructions for its users.
 
     Raises ResultsError if the store cannot be written, or if untrusted users can write there.
@@ -60,9 +61,9 @@ def share(folder):
     )
 
 
-def all_kinds():
+def all_kinds() -> list[Kind]:
     """Return all kinds, including basic constraints and variants."""
-    found = {}
+    found: dict[int, Kind] = {}
     for package in (constraints, elements):
         for module in walk_packages(package.__path__, f"{package.__name__}."):
             kinds = [value for value in vars(import_module(module.name)).values() if isinstance(value, Kind)]

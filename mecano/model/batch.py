@@ -4,11 +4,15 @@ Joints whose parts have additional multipliers, because of an option, form a sep
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.maths.dual import DUAL
 from mecano.model.loop_records import BATCH, record
+
+if TYPE_CHECKING:
+    from mecano.element_interface import Kind
 
 OF_ELEMENTS = "p", "dofs", "rots", "slots", "output_dofs", "output_slots", "multipliers", "entries"
 LINES = 128  # B, two lines of the cache
@@ -22,9 +26,9 @@ class Batch:
     The loops also find here the scratch arrays for one element, of which nothing is read afterwards.
     """
 
-    kind: object
-    names: list  # (n,) names of the owners, from the deck
-    paths: list  # (n,) of (path, label): section and name of the owner, suffix of the outputs
+    kind: "Kind"
+    names: list[str]  # (n,) names of the owners, from the deck
+    paths: list[tuple[str, str]]  # (n,) of (path, label): section and name of the owner, suffix of the outputs
     p: np.ndarray  # (n,) records
     dofs: np.ndarray  # (n, n_local) indices into z
     rots: np.ndarray  # (n, n_rotations) indices of the rotation matrices
@@ -33,7 +37,7 @@ class Batch:
     output_slots: np.ndarray  # (n, 3 len(layout)) slots of the forces passed to ``observe``
     columns: np.ndarray  # (n_rotations,) first local column of each rotation
     multipliers: np.ndarray  # (n, n_multipliers) indices of the constraints
-    instances: list  # (n,) indices into the list of all instances
+    instances: list[int]  # (n,) indices into the list of all instances
     first_phase: int  # index into the phases of a state
     first_memory: int  # index into the memory of a state
     first_output: int  # index into the outputs of the system

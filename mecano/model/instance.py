@@ -1,6 +1,11 @@
 """An element or a part of an element, before the numbering."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from mecano.element_interface import Kind
 
 
 @dataclass(eq=False, repr=False)
@@ -9,12 +14,12 @@ class Instance:
 
     owner: str
     path: str  # section and name of the owner
-    kind: object
-    nodes: tuple  # node indices
-    parameters: dict
+    kind: "Kind"
+    nodes: tuple[int, ...]  # node indices
+    parameters: Mapping[str, Any]
     n_parts: int = 0  # number of its parts, which follow it in the list
-    coupled_to: tuple = ()  # list indices of the instances to whose multipliers it is coupled
+    coupled_to: tuple[int, ...] = ()  # list indices of the instances to whose multipliers it is coupled
     label: str = ""  # suffix of its outputs
-    reads: tuple = ()  # formulas of its inputs
-    inputs: tuple = ()  # list indices of the instances whose first scalars are its inputs
+    reads: tuple[str, ...] = ()  # formulas of its inputs
+    inputs: tuple[int, ...] = ()  # list indices of the instances whose first scalars are its inputs
     senses: int | None = None  # list index of the instance of which it measures an output

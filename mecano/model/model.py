@@ -1,8 +1,14 @@
 """A model as defined by a deck or a script: nodes and elements by name, before the numbering."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from mecano.element_interface import Kind
+    from mecano.laws.table import LawTable
+    from mecano.schema import Values
 
 
 @dataclass(eq=False, repr=False)
@@ -21,18 +27,18 @@ class Element:
     """A named element: its kind, the names of its nodes, its checked deck values."""
 
     name: str
-    kind: object  # element_interface.Kind
-    nodes: tuple
-    values: dict = field(default_factory=dict)
+    kind: "Kind"  # element_interface.Kind
+    nodes: tuple[str, ...]
+    values: "Values" = field(default_factory=dict)
 
 
 @dataclass(eq=False, repr=False)
 class Model:
     """Nodes, elements, laws and gravity; the node name ``GROUND`` denotes a fixed node at the element's other node."""
 
-    nodes: list
-    elements: list
-    laws: object  # laws.LawTable
+    nodes: list[Node]
+    elements: list[Element]
+    laws: "LawTable"  # laws.LawTable
     gravity: np.ndarray = field(default_factory=lambda: np.array([0.0, 0.0, -9.81]))
 
 

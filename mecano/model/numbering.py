@@ -88,7 +88,7 @@ class Numbering:
     n_scalars: int  # scalar unknowns of elements, including signals: the last of the n_q
     kind: np.ndarray  # (n_all,) TRANSLATION ... STATE
     group: np.ndarray  # (n_q,) group number: unknowns of one node share it
-    name: Sequence  # (n_all,) EquationName
+    name: Sequence[EquationName]  # (n_all,) EquationName
     of_rates: np.ndarray  # (n_l,) bool: constraint on velocities
 
     @property

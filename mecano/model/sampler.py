@@ -23,7 +23,7 @@ class Column:
     path: str
     unit: str
     doc: str
-    shape: tuple
+    shape: tuple[int, ...]
     start: int
     rate: str = ""  # path of the quantity that is its time derivative
 

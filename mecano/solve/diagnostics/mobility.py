@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import field
 from functools import cached_property, partial
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from mecano.immutable import immutable
 from mecano.maths.sparse_rows import SparseRows, sparse_rows
 from mecano.model.numbering import ROTATION
 from mecano.solve.diagnostics.constraint_names import by_joint
+
+if TYPE_CHECKING:
+    from mecano.model.numbering import EquationName
 
 RANK_TOLERANCE = 1e-9  # singular values of rows of unit length below this count as zero
 SHARE = 1e-7  # entries of a projector below this count as zero
@@ -28,8 +31,8 @@ class Group:
     """Constraints with ``count`` redundancies, or unknowns that move together in ``count`` free motions."""
 
     count: int
-    names: tuple  # EquationName
-    totals: dict = field(default_factory=dict)  # place of a name -> number of its constraints
+    names: "tuple[EquationName, ...]"  # EquationName
+    totals: dict[str, int] = field(default_factory=dict)  # place of a name -> number of its constraints
 
     def by_joint(self, most):
         """Return a text for the constraints of all joints that take part alike, with up to ``most`` joints each."""
@@ -42,7 +45,7 @@ class Entries(NamedTuple):
     rows: np.ndarray
     cols: np.ndarray
     values: np.ndarray
-    shape: tuple
+    shape: tuple[int, int]
 
     def dense(self, rows):
         """Return the given rows (m,) as a dense matrix (m, n)."""
@@ -62,11 +65,11 @@ class Analysis:
     """
 
     rank: int
-    redundant: tuple  # Group
+    redundant: tuple[Group, ...]  # Group
     dependent: SparseRows | None  # projector (n_l, n_l) on the reactions in redundancies, see ``_directions``
     release_matrix: SparseRows | None  # (n_l, n_l) whose rows times reactions vanish, see ``_repeated``
     gradient: Entries
-    names: Sequence  # EquationName of the unknowns, and of others that follow
+    names: "Sequence[EquationName]"  # EquationName of the unknowns, and of others that follow
     signals: np.ndarray  # (n_q,) bool: unknowns that are signals, not motions
     active: np.ndarray  # (n_l,) bool: constraints that hold in the phases of the configuration
     complete: bool = True

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +12,10 @@ from mecano.solve.events import joint_friction
 from mecano.solve.events.capture import EventCapture
 from mecano.solve.events.events import EventMonitor
 from mecano.solve.events.shocks import Shocks
+
+if TYPE_CHECKING:
+    from mecano.model.system import System
+    from mecano.solve.time.run_state import Method
 
 STANDSTILL = 1e-3  # of a step: while time advances by less, it counts as standing still
 MOST_REBOUNDS = 10  # of one contact at one instant: it is then at rest
@@ -22,12 +27,12 @@ MOST_NAMES = 8  # named in a warning
 class EventApplication:
     """Applies events to the run of ``system`` by ``method``; counts those that repeat at one instant."""
 
-    system: object
-    method: object
+    system: "System"
+    method: "Method"
     monitor: EventMonitor
     capture: EventCapture
     shocks: Shocks
-    warnings: list = field(default_factory=list)  # on constraints that become redundant, and on friction in shocks
+    warnings: list[str] = field(default_factory=list)  # on constraints that become redundant, and on friction in shocks
     since: float = -np.inf  # instant of the counted events [s]
     repeats: Counter = field(default_factory=Counter)  # events by element and name since then
 

@@ -10,8 +10,12 @@ winder it is the return mapping of plasticity: the elastic line first, its winde
 
 from collections import Counter
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from mecano.solve.events.events import EventMonitor
 
 
 @dataclass(eq=False, repr=False)
@@ -23,7 +27,7 @@ class EventCapture:
     ``monitor`` omits their values.
     """
 
-    monitor: object  # EventMonitor
+    monitor: "EventMonitor"  # EventMonitor
     most: int
     excess: int = 0  # of instants over steps
     counted: int = 0  # steps of the run up to the last instant

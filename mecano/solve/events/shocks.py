@@ -9,6 +9,7 @@ Bilateral constraints cost one factorization; contacts add the dense matrix of t
 """
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,6 +25,12 @@ from mecano.solve.events.restitution import restitutions
 from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.time.increments import reach_of
 
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.solve.diagnostics.mobility import Group
+    from mecano.solve.events.compliance import Compliance
+    from mecano.solve.time.consistent import Consistent
+
 TOGETHER = 1e-6  # of a step: impacts closer in time than this are simultaneous
 NEAR = 10.0  # times the tolerance of constraints: so are impacts of contacts with a smaller gap
 STILL = 1e-10  # of the largest approach: a rate below this is zero
@@ -38,14 +45,14 @@ DEPARTING = -1e-300  # event value of a contact that is touching and separating
 class Shock:
     """Result of an impact: velocities and phases after it, events, energy lost and given [J]."""
 
-    state: object
-    event_records: list
+    state: "State"
+    event_records: list[EventRecord]
     lost: float
     given: float
     impulses: np.ndarray  # (n_l,) of all constraints [N s, N m s]
-    consistent: object  # Consistent at this state
-    compliance: object  # Compliance of redundant constraints after the impact, or None
-    redundant: tuple  # Groups of constraints that have become redundant
+    consistent: "Consistent"  # Consistent at this state
+    compliance: "Compliance | None"  # Compliance of redundant constraints after the impact, or None
+    redundant: "tuple[Group, ...]"  # Groups of constraints that have become redundant
 
 
 def touching_gaps(system, tolerance, length):

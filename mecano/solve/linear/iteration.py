@@ -17,7 +17,7 @@ class Iterated:
 
     ok: bool
     iterations: int
-    norms: tuple
+    norms: tuple[float, ...]
     message: str = ""
     failure: Failure = Failure.NOT_CONVERGED  # if not ok
 

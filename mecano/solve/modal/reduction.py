@@ -34,7 +34,7 @@ ASYMMETRIC = 1e-8  # of the largest entry of the stiffness: largest asymmetry
 class Reduction:
     """The content of a file of reduced matrices, and data for the summary."""
 
-    content: dict  # key -> array, see docs/superelements.md
+    content: dict[str, np.ndarray]  # key -> array, see docs/superelements.md
     frequencies: np.ndarray  # (m,) frequencies of the modes kept [Hz], boundary fixed
     inner: int  # number of inner motions of the part
     found: int  # number of modes of the part that have inertia; -1 if not all were computed

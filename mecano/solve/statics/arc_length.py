@@ -14,6 +14,7 @@ ends there, and the path continues to the side on which closed contacts push and
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,6 +24,9 @@ from mecano.solve.statics.closing import apply_events
 from mecano.solve.statics.continuation import SHRINK
 from mecano.solve.statics.stability import freedom
 from mecano.solve.statics.static import CLOSED, PHASE_CHANGES, Status
+
+if TYPE_CHECKING:
+    from mecano.model.state import State
 
 WANTED = 5  # desired number of iterations of a step
 SHARPEST = 0.5  # least cosine between successive tangents of the path
@@ -56,7 +60,7 @@ class Target:
 class Trial:
     """The end of a step of length ``ds``, converged or not."""
 
-    state: object
+    state: "State"
     mu: float  # load factor
     ds: float
     found: Status

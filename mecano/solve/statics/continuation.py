@@ -7,8 +7,9 @@ Every method goes from ``Point`` to ``Point``:
 * ``ArcLength`` (arc_length.py): the load factor is an unknown, so that limit points are passed.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -17,6 +18,13 @@ from mecano.solve.diagnostics.failure import of_equations, worst_equations
 from mecano.solve.statics.stability import Judge, Stability, freedom, words
 from mecano.solve.statics.static import Status
 
+if TYPE_CHECKING:
+    from mecano.model.assembly import Observation
+    from mecano.model.state import State
+    from mecano.solve.events.events import EventRecord
+    from mecano.solve.statics.static import Statics
+
+Observer: TypeAlias = "Callable[[Point], object]"  # called with every equilibrium of a path
 GROWTH, SHRINK = 2.0, 0.25
 EASY = 12  # iterations up to which the next step grows
 LEAP, NOTICEABLE = 4.0, 0.02  # a jump: larger than so many predicted changes and than this part of the length scale
@@ -26,28 +34,30 @@ LEAP, NOTICEABLE = 4.0, 0.02  # a jump: larger than so many predicted changes an
 class Point:
     """An equilibrium on a path; ``place`` increases along it: the parameter or the arc length."""
 
-    state: object  # State, at rest
+    state: "State"  # State, at rest
     parameter: float  # load factor, or time [s]
     place: float
     step: float  # from the last point
     iterations: int
     rejected: int
-    norms: tuple
+    norms: tuple[float, ...]
     stability: Stability
-    observation: object  # Observation of the state
-    event_records: tuple = ()
+    observation: "Observation"  # Observation of the state
+    event_records: "tuple[EventRecord, ...]" = ()
 
 
 @dataclass
 class Follower:
     """Accepts the equilibria of ``statics`` as points of a path and passes each to the ``observers``."""
 
-    statics: object
-    observers: tuple = ()
-    ended: Callable = lambda state, observation: ""  # text on an element that ends the run there, "" if none
+    statics: "Statics"
+    observers: Sequence[Observer] = ()
+    ended: "Callable[[State, Observation], str]" = lambda state, observation: (
+        ""
+    )  # text on an element that ends the run there, "" if none
     judge: Judge = field(init=False)
-    losses: list = field(default_factory=list)  # texts: points at which stability was lost
-    departures: list = field(default_factory=list)  # texts: unstable equilibria that were left
+    losses: list[str] = field(default_factory=list)  # texts: points at which stability was lost
+    departures: list[str] = field(default_factory=list)  # texts: unstable equilibria that were left
     last: Point | None = None
 
     def __post_init__(self):

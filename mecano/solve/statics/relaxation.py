@@ -9,6 +9,7 @@ of drag D multiplies a displacement along a stiffness -c by 1/(1 - c/D)), so the
 """
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,6 +19,9 @@ from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.statics.continuation import SHRINK
 from mecano.solve.statics.stability import freedom, words
 from mecano.solve.time.increments import displaced, reach_of
+
+if TYPE_CHECKING:
+    from mecano.solve.events.events import EventRecord
 
 FIRST_CREEP, MOST_CREEP = 0.1, 0.3  # displacement in the first step and in any step, in length scales or rad
 MOST_CREEPS = 400  # largest number of steps
@@ -35,7 +39,7 @@ class Work:
 
     iterations: int = 0
     rejected: int = 0
-    event_records: list = field(default_factory=list)
+    event_records: "list[EventRecord]" = field(default_factory=list)
 
 
 @dataclass

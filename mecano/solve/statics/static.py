@@ -7,6 +7,7 @@ A *drag* D makes a state creep towards equilibrium, :math:`r(q) + D (q - q_n) = 
 """
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,6 +22,9 @@ from mecano.solve.linear.rounding import ROUNDING, at_rounding
 from mecano.solve.statics.closing import apply_events
 from mecano.solve.statics.velocity_constraints import NONE, VelocityConstraints
 from mecano.solve.time.increments import correct, largest, reach_of, tangents
+
+if TYPE_CHECKING:
+    from mecano.solve.events.events import EventRecord
 
 MOST_TURN = 2.4  # rad in one step, so that angles of joints are followed
 PHASE_CHANGES = 10  # rounds of phase changes at one point
@@ -37,11 +41,11 @@ class Status:
 
     ok: bool
     iterations: int
-    norms: tuple  # force, constraint, increment over their tolerances
+    norms: tuple[float, ...]  # force, constraint, increment over their tolerances
     change: float = 0.0  # largest displacement over the length, or rotation [rad]
     first: float = np.inf  # the same in the first iteration: the prediction of the tangent
     message: str = ""
-    event_records: tuple = ()
+    event_records: "tuple[EventRecord, ...]" = ()
     failure: Failure = Failure.NOT_CONVERGED  # if not ok
 
 

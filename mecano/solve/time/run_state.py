@@ -1,10 +1,16 @@
 """The state from which a run continues, and its conversion to plain arrays and back."""
 
 from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, TypeAlias
 
 from mecano.model.state import History, RadauHistory, State
 from mecano.solve.events.compliance import Compliance
 
+if TYPE_CHECKING:
+    from mecano.solve.time.generalized_alpha import GeneralizedAlpha
+    from mecano.solve.time.radau import Radau
+
+Method: TypeAlias = "GeneralizedAlpha | Radau"  # a method of time integration
 STORED = {"phases": "modes"}  # names of fields in checkpoints, if different
 
 
@@ -20,7 +26,7 @@ class RunState:
     iterations: int = 0
     dissipated: float = 0.0  # [J] since the start
     given: float = 0.0  # [J] by the surroundings since the start
-    powers: tuple = (0.0, 0.0)  # [W] dissipated and given at the motion
+    powers: tuple[float, float] = (0.0, 0.0)  # [W] dissipated and given at the motion
     compliance: Compliance | None = None  # of redundant constraints in the present phases
 
     def tried(self, rejected, iterations):

@@ -2,7 +2,9 @@
 
 import math
 from bisect import bisect_left, bisect_right
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,6 +26,14 @@ from mecano.solve.time.step_control import HOLD
 from mecano.solve.time.stride import PROBE
 from mecano.solve.time.trials import NEGLIGIBLE_TIME, Trials
 
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.model.system import System
+    from mecano.solve.events.events import EventRecord
+    from mecano.solve.time.run_state import Method
+    from mecano.solve.time.step_control import StepControl
+    from mecano.solve.time.step_info import StepInfo
+
 LEAST_ULPS = 1e4  # spacings of floating-point numbers of time in a step: a shorter step has too much rounding
 MOST_STEPS = 2**62  # in one call of compiled code: any number
 MOST_CUTS = 500  # while time advances by less than the largest step: then the run crawls
@@ -34,30 +44,32 @@ SHORT = 1e-3  # of a step: the reactions of a shorter one are dominated by round
 class Accepted:
     """An accepted step, as reported to observers."""
 
-    before: object  # State at the beginning of the step
+    before: "State"  # State at the beginning of the step
     run: RunState
-    info: object  # StepInfo
+    info: "StepInfo"  # StepInfo
     h: float
     rejected: int  # trials rejected before it
-    event_records: tuple = ()  # events at its end
+    event_records: "tuple[EventRecord, ...]" = ()  # events at its end
 
 
 @dataclass(eq=False, repr=False)
 class TimeIntegrator:
     """Time integration of ``system`` by ``method`` with step sizes from ``control``; a RunState is its state."""
 
-    system: object
-    method: object
-    control: object
-    observers: tuple = ()  # called with Accepted at every step
-    breakpoints: tuple = ()  # times that a step must end on: corners of laws of time
+    system: "System"
+    method: "Method"
+    control: "StepControl"
+    observers: tuple[Callable[[Accepted], object], ...] = ()  # called with Accepted at every step
+    breakpoints: Sequence[float] = ()  # times that a step must end on: corners of laws of time
     rest: float = 1e-4  # of the length scale, or rad, per second: slower approaches do not rebound
     most_located: int = 100  # instants with elastic events, beyond one in each step, that are located (capture.py)
-    pause: object = lambda run: None  # called within a step with the RunState before it; may raise
+    pause: Callable[[RunState], object] = lambda run: (
+        None
+    )  # called within a step with the RunState before it; may raise
     recorder: object = (
         None  # receives steps from compiled code (``OrdinarySteps``) and, called with Accepted, from Python
     )
-    reporters: tuple = ()  # called with the RunState between calls of compiled code
+    reporters: tuple[Callable[[RunState], object], ...] = ()  # called with the RunState between calls of compiled code
     observation: Observation = field(init=False)  # outputs and energies at the end of the last step, or after an event
     monitor: EventMonitor = field(init=False)
     capture: EventCapture = field(init=False)
@@ -65,8 +77,10 @@ class TimeIntegrator:
     events: EventApplication = field(init=False)
     trials: Trials = field(init=False)
     rounding: RoundingLimit = field(init=False)
-    start_events: list = field(init=False, default_factory=list)  # [EventRecord] before the first step
-    cuts: list = field(init=False, default_factory=list)  # (time, step size) of trials that failed and were cut
+    start_events: "list[EventRecord]" = field(init=False, default_factory=list)  # [EventRecord] before the first step
+    cuts: list[tuple[float, float]] = field(
+        init=False, default_factory=list
+    )  # (time, step size) of trials that failed and were cut
     _ordinary_steps: OrdinarySteps = field(init=False, default=None)
     _before: RunState = field(init=False, default=None)  # at the beginning of the step
 

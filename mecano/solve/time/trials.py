@@ -1,6 +1,7 @@
 """Trial steps from a state, until one has an admissible error and ends at its first event, if it has any."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +15,11 @@ from mecano.solve.time.rounding_limit import below_rounding
 from mecano.solve.time.step_control import AFTER_FAILURE
 from mecano.solve.time.stride import STRETCH
 
+if TYPE_CHECKING:
+    from mecano.model.system import System
+    from mecano.solve.time.run_state import Method
+    from mecano.solve.time.step_control import StepControl
+
 NEGLIGIBLE_TIME = 1e-6  # of a step: no step is made for a remaining time below
 
 
@@ -24,9 +30,9 @@ class Trials:
     A trial is (state at its end, history there, StepInfo).
     """
 
-    system: object
-    method: object
-    control: object
+    system: "System"
+    method: "Method"
+    control: "StepControl"
     monitor: EventMonitor
     capture: EventCapture
     shocks: Shocks
