@@ -111,7 +111,7 @@ class InterruptedRun:
             done += rows.nbytes
             more = max(size / done - 1.0, 0.0)
             interruption.check(what, more * (time.monotonic() - begun), (1.0 + more) * writer.closing_time)
-        assert self.checkpoint is not None  # as _rows needs it, too
+        assert self.checkpoint is not None, "a run without a checkpoint begins anew"
         events = int(self.checkpoint["file"]["rows"][2])
         for e in self.results.events[:events]:
             writer.append_event(e.time, e.element, e.name, e.before, e.after, e.impulse, e.impulse_unit, e.energy_lost)

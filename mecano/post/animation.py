@@ -7,8 +7,10 @@ little-endian, encoded in base64.
 import base64
 import json
 import re
+from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,12 +19,15 @@ from mecano.post.deformation import quaternions
 from mecano.post.event_marks import event_marks
 from mecano.post.quantity import SAVED
 from mecano.post.request import Request, requested_sheet
-from mecano.post.runs import opened_runs
+from mecano.post.runs import Run, opened_runs
 from mecano.post.scene import scene_of
 from mecano.post.sheet import Panel
 from mecano.post.sheets import default_sheets, overview
 from mecano.post.verdict import sound, verdict
 from mecano.results.whole_file import atomic_file, make_folder
+
+if TYPE_CHECKING:
+    import os
 
 MOST_FRAMES = 600
 FILMS = (".gif", ".webp", ".mp4")
@@ -36,7 +41,9 @@ FILES = {
 STEPS_OF_ROUNDING = 65535
 
 
-def animate(path, page, plots=(), title=None):
+def animate(
+    path: "str | os.PathLike[str]", page: "str | os.PathLike[str]", plots: Sequence[str] = (), title: str | None = None
+) -> Path:
     """Write an animation of the results file ``path`` as a ``page``, or as a film by its extension; return the Path.
 
     ``plots``: texts as for ``mecano post --plot``, over time; by default the first panels of the overview. A film has
@@ -66,7 +73,7 @@ def animate(path, page, plots=(), title=None):
     return page
 
 
-def page_data(run, plots=(), title=None):
+def page_data(run: Run, plots: Sequence[str] = (), title: str | None = None) -> dict[str, Any]:
     """Return the data of a page for a run, as plain data. Raises as ``animate``."""
     scene, results = scene_of(run, MOST_FRAMES), run.results
     return {
@@ -76,7 +83,7 @@ def page_data(run, plots=(), title=None):
     }  # fmt: skip
 
 
-def page_text(data):
+def page_text(data: Mapping[str, Any]) -> str:
     """Return the text of the page for plain data, with styles, libraries and program."""
     folder = resources.files("mecano.post").joinpath("browser")
     parts = {name: "\n".join(folder.joinpath(one).read_text("utf-8") for one in files) for name, files in FILES.items()}
@@ -85,7 +92,7 @@ def page_text(data):
     return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], page)
 
 
-def script_text(data):
+def script_text(data: Any) -> str:
     """Return plain data as JSON that is safe inside a script element of a page."""
     text = json.dumps(data, separators=(",", ":"))
     return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")

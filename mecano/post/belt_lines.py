@@ -1,13 +1,19 @@
 """A belt over pulleys as lines in space: its spans, and the pulleys, of which a spoke turns with the node."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.constraints.joint_frame import triad
 
+if TYPE_CHECKING:
+    from mecano.post.shapes import AnyMotion
+    from mecano.schema import Values
+
 RIM = np.linspace(0.0, 2.0 * np.pi, 49)
 
 
-def belt_lines(motion, d):
+def belt_lines(motion: "AnyMotion", d: "Values") -> list[np.ndarray]:
     """Return lines [(instants, n, 3)] of a belt with the deck values ``d`` in a Motion (shapes.py)."""
     nodes, radii = d["nodes"], np.array(d["radii"], float)
     if not all(node in motion.nodes for node in nodes):

@@ -1,17 +1,24 @@
 """Curves as comma-separated values, in SI units."""
 
+from collections.abc import Iterable, Sequence
 from itertools import zip_longest
+from typing import TYPE_CHECKING
 
 from mecano.post.quantity import STEPS
 
+if TYPE_CHECKING:
+    import numpy as np
 
-def columns_of(curves, run_labels=()):
+    from mecano.post.sheet import Curve
+
+
+def columns_of(curves: "Iterable[Curve]", run_labels: Sequence[str] = ()) -> list[Sequence[str]]:
     """Return curves as rows of a table: columns with names and units, each after the one over which it is plotted.
 
     ``run_labels`` prefix the names if there are several runs. Columns shared by curves are written once. Columns may
     differ in length, as files or step sizes differ.
     """
-    columns = {}
+    columns: dict[tuple[str, str, str], tuple[str, np.ndarray]] = {}  # by run, clock and path: heading and values
     for curve in curves:
         run = run_labels[curve.run] if run_labels else ""
         for quantity in (curve.x, curve.y):

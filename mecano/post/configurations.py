@@ -1,6 +1,8 @@
 """Configurations of the mechanism at several times, side by side: lines in space, seen along one direction."""
 
 import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import matplotlib
 import numpy as np
@@ -13,6 +15,11 @@ from mecano.post.ground import ground_patch
 from mecano.post.shapes import BODY, CABLE, JOINT, MASS, SUPPORT, Motion, shapes
 from mecano.post.style import GREY, INK, PALE, SETTINGS
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from mecano.post.runs import Run
+
 AZIMUTH, ELEVATION = math.radians(-72.0), math.radians(24.0)  # of the eye
 COLUMNS, WIDTH = 3, 3.6  # of the picture; inches of each view
 TALLEST = 1.4  # height over width of a view
@@ -21,13 +28,13 @@ SUPPORT_SIZE = 7
 FAR = 2.0  # sizes: a mechanism that travels farther is drawn about its own centre at each time
 
 
-def view(up=2):
+def view(up: int = 2) -> np.ndarray:
     """Return the matrix (2, 3) that projects inertial positions into the picture; ``up`` is the vertical axis."""
     ca, sa, ce, se = math.cos(AZIMUTH), math.sin(AZIMUTH), math.cos(ELEVATION), math.sin(ELEVATION)
     return np.roll([[-sa, ca, 0.0], [-se * ca, -se * sa, ce]], up - 2, axis=1)
 
 
-def times_of(text):
+def times_of(text: str) -> list[float]:
     """Return the times [s] of a text "0,1.5,3.2". Raises UsageError."""
     try:
         times = [float(part) for part in text.split(",")]
@@ -38,7 +45,7 @@ def times_of(text):
     return times
 
 
-def configurations_figure(run, times, title):
+def configurations_figure(run: "Run", times: Sequence[float], title: str) -> "Figure":
     """Return the figure of the saved configurations nearest to ``times`` [s], on one scale. Raises UsageError."""
     saved = run.results.time
     rows = np.array([int(np.abs(saved - t).argmin()) for t in times])

@@ -1,17 +1,23 @@
 """Outlines of a contact as lines in space: the ball, rod or ellipsoid, and the surface on which it may lie."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.constraints.touching import named_surface
 from mecano.deck.physics import rotations
 from mecano.post.curve_values import checked_law, curve_values
 
+if TYPE_CHECKING:
+    from mecano.post.shapes import AnyMotion
+    from mecano.schema import Values
+
 POINTS = 49  # of a circle
 BEYOND = 2.0  # radii of the ball, or distances of the farthest node: how far a plane is drawn
 PREFERRED = np.array([1e-6, 0.0, 1e-6])  # of axes along which a mechanism has no extent: pictures are seen along y
 
 
-def outlines(motion, d):
+def outlines(motion: "AnyMotion", d: "Values") -> list[np.ndarray]:
     """Return lines [(instants, n, 3)] of the contact with the deck values ``d`` in a Motion (shapes.py).
 
     What is drawn at an instant does not depend on the other instants.
@@ -26,14 +32,14 @@ def outlines(motion, d):
     return [*surface_outlines(motion, d, d["radius"]), ball]
 
 
-def surface_outlines(motion, d, radius):
+def surface_outlines(motion: "AnyMotion", d: "Values", radius: float) -> list[np.ndarray]:
     """Return lines [(instants, n, 3)] of the surface in the deck values ``d``; ``radius`` [m] of what touches it."""
     (a, b), (name, surface), places = d["nodes"], named_surface(d), _places(motion)
     middle, (main, across, along) = _directions(d, places)
     if name == "revolution":
         lines = _turned(motion.run.deck, surface, places[b] - middle, np.stack([main, along, across]))
     elif name == "plane":
-        farthest = max(np.linalg.norm(x - middle) for x in places.values())
+        farthest = max(float(np.linalg.norm(x - middle)) for x in places.values())
         lines = [np.array([-1.0, 1.0])[:, None] * BEYOND * max(radius, farthest) * along]
     else:
         lines = [_stadium(surface["radius"], surface.get("length", 0.0), np.cross(along, across), along)]

@@ -1,10 +1,12 @@
 """Styles that distinguish the curves of a panel: colours, dashes, and their legends."""
 
+from typing import Any
+
 from matplotlib.lines import Line2D
 
 from mecano.post.equal_curves import equal_curves, first_subjects, joined
 from mecano.post.quantity import largest
-from mecano.post.sheet import Panel
+from mecano.post.sheet import Curve, Panel, Sheet
 from mecano.post.style import COLOURS, DASHES, INK, PALE
 
 REFERENCE = {"linestyle": "-", "linewidth": 3.5, "alpha": 0.3, "zorder": 1.5}
@@ -23,7 +25,7 @@ class CurveStyles:
     these are elements with equal curves in all panels.
     """
 
-    def __init__(self, sheet, panel_by_panel=False):
+    def __init__(self, sheet: Sheet, panel_by_panel: bool = False):
         self.runs = sheet.run_labels
         panels = [panel for panel in sheet.panels if isinstance(panel, Panel)]
         whats = max((len(panel.whats) for panel in panels), default=1)
@@ -31,24 +33,22 @@ class CurveStyles:
         self._legend_runs = self.runs[: len(COLOURS) * (len(DASHES) if alone else 1)]
         self._sheet = None if panel_by_panel or self.runs else self._largest(panels, sheet.subjects, whats)
         self._owners = None if panel_by_panel else sheet.subjects
-        self._first = first_subjects(panels, self._sheet) if self._common else {}
+        several = len(sheet.subjects) > 1
+        self._common = self._sheet if self._sheet is not None and several else ()  # elements of one common legend
+        self._others = len(sheet.subjects) - len(self._common)  # elements without an entry in it
+        self._first = first_subjects(panels, self._common)
 
-    @property
-    def _common(self):
-        """True if elements have the same style in the whole sheet, and a common legend."""
-        return not self.runs and self._sheet is not None and len(self._owners) > 1
-
-    def drawn(self, panel):
+    def drawn(self, panel: Panel) -> list[list[Curve]]:
         """Return the curves of a panel in lists of equal ones, of which the first is drawn."""
         if self.runs or self._common:
             return [[c] for c in panel.curves if self._first.get(c.subject, c.subject) == c.subject]
         return equal_curves(panel.curves)
 
-    def owners(self, panel):
+    def owners(self, panel: Panel) -> tuple[str, ...]:
         """Return the elements whose events are named: those of the sheet, or of the panel."""
         return panel.subjects if self._owners is None else self._owners
 
-    def style(self, curve, panel):
+    def style(self, curve: Curve, panel: Panel) -> dict[str, Any]:
         """Return options of ``Axes.plot`` for a curve."""
         colour, dashes = self._key(curve, panel)
         if dashes >= len(DASHES):
@@ -92,18 +92,18 @@ class CurveStyles:
         chosen = sorted(subjects, key=sizes.get, reverse=True)[:most]
         return tuple(subject for subject in subjects if subject in chosen)
 
-    def handles(self):
+    def handles(self) -> list[Line2D]:
         """Return the legend of the whole sheet: runs, or elements if there are several."""
         if self.runs:
             handles = [_handle(i, name) for i, name in enumerate(self._legend_runs)]
             return handles + _others(len(self.runs) - len(self._legend_runs))
         if not self._common:
             return []
-        equal = {first: [s for s in self._sheet if self._first[s] == first] for first in self._first.values()}
-        handles = [_handle(i, joined(equal[name])) for i, name in enumerate(self._sheet) if name in equal]
-        return handles + _others(len(self._owners) - len(self._sheet))
+        equal = {first: [s for s in self._common if self._first[s] == first] for first in self._first.values()}
+        handles = [_handle(i, joined(equal[name])) for i, name in enumerate(self._common) if name in equal]
+        return handles + _others(self._others)
 
-    def legend(self, panel):
+    def legend(self, panel: Panel) -> list[Line2D]:
         """Return the legend of a panel, without the entries of the legend of the sheet."""
         several = len(panel.subjects) > 1 and self._sheet is None
         named = len(panel.whats) > 1 or any(curve.reference for curve in panel.curves)

@@ -1,9 +1,12 @@
 """Values of the curves in a resolved deck, which results files contain."""
 
+from collections.abc import Iterable, Mapping
+from typing import Any
+
 import numpy as np
 
 
-def curve_values(deck, law, arguments):
+def curve_values(deck: Mapping[str, Any], law: Any, arguments: Iterable[float]) -> np.ndarray:
     """Return the values (n,) of a curve at the ``arguments``; ``law`` is a number, a name, or terms as in the deck."""
     from mecano.laws.probe import curve_at
 
@@ -11,7 +14,7 @@ def curve_values(deck, law, arguments):
     return np.array([curve_at(checked, s)[0] for s in arguments])
 
 
-def checked_law(deck, law):
+def checked_law(deck: Mapping[str, Any], law: Any) -> Any:
     """Return the checked law, with defaults for absent fields; ``law`` as in ``curve_values``."""
     from mecano.laws import TERMS
 

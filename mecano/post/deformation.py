@@ -4,11 +4,12 @@ The rigid motion is the least-squares fit of the part to its shape at the start.
 weigh much more than all others, so that a magnified part stays at the places where it is held.
 """
 
+from collections.abc import Container, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.post.shapes import ROD
+from mecano.post.shapes import ROD, Shape
 
 HELD = 1e4  # weight of points where something else is attached, over that of others
 
@@ -21,13 +22,13 @@ class Part:
     ``turns`` (n, 3, 3): rotations of the part since the start.
     """
 
-    shapes: tuple
+    shapes: tuple[int, ...]
     start: np.ndarray
     places: np.ndarray
     turns: np.ndarray
 
 
-def flexible_parts(shapes, flexible, held):
+def flexible_parts(shapes: Sequence[Shape], flexible: Container[str], held: Container[str]) -> list[Part]:
     """Return the Parts of ``shapes``, whose first instant is the start, with names in ``flexible``.
 
     ``held`` are names of nodes where other things are attached.
@@ -54,7 +55,9 @@ def _together(numbers, shapes):
     return [sorted(group) for group, _ in groups]
 
 
-def rigid_fit(reference, points, weights):
+def rigid_fit(
+    reference: np.ndarray, points: np.ndarray, weights: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Fit a rigid motion of ``reference`` (k, 3) to ``points`` (n, k, 3): middle (3,), places (n, 3), turns (n, 3, 3).
 
     Least squares with ``weights`` (k,), by singular values (Kabsch 1976).
@@ -69,7 +72,7 @@ def rigid_fit(reference, points, weights):
     return start, places, v @ np.swapaxes(u, 1, 2)
 
 
-def quaternions(turns):
+def quaternions(turns: np.ndarray) -> np.ndarray:
     """Return unit quaternions (n, 4) of rotation matrices (n, 3, 3), by the largest of their four components."""
     R = turns
     trace = np.trace(R, axis1=1, axis2=2)

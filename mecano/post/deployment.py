@@ -13,10 +13,16 @@ of a flexible structure become taut and bend, driven by its momentum as well as 
 close the motors were to stalling before. For a structure that does not become taut, the smaller number counts.
 """
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.post.quantity import Quantity
 from mecano.post.sheet import Curve, Panel, Sheet
+
+if TYPE_CHECKING:
+    from mecano.post.runs import Run
 
 ANGLES = "angles of the motors"  # clock of the quantities
 INTERVALS = 40
@@ -24,7 +30,7 @@ LATCHING = 0.05  # of the way to the first lock
 LEAST = 1e-3  # of the largest torque: less resistance is ignored
 
 
-def deployment_sheet(runs):
+def deployment_sheet(runs: "Sequence[Run]") -> Sheet:
     """Return the Sheet of the deployment margin, without panels if no motor turns."""
     torques, margins, reported = [], [], []
     for number, run in enumerate(runs):
@@ -43,7 +49,7 @@ def deployment_sheet(runs):
     return Sheet("deployment", "Deployment: torque of motors and resistance, to the first lock", tuple(panels))
 
 
-def margin_text(angle, margin):
+def margin_text(angle: np.ndarray, margin: np.ndarray) -> str:
     """Return a text on the least ``margin`` (n,) over ``angle`` (n,) [rad], in the last part LATCHING and before."""
     last = np.arange(len(angle)) >= round((1.0 - LATCHING) * len(angle))
     least = []
@@ -54,7 +60,7 @@ def margin_text(angle, margin):
     return f"least {least[0]}; in the last {LATCHING:.0%} of the way {least[1]}"
 
 
-def motors(run):
+def motors(run: "Run") -> dict[str, float]:
     """Return {name: sign of the latch angle} of the hinges with a law and a latch."""
     joints = run.deck.get("joints", {}).items()
     driven = ((name, d["latch"]) for name, d in joints if d.get("turning_law") and d.get("latch"))
@@ -64,11 +70,11 @@ def motors(run):
 class _Curves:
     """Curves of a run over the angle of its motors."""
 
-    def __init__(self, number, times, angle):
+    def __init__(self, number: int, times: np.ndarray, angle: np.ndarray):
         self.number, self.times = number, times
         self.x = Quantity("motors/angle", "rad", "mean angle of the motors", ANGLES, times, angle)
 
-    def of(self, name, unit, values):
+    def of(self, name: str, unit: str, values: np.ndarray) -> Curve:
         """Return the Curve of one quantity."""
         return Curve(self.x, Quantity(f"motors/{name}", unit, name, ANGLES, self.times, values), self.number, "motors")
 

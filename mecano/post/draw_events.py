@@ -1,11 +1,19 @@
 """Events in panels over time: a line at each, a mark over the axes, a legend of the marks."""
 
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.lines import Line2D
 
-from mecano.post.event_marks import OTHERS
-from mecano.post.sheet import Panel
+from mecano.post.event_marks import OTHERS, EventMark
+from mecano.post.sheet import Panel, Sheet
 from mecano.post.style import COLOURS, GREY, PALE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from mecano.post.curve_styles import CurveStyles
 
 MARK_ROOM = 0.012  # of the width of the axes: marks of one kind are not closer to one another
 LINE_ROOM = 0.01  # the same of lines
@@ -17,25 +25,26 @@ SIZE = 4.5  # points
 class EventLegend:
     """The events that the panels of a sheet show, and what their marks mean."""
 
-    def __init__(self, sheet, styles):
+    def __init__(self, sheet: Sheet, styles: "CurveStyles"):
         self._styles = styles
-        marks = [mark for panel in sheet.panels if _over_time(panel) for mark in self.of(panel, sheet.events)]
+        panels = [panel for panel in sheet.panels if isinstance(panel, Panel) and panel.over_time]
+        marks = [mark for panel in panels for mark in self.of(panel, sheet.events)]
         self._markers = {mark.key: mark.marker for mark in sorted(marks, key=lambda mark: mark.time)}
 
-    def of(self, panel, events):
+    def of(self, panel: Panel, events: Sequence[EventMark]) -> list[EventMark]:
         """Return the events within the time of a panel: those of its elements, or of all if these have none."""
         times = np.concatenate([curve.x.values for curve in panel.curves])
         own = [mark for mark in events if mark.element in self._styles.owners(panel)] or events
         return [mark for mark in own if times.min() <= mark.time <= times.max()]
 
-    def handles(self):
+    def handles(self) -> list[Line2D]:
         """Return the entries of the legend."""
         handles = [_handle(marker, key) for key, marker in self._markers.items() if marker != OTHERS]
         n_others = len(self._markers) - len(handles)
         return handles + [_handle(OTHERS, f"{n_others} other events")] * (n_others > 0)
 
 
-def draw_events(ax, marks, factor, styles):
+def draw_events(ax: "Axes", marks: Iterable[EventMark], factor: float, styles: "CurveStyles") -> None:
     """Draw lines and marks at the times over ``factor``; short lines at the axis for many events or several runs."""
     low, high = ax.get_xlim()
     for run in dict.fromkeys(mark.run for mark in marks):
@@ -55,17 +64,13 @@ def draw_events(ax, marks, factor, styles):
                     markersize=SIZE, markeredgewidth=0.5, clip_on=False, zorder=5)  # fmt: skip
 
 
-def thinned(marks, room):
+def thinned(marks: Iterable[EventMark], room: float) -> list[EventMark]:
     """Return marks that are at least ``room`` [s] apart, the first of those that are closer."""
-    kept = []
+    kept: list[EventMark] = []
     for mark in sorted(marks, key=lambda mark: (mark.time, mark.run)):
         if not kept or mark.time - kept[-1].time >= room:
             kept.append(mark)
     return kept
-
-
-def _over_time(panel):
-    return isinstance(panel, Panel) and panel.over_time
 
 
 def _handle(marker, name):

@@ -1,11 +1,13 @@
 """Drawing of a panel of curves into axes of matplotlib."""
 
 import re
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.ticker import LogFormatterSciNotation, MaxNLocator
 
-from mecano.post.draw_events import draw_events
+from mecano.post.draw_events import EventLegend, draw_events
 from mecano.post.style import (
     LINE_OF_TEXT,
     legend_above,
@@ -16,6 +18,13 @@ from mecano.post.style import (
     shown_unit,
     with_unit,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from mecano.post.curve_styles import CurveStyles
+    from mecano.post.event_marks import EventMark
+    from mecano.post.sheet import Panel
 
 MARKED = 3  # curves of a panel up to which their extremes are marked
 MISSED = 1e-3  # of the largest value shown: a peak that is larger by that is marked
@@ -28,7 +37,9 @@ WIDTH = 3.7  # inches, of most axes
 MANY = 500  # with more values, steps are drawn with thinner lines
 
 
-def draw_panel(ax, panel, styles, events, legend):
+def draw_panel(
+    ax: "Axes", panel: "Panel", styles: "CurveStyles", events: "Sequence[EventMark]", legend: EventLegend
+) -> None:
     """Draw the curves with their extremes, their legend, the events with the marks of an EventLegend."""
     unit = panel.curves[0].y.unit
     x_factor, x_unit = shown_unit(panel.curves[0].x.unit, _all(panel, "x"))
@@ -93,7 +104,7 @@ def _steps(panel, values):
 class PlainPowers(LogFormatterSciNotation):
     """Formatter of a logarithmic axis without mathematical markup, as texts of pictures are not parsed."""
 
-    def __call__(self, x, pos=None):
+    def __call__(self, x: float, pos: int | None = None) -> str:
         """Return the label of the tick at ``x``."""
         text = re.sub(r"\$\\mathdefault\{(.*)\}\$", r"\1", super().__call__(x, pos)).replace(r"\times", "×")
         return re.sub(r"10\^\{(-?\d+)\}", lambda match: power_of_ten(match[1]), text)
@@ -128,7 +139,7 @@ def _note(ax, panel, factor, unit):
         note_below(ax, text)
 
 
-def room_above(panel, styles):
+def room_above(panel: "Panel", styles: "CurveStyles") -> float:
     """Return the height of the legend of a panel [inch]."""
     handles = styles.legend(panel)
     return LINE_OF_TEXT / 72 * -(-len(handles) // legend_columns(handles, WIDTH)) if handles else 0.0

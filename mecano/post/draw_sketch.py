@@ -1,11 +1,18 @@
 """Drawing of a side view of the mechanism into axes of matplotlib."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
 from mecano.post.shapes import BODY, CABLE, GEAR, GUIDE, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
 from mecano.post.style import COLOURS, GREY, INK, PALE, legend_above, note_below
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from mecano.post.sketch import Sketch
 
 LETTERS = "xyz"
 FAINTEST = 0.12  # opacity of the first instant if instants are superimposed
@@ -18,7 +25,7 @@ MASS_SIZE, JOINT_SIZE, SUPPORT_SIZE = 7.0, 4.0, 20.0  # points
 TRIANGLE = ((0.0, 0.0), (-0.6, -1.0), (0.6, -1.0))
 
 
-def draw_sketch(ax, sketch, title="", named=True):
+def draw_sketch(ax: "Axes", sketch: "Sketch", title: str = "", named: bool = True) -> None:
     """Draw ground, paths, and the shapes at all instants, later ones darker if superimposed.
 
     ``named``: with a legend and the span of the instants.
@@ -86,13 +93,13 @@ def _label_instants(ax, sketch):
     ax.spines["bottom"].set_visible(False)
 
 
-def draw_patch(ax, outline):
+def draw_patch(ax: "Axes", outline: np.ndarray) -> None:
     """Draw a piece of ground with an ``outline`` (k, 2) in a view in space."""
     ax.fill(*outline.T, color="#efe9dd", zorder=0.5, linewidth=0)
     ax.plot(*outline.T, color="#d8cdb8", zorder=0.6, linewidth=0.7)
 
 
-def draw_compass(ax, projection):
+def draw_compass(ax: "Axes", projection: np.ndarray) -> None:
     """Draw the inertial axes in the corner of a view in space, which has no coordinates of its own."""
     ax.set_axis_off()
     for letter, end in zip(LETTERS, projection.T, strict=True):
@@ -164,7 +171,7 @@ DRAW = {
 }
 
 
-def hull(points):
+def hull(points: np.ndarray) -> np.ndarray:
     """Return the convex outline (m, 2), counter-clockwise, of points (n, 2)."""
     ordered = sorted(map(tuple, points))
 

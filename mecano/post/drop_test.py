@@ -5,6 +5,7 @@ largest stroke: 1 for a constant force. Spin-up is the largest drag of the wheel
 spring-back is the largest forward force after it, when the gear springs back.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,16 +29,16 @@ class Impact:
     run: Run
     number: int
     wheel: str
-    absorbers: tuple
+    absorbers: tuple[str, ...]
     during: np.ndarray
 
-    def curve(self, name, x=None, *, sign=1.0):
+    def curve(self, name: str, x: str | None = None, *, sign: float = 1.0) -> Curve:
         """Return the Curve of a quantity over time, or over another quantity ``x``."""
         y = self._cut(find(self.run.results, name)[0])
         y = replace(y, values=sign * y.values)
         return Curve(time_of(y) if x is None else self._cut(find(self.run.results, x)[0]), y, self.number, y.subject)
 
-    def of(self, path, unit, doc, values):
+    def of(self, path: str, unit: str, doc: str, values: np.ndarray) -> Curve:
         """Return the Curve over time of ``values`` given at all saved times."""
         y = self._cut(Quantity(path, unit, doc, SAVED, self.run.results.time, values))
         return Curve(time_of(y), y, self.number, y.subject)
@@ -46,7 +47,7 @@ class Impact:
         return replace(quantity, time=quantity.time[self.during], values=quantity.values[self.during])
 
 
-def drop_sheet(runs):
+def drop_sheet(runs: Sequence[Run]) -> Sheet:
     """Return the Sheet of the first impacts of the runs, without panels if no gear with an absorber touches down."""
     impacts = [impact for number, run in enumerate(runs) for impact in _impacts(run, number)]
     panels = [_load_stroke(impacts), _ground(impacts), _tyre(impacts), _axle(impacts), _travel(impacts)]
@@ -89,7 +90,7 @@ def _load_stroke(impacts):
     return Panel("load on the absorber", tuple(curves), note=f"efficiency {reported}")
 
 
-def efficiency(stroke, force):
+def efficiency(stroke: np.ndarray, force: np.ndarray) -> float:
     """Return the work of compression up to the largest stroke over largest force times largest stroke."""
     last = int(np.argmax(stroke)) + 1
     stroke, force = stroke[:last], force[:last]
@@ -124,7 +125,7 @@ def _peaks_text(curves, rows):
     return f"{sizes} kN at {curves[0].y.time[rows[0]]:.3g} s" if len(curves) == 1 else f"{sizes} kN"
 
 
-def spin_up_and_spring_back(drag):
+def spin_up_and_spring_back(drag: np.ndarray) -> tuple[int, int]:
     """Return the rows of the largest drag and of the largest forward force after it."""
     up = int(np.argmax(drag))
     return up, up + int(np.argmin(drag[up:]))

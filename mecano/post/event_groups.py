@@ -1,12 +1,18 @@
 """Groups of like events at one instant; the sheet and the table of the shocks of a run."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.errors import name_list
 from mecano.post.quantity import Quantity, time_of
 from mecano.post.sheet import Curve, Panel, Sheet
+
+if TYPE_CHECKING:
+    from mecano.post.runs import Run
+    from mecano.results.reader import Event, Results
 
 MOST_NAMES = 3  # elements named in a line
 TOGETHER = 1e-6  # of the duration of a run: events no farther apart are at one instant
@@ -19,52 +25,53 @@ HEADING = ("run", "time [s]", "group", "element", "event", "impulse", "unit of t
 class Group:
     """Events at one instant, of the elements ``names`` of one kind, with the same name and change of phase."""
 
-    events: tuple
-    names: tuple
+    events: "tuple[Event, ...]"
+    names: tuple[str, ...]
     kind: str
 
     @property
-    def time(self):
+    def time(self) -> float:
         """Time of the first event [s]."""
         return self.events[0].time
 
     @property
-    def single(self):
+    def single(self) -> "list[Group]":
         """A list of Groups of one event each."""
         return [Group((event,), (name,), self.kind) for event, name in zip(self.events, self.names, strict=True)]
 
     @property
-    def title(self):
+    def title(self) -> str:
         """The element, or number and kind of the elements with the first of their names."""
         if len(self.events) == 1:
             return self.events[0].element
         return f"{len(self.names)} {self.kind}: {name_list(self.names, MOST_NAMES)}"
 
     @property
-    def what(self):
+    def what(self) -> str:
         """Kind and name of the event: hinge locks."""
         return f"{self.kind} {self.events[0].name}".replace("_", " ")
 
     @property
-    def is_shock(self):
+    def is_shock(self) -> bool:
         """True if the events are shocks, which exchange momentum."""
         return bool(self.events[0].impulse_unit)
 
     @property
-    def impulse(self):
+    def impulse(self) -> float:
         """The impulse of largest magnitude."""
         return max((event.impulse for event in self.events), key=abs)
 
     @property
-    def lost(self):
+    def lost(self) -> float:
         """Energy lost in all events [J]."""
         return sum(event.energy_lost for event in self.events)
 
 
-def groups(results):
+def groups(results: "Results") -> list[Group]:
     """Return the events of a file as a list of Groups, in order of time."""
     within = TOGETHER * float(np.ptp(results.time)) if len(results.time) else 0.0
-    found, here = [], {}
+    found: list[tuple[str, list[tuple[Event, str]]]] = []
+    here: dict[tuple[str, ...], list[tuple[Event, str]]] = {}  # the last of each kind, name and change of phase
     for event in results.events:
         kind, name = results.subject(event)
         key = (kind, event.name, event.before, event.after)
@@ -72,10 +79,10 @@ def groups(results):
             here[key] = []
             found.append((kind, here[key]))
         here[key].append((event, name))
-    return [Group(*zip(*alike, strict=True), kind) for kind, alike in found]
+    return [Group(tuple(event for event, _ in alike), tuple(name for _, name in alike), kind) for kind, alike in found]
 
 
-def shock_sheet(runs):
+def shock_sheet(runs: "Sequence[Run]") -> Sheet:
     """Return the Sheet of shocks: largest impulse at each instant, cumulative energy loss; its table lists all."""
     found = [(number, run, [g for g in groups(run.results) if g.is_shock]) for number, run in enumerate(runs)]
     impulses, energies = [], []

@@ -1,8 +1,14 @@
 """Events of runs as marks, each the same in all pictures of these runs."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from mecano.errors import name_list
+
+if TYPE_CHECKING:
+    from mecano.post.runs import Run
+    from mecano.results.reader import Event
 
 MOST_NAMES = 4  # elements named in an entry of the legend
 MARKERS = "v^sDoPX*<>pH"
@@ -21,13 +27,13 @@ class EventMark:
     key: str
 
 
-def event_marks(runs):
+def event_marks(runs: "Iterable[Run]") -> tuple[EventMark, ...]:
     """Return an EventMark for each event of all runs.
 
     Each event of each element has a marker, shared by elements for which it occurs at the same times; or each event
     alone where these are too many; of still more, the others share one. Markers are assigned in order of time.
     """
-    found = [
+    found: list[tuple[float, str, str, int]] = [
         (event.time, *_named(run, event), number) for number, run in enumerate(runs) for event in run.results.events
     ]
     found.sort(key=lambda event: event[0])
@@ -38,7 +44,7 @@ def event_marks(runs):
     return tuple(EventMark(*event, markers.get(key, OTHERS), key) for event, key in zip(found, keys, strict=True))
 
 
-def _named(run, event):
+def _named(run: "Run", event: "Event") -> tuple[str, str]:
     _, name = run.results.subject(event)
     return name, event.name.replace("_", " ")
 

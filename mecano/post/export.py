@@ -1,6 +1,8 @@
 """Export of results for other programs: comma-separated values, and points and cells for ParaView."""
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mecano.errors import ResultsError, UsageError
 from mecano.post.columns import columns_of
@@ -15,10 +17,20 @@ from mecano.results.vtk_group import add_grids, write_grids
 from mecano.results.whole_file import exists, refuse_other_than_file, write_csv
 from mecano.results.writer import refuse_existing
 
+if TYPE_CHECKING:
+    import os
+
 OF_COLUMNS, OF_CELLS = ".csv", ".vtkhdf"
 
 
-def export(path, output=None, *, series=(), vtk=False, force=False):
+def export(
+    path: "str | os.PathLike[str]",
+    output: "str | os.PathLike[str] | None" = None,
+    *,
+    series: Sequence[str] = (),
+    vtk: bool = False,
+    force: bool = False,
+) -> Path:
     """Write the content of a results file for other programs, and return the Path written.
 
     Parameters

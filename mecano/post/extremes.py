@@ -1,11 +1,16 @@
 """Extremes over all accepted steps that are worth reporting for a run as a whole."""
 
 import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mecano.results.reader import Extreme
 
 ROUNDING = 1e-10  # of the largest value of the same unit: smaller extremes are rounding errors
 
 
-def telling(extremes):
+def telling(extremes: "Mapping[str, Extreme]") -> "list[tuple[str, Extreme]]":
     """Return (name, Extreme) of all outputs, without nodes, formulas, zeros and rounding errors.
 
     Formulas are those written in place, such as the condition of a release, which results hold as differences. Joints
@@ -24,7 +29,7 @@ def telling(extremes):
     return [(named(path), extreme) for path, extreme in found]
 
 
-def named(path):
+def named(path: str) -> str:
     """Return the name of an output as used in requests."""
     return path.replace("/", ".")
 

@@ -1,15 +1,18 @@
 """Figures of sheets by matplotlib, without a display."""
 
 import math
+from pathlib import Path
+from typing import IO
 
 import matplotlib
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from mecano.post.curve_styles import CurveStyles
 from mecano.post.draw_events import EventLegend
 from mecano.post.draw_panel import draw_panel, room_above
 from mecano.post.draw_sketch import draw_sketch
-from mecano.post.sheet import Panel
+from mecano.post.sheet import Panel, Sheet
 from mecano.post.style import GREY, LEGEND, LINE_OF_TEXT, SETTINGS, legend_columns
 
 PANEL = (4.6, 2.35)  # inches
@@ -23,7 +26,7 @@ CUT = " ..."
 METADATA = {"png": {"Software": "mecano"}, "svg": {"Creator": "mecano", "Date": None}}
 
 
-def sheet_figure(sheet, title):
+def sheet_figure(sheet: Sheet, title: str) -> Figure:
     """Return the figure of a sheet: its panels in columns, or its sketches one below the other."""
     if not isinstance(sheet.panels[0], Panel):
         return _sketches(sheet, title)
@@ -39,10 +42,11 @@ def sheet_figure(sheet, title):
     return figure
 
 
-def overview_figure(sheet, title, facts):
+def overview_figure(sheet: Sheet, title: str, facts: str) -> Figure:
     """Return the figure of an overview: panels around the sketch, which is in a corner or fills the first row."""
-    sketched = not isinstance(sheet.panels[0], Panel)
-    wide = sketched and not sheet.panels[0].in_place
+    first = sheet.panels[0]
+    sketched = not isinstance(first, Panel)
+    wide = not isinstance(first, Panel) and not first.in_place
     cells = [(r, c) for r in range(len(sheet.panels)) for c in range(COLUMNS)]
     taken = [(0, c) for c in range(COLUMNS if wide else sketched)]
     free = [cell for cell in cells if cell not in taken][: len(sheet.panels) - sketched]
@@ -57,14 +61,15 @@ def overview_figure(sheet, title, facts):
     return figure
 
 
-def save(figure, target, kind=""):
+def save(figure: Figure, target: Path | IO[bytes], kind: str = "") -> None:
     """Write a figure to a path, whose extension is the default of ``kind``, or to a stream; it can be saved only once.
 
     The same figure gives the same bytes. Raises OSError.
     """
-    kind = kind or target.suffix[1:]
+    kind = kind or (target.suffix[1:] if isinstance(target, Path) else "")
     with matplotlib.rc_context(SETTINGS):
-        figure.get_layout_engine().execute(figure)
+        if engine := figure.get_layout_engine():
+            engine.execute(figure)
     with matplotlib.rc_context(SETTINGS | {"figure.constrained_layout.use": False}):
         figure.set_layout_engine()  # none, as savefig would draw everything again to compute the layout
         figure.savefig(target, format=kind, metadata=METADATA[kind])
@@ -98,10 +103,10 @@ def _sketches(sheet, title):
     return figure
 
 
-def plain_figure(width, height, title, heading):
+def plain_figure(width: float, height: float, title: str, heading: str) -> Figure:
     """Return an empty figure with a bold title and a heading below it."""
-    figure = Figure(figsize=(width, height + ROOM))
-    figure.get_layout_engine().set(w_pad=PAD, h_pad=PAD, wspace=0.03, hspace=0.03)
+    layout = ConstrainedLayoutEngine(w_pad=PAD, h_pad=PAD, wspace=0.03, hspace=0.03)
+    figure = Figure(figsize=(width, height + ROOM), layout=layout)
     head = figure.suptitle(f"{title}\n", x=0.01, ha="left", fontsize=12, fontweight="bold")
     top = 1.0 - (PAD + 0.25) / (height + ROOM)
     below = figure.text(0.01, top, heading, ha="left", va="top", color=GREY)

@@ -2,6 +2,7 @@
 
 import subprocess
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import matplotlib
 import numpy as np
@@ -12,11 +13,16 @@ from matplotlib.figure import Figure
 
 from mecano.errors import ResultsError, UsageError
 from mecano.post.runs import opened_runs
-from mecano.post.scene import scene_of
+from mecano.post.scene import Scene, scene_of
 from mecano.post.shapes import BODY, CABLE, GEAR, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
 from mecano.post.style import GREY, INK, PALE, SETTINGS, shown_unit, with_unit
 from mecano.post.view_direction import projection
 from mecano.results.whole_file import atomic_file, make_folder
+
+if TYPE_CHECKING:
+    import os
+
+    from matplotlib.axes import Axes
 
 WRITERS = {".gif": "pillow", ".webp": "pillow", ".mp4": "ffmpeg"}
 FRAMES, PER_SECOND = 150, 15
@@ -34,7 +40,7 @@ MARKS = {MASS: ("o", 7.0, "#444444"), JOINT: ("o", 3.5, INK), SUPPORT: ("^", 8.0
 COLOURS = "viridis"
 
 
-def film(path, target, title=None):
+def film(path: "str | os.PathLike[str]", target: "str | os.PathLike[str]", title: str | None = None) -> Path:
     """Write the film ``target`` (.gif, .webp or .mp4) of the results file ``path``, and return its Path.
 
     Lines are coloured by stress, or otherwise by axial force, if the file has them.
@@ -74,7 +80,7 @@ def _write(scene, target, writer, title):
 class _Picture:
     """The axes of the film, and the artists updated from frame to frame."""
 
-    def __init__(self, scene, ax, title):
+    def __init__(self, scene: Scene, ax: "Axes", title: str):
         self._scene, self._ax, self._projection = scene, ax, projection(scene.eye, scene.up)
         self._limits()
         ax.set_axis_off()
@@ -120,7 +126,7 @@ class _Picture:
         bar.set_label(with_unit(name, shown))
         return name, factor, mapping
 
-    def show(self, frame):
+    def show(self, frame: int) -> None:
         """Update all artists to saved time number ``frame`` of the scene."""
         scene = self._scene
         centre = self._middle + (self._flat(scene.middle[frame]) if scene.follow else 0.0)

@@ -5,12 +5,18 @@ between two nodes, or each element of a divided member, is a line; a wheel or ge
 line through its points; a joint or a point mass is a vertex. Cells are hidden from the release of their owner on.
 """
 
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.errors import ResultsError
 from mecano.model.mesh import piece_names
-from mecano.post.shapes import BODY, GEAR, JOINT, SUPPORT, WHEEL, Motion, apart, shapes
+from mecano.post.shapes import BODY, GEAR, JOINT, SUPPORT, WHEEL, Motion, Shape, apart, shapes
 from mecano.results.vtk_group import LINE, POLY_LINE, VERTEX, Field, Grid
+
+if TYPE_CHECKING:
+    from mecano.post.runs import Run
 
 UNITS = ("N", "N m", "Pa")  # of the outputs that cells carry
 HIDDEN = "vtkGhostType"  # name of the array of VTK that hides cells, and its value (vtkDataSetAttributes::HIDDENCELL)
@@ -21,7 +27,7 @@ PLAIN = {"force": "force_along_axis", "moment": "moment_about_axis"}  # names of
 NUMBERS = 2**20  # read at once from the results file, 8 MB; the data made of them are up to four times as large
 
 
-def grids_of(run):
+def grids_of(run: "Run") -> Iterator[Grid]:
     """Yield the Grids of successive blocks of saved times of a run, with the same cells and names.
 
     Raises ResultsError if there is nothing to draw.
@@ -40,11 +46,11 @@ def grids_of(run):
 class _Blocks(Motion):
     """The motion at a block of ``rows``, at first the start; nodes apart at any saved time are so in all blocks."""
 
-    def __init__(self, run):
+    def __init__(self, run: "Run"):
         super().__init__(run, slice(1))
-        self._apart = {}
+        self._apart: dict[tuple[str, ...], bool] = {}
 
-    def apart(self, nodes, points):
+    def apart(self, nodes: Sequence[str], points: np.ndarray) -> bool:
         """Return whether nodes are apart at any saved time of the run."""
         key = tuple(nodes)
         if key not in self._apart:
@@ -80,13 +86,13 @@ def _grid(motion, start):
 class _Points:
     """The points: first the nodes, then the further points of shapes."""
 
-    def __init__(self, motion):
+    def __init__(self, motion: Motion):
         self._motion = motion
         self._positions = [motion.position(node) for node in motion.nodes]
         self._velocities = [motion.vector(f"nodes/{node}/velocity") for node in motion.nodes]
         self._number = {node: i for i, node in enumerate(motion.nodes)}
 
-    def numbers(self, shape):
+    def numbers(self, shape: Shape) -> list[int]:
         """Return the numbers of the points of a shape, and add those that are not nodes."""
         rigid = next(filter(None, shape.nodes), None) if shape.style in (WHEEL, GEAR, BODY) else None
         return [
@@ -104,11 +110,11 @@ class _Points:
         self._velocities.append(velocities)
         return len(self._positions) - 1
 
-    def positions(self):
+    def positions(self) -> np.ndarray:
         """Return all positions (times, points, 3) [m]."""
         return np.stack(self._positions, axis=1)
 
-    def velocities(self):
+    def velocities(self) -> np.ndarray:
         """Return all velocities (times, points, 3) [m/s]; nan inside superelements."""
         return np.stack(self._velocities, axis=1)
 

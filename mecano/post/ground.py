@@ -1,8 +1,14 @@
 """The ground of a wheel: its intersection with the plane of a side view, and lines on it along the path."""
 
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from mecano.post.curve_values import curve_values
+
+if TYPE_CHECKING:
+    from mecano.schema import Values
 
 STEEPEST = 0.2  # component of the normal along the vertical axis below which the ground is not drawn
 POINTS = 60
@@ -11,7 +17,9 @@ BESIDE = 3.0  # radii beyond the way
 ROUND = 0.15  # margin of a patch of ground around the mechanism, relative to its size
 
 
-def ground_line(deck, ground, axes, centre, half_width):
+def ground_line(
+    deck: Mapping[str, Any], ground: "Values", axes: Sequence[int], centre: np.ndarray, half_width: float
+) -> np.ndarray | None:
     """Return points (n, 2) of the ground below ``centre`` (3,) [m], or None if it is seen from above.
 
     ``deck`` is the resolved deck, ``ground`` one of its grounds, ``axes`` the numbers of the inertial axes to the right
@@ -29,7 +37,7 @@ def ground_line(deck, ground, axes, centre, half_width):
     return _raised(deck, profile, points, point, normal)[:, axes]
 
 
-def ground_patch(deck, ground, points):
+def ground_patch(deck: Mapping[str, Any], ground: "Values", points: np.ndarray) -> np.ndarray:
     """Return the outline (k, 3) [m] of the ground below ``points`` (n, 3), on all sides a little wider."""
     normal = np.array(ground["plane"]["normal"], float)
     normal /= np.linalg.norm(normal)
@@ -48,7 +56,7 @@ def ground_patch(deck, ground, points):
     return _raised(deck, profile, outline, point, normal)
 
 
-def ground_path(deck, ground, centres, radius):
+def ground_path(deck: Mapping[str, Any], ground: "Values", centres: np.ndarray, radius: float) -> Iterator[np.ndarray]:
     """Yield lines (k, 3) on the ground along the path of a wheel with ``centres`` (n, 3) and ``radius`` [m]."""
     normal = np.array(ground["plane"]["normal"], float)
     normal /= np.linalg.norm(normal)

@@ -3,7 +3,9 @@
 import json
 import math
 import shlex
+from collections.abc import Sequence
 from textwrap import wrap
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,8 +18,11 @@ from mecano.post.runs import Run
 from mecano.post.verdict import verdict
 from mecano.results.energy_balance import EXCHANGED, scale_of_balance
 from mecano.results.lookup import similar_outputs
-from mecano.results.reader import open_results
+from mecano.results.reader import Results, open_results
 from mecano.results.writer import WRITING
+
+if TYPE_CHECKING:
+    import os
 
 MOST_EVENTS = 20
 MOST_EXTREMES = 60
@@ -28,7 +33,7 @@ RESUME = "--resume"
 ENDS = {"running": "still running", "killed": "killed, all acknowledged steps are kept", "truncated": "cut short"}
 
 
-def info(path, pattern=None, every_event=False):
+def info(path: "str | os.PathLike[str]", pattern: str | None = None, every_event: bool = False) -> str:
     """Return the summary of a results file or, with a ``pattern`` such as "wheel.*" or "*", of the matching outputs.
 
     Like events at one instant are merged into one line, and only the first lines are listed, unless ``every_event``.
@@ -43,7 +48,7 @@ def info(path, pattern=None, every_event=False):
         return "\n".join([*_run(results), "", *events, "", *_holds(results), "", *_extremes(results)])
 
 
-def one_line(runs):
+def one_line(runs: Sequence[Run]) -> str:
     """Return a line for the head of a picture: the outcome of one run, or the names of several."""
     if len(runs) > 1:
         return f"{len(runs)} runs: {', '.join(run.results.path.name for run in runs)}"
@@ -51,7 +56,7 @@ def one_line(runs):
     return "; ".join([verdict(results), count(results), f"mecano {results.metadata['version_mecano']}"])
 
 
-def facts(results):
+def facts(results: Results) -> list[tuple[str, str]]:
     """Return (label, text) of each fact on the outcome and provenance of a run."""
     data = results.metadata
     versions = [f"{key.removeprefix('version_')} {data[key]}" for key in data if key.startswith("version_")]
@@ -129,7 +134,7 @@ def _status(results):
     return f"{status}: {reason}" if reason else status
 
 
-def count(results):
+def count(results: Results) -> str:
     """Return a text with the numbers of steps, rejected trials and iterations of a run."""
     steps = results.steps
     if not len(steps):

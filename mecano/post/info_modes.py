@@ -1,22 +1,27 @@
 """Summary of a file of modes, and of other files of mecano besides results, as text."""
 
+from typing import TYPE_CHECKING
+
 import h5py
 
 from mecano.results import modes_file
 from mecano.results.checked import format_of, open_checked
 from mecano.results.modes_file import read_modes
 
+if TYPE_CHECKING:
+    import os
+
 OWN = "mecano "  # prefix of the formats of mecano
 NUMBERS = ("frequency", "natural_frequency", "damping_ratio", "real_part", "residual")
 HEAD = ("mode", "damped [Hz]", "natural [Hz]", "damping", "growth [1/s]", "residual", "kind")
 
 
-def is_other(path):
+def is_other(path: "str | os.PathLike[str]") -> bool:
     """Return whether a file is of mecano, but not a results file of a run."""
     return format_of(path).startswith(OWN) and format_of(path) != "mecano results"
 
 
-def info_other(path):
+def info_other(path: "str | os.PathLike[str]") -> str:
     """Return the summary of a file of modes, a sweep or a study. Raises ResultsError."""
     lines = _run(path)
     lines += _modes(read_modes(path)) if format_of(path) == modes_file.FORMAT else _contents(path)

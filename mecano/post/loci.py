@@ -1,7 +1,9 @@
 """Pictures of a sweep: root loci, growth, frequency and damping over a parameter; a map of stability over two."""
 
 import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import matplotlib
 import numpy as np
@@ -14,7 +16,12 @@ from mecano.errors import ResultsError, UsageError
 from mecano.post.figure import plain_figure, save
 from mecano.post.style import COLOURS, DASHES, GREY, INK, SETTINGS, note_below, with_unit
 from mecano.results.checked import open_checked
-from mecano.results.sweep_file import read_sweep
+from mecano.results.sweep_file import SweepFile, read_sweep
+
+if TYPE_CHECKING:
+    import os
+
+    from matplotlib.figure import Figure
 
 SIZE, MAP_SIZE = (9.6, 7.2), (6.8, 4.6)  # inches
 WIDTH, NUMBERS = 3.7, 7.5  # inches of axes; points, size of the numbers of critical values
@@ -31,7 +38,12 @@ ABOVE = 3.0  # times the frequency of the growing or least damped modes: faster 
 ROUNDED = 1e-6  # damping ratio that is rounding
 
 
-def draw_sweep(path, output=None, kind="png", below=None):
+def draw_sweep(
+    path: "str | os.PathLike[str]",
+    output: "str | os.PathLike[str] | None" = None,
+    kind: str = "png",
+    below: float | None = None,
+) -> Path:
     """Draw the picture of a file of a sweep beside it, or at ``output``, and return its Path.
 
     Modes of higher frequency than ``below`` [Hz] are left out, see ``shown_modes``. Raises ResultsError, and UsageError
@@ -47,7 +59,7 @@ def draw_sweep(path, output=None, kind="png", below=None):
     return target
 
 
-def sweep_figure(file, below=None):
+def sweep_figure(file: SweepFile, below: float | None = None) -> "Figure":
     """Return the figure of a SweepFile; see ``draw_sweep``. Raises ResultsError, UsageError."""
     units, is_map = _units(file), len(file.names) == 2
     if is_map and below is not None:
@@ -70,7 +82,9 @@ def _headed(file, size):
     return plain_figure(*size, file.title or file.path.stem, heading)
 
 
-def shown_modes(modes, below=None):
+def shown_modes(
+    modes: Mapping[str, np.ndarray], below: float | None = None
+) -> tuple[np.ndarray, np.ndarray, float | None]:
     """Return (numbers of the modes shown, numbers of those above the limit, limit [Hz] or None).
 
     Modes that oscillate faster than the limit at all values are above it. Without ``below`` [Hz] the limit is ABOVE
@@ -195,7 +209,7 @@ def _rows(places, widths):
     return rows
 
 
-def real_range(modes):
+def real_range(modes: Mapping[str, np.ndarray]) -> tuple[float, float, Sequence[int]]:
     """Return limits for real parts, and the modes partly beyond them, which decay much faster.
 
     Growing modes, the least stable mode at each value, and modes lightly damped at some value are within the limits,

@@ -1,5 +1,8 @@
 """Section forces along members at one instant: the diagrams of axial force, shear, torsion and bending."""
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.model.mesh import divided_nodes, piece_names
@@ -7,6 +10,9 @@ from mecano.post.panels import worth_showing
 from mecano.post.quantity import SAVED, Quantity
 from mecano.post.shapes import BEAM
 from mecano.post.sheet import Curve, Panel, Sheet
+
+if TYPE_CHECKING:
+    from mecano.post.runs import Run
 
 MOST, MOST_OF_SEVERAL = 4, 2  # members shown of one run, of each of several
 DIAGRAMS = (  # label, unit, component; outputs at the first node, in the middle, at the second node of each element
@@ -18,7 +24,7 @@ DIAGRAMS = (  # label, unit, component; outputs at the first node, in the middle
 CLEARLY = 1.05  # least ratio of the largest moment to that at the last instant for a sheet of its own
 
 
-def member_sheets(runs):
+def member_sheets(runs: "Sequence[Run]") -> list[Sheet]:
     """Return the Sheets of diagrams at the last saved time and, if clearly larger, at that of the largest moment."""
     peaks = [_peak(run) for run in runs]
     if not any(row is not None for row, _, _ in peaks):

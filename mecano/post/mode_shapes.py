@@ -1,10 +1,12 @@
 """Pictures of modes: the mechanism at some phase angles of each motion, from the file of modes only."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
+from typing import TYPE_CHECKING, NoReturn
 
 import matplotlib
 import numpy as np
@@ -16,7 +18,12 @@ from mecano.post.runs import SECTIONS
 from mecano.post.shapes import apart, shapes
 from mecano.post.sketch import Sketch
 from mecano.post.style import SETTINGS
-from mecano.results.modes_file import read_modes
+from mecano.results.modes_file import ModesFile, read_modes
+
+if TYPE_CHECKING:
+    import os
+
+    from mecano.schema import Values
 
 AMPLITUDE = 0.12  # of the size of the mechanism
 PHASES = np.radians((180.0, 135.0, 90.0, 45.0, 0.0))  # the last one, drawn darkest, is the real part
@@ -29,13 +36,13 @@ NO_SHAPES = "nothing moves, so there are no shapes to draw"
 class ModeMotion:
     """The motion of one mode, with the interface of ``shapes.Motion``: positions of nodes at PHASES."""
 
-    run: object  # deck, things, paths
-    file: object  # ModesFile
+    run: SimpleNamespace  # deck, things, paths
+    file: ModesFile  # ModesFile
     mode: int
     amplitude: float
 
     @cached_property
-    def nodes(self):
+    def nodes(self) -> list[str]:
         """Names of the nodes, including those of divided members."""
         return list(self.file.nodes)
 
@@ -43,37 +50,39 @@ class ModeMotion:
     def _turns(self):
         return self.amplitude * np.exp(1j * PHASES)
 
-    def position(self, node):
+    def position(self, node: str) -> np.ndarray:
         """Return the positions (phases, 3) [m] of a node."""
         values = self.file.nodes[node]
         return values["position"] + np.real(self._turns[:, None] * values["translation"][self.mode])
 
-    def apart(self, nodes, points):
+    def apart(self, nodes: Sequence[str], points: np.ndarray) -> bool:
         """Return whether nodes with ``points`` (phases, nodes, 3) [m] are apart at any phase."""
         return apart(points)
 
-    def released(self, label):
+    def released(self, label: str) -> np.ndarray:
         """Return (phases,) whether the joint or element "hinge 'pin'" has been released in the state of the modes."""
         return np.full(len(PHASES), label in self.file.released)
 
-    def inside(self, name, d):
+    def inside(self, name: str, d: "Values") -> np.ndarray | None:
         """Return the positions (phases, n, 3) [m] of the nodes inside the superelement ``name``, or None."""
         values = self.file.inner.get(name)
         if values is None:
             return None
         return values["position"] + np.real(self._turns[:, None, None] * values["translation"][self.mode])
 
-    def turned(self, node, direction):
+    def turned(self, node: str, direction: Sequence[float] | np.ndarray) -> np.ndarray:
         """Return an inertial direction (3,) of the state, rotated with the node to first order: (phases, 3)."""
         rotation = np.real(self._turns[:, None] * self.file.nodes[node]["rotation"][self.mode])
         return direction + np.cross(rotation, direction)
 
-    def vector(self, path):
+    def vector(self, path: str) -> NoReturn:
         """Raise ResultsError, as a file of modes has no outputs."""
         raise ResultsError(f"'{path}' is not in a file of modes")
 
 
-def draw_modes(path, output=None, kind="png"):
+def draw_modes(
+    path: "str | os.PathLike[str]", output: "str | os.PathLike[str] | None" = None, kind: str = "png"
+) -> Path:
     """Draw all modes of a file in one picture beside it, or at ``output``, and return its Path.
 
     Raises ResultsError, also for a file without modes.
@@ -89,7 +98,7 @@ def draw_modes(path, output=None, kind="png"):
     return target
 
 
-def mode_sketches(file):
+def mode_sketches(file: ModesFile) -> list[Sketch]:
     """Return a Sketch for each mode of a ModesFile at PHASES; the largest displacement is AMPLITUDE of the size."""
     things = {f"{s}/{name}": d for s in SECTIONS for name, d in file.resolved.get(s, {}).items()}
     paths = frozenset(f"nodes/{name}/position" for name in file.nodes)

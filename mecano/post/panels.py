@@ -1,12 +1,17 @@
 """Panels of outputs of elements: selection of curves, removal of noise, and peaks."""
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.post.plans import ON_GROUND, pictures_of
+from mecano.post.plans import ON_GROUND, Plan, pictures_of
 from mecano.post.quantity import DERIVED, MAGNITUDE, find, largest, peak_of, time_of
 from mecano.post.sheet import Curve, Panel
+
+if TYPE_CHECKING:
+    from mecano.post.runs import Run
 
 MOST = 6  # elements shown together of one run
 MOST_OF_SEVERAL = 2  # elements of each of several runs
@@ -14,7 +19,7 @@ FAR_APART = 20.0  # ratio of magnitudes above which curves do not share a panel
 NOTHING = 1e-9  # of the largest value of the same unit: smaller values are numerical noise
 
 
-def planned_panels(plan, runs):
+def planned_panels(plan: Plan, runs: "Sequence[Run]") -> tuple[list[Panel], str]:
     """Return the panels of a plan for the most active elements, and a note on elements left out."""
     things = _things(plan, runs)
     shown = _most_active(things, plan.views[0], runs)
@@ -44,9 +49,9 @@ def _by_size(panel):
     return [replace(panel, curves=tuple(c for c in panel.curves if c.subject in group)) for group in groups]
 
 
-def worth_showing(panels, runs):
+def worth_showing(panels: Sequence[Panel], runs: "Sequence[Run]") -> list[Panel]:
     """Return the panels without curves that are noise compared with others or with the whole motion."""
-    scale = {}
+    scale: dict[str, float] = {}  # by unit
     for unit, value in (item for run in runs for item in run.scales.items()):
         scale[unit] = max(scale.get(unit, 0.0), value)
     for curve in (curve for panel in panels for curve in panel.curves):
@@ -140,7 +145,7 @@ def _signed(run, name):
     return name if stem != name and run.results.series[stem].shape else stem
 
 
-def with_peaks(panel, runs):
+def with_peaks(panel: Panel, runs: "Sequence[Run]") -> Panel:
     """Return the panel with the peaks of its curves over all accepted steps, if it is over time."""
     if not panel.over_time:
         return panel

@@ -1,7 +1,9 @@
 """Pictures and tables of results files, written to files."""
 
 import os
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mecano.errors import ResultsError, UsageError
 from mecano.post.columns import columns_of
@@ -11,7 +13,7 @@ from mecano.post.info import one_line
 from mecano.post.loci import draw_sweep
 from mecano.post.mode_shapes import draw_modes
 from mecano.post.request import Request, requested_sheet
-from mecano.post.runs import opened_runs
+from mecano.post.runs import Run, opened_runs
 from mecano.post.sheets import default_sheets, overview
 from mecano.post.spectrum import spectrum_sheet
 from mecano.post.study_plots import draw_study
@@ -19,14 +21,28 @@ from mecano.results import modes_file, study_file, sweep_file
 from mecano.results.checked import format_of
 from mecano.results.whole_file import make_folder, refuse_foreign, write_csv
 
+if TYPE_CHECKING:
+    from mecano.post.sheet import Sheet
+
 FORMATS = ("png", "svg")
 OTHER_FORMATS = ("jpg", "jpeg", "pdf", "eps", "ps", "tif", "tiff", "gif", "bmp", "webp")  # other dots are in names
 ALONE = {modes_file.FORMAT: draw_modes, sweep_file.FORMAT: draw_sweep, study_file.FORMAT: draw_study}
 LONGEST_STEM = 60
 
 
-def post(paths, plots=(), spectra=(), *, output=None, kind="png", columns=False, title=None, at=None, below=None,
-         force=False):  # fmt: skip
+def post(
+    paths: Sequence[str | os.PathLike[str]],
+    plots: Sequence[str] = (),
+    spectra: Sequence[str] = (),
+    *,
+    output: str | os.PathLike[str] | None = None,
+    kind: str = "png",
+    columns: bool = False,
+    title: str | None = None,
+    at: str | None = None,
+    below: float | None = None,
+    force: bool = False,
+) -> Iterator[Path]:
     """Draw pictures of results files, with several runs in one picture, and yield the Path of each file written.
 
     Files of modes, sweeps and studies are drawn one by one; ``plots``, ``spectra``, ``columns``, ``title`` and ``at``
@@ -93,7 +109,7 @@ def _of_runs(runs, pictures, times, output, kind, columns, title, force):
             yield _save_columns(sheet, target.with_suffix(".csv"), force)
 
 
-def asked_sheets(plots, spectra, runs):
+def asked_sheets(plots: Iterable[str], spectra: Iterable[str], runs: Sequence[Run]) -> "list[Sheet]":
     """Return the Sheets of ``plots`` "Y[,Y2]:X" and ``spectra`` "Y[,Y2]". Raises UsageError, UnknownNameError."""
     plotted = [requested_sheet(Request.parse(text), runs) for text in plots]
     return plotted + [spectrum_sheet(text, runs) for text in spectra]

@@ -3,7 +3,12 @@
 A kind without a plan gets a sheet of its own with all its outputs.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mecano.post.runs import Run
 
 ON_GROUND = ("longitudinal_slip", "lateral_slip", "rolling_rate")  # say something only while a wheel is pressed
 
@@ -17,7 +22,7 @@ class View:
     """
 
     label: str
-    outputs: tuple
+    outputs: tuple[str, ...]
     against: str = "time"
     reference: str = ""  # output shown for comparison
 
@@ -28,7 +33,7 @@ class Plan:
 
     name: str
     heading: str
-    views: tuple
+    views: tuple[View, ...]
     lead: int = 1
 
 
@@ -151,7 +156,7 @@ _PLANS = (WHEELS, STRUTS, TORSION_SPRINGS, ANGLES, BEAMS, SLIDES, GEARS, PLANES,
           SIGNALS)  # fmt: skip
 
 
-def plans(runs):
+def plans(runs: "Sequence[Run]") -> list[Plan]:
     """Return the plans for the kinds in the runs, with an additional one for each kind that belongs to none."""
     belonging = {path: (run, d["type"], pictures_of(run, path)) for run in runs for path, d in run.pieces.items()}
     used = {name for _, _, pictures in belonging.values() for name in pictures}
@@ -161,7 +166,7 @@ def plans(runs):
     return standard + [plan for kind, (run, path) in own.items() if (plan := _own_plan(kind, run, path)).views]
 
 
-def pictures_of(run, path):
+def pictures_of(run: "Run", path: str) -> tuple[str, ...]:
     """Return the names of the pictures to which the element, joint or load of a path belongs."""
     d, section = run.pieces[path], path.partition("/")[0]
     by_section = {"joints": ("reactions",), "loads": ("loads",), "signals": ("signals",)}.get(section, ())

@@ -11,14 +11,20 @@ Names are those of the results reader (``wheel.radial_force``, ``axle.position.z
     time
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.deck.wording import suggestion
 from mecano.errors import UsageError
 from mecano.post import recovered
+
+if TYPE_CHECKING:
+    from mecano.post.sheet import Peak
+    from mecano.results.reader import Results
 
 MAGNITUDE = ".magnitude"
 SAVED, STEPS = "saved times", "accepted steps"
@@ -46,15 +52,15 @@ class Quantity:
     clock: str
     time: np.ndarray
     values: np.ndarray
-    axis: tuple = ("time", "s")
+    axis: tuple[str, str] = ("time", "s")
 
     @property
-    def subject(self):
+    def subject(self) -> str:
         """Name of the owner: an element, joint, load or node, or "energy", "solver"."""
         return self.path.split("/")[-2] if "/" in self.path else ""
 
     @property
-    def what(self):
+    def what(self) -> str:
         """The quantity as text: radial force, position z."""
         if self.path == "time":
             return self.axis[0]
@@ -63,17 +69,17 @@ class Quantity:
         return self.path.split("/")[-1].replace("_", " ").replace(".", " ") if not self.of_signal else "signal"
 
     @property
-    def of_signal(self):
+    def of_signal(self) -> bool:
         """True for the value of a signal, whose name is that of its owner."""
         return self.path.startswith("signals/") and self.path.endswith("/value")
 
     @property
-    def whole(self):
+    def whole(self) -> str:
         """The quantity as text, without a component."""
         return self.subject if self.of_signal else self.path.split("/")[-1].partition(".")[0].replace("_", " ")
 
     @property
-    def owned(self):
+    def owned(self) -> str:
         """The quantity as text with its owner: wheel radial force."""
         return self.subject if self.of_signal else f"{self.subject} {self.what}".strip()
 
@@ -84,8 +90,8 @@ class Derived:
 
     unit: str
     doc: str
-    needs: tuple
-    function: object
+    needs: tuple[str, ...]
+    function: Callable[..., np.ndarray]
     factor: float | None = None
 
 
@@ -105,7 +111,7 @@ DERIVED = {
 }
 
 
-def find(results, name):
+def find(results: "Results", name: str) -> list[Quantity]:
     """Return the Quantities of a name, one per component of a vector; with * or ?, those of all matching names.
 
     Raises UnknownNameError with similar names, UsageError if nothing matches, ResultsError for an unreadable file.
@@ -134,12 +140,12 @@ def _found(results, name):
     return _components(results.find(name))
 
 
-def peak_of(results, quantity):
+def peak_of(results: "Results", quantity: Quantity) -> "Peak":
     """Return value and time [s] of largest magnitude over all accepted steps, or () if unknown."""
     owner, _, name = quantity.path.rpartition("/")
-    derived = DERIVED.get(name)
-    factor = derived.factor if derived else 1.0
-    path = f"{owner}/{derived.needs[0]}" if derived and factor else quantity.path
+    path, factor, derived = quantity.path, 1.0, DERIVED.get(name)
+    if derived and derived.factor:
+        path, factor = f"{owner}/{derived.needs[0]}", derived.factor
     extreme = results.extremes.get(path)
     if extreme is None or not np.isfinite([extreme.maximum, extreme.minimum]).all():
         return ()
@@ -148,13 +154,13 @@ def peak_of(results, quantity):
     return factor * extreme.minimum, extreme.minimum_time
 
 
-def time_of(quantity):
+def time_of(quantity: Quantity) -> Quantity:
     """Return the times of a quantity as a Quantity."""
     name, unit = quantity.axis
     return replace(quantity, path="time", unit=unit, doc=name, values=quantity.time)
 
 
-def largest(values):
+def largest(values: np.ndarray) -> float:
     """Return the largest magnitude of the finite values, 0 if there are none."""
     return float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))
 

@@ -3,32 +3,38 @@
 A quantity of an inner node is named after its superelement: ``arm.inner.position``, ``arm.inner.displacement.z``.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from mecano.results.reader import Results
+    from mecano.schema import Values
 
 
 @dataclass(frozen=True)
 class Inner:
     """Nodes inside a superelement at some saved times."""
 
-    names: list
+    names: list[str]
     positions: np.ndarray  # (times, n, 3) [m], inertial
     displacements: np.ndarray  # (times, n, 3) [m], relative to the frame, in its axes
 
 
-def nodes_inside(d):
+def nodes_inside(d: "Values") -> list[str]:
     """Return the names of the nodes inside a superelement with these deck values; [] if its file has no shapes."""
     file = d.get("file")
     return file.get("interior_names") or [] if isinstance(file, dict) else []
 
 
-def recover(results, name, d, rows=slice(None)):
+def recover(results: "Results", name: str, d: "Values", rows: slice = slice(None)) -> Inner:
     """Return the Inner of the superelement ``name`` with deck values ``d`` at the saved times number ``rows``."""
     return recovered(d, lambda output: results.find(f"elements/{name}/{output}").values[rows])
 
 
-def recovered(d, value):
+def recovered(d: "Values", value: Callable[[str], np.ndarray]) -> Inner:
     """Return the Inner of a superelement with deck values ``d``; ``value(output)`` gives its outputs (times, ...)."""
     reduced = d["file"]
     X = np.array(reduced["positions"], float)
@@ -60,7 +66,7 @@ WHATS = {
 }
 
 
-def named(results, name):
+def named(results: "Results", name: str) -> tuple[str, str, np.ndarray, str] | None:
     """Return (path, doc, values (times, 3), component or "") of a name such as arm.inner.position.z, or None."""
     text, component = name.replace("/", ".").removeprefix("elements."), ""
     if text.endswith((".x", ".y", ".z", ".magnitude")):
@@ -82,12 +88,12 @@ def named(results, name):
     return None
 
 
-def lines(d):
+def lines(d: "Values") -> list[list[int]]:
     """Return chains of indices of nodes, boundary nodes first, that are connected in pictures."""
     pairs = d["file"].get("lines")
     if not pairs:
         return [[0, i] for i in range(1, len(d["file"]["positions"]))]
-    chains = []
+    chains: list[list[int]] = []
     for first, last in pairs:
         if chains and chains[-1][-1] == int(first):
             chains[-1].append(int(last))

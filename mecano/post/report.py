@@ -1,7 +1,9 @@
 """The report on a run as data: sections of tables, texts and pictures, which report_page.py turns into a page."""
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import yaml
@@ -15,6 +17,11 @@ from mecano.post.pictures import asked_sheets
 from mecano.post.sheets import default_sheets, overview
 from mecano.post.verdict import sound, verdict
 from mecano.results.energy_balance import EXCHANGED, scale_of_balance
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from mecano.post.runs import Run
 
 MOST_EVENTS = 200
 MOST_EXTREMES = 400
@@ -33,10 +40,10 @@ class Table:
     ``marked`` cells (row, column) are those beyond a limit.
     """
 
-    columns: tuple
-    rows: list
+    columns: tuple[str, ...]
+    rows: Sequence[tuple[str, ...]]
     first_number: int = 1
-    marked: frozenset = frozenset()
+    marked: frozenset[tuple[int, int]] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -53,7 +60,7 @@ class Picture:
     """A figure of matplotlib with a title."""
 
     title: str
-    figure: object
+    figure: "Figure"
 
 
 @dataclass(frozen=True)
@@ -61,7 +68,7 @@ class Section:
     """Parts under a heading."""
 
     heading: str
-    parts: tuple
+    parts: tuple[Table | Text | Picture, ...]
 
 
 @dataclass(frozen=True)
@@ -72,10 +79,10 @@ class Report:
     verdict: str
     sound: bool
     reason: str
-    sections: tuple
+    sections: tuple[Section, ...]
 
 
-def report_of(run, title=None, plots=(), spectra=()):
+def report_of(run: "Run", title: str | None = None, plots: Sequence[str] = (), spectra: Sequence[str] = ()) -> Report:
     """Return the Report of a run; ``plots`` and ``spectra``, as for ``mecano post``, are its first pictures.
 
     Raises ResultsError if there are no saved times, UsageError and UnknownNameError for invalid plots.
@@ -97,7 +104,7 @@ def report_of(run, title=None, plots=(), spectra=()):
     return Report(title or run.title, verdict(results), sound(results), reason, kept)
 
 
-def number(value):
+def number(value: float) -> str:
     """Return a number as text for tables, without negative zeros."""
     return f"{value + 0.0:.5g}"
 

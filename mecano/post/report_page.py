@@ -3,21 +3,32 @@
 import base64
 import io
 import re
+from collections.abc import Sequence
 from html import escape
 from importlib import resources
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mecano.errors import UsageError
 from mecano.post.figure import save
-from mecano.post.report import Picture, Table, report_of
+from mecano.post.report import Picture, Report, Table, report_of
 from mecano.post.runs import opened_runs
 from mecano.post.study_report import study_report
 from mecano.results import study_file
 from mecano.results.checked import format_of
 from mecano.results.whole_file import atomic_file, make_folder
 
+if TYPE_CHECKING:
+    import os
 
-def write_report(path, page, title=None, plots=(), spectra=()):
+
+def write_report(
+    path: "str | os.PathLike[str]",
+    page: "str | os.PathLike[str]",
+    title: str | None = None,
+    plots: Sequence[str] = (),
+    spectra: Sequence[str] = (),
+) -> Path:
     """Write the report on a results file, or on the table of a study, to ``page``, and return its Path.
 
     ``plots`` and ``spectra``, as for ``mecano post``, are shown before the standard plots.
@@ -48,7 +59,7 @@ def _report(path, title, plots, spectra):
         return report_of(run, title, plots, spectra)
 
 
-def page_of(report):
+def page_of(report: Report) -> str:
     """Return the page of a Report as text."""
     template = resources.files("mecano.post").joinpath("report.html").read_text(encoding="utf-8")
     filled = {

@@ -1,14 +1,19 @@
 """Requested plots ``--plot Y[,Y2]:X`` as sheets: a panel for each unit, with the curves of all runs."""
 
 import re
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Self
 
 from mecano.deck.wording import quoted
 from mecano.errors import UnknownNameError, UsageError
 from mecano.post.event_marks import event_marks
 from mecano.post.panels import with_peaks
-from mecano.post.quantity import find, time_of
+from mecano.post.quantity import Quantity, find, time_of
 from mecano.post.sheet import Curve, Panel, Sheet
+
+if TYPE_CHECKING:
+    from mecano.post.runs import Run
 
 LONGEST_NAME = 80
 LONGEST_LABEL = 40
@@ -19,11 +24,11 @@ GRAMMAR = "write Y, Y:X or Y,Y2:X with names as `mecano info --names` shows them
 class Request:
     """Names of the quantities to plot, and of the quantity on the horizontal axis."""
 
-    ys: tuple
+    ys: tuple[str, ...]
     x: str = "time"
 
     @classmethod
-    def parse(cls, text):
+    def parse(cls, text: str) -> Self:
         """Parse "Y[,Y2]:X". Raises UsageError."""
         left, *right = text.split(":")
         ys = tuple(name.strip() for name in left.split(","))
@@ -33,13 +38,13 @@ class Request:
         return cls(ys, x[0])
 
     @property
-    def name(self):
+    def name(self) -> str:
         """The request as part of the name of a file."""
         whole = "_".join(self.ys) + ("" if self.x == "time" else f"-{self.x}")
         return re.sub(r"[^A-Za-z0-9_.-]+", "_", whole).strip("_")[:LONGEST_NAME] or "plot"
 
 
-def requested_sheet(request, runs):
+def requested_sheet(request: Request, runs: "Sequence[Run]") -> Sheet:
     """Return the Sheet of a Request. Raises UnknownNameError, UsageError, ResultsError."""
     curves = [curve for number, run in enumerate(runs) for curve in _curves(request, run, number)]
     subjects = tuple(dict.fromkeys(curve.subject for curve in curves))
@@ -77,7 +82,7 @@ def _one(run, name):
     return quantities[0]
 
 
-def found(run, name):
+def found(run: "Run", name: str) -> list[Quantity]:
     """Return the Quantities of a name in a run. Raises UnknownNameError, which names the file."""
     try:
         return find(run.results, name)
@@ -85,7 +90,7 @@ def found(run, name):
         raise UnknownNameError(f"{run.results.path}: {error}") from None
 
 
-def curve_label(curves, subjects=None):
+def curve_label(curves: Iterable[Curve], subjects: Sequence[str] | None = None) -> str:
     """Return the label of curves, with the owner if there is only one among ``subjects``, or among the curves."""
     subjects = subjects or tuple(dict.fromkeys(curve.subject for curve in curves))
     whats = dict.fromkeys(curve.y.whole for curve in curves)

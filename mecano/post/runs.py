@@ -1,8 +1,10 @@
 """Results files shown together, each with a label that distinguishes it."""
 
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,6 +13,11 @@ from mecano.deck.units import ANY, QUANTITY, converted, factor_of, is_quantity
 from mecano.element_interface import SECTIONS, Display
 from mecano.model.mesh import piece_names
 from mecano.results.reader import Results, open_results
+
+if TYPE_CHECKING:
+    import os
+
+    from mecano.schema import Values
 
 LONGEST = 80  # characters of a label: the width of the narrowest picture
 NOISE = 10.0  # times its tolerance: residual forces of Newton's iteration, with those from errors of the steps
@@ -25,35 +32,35 @@ class Run:
     label: str = ""
 
     @cached_property
-    def deck(self):
+    def deck(self) -> dict[str, Any]:
         """The resolved deck: section -> name -> values."""
         return self.results.resolved
 
     @cached_property
-    def paths(self):
+    def paths(self) -> frozenset[str]:
         """Paths of all outputs in the file."""
         return frozenset(self.results.names())
 
     @cached_property
-    def things(self):
+    def things(self) -> "dict[str, Values]":
         """Elements, joints and loads: path in the file ("joints/knee") -> deck values, in the order of the deck."""
         return {f"{section}/{name}": d for section in SECTIONS for name, d in self.deck.get(section, {}).items()}
 
     @cached_property
-    def pieces(self):
+    def pieces(self) -> "dict[str, Values]":
         """The same as ``things``, with the elements of a divided member in place of the member."""
-        found = {}
+        found: dict[str, Values] = {}
         for path, d in self.things.items():
             section, _, name = path.partition("/")
             found |= {f"{section}/{piece}": d for piece in piece_names(name, d)}
         return found
 
-    def display(self, d):
+    def display(self, d: "Values") -> Display:
         """Return the Display of the kind of an element, joint or load with the deck values ``d``."""
         return self.results.displays.get(d["type"], Display())
 
     @cached_property
-    def ranges(self):
+    def ranges(self) -> dict[str, float]:
         """Range over all accepted steps of each number, and the largest range of a component of each vector."""
         ranges = {}
         for name, extreme in self.results.extremes.items():
@@ -64,7 +71,7 @@ class Run:
         return ranges
 
     @cached_property
-    def scales(self):
+    def scales(self) -> dict[str, float]:
         """Scales of the whole motion by unit; values many orders smaller are numerical noise."""
         lengths = [max(abs(e.minimum), abs(e.maximum)) for e in self.results.extremes.values() if e.unit == "m"]
         length = max(filter(np.isfinite, lengths), default=0.0)
@@ -72,19 +79,19 @@ class Run:
         return {"m": length, "m/s": length / duration, "rad": 1.0, "rad/s": 1.0 / duration}
 
     @cached_property
-    def force_noise(self):
+    def force_noise(self) -> float:
         """Share of the largest force or moment below which a force is noise of Newton's iteration."""
         newton = (self.deck.get("time") or self.deck.get("static") or {}).get("newton", {})
         return NOISE * newton.get("force_tolerance", 0.0)
 
     @property
-    def title(self):
+    def title(self) -> str:
         """Title of the deck, or the name of the file."""
         return self.results.metadata.get("title") or self.results.path.stem
 
 
 @contextmanager
-def opened_runs(paths):
+def opened_runs(paths: "Iterable[str | os.PathLike[str]]") -> Iterator[list[Run]]:
     """Open results files as ``open_runs`` does, and close them at the end of the block."""
     runs = open_runs(paths)
     try:
@@ -94,7 +101,7 @@ def opened_runs(paths):
             run.results.close()
 
 
-def open_runs(paths):
+def open_runs(paths: "Iterable[str | os.PathLike[str]]") -> list[Run]:
     """Open results files and label them. Raises ResultsError; then none stays open."""
     with ExitStack() as until_all_are_open:
         opened = [until_all_are_open.enter_context(open_results(path)) for path in paths]
@@ -102,7 +109,7 @@ def open_runs(paths):
     return [Run(results, label) for results, label in zip(opened, labels(opened), strict=True)]
 
 
-def labels(opened):
+def labels(opened: Sequence[Results]) -> list[str]:
     """Return labels that distinguish files: parameters and overrides that differ, or the names of the files."""
     if len(opened) == 1:
         return [""]

@@ -1,13 +1,14 @@
 """Scene of an animation: shapes at some saved times, values for their colours, forces, the ground."""
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from mecano.errors import ResultsError
 from mecano.model.mesh import piece_names
-from mecano.post.deformation import flexible_parts
-from mecano.post.forces import arrows
+from mecano.post.deformation import Part, flexible_parts
+from mecano.post.forces import Arrow, arrows
 from mecano.post.ground import ground_path
 from mecano.post.shapes import (
     BEAM,
@@ -19,6 +20,7 @@ from mecano.post.shapes import (
     SUPPORT,
     WHEEL,
     Motion,
+    Shape,
     radius_of,
     shapes,
     vertical,
@@ -26,7 +28,11 @@ from mecano.post.shapes import (
 )
 from mecano.post.view_direction import eye
 
+if TYPE_CHECKING:
+    from mecano.post.runs import Run
+
 FAR = 3.0  # sizes: the view follows a mechanism that travels farther
+Range: TypeAlias = tuple[str, str, float, float]  # name and unit of a colouring, lowest and highest value
 STRESS, AXIAL = ("stress", "Pa"), ("axial force", "N")
 """Values by which elements can be coloured: name, unit."""
 BENT, MOST_BENT = 4, 400  # lines per beam element; number of elements above which it is a single line
@@ -79,27 +85,27 @@ class Scene:
 
     rows: np.ndarray
     times: np.ndarray
-    axis: tuple
-    shapes: list
-    kinds: list
-    colours: list
-    ranges: list
-    parts: list
-    orientations: list
-    arrows: list
+    axis: tuple[str, str]
+    shapes: list[Shape]
+    kinds: list[str]
+    colours: list[dict[str, np.ndarray]]
+    ranges: list[Range]
+    parts: list[Part]
+    orientations: list[Orientation]
+    arrows: list[Arrow]
     middle: np.ndarray
     size: float
     up: np.ndarray
     eye: np.ndarray
-    grounds: list
+    grounds: list[list[np.ndarray]]
 
     @property
-    def follow(self):
+    def follow(self) -> bool:
         """True if the mechanism travels so far that the view must follow it."""
         return bool(np.ptp(self.middle, axis=0).max() > FAR * self.size)
 
 
-def scene_of(run, most):
+def scene_of(run: "Run", most: int) -> Scene:
     """Return the Scene of a run with at most so many saved times; raises ResultsError if there is nothing to show."""
     count = len(run.results.time)
     if not count:
@@ -207,7 +213,7 @@ def _ranges(coloured):
     for what, unit in (STRESS, AXIAL):
         arrays = [colours[what] for colours in coloured if what in colours]
         if any(array.any() for array in arrays):
-            yield [what, unit, min(float(a.min()) for a in arrays), max(float(a.max()) for a in arrays)]
+            yield what, unit, min(float(a.min()) for a in arrays), max(float(a.max()) for a in arrays)
 
 
 def _grounds(run, drawn):

@@ -9,14 +9,19 @@ import json
 import secrets
 import sys
 import time
+from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from threading import Lock
+from typing import TYPE_CHECKING, Any
 from urllib.parse import parse_qs, urlsplit
 
 from mecano.errors import ResultsError
 from mecano.post.animation import page_data, page_text
 from mecano.post.runs import opened_runs
+
+if TYPE_CHECKING:
+    import os
 
 LOOPBACK = "127.0.0.1"
 SHARE = 0.1  # largest share of one processor for data that change during a run
@@ -26,23 +31,25 @@ WAITING = '<!DOCTYPE html><meta charset="utf-8"><meta http-equiv="refresh" conte
 class Source:
     """Data of a page from the results file ``path``, updated when the file has changed, within SHARE of a processor."""
 
-    def __init__(self, path, title=None, status=None):
+    def __init__(self, path: "str | os.PathLike[str]", title: str | None = None, status: str | None = None):
         self.path, self.title, self.status = Path(path), title, status
-        self._lock, self._key, self._data, self._next = Lock(), None, None, 0.0
+        self._lock, self._next = Lock(), 0.0
+        self._key: list[int] = []  # the state of the file when the data were read
+        self._data: dict[str, Any] | None = None
 
-    def data(self):
+    def data(self) -> dict[str, Any]:
         """Return the data of the page as they are now, with a key that changes with them. Raises ResultsError."""
         with self._lock:
-            begun = time.monotonic()
-            if self._data is None or (begun >= self._next and self._changed()):
-                self._read()
+            begun, data = time.monotonic(), self._data
+            if data is None or (begun >= self._next and self._changed(data)):
+                data = self._data = self._read()
                 now = time.monotonic()
                 self._next = now + (now - begun) / SHARE
-            return self._data
+            return data
 
-    def _changed(self):
-        """Return whether the data may have changed; a file stays as it is when the run is killed."""
-        return self._data["growing"] or self._key != self._state()
+    def _changed(self, data):
+        """Return whether the ``data`` may have changed; a file stays as it is when the run is killed."""
+        return data["growing"] or self._key != self._state()
 
     def _state(self):
         """Return data that change whenever the file changes."""
@@ -50,14 +57,15 @@ class Source:
         return [found.st_ino, found.st_size, found.st_mtime_ns]
 
     def _read(self):
+        """Return the data of the page, read from the file."""
         key = self._state()
         with opened_runs([self.path]) as [run]:
             data = page_data(run, title=self.title)
             status = run.results.status
         growing = status == "running"
-        self._key, self._data = key, data | {"growing": growing, "key": "-".join(map(str, [*key, status]))}
-        if self.status:
-            self._data["status"] = self.status
+        self._key = key
+        data |= {"growing": growing, "key": "-".join(map(str, [*key, status]))}
+        return data | {"status": self.status} if self.status else data
 
 
 class Server(ThreadingHTTPServer):
@@ -68,25 +76,31 @@ class Server(ThreadingHTTPServer):
 
     daemon_threads = True
 
-    def __init__(self, source, pause=lambda: None):
+    def __init__(self, source: Source, pause: Callable[[], object] = lambda: None):
         super().__init__((LOOPBACK, 0), _Handler)
         self.source, self.token = source, secrets.token_urlsafe(18)
-        self.service_actions = pause
+        self._pause = pause
         self.hosts = {f"{name}:{self.server_port}" for name in (LOOPBACK, "localhost")}
 
+    def service_actions(self) -> None:
+        """Call ``pause``."""
+        self._pause()
+
     @property
-    def address(self):
+    def address(self) -> str:
         """Address of the page, with the token."""
         return f"http://{LOOPBACK}:{self.server_port}/?token={self.token}"
 
-    def handle_error(self, request, client_address):
+    def handle_error(self, request: Any, client_address: Any) -> None:
         """Ignore a connection that the browser has closed; report other errors on the terminal."""
         if not isinstance(sys.exception(), ConnectionError):
             super().handle_error(request, client_address)
 
 
 class _Handler(BaseHTTPRequestHandler):
-    def do_GET(self):
+    server: Server
+
+    def do_GET(self) -> None:
         """Answer GET "/" with the page and "/data" with the data of a run; 403 for a wrong host or token, else 404."""
         asked = urlsplit(self.path)
         query = {name: values[-1] for name, values in parse_qs(asked.query).items()}
@@ -131,11 +145,11 @@ class _Handler(BaseHTTPRequestHandler):
         self.end_headers()
         self.wfile.write(body)
 
-    def log_message(self, *_):
+    def log_message(self, *_: Any) -> None:
         """Suppress log messages, as the terminal shows those of the run."""
 
 
-def serve(source, announce, pause=lambda: None):
+def serve(source: Source, announce: Callable[[str], object], pause: Callable[[], object] = lambda: None) -> None:
     """Serve the page of a Source until a signal ends the program or ``pause`` raises an exception.
 
     ``announce`` is called with the address.

@@ -3,7 +3,9 @@
 Positions come from the file, the connectivity from the resolved deck.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -14,11 +16,17 @@ from mecano.post.belt_lines import belt_lines
 from mecano.post.contact_outlines import outlines, surface_outlines
 from mecano.post.recovered import lines, nodes_inside, recovered
 
+if TYPE_CHECKING:
+    from mecano.post.mode_shapes import ModeMotion
+    from mecano.post.runs import Run
+    from mecano.schema import Values
+
 BODY, MASS, ROD, SPRING, WHEEL, JOINT, SUPPORT = "body", "mass", "rod", "spring", "wheel", "joint", "support"
 CABLE = "cable"  # a thin rod
 GUIDE = "guide"  # a curve, of whose points none is a place of its own
 GEAR = "gear"  # a pitch circle
 RIM_POINTS = 49
+AnyMotion: TypeAlias = "Motion | ModeMotion"
 
 
 @dataclass(frozen=True)
@@ -32,14 +40,14 @@ class Shape:
     style: str
     name: str
     points: np.ndarray
-    nodes: tuple = ()
+    nodes: tuple[str, ...] = ()
     shown: np.ndarray | None = None
 
-    def at(self, instants):
+    def at(self, instants: np.ndarray) -> "Shape":
         """Return the shape at some of its instants, given by their numbers."""
         return replace(self, points=self.points[instants], shown=None if self.shown is None else self.shown[instants])
 
-    def is_shown(self, i):
+    def is_shown(self, i: int) -> bool:
         """Return whether the shape is there at instant number ``i``."""
         return self.shown is None or bool(self.shown[i])
 
@@ -47,44 +55,44 @@ class Shape:
 class Motion:
     """Positions of the nodes of a run at the saved times number ``rows``."""
 
-    def __init__(self, run, rows):
+    def __init__(self, run: "Run", rows: slice | np.ndarray):
         self.run, self.rows = run, rows
         names = [name for path, d in run.things.items() for name in inner_names(path.partition("/")[2], d)]
         self.nodes = [name for name in [*run.deck.get("nodes", {}), *names] if f"nodes/{name}/position" in run.paths]
 
-    def position(self, node):
+    def position(self, node: str) -> np.ndarray:
         """Return the positions (instants, 3) [m] of a node."""
         return self.vector(f"nodes/{node}/position")
 
-    def vector(self, path):
+    def vector(self, path: str) -> np.ndarray:
         """Return an output (instants, ...) of the file."""
         if isinstance(self.rows, slice):
             return self.run.results.find(path, self.rows).values
         return self.run.results.find(path).values[self.rows]
 
-    def apart(self, nodes, points):
+    def apart(self, nodes: Sequence[str], points: np.ndarray) -> bool:
         """Return whether nodes with ``points`` (instants, nodes, 3) [m] are apart at any instant."""
         return apart(points)
 
-    def released(self, label):
+    def released(self, label: str) -> np.ndarray:
         """Return at which instants (instants,) the joint or element "hinge 'pin'" has been released."""
         times = [event.time for event in self.run.results.events if (event.element, event.name) == (label, RELEASES)]
         return self.run.results.time[self.rows] > min(times, default=np.inf)
 
-    def inside(self, name, d):
+    def inside(self, name: str, d: "Values") -> np.ndarray | None:
         """Return the positions (instants, n, 3) [m] of the nodes inside the superelement ``name``, or None."""
         if not nodes_inside(d) or f"elements/{name}/frame_origin" not in self.run.paths:
             return None
         return recovered(d, lambda output: self.vector(f"elements/{name}/{output}")).positions
 
-    def turned(self, node, direction):
+    def turned(self, node: str, direction: Sequence[float] | np.ndarray) -> np.ndarray:
         """Return an inertial direction (3,) of the start, rotated with the node: (instants, 3)."""
         path = f"nodes/{node}/rotation"
         start = self.run.results.find(path, slice(1)).values
         carried = _rotated(start * (1, -1, -1, -1), np.array(direction, float)[None])
         return _rotated(self.vector(path), carried)
 
-    def turn(self, node):
+    def turn(self, node: str) -> np.ndarray:
         """Return the rotation of a node since the start, unit quaternions (instants, 4)."""
         path = f"nodes/{node}/rotation"
         w, u = np.split(self.vector(path), (1,), axis=1)
@@ -94,7 +102,7 @@ class Motion:
         )
 
 
-def vertical(gravity):
+def vertical(gravity: Sequence[float] | None) -> np.ndarray:
     """Return the inertial axis (3,) that points up, against most of the gravity; z without any."""
     if gravity is None or not any(gravity):
         return np.array([0.0, 0.0, 1.0])
@@ -102,18 +110,18 @@ def vertical(gravity):
     return -np.sign(gravity[axis]) * np.eye(3)[axis]
 
 
-def wheel_of(shape):
+def wheel_of(shape: Shape) -> tuple[np.ndarray, np.ndarray, float]:
     """Return centre (3,), axis (3,) and radius [m] of the Shape of a wheel at its first instant."""
     points = shape.points[0]
     return points[-1], np.cross(*(points[[0, RIM_POINTS // 4]] - points[-1])), radius_of(points)
 
 
-def radius_of(points):
+def radius_of(points: np.ndarray) -> float:
     """Return the radius [m] of a wheel whose points (n, 3) end with its centre."""
     return float(np.linalg.norm(points[:-1] - points[-1], axis=1).max())
 
 
-def apart(points):
+def apart(points: np.ndarray) -> bool:
     """Return whether ``points`` (instants, n, 3) [m] are apart at any instant."""
     return np.ptp(points, axis=1).max(initial=0.0) > 1e-9
 
@@ -125,7 +133,7 @@ def _rotated(quaternions, vectors):
     return vectors + 2.0 * w * across + 2.0 * np.cross(u, across)
 
 
-def shapes(motion):
+def shapes(motion: AnyMotion) -> list[Shape]:
     """Return all Shapes of the mechanism; supports and joints last, as they are drawn on top."""
     found = []
     for path, d in motion.run.things.items():

@@ -1,11 +1,17 @@
 """Content of pictures before drawing: sheets of panels of curves."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from mecano.post.quantity import Quantity
 
+if TYPE_CHECKING:
+    from mecano.post.event_marks import EventMark
+    from mecano.post.sketch import Sketch
+
+Peak: TypeAlias = tuple[float, float] | tuple[()]  # value and time [s] of largest magnitude; empty if unknown
 CONSTANT = 1e-5  # of the magnitude: a quantity that varies less is constant
 EQUAL = 1e-6  # of the magnitude: curves that differ by less are equal
 
@@ -23,9 +29,9 @@ class Curve:
     run: int
     subject: str
     reference: bool = False
-    peak: tuple = ()
+    peak: Peak = ()
 
-    def equals(self, other):
+    def equals(self, other: "Curve") -> bool:
         """Return whether a curve of the same run has the same values over the same abscissae."""
         alike = self.run == other.run and self.reference == other.reference
         pairs = (self.x.values, other.x.values), (self.y.values, other.y.values)
@@ -53,29 +59,29 @@ class Panel:
     """
 
     label: str
-    curves: tuple
+    curves: tuple[Curve, ...]
     logarithmic: bool = False
     stepped: bool = False
-    peak: tuple = ()
+    peak: Peak = ()
     note: str = ""
 
     @property
-    def over_time(self):
+    def over_time(self) -> bool:
         """True if the horizontal axis is time."""
         return all(curve.x.path == "time" for curve in self.curves)
 
     @property
-    def constant(self):
+    def constant(self) -> bool:
         """True if all curves are constant."""
         return all(_constant(curve.y.values) for curve in self.curves)
 
     @property
-    def subjects(self):
+    def subjects(self) -> tuple[str, ...]:
         """Names of the owners of the curves."""
         return tuple(dict.fromkeys(curve.subject for curve in self.curves))
 
     @property
-    def whats(self):
+    def whats(self) -> tuple[str, ...]:
         """Names of the different quantities except references."""
         return tuple(dict.fromkeys(curve.y.what for curve in self.curves if not curve.reference))
 
@@ -113,18 +119,18 @@ class Sheet:
 
     name: str
     heading: str
-    panels: tuple
-    events: tuple = ()
-    run_labels: tuple = ()
+    panels: "tuple[Panel | Sketch, ...]"
+    events: "tuple[EventMark, ...]" = ()
+    run_labels: tuple[str, ...] = ()
     lead: int = field(default=1, compare=False)
-    table: tuple = ()
+    table: tuple[tuple, ...] = ()
 
     @property
-    def subjects(self):
+    def subjects(self) -> tuple[str, ...]:
         """Names of the owners of all curves."""
         return tuple(dict.fromkeys(curve.subject for curve in self.curves))
 
     @property
-    def curves(self):
+    def curves(self) -> tuple[Curve, ...]:
         """The curves of all panels."""
         return tuple(curve for panel in self.panels if isinstance(panel, Panel) for curve in panel.curves)

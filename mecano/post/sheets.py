@@ -1,6 +1,8 @@
 """The standard sheets of a model: those of its kinds, energies, solver, the mechanism itself, and an overview."""
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +18,9 @@ from mecano.post.sheet import Curve, Panel, Sheet
 from mecano.post.sketch import Sketch, sketch
 from mecano.results.energy_balance import EXCHANGED, scale_of_balance
 
+if TYPE_CHECKING:
+    from mecano.post.runs import Run
+
 MOST_SKETCHES = 4  # runs sketched on one sheet
 PLACES = 9  # cells of the overview; a sketch of a mechanism that stays in place takes one
 WIDE_RANGE = 3.0  # ratio of largest to smallest value above which the axis is logarithmic
@@ -27,7 +32,7 @@ NOTES = {
 }
 
 
-def default_sheets(runs):
+def default_sheets(runs: "Sequence[Run]") -> list[Sheet]:
     """Return all sheets of these runs, the sketches of the mechanism first."""
     planned = [_planned(plan, runs) for plan in plans(runs)]
     sheets = [
@@ -47,7 +52,7 @@ def default_sheets(runs):
     return [replace(sheet, run_labels=labels) for sheet in sheets if sheet.panels]
 
 
-def overview(sheets):
+def overview(sheets: Sequence[Sheet]) -> Sheet:
     """Return the Sheet of a sketch and the most important panels of all sheets, as many as fit."""
     ranked = [
         (max(0, i - sheet.lead + 1), k, i)

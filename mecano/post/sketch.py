@@ -1,12 +1,16 @@
 """A view of the mechanism at several instants: from the side, or from where it is seen best."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.post.ground import ground_line, ground_patch
-from mecano.post.shapes import GUIDE, WHEEL, Motion, shapes, vertical, wheel_of
+from mecano.post.shapes import GUIDE, WHEEL, Motion, Shape, shapes, vertical, wheel_of
 from mecano.post.view_direction import eye, projection
+
+if TYPE_CHECKING:
+    from mecano.post.runs import Run
 
 MOST_ROWS = 300  # saved times considered
 INSTANTS = 7
@@ -43,38 +47,38 @@ class Sketch:
     """
 
     label: str
-    axes: tuple
+    axes: tuple[int, ...]
     times: np.ndarray
-    shapes: tuple
+    shapes: tuple[Shape, ...]
     shift: np.ndarray
-    paths: tuple
-    grounds: tuple
-    axis: tuple = ("time", "s")
+    paths: tuple[np.ndarray, ...]
+    grounds: tuple[np.ndarray, ...]
+    axis: tuple[str, str] = ("time", "s")
     view: np.ndarray | None = None  # (2, 3) of a view in space: to the right and up of the picture
 
     @property
-    def projection(self):
+    def projection(self) -> np.ndarray:
         """Matrix (2, 3): inertial positions to the right and up of the picture."""
         return np.eye(3)[list(self.axes)] if self.view is None else self.view
 
-    def flat(self, points, instant):
+    def flat(self, points: np.ndarray, instant: int) -> np.ndarray:
         """Return points (k, 3) [m] in the picture (k, 2), with the shift of an instant."""
         return points @ self.projection.T + self.shift[instant]
 
     @property
-    def in_place(self):
+    def in_place(self) -> bool:
         """True if all instants are shown in place, without shift."""
         return not self.shift.any()
 
     @property
-    def aspect(self):
+    def aspect(self) -> float:
         """Height over width of all that is shown."""
         points = [s.points @ self.projection.T + self.shift[:, None] for s in self.shapes]
         width, height = np.ptp(np.concatenate([some.reshape(-1, 2) for some in points]), axis=0)
         return height / width if width > 0.0 else 1.0
 
 
-def sketch(run):
+def sketch(run: "Run") -> Sketch | None:
     """Return the Sketch of a run, or None if there is nothing to draw."""
     count = len(run.results.time)
     if not count:

@@ -4,7 +4,9 @@ One-sided amplitudes of the values minus their mean, with a Hann window, correct
 amplitude A gives a peak of height A if its frequency is a multiple of 1/duration; in between, up to 15 % less.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,12 +16,15 @@ from mecano.post.quantity import Quantity
 from mecano.post.request import GRAMMAR, Request, curve_label, found
 from mecano.post.sheet import Curve, Panel, Sheet
 
+if TYPE_CHECKING:
+    from mecano.post.runs import Run
+
 FEWEST = 8  # least number of values
 UNEVEN = 1e-6  # of the interval: larger differences are not rounding errors
 FLOOR = 1e-8  # of the largest amplitude: smaller ones are rounding errors and not shown
 
 
-def spectrum_sheet(text, runs):
+def spectrum_sheet(text: str, runs: "Sequence[Run]") -> Sheet:
     """Return the Sheet of the spectra of "Y[,Y2]", with a panel per unit. Raises UsageError, UnknownNameError."""
     request = Request.parse(text)
     if request.x != "time":
@@ -48,7 +53,7 @@ def _spectrum(quantity, run, number):
     return Curve(x, replace(quantity, clock=x.clock, time=frequencies, values=shown), number, quantity.subject)
 
 
-def amplitudes(values, interval):
+def amplitudes(values: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
     """Return frequencies [Hz] and amplitudes (n // 2,) of values (n,) every ``interval`` [s], without 0 Hz."""
     count = len(values)
     window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)

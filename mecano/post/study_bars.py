@@ -1,6 +1,8 @@
 """Bar charts of a study with named cases: a panel for each output, a bar for each case, the largest in full colour."""
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -8,13 +10,18 @@ from mecano.post.figure import plain_figure
 from mecano.post.study_outputs import near_limits
 from mecano.post.style import COLOURS, DASHES, GREY, LIMIT, shown_unit, with_unit
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from mecano.results.study_file import Column, StudyTable
+
 COLUMNS = 2
 WIDTH, ROW = 5.6, 0.19  # inches of a panel, and of a bar
 BESIDE = 0.9  # inches of a panel besides its bars
 PALE = 0.45
 
 
-def bar_figure(table, outputs, names):
+def bar_figure(table: "StudyTable", outputs: "Sequence[Column]", names: Sequence[str]) -> "Figure":
     """Return the figure of the ``outputs``, Columns of a StudyTable, of cases with these ``names``."""
     rows = -(-len(outputs) // COLUMNS)
     height = rows * (ROW * len(names) + BESIDE)

@@ -1,10 +1,14 @@
 """Outputs of a study as they are displayed: values that are rounding errors are zero."""
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.post.quantity import largest
+
+if TYPE_CHECKING:
+    from mecano.results.study_file import Column, StudyTable
 
 NEAR = 1.0
 """Limits are drawn if they are not further from the values than this part of the span of the values and zero."""
@@ -13,9 +17,10 @@ ROUNDING = 1e-9
 symmetric landing beside that of a drift landing."""
 
 
-def displayed_outputs(table):
+def displayed_outputs(table: "StudyTable") -> "tuple[Column, ...]":
     """Return the columns of the outputs of a StudyTable, with zeros in place of rounding errors."""
-    outputs, sizes = table.group("outputs"), {}
+    outputs = table.group("outputs")
+    sizes: dict[str, float] = {}  # by unit
     for one in outputs:
         sizes[one.unit] = max(sizes.get(one.unit, 0.0), largest(one.values))
     return tuple(
@@ -24,7 +29,7 @@ def displayed_outputs(table):
     )
 
 
-def near_limits(output):
+def near_limits(output: "Column") -> list[float]:
     """Return the limits of an output that are near enough to its values for a picture."""
     low, high = min(0.0, np.nanmin(output.values)), max(0.0, np.nanmax(output.values))
     far = NEAR * (high - low)

@@ -1,6 +1,7 @@
 """Picture of a study: a bar for each named case, or each output over each varied parameter, a dot for each case."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import matplotlib
 import numpy as np
@@ -10,7 +11,12 @@ from mecano.post.figure import plain_figure, save
 from mecano.post.study_bars import bar_figure
 from mecano.post.study_outputs import displayed_outputs, near_limits
 from mecano.post.style import COLOURS, DASHES, GREY, LIMIT, SETTINGS, shown_unit, with_unit
-from mecano.results.study_file import read_study
+from mecano.results.study_file import StudyTable, read_study
+
+if TYPE_CHECKING:
+    import os
+
+    from matplotlib.figure import Figure
 
 PANEL = (3.4, 2.4)  # inches
 MOST_COLOURS = 8  # values of another parameter distinguished by colours
@@ -18,7 +24,9 @@ MOST_TICKS = 5  # intervals between the numbers below a panel
 MOST_JOINED = 2  # parameters up to which dots that differ in one parameter are joined by lines
 
 
-def draw_study(path, output=None, kind="png"):
+def draw_study(
+    path: "str | os.PathLike[str]", output: "str | os.PathLike[str] | None" = None, kind: str = "png"
+) -> Path:
     """Draw the picture of a table of a study beside it, or at ``output``, and return its Path. Raises ResultsError."""
     table = read_study(path)
     target = Path(output) if output else Path(path).with_suffix(f".{kind}")
@@ -32,7 +40,7 @@ def draw_study(path, output=None, kind="png"):
     return target
 
 
-def study_figure(table):
+def study_figure(table: StudyTable) -> "Figure | None":
     """Return the figure of a StudyTable: bars if its cases have names, else dots over each parameter; None if empty."""
     outputs = [column for column in displayed_outputs(table) if np.any(np.isfinite(column.values))]
     parameters = [column for column in table.group("parameters") if len(set(column.values)) > 1]

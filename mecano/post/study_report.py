@@ -1,6 +1,7 @@
 """The report on a study as data: governing cases, statistics, all cases, pictures, the study file."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,12 +13,15 @@ from mecano.post.study_statistics import statistics
 from mecano.post.style import shown_unit, with_unit
 from mecano.results.study_file import FAIL, read_study
 
+if TYPE_CHECKING:
+    import os
+
 COMPLETE = "complete"
 MOST_WARNINGS = 20  # different ones that are shown
 MOST_CASES = 8  # beyond a limit, that are named
 
 
-def study_report(path, title=None):
+def study_report(path: "str | os.PathLike[str]", title: str | None = None) -> Report:
     """Return the Report of the table of a study. Raises ResultsError."""
     table = read_study(path)
     sections = (

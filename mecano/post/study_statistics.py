@@ -1,11 +1,17 @@
 """Statistics of the outputs of a study, and their correlation with the varied values."""
 
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.stats import spearmanr
 
 from mecano.post.report import Table, Text, number
 from mecano.post.study_outputs import displayed_outputs
 from mecano.post.style import shown_unit
+
+if TYPE_CHECKING:
+    from mecano.results.study_file import StudyTable
 
 LEAST = 10  # cases with a value of an output, for statistics
 CORRELATION = (
@@ -14,7 +20,7 @@ CORRELATION = (
 )
 
 
-def statistics(table):
+def statistics(table: "StudyTable") -> Iterator[Table | Text]:
     """Yield the parts of a report on the outputs of unnamed cases: mean, deviation, quantiles, rank correlations."""
     if table.named:  # chosen one by one, not samples
         return

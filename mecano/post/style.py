@@ -1,11 +1,17 @@
 """Style of pictures: colours, lines, units with prefixes, ranges of axes."""
 
+from collections.abc import Sequence
 from textwrap import wrap
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mecano.post.quantity import largest
 from mecano.post.sheet import CONSTANT
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#6a51a3", "#8c564b")
 DASHES = ("-", (0, (5, 1.6)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)), (0, (3, 3)), (0, (8, 2, 2, 2, 2, 2)))
@@ -16,7 +22,7 @@ BESIDE = 24  # characters of small print that fit beside the label of an axis
 GREY, PALE, INK = "#777777", "#bbbbbb", "#222222"
 LIMIT = "#b34700"
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-SETTINGS = {
+SETTINGS: dict[Any, Any] = {  # rcParams of matplotlib
     "text.parse_math": False,  # titles and names may contain any characters
     "font.size": 9,
     "axes.titlesize": 9,
@@ -52,7 +58,7 @@ SMALL = {"m": "nµm", "s": "nµm"}
 FACTORS = {"k": 1e3, "M": 1e6, "m": 1e-3, "µ": 1e-6, "n": 1e-9}
 
 
-def shown_unit(unit, values):
+def shown_unit(unit: str, values: np.ndarray) -> tuple[float, str]:
     """Return factor and unit for the display of values: kN from 2000 N, mm below 0.1 m, µm below 0.1 mm, and so on."""
     unit = "" if unit == "-" else unit
     size = largest(values)
@@ -73,7 +79,7 @@ def _scaled(size, factor, unit):
     return factor * 10.0**exponent, f"{power_of_ten(exponent)} {unit}".strip()
 
 
-def with_unit(label, unit):
+def with_unit(label: str, unit: str) -> str:
     """Return a label with its unit, if any, in brackets, on several lines if it is long."""
     text = f"{label} [{unit}]" if unit else label
     if len(text) <= LONGEST_LABEL:
@@ -88,13 +94,13 @@ def with_unit(label, unit):
     return "\n".join(lines) + f"{' ' if fits else chr(10)}[{unit}]"
 
 
-def legend_columns(handles, inches):
+def legend_columns(handles: "Sequence[Line2D]", inches: float) -> int:
     """Return the number of columns of a legend that fit into a width in inches."""
-    longest = max(len(handle.get_label()) for handle in handles)
+    longest = max(len(str(handle.get_label())) for handle in handles)
     return min(len(handles), max(1, int(inches / (0.064 * longest + 0.44))))
 
 
-def legend_above(ax, handles, inches):
+def legend_above(ax: "Axes", handles: "Sequence[Line2D]", inches: float) -> float:
     """Draw a legend above axes of a width in inches, and return its height in points."""
     if not handles:
         return 0.0
@@ -104,7 +110,7 @@ def legend_above(ax, handles, inches):
     return LINE_OF_TEXT * -(-len(handles) // columns)
 
 
-def note_below(ax, text):
+def note_below(ax: "Axes", text: str) -> None:
     """Write small print at the lower right of axes, below their label if it is long."""
     wider = max(0, len(ax.get_xlabel()) - len("time [s]")) // 2  # the label stands in the middle
     down = -18 if len(text) <= BESIDE - wider else -32
@@ -112,7 +118,7 @@ def note_below(ax, text):
                 ha="right", va="top", fontsize=7.5, color=GREY)  # fmt: skip
 
 
-def range_of(values):
+def range_of(values: np.ndarray) -> tuple[float, float] | None:
     """Return limits of an axis for values that are constant up to rounding, otherwise None."""
     values = values[np.isfinite(values)]
     if not values.size:
@@ -124,6 +130,6 @@ def range_of(values):
     return middle - margin, middle + margin
 
 
-def power_of_ten(exponent):
+def power_of_ten(exponent: int | str) -> str:
     """Return a power of ten with a superscript exponent, given as int or str."""
     return f"10{str(exponent).translate(RAISED)}"

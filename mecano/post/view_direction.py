@@ -1,5 +1,7 @@
 """Choose the view direction of a mechanism in space: the one in which its parts hide one another least."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 AZIMUTHS = np.radians([a for a in range(-170, 181, 10) if 20 <= abs(a) % 90 <= 70])  # not along an axis
@@ -8,7 +10,11 @@ USUAL = np.radians((-60.0, 22.0))  # the direction where all others are as good
 PREFERRED = 0.15  # bonus in the score of the usual direction
 
 
-def eye(cloud, wheels=(), up=(0.0, 0.0, 1.0)):
+def eye(
+    cloud: np.ndarray,
+    wheels: Sequence[tuple[np.ndarray, np.ndarray, float]] = (),
+    up: Sequence[float] | np.ndarray = (0.0, 0.0, 1.0),
+) -> np.ndarray:
     """Return the unit vector (3,) from the mechanism to the eye.
 
     Parameters
@@ -29,21 +35,21 @@ def eye(cloud, wheels=(), up=(0.0, 0.0, 1.0)):
     return direction(*best, up)
 
 
-def direction(azimuth, elevation, up=(0.0, 0.0, 1.0)):
+def direction(azimuth: float, elevation: float, up: Sequence[float] | np.ndarray = (0.0, 0.0, 1.0)) -> np.ndarray:
     """Return the unit vector (3,) at an azimuth about ``up`` and an elevation over the horizontal [rad]."""
     first, second = axes_across(up)
     level = np.cos(azimuth) * first + np.sin(azimuth) * second
     return np.cos(elevation) * level + np.sin(elevation) * np.asarray(up, float)
 
 
-def axes_across(up):
+def axes_across(up: Sequence[float] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return two horizontal axes (3,), which with ``up`` are right-handed."""
     vertical = int(np.argmax(np.abs(up)))
     first = np.eye(3)[(vertical + 1) % 3]
     return first, np.cross(up, first)
 
 
-def projection(eye, up=(0.0, 0.0, 1.0)):
+def projection(eye: np.ndarray, up: Sequence[float] | np.ndarray = (0.0, 0.0, 1.0)) -> np.ndarray:
     """Return the matrix (2, 3) that projects positions to the right and up of a picture seen from ``eye``."""
     right = np.cross(up, eye)
     right = right / np.linalg.norm(right)
