@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from time_runs import INPUTS, RecordedRun, deck, input_deck
 
 from mecano.errors import DeckError
-from mecano.solve.modal.steady import Steady
+from mecano.solve.modal.straight_running import Straight
 
 FORMULA = "{FNOMIN: 4e3, UNLOADED_RADIUS: 0.3, PCX1: 1.6, PDX1: 1, PKX1: 20, PCY1: 1.3, PDY1: 1, PKY1: -20, PKY2: 2}"
 ROLL = (INPUTS / "landing_roll.yaml").read_text()
@@ -111,6 +111,6 @@ def test_errors_in_a_rolling_tyre(old, new, said):
 def test_moments_too_small_to_multiply_leave_the_spin_alone():
     """A moment of 5.6e-163 N m, of a wheel without load, has a square of zero and no change of sign."""
     system = SimpleNamespace(assemble=lambda *_: SimpleNamespace(residual=np.array([5.6e-163])))
-    steady, s = SimpleNamespace(n_q=1, system=system, speed=20.0, length=1.0), SimpleNamespace(v=np.array([3.0]))
-    Steady._roll(steady, s, np.ones(1))
+    steady, s = SimpleNamespace(system=system, speed=20.0, length=1.0), SimpleNamespace(v=np.array([3.0]))
+    Straight._roll(SimpleNamespace(n_q=1), steady, s, np.ones(1))
     assert s.v == [3.0]

@@ -1,4 +1,4 @@
-"""Computed initial states of dynamic runs: static equilibrium, or straight steady running."""
+"""Computed initial states of dynamic runs: static equilibrium, straight steady running, or steady rotation."""
 
 from typing import TYPE_CHECKING
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from mecano.analyses.lint import node_at_start
 from mecano.errors import ConvergenceError
+from mecano.model.mesh import inner_names
 
 if TYPE_CHECKING:
     from mecano.analyses.prepare import Prepared
@@ -30,7 +31,7 @@ def set_initial_state(prepared: "Prepared", disturbed: bool = True) -> tuple[str
     from mecano.solve.modal.steady import Steady  # takes 0.2 s to import, and is not needed by other decks
 
     asked, before = prepared.state.v.copy(), prepared.state
-    steady = Steady(prepared.system, prepared.length, initial["steady"]["velocity"])
+    steady = Steady(prepared.system, prepared.length, _steady_motion(prepared))
     try:
         prepared.state = steady.find(before)
     except ConvergenceError as error:
@@ -38,6 +39,21 @@ def set_initial_state(prepared: "Prepared", disturbed: bool = True) -> tuple[str
     if disturbed:
         prepared.state.v += asked
     return tuple(_reshaped(prepared, before))
+
+
+def _steady_motion(prepared):
+    """Return the steady motion that the deck asks for, a Straight or a Rotation."""
+    from mecano.solve.modal.steady_rotation import Rotation
+    from mecano.solve.modal.straight_running import Straight
+
+    asked, elements = prepared.deck.values["initial"]["steady"], prepared.deck.values["elements"]
+    if asked["velocity"] is not None:
+        return Straight(prepared.system, asked["velocity"])
+    resting = set(asked["at_rest"] or ())
+    for name, d in elements.items():
+        if d.get("mesh", 1) > 1 and resting.issuperset(d["nodes"]):
+            resting |= set(inner_names(name, d))
+    return Rotation(prepared.system, asked["angular_velocity"], asked["about"], resting)
 
 
 def _wobbling(prepared):
@@ -61,8 +77,10 @@ def describe(deck: "Deck") -> str:
     if initial["static"]:
         return "static equilibrium at the start"
     if initial["steady"]:
-        velocity = ", ".join(f"{c:.9g}" for c in initial["steady"]["velocity"])
-        return f"straight steady running at [{velocity}] m/s"
+        straight = initial["steady"]["velocity"] is not None
+        components = initial["steady"]["velocity" if straight else "angular_velocity"]
+        vector = f"[{', '.join(f'{c:.9g}' for c in components)}]"
+        return f"straight steady running at {vector} m/s" if straight else f"steady rotation at {vector} rad/s"
     return f"saved state of {initial['from']}" if initial["from"] else "initial state"
 
 
@@ -74,4 +92,4 @@ def _reshaped(prepared, before):
     i = int(np.argmax(size))
     if size[i] > NOTICEABLE * prepared.length:
         name = prepared.system.nodes[i].name
-        yield f"steady running requires another shape of the mechanism: node '{name}' moves by {size[i]:.3g} m"
+        yield f"the steady motion requires another shape of the mechanism: node '{name}' moves by {size[i]:.3g} m"

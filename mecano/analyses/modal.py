@@ -111,7 +111,9 @@ def unbalanced(base: OperatingPoint, w: np.ndarray) -> Iterator[str]:
     stiffness = np.abs(_matrix(system, s, 1.0, 0.0)[0].data).max(initial=0.0)
     rounding = ROUNDING * stiffness * np.abs(s.z[system.numbering.kind == TRANSLATION]).max(initial=0.0)
     if np.abs(M @ a).max(initial=0.0) > max(BALANCED * size, rounding):
-        remedy = "run it until it is steady, and use --at" if np.any(w) else "write 'initial: static'"
+        remedy = (
+            "write 'initial: {steady: {angular_velocity: ..., about: ...}}'" if np.any(w) else "write 'initial: static'"
+        )
         yield (
             "the start is not an equilibrium: the modes are those of this shape, without the forces in the members "
             f"that its loads cause; for the modes about the equilibrium {remedy}"

@@ -46,7 +46,7 @@ def _way(values):
     """Return the displacement (3,) [m] of the fastest initial velocity over the duration of the run."""
     initial, time = values["initial"], values["time"]
     given = [entry["velocity"] for entry in initial["velocities"]]
-    given += [initial["steady"]["velocity"]] if initial["steady"] else []
+    given += [initial["steady"]["velocity"]] if initial["steady"] and initial["steady"]["velocity"] else []
     duration = time["end"] - time["start"] if time else 0.0
     return duration * np.array(max(given, key=np.linalg.norm, default=np.zeros(3)), float)
 

@@ -95,6 +95,18 @@ def check_initial(initial: Values) -> str | None:
     return f"'{given[0]}' and '{given[1]}' exclude one another" if len(given) > 1 else None
 
 
+def check_steady(steady: Values) -> str | None:
+    """Check that one steady motion is given, a rotation with its axis; return the error text or None."""
+    straight, turns = steady["velocity"] is not None, steady["angular_velocity"] is not None
+    if straight == turns:
+        return "give either 'velocity', of straight running, or 'angular_velocity', of a rotation"
+    if turns and steady["about"] is None:
+        return "'about' is missing: a point of the axis of rotation"
+    if straight and (steady["about"] is not None or steady["at_rest"]):
+        return f"'{'about' if steady['about'] is not None else 'at_rest'}' belongs to 'angular_velocity'"
+    return None
+
+
 def check_velocity(entry: Values) -> str | None:
     """Check that a rotating set of nodes has a centre of rotation; return the error text or None."""
     several = entry["nodes"] == "all" or len(entry["nodes"]) > 1
@@ -154,7 +166,14 @@ VELOCITY_FIELDS = (
         "point about which the nodes turn as one rigid body; 'own': each about itself", None,
     ),
 )  # fmt: skip
-STEADY_FIELDS = (Field("velocity", VECTOR, "m/s", "velocity of all nodes, along the road, inertial"),)
+STEADY_FIELDS = (
+    Field("velocity", VECTOR, "m/s", "straight running: velocity of all nodes, along the road, inertial", None),
+    Field("angular_velocity", VECTOR, "rad/s", "rotation: angular velocity of all nodes that turn, inertial", None),
+    Field("about", VECTOR, "m", "rotation: a point of the axis", None),
+    Field(
+        "at_rest", NODES, "-", "rotation: nodes that do not turn, such as those of the support", None, check=distinct
+    ),
+)
 INITIAL_FIELDS = (
     Field(
         "static", shorthand(mapping(*INITIAL_STATIC_FIELDS), {True: {}}), "-",
@@ -162,8 +181,9 @@ INITIAL_FIELDS = (
     ),
     Field(
         "steady", mapping(*STEADY_FIELDS), "-",
-        "start from straight steady running, solved for deflections, spins of the wheels and reactions; the velocities "
-        "below are added as a disturbance", None,
+        "start from straight steady running, solved for deflections, spins of the wheels and reactions, or from steady "
+        "rotation, solved for deflections under centrifugal and other forces; the velocities below are added as a "
+        "disturbance", None, check=check_steady,
     ),
     Field(
         "from", TEXT, "-",

@@ -182,7 +182,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     ),
     "helicopter, rotor blade, flap, lag, lead lag, campbell, campbell diagram, ground resonance, whirl": (
         "beam hinge",
-        "run the rotor until it is steady; `mecano modes --at FILE:TIME --frame HUB` finds its modes at that speed",
+        "'initial: {steady: {angular_velocity: ..., about: ...}}' finds the steady rotation, `mecano modes` its modes",
     ),
     "hexapod, stewart, stewart platform, gough platform": (
         "line_force prescribed_length pid universal spherical", "`mecano example stewart` copies a deck"

@@ -1,0 +1,123 @@
+r"""Steady rotation: a motion that is constant in axes that turn with a constant angular velocity about a fixed axis.
+
+Each node that turns, at x with the rotation R, has with the angular velocity w of the axes and a point c of the axis
+
+.. math::
+   v = w \times (x - c), \quad a = w \times v, \quad \Omega = R^T w, \quad \dot\Omega = 0,
+
+the other nodes are at rest. The elements then give centrifugal and gyroscopic forces, so the deformation is that of the
+turning blade or shaft. With the displacements :math:`\delta x` and material rotations :math:`\delta\Theta` of a step of
+Newton's method (steady.py)
+
+.. math::
+   \delta v = w \times \delta x, \quad \delta a = w \times (w \times \delta x), \quad
+   \delta\Omega = R^T (w \times R\, \delta\Theta), \quad \delta\dot\Omega = 0.
+
+The motion is steady if the forces are in balance, with other reactions, after the nodes have turned on by one radian.
+"""
+
+import numpy as np
+import scipy.linalg as la
+
+from mecano.errors import ConvergenceError
+from mecano.maths.so3 import exp
+from mecano.maths.vector import Vec3, skew
+from mecano.solve.diagnostics.failure import worst_equations
+
+STEADY = 1e-6  # largest change of forces in a turn of one radian, relative; of constraints, relative to the speed
+RANK = 1e-12  # of the largest singular value of the columns of reactions
+
+
+class Rotation:
+    """The rotation of a system with the angular velocity ``w`` (3,) [rad/s], inertial; ``steady`` below: a Steady.
+
+    ``about`` (3,) [m]: a point of the axis; ``at_rest``: names of the nodes that do not turn.
+    """
+
+    relaxes = True  # a relaxed state is preferred to one of another shape, which may be unstable
+    fading = 0.8  # of the drag in each step of the relaxation, beside the change of the force: arms may swing far
+
+    def __init__(self, system, w, about, at_rest=()):
+        of, self.n_q = system.numbering, system.n_q
+        self.w, self.about, self.hat = np.asarray(w, float), np.asarray(about, float), np.array(skew(tuple(w)))
+        chosen = np.array([node.name not in at_rest for node in system.nodes])
+        x = np.unique(of.x[chosen & (of.x < self.n_q)])
+        self.rotations = [r for r in np.unique(of.rotation[chosen]) if of.rotation_dof[r] < self.n_q]
+        self.at = x[:, None] + np.arange(3)  # positions of the nodes that turn
+        self.turns = of.rotation_dof[self.rotations]
+
+    def speed(self, length):
+        """Return the speed [m/s] at a distance ``length`` from the axis; at rest, one length scale per second."""
+        return float(np.linalg.norm(self.w)) * length or length
+
+    def begin(self, s):
+        """Set velocities and accelerations of the state ``s`` in place."""
+        s.v[:] = s.a[:] = 0.0
+        s.v[self.at] = (s.z[self.at] - self.about) @ self.hat.T
+        s.a[self.at] = s.v[self.at] @ self.hat.T
+        for r, d in zip(self.rotations, self.turns, strict=True):
+            s.v[d : d + 3] = s.R[r].T @ self.w
+
+    def put_back(self, start, s):
+        """Return the state: relaxation does not turn it about the axis."""
+        return s
+
+    def put_on(self, steady, s):
+        """Return (state with the velocities of its positions, no free spins (n_q, 0), its Tangent)."""
+        s = steady.monitor.settle(s.copy())
+        self.begin(s)
+        return s, np.zeros((self.n_q, 0)), steady.tangent(s)
+
+    def following(self, steady, s, K, C):
+        """Return the derivatives K (n, n) by positions with velocities and accelerations that follow."""
+        K, (M, _) = K.copy(), steady.matrix(s, 0.0, 0.0, 1.0)
+        for d in self.at[:, 0]:
+            K[:, d : d + 3] += (C[:, d : d + 3] + M[:, d : d + 3] @ self.hat) @ self.hat
+        for r, d in zip(self.rotations, self.turns, strict=True):
+            K[:, d : d + 3] += C[:, d : d + 3] @ (s.R[r].T @ self.hat @ s.R[r])
+        return K
+
+    def judge(self, steady, s, arrived):
+        """Raise ConvergenceError if the state is not in steady rotation."""
+        system, at = steady.system, steady.tangent(s)
+        text = f"no steady rotation with the angular velocity {np.round(self.w, 9).tolist()} rad/s was found"
+        tries = "what to try: initial positions nearer to it; a smaller angular velocity first; "
+        if not arrived:
+            assembly = system.assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0)
+            raise ConvergenceError(
+                f"{text}: forces remain out of balance or constraints violated; the worst equations:\n"
+                f"{worst_equations(system, assembly)}\n{tries}a drive that balances the moment of loads about the axis "
+                "(prescribed_angle)"
+            )
+        off = np.abs(at.rates) / steady.speed
+        if off.max(initial=0.0) > STEADY:
+            name = system.numbering.name[self.n_q + int(np.argmax(off))]
+            raise ConvergenceError(
+                f"{text}: the constraint '{name}' would be violated over time; what to try: the same speed in "
+                "prescribed motions; 'at_rest' with the nodes that do not turn"
+            )
+        change = self._change(steady, s) / steady.root
+        if change.max(initial=0.0) > STEADY * (at.size / steady.root).max(initial=0.0):
+            name = system.numbering.name[int(np.argmax(change))]
+            raise ConvergenceError(
+                f"{text}: the forces change over time, in {name}; what to try: gravity and other loads along the axis "
+                "of rotation, or none; supports that are alike in all directions across it"
+            )
+
+    def _change(self, steady, s):
+        """Return the out-of-balance forces (n_q,) after the nodes have turned by one radian; reactions balance theirs.
+
+        Signals, which may vary, have none.
+        """
+        later, n, n_q = s.copy(), steady.system.n, self.n_q
+        Q = np.array(exp(Vec3(*(self.w / (np.linalg.norm(self.w) or 1.0)))))
+        later.z[self.at] = self.about + (s.z[self.at] - self.about) @ Q.T
+        for r in self.rotations:
+            later.R[r] = Q @ s.R[r]
+        self.begin(later)
+        K, assembly = steady.matrix(later, 1.0, 0.0, 0.0)
+        f, D = assembly.residual[:n_q].copy(), K[:n_q, n_q:n]
+        own = steady.moving
+        f[own] -= D[own] @ la.lstsq(D[own], f[own], cond=RANK)[0] if D.shape[1] else 0.0
+        f[steady.signals] = 0.0
+        return np.abs(f)

@@ -1,0 +1,175 @@
+r"""Straight steady running: a motion that is constant in a frame moving with the vehicle.
+
+All nodes have the velocity V, angular velocities are constant, accelerations are zero: only wheels and parts that
+rotate with them spin. Positions (deflections of tyres and springs, y and psi of patches), spins and reactions are found
+by steady.py.
+
+The angular velocities that leave the forces constant follow from the tangent: with its columns K_x for displacements
+and K_r for rotations, :math:`K_r \omega = - K_x V` (in the rows of constraints on positions: minus their rates) has
+the minimum-norm solution :math:`\omega_0`, and N is the null space of K_r: the free spins. The force on a sliding wheel
+hardly depends on its spin: therefore the spin of a wheel that no constraint makes roll is found, in every iteration,
+from the moment about its axle, which increases with the spin.
+"""
+
+import numpy as np
+import scipy.linalg as la
+
+from mecano.errors import ConvergenceError
+from mecano.maths.vector import skew
+from mecano.model.numbering import SIGNAL
+from mecano.solve.diagnostics.failure import worst_equations
+
+SPINS = 1e-9  # of the largest singular value: rotations below leave the forces constant
+STEADY = 1e-6  # largest relative change of forces per radian or length scale; of constraints relative to the speed
+DRAG = 0.5  # of the largest out-of-balance force: a smaller sum along the road is not its cause
+WIDER, WIDENINGS = 2.0, 40  # factor on the bracket of a spin; number of times it is widened
+
+
+class Straight:
+    """The motion of a system with the velocity ``V`` (3,) [m/s] of all nodes, inertial; ``steady`` below: a Steady."""
+
+    relaxes = False  # a relaxed state of another shape is taken only if it is nearer than that of Newton's method
+    fading = 1.0  # of the drag in each step of the relaxation, beside the change of the force
+
+    def __init__(self, system, V):
+        of, self.V = system.numbering, np.asarray(V, float)
+        self.n_q, self.at_once = system.n_q, np.flatnonzero(of.kind[: system.n_q] == SIGNAL)
+        self.along = np.zeros(of.n_all)
+        self.free = np.unique(of.x[of.x < self.n_q])[:, None] + np.arange(3)  # positions that are unknown
+        self.along[self.free] = self.V
+
+    def speed(self, length):
+        """Return the speed [m/s]; at rest, one length scale per second."""
+        return float(np.linalg.norm(self.V)) or length
+
+    def begin(self, s):
+        """Set the velocities of the state ``s`` in place, without spins."""
+        s.v[:] = self.along
+
+    def following(self, steady, s, K, C):
+        """Return the derivatives K (n, n) by positions, with which the velocities do not change."""
+        return K
+
+    def put_back(self, start, s):
+        """Return the state with the mean displacement along the road removed, which relaxation leaves arbitrary."""
+        direction = self.V / (np.linalg.norm(self.V) or 1.0)
+        s.z[self.free] -= float(direction @ (s.z - start.z)[self.free].mean(axis=0)) * direction
+        return s
+
+    def put_on(self, steady, s):
+        """Return (state with steady angular velocities and rolling wheels, N, its Tangent).
+
+        Elements are put into the phases that belong to the state.
+        """
+        s = steady.monitor.settle(s.copy())
+        omega, N = self._turning(steady, s)
+        s.v[: self.n_q] = self.along[: self.n_q] + omega + N @ (np.linalg.pinv(N) @ (s.v[: self.n_q] - omega))
+        at = steady.tangent(s)
+        if N.shape[1]:
+            B = -np.where(steady.of_rates[:, None], at.C[self.n_q :], at.K[self.n_q :, : self.n_q]) @ N
+            s.v[: self.n_q] -= N @ la.lstsq(B, at.rates, cond=SPINS)[0] if len(B) else 0.0
+            for j in np.flatnonzero(np.abs(B).max(axis=0, initial=0.0) <= SPINS * steady.length):
+                self._roll(steady, s, N[:, j])
+            at = steady.tangent(s)
+        return s, N, at
+
+    def _turning(self, steady, s):
+        """Return the angular velocities (n_q,) that follow from V, and the free spins N (n_q, spins)."""
+        running = s.copy()
+        running.v[:] = self.along
+        at = steady.tangent(s)
+        K = at.K[:, : self.n_q].copy()
+        for d in steady.system.numbering.rotation_dof:
+            if d < self.n_q:  # out-of-balance moments are fixed in inertial axes: a spin does not rotate them
+                K[d : d + 3, d : d + 3] -= np.array(skew(tuple(at.f[d : d + 3])))
+        K = self._without_signals(K)
+        change = K @ self.along[: self.n_q]
+        change[self.n_q :] = np.where(
+            steady.of_rates, change[self.n_q :], -steady.system.constraint_derivatives(running)[:, 1]
+        )
+        scale = np.concatenate([1.0 / (at.k * steady.root), np.ones(steady.system.n_l)])
+        U, sigma, Vt = la.svd(K[:, steady.turning] * scale[:, None] / steady.length, full_matrices=True)
+        rank = int(np.sum(sigma > SPINS * max(sigma.max(initial=0.0), 1e-300)))
+        omega, N = np.zeros(self.n_q), np.zeros((self.n_q, Vt.shape[0] - rank))
+        omega[steady.turning] = -Vt[:rank].T @ ((U[:, :rank].T @ (change * scale)) / sigma[:rank]) / steady.length
+        N[steady.turning] = Vt[rank:].T
+        return omega, _plain(N)
+
+    def _without_signals(self, K):
+        """Return the derivatives K (n, n_q) with algebraic signals as functions of the other unknowns.
+
+        A signal may vary in steady running, such as a position along the road, if no force changes with it.
+        """
+        if not len(self.at_once):
+            return K
+        own = K[self.at_once]
+        K = K - K[:, self.at_once] @ la.lstsq(own[:, self.at_once], own)[0]
+        K[self.at_once] = K[:, self.at_once] = 0.0
+        return K
+
+    def _roll(self, steady, s, direction):
+        """Set the spin of ``s`` along ``direction`` (n_q,), in place, so that the moment about it vanishes."""
+        before = s.v[: self.n_q].copy()
+
+        def moment(spin):
+            s.v[: self.n_q] = before + spin * direction
+            assembly = steady.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
+            return float(direction @ assembly.residual[: self.n_q])
+
+        here, width = moment(0.0), 1e-3 * steady.speed / steady.length
+        low = high = found = 0.0
+        for _ in range(WIDENINGS):
+            if here == 0.0:
+                break
+            low, high = high, -np.sign(here) * width
+            if np.sign(moment(high)) != np.sign(here):  # their product may underflow
+                from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
+
+                found = brentq(moment, low, high, xtol=1e-15 * width, rtol=1e-15)
+                break
+            width *= WIDER
+        s.v[: self.n_q] = before + found * direction
+
+    def judge(self, steady, s, arrived):
+        """Raise ConvergenceError if the state is not in steady running."""
+        at = steady.tangent(s)
+        text = f"no straight steady running with the velocity {np.round(self.V, 9).tolist()} m/s was found"
+        tries = (
+            "what to try: initial positions nearer to it; a velocity along the road; a force that balances the drag; "
+            "wheels in balance about their axles (inertias are given in the axes of the node)"
+        )
+        if not arrived:
+            assembly = steady.system.assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0)
+            raise ConvergenceError(
+                f"{text}: forces remain out of balance or constraints violated; the worst equations:\n"
+                f"{worst_equations(steady.system, assembly)}{self._drag(at)}\n{tries}"
+            )
+        off = np.abs(at.rates) / steady.speed
+        if off.max(initial=0.0) > STEADY:
+            name = steady.system.numbering.name[self.n_q + int(np.argmax(off))]
+            raise ConvergenceError(f"{text}: the constraint '{name}' would be violated over time\n{tries}")
+        K, v = self._without_signals(at.K[: self.n_q, : self.n_q]), s.v[: self.n_q]
+        change, force = np.abs(K @ v) / steady.root, (at.size / steady.root).max(initial=0.0)
+        rate = max(steady.speed / steady.length, np.abs(v[steady.turning]).max(initial=0.0))
+        if change.max(initial=0.0) > STEADY * force * rate:
+            name = steady.system.numbering.name[int(np.argmax(change))]
+            raise ConvergenceError(f"{text}: the forces change over time, in {name}\n{tries}")
+
+    def _drag(self, at):
+        """Return a sentence on the sum of all forces along the road, if it is the largest; reactions have none."""
+        drag = abs(float(self.V @ at.f[self.free].sum(axis=0))) / (np.linalg.norm(self.V) or 1.0)
+        if drag < DRAG * at.force:
+            return ""
+        return (
+            f"\nalong the road some {drag:.3g} N remain, of toe, rolling resistance, drag or a slope: a drive that "
+            "controls the speed balances them if it has an integrator, as in docs/tyres.md"
+        )
+
+
+def _plain(N):
+    """Return unit vectors (n, s) that span the same space, each with one component where all others vanish."""
+    if not N.shape[1]:
+        return N
+    _, _, order = la.qr(N.T, pivoting=True, mode="economic")
+    plain = N @ np.linalg.inv(N[order[: N.shape[1]]])
+    return plain / np.linalg.norm(plain, axis=0)

@@ -1,0 +1,117 @@
+"""Steady rotation as initial state: blades, pendulums and shafts deformed by centrifugal forces."""
+
+import math
+
+import numpy as np
+import pytest
+from time_runs import RecordedRun, deck
+
+from mecano.analyses.modal import modes, operating_point
+from mecano.errors import ConvergenceError, DeckError
+
+S = "Steady rotation"
+ROD = """
+    mecano: 1
+    gravity: none
+    sections: {rod: {type: circle, diameter: 0.02, E: 1.0e9, nu: 0.3, density: 1000}}
+    nodes: {root: {position: [0.2, 1, 3]}, tip: {position: [1.2, 1, 3]}}
+    elements: {rod: {type: beam, nodes: [root, tip], section: rod, mesh: MESH}}
+    joints:
+      bearing: {type: hinge, nodes: [ground, root], axis: [0, 0, 1]}
+      motor: {type: prescribed_angle, nodes: [ground, root], axis: [0, 0, 1], value: 300*time}
+    initial: {steady: {angular_velocity: [0, 0, 300], about: [0.2, 1, 0]}}
+    time: {end: 1.0e-3, step: 1.0e-4}
+"""
+
+
+def place(base, name):
+    """Return the position (3,) of a node of an OperatingPoint."""
+    system = base.prepared.system
+    x = system.numbering.x[[node.name for node in system.nodes].index(name)]
+    return base.state.z[x : x + 3]
+
+
+def test_a_turning_rod_is_stretched(verify):
+    """Tension EA (r' - 1) and (EA r')' + m w^2 r = 0: r(L) = tan(kL)/k, k = w sqrt(rho/E); the error falls with h^2."""
+    k = 300.0 * math.sqrt(1000.0 / 1e9)
+    tips = [place(operating_point(deck(ROD.replace("MESH", str(n)))), "tip")[0] - 0.2 for n in (8, 16)]
+    verify(S, "rod at 300 rad/s: radius of the tip [m]", (4 * tips[1] - tips[0]) / 3, math.tan(k) / k,
+           "closed form", relative=1e-7)  # fmt: skip
+    assert abs(tips[1] - math.tan(k) / k) < 0.26 * abs(tips[0] - math.tan(k) / k)
+
+
+def test_a_run_from_steady_rotation_stays_there():
+    """The rod does not ring: steps of 0.03 rad change its stretch by 0.18 * 0.03^2 of it (docs/step-control.md)."""
+    recorded = RecordedRun(deck(ROD.replace("MESH", "8")))
+    radius = np.linalg.norm(recorded["nodes/tip/position"] - [0.2, 1.0, 3.0], axis=1)
+    assert np.ptp(radius) < 2 * 0.18 * 0.03**2 * (radius[0] - 1.0)
+
+
+PENDULUM = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {shaft: {position: [0, 0, 0]}, rod: {position: [0.1, 0, 0]}, bob: {position: [0.2, 0, -0.5]}}
+    elements:
+      shaft: {type: rigid_body, node: shaft, mass: 1, inertia: [1, 1, 1], attached: [hook]}
+      rod: {type: rigid_link, nodes: [rod, bob]}
+      bob: {type: point_mass, node: bob, mass: 2}
+    joints:
+      bearing: {type: hinge, nodes: [ground, shaft], axis: [0, 0, 1]}
+      pin: {type: hinge, nodes: [hook, rod], axis: [0, 1, 0]}
+    initial: {steady: {angular_velocity: [0, 0, 7], about: [0, 0, 0]}}
+    time: {end: 1.0e-2, step: 1 ms}
+""".replace("nodes: {shaft", "nodes: {hook: {position: [0.1, 0, 0]}, shaft")
+
+
+def test_a_pendulum_on_a_turning_shaft_swings_out():
+    """tan(p) = w^2 (e + l sin p)/g; the shaft is not driven, and nothing brakes it."""
+    bob = place(base := operating_point(deck(PENDULUM)), "bob")
+    sine = (math.hypot(bob[0], bob[1]) - 0.1) / math.hypot(0.1, 0.5)
+    assert sine / math.sqrt(1 - sine**2) == pytest.approx(49.0 * (0.1 + math.hypot(0.1, 0.5) * sine) / 9.81, rel=1e-9)
+    assert any("the steady motion requires another shape" in text for text in base.warnings)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("[0, 0, -9.81]", "[0, -9.81, 0]", "no steady rotation with the angular velocity"),
+        ("time:", "loads: {push: {type: force, node: bob, direction: [1, 0, 0], value: 1}}\n    time:", "was found"),
+        ("axis: [0, 0, 1]}", "axis: [0, 0, 1]}\n      motor: {type: prescribed_angle, nodes: [ground, shaft], "
+         "axis: [0, 0, 1], value: 6*time}", "'prescribed_angle 'motor'"),
+    ],
+    ids=["gravity across", "a push", "another speed"],
+)  # fmt: skip
+def test_where_there_is_no_steady_rotation(old, new, said):
+    with pytest.raises(ConvergenceError, match="no steady rotation with the angular velocity") as info:
+        operating_point(deck(PENDULUM.replace(old, new)))
+    assert said in str(info.value)
+
+
+@pytest.mark.parametrize(
+    ("steady", "said"),
+    [
+        ("{}", "give either 'velocity', of straight running, or 'angular_velocity'"),
+        ("{velocity: [1, 0, 0], angular_velocity: [0, 0, 1], about: [0, 0, 0]}", "give either 'velocity'"),
+        ("{angular_velocity: [0, 0, 1]}", "'about' is missing: a point of the axis of rotation"),
+        ("{velocity: [1, 0, 0], about: [0, 0, 0]}", "'about' belongs to 'angular_velocity'"),
+        ("{velocity: [1, 0, 0], at_rest: [shaft]}", "'at_rest' belongs to 'angular_velocity'"),
+    ],
+)
+def test_errors_in_a_steady_motion(steady, said):
+    with pytest.raises(DeckError) as info:
+        deck(PENDULUM.replace("{angular_velocity: [0, 0, 7], about: [0, 0, 0]}", steady))
+    assert said in str(info.value)
+
+
+def test_a_support_that_does_not_turn():
+    """The hub on springs stays in place, and the rod on it is stretched as on a rigid bearing."""
+    text = ROD.replace("MESH", "8").replace("[ground, root]", "[pylon, root]")
+    text = text.replace("nodes: {root", "nodes: {pylon: {position: [0.2, 1, 3]}, other: {position: [-0.8, 1, 3]}, root")
+    text = text.replace("elements: {rod", "elements: {pylon: {type: bushing, nodes: [ground, pylon], stiffness: "
+                        "[1.0e8, 1.0e8, 1.0e8, 1.0e6, 1.0e6, 1.0e6]}, rod")  # fmt: skip
+    text = text.replace("mesh: 8}}", "mesh: 8}, back: {type: beam, nodes: [root, other], section: rod, mesh: 8}}")
+    text = text.replace("about: [0.2, 1, 0]", "about: [0.2, 1, 0], at_rest: [pylon]")
+    base, alone = operating_point(deck(text)), operating_point(deck(ROD.replace("MESH", "8")))
+    np.testing.assert_allclose(place(base, "pylon"), [0.2, 1, 3], atol=1e-10)
+    np.testing.assert_allclose(place(base, "tip"), place(alone, "tip"), rtol=1e-9)
+    assert "not an equilibrium" not in modes(deck(text), None, frame="root")[0]
