@@ -6,13 +6,18 @@ the lectures with Drake (Tedrake, Underactuated Robotics), after McGeer 1990.
 
 import math
 import re
+from textwrap import dedent
 
 import numpy as np
+import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 from small_motions import eigenvalues
 from time_runs import RecordedRun, deck
 
 from mecano.analyses.static import run
+from mecano.analyses.sweep import sweep
+from mecano.solve.modal.whirl import whirl_word
 
 S, g = "Models of other programs", 9.81
 
@@ -128,6 +133,27 @@ def test_a_shaft_with_a_disc_whirls(verify):
     exact = np.sort(np.abs(whirl(400.0).imag))[:4] / (2 * math.pi)
     lateral = [f for f in found if abs(f - 63.66) > 0.1]  # the shaft moves along itself
     verify(S, "rotor at 400 rad/s: whirl [Hz]", lateral[:4], exact, "finite elements of Nelson 1980", relative=1e-5)
+
+
+def critical_speed(sense, near):
+    """The speed [rad/s], within 20 of ``near``, at which a mode of ``whirl`` turns ``sense`` times as fast."""
+    k = int(np.argmin(np.abs(np.sort(whirl(near).imag) - sense * near)))
+    return brentq(lambda speed: np.sort(whirl(speed).imag)[k] - sense * speed, near - 20.0, near + 20.0)
+
+
+@pytest.mark.slow
+def test_critical_speeds_of_a_shaft_with_a_disc(verify, tmp_path):
+    """Speeds at which an eigenvalue of the finite elements turns with the rotor, or backward as fast."""
+    start = "{steady: {angular_velocity: [$speed, 0, 0], about: [0, 0, 0]}}"
+    text = dedent(ROTOR).replace("sections:", "parameters: {speed: 400}\nsections:")
+    (tmp_path / "rotor.yaml").write_text(re.sub("initial: .*", f"initial: {start}", text))
+    (locus,) = sweep(tmp_path / "rotor.yaml", (), ["speed=200:1000:200"], rotor="disc").loci
+    for sense, word, count in ((1.0, "forward", 1), (-1.0, "backward", 2)):
+        found = [one.speed for one in locus.resonances if whirl_word(one.whirl) == word]
+        exact = [critical_speed(sense, round(speed, -1)) for speed in found]
+        assert len(found) == count
+        name = f"shaft with a disc: {word} critical speeds [rad/s]"
+        verify(S, name, found, exact, "finite elements of Nelson 1980", relative=1e-5)
 
 
 HOOP = """

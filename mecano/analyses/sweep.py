@@ -23,6 +23,7 @@ from mecano.solve.modal.families import FAMILIES, families, running_axes
 from mecano.solve.modal.linearize import linearize
 from mecano.solve.modal.modes import solve
 from mecano.solve.modal.tracking import Spectrum, growing, least_damped, loci, track, unstable
+from mecano.solve.modal.whirl import resonances, whirling
 
 if TYPE_CHECKING:
     import os
@@ -96,6 +97,9 @@ class Locus:
     fastest: np.ndarray  # (n,) complex: the eigenvalue with the largest real part
     least: np.ndarray  # (n,) [1/s]: smaller eigenvalues cannot be distinguished from zero
     variation: np.ndarray  # (n,) variation of the Linearization; 0 where no state was found
+    whirl: np.ndarray | None = None  # (branches, n) see whirl.py, nan where a branch has none; None without a rotor
+    speed: np.ndarray | None = None  # (n,) [rad/s] of the rotor; nan where no state was found
+    resonances: tuple = ()  # of Resonance
 
     @property
     def family_names(self) -> list[list[str]]:
@@ -117,6 +121,8 @@ class Sweep:
     warnings: list[str]
     about: str
     deck: "Deck"  # the checked deck without the values of the sweep
+    rotor: str = ""  # node whose speed a Campbell diagram shows
+    orders: tuple[float, ...] = ()  # multiples of its speed
 
 
 @dataclass
@@ -128,6 +134,7 @@ class Case:
     number: int = 1_000_000
     frame: str = "inertial"
     method: str = "automatic"
+    rotor: str = ""
     warnings: dict[str, tuple[str, set[Settings]]] = field(default_factory=dict)
     """text without numbers and motions -> (first text, settings of the states that have it)"""
     about: str = ""
@@ -173,8 +180,13 @@ class Case:
         def motion(value, shape):
             return largest_motions(system, base.state, lin, value, shape / lin.root)
 
+        whirl, omega = None, np.zeros(3)
+        if self.rotor:
+            omega = turning_of(system, base.state, self.rotor)
+            found, whirl = whirling(found, lin, system.numbering, omega)
         of = families(lin, system.numbering.kind[: system.n_q], running_axes(system, base.state), found.shapes)
-        return Spectrum.of(found, lin.root, lin.pace, of), motion, lin.variation
+        speed = float(np.linalg.norm(omega))
+        return Spectrum.of(found, lin.root, lin.pace, of, whirl, speed), motion, lin.variation
 
 
 def sweep(
@@ -185,15 +197,20 @@ def sweep(
     number: int | None = None,
     frame: str = "inertial",
     method: str = "automatic",
+    rotor: str = "",
+    orders: Sequence[float] = (1.0,),
     progress: Callable[[int, int, str], object] = lambda *_: None,
 ) -> Sweep:
     """Compute the modes of a deck file over one or two ``texts`` "parameter=from:to:step", and return a Sweep.
 
-    ``progress(done, total, text)`` is called for every state. Values at which no state is found are left out, with a
-    warning. Raises UsageError, DeckError, and the error of the last state if none is found at any value.
+    ``rotor``: the node of a rotor, whose angular velocity, multiplied by ``orders``, is compared with the frequencies
+    (Campbell diagram). ``progress(done, total, text)`` is called for every state. Values at which no state is found
+    are left out, with a warning. Raises UsageError, DeckError, and the error of the last state if none is found at any
+    value.
     """
-    case = Case(path, tuple(overrides), number or 1_000_000, frame, method)
+    case = Case(path, tuple(overrides), number or 1_000_000, frame, method, rotor)
     deck = case.deck()
+    _check_rotor(rotor, deck, texts)
     if len(texts) > 2:
         raise UsageError("--sweep may be given once, or twice for a map of stability")
     axes = tuple(Axis.parse(text, deck.values["parameters"]) for text in texts)
@@ -204,20 +221,32 @@ def sweep(
     found = []
     for i, other in enumerate(others):
         reported = lambda done, text, i=i: progress(i * len(first.values) + done, total, text)  # noqa: E731
-        found.append(_locus(case, first, other, reported))
+        found.append(_locus(case, first, other, reported, orders if rotor else ()))
     if case.error is not None and all(np.all(locus.count < 0) for locus in found):
         raise case.error
     states = {(*other, (first.path, float(value))) for other in others for value in first.values}
     residuals = [case.residuals[state] for state in states if state in case.residuals]
-    return Sweep(axes, found, [*case.counted_warnings(states), *doubts(case.variation, residuals)], case.about, deck)
+    warnings = [*case.counted_warnings(states), *doubts(case.variation, residuals)]
+    return Sweep(axes, found, warnings, case.about, deck, rotor, tuple(orders) if rotor else ())
+
+
+def _check_rotor(rotor, deck, texts):
+    """Raise UsageError if the deck has no node ``rotor``, or two parameters vary."""
+    if not rotor:
+        return
+    if rotor not in deck.values["nodes"]:
+        hint = suggestion(rotor, deck.values["nodes"])
+        raise UsageError(f"--campbell: the deck has no node '{rotor}'" + (f"; {hint}" if hint else ""))
+    if len(texts) > 1:
+        raise UsageError("--campbell takes one --sweep, over the speed of the rotor")
 
 
 def _share(count):
     return f"in {count} of the states" if count else "between the states, near critical values"
 
 
-def _locus(case, axis, other, reported):
-    """Return the Locus over ``axis`` with the settings ``other``."""
+def _locus(case, axis, other, reported, orders=()):
+    """Return the Locus over ``axis`` with the settings ``other``; ``orders`` of a Campbell diagram."""
     spectra, motions, variations = [], [], []
     for i, value in enumerate(axis.values):
         settings = (*other, (axis.path, float(value)))
@@ -232,12 +261,25 @@ def _locus(case, axis, other, reported):
         reported(i + 1, ", ".join(f"{path.removeprefix('parameters.')} {value:.6g}" for path, value in settings))
     values, rows = loci(track(spectra, axis.values), spectra)
     described = [_described(row, spectra, motions) for row in rows]
+    spectrum_at = lambda value: case.spectrum((*other, (axis.path, float(value))))[0]  # noqa: E731
     found, unrefined = _criticals(case, axis, other, rows, spectra)
     least = np.array([spectrum.least if spectrum else 0.0 for spectrum in spectra])
     kinds = _along(rows, spectra, "families", -1)
     sure = _along(rows, spectra, "converged", True)
     growth = _growth(spectra)
-    return Locus(axis, values, described, kinds, sure, found, unrefined, *growth, least, np.array(variations))
+    locus = Locus(axis, values, described, kinds, sure, found, unrefined, *growth, least, np.array(variations))
+    if case.rotor:
+        locus.whirl = _along(rows, spectra, "whirl", np.nan)
+        locus.speed = np.array([spectrum.speed if spectrum else np.nan for spectrum in spectra])
+        locus.resonances, missed = resonances(rows, spectra, axis.values, orders, spectrum_at)
+        unrefined += [_missed(case.rotor, axis.name, *one) for one in missed]
+    return locus
+
+
+def _missed(rotor, name, branch, order, low, high):
+    """Return the text on a resonance that was not refined."""
+    between = f"between {name} {low:.9g} and {high:.9g}"
+    return f"mode {branch + 1} has {order:g} times the speed of '{rotor}' {between}; its value was not refined"
 
 
 def _along(rows, spectra, name, none):

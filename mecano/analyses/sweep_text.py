@@ -8,6 +8,7 @@ import numpy as np
 
 from mecano.solve.modal.families import FAMILIES
 from mecano.solve.modal.tracking import damping, least_damped
+from mecano.solve.modal.whirl import whirl_word
 
 if TYPE_CHECKING:
     from mecano.analyses.sweep import Sweep
@@ -26,6 +27,8 @@ def lines(sweep: "Sweep") -> Iterator[str]:
         yield from _families(first.name, sweep.loci[0])
         yield _stretches(first, sweep.loci[0])
         yield from _critical(first.name, sweep.loci[0])
+        if sweep.rotor:
+            yield from _resonances(sweep, sweep.loci[0])
         return
     for value, locus in zip(sweep.axes[1].values, sweep.loci, strict=True):
         yield f"{sweep.axes[1].name} {value:.6g}: {_stretches(first, locus)}"
@@ -57,16 +60,24 @@ def _states(axis, locus):
 def _modes(name, locus):
     """Yield a line for each mode: family, frequency, damping and largest motions where it is least damped."""
     yield "modes, where they are least damped:"
-    rows = [("mode", "family", "damped [Hz]", "damping", f"at {name}", "from", "to [Hz]", "largest motions")]
+    turns = () if locus.whirl is None else ("whirl",)
+    rows = [("mode", "family", *turns, "damped [Hz]", "damping", f"at {name}", "from", "to [Hz]", "largest motions")]
     for b, values in enumerate(locus.values):
         i, frequency = least_damped(values, locus.least), values.imag / (2.0 * np.pi)
         unsure = int(np.sum(~locus.converged[b]))
         mark = f" (not converged at {unsure} of {np.sum(np.isfinite(values))} values)" if unsure else ""
         rows.append((
-            str(b + 1), FAMILIES[locus.families[b, i]], *_numbers(values[i]), f"{locus.axis.values[i]:.6g}",
+            str(b + 1), FAMILIES[locus.families[b, i]], *(_last_whirl(locus.whirl[b]) for _ in turns),
+            *_numbers(values[i]), f"{locus.axis.values[i]:.6g}",
             f"{np.nanmin(frequency):.4g}", f"{np.nanmax(frequency):.4g}", locus.motions[b] + mark,
         ))  # fmt: skip
     yield from _aligned(rows)
+
+
+def _last_whirl(whirls):
+    """Return the whirl of a mode at the last value at which it has one, in words."""
+    known = whirls[np.isfinite(whirls)]
+    return whirl_word(known[-1]) if known.size else "-"
 
 
 def _families(name, locus):
@@ -107,6 +118,20 @@ def _critical(name, locus):
         else:
             yield f"critical {name} {known(c.place, c.error)}: {grows}"
     yield from locus.unrefined
+
+
+def _resonances(sweep, locus):
+    """Yield a line for each value at which a mode has a multiple of the speed of the rotor."""
+    orders = ", ".join(f"{order:g}" for order in sweep.orders)
+    if not locus.resonances:
+        yield f"no mode has {orders} times the speed of '{sweep.rotor}' between these values"
+        return
+    yield f"modes with {orders} times the speed of '{sweep.rotor}':"
+    rows = [("times", "mode", "whirl", sweep.axes[0].name, "speed [rad/s]", "[1/min]", "damped [Hz]", "damping", "")]
+    for one in locus.resonances:
+        numbers = f"{one.place:.9g}", f"{one.speed:.9g}", f"{one.speed * 30.0 / math.pi:.7g}"
+        rows.append((f"{one.order:g}", str(one.branch + 1), whirl_word(one.whirl), *numbers, *_numbers(one.value), ""))
+    yield from (row.rstrip() for row in _aligned(rows))
 
 
 def known(value: float, error: float) -> str:

@@ -80,6 +80,14 @@ def run(
     help="Vary a parameter, or any number of the deck (as --set); also NAME=A,B,C. Twice: a map of stability.",
 )  # fmt: skip
 @click.option(
+    "--campbell", "rotor", metavar="NODE",
+    help="With --sweep over a speed: Campbell diagram of the rotor with NODE: its critical speeds, whirl of the modes.",
+)  # fmt: skip
+@click.option(
+    "--order", "orders", type=click.FloatRange(min=0.0, min_open=True), multiple=True, metavar="N",
+    help="A multiple of that angular velocity, may be repeated; default: 1.",
+)  # fmt: skip
+@click.option(
     "--frame", default="inertial", show_default=True, metavar="NODE|WX,WY,WZ|inertial",
     help="Axes in which motions are measured, turning with a node or with an angular velocity [rad/s].",
 )  # fmt: skip
@@ -109,6 +117,8 @@ def modes(
     at_rest: bool,
     number: int | None,
     sweeps: tuple[str, ...],
+    rotor: str | None,
+    orders: tuple[float, ...],
     frame: str,
     solver: str,
     output: str | None,
@@ -125,7 +135,8 @@ def modes(
     {steady: ...}', those about straight steady running or steady rotation. With --at they are those about a saved
     state (of that instant, if it moves), with --at-rest those about the equilibrium near it. They are complex, with
     constraints, damping, gyroscopic and follower terms. The command prints a table, and writes the shapes to a file
-    and, with --plot, to a picture. With --sweep it finds root loci and critical values.
+    and, with --plot, to a picture. With --sweep it finds root loci and critical values, with
+    --campbell also critical speeds.
     """
     if sweeps:
         if at is not None or at_rest:
@@ -134,9 +145,15 @@ def modes(
                 "--set initial.from=FILE:TIME",
                 param_hint="--at",
             )
-        return _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, below, columns, quiet, force)
-    if columns or below:
-        raise click.BadParameter("belongs to --sweep", param_hint="--csv" if columns else "--below")
+        if orders and not rotor:
+            raise click.BadParameter("belongs to --campbell", param_hint="--order")
+        turning = {"rotor": rotor or "", "orders": orders or (1.0,)}
+        return _sweep(
+            deck, sweeps, overrides, number, frame, solver, output, plot, below, columns, quiet, force, turning
+        )
+    given = {"--csv": columns, "--below": below, "--campbell": rotor, "--order": orders}
+    if any(given.values()):
+        raise click.BadParameter("belongs to --sweep", param_hint=next(name for name in given if given[name]))
     if at_rest and at is None:
         raise click.BadParameter("belongs to --at RESULTS.h5:TIME", param_hint="--at-rest")
     from mecano.deck.read import read_deck
@@ -162,7 +179,7 @@ def _of_state(at, at_rest):
     return "" if at is None else f"{'_at_rest' if at_rest else '_at'}_{os.path.basename(at.rpartition(':')[2])}"
 
 
-def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, below, columns, quiet, force):
+def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, below, columns, quiet, force, turning):
     from mecano.analyses.progress import SweepProgress
     from mecano.analyses.sweep import sweep_into
 
@@ -172,7 +189,7 @@ def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, below, 
     with progress.announcing_compiling():
         text, total = sweep_into(
             path, deck, overrides, sweeps, number=number, frame=frame, method=solver, columns=columns, force=force,
-            progress=progress,
+            progress=progress, **turning,
         )  # fmt: skip
     progress.done(total)
     show(text)

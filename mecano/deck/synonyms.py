@@ -180,9 +180,10 @@ NOTES = {  # words with the same meaning: (targets, note)
         "prescribed_position curve table",
         "a formula or a table of time of each coordinate of the tool; a curve of time is a command of a controller",
     ),
-    "helicopter, rotor blade, flap, lag, lead lag, campbell, campbell diagram, ground resonance, whirl": (
+    "helicopter, rotor blade, rotordynamics, flap, lag, lead lag, campbell, campbell diagram, critical speed, ground "
+    "resonance, whirl": (
         "beam hinge",
-        "'initial: {steady: {angular_velocity: ..., about: ...}}' finds the steady rotation, `mecano modes` its modes",
+        "`mecano modes --sweep speed=... --campbell NODE`; 'initial: {steady: {angular_velocity: ...}}'",
     ),
     "hexapod, stewart, stewart platform, gough platform": (
         "line_force prescribed_length pid universal spherical", "`mecano example stewart` copies a deck"

@@ -13,6 +13,7 @@ from matplotlib.ticker import MaxNLocator
 
 from mecano.deck.unit_of import parameters_of, unit_of
 from mecano.errors import ResultsError, UsageError
+from mecano.post.campbell import campbell_figure
 from mecano.post.figure import plain_figure, save
 from mecano.post.style import COLOURS, DASHES, GREY, INK, SETTINGS, note_below, with_unit
 from mecano.results.checked import open_checked
@@ -65,6 +66,8 @@ def sweep_figure(file: SweepFile, below: float | None = None) -> "Figure":
     if is_map and below is not None:
         raise UsageError(f"--below: {file.path} is a map of stability, which shows the least stable of all modes")
     with matplotlib.rc_context(SETTINGS):
+        if file.rotor:
+            return campbell_figure(file, below)
         return _map(file, units) if is_map else _loci(file, units[0], below)
 
 

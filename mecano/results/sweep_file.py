@@ -29,6 +29,17 @@ MODES = (
     ("frequency", "Hz", "damped frequency"),
     ("damping_ratio", "", "minus the real part over the modulus"),
     ("converged", "", "1 where the mode satisfies the equations, 0 where it does not"),
+    ("whirl", "", "share of the kinetic energy in circles in the sense of the rotor, less that in circles against it"),
+)
+ROTOR = (("speed", "rad/s", "angular velocity of the rotor; nan where no state was found"),)
+RESONANCES = (
+    ("parameter", "", "value at which a mode has a multiple of the angular velocity of the rotor"),
+    ("order", "", "this multiple"),
+    ("speed", "rad/s", "angular velocity of the rotor there"),
+    ("frequency", "Hz", "damped frequency of the mode there"),
+    ("damping_ratio", "", "minus the real part over the modulus"),
+    ("mode", "", "number of the mode, from 1"),
+    ("whirl", "", "as of the modes"),
 )
 MAP = (
     ("growth", "1/s", "largest real part of all modes but free motions; nan where no state was found"),
@@ -44,6 +55,7 @@ CRITICAL = (
     ("destabilizes", "", "1 where the mode becomes unstable as the parameter grows, 0 where it becomes stable"),
     ("of_instant", "", "1 where the states there are not steady: the modes and the value hold for an instant only"),
 )
+GROUPS = (("modes", MODES), ("map", MAP), ("critical", CRITICAL), ("rotor", ROTOR), ("resonances", RESONANCES))
 
 
 @dataclass(frozen=True)
@@ -61,6 +73,10 @@ class SweepFile:
     families: list[list[str]]  # (modes,) (n,) of their families, "" where there is none; empty in older files
     map: dict[str, np.ndarray]  # name -> (m, n)
     critical: dict[str, np.ndarray]  # name -> (c,)
+    rotor: str = ""  # node of a Campbell diagram; "" without one
+    speed: np.ndarray | None = None  # (n,) [rad/s] of the rotor
+    orders: tuple[float, ...] = ()  # multiples of its speed
+    resonances: dict[str, np.ndarray] | None = None  # name -> (r,)
 
 
 def contents(sweep: "Sweep") -> dict[str, Any]:
@@ -73,6 +89,8 @@ def contents(sweep: "Sweep") -> dict[str, Any]:
         "real_part": values.real, "imaginary_part": values.imag, "frequency": values.imag / (2.0 * np.pi),
         "damping_ratio": -values.real / np.where(size > 0.0, size, np.nan), "converged": loci[0].converged,
     }  # fmt: skip
+    if loci[0].whirl is not None:
+        modes["whirl"] = loci[0].whirl
     over = {
         "growth": [locus.growth for locus in loci], "growing": [locus.count for locus in loci],
         "frequency": [np.abs(locus.fastest.imag) / (2.0 * np.pi) for locus in loci],
@@ -90,8 +108,21 @@ def contents(sweep: "Sweep") -> dict[str, Any]:
         "modes": modes if alone else {}, "motions": loci[0].motions if alone else [],
         "families": loci[0].family_names if alone else [],
         "map": {name: np.array(table, float) for name, table in over.items()}, "critical": critical,
-        "about": sweep.about,
+        "about": sweep.about, **(_campbell(sweep) if sweep.rotor else {}),
     }  # fmt: skip
+
+
+def _campbell(sweep):
+    """Return the plain arrays of a Campbell diagram by group and name."""
+    (locus,) = sweep.loci
+    rows = [
+        (one.place, one.order, one.speed, one.value.imag / (2 * np.pi), -one.value.real / abs(one.value),
+         one.branch + 1, one.whirl)
+        for one in locus.resonances
+    ]  # fmt: skip
+    columns = np.array(rows, float).reshape(len(rows), len(RESONANCES)).T
+    found = {name: column for (name, _, _), column in zip(RESONANCES, columns, strict=True)}
+    return {"rotor": {"speed": locus.speed}, "resonances": found, "node": sweep.rotor, "orders": sweep.orders}
 
 
 def write_sweep(
@@ -105,8 +136,8 @@ def write_sweep(
 
 def _fill(file, plain, source):
     file["parameter"], file["other"] = plain["parameter"], plain["other"]
-    for group, columns in (("modes", MODES), ("map", MAP), ("critical", CRITICAL)):
-        for name, unit, doc in columns if plain[group] else ():
+    for group, columns in GROUPS:
+        for name, unit, doc in (column for column in columns if column[0] in plain.get(group, {})):
             dataset = file.create_dataset(f"{group}/{name}", data=np.asarray(plain[group][name], float))
             describe(dataset, units=unit, long_name=doc)
     if plain["modes"]:
@@ -114,6 +145,8 @@ def _fill(file, plain, source):
             words = np.array(texts, dtype=object)
             file.create_dataset(f"modes/{name}", data=words, dtype=h5py.string_dtype(), shape=words.shape)
     facts = {"about": plain["about"], "parameters": json.dumps(plain["names"])}
+    if "node" in plain:
+        facts |= {"rotor": plain["node"], "orders": json.dumps(plain["orders"])}
     put_source(file, source, FORMAT, FORMAT_VERSION, **facts)
 
 
@@ -122,8 +155,7 @@ def read_sweep(path: "str | os.PathLike[str]") -> SweepFile:
     with open_checked(path) as file:
         if file.attrs.get("format") != FORMAT:
             raise ResultsError(f"{path} is not a file of a sweep")
-        groups = {key: _columns(file.get(key, {}), columns)
-                  for key, columns in (("modes", MODES), ("map", MAP), ("critical", CRITICAL))}  # fmt: skip
+        groups = {key: _columns(file.get(key, {}), columns) for key, columns in GROUPS}
         motions = [text.decode() for text in file["modes/motion"][:]] if groups["modes"] else []
         families = (
             [[text.decode() for text in row] for row in file["modes/family"][:]] if "modes/family" in file else []
@@ -131,7 +163,8 @@ def read_sweep(path: "str | os.PathLike[str]") -> SweepFile:
         run = file["run"].attrs
         return SweepFile(Path(path), run["title"], run["about"], tuple(json.loads(run["parameters"])),
                          file["parameter"][:], file["other"][:], groups["modes"], motions, families,
-                         groups["map"], groups["critical"])  # fmt: skip
+                         groups["map"], groups["critical"], run.get("rotor", ""), groups["rotor"].get("speed"),
+                         tuple(json.loads(run.get("orders", "[]"))), groups["resonances"])  # fmt: skip
 
 
 def _columns(group, columns):
@@ -148,18 +181,27 @@ def refuse_tables(path: "str | os.PathLike[str]", force: bool) -> None:
 
 
 def write_tables(path: "str | os.PathLike[str]", plain: Mapping[str, Any], force: bool) -> None:
-    """Write the states as CSV, a row each, and the critical values as ``..._critical.csv``.
+    """Write the states as CSV, a row each, the critical values as ``..._critical.csv``, and ``..._resonances.csv``.
 
-    Raises ResultsError as ``write_csv``.
+    The last is written with a rotor only. Raises ResultsError as ``write_csv``.
     """
-    for target, rows in zip(_tables(path), (_rows(plain), _critical_rows(plain)), strict=True):
+    tables = [_rows(plain), _critical_rows(plain), *([_resonance_rows(plain)] if "node" in plain else [])]
+    for target, rows in zip(_tables(path), tables, strict=False):
         write_csv(target, rows, force)
 
 
 def _tables(path):
-    """Return the Paths of the table of states and of the table of critical values."""
+    """Return the Paths of the tables of states, of critical values, and of resonances."""
     path = Path(path)
-    return path, path.with_name(f"{path.stem}_critical.csv")
+    return path, *(path.with_name(f"{path.stem}_{what}.csv") for what in ("critical", "resonances"))
+
+
+def _resonance_rows(plain):
+    """Yield a row for each resonance."""
+    names = {"parameter": plain["names"][0]}
+    yield [names.get(name, name) + (f" [{unit}]" if unit else "") for name, unit, _ in RESONANCES]
+    for row in zip(*(plain["resonances"][name] for name, _, _ in RESONANCES), strict=True):
+        yield [repr(float(x)) for x in row]
 
 
 def _critical_rows(plain):
@@ -172,7 +214,8 @@ def _critical_rows(plain):
 
 
 def _rows(plain):
-    kinds = [(name, f" [{unit}]" if unit else "") for name, unit, _ in (MODES if plain["modes"] else MAP)]
+    kinds = [(name, f" [{unit}]" if unit else "") for name, unit, _ in (MODES if plain["modes"] else MAP)
+             if name in plain["modes" if plain["modes"] else "map"]]  # fmt: skip
     if not plain["modes"]:
         yield [plain["names"][1], plain["names"][0], *(name + unit for name, unit in kinds)]
         for i, other in enumerate(plain["other"]):
@@ -181,9 +224,11 @@ def _rows(plain):
         return
     count = len(plain["modes"]["real_part"])
     names = [*(name + unit for name, unit in kinds), "family"]
-    yield [plain["names"][0], *(f"mode {b + 1} {name}" for b in range(count) for name in names)]
+    speed = plain.get("rotor", {})
+    yield [plain["names"][0], *(f"{name} [rad/s]" for name in speed),
+           *(f"mode {b + 1} {name}" for b in range(count) for name in names)]  # fmt: skip
     for j, value in enumerate(plain["parameter"]):
-        row = [repr(float(value))]
+        row = [repr(float(value)), *("" if np.isnan(x[j]) else repr(float(x[j])) for x in speed.values())]
         for b in range(count):
             numbers = [plain["modes"][name][b, j] for name, _ in kinds]
             row += [*("" if np.isnan(x) else repr(float(x)) for x in numbers), plain["families"][b][j]]

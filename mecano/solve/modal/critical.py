@@ -40,7 +40,7 @@ def critical(spectrum_at, left, right, branch):
     is unstable. If the other end is damped, the point is the root of the real part; if it is neutral, the point is the
     onset of growth.
     """
-    trace = _Trace(spectrum_at, left, right)
+    trace = Trace(spectrum_at, left, right)
     low, high = left[0], right[0]
     xtol = TOLERANCE * max(abs(low), abs(high))
     ends = [0.0 if not unstable(v) and not unstable(-v.real + 1j * v.imag) else v.real for _, v, _ in (left, right)]
@@ -105,13 +105,14 @@ def _border(trace, low, high, xtol):
     return 0.5 * (low + high), value
 
 
-class _Trace:
+class Trace:
     """The eigenvalue of a branch between two ends: at each place the one closest to the interpolated eigenvalue."""
 
     def __init__(self, spectrum_at, left, right):
         self.spectrum_at, self.known = spectrum_at, [left, right]
 
     def __call__(self, place):
+        """Return the eigenvalue at a place; zero where the branch has reached the free motions."""
         for p, value, _ in self.known:
             if p == place:
                 return value

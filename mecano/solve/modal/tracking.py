@@ -23,12 +23,15 @@ class Spectrum:
     least: float = 0.0  # [1/s] modulus up to which an eigenvalue is not significant
     families: np.ndarray | None = None  # (m,) indices into FAMILIES of families.py
     converged: np.ndarray | None = None  # (m,) bool
+    whirl: np.ndarray | None = None  # (m,) see whirl.py; None without a rotor
+    speed: float = 0.0  # [rad/s] of the rotor
 
     @classmethod
-    def of(cls, found, root, pace=0.0, families=None):
+    def of(cls, found, root, pace=0.0, families=None, whirl=None, speed=0.0):
         """Return the Spectrum of Modes, which contain one of each conjugate pair.
 
-        ``root`` (n_q,) and ``pace`` as in Linearization; ``families`` (m,): indices into FAMILIES of families.py.
+        ``root`` (n_q,) and ``pace`` as in Linearization; ``families`` (m,): indices into FAMILIES of families.py;
+        ``whirl`` (m,), the same of both of a pair, and ``speed`` [rad/s]: of the rotor.
         """
         moving = np.flatnonzero(found.values != 0.0)
         values = found.values[moving]
@@ -38,7 +41,8 @@ class Spectrum:
         both = np.concatenate([values, found.values[pairs].conj()])
         shapes = np.concatenate([found.shapes[moving], found.shapes[pairs].conj()]) * root
         numbers = np.zeros(len(found.values), int) if families is None else families
-        return cls(both, shapes, least, numbers[all_of], found.converged[all_of])
+        turns = None if whirl is None else whirl[all_of]
+        return cls(both, shapes, least, numbers[all_of], found.converged[all_of], turns, speed)
 
     @property
     def counting(self):

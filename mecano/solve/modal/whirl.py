@@ -1,0 +1,142 @@
+r"""Whirl of modes about the axis of a rotor, and the speeds at which a mode has a multiple of the speed of the rotor.
+
+In a shape y with time factor :math:`e^{\lambda t}` the displacement of each node, and its rotation, are split by the
+unit vector e of the angular velocity into
+
+.. math::
+   y_F = \tfrac12 (1 - e e^T - i \hat e)\, y, \qquad y_B = \tfrac12 (1 - e e^T + i \hat e)\, y, \qquad y_A = e e^T y,
+
+circles in the sense of the rotor, circles against it, and motions along or about the axis. The whirl is
+:math:`(T_F - T_B)/(T_F + T_B + T_A)` with the kinetic energies :math:`T = y^* M y`: 1 for forward, -1 for backward
+whirl. Equal eigenvalues, as those of a disc in bearings alike in all directions, have any combination of shapes: those
+of extreme whirl are taken.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.linalg as la
+
+from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError
+from mecano.maths.vector import skew
+from mecano.solve.modal.critical import Trace
+
+EQUAL = 1e-7  # of an eigenvalue: difference of equal ones
+JUMPED = 1e-6  # of the eigenvalue: difference from a multiple of the speed, where branches were confused
+CLEAR = 0.1  # least whirl that is called forward or backward
+TOLERANCE = 1e-11  # of the value of the parameter
+
+
+@dataclass(frozen=True)
+class Resonance:
+    """A value of the parameter at which a mode has ``order`` times the angular velocity of the rotor."""
+
+    place: float  # value of the parameter
+    speed: float  # [rad/s] of the rotor
+    value: complex  # eigenvalue there [1/s], imaginary part not negative
+    branch: int
+    order: float
+    whirl: float
+
+
+def whirl_word(whirl):
+    """Return "forward" or "backward", or "-" for a motion in a plane, along or about the axis, or if it is nan."""
+    return "forward" if whirl > CLEAR else "backward" if whirl < -CLEAR else "-"
+
+
+def whirling(found, lin, of, omega):
+    """Return (Modes with shapes of extreme whirl, whirl (m,), nan if the rotor is at rest).
+
+    ``found``: Modes of the Linearization ``lin``; ``of``: Numbering; ``omega`` (3,) [rad/s]: angular velocity.
+    """
+    size = np.linalg.norm(omega)
+    if size == 0.0:
+        return found, np.full(len(found.values), np.nan)
+    e = omega / size
+    M, shapes = lin.M[: lin.n_q, : lin.n_q], found.shapes.astype(complex)
+    for group in _equal(found.values):
+        forward, backward, along = (_energies(M, part) for part in _parts(of, e, shapes[group]))
+        whole = forward + backward + along
+        least = 1e-12 * max(np.trace(whole).real, 1e-300)
+        shapes[group] = la.eigh(forward - backward, whole + least * np.eye(len(group)))[1].T @ shapes[group]
+    forward, backward, along = (
+        np.einsum("mi,mi->m", part.conj(), (M @ part.T).T).real for part in _parts(of, e, shapes)
+    )
+    whole = forward + backward + along
+    return replace(found, shapes=shapes), (forward - backward) / np.where(whole > 0.0, whole, 1.0)
+
+
+def _equal(values):
+    """Return the lists of numbers of equal oscillations, by ascending modulus, of more than one."""
+    groups = []
+    for i in np.flatnonzero(values.imag > 0.0):
+        if groups and abs(values[i] - values[groups[-1][-1]]) <= EQUAL * abs(values[i]):
+            groups[-1].append(i)
+        else:
+            groups.append([i])
+    return [group for group in groups if len(group) > 1]
+
+
+def _energies(M, part):
+    """Return the Hermitian matrix (m, m) of y_i^* M y_j of the rows of ``part`` (m, n_q)."""
+    T = part.conj() @ (M @ part.T)
+    return 0.5 * (T + T.conj().T)
+
+
+def _parts(of, e, shapes):
+    """Return the forward, backward and axial parts (m, n_q) of ``shapes``; scalars of elements have none."""
+    first = np.unique(np.concatenate([of.x[of.x < of.n_q], of.rotation_dof[of.rotation_dof < of.n_q]]))
+    at, axis, hat = first[:, None] + np.arange(3), np.outer(e, e), np.array(skew(tuple(e)))
+    parts = []
+    for P in (0.5 * (np.eye(3) - axis - 1j * hat), 0.5 * (np.eye(3) - axis + 1j * hat), axis):
+        part = np.zeros(shapes.shape, complex)
+        part[:, at] = shapes[:, at] @ P.T
+        parts.append(part)
+    return parts
+
+
+def resonances(rows, spectra, places, orders, spectrum_at):
+    """Return (Resonances by ascending order and place, and (branch, order, low, high) of those not refined).
+
+    ``rows`` (branches, n): indices of the branches in the ``spectra`` at ``places`` (n,); ``spectrum_at(place)``
+    returns a Spectrum; ``orders``: multiples of the angular velocity.
+    """
+    found, unrefined = [], []
+    for branch, row in enumerate(rows):
+        known = np.flatnonzero(row >= 0)
+        for i, j in zip(known[:-1], known[1:], strict=True):
+            ends = [(float(places[k]), spectra[k].values[row[k]], spectra[k].shapes[row[k]]) for k in (i, j)]
+            for order in orders:
+                apart = [abs(spectra[k].values[row[k]].imag) - order * spectra[k].speed for k in (i, j)]
+                if (apart[0] < 0.0) == (apart[1] < 0.0):
+                    continue
+                try:
+                    found.append(_resonance(spectrum_at, ends, branch, order, spectra[i], spectra[j]))
+                except (AssemblyError, ConvergenceError, NonFiniteError):
+                    unrefined.append((branch, order, ends[0][0], ends[1][0]))
+    return sorted(found, key=lambda one: (one.order, one.place)), unrefined
+
+
+def _resonance(spectrum_at, ends, branch, order, *known):
+    """Return the Resonance between two ``ends`` of a branch, whose Spectra are ``known``.
+
+    Raises ConvergenceError if the branch is not continuous between them, and the errors of ``spectrum_at``.
+    """
+    from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
+
+    spectra = {end[0]: spectrum for end, spectrum in zip(ends, known, strict=True)}
+
+    def at(place):
+        spectra[place] = spectrum_at(place)
+        return spectra[place]
+
+    trace = Trace(at, *ends)
+    low, high = ends[0][0], ends[1][0]
+    xtol = TOLERANCE * max(abs(low), abs(high))
+    place = brentq(lambda p: abs(trace(p).imag) - order * spectra[p].speed, low, high, xtol=xtol)
+    value, spectrum = trace(place), spectra[place]
+    missed = abs(abs(value.imag) - order * spectrum.speed)
+    if value.imag == 0.0 or missed > JUMPED * abs(value):
+        raise ConvergenceError("the mode could not be followed")
+    whirl = spectrum.whirl[int(np.argmin(np.abs(spectrum.values - value)))]
+    return Resonance(place, spectrum.speed, complex(value.real, abs(value.imag)), branch, order, float(whirl))
