@@ -37,7 +37,7 @@ from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import labels, open_runs
 from mecano.post.shapes import BODY, CABLE, Shape
 from mecano.post.sheet import Curve, Panel, Sheet
-from mecano.results.reader import Extreme
+from mecano.results.recorded import Extreme
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from mecano.errors import UnknownNameError
 
 if TYPE_CHECKING:
     from mecano.results.layout import Series
-    from mecano.results.reader import Extreme
+    from mecano.results.recorded import Extreme
 
 
 class ByName:

@@ -3,7 +3,6 @@
 import os
 import platform
 from collections.abc import Mapping
-from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
 from pathlib import Path
@@ -21,6 +20,7 @@ from mecano.results.lookup import ByName, Extremes, Lookup
 from mecano.results.opened_file import OpenedFile
 from mecano.results.provenance import began, lives, read_displays
 from mecano.results.reason import parted
+from mecano.results.recorded import Event, Extreme, Trace
 from mecano.results.run_attributes import ENDS, read_attributes
 
 if TYPE_CHECKING:
@@ -33,68 +33,6 @@ _KEPT = tuple(
     "checkpoint".split()
 )
 _EVENT_COLUMNS = tuple(f"events/{name}" for name in ("event_time", *EVENT_TEXTS, *EVENT_NUMBERS))
-
-
-@dataclass(frozen=True)
-class Trace:
-    """A series over the saved times, or one component of it, or a column of the solver history over the steps.
-
-    Attributes
-    ----------
-    path : str
-        Path in the file, with the name of the component if it is one.
-    unit, doc : str
-    components : tuple of str
-        Names of the components; empty for numbers.
-    time : (n,) array
-        Saved times, or ends of the accepted steps [s].
-    values : (n, ...) array
-        Functions of NumPy take them from the Trace itself, and so do indices.
-    """
-
-    path: str
-    unit: str
-    doc: str
-    components: tuple[str, ...]
-    time: np.ndarray
-    values: np.ndarray
-
-    def __array__(self, dtype=None, copy=None):
-        """Return the values as an array."""
-        values = np.asarray(self.values, dtype)
-        return values.copy() if copy else values
-
-    def __getitem__(self, index):
-        """Return values by index, as ``values[index]``."""
-        return self.values[index]
-
-
-@dataclass(frozen=True)
-class Event:
-    """An event of an element, joint or load at a time [s], with its phases before and after.
-
-    A shock also has an impulse, with its unit, and the energy lost [J]; other events have 0, "" and 0.
-    """
-
-    time: float
-    element: str
-    name: str
-    before: str
-    after: str
-    impulse_unit: str = ""
-    impulse: float = 0.0
-    energy_lost: float = 0.0
-
-
-@dataclass(frozen=True)
-class Extreme:
-    """Largest and smallest value of a number over all accepted steps, with their times [s]."""
-
-    maximum: float
-    maximum_time: float
-    minimum: float
-    minimum_time: float
-    unit: str
 
 
 def open_results(path: str | os.PathLike[str]) -> "Results":
