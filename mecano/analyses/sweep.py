@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeAlias
 import numpy as np
 
 from mecano.analyses.modal import doubts, largest_motions, operating_point, turning_of, unbalanced
+from mecano.analyses.sweep_contents import contents
 from mecano.analyses.sweep_text import lines
 from mecano.deck.read import read_deck
 from mecano.deck.wording import suggestion
@@ -16,7 +17,7 @@ from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError, Usage
 from mecano.process.interrupt import call_interruptibly
 from mecano.results.lock import locked
 from mecano.results.provenance import Source
-from mecano.results.sweep_file import contents, refuse_tables, write_sweep, write_tables
+from mecano.results.sweep_file import refuse_tables, write_sweep, write_tables
 from mecano.results.writer import refuse_existing, refuse_other_ending
 from mecano.solve.modal.critical import Critical, critical
 from mecano.solve.modal.families import FAMILIES, families, running_axes

@@ -19,7 +19,6 @@ from mecano.results.writer import refuse_existing
 if TYPE_CHECKING:
     import os
 
-    from mecano.analyses.sweep import Sweep
     from mecano.results.provenance import Source
 
 FORMAT, FORMAT_VERSION = "mecano sweep", 1
@@ -79,56 +78,10 @@ class SweepFile:
     resonances: dict[str, np.ndarray] | None = None  # name -> (r,)
 
 
-def contents(sweep: "Sweep") -> dict[str, Any]:
-    """Return the plain arrays of a Sweep by group and name."""
-    axes, loci = sweep.axes, sweep.loci
-    other = axes[1].values if len(axes) == 2 else np.array([np.nan])
-    values = loci[0].values
-    size = np.abs(values)
-    modes = {
-        "real_part": values.real, "imaginary_part": values.imag, "frequency": values.imag / (2.0 * np.pi),
-        "damping_ratio": -values.real / np.where(size > 0.0, size, np.nan), "converged": loci[0].converged,
-    }  # fmt: skip
-    if loci[0].whirl is not None:
-        modes["whirl"] = loci[0].whirl
-    over = {
-        "growth": [locus.growth for locus in loci], "growing": [locus.count for locus in loci],
-        "frequency": [np.abs(locus.fastest.imag) / (2.0 * np.pi) for locus in loci],
-    }  # fmt: skip
-    rows = [
-        (c.place, at, c.value.imag / (2 * np.pi), c.branch + 1, c.error, float(c.destabilizes), locus.of_instant(c))
-        for at, locus in zip(other, loci, strict=True)
-        for c in locus.critical
-    ]
-    columns = np.array(rows, float).reshape(len(rows), len(CRITICAL)).T
-    critical = {name: column for (name, _, _), column in zip(CRITICAL, columns, strict=True)}
-    alone = len(axes) == 1
-    return {
-        "names": tuple(axis.name for axis in axes), "parameter": axes[0].values, "other": other,
-        "modes": modes if alone else {}, "motions": loci[0].motions if alone else [],
-        "families": loci[0].family_names if alone else [],
-        "map": {name: np.array(table, float) for name, table in over.items()}, "critical": critical,
-        "about": sweep.about, **(_campbell(sweep) if sweep.rotor else {}),
-    }  # fmt: skip
-
-
-def _campbell(sweep):
-    """Return the plain arrays of a Campbell diagram by group and name."""
-    (locus,) = sweep.loci
-    rows = [
-        (one.place, one.order, one.speed, one.value.imag / (2 * np.pi), -one.value.real / abs(one.value),
-         one.branch + 1, one.whirl)
-        for one in locus.resonances
-    ]  # fmt: skip
-    columns = np.array(rows, float).reshape(len(rows), len(RESONANCES)).T
-    found = {name: column for (name, _, _), column in zip(RESONANCES, columns, strict=True)}
-    return {"rotor": {"speed": locus.speed}, "resonances": found, "node": sweep.rotor, "orders": sweep.orders}
-
-
 def write_sweep(
     path: "str | os.PathLike[str]", plain: Mapping[str, Any], source: "Source", *, force: bool = False
 ) -> None:
-    """Write the ``contents`` of a sweep to a file that appears only when complete. Raises ResultsError."""
+    """Write the ``plain`` arrays of a sweep to a file that appears only when complete. Raises ResultsError."""
     refuse_existing(path, force)
     with atomic_hdf5_file(path) as file:
         _fill(file, plain, source)
