@@ -5,6 +5,8 @@ import pytest
 from scipy.integrate import quad
 from time_runs import RecordedRun, deck, input_deck
 
+from mecano.analyses.kind_trial import samples
+from mecano.elements.joints.coupler import COUPLER
 from mecano.errors import DeckError
 
 MOTOR = 0.5  # N m
@@ -117,4 +119,75 @@ def test_a_differential_halves_the_moment_of_its_carrier(verify):
 def test_wrong_couplers(given, message):
     with pytest.raises(DeckError) as error:
         deck(SPINDLE.replace("GIVEN", given))
+    assert message in error.value.problems[0].message
+
+
+LOSSY = "friction: {efficiency: 0.8, backdriving_efficiency: 0.5, regularization: 1.0e-6}"
+
+
+def test_efficiency_by_the_direction_of_the_power():
+    """The driven side receives 0.8 or, backward, -0.2 of the load of the driving one, whatever the coordinates are."""
+    found = [sample for sample in samples(COUPLER) if sample.values["friction"]]
+    for sample in found:
+        joint, relation = sample.instances[:2]
+        joint.p["regularization"] = 1e-12
+        state = joint.local(sample.motion)
+        for reaction in (0.7, -0.7):
+            state[0][-1] = reaction
+            y = np.zeros(len(joint.kind.outputs))
+            joint.run("observe", 0.0, state, np.zeros_like(state[0]), y, np.zeros(4))
+            first, others = y[0], y[1:-1] / joint.p["ratios"][0, 1:]
+            forward = reaction * (others[0] - first) < 0.0  # the difference has the sign of the rate
+            expected = 0.8 * first if forward else first / -0.2
+            np.testing.assert_allclose(others, expected, rtol=1e-12)
+    assert len(found) == 3
+
+
+@pytest.mark.slow
+def test_a_lossy_coupler_drives_and_brakes(verify):
+    """The motor drives the nut with 0.8 of its power; reversed, the nut is braked and gives back 0.5 of its own."""
+    text = SPINDLE.replace("GIVEN", f"angles: [bearing], displacements: [guide], factors: [0.1, -1], {LOSSY}")
+    text = text.replace("value: 0.3", "value: {step: {time: 0.25, rise: 0, from: 0.3, to: -0.3}}")
+    m = RecordedRun(deck(text.replace("end: 0.5", "end: 0.4")))
+    wheel, nut = 0.02, 2.0 * TRAVEL**2
+    driving, braking = 0.3 / (wheel + nut / 0.8), -0.3 / (wheel + 0.5 * nut)
+    rate, speed = m["joints/bearing/rate"].ravel(), [driving * 0.25, driving * 0.25 + braking * 0.15]
+    found = [rate[np.searchsorted(m.time, t)] for t in (0.25, 0.4)]
+    verify("Coupler", "efficiency: rates after driving and braking [rad/s]", found, speed, "momentum", relative=1e-6)
+    load_1, load_2, lost = (m[f"joints/drive/{name}"].ravel() for name in ("load_1", "load_2", "dissipated_power"))
+    drives, brakes = (m.time > 0.01) & (m.time < 0.24), m.time > 0.26
+    np.testing.assert_allclose(load_2[drives] * TRAVEL, -0.8 * load_1[drives], rtol=1e-6)
+    np.testing.assert_allclose(load_1[brakes], -0.5 * load_2[brakes] * TRAVEL, rtol=1e-6)
+    np.testing.assert_allclose(lost, -(load_1 + TRAVEL * load_2) * rate, atol=1e-6)
+    assert np.ptp(m["energy/balance"]) < lost[1] * m.time[1]  # the first step, in which the friction sets in
+
+
+@pytest.mark.slow
+def test_a_self_locking_coupler_holds_its_load():
+    """A worm of 40 % and driven backward by the nut -20 %: the load of 5 N creeps below the regularization."""
+    lock = "friction: {efficiency: 0.4, backdriving_efficiency: -0.2, regularization: 1.0e-3}"
+    text = SPINDLE.replace("GIVEN", f"angles: [bearing], displacements: [guide], factors: [0.1, -1], {lock}")
+    text = text.replace("joint: bearing, value: 0.3", "joint: guide, value: 5").replace("joint_moment", "joint_force")
+    m = RecordedRun(deck(text.replace("end: 0.5", "end: 0.1")))
+    mu = 2.0 * 1.2 / 0.8  # 3; it creeps where mu phi = 2
+    creep = 1e-3 * (1.0 - np.sqrt(1.0 - 2.0 / mu))
+    assert m["joints/bearing/rate"][-1] == pytest.approx(creep, rel=1e-3)
+    assert abs(m["joints/drive/load_1"][-1]) < 1e-3 * 0.5
+
+
+@pytest.mark.parametrize(
+    ("friction", "message"),
+    [
+        ("{efficiency: 1.2, regularization: 1}", "must be greater than 0 and at most 1"),
+        ("{efficiency: 0.9, backdriving_efficiency: -1, regularization: 1}", "must be greater than -1 and at most 1"),
+        ("{efficiency: 0.9}", "missing 'friction.regularization'"),
+    ],
+)
+def test_wrong_efficiencies(friction, message):
+    with pytest.raises(DeckError) as error:
+        deck(
+            SPINDLE.replace(
+                "GIVEN", f"angles: [bearing], displacements: [guide], factors: [0.1, -1], friction: {friction}"
+            )
+        )
     assert message in error.value.problems[0].message

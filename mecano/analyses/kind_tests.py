@@ -25,6 +25,7 @@ from mecano.analyses.kind_trial import (
     turned_values,
 )
 from mecano.element_interface import Context, Kind
+from mecano.elements import KINDS
 from mecano.laws.table import LawTable
 from mecano.maths.dual import value as number_in
 
@@ -352,7 +353,7 @@ def check_outputs_of_parts(kind: Kind) -> None:
         own, declared = ([output.name for output in one.outputs] for one in (chosen, kind))
         assert [first_of(name) for name in own if first_of(name) == name] == declared[: len(set(map(first_of, own)))]
         assert set(map(first_of, own)) <= set(declared)
-        parts = chosen.parts(sample.values, sample.nodes, Context(LawTable(), GRAVITY))
+        parts = chosen.parts(sample.values, sample.nodes, Context(LawTable(), GRAVITY, KINDS))
         named = [o.name + part.label for part in parts for o in part.kind.outputs]
         assert len({*named, *(output.name for output in kind.outputs)}) == len(named) + len(kind.outputs)
         found |= {(part.kind.name, first_of(part.label)): part.kind for part in parts if part.kind.outputs}

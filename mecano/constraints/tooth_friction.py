@@ -68,18 +68,26 @@ def _backdriving(value):
     return None if -1.0 < value <= 1.0 else "must be greater than -1 and at most 1; 0 or less locks itself"
 
 
-FRICTION = Field(
-    "friction",
-    mapping(
-        Field("efficiency", NUMBER, "-", "power that the driven part receives over that of the driving one",
-              check=_efficiency),
-        Field("backdriving_efficiency", NUMBER, "-", "the same if power passes from gear b to a, from the rack to the "
-              "pinion, or from the thrust to the turning of a screw; 0 or less: it locks itself; 'efficiency' when "
-              "absent", None, _backdriving),
-        regularization("speed of the pitch circle, the mean of both parts,"),
-    ),
-    "-", "friction proportional to the force of the teeth or the thread; none when absent", None,
-)  # fmt: skip
+def friction_field(backward, speed, doc):
+    """Return the field ``friction``: ``backward`` says when power passes so, ``speed`` is the regularization."""
+    return Field(
+        "friction",
+        mapping(
+            Field("efficiency", NUMBER, "-", "power that the driven part receives over that of the driving one",
+                  check=_efficiency),
+            Field("backdriving_efficiency", NUMBER, "-", f"the same if power passes {backward}; 0 or less: it locks "
+                  "itself; 'efficiency' when absent", None, _backdriving),
+            speed,
+        ),
+        "-", f"{doc}; none when absent", None,
+    )  # fmt: skip
+
+
+FRICTION = friction_field(
+    "from gear b to a, from the rack to the pinion, or from the thrust to the turning of a screw",
+    regularization("speed of the pitch circle, the mean of both parts,"),
+    "friction proportional to the force of the teeth or the thread",
+)
 
 
 def friction_values(friction, driver):

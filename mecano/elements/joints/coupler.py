@@ -7,8 +7,18 @@ the same order and the ``constant`` c,
 .. math::  \sum h_i c_i = c, \qquad \Phi = \sum \frac{h_i}{h_1}\, c_i - \frac{c}{h_1}
 
 The multiplier is the load along :math:`c_1`, a moment or a force; the load along :math:`c_i` is :math:`h_i/h_1` times
-it. Each load acts between the two nodes of its joint, and together they do no work. A coupler has no inertia, friction
-or play of its own.
+it. Each load acts between the two nodes of its joint, and together they do no work. A coupler has no inertia or play of
+its own.
+
+With ``friction`` the coupler has an efficiency: with the multiplier :math:`\lambda` and the mean rate
+:math:`\dot w = \tfrac12 (\dot c_1 - \sum_{i \ge 2} h_i/h_1\, \dot c_i)`, which is that of :math:`c_1`,
+
+.. math::  F_r = \mu\,|\lambda|\,\phi(|\dot w|)\,\mathrm{sign}\,\dot w, \qquad \mu = 2\,\frac{1 - \eta}{1 + \eta}
+
+acts against :math:`\dot w`, with :math:`\phi(u) = (u/\epsilon)(2 - u/\epsilon)` below the rate :math:`\epsilon` of
+the ``regularization``, 1 beyond: the load along :math:`c_1` is :math:`\lambda - F_r/2`, along the others
+:math:`h_i/h_1\,(\lambda + F_r/2)`. If coordinate 1 drives (:math:`\lambda\dot w < 0`), all the others together
+receive :math:`\eta` times its power; if they drive, it receives the ``backdriving_efficiency`` times theirs.
 
 Angles and displacements are zero at the start. A cable by which a second hinge turns twice as far as the first one, in
 the opposite direction, has ``angles: [first, second]`` and ``factors: [2, 1]``.
@@ -25,12 +35,14 @@ from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
 from mecano.constraints.joint_samples import two_places
-from mecano.element_interface import Display, Kind, Output, Place, Row, record
+from mecano.constraints.tooth_friction import friction_field, friction_values, tooth_friction
+from mecano.element_interface import Display, Kind, Output, Part, Place, Row, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
-from mecano.schema import NUMBER, Field, joint_with, list_of, not_zero
+from mecano.schema import NUMBER, Field, joint_with, list_of, not_zero, positive
 
 COORDINATES = {"angles": ("angle", TWIST), "displacements": ("displacement", SLIDE)}
+DISSIPATED = Output("dissipated_power", "W", "power dissipated, with friction")
 Turning = namedtuple("Turning", TWIST.axes)
 Sliding = namedtuple("Sliding", SLIDE.axes)
 angle, along_angle = counted(TWIST), TWIST.gradient
@@ -110,6 +122,56 @@ def observe(p, at, F, y, e):
 
 
 @kernel
+def _mean_rate(p, at):
+    """Return the mean rate of coordinate 1 and of what the others make of it."""
+    turns = len(p.mu)
+    rate = 0.0 * number(at.q[_row(p)])
+    for i in range(turns):
+        axes, place = _turning(p, at, i)
+        rate = rate + _share(p, i) * rate_of(along_angle(axes, place), place.v)
+    for i in range(len(p.along)):
+        axes, place = _sliding(p, at, i)
+        rate = rate + _share(p, turns + i) * rate_of(along_displacement(axes, place), place.v)
+    return rate
+
+
+@kernel
+def _share(p, i):
+    """Return the derivative of the mean rate by that of coordinate i."""
+    return 0.5 if i == 0 else -0.5 * p.ratios[i]
+
+
+@kernel
+def friction_residual(p, at, f):
+    """Add the friction, which follows from the multiplier."""
+    turns = len(p.mu)
+    F = tooth_friction(p, -number(at.q[_row(p)]), _mean_rate(p, at))
+    for i in range(turns):
+        axes, place = _turning(p, at, i)
+        add_along(f[6 * i :], _share(p, i) * F, along_angle(axes, place))
+    for i in range(len(p.along)):
+        axes, place = _sliding(p, at, i)
+        add_along(f[6 * turns + 9 * i :], _share(p, turns + i) * F, along_displacement(axes, place))
+
+
+@kernel
+def observe_friction(p, at, F, y, e):
+    """Write the dissipated power of the friction."""
+    rate = _mean_rate(p, at)
+    e[2] = tooth_friction(p, -at.q[_row(p)], rate) * rate
+
+
+@kernel
+def observe_lossy(p, at, F, y, e):
+    """Write the loads along the coordinates with friction, and the dissipated power."""
+    n, load, rate = len(p.ratios), at.q[_row(p)], _mean_rate(p, at)
+    loss = tooth_friction(p, -load, rate)
+    for i in range(n):
+        y[i] = p.ratios[i] * load - _share(p, i) * loss
+    y[n] = loss * rate
+
+
+@kernel
 def commit(p, at, m_out):
     """Write the angles."""
     for i in range(len(p.mu)):
@@ -139,6 +201,35 @@ def prepare(d, nodes, context):
     }
 
 
+def _prepare_lossy(d, nodes, context):
+    """Return the same with the values of the friction."""
+    return {**prepare(d, nodes, context), **friction_values(d["friction"], 0)}
+
+
+def _lossy(kind):
+    """Return the variant with friction of a ``kind``: a part for the relation, and one for the friction."""
+    shapes = {name: kind.dtype[name].shape for name in kind.dtype.names}
+    alike = {"layout": kind.layout, "memory": kind.memory, "commit": kind.commit,
+             "dtype": record(loss=2, regularization=(), **shapes)}  # fmt: skip
+    held = Kind(
+        name="coupler_relation", doc=__doc__, multipliers=kind.multipliers, residual=residual, constraints=constraints,
+        **alike,
+    )  # fmt: skip
+    friction = Kind(
+        name="coupler_friction", doc=__doc__, coupled_multipliers=kind.multipliers, residual=friction_residual,
+        observe=observe_friction, **alike,
+    )  # fmt: skip
+
+    def parts(d, nodes, context):
+        values, on = _prepare_lossy(d, nodes, context), tuple(range(len(nodes)))
+        return [Part(held, on, values), Part(friction, on, values, coupled_to=(0,))]
+
+    return replace(
+        kind, name="lossy_coupler", multipliers=(), residual=None, constraints=None, parts=parts, observe=observe_lossy,
+        prepare=_prepare_lossy, outputs=(*kind.outputs, DISSIPATED), dtype=alike["dtype"],
+    )  # fmt: skip
+
+
 def check(d, nodes):
     """Check that there are at least two coordinates, each named once, with a factor for each."""
     n = len(_joints(d))
@@ -156,8 +247,8 @@ def check(d, nodes):
 
 
 def variant(d):
-    """Return the kind with these numbers of angles and displacements."""
-    return _of_size(len(d["angles"]), len(d["displacements"]))
+    """Return the kind with these numbers of angles and displacements, with or without friction."""
+    return _of_size(len(d["angles"]), len(d["displacements"]), d["friction"] is not None)
 
 
 def sample(rng):
@@ -173,7 +264,8 @@ def sample(rng):
             "constant": 0.2,
         }
         places = [place for _ in range(n) for place in two_places(rng)]
-        samples.append((d, places, ""))
+        dry = {"efficiency": 0.8, "backdriving_efficiency": -0.2, "regularization": 0.6}
+        samples += [(d, places, ""), ({**d, "friction": dry}, places, "")]
     return samples
 
 
@@ -192,13 +284,14 @@ def _declarations(turns, slides):
 
 
 @cache
-def _of_size(turns, slides):
+def _of_size(turns, slides, lossy=False):
     coordinates = [TWIST] * turns + [SLIDE] * slides
     loads = (
         Output(f"load_{i}", c.load[1], f"{c.load[0]} along coordinate {i}, > 0 increases it")
         for i, c in enumerate(coordinates, 1)
     )
-    return replace(COUPLER, variant=None, outputs=tuple(loads), **_declarations(turns, slides))
+    kind = replace(COUPLER, variant=None, outputs=tuple(loads), **_declarations(turns, slides))
+    return _lossy(kind) if lossy else kind
 
 
 COUPLER = Kind(
@@ -212,8 +305,17 @@ COUPLER = Kind(
         Field("factors", list_of(NUMBER, not_zero), "-", "h_i, of the angles and then of the displacements; the ratio "
               "of two has the unit that makes the terms alike"),
         Field("constant", NUMBER, "-", "c, in the unit of h_1 c_1", 0.0),
+        friction_field(
+            "from the other coordinates to the first one",
+            Field("regularization", NUMBER, "-", "rate of coordinate 1, in its unit per second, at which friction "
+                  "reaches its full value; what sticks creeps below it", check=positive),
+            "friction proportional to the loads: the efficiency of the first coordinate with all the others",
+        ),
     ),
-    outputs=(Output("load_1", "N m", "moment or force along coordinate 1, > 0 increases it; and so on"),),
+    outputs=(
+        Output("load_1", "N m", "moment or force along coordinate 1, > 0 increases it; and so on"),
+        DISSIPATED,
+    ),
     prepare=prepare,
     check=check,
     variant=variant,
