@@ -143,7 +143,7 @@ def test_drag_of_a_towed_wheel_is_made_up_by_slip():
 @pytest.mark.parametrize(
     ("tow", "parameters", "text"),
     [
-        ("", {"drag": 0.5}, "along the road some 51.8 N remain"),
+        ("", {"drag": 0.5}, "along the road some 51.8 N remain backward: wheel 'tire' 51.8 N; causes are"),
         ("", {"slope": 0.02}, "forces remain out of balance"),
         (TOW.replace("$speed", "14.0"), {}, "the constraint 'prescribed_position 'tow'"),
     ],
@@ -153,6 +153,15 @@ def test_where_there_is_no_steady_running(tow, parameters, text):
     with pytest.raises(ConvergenceError, match="no straight steady running with the velocity") as info:
         trolley(tow, **parameters)
     assert text in str(info.value)
+
+
+@pytest.mark.parametrize(("way", "said"), [(-1, "30 N remain backward"), (1, "30 N remain forward")])
+def test_the_load_that_causes_drag_is_named(way, said):
+    """A force against the motion, or with it, on a carriage that nothing drives."""
+    loads = f"loads: {{headwind: {{type: force, node: carriage, direction: [{way}, 0, 0], value: 30}}}}"
+    with pytest.raises(ConvergenceError, match="no straight steady running") as info:
+        operating_point(deck(textwrap.dedent(TROLLEY.format(tow="")) + loads))
+    assert f"along the road some {said}: force 'headwind' 30 N; causes are" in str(info.value)
 
 
 @pytest.mark.parametrize("unit", [1.0, 1e-3, 1e3])

@@ -246,17 +246,27 @@ class System:
         """Return the forces (n_slots,) at ``s``: the reactions are the multipliers alone, without a penalty."""
         return self.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0).forces
 
-    def not_finite(self, s):
-        """Return the names of the elements whose own forces or tangents at ``s`` are not finite."""
-        found, alone = [], Assembly(self)
+    def each_alone(self, s):
+        """Yield (name, Assembly at ``s``, all weights one) of each element; the Assembly is written again for the next.
+
+        Also of basic constraints and parts, whose name is that of the element to which they belong.
+        """
+        alone = Assembly(self)
         for b in self.batches:
             calls = calls_of(b.kind, loops.tangent)
             for e in range(len(b.p) if calls is not None else 0):
                 alone_in_loop = Loops(np.array([calls.loop], np.int64), calling(b.record_of(e), calls))
                 assemble = assembly_driver.assemble.bind(alone_in_loop)
                 assemble(alone.record, s, self._no_turn, 1.0, 0.0, 1.0, 1.0, 1.0)
-                if not (np.isfinite(alone.forces).all() and np.isfinite(alone.data).all()):
-                    found.append(b.names[e])
+                yield b.names[e], alone
+
+    def not_finite(self, s):
+        """Return the names of the elements whose own forces or tangents at ``s`` are not finite."""
+        found = [
+            name
+            for name, alone in self.each_alone(s)
+            if not (np.isfinite(alone.forces).all() and np.isfinite(alone.data).all())
+        ]
         return list(dict.fromkeys(found))
 
     def add_constraints(self, s, k, penalty, data, rates=True):

@@ -14,7 +14,7 @@ from the moment about its axle, which increases with the spin.
 import numpy as np
 import scipy.linalg as la
 
-from mecano.errors import ConvergenceError
+from mecano.errors import ConvergenceError, name_list
 from mecano.maths.vector import skew
 from mecano.model.numbering import SIGNAL
 from mecano.solve.diagnostics.failure import worst_equations
@@ -22,6 +22,7 @@ from mecano.solve.diagnostics.failure import worst_equations
 SPINS = 1e-9  # of the largest singular value: rotations below leave the forces constant
 STEADY = 1e-6  # largest relative change of forces per radian or length scale; of constraints relative to the speed
 DRAG = 0.5  # of the largest out-of-balance force: a smaller sum along the road is not its cause
+SHARE, MOST_NAMED = 0.1, 4  # of that sum: smaller forces of elements are not named; number of names
 WIDER, WIDENINGS = 2.0, 40  # factor on the bracket of a spin; number of times it is widened
 
 
@@ -142,7 +143,7 @@ class Straight:
             assembly = steady.system.assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0)
             raise ConvergenceError(
                 f"{text}: forces remain out of balance or constraints violated; the worst equations:\n"
-                f"{worst_equations(steady.system, assembly)}{self._drag(at)}\n{tries}"
+                f"{worst_equations(steady.system, assembly)}{self._drag(steady, s, at)}\n{tries}"
             )
         off = np.abs(at.rates) / steady.speed
         if off.max(initial=0.0) > STEADY:
@@ -155,14 +156,21 @@ class Straight:
             name = steady.system.numbering.name[int(np.argmax(change))]
             raise ConvergenceError(f"{text}: the forces change over time, in {name}\n{tries}")
 
-    def _drag(self, at):
+    def _drag(self, steady, s, at):
         """Return a sentence on the sum of all forces along the road, if it is the largest; reactions have none."""
-        drag = abs(float(self.V @ at.f[self.free].sum(axis=0))) / (np.linalg.norm(self.V) or 1.0)
-        if drag < DRAG * at.force:
+        way = self.V / (np.linalg.norm(self.V) or 1.0)
+        drag = float(way @ at.f[self.free].sum(axis=0))
+        if abs(drag) < DRAG * at.force:
             return ""
+        shares = {}
+        for name, alone in steady.system.each_alone(s):
+            shares[name] = shares.get(name, 0.0) + float(way @ alone.residual[: self.n_q][self.free].sum(axis=0))
+        largest = sorted((name for name in shares if shares[name] * drag > 0.0), key=lambda name: -abs(shares[name]))
+        causes = [f"{name} {abs(shares[name]):.3g} N" for name in largest if abs(shares[name]) > SHARE * abs(drag)]
         return (
-            f"\nalong the road some {drag:.3g} N remain, of toe, rolling resistance, drag or a slope: a drive that "
-            "controls the speed balances them if it has an integrator, as in docs/tyres.md"
+            f"\nalong the road some {abs(drag):.3g} N remain {'backward' if drag > 0.0 else 'forward'}: "
+            f"{name_list(causes, MOST_NAMED)}; causes are toe, rolling resistance, drag, loads or a slope; a drive "
+            "that controls the speed balances them if it has an integrator, as in docs/tyres.md"
         )
 
 
