@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 Observer: TypeAlias = "Callable[[Point], object]"  # called with every equilibrium of a path
 GROWTH, SHRINK = 2.0, 0.25
+BESIDE = 1e-4  # length scales or rad: a state in balance that Newton's method moves farther may have a free motion
 EASY = 12  # iterations up to which the next step grows
 LEAP, NOTICEABLE = 4.0, 0.02  # a jump: larger than so many predicted changes and than this part of the length scale
 
@@ -115,12 +116,22 @@ class Follower:
     def find(self, s0, p):
         """Return (state, Status) of the equilibrium at the parameter p near ``s0``, also for singular tangents."""
         s, found = self.statics.correct(s0, p)
-        if found.ok or found.failure is not Failure.SINGULAR and not self._balanced(s0, p):
+        if found.ok and not (found.change > BESIDE and self._balanced(s0, p) and self._free(s0, p)):
             return s, found
-        return self.statics.correct_singular(s0, p)
+        wanders = found.failure is Failure.NOT_CONVERGED and max(found.norms[:2], default=np.inf) <= 1.0
+        if found.ok or found.failure is Failure.SINGULAR or wanders or self._balanced(s0, p):
+            return self.statics.correct_singular(s0, p)
+        return s, found
+
+    def _free(self, s, p):
+        """Return whether some motion of ``s`` has no stiffness, but for rounding."""
+        return self.stability(s, p).neutral > 0
 
     def _balanced(self, s, p):
-        """Return whether ``s`` is an equilibrium, which Newton's method leaves if only rounding makes K regular."""
+        """Return whether ``s`` is an equilibrium, which Newton's method leaves if only rounding makes K regular.
+
+        It moves along a free motion then, as far as rounding leads it, which depends on the order of the unknowns.
+        """
         k, _ = self.statics.scales(self.statics.begin(s))
         return max(self.statics.evaluate(self.statics.begin(s), p, k, 0.0, False)) <= 1.0
 
