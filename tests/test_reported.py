@@ -395,15 +395,43 @@ UNBALANCED = """
 """
 
 
-@pytest.mark.parametrize(("step", "rho", "reported"), [(1e-3, 0.8, True), (5e-4, 0.8, False), (3.125e-4, 0.0, True)])
-def test_a_mass_that_circles_far_in_each_step_is_reported(step, rho, reported):
-    """The centrifugal force of 450 N is wrong by what is reported, to a tenth."""
-    given = deck(UNBALANCED.replace("1 ms", f"{step}, rho_inf: {rho}"))
+CARRIED = """
+    joints:
+      rails: {type: prismatic, nodes: [ground, carriage], axis: [1, 0, 0]}
+      axle: {type: hinge, nodes: [carriage, hub], axis: [0, 1, 0]}
+"""
+
+
+@pytest.mark.parametrize(
+    ("step", "rho", "reported", "speed"),
+    [
+        (1e-3, 0.8, True, 0),
+        (5e-4, 0.8, False, 0),
+        (3.125e-4, 0.0, True, 0),
+        (1e-3, 0.8, True, 40),
+        (5e-4, 0.8, False, 40),
+    ],
+)
+def test_a_mass_that_circles_far_in_each_step_is_reported(step, rho, reported, speed):
+    """The centrifugal force of 450 N is wrong by what is reported, to a tenth; also on a carriage that moves."""
+    text = UNBALANCED.replace("1 ms", f"{step}, rho_inf: {rho}")
+    if speed:
+        text = text.replace("nodes: {hub", "nodes: {carriage: {position: [0, 0, 0]}, hub")
+        text = text.replace(
+            "mass: {type",
+            "carriage: {type: rigid_body, node: carriage, mass: 1e6, inertia: [1, 1, 1]}\n      mass: {type",
+        )
+        text = text.replace(
+            "    joints:\n      axle: {type: hinge, nodes: [ground, hub], axis: [0, 1, 0]}\n", CARRIED[1:]
+        )
+        text = text.replace("velocities: [", f"velocities: [{{nodes: all, velocity: [{speed}, 0, 0]}}, ")
+    given = deck(text)
     recorded = RecordedRun(given)
     off, rows = np.linalg.norm(recorded["joints/axle/force"][-1]) / 450.0 - 1, recorded.rows
     extremes = SimpleNamespace(high=rows.max(axis=0), low=rows.min(axis=0))
-    method, s = recorded.integrator.method, recorded.run.motion
-    texts = list(circle_warnings(given.values["time"], method, s, recorded.sampler, extremes))
+    texts = list(
+        circle_warnings(given.values["time"], recorded.integrator.method, recorded.run, recorded.sampler, extremes)
+    )
     assert bool(texts) == reported == (off > 0.007)
     if reported:
         assert "node 'weight' moves on a circle of 0." in texts[0] and "N of its mass is wrong by" in texts[0]

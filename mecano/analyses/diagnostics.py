@@ -13,6 +13,8 @@ from mecano.element_interface import SECTIONS, WAITS
 from mecano.elements import KINDS
 from mecano.elements.signals.formula import FORMULA
 from mecano.errors import MecanoError, NonFiniteError, name_list
+from mecano.maths.so3 import exp
+from mecano.maths.vector import Vec3
 from mecano.model.model import title_of
 from mecano.model.output_limits import watched_outputs
 from mecano.results.energy_balance import EXCHANGED, scale_of_balance
@@ -21,7 +23,6 @@ if TYPE_CHECKING:
     from mecano.deck.deck import Deck
     from mecano.model.extremes import Extremes
     from mecano.model.sampler import Sampler
-    from mecano.model.state import State
     from mecano.model.system import System
     from mecano.schema import Values
     from mecano.solve.events.capture import EventCapture
@@ -40,6 +41,7 @@ UNBALANCED = 0.01  # of the largest change of an energy, above which an error of
 SPUN = 0.2  # [rad] turned in a fixed step by a node whose axis turns too, above which it is reported
 GYROSCOPIC = 0.22  # error of a gyroscopic moment over the square of this angle, measured at rho_inf = 0.8
 OFF = 0.007  # error of the force of a mass that circles, above which it is reported: 0.2 rad in a step at rho_inf = 0.8
+ALIKE = 0.2  # relative difference of changes of an acceleration below which they turn as the node does
 SIMILAR = 2.0  # ratio of a speed over a radius to the angular velocity, and of two radii, below which a node circles
 AXIS_TURNS = 0.1  # of the angular velocity: its change across its mean direction, above which the axis turns
 WRAPPED = 6.2  # rad: an angle known within one turn only whose values range so far has jumped
@@ -144,23 +146,27 @@ def spin_warnings(values: "Values", sampler: "Sampler", extremes: "Extremes") ->
 
 
 def circle_warnings(
-    values: "Values", method: "GeneralizedAlpha | Radau", s: "State", sampler: "Sampler", extremes: "Extremes"
+    values: "Values", method: "GeneralizedAlpha | Radau", run: "RunState", sampler: "Sampler", extremes: "Extremes"
 ) -> Iterator[str]:
     """Yield a warning if a mass that is attached off the axis of a body circles far in each fixed step.
 
     Positions are integrated apart from rotations, so that the acceleration on a circle is wrong by a factor
-    (``Coefficients.acceleration``), and with it the force of the mass, found in the tangent at the state ``s``. Circles
-    about a moving centre are not recognized. A ``method`` without coefficients has no such error.
+    (``Coefficients.acceleration``), and with it the force of the mass, found in the tangent at the end, in the RunState
+    ``run``. Circles about a fixed centre are recognized by the ranges of position and velocity during the run, others
+    by the accelerations in the last two steps. A ``method`` without coefficients has no such error.
     """
     if values["adaptive"] or not method.in_compiled_code:
         return
-    system, h, spins = method.system, values["step"], _spins(sampler)
+    system, h, spins, s = method.system, values["step"], _spins(sampler), run.motion
     if not np.any(_off(method, _rates(spins, extremes) * h) > OFF):
         return
     starts = {column.path: column.start for column in sampler.columns}
     mass = system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0).data[system.diagonal[: system.n_q]]
-    free = [(column, x) for column, x in zip(spins, np.asarray(sampler.nodes.x), strict=True) if 0 <= x < system.n_q]
-    circles = [(*_circle(column, starts, extremes), mass[x], column.path) for column, x in free if mass[x] > 0.0]
+    circles = []
+    for i, (column, x) in enumerate(zip(spins, np.asarray(sampler.nodes.x), strict=True)):
+        if 0 <= x < system.n_q and mass[x] > 0.0:
+            about = _circle(column, starts, extremes), _turning_circle(run, i, x, sampler.nodes)
+            circles += [(*circle, mass[x], column.path) for circle in about]
     rate, radius, m, path = max(circles, key=lambda circle: circle[0] ** 2 * circle[1] * circle[2], default=(0,) * 4)
     [off] = _off(method, np.array([rate * h]))
     if off <= OFF:
@@ -201,6 +207,25 @@ def _circle(column, starts, extremes):
     if circles and rate * radius < SIMILAR * speed and speed < SIMILAR * rate * radius:
         return rate, radius
     return 0.0, 0.0
+
+
+def _turning_circle(run, i, x, nodes):
+    """Return angular velocity [rad/s] and radius [m] of the circle of node i about any centre, or zeros without one.
+
+    The changes of its acceleration over the last two steps turn as the node does: so they do on a circle whose centre
+    has a constant acceleration. ``x`` is the place of its position.
+    """
+    s, history, place = run.motion, run.history, slice(x, x + 3)
+    omega = s.R[nodes.rotation[i]] @ s.v[nodes.r[i] : nodes.r[i] + 3]
+    change, bend = history.slope[place], history.bend[place]
+    rate, size = float(np.linalg.norm(omega)), float(np.linalg.norm(change))
+    phase = rate * history.h
+    if not (0.0 < phase < np.pi and size > 0.0):
+        return 0.0, 0.0
+    expected = change - np.array(exp(Vec3(*(-history.h * omega)))) @ change
+    if np.linalg.norm(bend - expected) > ALIKE * phase * size or abs(omega @ change) > ALIKE * rate * size:
+        return 0.0, 0.0
+    return rate, size / (2.0 * np.sin(0.5 * phase)) / rate**2
 
 
 def _spins(sampler):

@@ -272,7 +272,7 @@ class Ongoing:
         warnings += wrap_warnings(deck, sampler, extremes)
         warnings += energy_warnings(values, sampler, extremes)
         warnings += spin_warnings(values, sampler, extremes)
-        warnings += circle_warnings(values, integrator.method, self.state.motion, sampler, extremes)
+        warnings += circle_warnings(values, integrator.method, self.state, sampler, extremes)
         length = integrator.method.length
         return [*warnings, *oscillation_warnings(values, sampler, recorder.ringing, extremes, length)]
 
