@@ -85,8 +85,9 @@ def _refuse_names(results, plots):
 def _post(results, plots, spectra, at, output, kind, columns, title, below, page, report, force):
     from mecano.results.whole_file import refuse_foreign
 
-    for name in filter(None, (page, report)):
-        refuse_foreign(Path(name), force)
+    for name in (page, report):
+        if name:
+            refuse_foreign(Path(name), force)
     if page:
         from mecano.post.animation import animate
 

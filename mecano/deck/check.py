@@ -183,8 +183,9 @@ def _check_process(root, sections, scope):
         return
     time, static = (key in root.value and root.value[key][1].value is not None for key in ("time", "static"))
     if not time and not static and not _miswritten(root, "time") and not _miswritten(root, "static"):
-        time = fields["time"]
-        scope.refuse(root, f"missing 'time', {time.type.expects}: {time.doc}; or 'static': {fields['static'].doc}")
+        section = fields["time"]
+        text = f"missing 'time', {section.type.expects}: {section.doc}; or 'static': {fields['static'].doc}"
+        scope.refuse(root, text)
     if time and static:
         hint = "to start a dynamic analysis from an equilibrium write 'initial: static'"
         scope.refuse(root.value["static"][0], "'static' and 'time' exclude one another", hint)

@@ -288,7 +288,9 @@ def compose(source: "Source", problems: list[Problem], loader: type = LOADER) ->
         from mecano.deck.syntax_errors import syntax_error, syntax_hint  # few decks need it
 
         too_deep = "nesting depth" in (error.problem or "")  # libyaml reads ahead and has a limit of its own
-        composer.stop(*((TOO_DEEP, place) if too_deep else (syntax_error(error), place, syntax_hint(error, place))))
+        if too_deep:
+            composer.stop(TOO_DEEP, place)
+        composer.stop(syntax_error(error), place, syntax_hint(error, place))
     except (yaml.YAMLError, ValueError, OverflowError) as error:
         composer.stop(f"not valid YAML: {error}".splitlines()[0], Node(None, source))
     return composer.root

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from mecano.deck.expressions import is_evaluated
 from mecano.deck.limits import ARITHMETIC, BEYOND_FLOATS
 from mecano.deck.scalar import number
-from mecano.deck.scope import INVALID, Invalid, Reference, Scope, node_of, place, place_of
+from mecano.deck.scope import INVALID, Checked, Invalid, Reference, Scope, node_of, place, place_of
 from mecano.deck.similar_names import similar
 from mecano.deck.synonyms import keys_meant, synonym
 from mecano.deck.units import is_quantity
@@ -46,7 +46,7 @@ KEYS_OF_SECTIONS = {  # of those that are no mappings of names
 }  # fmt: skip
 
 
-def checked(node: "Node", field: Field, scope: Scope) -> Any:
+def checked(node: "Node", field: Field, scope: Scope) -> Checked:
     """Return the value of a field if it has the right type and passes its own check; else INVALID."""
     owner = scope.owner
     value = scope.checks[field.type.name](node, field, scope)
@@ -71,7 +71,7 @@ def _complaint(field, value):
         return f"has numbers that are {BEYOND_FLOATS}"
 
 
-def default(field: Field, scope: Scope) -> Any:
+def default(field: Field, scope: Scope) -> Checked:
     """Return a new copy of the checked default of a field. An infinite number stands for an absent bound."""
     if field.default is None or field.type.name == "number":
         return field.default
@@ -285,7 +285,7 @@ def list_(node: "Node", field: Field, scope: Scope) -> list[Any] | Invalid:
     return values if len(scope.problems) == before else INVALID
 
 
-def either(node: "Node", field: Field, scope: Scope) -> Any:
+def either(node: "Node", field: Field, scope: Scope) -> Checked:
     """Return one of the keywords of the type, or a value of its other type."""
     type_, words = field.type.options
     if type(node.value) is str and node.value in words:
@@ -300,7 +300,7 @@ def _is_number(text):
     return is_evaluated(text) or is_quantity(text) or number(text) is not None
 
 
-def shorthand(node: "Node", field: Field, scope: Scope) -> Any:
+def shorthand(node: "Node", field: Field, scope: Scope) -> Checked:
     """Return the meaning of a keyword of the type, or a value of its type."""
     type_, words = field.type.options
     for word, meaning in words:

@@ -48,7 +48,7 @@ def _way(values):
     given = [entry["velocity"] for entry in initial["velocities"]]
     given += [initial["steady"]["velocity"]] if initial["steady"] and initial["steady"]["velocity"] else []
     duration = time["end"] - time["start"] if time else 0.0
-    return duration * np.array(max(given, key=np.linalg.norm, default=np.zeros(3)), float)
+    return duration * np.array(max(given, key=lambda v: float(np.linalg.norm(v)), default=np.zeros(3)), float)
 
 
 def _text(stretch, radius):

@@ -46,7 +46,8 @@ class Invalid(Enum):
 
 
 INVALID: Final = Invalid.INVALID
-Check: TypeAlias = "Callable[[Node, Field, Scope], Any]"  # returns the checked value of a node, or INVALID
+Checked: TypeAlias = Any  # value of a field, of any type, a Reference to another one, or INVALID
+Check: TypeAlias = "Callable[[Node, Field, Scope], Checked]"
 
 
 @dataclass(eq=False, repr=False)
@@ -80,7 +81,7 @@ class Scope:
     files: dict[str, str] = field(default_factory=dict)  # name of a file read -> SHA-256
     tables: dict[Any, Any] = field(default_factory=dict)  # name of a file read -> points, or reduced matrices
     beside: str = ""  # folder, relative to that of the deck, of the current file; files named in it are relative to it
-    defaults: dict[int, Any] = field(default_factory=dict)  # id of a Field -> checked default
+    defaults: dict[int, Checked] = field(default_factory=dict)  # id of a Field -> checked default
     own_names: dict[int, Collection[str]] = field(default_factory=dict)
     """id of a Node with a name that its template does not define -> names that the template defines in that section"""
     misplaced: set[str] = field(default_factory=set)  # names of sections that are written inside others
@@ -216,7 +217,7 @@ def texts_in(node: Node) -> list[str]:
     return found
 
 
-def place(container: Any, key: str | int, value: Any, scope: Scope) -> None:
+def place(container: Any, key: str | int, value: Checked, scope: Scope) -> None:
     """Put a checked value into a dict or list; a reference there will be replaced by its entry."""
     container[key] = value
     if type(value) is Reference:

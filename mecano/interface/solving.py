@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,6 +21,8 @@ from mecano.process.interrupt import Interruption
 from mecano.solve.modal import SOLVERS
 
 if TYPE_CHECKING:
+    import pandas
+
     from mecano.results.study_file import StudyTable
 
 
@@ -270,7 +272,7 @@ class Study:
             raise UnknownNameError(f"no column '{name}' in this study: there are {', '.join(self._columns)}")
         return self._columns[name].values
 
-    def to_pandas(self) -> Any:
+    def to_pandas(self) -> "pandas.DataFrame":
         """Return a DataFrame with a row for each case. Raises ImportError without pandas."""
         from mecano.interface.results import imported
 

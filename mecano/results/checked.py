@@ -6,7 +6,6 @@ import struct
 import time
 from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager, suppress
-from typing import Any
 
 import h5py
 import numpy as np
@@ -15,7 +14,7 @@ from mecano.errors import MecanoError, ResultsError
 from mecano.results.checksums import BLOCK, seal_of
 from mecano.results.global_heap import endless_heaps
 from mecano.results.live_checksums import last_table
-from mecano.results.seekable import Seekable
+from mecano.results.seekable import Buffer, Seekable
 from mecano.results.whole_file import other_than_file
 
 AT_ONCE = 256  # blocks
@@ -79,7 +78,7 @@ class Checked(Seekable):
         """Size of the whole file in bytes, missing ones included."""
         return self.size + self.missing
 
-    def readinto(self, buffer: Any) -> int:
+    def readinto(self, buffer: Buffer) -> int:
         """Fill a buffer. Raises OSError for changed or missing bytes."""
         view = memoryview(buffer).cast("B")
         start, stop = self._position, self._position + len(view)

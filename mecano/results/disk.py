@@ -24,14 +24,14 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import h5py
 
 from mecano.process.interrupt import SIGNALS
 from mecano.results.checksums import BLOCK, seal, seal_of
 from mecano.results.live_checksums import LiveChecksums, put
-from mecano.results.seekable import Seekable
+from mecano.results.seekable import Buffer, Seekable
 from mecano.results.whole_file import atomic_file
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class Disk(Seekable):
         """Size of the file in bytes, without the checksums."""
         return self.size
 
-    def readinto(self, buffer: Any) -> int:
+    def readinto(self, buffer: Buffer) -> int:
         """Fill a buffer as far as there are data, and return the number of bytes."""
         view = memoryview(buffer).cast("B")
         start, count = self._position, min(len(view), max(self.size - self._position, 0))
@@ -85,7 +85,7 @@ class Disk(Seekable):
         self._position += count
         return count
 
-    def write(self, data: Any) -> int:
+    def write(self, data: Buffer) -> int:
         """Write bytes; a superblock that states a longer file extends the file first."""
         data = memoryview(data).cast("B")
         if self._position == 0 and data[:8] == SIGNATURE:
@@ -110,7 +110,7 @@ class Disk(Seekable):
     def flush(self) -> None:
         """Do nothing, as no data are buffered."""
 
-    def patch(self, offset: int, data: Any) -> None:
+    def patch(self, offset: int, data: Buffer) -> None:
         """Overwrite existing bytes in place, also after a failure, as no space is needed."""
         self._fail(self._put, offset, memoryview(data).cast("B"))
 

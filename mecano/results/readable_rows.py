@@ -16,7 +16,9 @@ def rows_within(dataset: "h5py.Dataset", rows: int, size: int) -> int:
 
 
 def _chunks_within(dataset, row, size):
-    starts = [(row,)] if dataset.ndim == 1 else [(row, c) for c in range(0, dataset.shape[1], dataset.chunks[1])]
+    starts: list[tuple[int, ...]] = [(row,)]
+    if dataset.ndim > 1:
+        starts = [(row, column) for column in range(0, dataset.shape[1], dataset.chunks[1])]
     try:
         chunks = [dataset.id.get_chunk_info_by_coord(start) for start in starts]
     except (OSError, RuntimeError, ValueError):

@@ -1,7 +1,9 @@
 """Base class of the file-like objects through which HDF5 accesses a file in Python."""
 
 import os
-from typing import Any
+from typing import Any, TypeAlias
+
+Buffer: TypeAlias = Any  # bytes, an array, ...: collections.abc.Buffer, which Python has from 3.12 on
 
 
 class Seekable:
@@ -14,7 +16,7 @@ class Seekable:
         """Size in bytes, from which ``seek`` counts with SEEK_END."""
         raise NotImplementedError
 
-    def readinto(self, buffer: Any) -> int:
+    def readinto(self, buffer: Buffer) -> int:
         """Fill a buffer from the position on, which advances, and return the number of bytes."""
         raise NotImplementedError
 
