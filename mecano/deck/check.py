@@ -11,6 +11,7 @@ from mecano.deck.containers import either, filled, kind, list_, mapping, named, 
 from mecano.deck.copies import Copies
 from mecano.deck.expanded_sections import EXPANDED_SECTIONS
 from mecano.deck.formulas import check_continuous, check_formulas, condition, drive, formula, signal_entry
+from mecano.deck.key_synonyms import keys_meant
 from mecano.deck.law_units import check_named_laws
 from mecano.deck.laws import law_in_place, law_or_name
 from mecano.deck.parameters import Parameters
@@ -20,7 +21,6 @@ from mecano.deck.resolve import resolve, unknown_names
 from mecano.deck.scope import INVALID, Invalid, Scope
 from mecano.deck.sections import SECTIONS, shortest_interval
 from mecano.deck.similar_names import similar
-from mecano.deck.synonyms import keys_meant
 from mecano.deck.templates import arguments
 from mecano.deck.units import ANY
 from mecano.deck.wording import found, quoted

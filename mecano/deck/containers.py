@@ -6,11 +6,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from mecano.deck.expressions import is_evaluated
+from mecano.deck.key_synonyms import keys_meant
 from mecano.deck.limits import ARITHMETIC, BEYOND_FLOATS
 from mecano.deck.scalar import number
 from mecano.deck.scope import INVALID, Checked, Invalid, Reference, Scope, node_of, place, place_of
 from mecano.deck.similar_names import similar
-from mecano.deck.synonyms import keys_meant, synonym
 from mecano.deck.units import is_quantity
 from mecano.deck.wording import found, quoted, unit_text
 from mecano.element_interface import SECTIONS
@@ -352,6 +352,8 @@ def _unknown_kind(type_node, found, section, scope):
     if found and found.section:
         text = f"kind {quoted(found.name)} belongs to '{found.section}', not '{section}'"
         return scope.refuse(type_node, text)
+    from mecano.deck.synonyms import synonym  # few decks need it
+
     meant, _ = synonym(type_node.value) or ((), "")
     known = next((name for name in meant if name in _kinds_of(section, scope)), None)
     known = known or next((name for name in meant if name in scope.kinds), None)

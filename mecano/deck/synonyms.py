@@ -1,4 +1,4 @@
-"""Words of other programs and books, with their equivalents in mecano: targets of `mecano explain`, commands, keys."""
+"""Words of other programs and books, with their equivalents in mecano: targets of `mecano explain`, commands."""
 
 import re
 
@@ -313,74 +313,6 @@ NOTES = {  # words with the same meaning: (targets, note)
     "animation, picture, plot, graph": ("", "`mecano post` draws results, with --animate a page with the motion"),
 }  # fmt: skip
 SYNONYMS = {word: entry for words, entry in NOTES.items() for word in words.split(", ")}
-KEYS = {  # names of keys in other programs and books, in small letters, without "_": names in mecano
-    "youngmodulus, youngsmodulus, elasticmodulus, modulus": "E",
-    "shearmodulus": "G",
-    "poisson, poissonratio": "nu",
-    "rho": "density",
-    "m": "mass",
-    "weight": "mass",
-    "i, j, inertiatensor, momentofinertia, momentsofinertia, ixx, iyy, izz, ixy, ixz, iyz": "inertia",
-    "cog, com, cg, centerofgravity, centreofgravity, centreofmass": "center_of_mass",
-    "pos, coordinates, xyz, location, x, y, z": "position",
-    "rotation, rotationvector, attitude, angles, euler, eulerangles, quaternion, rpy": "orientation",
-    "nodea, nodeb, node1, node2, nodei, nodej, ends, between, connects": "nodes",
-    "kind, class": "type",
-    "k, stiff, springconstant": "stiffness law",
-    "c, damp, dampingcoefficient": "damping law",
-    "l0, freelength, restlength, unstretchedlength, referencelength": "natural_length",
-    "mu, frictioncoefficient": "coefficient friction",
-    "r": "radius",
-    "d, od, outerdiameter": "diameter",
-    "wall": "thickness",
-    "torque": "value moment",
-    "kp": "proportional",
-    "ki": "integral",
-    "kd": "derivative",
-    "td, tf": "derivative_time",
-    "tt": "tracking_time",
-    "min, minimum, lowerlimit": "lower at_least",
-    "max, maximum, upperlimit, limit": "upper at_most",
-    "dt, h, timestep, stepsize": "step every",
-    "tend, endtime, tfinal, finaltime, duration, tmax, stop, stoptime": "end to",
-    "step, interval, outputstep": "every",
-    "t0, starttime, tstart": "start",
-    "start": "from",
-    "bodies, members, springs, dampers, loads, wheels, contacts, objects": "elements",
-    "constraints, connections": "joints elements",
-    "forces": "loads elements",
-    "functions, curves": "laws",
-    "materials, properties, crosssections, profiles": "sections",
-    "initialconditions, initialstate, initialvelocities": "initial",
-    "results": "output outputs",
-    "matrix, factorial": "grid",
-    "model": "deck",
-    "series, signal": "of",
-    "n, num, count": "number",
-    "first": "from",
-    "last": "to",
-    "name, description": "title",
-    "g, grav, gravitation": "gravity",
-    "markers, points": "nodes",
-    "variables, constants": "parameters",
-    "params": "parameters with",
-    "parameters": "with grid",
-    "arguments, args": "with",
-    "type": "template",
-    "use, instances, copies": "place",
-    "normal, direction": "axis",
-    "dir, vector": "axis direction",
-    "axis": "direction",
-    "tol, rtol, reltol, relativetolerance": "tolerance",
-    "omega, w, spin": "angular_velocity",
-    "freq": "frequency",
-    "amp": "amplitude",
-    "vary": "grid",
-    "cases": "list",
-    "controllers, filters": "signals",
-    "simulation, solver, integrator": "time",
-}
-KEYS_MEANT = {word: names for words, names in KEYS.items() for word in words.split(", ")}
 SEPARATORS = re.compile(r"[\s_-]+")
 
 
@@ -395,11 +327,6 @@ def synonym_of_end(name: str) -> tuple[tuple[str, ...], str] | None:
     """Return ``synonym`` of the longest end of several words that has one, as in "double wishbone", or None."""
     words = SEPARATORS.split(name.strip())
     return next((found for i in range(1, len(words)) if (found := synonym(" ".join(words[i:])))), None)
-
-
-def keys_meant(key: str) -> tuple[str, ...]:
-    """Return the names in mecano, best first, of a key of other programs; () if it is not known."""
-    return tuple(KEYS_MEANT.get(key.lower().replace("_", ""), "").split())
 
 
 def _forms(word):
