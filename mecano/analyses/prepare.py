@@ -228,7 +228,7 @@ def model_facts(prepared: Prepared) -> dict[str, Any]:
 
 def mass_of(system: System) -> float:
     """Return the total mass [kg] of all elements whose record has a field "mass"."""
-    return sum(float(batch.p["mass"].sum()) for batch in system.batches if "mass" in batch.p.dtype.names)
+    return sum(float(batch.p["mass"].sum()) for batch in system.batches if "mass" in (batch.p.dtype.names or ()))
 
 
 def _friction_of(system, group):

@@ -4,7 +4,12 @@ Each value has arrays of its own, and the record SYSTEM through which the loops 
 itself is not changed by an assembly, so no result depends on what was assembled before it.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
+
+if TYPE_CHECKING:
+    from mecano.model.system import System
 
 
 class Assembly:
@@ -27,7 +32,7 @@ class Assembly:
     record : (1,) array of SYSTEM
     """
 
-    def __init__(self, system, data=None):
+    def __init__(self, system: "System", data: np.ndarray | None = None):
         self.residual, self.size = np.zeros(system.numbering.n_all), np.zeros(system.numbering.n_all)
         self.data = np.zeros(system.nnz + 1) if data is None else data
         self.forces, self._sizes = np.zeros(system.n_slots), np.zeros(system.n_slots)
@@ -52,7 +57,7 @@ class Observation:
     record : (1,) array of SYSTEM
     """
 
-    def __init__(self, system):
+    def __init__(self, system: "System"):
         self.outputs, self.energies = np.zeros(system.n_outputs), np.zeros((system.n_elements, 4))
         self.energy = np.zeros(4)
         self._transmitted = np.zeros(system.n_transmitted)
@@ -61,6 +66,6 @@ class Observation:
         )
 
     @property
-    def powers(self):
+    def powers(self) -> tuple[float, float]:
         """Dissipated and supplied power [W] of all elements."""
         return float(self.energy[2]), float(self.energy[3])

@@ -3,7 +3,8 @@
 Joints whose parts have additional multipliers, because of an option, form a separate batch.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +14,10 @@ from mecano.model.loop_records import BATCH, record
 
 if TYPE_CHECKING:
     from mecano.element_interface import Kind
+    from mecano.model.instance import Instance
+    from mecano.model.loop_code import Calls
+    from mecano.model.numbering import Numbering
+    from mecano.model.reaction_partition import ReactionPartition
 
 OF_ELEMENTS = "p", "dofs", "rots", "slots", "output_dofs", "output_slots", "multipliers", "entries"
 LINES = 128  # B, two lines of the cache
@@ -42,7 +47,7 @@ class Batch:
     first_memory: int  # index into the memory of a state
     first_output: int  # index into the outputs of the system
     first_event: int  # index into the event values of the system
-    entries: np.ndarray = None  # (n, n_local, n_local) indices into the values of the sparse tangent
+    entries: np.ndarray = field(init=False)  # (n, n_local, n_local) indices into the values of the sparse tangent
 
     def __post_init__(self):
         kind, n = self.kind, self.dofs.shape[1]
@@ -66,12 +71,12 @@ class Batch:
             self.kept[kind.phases.index(phase), list(values)] = 1
 
     @property
-    def phases(self):
+    def phases(self) -> slice:
         """Slice of these elements in the phases of a state."""
         return slice(self.first_phase, self.first_phase + len(self.p))
 
     @property
-    def ends(self):
+    def ends(self) -> tuple[int, int, int, int]:
         """The indices ``first_phase``, ``first_memory``, ``first_output``, ``first_event`` of the next batch."""
         n = len(self.p)
         return (
@@ -79,17 +84,17 @@ class Batch:
             self.first_output + n * self.n_outputs, self.first_event + n * self.n_events,
         )  # fmt: skip
 
-    def outputs(self, values):
+    def outputs(self, values: np.ndarray) -> np.ndarray:
         """Return those (n, n_outputs) of ``values``, one for each output of the system: a view."""
         n = len(self.p)
         return values[self.first_output : self.first_output + n * self.n_outputs].reshape(n, self.n_outputs)
 
-    def events(self, values):
+    def events(self, values: np.ndarray) -> np.ndarray:
         """Return those (n, n_events) of ``values``, one for each event of the system: a view."""
         n = len(self.p)
         return values[self.first_event : self.first_event + n * self.n_events].reshape(n, self.n_events)
 
-    def record(self):
+    def record(self) -> np.ndarray:
         """Return the record BATCH for the loops; ``entries`` must be set."""
         n, n_local = self.dofs.shape
         sizes = {
@@ -105,11 +110,11 @@ class Batch:
         names = [name for name in BATCH.names if name not in sizes]
         return record(BATCH, **sizes, **{name: getattr(self, name).ctypes.data for name in names})
 
-    def record_of(self, e):
+    def record_of(self, e: int) -> np.ndarray:
         """Return the record BATCH of the element number ``e`` alone."""
         return self.records_of(np.array([e]), np.array([e + 1]))
 
-    def records_of(self, begins, ends):
+    def records_of(self, begins: np.ndarray, ends: np.ndarray) -> np.ndarray:
         """Return the records BATCH (n,) of the elements begins[i] ... ends[i] - 1."""
         out = np.repeat(self.record(), len(begins))
         for name in OF_ELEMENTS:
@@ -121,7 +126,7 @@ class Batch:
         out["first_event"] += begins * self.n_events
         return out
 
-    def give_work(self, records):
+    def give_work(self, records: np.ndarray) -> np.ndarray:
         """Give records of this batch work arrays of their own, for another thread; return what must be kept."""
         sizes = [getattr(self, name).nbytes for name in WORK]
         memory = np.zeros(sum(sizes) + 2 * LINES, np.uint8)  # lines of the cache that no other thread writes
@@ -130,17 +135,19 @@ class Batch:
         return memory
 
 
-def calling(records, calls):
+def calling(records: np.ndarray, calls: "Calls") -> np.ndarray:
     """Give records of a batch the addresses of the functions that its loop calls (Calls), and return them."""
-    records["function"], records["inertia"] = calls.function, calls.inertia or 0
+    records["function"], records["inertia"] = calls.function, calls.inertia
     return records
 
 
-def batches(instances, of, n_slots, partition):
+def batches(
+    instances: "Sequence[Instance]", of: "Numbering", n_slots: int, partition: "ReactionPartition"
+) -> list[Batch]:
     """Return the batches in the order in which their kinds first appear."""
     places = _Places(of, n_slots)
     taken = [places.take(item.kind) for item in instances]
-    groups = {}
+    groups: dict[tuple[int, int], list[tuple]] = {}  # by kind, and number of multipliers of parts
     for number, item in enumerate(instances):
         scalars, rows = taken[number]
         last = []
@@ -162,12 +169,12 @@ def batches(instances, of, n_slots, partition):
 class _Places:
     """Places of scalars and multipliers, assigned in the order of the instances, as in the numbering."""
 
-    def __init__(self, of, n_slots):
+    def __init__(self, of: "Numbering", n_slots: int):
         self.first_scalar, self.first_row = of.n_q - of.n_scalars, of.n_q
         self.first_slot = n_slots - of.n_l - of.n_scalars
         self.scalar = self.row = 0
 
-    def take(self, kind):
+    def take(self, kind: "Kind") -> tuple[list[int], list[int]]:
         """Return the indices (scalars, rows) of the next instance, which is of the given kind."""
         scalars = list(range(self.scalar, self.scalar + len(kind.scalars)))
         rows = list(range(self.row, self.row + len(kind.multipliers)))
@@ -204,7 +211,8 @@ def _batch(members, of, places, partition, begins):
 
 def _records(kind, parameters):
     """Return the records (n,) of elements with these parameters; equal ones may share a dictionary."""
-    p, first = np.zeros(len(parameters), kind.dtype), {}
+    p = np.zeros(len(parameters), kind.dtype)
+    first: dict[int, int] = {}  # id of a dictionary -> the first element that has it
     for e, values in enumerate(parameters):
         if (known := first.setdefault(id(values), e)) < e:
             p[e] = p[known]

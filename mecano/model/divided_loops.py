@@ -4,6 +4,9 @@ One C function stands in the place of the loops of all kinds: it calls them for 
 those that touch anything else. Elements of different halves add to different forces and entries of the tangent.
 """
 
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.jit import thread_pool
@@ -14,6 +17,11 @@ from mecano.jit.thread_pool import PARTS, run_parts
 from mecano.model.batch import calling
 from mecano.model.halves import BETWEEN, ONE, OTHER
 from mecano.model.loop_records import BATCH, SYSTEM, batch_at, fields, record
+
+if TYPE_CHECKING:
+    from mecano.model.batch import Batch
+    from mecano.model.loop_code import Calls
+    from mecano.model.system import System
 
 WORDS = SYSTEM.itemsize // 8
 SIZE = BATCH.itemsize
@@ -60,7 +68,7 @@ def call_part(part, _):
 FUNCTIONS = divided, call_part
 
 
-def code_of(function):
+def code_of(function: Callable[..., None]) -> Code:
     """Return the Code of one of these functions."""
     return Code(function.__name__, digest(function), lambda compiler: compiler.loop_code(function))
 
@@ -85,7 +93,7 @@ class DividedLoops:
         Of each part: addresses of loops (n,), records of batches (n,), work arrays.
     """
 
-    def __init__(self, system, loops):
+    def __init__(self, system: "System", loops: "Sequence[tuple[Batch, Calls]]"):
         of_unknown = np.full(system.numbering.n_all, BETWEEN)
         of_unknown[: system.n] = system.halves
         self.found = [_part(i, loops, of_unknown) for i in range(PARTS + 1)]

@@ -1,18 +1,25 @@
 """Elements and their parts as one list, before the numbering."""
 
+from collections.abc import Container
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from mecano.model.instance import Instance
-from mecano.model.model import title_of
+from mecano.model.instance import Instance, Shared
+from mecano.model.model import Element, Model, title_of
 from mecano.model.wiring import wire
 
+if TYPE_CHECKING:
+    from mecano.element_interface import Context, Kind
 
-def expand(model, context):
+
+def expand(model: Model, context: "Context") -> tuple[list[Instance], list[Shared], set[tuple[str, int]]]:
     """Return (instances of elements and parts, shared unknowns (what, i, j, owner's index), unknowns in use).
 
     Elements whose hidden outputs are read by signals are replaced by the variants that reveal them.
     """
-    revealed, wanted = None, set()
+    revealed: set[str] | None = None
+    wanted: set[str] = set()
     while revealed != wanted:
         revealed = set(wanted)
         instances, shared = _listed(model, context, revealed)
@@ -25,18 +32,18 @@ def expand(model, context):
     return instances, shared, used
 
 
-def chosen_kind(element, revealed):
+def chosen_kind(element: Element, revealed: Container[str]) -> "Kind":
     """Return the Kind of an element for its deck values, without hidden outputs if its path is in ``revealed``."""
     kind = element.kind.chosen(element.values)
     return kind.revealed if path_of(element) in revealed and kind.revealed else kind
 
 
-def path_of(element):
+def path_of(element: Element) -> str:
     """Return the section and name of an element."""
     return f"{element.kind.section}/{element.name}"
 
 
-def _listed(model, context, revealed):
+def _listed(model: Model, context: "Context", revealed: Container[str]) -> tuple[list[Instance], list[Shared]]:
     """Return (instances of elements and parts, shared unknowns); see ``expand``."""
     index = {node.name: i for i, node in enumerate(model.nodes)}
     instances, shared = [], []

@@ -10,11 +10,11 @@ from mecano.jit.entry import Vector, entry
 class Extremes:
     """Running extremes of rows of ``size`` numbers."""
 
-    def __init__(self, size):
+    def __init__(self, size: int):
         self.high, self.low = np.full(size, -np.inf), np.full(size, np.inf)
         self.high_time, self.low_time = np.full(size, np.nan), np.full(size, np.nan)
 
-    def take(self, t, row):
+    def take(self, t: float, row: np.ndarray) -> int:
         """Update with a row (size,) at the time ``t`` [s]; return the index of a number that is not finite, or -1.
 
         A row with such a number is ignored.

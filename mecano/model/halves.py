@@ -14,7 +14,7 @@ MOST = 0.6  # price of the larger half and of the separator, over that of the wh
 ONE, OTHER, BETWEEN = range(3)
 
 
-def halves(n, rows, cols, groups):
+def halves(n: int, rows: np.ndarray, cols: np.ndarray, groups: np.ndarray) -> np.ndarray | None:
     """Return the part of each unknown (n,): ONE half, the OTHER one, or the separator BETWEEN them.
 
     None for a small model, or one that cannot be divided well.

@@ -2,10 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
     from mecano.element_interface import Kind
+
+
+Shared: TypeAlias = tuple[str, int, int, int]
+"""An unknown that two nodes share: "x" or "R", indices of both, list index of the instance that joins them"""
 
 
 @dataclass(eq=False, repr=False)

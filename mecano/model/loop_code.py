@@ -3,10 +3,11 @@ the kind among their globals.
 """
 
 import types
+from collections.abc import Callable
 from functools import cache
 from typing import NamedTuple
 
-from mecano.element_interface import UNUSED, record
+from mecano.element_interface import UNUSED, Kind, record
 from mecano.jit.digest import digest
 from mecano.jit.store import Code, address
 from mecano.model import element_calls, loops
@@ -28,22 +29,30 @@ BY_RESIDUAL = loops.residual, element_calls.residual, "residual"
 BY_MOTION = loops.dual_constraint_derivatives, element_calls.moving_constraints, "constraints"
 
 
+class Codes(NamedTuple):
+    """The code of a loop, and of the functions of a kind that it calls."""
+
+    loop: Code
+    function: Code
+    inertia: Code | None
+
+
 class Calls(NamedTuple):
-    """A loop, and the functions of a kind that it calls: Codes, or their addresses."""
+    """The addresses of a loop, and of the functions of a kind that it calls; 0 without inertia."""
 
-    loop: Code | int
-    function: Code | int
-    inertia: Code | int | None
+    loop: int
+    function: int
+    inertia: int
 
 
-def calls_of(kind, purpose):
-    """Return the addresses of a loop and of what it calls as Calls, or None if the kind has no such function."""
+def calls_of(kind: Kind, purpose: Callable[..., None]) -> Calls | None:
+    """Return the addresses of the loop of a purpose and of what it calls, or None if the kind has no such function."""
     found = codes_of(kind, purpose)
-    return None if found is None else Calls(*(code and _address(code) for code in found))
+    return None if found is None else Calls(*(0 if code is None else _address(code) for code in found))
 
 
-def codes_of(kind, purpose):
-    """Return the Codes of a loop and of what it calls as Calls, or None if the kind has no such function."""
+def codes_of(kind: Kind, purpose: Callable[..., None]) -> Codes | None:
+    """Return the code of the loop of a purpose and of what it calls, or None if the kind has no such function."""
     loop, template, name = _of(kind, purpose)
     function, parameters = getattr(kind, name), kind.dtype
     if function is None and purpose is loops.event_values and kind.events:
@@ -51,7 +60,7 @@ def codes_of(kind, purpose):
     if function is None:
         return None
     inertia = kind.inertia if loop is loops.dual_tangent else None
-    return Calls(
+    return Codes(
         loop_code(loop), _code(template, function, parameters),
         None if inertia is None else _code(element_calls.inertia, inertia, parameters),
     )  # fmt: skip
@@ -69,7 +78,7 @@ def _of(kind, purpose):
 
 
 @cache
-def loop_code(loop):
+def loop_code(loop: Callable[..., None]) -> Code:
     """Return the Code of a loop."""
     return Code(f"loop_{loop.__name__}", digest(loop), lambda compiler: compiler.loop_code(loop))
 

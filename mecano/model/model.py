@@ -45,12 +45,12 @@ class Model:
 GROUND = "ground"
 
 
-def title_of(kind, name):
+def title_of(kind: str, name: str) -> str:
     """Return the title of an element in messages, events and names of equations, from the names of both."""
     return f"{kind} '{name}'"
 
 
-def with_ground(model):
+def with_ground(model: Model) -> Model:
     """Return the same model with every ``GROUND`` replaced by a fixed node of its own, where its neighbour is."""
     nodes, elements = list(model.nodes), []
     by_name = {node.name: node for node in nodes}
@@ -66,7 +66,7 @@ def with_ground(model):
     return Model(nodes, elements, model.laws, model.gravity)
 
 
-def beside_ground(i, n):
+def beside_ground(i: int, n: int) -> int:
     """Return the index of the node at whose place the ground stands, which is node ``i`` of ``n``.
 
     It is the other node of the pair; a gear on the ground, the last of three nodes, has its centre at the carrier.

@@ -4,13 +4,16 @@ Position and rotation of a node are numbered separately, so that joints can shar
 identification, Cardona, Geradin & Doan 1991, section 3.1).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence, Set
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 
 from mecano.jit.entry import Indices
+
+if TYPE_CHECKING:
+    from mecano.element_interface import Row
 
 TRANSLATION, ROTATION, SCALAR, LENGTH_CONSTRAINT, ANGLE_CONSTRAINT = range(5)
 SIGNAL, STATE = 5, 6  # a signal that follows at once, and one whose equation gives its rate
@@ -33,15 +36,19 @@ class EquationName(str):
     """
 
     __slots__ = ("_moves", "nodes", "place", "what")
+    place: str
+    what: str
+    nodes: tuple[str, ...]
+    _moves: str
 
-    def __new__(cls, place, what, moves="", nodes=()):
+    def __new__(cls, place: str, what: str, moves: str = "", nodes: tuple[str, ...] = ()) -> Self:
         """Make a name; ``moves`` is the displacement or rotation to which a force or moment of a node belongs."""
         name = super().__new__(cls, f"{place}: {what}")
         name.place, name.what, name.nodes, name._moves = place, what, nodes, moves
         return name
 
     @property
-    def motion(self):
+    def motion(self) -> "EquationName":
         """Name of the motion of its unknown: "node tip: displacement x" for "node tip: force x"."""
         return EquationName(self.place, self._moves, self._moves, self.nodes) if self._moves else self
 
@@ -49,17 +56,17 @@ class EquationName(str):
 class Classes:
     """Disjoint sets of indices that denote the same unknown."""
 
-    def __init__(self, n):
+    def __init__(self, n: int):
         self.parent = list(range(n))
 
-    def find(self, i):
+    def find(self, i: int) -> int:
         """Return the representative (first member) of the set of i."""
         while self.parent[i] != i:
             self.parent[i] = self.parent[self.parent[i]]
             i = self.parent[i]
         return i
 
-    def join(self, i, j):
+    def join(self, i: int, j: int) -> None:
         """Merge the sets of i and j; the lower index represents both."""
         i, j = sorted((self.find(i), self.find(j)))
         self.parent[j] = i
@@ -92,7 +99,7 @@ class Numbering:
     of_rates: np.ndarray  # (n_l,) bool: constraint on velocities
 
     @property
-    def n(self):
+    def n(self) -> int:
         """Number of equations."""
         return self.n_q + self.n_l
 
@@ -124,7 +131,14 @@ class _Entries(Sequence):
         return _names(self.sharing[found[0]], found[0])[found[1]] if type(found) is tuple else found
 
 
-def number(nodes, used, shared, fixed, scalars, multipliers):
+def number(
+    nodes: Sequence[str],
+    used: Set[tuple[str, int]],
+    shared: Iterable[tuple[str, int, int]],
+    fixed: Set[int],
+    scalars: Sequence[tuple[EquationName, int]],
+    multipliers: "Sequence[tuple[EquationName, Row]]",
+) -> Numbering:
     """Return the Numbering of all unknowns.
 
     nodes: names; used: set of ("x" or "R", node index) of the unknowns that elements act on; shared: list of
@@ -132,7 +146,7 @@ def number(nodes, used, shared, fixed, scalars, multipliers):
     multipliers: list of (EquationName, Row).
     """
     of = _classes(len(nodes), shared)
-    sharing = {}
+    sharing: dict[int, list[str]] = {}  # class -> names of its nodes
     for i, c in enumerate(of):
         sharing.setdefault(c, []).append(nodes[i // 2])
     members, free, entries = sorted(sharing), _free(of, used, fixed), _Entries(sharing)

@@ -1,15 +1,27 @@
 """Monitoring of outputs during a run: limits with a warning, and limits beyond which an element cannot go."""
 
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, TypeAlias
+
 from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
+from mecano.schema import Values
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from mecano.model.sampler import Sampler
+
+Watched: TypeAlias = "tuple[str, Values, str, int, float, str]"
+"""Name and deck values of an element, its output, the column of that in the row, the limit, the text beyond it"""
 
 
-def has_watched_outputs(values, what):
+def has_watched_outputs(values: Values, what: str) -> bool:
     """Return whether elements with the deck values ``values`` have monitored outputs."""
     return any(getattr(KINDS[d["type"]], what)(d) for section in SECTIONS for d in values[section].values())
 
 
-def watched_outputs(values, sampler, what):
+def watched_outputs(values: Values, sampler: "Sampler", what: str) -> list[Watched]:
     """Return the monitored outputs of the elements with the deck values ``values``; ``what`` is "limits" or "ends".
 
     [(name, deck values of the element, output, its column in the row, value, text)]; of a vector each component is one.
@@ -25,7 +37,7 @@ def watched_outputs(values, sampler, what):
     ]
 
 
-def ended(ends, row):
+def ended(ends: Iterable[Watched], row: "np.ndarray") -> str:
     """Return a text for the first element in a row of the sampler that has reached its end, or ""."""
     for name, d, _, i, size, text in ends:
         if abs(row[i]) > size:

@@ -6,11 +6,19 @@ of the same name has such an output. ``elbow.force.magnitude`` is the length of 
 in several sections of the deck is prefixed by the section: ``joints.elbow.angle``.
 """
 
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, TypeAlias
+
 import numpy as np
 
 from mecano.constraints.sensors import NODE_SENSORS, SENSORS
-from mecano.element_interface import Part
+from mecano.element_interface import Context, Kind, Output, Part
+from mecano.schema import Values
 
+if TYPE_CHECKING:
+    from mecano.model.mesh import Frame
+
+Entries: TypeAlias = Mapping[tuple[str, str], tuple[Kind, Values]]  # (section, name) -> kind and deck values
 AXES = "xyz"
 MAGNITUDE = ".magnitude"
 OF_NODES = {  # quantities of nodes that signals cannot measure: what to read instead
@@ -24,35 +32,35 @@ RATES = ("rate", "speed", "velocity", "derivative", "dot")  # names that an outp
 class UnknownQuantity(Exception):
     """A name in a formula is unknown or ambiguous; ``word``: the part at fault, ``known``: what it may have meant."""
 
-    def __init__(self, message, word="", known=()):
+    def __init__(self, message: str, word: str = "", known: Iterable[str] = ()):
         super().__init__(message)
         self.message, self.word, self.known = message, word, tuple(known)
 
 
-def measurable(kind):
+def measurable(kind: Kind) -> list[Output]:
     """Return the outputs of a kind that signals can read, without those that options add."""
     return [
         o for o in kind.outputs if o.name not in kind.hidden or (kind.revealed and o.name not in kind.revealed.hidden)
     ]
 
 
-def components(output, label=""):
+def components(output: Output, label: str = "") -> list[str]:
     """Return the names of the numbers of an output in a formula: force.x, force.y, force.z of a vector."""
     name = output.name + label
     return [f"{name}.{axis}" for axis in AXES[: output.shape[0]]] if output.shape else [name]
 
 
-def quantities(output, label=""):
+def quantities(output: Output, label: str = "") -> list[str]:
     """Return the names of what a formula can read of an output: its components, and the magnitude of a vector."""
     return components(output, label) + [f"{output.name}{label}{MAGNITUDE}"] * (output.shape == (3,))
 
 
-def magnitude_of(vector):
+def magnitude_of(vector: str) -> str:
     """Return the formula of the length of a vector with this name."""
     return f"hypot(hypot({vector}.x, {vector}.y), {vector}.z)"
 
 
-def index_of(what, kind, label=""):
+def index_of(what: str, kind: Kind, label: str = "") -> int | None:
     """Return the index of a number among the outputs of a kind, or None; ``what`` is named as by ``components``."""
     start = 0
     for output in kind.outputs:
@@ -63,7 +71,7 @@ def index_of(what, kind, label=""):
     return None
 
 
-def meaning(name, entries, nodes):
+def meaning(name: str, entries: Entries, nodes: Collection[str]) -> tuple[str, str, str]:
     """Return the quantity that a name in a formula refers to: (section, name of the entry, name of the quantity).
 
     ``entries``: {(section, name): (Kind, deck values)} of all entries of a deck; ``nodes``: names of the nodes. Raises
@@ -78,7 +86,8 @@ def meaning(name, entries, nodes):
         raise UnknownQuantity(f"there is no signal '{name}'{hint}", name, () if hint else signals)
     sections = dict.fromkeys(section for section, _ in entries)
     if words[0] in (*sections, "nodes") and len(words) > 2:
-        asked, owner, rest = (words[0],), words[1], ".".join(words[2:])
+        asked: tuple[str, ...] = (words[0],)
+        owner, rest = words[1], ".".join(words[2:])
     else:
         asked, owner, rest = (*sections, "nodes"), words[0], ".".join(words[1:])
     owners = [section for section in asked if (owner in nodes if section == "nodes" else (section, owner) in entries)]
@@ -113,7 +122,7 @@ def _offered(section, owner, entries):
     return [name for output, label in measured_outputs(*entries[section, owner]) for name in quantities(output, label)]
 
 
-def measured_outputs(kind, d):
+def measured_outputs(kind: Kind, d: Values) -> list[tuple[Output, str]]:
     """Return [(Output, suffix of its name)] of what signals can measure of an element with these deck values."""
     options = [(part, label) for field, part, label in kind.optional if _is_given(d[field], label.removeprefix("_"))]
     return [(output, label) for one, label in [(kind.chosen(d), ""), *options] for output in measurable(one)]
@@ -139,7 +148,7 @@ def _advice(what, kind=None, d=None):
     return " and ".join(rates) if what.rpartition(".")[2] in RATES else ""
 
 
-def sensor_of_node(what):
+def sensor_of_node(what: str) -> Part:
     """Return the Part of the sensor of a component of the motion of a node: position.z."""
     quantity, _, axis = what.partition(".")
     values = {"direction": np.eye(3)[AXES.index(axis)]}
@@ -148,7 +157,9 @@ def sensor_of_node(what):
     return Part(NODE_SENSORS[quantity], (0,), values)
 
 
-def sensor_of_output(kind, output, values, frames, context):
+def sensor_of_output(
+    kind: Kind, output: str, values: Values, frames: "Sequence[Frame]", context: Context
+) -> Part | None:
     """Return the Part of the sensor of a coordinate of an element or of its rate, at ``frames`` [(x, R)], or None."""
     for name in (output, *(o.name for o in kind.outputs if o.rate == output)):
         if name in kind.measures:

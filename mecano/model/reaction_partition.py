@@ -1,6 +1,12 @@
 """Forces transmitted by joints that share unknowns: weighted sums of the forces on the nodes that they join."""
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
+
+if TYPE_CHECKING:
+    from mecano.model.instance import Shared
 
 NEGLIGIBLE = 1e-12  # weight of a force: rounding
 
@@ -14,11 +20,12 @@ class ReactionPartition:
     divide the forces such that the sum of the squares of theirs is least.
     """
 
-    def __init__(self, shared, fixed, n_slots):
+    def __init__(self, shared: "Sequence[Shared]", fixed: set[int], n_slots: int):
         self.fixed, self.n_slots = fixed, n_slots
-        self.starts, self.members, self.weights = [0], [], []
-        self.ends = [(i, j) for _, i, j, _ in shared]
-        self.neighbours = {}
+        self.starts, self.ends = [0], [(i, j) for _, i, j, _ in shared]
+        self.members: list[int] = []
+        self.weights: list[float] = []
+        self.neighbours: dict[tuple[str, int], list[tuple[int, int]]] = {}  # of a node: (other node, number of joint)
         for number_, (what, i, j, _) in enumerate(shared):
             self.neighbours.setdefault((what, i), []).append((j, number_))
             self.neighbours.setdefault((what, j), []).append((i, number_))
@@ -27,9 +34,10 @@ class ReactionPartition:
         for number_, (what, i, j, owner) in enumerate(shared):
             self.shared[owner, what, j] = (number_, i)
             self.shared[owner, what, i] = (number_, j)
-        self._divided = {}  # number of an undetermined joint -> {node: weight} of the force that its first node exerts
+        self._divided: dict[int, dict[int, float]] = {}
+        """number of an undetermined joint -> {node: weight} of the force that its first node exerts"""
 
-    def slots(self, owner, what, node):
+    def slots(self, owner: int, what: str, node: int) -> list[int]:
         """Return 3 slots with the forces that all nodes on the side of ``node`` exert through the joint ``owner``."""
         if (owner, what, node) not in self.shared:
             plain = 6 * node + 3 * (what == "R")
@@ -66,7 +74,8 @@ class ReactionPartition:
 
     def _divide(self, what, free):
         """Find the least forces of all joints that are in balance with those on the ``free`` nodes joined to these."""
-        edges, nodes = {}, list(free)
+        edges: dict[int, int] = {}  # number of a joint -> its column
+        nodes = list(free)
         for i in nodes:  # the list grows
             for j, number_ in self.neighbours[what, i]:
                 edges.setdefault(number_, len(edges))
@@ -80,7 +89,7 @@ class ReactionPartition:
         for number_, row in zip(edges, np.linalg.pinv(balance), strict=True):
             self._divided[number_] = {i: float(x) for i, x in zip(nodes, row, strict=True) if abs(x) > NEGLIGIBLE}
 
-    def tables(self):
+    def tables(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return CSR lists (starts, members) of the sums, and the weights of the members."""
         members = np.array(self.members, np.int64)
         return np.array(self.starts, np.int64), members, np.array(self.weights, np.float64)

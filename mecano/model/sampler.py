@@ -1,7 +1,7 @@
 """All output values at one instant as a flat row: motion of the nodes, outputs of the elements, energies."""
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
@@ -11,7 +11,11 @@ from mecano.jit.kernel import kernel
 from mecano.maths.hermite import between, hermite, is_smooth
 from mecano.maths.so3 import quaternion
 from mecano.maths.vector import mat, put, vec
-from mecano.model.state import Motion
+from mecano.model.state import Motion, State
+
+if TYPE_CHECKING:
+    from mecano.model.assembly import Observation
+    from mecano.model.system import System
 
 QUATERNION = (4,)
 
@@ -28,7 +32,7 @@ class Column:
     rate: str = ""  # path of the quantity that is its time derivative
 
     @property
-    def size(self):
+    def size(self) -> int:
         """Number of values."""
         return math.prod(self.shape)
 
@@ -53,25 +57,34 @@ ENERGIES = (
 )
 
 
-def row_size(system):
+def row_size(system: "System") -> int:
     """Return the number of values in the row of a System."""
     nodes = sum(not node.internal for node in system.nodes) * sum(math.prod(shape) for *_, shape in NODE_OUTPUTS)
     return nodes + sum(len(b.paths) * b.n_outputs for b in system.batches) + len(ENERGIES)
 
 
+class Sampled(Protocol):
+    """A motion with the work since the start, such as a RunState."""
+
+    motion: State
+    dissipated: float  # [J]
+    given: float  # [J]
+
+
 class StaticSample:
     """A motion without dissipated and supplied work, for the sampler."""
 
-    dissipated = given = 0.0
+    dissipated = 0.0
+    given = 0.0
 
-    def __init__(self, motion):
+    def __init__(self, motion: State):
         self.motion = motion
 
 
 class Sampler:
     """Builder of the row; ``columns`` describe it."""
 
-    def __init__(self, system):
+    def __init__(self, system: "System"):
         self.system, self.columns, units = system, [], system.signal_units
         of = system.numbering
         shown = [i for i, node in enumerate(system.nodes) if not node.internal]
@@ -105,12 +118,12 @@ class Sampler:
             self.columns.append(Column(f"{path}/{name}", unit, doc, tuple(shape), start, rate and f"{path}/{rate}"))
             start += self.columns[-1].size
 
-    def take(self, run, observation):
+    def take(self, run: Sampled, observation: "Observation") -> np.ndarray:
         """Return the row at ``run.motion``, of which ``observation`` is the Observation. The array is reused."""
         self._fill(observation, run.motion, run.dissipated, run.given)
         return self.row
 
-    def between(self, state, u, h, row0, row1):
+    def between(self, state: State, u: float, h: float, row0: np.ndarray, row1: np.ndarray) -> np.ndarray:
         """Return the row (a new array) at a ``state`` at the fraction u of a step of size h from ``row0`` to ``row1``.
 
         The motion of the nodes is that of the state (solve/time/interpolate.py). Coordinates and their rates are

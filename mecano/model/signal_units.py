@@ -1,5 +1,8 @@
 """Units of signals: given by the deck, or derived from the quantities in the formulas of the signals."""
 
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+
 from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.constraints.along_coordinate.signal import OF_INPUT, OF_VALUE, VALUE
 from mecano.laws.formula import (
@@ -27,6 +30,11 @@ from mecano.laws.formula import (
 from mecano.model.quantity_names import meaning, measured_outputs, quantities
 from mecano.model.sampler import NODE_OUTPUTS
 
+if TYPE_CHECKING:
+    from mecano.element_interface import Output
+    from mecano.model.model import Element, Model
+    from mecano.schema import Field
+
 UNKNOWN = VALUE.unit
 ANY = ""  # unit of a number: that of what it is added to or compared with
 LIKE = (ADD, SUBTRACT, MIN, MAX, HYPOT)  # of two numbers of one unit
@@ -35,7 +43,7 @@ OF_NO_QUANTITY = (UNKNOWN, "-", "s")  # units of formulas that any field accepts
 OF_NODES = {name: unit for name, unit, _, _ in NODE_OUTPUTS}
 
 
-def signal_units(model):
+def signal_units(model: "Model") -> dict[str, str]:
     """Return {path: unit} of the outputs of the signals of a Model that depend on its deck."""
     units = _Units(model)
     found = {}
@@ -46,7 +54,7 @@ def signal_units(model):
     return found
 
 
-def drives_with_units(model):
+def drives_with_units(model: "Model") -> "Iterator[tuple[Element, Field, str, str]]":
     """Yield (Element, Field, formula, unit) of the formulas of loads, set points and laws whose units are known."""
     if not _signals(model):
         return
@@ -58,7 +66,7 @@ def drives_with_units(model):
                 yield element, field, text, unit
 
 
-def unlike_sums(model, formulas):
+def unlike_sums(model: "Model", formulas: Iterable[str]) -> Iterator[tuple[str, str, str]]:
     """Yield (formula, unit, other unit) of the ``formulas`` (texts) that add or compare quantities of two units."""
     units = _Units(model)
     for text in formulas:
@@ -88,13 +96,13 @@ class _Units:
         self.entries = {(e.kind.section, e.name): (e.kind, e.values) for e in model.elements}
         self.found, self.unlike = {}, {}  # units by signal; pairs of units that a formula adds or compares
 
-    def of_output(self, element, output):
+    def of_output(self, element: "Element", output: "Output") -> str:
         """Return the unit of an output of a signal: that of its value or of its input."""
         if output.unit == OF_INPUT:
             return self.of_formula(element.kind.read(element.values)[0])
         return self.of_signal(element.name)
 
-    def of_signal(self, name):
+    def of_signal(self, name: str) -> str:
         """Return the unit of a signal; a loop of signals has only the units that the deck gives."""
         if name not in self.found:
             self.found[name] = UNKNOWN
@@ -102,7 +110,7 @@ class _Units:
             self.found[name] = d["unit"] or (self.of_formula(kind.like(d)) if kind.like(d) else UNKNOWN)
         return self.found[name]
 
-    def of_formula(self, text):
+    def of_formula(self, text: str) -> str:
         """Return the unit of a formula whose operations do not change the unit of its quantities."""
         formula, stack, self.unlike[text] = read_formula(text), [], []
         for code, x in formula.program:

@@ -26,7 +26,7 @@ class State:
     memory: np.ndarray  # (n_memory,) of all elements, batch by batch, then the largest |z| so far of each signal with a
     # rate; replaced, never changed in place
 
-    def copy(self):
+    def copy(self) -> "State":
         """Return a copy whose motion may be changed."""
         return State(self.t, self.z.copy(), self.v.copy(), self.a.copy(), self.R.copy(), self.phases, self.memory)
 
@@ -63,7 +63,7 @@ class History:
     known: int  # number of differences that are known: 0 at a start
     v_shift: np.ndarray  # (n_all,) correction of the velocities after a start or a change of step size
     k: float  # mean stiffness of the effective tangent for this step size [N/m]
-    tangent: object = None  # State whose tangent the next step may reuse, or None if it must evaluate a new one
+    tangent: State | None = None  # State whose tangent the next step may reuse, or None if it must evaluate a new one
     age: int = 0  # accepted steps since that state
     drift: float = 0.0  # fraction of the residual that an iteration with an old tangent leaves, per step of its age
     taken: float = 0.0  # size of the last step [s]; 0 at a start

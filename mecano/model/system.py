@@ -1,6 +1,8 @@
 """The equations of a model, batch by batch: residual, tangent, constraint derivatives, outputs, energies."""
 
+from collections.abc import Callable, Iterator
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,23 +11,26 @@ from mecano.maths.distinct import distinct
 from mecano.model import assembly_driver, loops
 from mecano.model.assembly import Assembly, Observation
 from mecano.model.assembly_driver import Loops
-from mecano.model.batch import batches, calling
+from mecano.model.batch import Batch, batches, calling
 from mecano.model.expansion import expand
 from mecano.model.halves import halves
 from mecano.model.loop_code import PURPOSES, calls_of, codes_of
 from mecano.model.loop_records import SYSTEM, record
 from mecano.model.mesh import divided
-from mecano.model.model import with_ground
+from mecano.model.model import Model, with_ground
 from mecano.model.numbering import SCALAR, SIGNAL, STATE, EquationName, number
 from mecano.model.reaction_partition import ReactionPartition
 from mecano.model.signal_units import signal_units
 from mecano.model.state import State
 
+if TYPE_CHECKING:
+    from mecano.jit.store import Code
+
 
 class System:
     """Equations of a model; built once, and not changed by solvers: what they compute stands in values of its own."""
 
-    def __init__(self, model):
+    def __init__(self, model: Model):
         model = with_ground(divided(model))
         self.model, self.nodes = model, model.nodes
         kinds = {element.kind.name: element.kind for element in model.elements}
@@ -107,24 +112,24 @@ class System:
             k=1.0, **{name: array.ctypes.data for name, array in arrays.items()},
         )  # fmt: skip
 
-    def record_with(self, **arrays):
+    def record_with(self, **arrays: np.ndarray) -> np.ndarray:
         """Return a record SYSTEM (1,) of the loops that write these ``arrays``, by the names of its fields."""
         out = self._record_of_tables.view(np.int64).copy().view(SYSTEM)  # a record is copied field by field
         for name, array in arrays.items():
             out[name] = array.ctypes.data
         return out
 
-    def codes(self):
+    def codes(self) -> "list[Code]":
         """Return the Codes of all loops of the model, and of the functions that they call."""
         found = [codes_of(b.kind, purpose) for b in self.batches for purpose in PURPOSES]
         return [code for codes in found if codes is not None for code in codes if code is not None]
 
     @cached_property
-    def halves(self):
+    def halves(self) -> np.ndarray | None:
         """Half to which each unknown belongs (n,), or None for a model that is not divided (halves.py)."""
         return halves(self.n, self.rows, self.cols, self.numbering.group)
 
-    def loops(self, purpose, chosen=None):
+    def loops(self, purpose: Callable[..., None], chosen: Callable[[Batch], bool] | None = None) -> Loops:
         """Return the Loops of all kinds that have them.
 
         Of the batches ``chosen``, if given; otherwise the only loop may be that of a divided model.
@@ -151,7 +156,7 @@ class System:
         return driver.bind(self.loops(purpose, chosen))
 
     @cached_property
-    def signal_units(self):
+    def signal_units(self) -> dict[str, str]:
         """{path: unit} of the values of signals."""
         return signal_units(self.model)
 
@@ -204,7 +209,7 @@ class System:
     def _commit(self):
         return self._bind(assembly_driver.commit, loops.commit)
 
-    def initial_state(self, t=0.0):
+    def initial_state(self, t: float = 0.0) -> State:
         """Return the state at rest in the configuration of the deck, with every element in its initial phase."""
         of = self.numbering
         n = of.n_all
@@ -226,7 +231,17 @@ class System:
         memory = np.zeros(sum(len(b.p) * len(b.kind.memory) for b in self.batches) + len(self._state_dofs))
         return State(t, z, np.zeros(n), np.zeros(n), R, phases, memory)
 
-    def assemble(self, s, k, penalty, cK, cC, cM, T=None, into=None):
+    def assemble(
+        self,
+        s: State,
+        k: float,
+        penalty: float,
+        cK: float,
+        cC: float,
+        cM: float,
+        T: np.ndarray | None = None,
+        into: Assembly | None = None,
+    ) -> Assembly:
         """Return residual and tangent at the state ``s`` as an Assembly: a new one, or the one to be written ``into``.
 
         data = cK K T + cC C + cM M, unchanged if all three are zero. T (n_rotations, 3, 3) maps derivatives with
@@ -242,11 +257,11 @@ class System:
             self._assemble(found.record, s, self._no_turn if T is None else T, k, penalty, cK, cC, cM)
         return found
 
-    def forces(self, s):
+    def forces(self, s: State) -> np.ndarray:
         """Return the forces (n_slots,) at ``s``: the reactions are the multipliers alone, without a penalty."""
         return self.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0).forces
 
-    def each_alone(self, s):
+    def each_alone(self, s: State) -> Iterator[tuple[str, Assembly]]:
         """Yield (name, Assembly at ``s``, all weights one) of each element; the Assembly is written again for the next.
 
         Also of basic constraints and parts, whose name is that of the element to which they belong.
@@ -260,7 +275,7 @@ class System:
                 assemble(alone.record, s, self._no_turn, 1.0, 0.0, 1.0, 1.0, 1.0)
                 yield b.names[e], alone
 
-    def not_finite(self, s):
+    def not_finite(self, s: State) -> list[str]:
         """Return the names of the elements whose own forces or tangents at ``s`` are not finite."""
         found = [
             name
@@ -269,7 +284,7 @@ class System:
         ]
         return list(dict.fromkeys(found))
 
-    def add_constraints(self, s, k, penalty, data, rates=True):
+    def add_constraints(self, s: State, k: float, penalty: float, data: np.ndarray, rates: bool = True) -> None:
         """Add the constraint gradients (columns -k B^T, rows -k B, penalty B^T B) at ``s`` to ``data``.
 
         For constraints on velocities, B is the gradient with respect to velocities; ``rates=False`` omits them.
@@ -278,23 +293,25 @@ class System:
         if rates and self.numbering.of_rates.any():
             by_positions, plain, penalized = (np.zeros_like(data) for _ in range(3))
             cases = (0.0, 1.0, 0.0, by_positions), (0.0, 0.0, 1.0, plain), (penalty, 0.0, 1.0, penalized)
-            for p, *weights, out in cases:
-                self._add(self._add_constraints_of_rates, s, k, p, *weights, out)
+            for p, cK, cC, out in cases:
+                self._add(self._add_constraints_of_rates, s, k, p, cK, cC, out)
             of_motions = np.where(self.rows >= self.n_q, plain[:-1], (penalized - plain)[:-1])
             data[:-1] += np.where(self.cols >= self.n_q, by_positions[:-1], of_motions)
 
-    def scale_loads(self, assembly, s, factor, cK, cC, cM, T=None):
+    def scale_loads(
+        self, assembly: Assembly, s: State, factor: float, cK: float, cC: float, cM: float, T: np.ndarray | None = None
+    ) -> None:
         """Scale the contribution of the loads (``is_scaled``) by ``factor`` in the sums of an ``assembly`` at ``s``."""
         T, scratch = self._no_turn if T is None else T, np.zeros((2, self.n_slots))
         self._add_scaled_loads(assembly.record, s, T, cK, cC, cM, factor - 1.0, scratch)
 
     @cached_property
-    def coupled_multipliers(self):
+    def coupled_multipliers(self) -> np.ndarray:
         """Indices, ascending, of the multipliers that act on forces other than as reactions, such as friction."""
         return self._multipliers_of(b for b in self.batches if acts_by_multipliers(b))
 
     @cached_property
-    def sensed_multipliers(self):
+    def sensed_multipliers(self) -> np.ndarray:
         """Indices, ascending, of the multipliers that signals read."""
         return self._multipliers_of(b for b in self.batches if b.kind.senses)
 
@@ -306,7 +323,7 @@ class System:
             found.append(b.dofs[:, first : first + count].ravel() - self.n_q)
         return distinct(np.concatenate(found))
 
-    def add_coupled_multipliers(self, s, k, data):
+    def add_coupled_multipliers(self, s: State, k: float, data: np.ndarray) -> None:
         """Add the derivatives of the forces at ``s`` with respect to the coupled multipliers (columns by lambda)."""
         self._add(self._add_coupled_multipliers, s, k, 0.0, 1.0, 0.0, data)
 
@@ -315,13 +332,13 @@ class System:
         assembly = Assembly(self, data)
         driver(assembly.record, s, self._no_turn, k, penalty, cK, cC)
 
-    def constraint_derivatives(self, s):
+    def constraint_derivatives(self, s: State) -> np.ndarray:
         """Return Phi, dPhi/dt, d2Phi/dt2 of all constraints, (n_l, 3), along the velocities and accelerations of s."""
         g = np.zeros((self.n_l, 3))
         self._constraint_derivatives(self._record_of_tables, s, g)
         return g
 
-    def observe(self, s, forces=None, into=None):
+    def observe(self, s: State, forces: np.ndarray | None = None, into: Observation | None = None) -> Observation:
         """Return outputs and energies at ``s`` as an Observation: a new one, or the one to be written ``into``.
 
         ``forces`` (n_slots,) are those of an Assembly at ``s``; by default they are computed.
@@ -330,14 +347,14 @@ class System:
         self._observe(found.record, s, self.forces(s) if forces is None else forces)
         return found
 
-    def event_values(self, s):
+    def event_values(self, s: State) -> np.ndarray:
         """Return one number for each event of each element, (n_events,), by batch; -inf for an event not monitored."""
         values = np.zeros(self.n_events)
         if self.n_events:
             self._write_event_values(self._record_of_tables, s, values)
         return values
 
-    def commit(self, s):
+    def commit(self, s: State) -> np.ndarray:
         """Return the memory after an accepted step at ``s``."""
         if not len(s.memory):
             return s.memory
@@ -345,7 +362,7 @@ class System:
         self._commit(self._record_of_tables, s, memory)
         return memory
 
-    def inadmissible(self, s):
+    def inadmissible(self, s: State) -> list[str]:
         """Return the reasons, as texts, why an assembled configuration is unacceptable to its kinds."""
         return [
             f"{name}: {text}"
@@ -355,12 +372,12 @@ class System:
             if (text := b.kind.admissible(p, s.z[dofs], s.R[rots]))
         ]
 
-    def follow(self, phases):
+    def follow(self, phases: np.ndarray) -> None:
         """Set the parts that share the phases of their owner to its phase, in the ``phases`` of a state, in place."""
         phases[self.followers[:, 0]] = phases[self.followers[:, 1]]
 
 
-def is_scaled(batch):
+def is_scaled(batch: Batch) -> bool:
     """Return whether a load factor multiplies the elements of a batch.
 
     They are loads, or the parts of loads, whose value is not given by signals, as by a controller.
@@ -368,9 +385,9 @@ def is_scaled(batch):
     return batch.paths[0][0].startswith("loads/") and not batch.kind.inputs
 
 
-def acts_by_multipliers(batch):
+def acts_by_multipliers(batch: Batch) -> bool:
     """Return whether multipliers of other parts determine forces of a batch, such as friction."""
-    return batch.kind.coupled_multipliers and not batch.kind.senses
+    return bool(batch.kind.coupled_multipliers) and not batch.kind.senses
 
 
 def _kind_of_scalar(kind, name):

@@ -1,18 +1,23 @@
 """Connect the inputs of elements to the signals, sensors and formulas that determine them."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.constraints.output_sensor import output_sensor
 from mecano.elements.signals.formula import FORMULA
 from mecano.laws.formula import read_formula
 from mecano.model.instance import Instance
-from mecano.model.model import title_of
+from mecano.model.model import Model, title_of
 from mecano.model.quantity_names import MAGNITUDE, index_of, magnitude_of, meaning, sensor_of_node, sensor_of_output
+
+if TYPE_CHECKING:
+    from mecano.element_interface import Context, Part
 
 DIVISION = "\N{DIVISION SLASH}"  # in the name of a formula, since / separates groups of the results file
 
 
-def wire(instances, model, context):
+def wire(instances: list[Instance], model: Model, context: "Context") -> set[str]:
     """Set ``inputs`` of all instances that read formulas; sensors, and formulas written in place, are appended.
 
     Return the paths of the elements of which hidden outputs are read.
@@ -26,7 +31,7 @@ def wire(instances, model, context):
 class _Wiring:
     """Sources of inputs (signals, sensors, formulas), by the text of the formula."""
 
-    def __init__(self, instances, model, context):
+    def __init__(self, instances: list[Instance], model: Model, context: "Context"):
         self.instances, self.model, self.context = instances, model, context
         self.nodes = {node.name: i for i, node in enumerate(model.nodes)}
         self.elements = {(element.kind.section, element.name): element for element in model.elements}
@@ -34,9 +39,9 @@ class _Wiring:
         self.sources = {
             item.path.partition("/")[2]: i for i, item in enumerate(instances) if item.kind.section == "signals"
         }
-        self.hidden = set()
+        self.hidden: set[str] = set()  # paths of the elements of which hidden outputs are read
 
-    def source(self, text):
+    def source(self, text: str) -> int:
         """Return the list index of the instance whose first scalar is the value of a formula; append it if new."""
         if text not in self.sources:
             formula = read_formula(text)
@@ -59,6 +64,8 @@ class _Wiring:
         if name.endswith(MAGNITUDE):
             return self.source(magnitude_of(name.removesuffix(MAGNITUDE)))
         section, owner, what = meaning(name, self.entries, self.nodes)
+        nodes: tuple[int, ...]
+        part: Part | None
         if section == "nodes":
             title, part, nodes = f"node '{owner}'", sensor_of_node(what), (self.nodes[owner],)
         else:
@@ -67,9 +74,9 @@ class _Wiring:
             frames = [(np.asarray(self.model.nodes[i].x, float), self.model.nodes[i].R) for i in nodes]
             title = title_of(element.kind.name, owner)
             part = sensor_of_output(element.kind, what, element.values, frames, self.context)
-            if part is None:
-                self.sources[name] = self._of_observed(f"{title}: {what}", f"{section}/{owner}", what)
-                return self.sources[name]
+        if part is None:
+            self.sources[name] = self._of_observed(f"{title}: {what}", f"{section}/{owner}", what)
+            return self.sources[name]
         on = tuple(nodes[i] for i in part.nodes)
         self.instances.append(
             Instance(f"{title}: {what}", f"sensors/{name}", part.kind, on, part.parameters, reads=part.reads)
