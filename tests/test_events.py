@@ -345,5 +345,5 @@ def test_a_step_that_does_not_advance_time_ends_the_search():
     """At t = 1 s a step of 1e-18 s is lost in rounding: the event is as well known as time is."""
     monitor = SimpleNamespace(smooth=np.zeros(1, bool), values=lambda s: np.array([s.z]))
     before, after = SimpleNamespace(t=1.0, z=-1.0), SimpleNamespace(t=1.0 + 1e-18, z=1.0)
-    search = Search(monitor, None, np.ones(1, bool), Point(0.0, -1.0, (before,)), (after,), 1e-18)
+    search = Search(monitor, None, np.ones(1, bool), Point(0.0, -1.0, before), (after,), 1e-18)
     assert search.succeeds() and search.late.trial == (after,)

@@ -14,7 +14,7 @@ from mecano.solve.diagnostics.scales import Tolerances
 from mecano.solve.events.events import EventMonitor, NoEvents
 from mecano.solve.statics.arc_length import ArcLength, Target
 from mecano.solve.statics.continuation import Follower, Observer, Point, Steps
-from mecano.solve.statics.loading import Clock, LoadFactor
+from mecano.solve.statics.loading import Clock, LoadFactor, Loading
 from mecano.solve.statics.relaxation import Relaxation
 from mecano.solve.statics.stability import floats, freedom
 from mecano.solve.statics.static import CLOSED, Statics
@@ -37,16 +37,16 @@ class Result:
     point: Point
     reason: str
     warnings: tuple[str, ...]
-    loading: LoadFactor | Clock
+    loading: Loading
 
     @property
     def where(self) -> str:
         """Name, value and unit of the parameter at the end."""
         return f"{self.loading.name} {self.point.parameter:.6g}{self.loading.unit}"
 
-    def assemble(self, s: "State", k: float, penalty: float, *weights: float) -> "Assembly":
+    def assemble(self, s: "State", k: float, penalty: float, cK: float, cC: float, cM: float) -> "Assembly":
         """Return ``system.assemble`` under the loads at the end."""
-        return self.loading.assemble(s, self.point.parameter, k, penalty, *weights)
+        return self.loading.assemble(s, self.point.parameter, k, penalty, cK, cC, cM)
 
 
 def follow(prepared: Prepared, observers: Sequence[Observer] = ()) -> Result:
@@ -158,7 +158,7 @@ def _settled(prepared: Prepared) -> "State":
     return EventMonitor(prepared.system).settle(s)
 
 
-def _statics(prepared: Prepared, values: "Values", loading: LoadFactor | Clock) -> Statics:
+def _statics(prepared: Prepared, values: "Values", loading: Loading) -> Statics:
     newton, scale = values["newton"], values.get("scale", {})
     tolerances = Tolerances(newton["force_tolerance"], newton["constraint_tolerance"], INCREMENT,
                             newton["maximum_iterations"])  # fmt: skip

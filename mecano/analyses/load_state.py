@@ -102,4 +102,8 @@ def _resting(prepared: Prepared, state: "State", factor: float) -> "tuple[State,
     if not found.ok:
         raise ResultsError(f"the saved state is not an equilibrium of this deck: {found.message}")
     statics.evaluate(s, float(factor), 1.0, 0.0, False)
-    return s, lambda s, k, penalty, *weights: statics.loading.assemble(s, float(factor), k, penalty, *weights)
+
+    def assemble(s, k, penalty, cK, cC, cM):
+        return statics.loading.assemble(s, float(factor), k, penalty, cK, cC, cM)
+
+    return s, assemble

@@ -58,7 +58,8 @@ def replayed(
         state.memory = system.commit(solve_signals(system, state))
         state = monitor.settle(state, touching) if r == 0 else state  # later changes are events
         while events and events[0].time <= results.time[r]:  # positions do not determine open or closed
-            state = monitor.entered(state, events.pop(0))
+            event = events.pop(0)
+            state = monitor.entered(state, event.element, event.name, event.before, event.after)
     return state
 
 

@@ -1,8 +1,9 @@
 """Application of events: elements change their phases, with the shocks and the energies that these changes bring."""
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -10,13 +11,17 @@ from mecano.errors import name_list
 from mecano.solve.diagnostics import failure
 from mecano.solve.events import joint_friction
 from mecano.solve.events.capture import EventCapture
-from mecano.solve.events.events import EventMonitor
+from mecano.solve.events.events import EventMonitor, EventRecord
 from mecano.solve.events.shocks import Shocks
 
 if TYPE_CHECKING:
+    from mecano.model.state import State
     from mecano.model.system import System
-    from mecano.solve.time.run_state import Method
+    from mecano.solve.time.consistent import Consistent
+    from mecano.solve.time.run_state import Method, RunState
 
+Applied: TypeAlias = "tuple[RunState, State, list[EventRecord], Consistent | None]"
+"""Run with the energy of shocks, state after the events, their records, what is factored there"""
 STANDSTILL = 1e-3  # of a step: while time advances by less, it counts as standing still
 MOST_REBOUNDS = 10  # of one contact at one instant: it is then at rest
 MOST_AT_ONCE = 20  # times that one event of one element may happen at one instant
@@ -36,7 +41,7 @@ class EventApplication:
     since: float = -np.inf  # instant of the counted events [s]
     repeats: Counter = field(default_factory=Counter)  # events by element and name since then
 
-    def apply(self, run, s, hit, at_once=False):
+    def apply(self, run: "RunState", s: "State", hit: np.ndarray, at_once: bool = False) -> Applied:
         """Apply events ``hit`` at ``s``.
 
         Return (run with the energy of shocks, releases and activations, state after, [EventRecord], Consistent or
@@ -59,7 +64,7 @@ class EventApplication:
         energies = self.system.observe(s).energies
         return [float(energies[e, 1]) for e in elements]
 
-    def _exchange(self, run, s, hit, at_once):
+    def _exchange(self, run: "RunState", s: "State", hit: np.ndarray, at_once: bool) -> Applied:
         """Apply events ``hit`` at ``s`` with their shocks; return the same as ``apply``."""
         if not self.shocks.impact_candidates.among(hit):
             before, compliance, consistent = s.phases, self.method.compliance, None
@@ -75,8 +80,9 @@ class EventApplication:
         self._guard(run, hit, shock.event_records or impossible)
         self._soften(shock.compliance, s.t, shock.event_records, shock.redundant)
         self._report_friction(s.t, shock)
-        work = {"dissipated": run.dissipated + shock.lost, "given": run.given + shock.given}
-        return replace(run, compliance=shock.compliance, **work), shock.state, shock.event_records, shock.consistent
+        dissipated, given = run.dissipated + shock.lost, run.given + shock.given
+        run = replace(run, compliance=shock.compliance, dissipated=dissipated, given=given)
+        return run, shock.state, shock.event_records, shock.consistent
 
     def _soften(self, compliance, t, event_records, redundant):
         """Use a ``compliance`` that may be new, and add a warning for each of the ``redundant`` Groups."""
@@ -113,11 +119,11 @@ class EventApplication:
             {element for (element, _), count in self.repeats.items() if count >= MOST_REBOUNDS}
         )
 
-    def to_plain(self):
+    def to_plain(self) -> dict[str, Any]:
         """Return a dict of numbers and lists from which ``from_plain`` continues."""
         return {"since": self.since, "at_once": [[*key, count] for key, count in self.repeats.items()]}
 
-    def from_plain(self, plain):
+    def from_plain(self, plain: Mapping[str, Any]) -> None:
         """Continue from the result of ``to_plain``."""
         self.since = plain["since"]
         self.repeats = Counter({(element, name): count for element, name, count in plain["at_once"]})
@@ -126,7 +132,7 @@ class EventApplication:
 
 def _with_losses(event_records, names, lost):
     """Return the records with the energies ``lost`` [J] of events with these (element, event), in the same order."""
-    energies = {}
+    energies: dict[tuple[str, str], list[float]] = {}
     for name, energy in zip(names, lost, strict=True):
         energies.setdefault(name, []).append(energy)
     found = []

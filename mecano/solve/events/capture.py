@@ -9,13 +9,17 @@ winder it is the return mapping of plasticity: the elastic line first, its winde
 """
 
 from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from mecano.solve.events.events import EventMonitor
+    from mecano.model.state import State
+    from mecano.solve.events.events import EventMonitor, EventRecord
+    from mecano.solve.time.run_state import RunState
+    from mecano.solve.time.step_info import Trial
 
 
 @dataclass(eq=False, repr=False)
@@ -35,7 +39,7 @@ class EventCapture:
     steps: int = 0  # that captured events
     by_element: Counter = field(default_factory=Counter)  # captured events
 
-    def count(self, hit, run):
+    def count(self, hit: np.ndarray, run: "RunState") -> None:
         """Count an instant, the end of ``run``, with the events ``hit`` (n_events,) bool."""
         if self.monitor.captures or not np.any(hit & self.monitor.elastic):
             return
@@ -44,7 +48,7 @@ class EventCapture:
         if self.excess > self.most:
             self.begin(hit, run)
 
-    def begin(self, hit, run):
+    def begin(self, hit: np.ndarray, run: "RunState") -> bool:
         """Begin to capture events at the end of ``run``; return whether events that ``hit`` were located until now."""
         begins = not self.monitor.captures and bool(np.any(hit & self.monitor.elastic))
         if begins:
@@ -52,24 +56,25 @@ class EventCapture:
             self.first = min(self.first, run.motion.t)
         return begins
 
-    def accepted(self, event_records, whole):
+    def accepted(self, event_records: "Sequence[EventRecord]", whole: bool) -> None:
         """Note the events captured in an accepted step; end the capture if there are none in a ``whole`` step."""
         self.steps += bool(event_records)
         self.by_element.update(event.element for event in event_records)
         if whole and not event_records:
             self.monitor.captures = False
 
-    def step(self, step, s):
+    def step(self, step: "Callable[[State], Trial]", s: "State") -> "Trial | None":
         """Return the trial ``step(s)`` in the phases that fit its end, or None if none are found.
 
         Its info has the events captured. An element has each event at most once, so the repetitions end; if an event
         is due again, the phases contradict the end of the step, as those of lines with much damping may.
         """
-        monitor, had, event_records, iterations = self.monitor, np.zeros(len(self.monitor.elastic), bool), [], 0
+        monitor, had, iterations = self.monitor, np.zeros(len(self.monitor.elastic), bool), 0
+        event_records: list[EventRecord] = []
         while True:
             trial = step(s)
             iterations += trial[2].iterations
-            hit = trial[2].ok and monitor.captured(trial[0]) & ~had
+            hit = monitor.captured(trial[0]) & ~had if trial[2].ok else np.zeros_like(had)
             if not np.any(hit):
                 if trial[2].ok and np.any(monitor.captured(trial[0]) & had):
                     return None
@@ -79,12 +84,12 @@ class EventCapture:
             s, found = monitor.apply(s, hit)
             event_records += [replace(event, t=trial[0].t) for event in found]
 
-    def to_plain(self):
+    def to_plain(self) -> dict[str, Any]:
         """Return a dict of numbers from which ``from_plain`` continues."""
         own = {name: getattr(self, name) for name in ("excess", "counted", "first", "steps")}
         return {**own, "active": self.monitor.captures, "by_element": dict(self.by_element)}
 
-    def from_plain(self, plain):
+    def from_plain(self, plain: Mapping[str, Any]) -> None:
         """Continue from the result of ``to_plain``."""
         self.excess, self.counted = plain["excess"], plain["counted"]
         self.first, self.steps, self.by_element = plain["first"], plain["steps"], Counter(plain["by_element"])

@@ -9,7 +9,7 @@ NEGLIGIBLE = 1e-11  # of the largest reaction: a smaller one counts as zero
 FITS = 1e-9  # of the largest entry of b: residual up to which all contacts push
 
 
-def solve_complementarity(W, b, unit=None):
+def solve_complementarity(W: np.ndarray, b: np.ndarray, unit: np.ndarray | None = None) -> np.ndarray:
     """Return the reactions (n,) of n unilateral constraints; W (n, n) symmetric, positive semidefinite, b (n,).
 
     In most cases all contacts push. Otherwise the equivalent convex minimization is solved as a nonnegative least

@@ -4,7 +4,9 @@ Velocity constraints implied by position constraints are released: :math:`P \Lam
 projector P on the reactions that the position constraints could balance. See docs/theory.md, section 3.
 """
 
+from collections.abc import Mapping
 from functools import cached_property
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -13,6 +15,11 @@ from mecano.jit.entry import Indices, Vector, entry
 from mecano.maths.distinct import distinct
 from mecano.maths.sparse_rows import SparseRows, sparse_rows
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SIGNAL
+
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.model.system import System
+    from mecano.solve.diagnostics.mobility import Analysis
 
 SOFTNESS = 1e-11  # of the length scale, or rad: a tenth of the tolerance of the constraints
 SHARE_OF_PENALTY = 1e-3
@@ -39,28 +46,28 @@ class Compliance:
     values: np.ndarray  # (nnz,) in a step
 
     @cached_property
-    def released(self):
+    def released(self) -> np.ndarray:
         """Numbers (n,) of the released constraints."""
         return distinct(self.matrix.rows[self.released_entries])
 
     @cached_property
-    def soft(self):
+    def soft(self) -> np.ndarray:
         """Numbers (n,) of the redundant constraints, which are compliant."""
         return distinct(self.matrix.rows[~self.released_entries])
 
-    def deflection(self, reactions):
+    def deflection(self, reactions: np.ndarray) -> np.ndarray:
         """Return c Lambda (n_l,) for the reactions Lambda (n_l,), zero for released constraints."""
         out = self.matrix @ reactions
         out[self.released] = 0.0
         return out
 
     @cached_property
-    def in_tangent_share(self):
+    def in_tangent_share(self) -> np.ndarray:
         """Factors (nnz,) of ``values`` in the tangent, where the identity replaces P."""
         c = self.matrix
         return np.where(self.released_entries, (c.rows == c.columns) / c.values, 1.0)
 
-    def largest_penalty(self, stiffness):
+    def largest_penalty(self, stiffness: float) -> float:
         """Return the largest penalty [N/m] with a negligible share of the reactions of compliant constraints.
 
         ``stiffness`` [N/m] is the mean stiffness of the tangent.
@@ -69,11 +76,11 @@ class Compliance:
         return min(SHARE_OF_PENALTY / softest, stiffness / RELEASED_COMPLIANCE if len(self.released) else np.inf)
 
     @property
-    def rows(self):
+    def rows(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The matrices c and P in CSR form for ``soften``: (row starts, columns, values)."""
         return self.matrix.starts, self.matrix.columns, self.values
 
-    def set_step(self, lag, stiffness):
+    def set_step(self, lag: float, stiffness: float) -> None:
         """Set the values for steps of mean ``stiffness`` [N/m] in which rates count ``lag`` [s] times."""
         self.values[:] = self._values(lag, stiffness)
 
@@ -83,15 +90,15 @@ class Compliance:
             * self.matrix.values
         )
 
-    def soften_tangent(self, k, data, values=None):
+    def soften_tangent(self, k: float, data: np.ndarray, values: np.ndarray | None = None) -> None:
         """Add -k^2 c to the values of the tangent, where elements contribute to released constraints only."""
         np.add.at(data, self.places, self.in_tangent(k, self._values(1.0, k) if values is None else values))
 
-    def in_tangent(self, k, values):
+    def in_tangent(self, k: float, values: np.ndarray) -> np.ndarray:
         """Return the contribution of ``values`` (nnz,) to the tangent, whose rows of constraints are times k."""
         return -k * k * values * self.in_tangent_share
 
-    def sharing(self, k, bottom, x):
+    def sharing(self, k: float, bottom: np.ndarray, x: np.ndarray) -> np.ndarray:
         r"""Return the right-hand sides (n_l,) of the constraints with which released constraints carry their share.
 
         ``x`` (n_l,) is the solution of the system of consistent.py for ``bottom``. A reaction there is
@@ -104,7 +111,7 @@ class Compliance:
         out[rows] = -reached - RELEASED_COMPLIANCE * (share + reached)
         return out
 
-    def to_plain(self):
+    def to_plain(self) -> dict[str, np.ndarray]:
         """Return a dict of arrays from which ``from_plain`` restores the compliances."""
         c = self.matrix
         of = {"data": c.values, "indices": c.columns, "indptr": c.starts}
@@ -112,7 +119,7 @@ class Compliance:
         return {**of, **own, "let_go": self.released_entries}
 
     @classmethod
-    def from_plain(cls, plain):
+    def from_plain(cls, plain: Mapping[str, np.ndarray]) -> Self:
         """Restore the compliances from the dict of ``to_plain``."""
         matrix = SparseRows(plain["indptr"].astype(np.int64), plain["indices"].astype(np.int64), plain["data"])
         own = (plain[name] for name in ("places", "of_rates", "let_go", "active"))
@@ -123,7 +130,7 @@ OF_POSITIONS, OF_RATES, OF_RELEASED = range(3)  # kinds of the entries of compli
 NO_ROWS = np.zeros(1, np.int64), np.zeros(0, np.int64), np.zeros(0)
 
 
-def compliances_of_a_step(compliance):
+def compliances_of_a_step(compliance: Compliance | None) -> dict[str, Any]:
     """Return the numbers and arrays with which compiled code sets the compliances for a step size, as a dict.
 
     ``compliance`` is a Compliance or None.
@@ -147,7 +154,7 @@ def soften(k: float, starts: Indices, columns: Indices, values: Vector, multipli
             rows_out[i] -= k * values[j] * multipliers[columns[j]]
 
 
-def compliance(system, s, length, analysis):
+def compliance(system: "System", s: "State", length: float, analysis: "Analysis") -> Compliance | None:
     """Return the Compliance of a model from the ``analysis`` of its constraints; None if none is redundant.
 
     Reactions in the directions that the projector ``analysis.dependent`` (n_l, n_l) holds have a compliance: the

@@ -1,11 +1,16 @@
 """Events: detect them in a step, and apply the change of phase."""
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.jit.entry import Vector, entry
 from mecano.solve.time.signals import solve_signals
+
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.model.system import System
 
 EQUAL = 1e-6  # of its value at the beginning of the step: values that differ by less are equal
 
@@ -27,7 +32,7 @@ class EventRecord:
 class EventMonitor:
     """Event functions of a system, and the phase changes they cause."""
 
-    def __init__(self, system):
+    def __init__(self, system: "System"):
         self.system = system
         events = [e for batch in system.batches for _ in batch.names for e in batch.kind.events]
         self.within = np.array([e.before == e.after for e in events], bool)
@@ -37,11 +42,11 @@ class EventMonitor:
         self.one_sided = np.array([e.one_sided for e in events], bool)
         self.captures = False  # whether elastic events are left out of ``values``
 
-    def within_a_phase(self, hit):
+    def within_a_phase(self, hit: np.ndarray) -> bool:
         """Return whether some events ``hit`` (n_events,) bool make accelerations jump without a change of phase."""
         return bool(np.any(hit & self.within))
 
-    def changing_energy(self, hit):
+    def changing_energy(self, hit: np.ndarray) -> dict[int, tuple[str, str]]:
         """Return {number of the element: (its name, name of the event)} of the events ``hit`` that change its energy.
 
         Parts of the same element may have the same names.
@@ -54,7 +59,7 @@ class EventMonitor:
             }
         return found
 
-    def values(self, s):
+    def values(self, s: "State") -> np.ndarray:
         """Return the event values (n_events,) of all elements; -inf for events not active in the current phase.
 
         Elastic events are left out while they are captured (capture.py).
@@ -62,11 +67,11 @@ class EventMonitor:
         values = self.system.event_values(s)
         return np.where(self.elastic, -np.inf, values) if self.captures else values
 
-    def captured(self, s):
+    def captured(self, s: "State") -> np.ndarray:
         """Return the elastic events (n_events,) bool that have happened at ``s``."""
         return self.elastic & (self.system.event_values(s) > 0.0)
 
-    def together(self, hit, before, here, committed):
+    def together(self, hit: np.ndarray, before: np.ndarray, here: np.ndarray, committed: np.ndarray) -> np.ndarray:
         """Return the events ``hit`` (n_events,) bool together with all others at the same instant.
 
         ``before`` (n_events,) are the values at the beginning of the step, ``here`` at its end with consistent
@@ -83,7 +88,7 @@ class EventMonitor:
             of_batch |= near & (np.where(near, g - level, -np.inf) >= -EQUAL * np.abs(g0))
         return hit
 
-    def apply(self, s, hit):
+    def apply(self, s: "State", hit: np.ndarray) -> "tuple[State, list[EventRecord]]":
         """Apply the events ``hit`` (n_events,) bool; return (state with new phases, [EventRecord])."""
         phases, event_records = s.phases.copy(), []
         for batch in self.system.batches:
@@ -95,18 +100,18 @@ class EventMonitor:
         self.system.follow(phases)
         return replace(s, phases=phases), event_records
 
-    def entered(self, s, event):
-        """Return the state after a recorded ``event``, if its element is in the phase before it."""
+    def entered(self, s: "State", element: str, name: str, before: str, after: str) -> "State":
+        """Return the state after an event ``name`` of an ``element``, if that is in the phase ``before`` it."""
         phases = s.phases.copy()
         for batch in self.system.batches:
-            names = [(of.name, of.before, of.after) for of in batch.kind.events]
-            if event.element in batch.names and (event.name, event.before, event.after) in names:
-                own, before, after = phases[batch.phases], *map(batch.kind.phases.index, (event.before, event.after))
-                own[(np.array(batch.names) == event.element) & (own == before)] = after
+            changes = [(event.name, event.before, event.after) for event in batch.kind.events]
+            if element in batch.names and (name, before, after) in changes:
+                own, index = phases[batch.phases], batch.kind.phases.index
+                own[(np.array(batch.names) == element) & (own == index(before))] = index(after)
         self.system.follow(phases)
         return replace(s, phases=phases)
 
-    def settle(self, s, least=0.0):
+    def settle(self, s: "State", least: float | np.ndarray = 0.0) -> "State":
         """Return the initial state with its phases consistent with the event values; these changes are not recorded.
 
         Events whose values do not exceed ``least``, a number or (n_events,), do not happen.
@@ -123,7 +128,7 @@ class EventMonitor:
 class NoEvents(EventMonitor):
     """Monitor that detects no events: elements keep their phases."""
 
-    def values(self, s):
+    def values(self, s: "State") -> np.ndarray:
         """Return -inf (n_events,) for all events."""
         return np.full_like(super().values(s), -np.inf)
 

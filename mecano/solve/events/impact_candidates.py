@@ -1,11 +1,17 @@
 """Events of a system that can cause an impact: their places among the events, their constraint rows and phases."""
 
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.element_interface import CONTACT, LOCK, Event
+from mecano.element_interface import CONTACT, LOCK, Event, Row
 from mecano.immutable import immutable
+
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.model.system import System
 
 
 @immutable
@@ -28,16 +34,16 @@ class ImpactCandidate:
     opens: int  # place of that in the event values; -1 if it never opens
 
     @property
-    def lead(self):
+    def lead(self) -> int:
         """Number of the multiplier along the contact normal."""
         return self.rows[0]
 
-    def impulse(self, impulses):
+    def impulse(self, impulses: np.ndarray) -> float:
         """Return the impulse to record from the impulses (n_l,) of all constraints; of a vector its magnitude."""
         found = impulses[self.along]
         return float(found[0] if len(found) == 1 else np.linalg.norm(found))
 
-    def rests(self, phases):
+    def rests(self, phases: np.ndarray) -> bool:
         """Return whether the contact is closed, in the first of several ways, and its constraints hold."""
         return self.opened == self.before and phases[self.phase] == self.after == self.through
 
@@ -45,46 +51,46 @@ class ImpactCandidate:
 class ImpactCandidates:
     """All impact candidates of a system, in the order of their event values."""
 
-    def __init__(self, system):
+    def __init__(self, system: "System"):
         self.system, self.all = system, list(_impact_candidates(system))
         self.events = np.array([candidate.event for candidate in self.all], np.int64)
         self.opening = [candidate for candidate in self.all if candidate.opens >= 0]
         self.held = [c for c in self.opening if not c.opening.elastic]  # that open where their reaction vanishes
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[ImpactCandidate]:
         return iter(self.all)
 
-    def among(self, hit):
+    def among(self, hit: np.ndarray) -> bool:
         """Return whether some of the events ``hit`` (n_events,) bool cause an impact."""
         return bool(hit[self.events].any())
 
-    def split(self, hit):
+    def split(self, hit: np.ndarray) -> tuple[list[ImpactCandidate], np.ndarray]:
         """Return (candidates among the events ``hit`` (n_events,) bool, events (n_events,) bool without impact)."""
         others = hit.copy()
         others[self.events] = False
         return [candidate for candidate in self.all if hit[candidate.event]], others
 
-    def standing_open(self, g):
+    def standing_open(self, g: np.ndarray) -> list[ImpactCandidate]:
         """Return the open contacts that touch or penetrate, by the event values ``g`` (n_events,), and can open."""
         return [self.all[i] for i in np.flatnonzero(g[self.events] >= 0.0) if self.all[i].opened >= 0]
 
-    def due(self, hit, g):
+    def due(self, hit: np.ndarray, g: np.ndarray) -> list[ImpactCandidate]:
         """Return the candidates that may follow the events ``hit``; of two that share a phase only the nearer."""
         ahead = [c for c in self.all if not hit[c.event] and -np.inf < g[c.event] < 0.0]
         return list({c.phase: c for c in sorted(ahead, key=lambda c: g[c.event])}.values())  # of two stops the nearer
 
-    def touching(self, near):
+    def touching(self, near: np.ndarray) -> np.ndarray:
         """Return the values (n_events,) of closing events up to which contacts touch, by their gaps ``near`` (n_l,)."""
         values = np.zeros(self.system.n_events)
         for c in self.opening:
             values[c.event] = near[c.lead]
         return values
 
-    def resting(self, phases):
+    def resting(self, phases: np.ndarray) -> list[ImpactCandidate]:
         """Return the contacts that are closed in the ``phases`` of a state."""
         return [candidate for candidate in self.all if candidate.rests(phases)]
 
-    def in_phase(self, s, candidates, which):
+    def in_phase(self, s: "State", candidates: Iterable[ImpactCandidate], which: str) -> "State":
         """Return ``s`` with the elements of some candidates, and their parts, in their phase ``which``."""
         phases = s.phases.copy()
         for candidate in candidates:
@@ -114,10 +120,9 @@ def _impact_candidate(batch, e, event, first, number, rows):
     leads = sorted(rows[place], key=lambda row: not row[1].unilateral)
     unit = leads[0][1].unit
     along = [number for number, row in leads if row.unit == unit] if event.shock == LOCK else [leads[0][0]]
+    before, after, through = map(kind.phases.index, (event.before, event.after, event.through or event.after))
     return ImpactCandidate(
-        first + number, place,
-        *(kind.phases.index(phase) for phase in (event.before, event.after, event.through or event.after)),
-        kind.phases.index(back[0].after) if opens else -1,
+        first + number, place, before, after, through, kind.phases.index(back[0].after) if opens else -1,
         np.array([number for number, _ in leads], np.int64), np.array(along, np.int64), f"{unit} s",
         restitution, batch.names[e], event, back[0] if opens else None, first + events.index(back[0]) if opens else -1,
     )  # fmt: skip
@@ -125,7 +130,8 @@ def _impact_candidate(batch, e, event, first, number, rows):
 
 def _rows_by_phase(system):
     """Return {index of a phase: [(number of a multiplier, its Row)]} of the element and the parts that share it."""
-    own, owner = {}, dict(system.followers.tolist())
+    own: dict[int, list[tuple[int, Row]]] = {}
+    owner = dict(system.followers.tolist())
     for batch in system.batches:
         for e, numbers in enumerate(batch.multipliers):
             place = batch.first_phase + e

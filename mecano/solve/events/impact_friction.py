@@ -8,11 +8,18 @@ opposes the velocity of sliding u after the impact:
 The coefficient is that of the velocity of sliding before the impact.
 """
 
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.element_interface import Place
 from mecano.errors import AssemblyError, Failure
 from mecano.immutable import immutable
+
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.model.system import System
 
 ACCELERATED = 60  # sweeps at first, from each of which the next is extrapolated
 SHARES = 1.0, 0.3, 0.1  # of the change of a sweep that is made, one after the other
@@ -33,11 +40,11 @@ class RoughContact:
     dofs: np.ndarray  # (n_local,) indices into the velocities
     gradients: np.ndarray  # (2, n_local) of the velocities of sliding
 
-    def sliding(self, v):
+    def sliding(self, v: np.ndarray) -> np.ndarray:
         """Return the velocities of sliding (2,) [m/s] at velocities v (n_all,)."""
         return self.gradients @ v[self.dofs]
 
-    def forces(self, n_q):
+    def forces(self, n_q: int) -> np.ndarray:
         """Return the forces (2, n_q) of unit forces along the surface."""
         out, own = np.zeros((2, n_q)), self.dofs < n_q
         for force, gradient in zip(out, self.gradients, strict=True):
@@ -45,7 +52,7 @@ class RoughContact:
         return out
 
 
-def rough_contacts(system, s, leads):
+def rough_contacts(system: "System", s: "State", leads: np.ndarray) -> list[RoughContact]:
     """Return the RoughContacts among contacts with the multipliers ``leads`` (n,), at the state before the impact."""
     places, found = {n_lead: i for i, n_lead in enumerate(leads)}, []
     for batch in system.batches:
@@ -63,7 +70,14 @@ def rough_contacts(system, s, leads):
     return found
 
 
-def solve_with_friction(normal, W_nt, W_tt, b, u, contacts):
+def solve_with_friction(
+    normal: Callable[[np.ndarray], np.ndarray],
+    W_nt: np.ndarray,
+    W_tt: np.ndarray,
+    b: np.ndarray,
+    u: np.ndarray,
+    contacts: Sequence[RoughContact],
+) -> tuple[np.ndarray, np.ndarray]:
     """Return the impulses (n,) along the normals and (2 m,) along the surfaces of the m rough ``contacts``.
 
     ``normal(b)`` solves the problem of the normals for rates b (n,) without their impulses; W_nt (n, 2 m) and
@@ -80,7 +94,8 @@ def solve_with_friction(normal, W_nt, W_tt, b, u, contacts):
         return np.abs(change).max() / max(pushes.max(initial=0.0), TINY), change, pushes, along
 
     best = last = sweep(np.zeros(len(u)))
-    points, changes = [], []
+    points: list[np.ndarray] = []
+    changes: list[np.ndarray] = []
     for _ in range(ACCELERATED):
         if best[0] <= ROUNDING or last[0] > DIVERGED:
             break
@@ -100,7 +115,7 @@ def solve_with_friction(normal, W_nt, W_tt, b, u, contacts):
             "resolves the impact in time",
             Failure.NOT_CONVERGED,
         )
-    return best[2:]
+    return best[2], best[3]
 
 
 def _extrapolated(points, changes):
@@ -125,7 +140,7 @@ def _along_surfaces(W, u, bounds, start):
     return x
 
 
-def within_disc(A, c, radius):
+def within_disc(A: np.ndarray, c: np.ndarray, radius: float) -> np.ndarray:
     """Return the x (2,) with |x| <= radius that minimizes x A x/2 + c x; A (2, 2) symmetric, positive semidefinite.
 
     On the edge A x + c = -s x with s >= 0: what is left of the sliding is opposite to x.

@@ -5,15 +5,21 @@ friction, :math:`f(\Lambda, v)`, would have the impulse :math:`f(\Lambda, v^+)`,
 here from the outputs of the element with the impulses in place of the reactions, to be reported.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.element_interface import Output
+
+if TYPE_CHECKING:
+    from mecano.model.system import System
+    from mecano.solve.events.shocks import Shock
 
 FRICTION = "friction_"  # start of the names of outputs that are the force or moment of friction
 NOTED = 1e-6  # of the largest impulse of the shock: smaller ones are rounding
 
 
-def missing_friction(system, shock):
+def missing_friction(system: "System", shock: "Shock") -> list[tuple[str, float, str]]:
     """Return the impulses of friction that a ``shock`` leaves out, as (title of the joint, impulse, unit), sorted."""
     if not len(system.coupled_multipliers):
         return []
@@ -34,7 +40,7 @@ def _is_friction(output: Output):
     return output.name.startswith(FRICTION) and not output.shape
 
 
-def text(t, shock, title, impulse, unit):
+def text(t: float, shock: "Shock", title: str, impulse: float, unit: str) -> str:
     """Return the warning on the friction of a joint that the first ``shock`` which it misses leaves out, at ``t``."""
     event = max(shock.event_records, key=lambda one: abs(one.impulse))
     return (
@@ -44,6 +50,6 @@ def text(t, shock, title, impulse, unit):
     )
 
 
-def start(title):
+def start(title: str) -> str:
     """Return the beginning of the warning on this joint."""
     return f"the friction of {title} has no impulse in shocks"

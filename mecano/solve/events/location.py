@@ -5,13 +5,18 @@ two trial steps, interpolated, crosses zero. Two repetitions do where the event 
 the motion leaves behind at the beginning of the step is sought later (``look_ahead``).
 """
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
 
-from mecano.solve.events.events import some_happened
+from mecano.solve.events.events import EventMonitor, some_happened
 from mecano.solve.time.increments import moved
 from mecano.solve.time.interpolate import interpolate
+
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.solve.time.step_info import Trial
 
 TIME_TOLERANCE = 1e-10  # of the step in which the event lies
 SMOOTH_TOLERANCE = 1e-8  # the same where velocities stay: the force that is missed meanwhile is of this order
@@ -27,33 +32,34 @@ MOST_STEPS = 60
 MOST_EVALUATIONS = 20  # of an event value along the interpolated motion
 
 
+P = TypeVar("P", bound=tuple)  # a point of a search: x, the value there, and what else belongs to it
+
+
 class Located(NamedTuple):
     """Location of the first event in a step."""
 
     h: float  # size of the step that ends at it [s]; 0 when it happens at the beginning
-    trial: tuple | None  # that step, or the one in which Newton failed, which ends the search; None if h is 0
+    trial: "Trial | None"  # that step, or the one in which Newton failed, which ends the search; None if h is 0
     hit: np.ndarray  # (n_events,) bool, events that happen there
 
     @property
-    def ok(self):
+    def ok(self) -> bool:
         """False if Newton failed in a step of the search."""
         return self.trial is None or self.trial[2].ok
 
 
 class Point(NamedTuple):
-    """The largest of the event values at the end of a trial step of size h."""
+    """The largest of the event values in the state at the end of a step of size h; ``trial`` is that step, if made."""
 
     h: float
     value: float
-    trial: tuple
-
-    @property
-    def state(self):
-        """The state at the end of the step."""
-        return self.trial[0]
+    state: "State"
+    trial: "Trial | None" = None
 
 
-def locate(monitor, step, s0, g0, trial, h):
+def locate(
+    monitor: EventMonitor, step: "Callable[[float], Trial]", s0: "State", g0: np.ndarray, trial: "Trial", h: float
+) -> Located | None:
     """Return the first event in a trial step as Located, or None if there is none.
 
     step(h) -> trial, whose first item is the state; trial = step(h); g0: event values at s0.
@@ -70,11 +76,13 @@ def locate(monitor, step, s0, g0, trial, h):
     if not np.any(crossed):
         return None
     behind, largest = np.all((monitor.elastic & (ahead < 0.0))[crossed]), float(g0[crossed].max())
-    early = Point(AT_ONCE * h, largest, (later,)) if behind else Point(0.0, largest, (s0,))
+    early = Point(AT_ONCE * h, largest, later) if behind else Point(0.0, largest, s0)
     search = Search(monitor, step, crossed, early, trial, h)
     if not search.succeeds():
+        assert search.failed is not None, "Newton's iteration has failed in a step"
         return Located(search.failed[0].t - s0.t, search.failed, crossed)
     late, hit = search.late, crossed.copy()
+    assert late.trial is not None, "the late end is that of a step"
     unseen = monitor.elastic & ~crossed  # other values are reactions, which rounding dominates in very short steps
     if np.any(unseen & (g0 < 0.0) & (monitor.values(late.state) > 0.0)):
         return locate(monitor, step, s0, g0, late.trial, late.h)
@@ -86,7 +94,7 @@ def locate(monitor, step, s0, g0, trial, h):
     return Located(0.0, None, hit) if at_once else Located(late.h, late.trial, hit)
 
 
-def look_ahead(monitor, s, g, h):
+def look_ahead(monitor: EventMonitor, s: "State", g: np.ndarray, h: float) -> "tuple[State, np.ndarray]":
     """Return a state behind the beginning ``s`` of a step of size h, and its event values; ``g``: those at ``s``.
 
     Rounding decides the sign of an event value where the event has been located. So the values of elastic events are
@@ -106,15 +114,24 @@ class Search:
     ``failed`` is a trial in which Newton's iteration failed, which ends the search.
     """
 
-    def __init__(self, monitor, step, crossed, early, trial, h):
-        self.monitor, self.step, self.crossed, self.failed = monitor, step, crossed, None
+    def __init__(
+        self,
+        monitor: EventMonitor,
+        step: "Callable[[float], Trial]",
+        crossed: np.ndarray,
+        early: Point,
+        trial: "Trial",
+        h: float,
+    ):
+        self.monitor, self.step, self.crossed = monitor, step, crossed
+        self.failed: Trial | None = None
         self.smooth = bool(np.all(monitor.smooth[crossed]))
         self.tolerance = h * (SMOOTH_TOLERANCE if self.smooth else TIME_TOLERANCE)
         self.at_once = AT_ONCE * h
         self.early, self.late = early, self._point(h, trial)
         self.last = self.early, self.late
 
-    def succeeds(self):
+    def succeeds(self) -> bool:
         """Narrow the interval to the tolerance; return False if Newton's iteration failed on the way."""
         for tried in range(MOST_GUESSES):
             if self._is_over(self.early, self.late):
@@ -150,11 +167,12 @@ class Search:
             return h, self._value(interpolate(early.state, late.state, early.state.t + (h - early.h), of))
 
         near = 0.05 * self.tolerance
-        return chandrupatla(at, early[:2], late[:2], lambda a, b: b[0] - a[0] <= near, near, MOST_EVALUATIONS)[1][0]
+        found = chandrupatla(at, early[:2], late[:2], lambda a, b: b[0] - a[0] <= near, near, MOST_EVALUATIONS)
+        return np.nan if found is None else found[1][0]
 
     def _secant(self):
         """Return the step size at which the line through the last two trials crosses zero, or nan."""
-        (a, f_a, _), (b, f_b, _) = self.last
+        (a, f_a), (b, f_b) = (point[:2] for point in self.last)
         return b - f_b * (b - a) / (f_b - f_a) if f_a != f_b else np.nan
 
     def _try(self, h):
@@ -176,14 +194,16 @@ class Search:
         return point is not None
 
     def _point(self, h, trial):
-        return Point(h, self._value(trial[0]), trial)
+        return Point(h, self._value(trial[0]), trial[0], trial)
 
     def _value(self, s):
         """Return the largest of the event values that crossed zero."""
         return float(self.monitor.values(s)[self.crossed].max())
 
 
-def chandrupatla(at, early, late, is_over, tolerance, most):
+def chandrupatla(
+    at: Callable[[float], P | None], early: P, late: P, is_over: Callable[[P, P], bool], tolerance: float, most: int
+) -> tuple[P, P] | None:
     """Return the ends of the interval around a zero, of which ``is_over`` is true, or None if ``at`` fails.
 
     Points are tuples that begin with x and the value there; at(x) -> point, or None. Chandrupatla (Adv. Eng. Software

@@ -1,15 +1,24 @@
 """Constraints that are redundant in some phases only: detect them after a change of phase, assign compliances."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.errors import AssemblyError
 from mecano.solve.diagnostics.joint_redundancy import by_same_joints, redundant_groups
-from mecano.solve.diagnostics.mobility import analyse, gradient
-from mecano.solve.events.compliance import compliance
+from mecano.solve.diagnostics.mobility import Group, analyse, gradient
+from mecano.solve.events.compliance import Compliance, compliance
 from mecano.solve.time.consistent import Consistent
 
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.model.system import System
+    from mecano.solve.linear.sparse import LinearSolver
 
-def reanalyse_redundancy(system, linear, s, soft, length):
+
+def reanalyse_redundancy(
+    system: "System", linear: "LinearSolver", s: "State", soft: Compliance | None, length: float
+) -> tuple[Consistent, Compliance | None, tuple[Group, ...]]:
     """Analyse the redundancy of the constraints at ``s`` again, if its phases have changed it.
 
     Return (Consistent, Compliance or None, redundant Groups, one for the same joints). ``soft`` is the previous
@@ -21,16 +30,17 @@ def reanalyse_redundancy(system, linear, s, soft, length):
     nothing. Fewer constraints than ``soft`` accounts for have no other redundancies than theirs.
     """
     added = np.zeros(0, np.int64) if soft is None else np.flatnonzero(gradient(system, s, length)[2] & ~soft.active)
-    consistent, repeats = None, True
+    consistent: Consistent | None = None
+    repeats = True
     try:
         consistent = Consistent(system, linear, s, length, soft)
         repeats = consistent.repeats()
     except AssemblyError:
         pass
-    if not repeats and not len(added) and (soft is None or not len(soft.released)):
+    if consistent is not None and not repeats and not len(added) and (soft is None or not len(soft.released)):
         return consistent, soft, ()
     analysis = analyse(system, s, length)
-    if not repeats and not len(added) and not _missed(soft, analysis):
+    if consistent is not None and not repeats and not len(added) and not _missed(soft, analysis):
         return consistent, soft, ()
     new = compliance(system, s, length, analysis)
     found = redundant_groups(system, s, length, analysis) if repeats or len(added) else ()

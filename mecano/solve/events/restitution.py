@@ -1,12 +1,24 @@
 """Coefficients of restitution of contacts that close together (docs/shocks.md, Rules)."""
 
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.solve.diagnostics.mobility import connected
 from mecano.solve.linear.rounding import ROUNDING
 
+if TYPE_CHECKING:
+    from mecano.solve.events.impact_candidates import ImpactCandidate
 
-def restitutions(contacts, fast, owners, W, reactions):
+
+def restitutions(
+    contacts: "Mapping[ImpactCandidate, int]",
+    fast: "Sequence[ImpactCandidate]",
+    owners: Sequence[int],
+    W: np.ndarray,
+    reactions: np.ndarray,
+) -> np.ndarray:
     """Return the coefficients of restitution (n,): the least of the ``fast`` ones connected with each contact.
 
     Parameters

@@ -8,6 +8,7 @@ Positions are frozen; with the constraints that hold and those that become activ
 Bilateral constraints cost one factorization; contacts add the dense matrix of their mutual responses.
 """
 
+from collections.abc import Container, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -17,8 +18,8 @@ from mecano.immutable import immutable
 from mecano.model.numbering import LENGTH_CONSTRAINT
 from mecano.solve.diagnostics.scales import constraint_scale
 from mecano.solve.events.complementarity import solve_complementarity
-from mecano.solve.events.events import EventRecord
-from mecano.solve.events.impact_candidates import ImpactCandidates
+from mecano.solve.events.events import EventMonitor, EventRecord
+from mecano.solve.events.impact_candidates import ImpactCandidate, ImpactCandidates
 from mecano.solve.events.impact_friction import rough_contacts, solve_with_friction
 from mecano.solve.events.redundancy import reanalyse_redundancy
 from mecano.solve.events.restitution import restitutions
@@ -27,9 +28,11 @@ from mecano.solve.time.increments import reach_of
 
 if TYPE_CHECKING:
     from mecano.model.state import State
+    from mecano.model.system import System
     from mecano.solve.diagnostics.mobility import Group
     from mecano.solve.events.compliance import Compliance
     from mecano.solve.time.consistent import Consistent
+    from mecano.solve.time.run_state import Method
 
 TOGETHER = 1e-6  # of a step: impacts closer in time than this are simultaneous
 NEAR = 10.0  # times the tolerance of constraints: so are impacts of contacts with a smaller gap
@@ -55,7 +58,7 @@ class Shock:
     redundant: "tuple[Group, ...]"  # Groups of constraints that have become redundant
 
 
-def touching_gaps(system, tolerance, length):
+def touching_gaps(system: "System", tolerance: float, length: float) -> np.ndarray:
     """Return the gaps (n_l,) [m, rad] up to which contacts touch; ``tolerance`` of constraints, length scale [m]."""
     return NEAR * tolerance * constraint_scale(system, length)
 
@@ -63,7 +66,7 @@ def touching_gaps(system, tolerance, length):
 class Shocks:
     """Impact solver of a system; ``rest`` (n_l,) approach speeds below which contacts do not rebound [m/s, rad/s]."""
 
-    def __init__(self, system, method, monitor, rest):
+    def __init__(self, system: "System", method: "Method", monitor: EventMonitor, rest: float):
         self.system, self.linear, self.monitor, self.length = system, method.linear, monitor, method.length
         scale = constraint_scale(system, method.length)
         self._least, self.near = rest * scale, touching_gaps(system, method.tolerances.constraint, method.length)
@@ -72,12 +75,12 @@ class Shocks:
         self.impact_candidates = ImpactCandidates(system)
         self.touching = self.impact_candidates.touching(self.near)
 
-    def suppress_rebound(self, elements):
+    def suppress_rebound(self, elements: Container[str]) -> None:
         """Treat impacts of the contacts of these ``elements``, and of no others, as perfectly plastic."""
         self.rest = self._least.copy()
         self.rest[[candidate.lead for candidate in self.impact_candidates if candidate.element in elements]] = np.inf
 
-    def departing(self, s, g):
+    def departing(self, s: "State", g: np.ndarray) -> np.ndarray:
         """Return the event values ``g`` at the beginning of a step, DEPARTING for open contacts that are separating."""
         if not self.impact_candidates.all:  # called in every step
             return g
@@ -92,7 +95,7 @@ class Shocks:
                 g[candidate.event] = DEPARTING
         return g
 
-    def undecided(self, g0, s, k, h):
+    def undecided(self, g0: np.ndarray, s: "State", k: float, h: float) -> np.ndarray:
         """Return the events (n_events,) bool of contacts that touch without force over a step of size h to ``s``.
 
         Whether such a contact is open or closed is rounding, so it keeps its phase: an open one whose gap is below the
@@ -113,7 +116,7 @@ class Shocks:
                 found[c.event] = abs(second[c.lead]) * h * h <= STANDS * self.near[c.lead]
         return found
 
-    def pressed(self, s, h):
+    def pressed(self, s: "State", h: float) -> np.ndarray:
         """Return the events (n_events,) bool of open contacts that touch at rest and that the accelerations close.
 
         They do so by more than rounding in a step of h [s]. There are none while a touching contact approaches or
@@ -139,7 +142,7 @@ class Shocks:
         reactions = s.z[of.n_q : of.n][of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT]
         return ROUNDING * (np.abs(reactions).max(initial=0.0) + reach_of(s.z, of, self.length) * self.length * k)
 
-    def together(self, s, hit, h):
+    def together(self, s: "State", hit: np.ndarray, h: float) -> np.ndarray:
         """Return the events ``hit`` with the impacts that would follow within TOGETHER of a step ``h`` [s].
 
         The motions of identical parts of a model differ by rounding; this makes them lock at the same instant. A
@@ -159,7 +162,15 @@ class Shocks:
         """Return the constraint derivatives (n_l, 3) at ``s`` with the constraints of some candidates active."""
         return self.system.constraint_derivatives(self.impact_candidates.in_phase(s, candidates, "through"))
 
-    def solve_impact(self, s, hit, compliance=None, h=np.inf, at_once=False, k=0.0):
+    def solve_impact(
+        self,
+        s: "State",
+        hit: np.ndarray,
+        compliance: "Compliance | None" = None,
+        h: float = np.inf,
+        at_once: bool = False,
+        k: float = 0.0,
+    ) -> Shock:
         """Solve the impact of the events ``hit`` (n_events,) bool at ``s``; return a Shock.
 
         The velocities of ``s`` satisfy the constraints active before. ``h`` [s] is the next step: contacts that would
@@ -169,7 +180,7 @@ class Shocks:
         """
         in_phase = self.impact_candidates.in_phase
         closing, others = self.impact_candidates.split(hit | self._idle(s, k))
-        s, others = self.monitor.apply(s, others)
+        s, event_records = self.monitor.apply(s, others)
         if not at_once:
             rates = self._derivatives(s, closing)[:, 1]
             closing = [c for c in closing if c.restitution < 0.0 or rates[c.lead] <= self.rest[c.lead]]
@@ -187,7 +198,7 @@ class Shocks:
                 break
             coupled = [c for c in coupled if c not in pulled]
             held, all_held = in_phase(held, pulled, "before"), in_phase(all_held, pulled, "before")
-        return solution.shock(s, closing, resting, others, h)
+        return solution.shock(s, closing, resting, event_records, h)
 
     def _idle(self, s, k):
         """Return the events (n_events,) bool by which closed contacts without a force open."""
@@ -198,7 +209,9 @@ class Shocks:
             idle[opens] = np.abs(s.z[n_q + leads]) < self._no_force(s, k) * self.unit[leads]
         return idle
 
-    def consistent(self, s, compliance):
+    def consistent(
+        self, s: "State", compliance: "Compliance | None"
+    ) -> "tuple[Consistent, Compliance | None, tuple[Group, ...]]":
         """Return (Consistent, Compliance, redundant Groups) in the phases of ``s`` (redundancy.py)."""
         return reanalyse_redundancy(self.system, self.linear, s, compliance, self.length)
 
@@ -210,7 +223,15 @@ class _Solution:
     restitution ``e`` (n,) of the contacts.
     """
 
-    def __init__(self, shocks, held, all_held, uncoupled, fast, compliance):
+    def __init__(
+        self,
+        shocks: Shocks,
+        held: "State",
+        all_held: "State",
+        uncoupled: Sequence[ImpactCandidate],
+        fast: Sequence[ImpactCandidate],
+        compliance: "Compliance | None",
+    ):
         self.shocks, self.system, self.e = shocks, shocks.system, np.zeros(len(uncoupled))
         self.uncoupled = {c: i for i, c in enumerate(uncoupled)}
         self.held, self.all_held = held.copy(), all_held
@@ -321,11 +342,18 @@ class _Solution:
         x[massive] = solve_complementarity(W[np.ix_(massive, massive)], b[massive], unit[massive])
         return x
 
-    def pulls(self, candidate):
+    def pulls(self, candidate: ImpactCandidate) -> bool:
         """Return whether a contact with tangential constraints would need an adhesive impulse."""
         return self.impulses[candidate.lead] < -ADHESIVE * np.abs(self.impulses).max()
 
-    def shock(self, s, closing, resting, event_records, h):
+    def shock(
+        self,
+        s: "State",
+        closing: list[ImpactCandidate],
+        resting: list[ImpactCandidate],
+        event_records: Sequence[EventRecord],
+        h: float,
+    ) -> Shock:
         """Return the Shock from the state ``s`` before it, with steps of h [s] to follow."""
         lost = self.rubbed - 0.5 * self.impulses * (self.before + self.after)
         still = self.system.constraint_derivatives(replace(self.all_held, v=np.zeros_like(s.v)))[:, 1]
@@ -337,15 +365,15 @@ class _Solution:
         leaving = self._leaving([c for c in stay if c in self.uncoupled and c.through == c.after], h)
         happened += [_opened(s.t, c) for c in [*gone, *leaving]]
         end = self.shocks.impact_candidates.in_phase(end, [*gone, *leaving], "opened")
-        found = [self.consistent, self.compliance, self.redundant]
+        consistent, compliance, redundant = self.consistent, self.compliance, self.redundant
         if not np.array_equal(end.phases, self.held.phases):
-            *found, redundant = self.shocks.consistent(end, self.compliance)
-            found.append((*self.redundant, *redundant))
+            consistent, compliance, more = self.shocks.consistent(end, self.compliance)
+            redundant = (*redundant, *more)
         of = self.system.numbering
         rows = {of.name[of.n_q + row] for c in closing + resting for row in c.rows}
-        found[2] = tuple(group for group in found[2] if rows & set(group.names))
+        redundant = tuple(group for group in redundant if rows & set(group.names))
         given = -float(self.impulses @ still)
-        return Shock(end, happened, float(lost.sum()), given, self.impulses, *found)
+        return Shock(end, happened, float(lost.sum()), given, self.impulses, consistent, compliance, redundant)
 
     def _stays(self, candidate, closes):
         """Return whether the contact is closed after the impact."""

@@ -1,6 +1,8 @@
 """Newton iteration on any residual, driven from Python; independent of time and mechanics."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -9,6 +11,7 @@ from mecano.solve.linear import newton
 from mecano.solve.linear.newton import FAILURES, MESSAGES, NOT_FINITE, SLOW, TOO_MANY
 
 SINGULAR = MESSAGES[newton.SINGULAR]
+Exhausted: TypeAlias = Callable[[float, float, bool], bool]  # see ``iterate``
 
 
 @dataclass(slots=True)
@@ -22,7 +25,14 @@ class Iterated:
     failure: Failure = Failure.NOT_CONVERGED  # if not ok
 
 
-def iterate(evaluate, solve, move, *, most, exhausted):
+def iterate(
+    evaluate: Callable[[bool], tuple[float, ...]],
+    solve: Callable[[bool], np.ndarray | None],
+    move: Callable[[np.ndarray], float],
+    *,
+    most: int,
+    exhausted: Exhausted,
+) -> Iterated:
     """Solve r(z) = 0 by at least one iteration until residual and increment meet their tolerances; never raise.
 
     evaluate(tangent) returns a tuple of residual norms over their tolerances at the current z and, if ``tangent``,

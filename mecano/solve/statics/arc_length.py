@@ -13,6 +13,7 @@ Where a stop or contact closes or opens, the path has a corner, at which the loa
 ends there, and the path continues to the side on which closed contacts push and open ones stay open.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -21,9 +22,10 @@ import numpy as np
 from mecano.errors import ConvergenceError, Failure
 from mecano.solve.linear.iteration import SINGULAR, Iterated, iterate
 from mecano.solve.statics.closing import apply_events
-from mecano.solve.statics.continuation import SHRINK
+from mecano.solve.statics.continuation import SHRINK, Follower, Point
+from mecano.solve.statics.loading import LoadFactor
 from mecano.solve.statics.stability import freedom
-from mecano.solve.statics.static import CLOSED, PHASE_CHANGES, Status
+from mecano.solve.statics.static import CLOSED, PHASE_CHANGES, Statics, Status
 
 if TYPE_CHECKING:
     from mecano.model.state import State
@@ -47,11 +49,11 @@ class Target:
     origin: np.ndarray  # (3,) [m]
     value: float  # [m]
 
-    def displacement(self, s):
+    def displacement(self, s: "State") -> float:
         """Return the displacement [m] of the node at the state ``s``."""
         return float(self.direction @ (s.z[self.place : self.place + 3] - self.origin))
 
-    def gap(self, s):
+    def gap(self, s: "State") -> float:
         """Return the displacement beyond the value, relative to the value."""
         return self.displacement(s) / self.value - 1.0
 
@@ -82,11 +84,14 @@ class ArcLength:
     hint: str = "more steps; method: relaxation, which lets a mechanism fall into place"
     more_steps: str = "a larger static.maximum_steps; fewer static.steps, which makes them longer"
 
-    def follow(self, follower, point):
+    def follow(self, follower: Follower, point: Point) -> tuple[Point, str]:
         """Return (last Point, reason of the end). Raises ConvergenceError, NonFiniteError."""
-        arc = Arc(follower.statics, point)
-        if arc.rate is None:
-            raise self._failure(follower, point, point.parameter, arc.singular)
+        statics, s = follower.statics, follower.statics.begin(point.state)
+        rate = rate_of(statics, s, point.parameter)
+        if rate is None:
+            singular = Iterated(False, 0, (), SINGULAR, Failure.SINGULAR)
+            raise self._failure(follower, point, point.parameter, statics.status_of(singular, s, s))
+        arc = Arc(statics, rate)
         first = ds = np.sqrt(2.0) * (self.end - point.parameter) / self.count
         for _ in range(self.most):
             point, ds = self._advance(follower, arc, point, ds, self.minimum * first)
@@ -97,7 +102,7 @@ class ArcLength:
         free = freedom(follower.statics.system, point.state, point.stability, follower.statics.length)
         raise ConvergenceError(f"{self._stopped(point)}: {why}\nthere: {free}\nwhat to try: {self.more_steps}")
 
-    def missed(self, point):
+    def missed(self, point: Point) -> Iterator[str]:
         """Yield a warning if the path ended, at ``point``, before the target was reached."""
         if self.target and self.target.gap(point.state) < -MET:
             yield (
@@ -123,7 +128,7 @@ class ArcLength:
     def _arrived(self, point):
         at = np.abs(self._gaps(point.state, point.parameter)) <= MET
         ends = ("the end was reached", f"the load factor fell to {self.lowest:g}", "")
-        if at[2]:
+        if at[2] and self.target:
             return f"node '{self.target.name}' was displaced by {self.target.value:g} m"
         return ends[int(np.argmax(at))] if at.any() else ""
 
@@ -192,47 +197,49 @@ class ArcLength:
         return trial
 
 
+def slope_of(statics: Statics, s: "State", mu: float) -> np.ndarray:
+    """Return the derivative (n,) of the residual by the load factor."""
+    assert isinstance(statics.loading, LoadFactor), "only a load factor is an unknown of a path"
+    return statics.loading.slope(s, mu)
+
+
+def rate_of(statics: Statics, s: "State", mu: float) -> np.ndarray | None:
+    """Return the derivatives (n,) of displacements and multipliers by the load factor, or None if singular."""
+    k, penalty = statics.scales(s)
+    slope = slope_of(statics, s, mu)
+    statics.evaluate(s, mu, k, penalty, True)
+    x = statics.factor(-slope)
+    if x is None:
+        return None
+    rate = x.copy()
+    rate[statics.system.n_q :] *= k
+    return rate
+
+
 class Arc:
     """Arc-length steps of one ``statics``, with tangent and rate at the last accepted point."""
 
-    def __init__(self, statics, point):
-        self.statics, self.tangent = statics, None
+    def __init__(self, statics: Statics, rate: np.ndarray):
+        """Begin at a point with the ``rate`` (n,), see ``rate_of``."""
+        self.statics, self.rate = statics, rate
         self.metric = statics.weight / statics.length**2
-        s = statics.begin(point.state)
-        self.rate = self._rate(s, point.parameter)
-        self.singular = statics.status_of(Iterated(False, 0, (), SINGULAR, Failure.SINGULAR), s, s)
-        if self.rate is None:
-            return
-        q = self.rate[: statics.system.n_q]
+        q = rate[: statics.system.n_q]
         size = float(q @ (self.metric * q))
         self.metric = self.metric / size if np.isfinite(size) and size > 0.0 else self.metric
-        self.tangent = self._direction(self.rate)
+        self.tangent = self._direction(rate)
 
-    def _rate(self, s, mu):
-        """Return the derivatives (n,) of displacements and multipliers by the load factor, or None if singular."""
-        k, penalty = self.statics.scales(s)
-        slope = self.statics.loading.slope(s, mu)
-        self.statics.evaluate(s, mu, k, penalty, True)
-        x = self.statics.factor(-slope)
-        if x is None:
-            return None
-        rate = x.copy()
-        rate[self.statics.system.n_q :] *= k
-        return rate
-
-    def _direction(self, rate):
-        """Return the unit tangent (n_q + 1,) of the path, in the sense of the previous one."""
+    def _direction(self, rate: np.ndarray) -> np.ndarray:
+        """Return the unit tangent (n_q + 1,) of the path, in the sense in which the load factor grows."""
         tangent = np.append(rate[: self.statics.system.n_q], 1.0)
-        tangent /= np.sqrt(self._product(tangent, tangent))
-        return tangent if self.tangent is None or self._product(tangent, self.tangent) >= 0.0 else -tangent
+        return tangent / np.sqrt(self._product(tangent, tangent))
 
     def _product(self, t, u):
         return float(t[:-1] @ (self.metric * u[:-1]) + t[-1] * u[-1])
 
-    def step(self, point, ds):
+    def step(self, point: Point, ds: float) -> Trial:
         """Return the Trial of a step of length ds from ``point``, to which tangent and rate belong."""
         statics, crossed, reported = self.statics, None, []
-        s, mu, result = self._correct(point, self._ahead(point.state, ds), ds)
+        s, mu, result = self._correct(point, self._predicted(point, ds), ds)
         for _ in range(PHASE_CHANGES):
             hit = statics.monitor.values(s) > CLOSED * statics.length
             if not result.ok or not hit.any():
@@ -247,12 +254,12 @@ class Arc:
         trial.found.event_records = tuple(reported)
         return self._finished(trial) if trial.found.ok else trial
 
-    def corner(self, point, trial):
+    def corner(self, point: Point, trial: Trial) -> Trial:
         """Return the Trial that ends at the first event within ``trial``, with the tangent of the path behind it."""
         statics, crossed = self.statics, trial.crossed
 
         def solved(ds):
-            return self._correct(point, self._ahead(point.state, ds), ds)
+            return self._correct(point, self._predicted(point, ds), ds)
 
         def value(ds):
             return statics.monitor.values(solved(ds)[0])[crossed]
@@ -268,42 +275,49 @@ class Arc:
         s, reported = statics.monitor.apply(statics.committed(s), hit)
         found.event_records = tuple(reported)
         corner = self._directed(Trial(s, mu, ds, found))
-        if corner.found.ok and self._crosses(corner):
-            corner.tangent = -corner.tangent
+        tangent, rate = corner.tangent, corner.rate
+        if corner.found.ok and tangent is not None and rate is not None:
+            ahead = self._ahead(statics.begin(s), AHEAD * ds * tangent[-1], rate)
+            if self._crosses(s, ahead):
+                corner.tangent = -tangent
         return corner
 
-    def _crosses(self, corner):
-        """Return whether an event occurs when the path continues along the tangent of a ``corner``."""
-        now = self.statics.monitor.values(corner.state)
-        ahead = self._ahead(self.statics.begin(corner.state), AHEAD * corner.ds, corner)
-        return bool(np.any(self.statics.monitor.values(ahead) > np.maximum(now, 0.0)))
+    def _crosses(self, s, ahead):
+        """Return whether an event occurs between the corner ``s`` and a state ``ahead`` of it."""
+        now, then = (self.statics.monitor.values(state) for state in (s, ahead))
+        return bool(np.any(then > np.maximum(now, 0.0)))
 
-    def _ahead(self, s0, ds, at=None):
-        """Return the state at the length ds along the tangent of ``at``, by default that of the last point."""
-        at, s = at or self, self.statics.begin(s0)
+    def _predicted(self, point: "Point", ds: float) -> "State":
+        """Return the state at the length ds along the tangent of the last ``point``."""
+        return self._ahead(point.state, ds * self.tangent[-1], self.rate)
+
+    def _ahead(self, s0: "State", more: float, rate: np.ndarray) -> "State":
+        """Return the state that follows from ``s0`` by its ``rate`` with so much ``more`` of the load factor."""
+        s = self.statics.begin(s0)
         k, _ = self.statics.scales(s)
-        guess = ds * at.tangent[-1] * at.rate
+        guess = more * rate
         guess[self.statics.system.n_q :] /= k
         self.statics.move(s, s0, guess, k)
         return s
 
-    def _finished(self, trial):
+    def _finished(self, trial: Trial) -> Trial:
         """Return the trial with tangent and rate at its end; it fails if the path turns too sharply."""
         trial = self._directed(trial)
-        if trial.found.ok and self._product(trial.tangent, self.tangent) < SHARPEST:
+        if trial.found.ok and trial.tangent is not None and self._product(trial.tangent, self.tangent) < SHARPEST:
             trial.found.ok, trial.found.message = False, "the path turns too sharply"
         return trial
 
-    def _directed(self, trial):
+    def _directed(self, trial: Trial) -> Trial:
         """Return the trial with tangent and rate at its end; it fails if these are singular."""
-        trial.rate = self._rate(self.statics.begin(trial.state), trial.mu)
+        trial.rate = rate_of(self.statics, self.statics.begin(trial.state), trial.mu)
         if trial.rate is None:
             trial.found.ok, trial.found.message, trial.found.failure = False, SINGULAR, Failure.SINGULAR
             return trial
-        trial.tangent = self._direction(trial.rate)
+        tangent = self._direction(trial.rate)  # in the sense of the previous one
+        trial.tangent = tangent if self._product(tangent, self.tangent) >= 0.0 else -tangent
         return trial
 
-    def _correct(self, point, s, ds, mu=None):
+    def _correct(self, point: Point, s: "State", ds: float, mu: float | None = None) -> "tuple[State, float, Iterated]":
         """Iterate by Newton's method in the plane of the step, changing ``s`` in place: (s, load factor, Iterated)."""
         statics, n, n_q = self.statics, self.statics.system.n, self.statics.system.n_q
         mu = point.parameter + ds * self.tangent[-1] if mu is None else mu
@@ -314,7 +328,7 @@ class Arc:
 
         def evaluate(tangent):
             if tangent:
-                slope[:] = statics.loading.slope(s, mu)
+                slope[:] = slope_of(statics, s, mu)
             return statics.evaluate(s, mu, k, penalty, tangent, step)
 
         def solve(fresh):

@@ -6,13 +6,19 @@ beginning of the step to the equilibrium, where the event value vanishes.
 """
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.solve.events.events import EventRecord
+    from mecano.solve.statics.static import Statics
 
 ROUNDING = 1e-15  # of the way
 
 
-def apply_events(statics, s, s0, hit):
+def apply_events(statics: "Statics", s: "State", s0: "State", hit: np.ndarray) -> "tuple[State, list[EventRecord]]":
     """Return (state, [EventRecord]) of the equilibrium ``s`` with the events ``hit`` (n_events,) bool.
 
     The displacement from ``s0`` to ``s``, in its phases before the events, passes the places of the events.

@@ -16,13 +16,12 @@ import numpy as np
 from mecano.errors import ConvergenceError, Failure, NonFiniteError
 from mecano.solve.diagnostics.failure import of_equations, worst_equations
 from mecano.solve.statics.stability import Judge, Stability, freedom, words
-from mecano.solve.statics.static import Status
+from mecano.solve.statics.static import Statics, Status
 
 if TYPE_CHECKING:
     from mecano.model.assembly import Observation
     from mecano.model.state import State
     from mecano.solve.events.events import EventRecord
-    from mecano.solve.statics.static import Statics
 
 Observer: TypeAlias = "Callable[[Point], object]"  # called with every equilibrium of a path
 GROWTH, SHRINK = 2.0, 0.25
@@ -51,7 +50,7 @@ class Point:
 class Follower:
     """Accepts the equilibria of ``statics`` as points of a path and passes each to the ``observers``."""
 
-    statics: "Statics"
+    statics: Statics
     observers: Sequence[Observer] = ()
     ended: "Callable[[State, Observation], str]" = lambda state, observation: (
         ""
@@ -65,12 +64,21 @@ class Follower:
         statics = self.statics
         self.judge = Judge(statics.system, statics.length, statics.compliance is not None, statics.linear.analysis)
 
-    def stability(self, s, p, drag=0.0):
+    def stability(self, s: "State", p: float, drag: float = 0.0) -> Stability:
         """Return the Stability of ``s`` at the parameter p, from the tangent with ``drag`` [N/m] as added stiffness."""
         self.statics.evaluate(self.statics.begin(s), p, 1.0, 0.0, True)
         return self.judge(self.statics.assembly.data, drag)
 
-    def accept(self, s, p, place, step, found, rejected=0, critical=None):
+    def accept(
+        self,
+        s: "State",
+        p: float,
+        place: float,
+        step: float,
+        found: Status,
+        rejected: int = 0,
+        critical: float | None = None,
+    ) -> Point:
         """Return the Point of a converged state, after the observers were called with it.
 
         ``critical``: the parameter at which stability was lost within the step, if known. Raises as ``refuse``.
@@ -87,12 +95,12 @@ class Follower:
         self.refuse(s, p, observation)
         return point
 
-    def observe(self, s, p):
+    def observe(self, s: "State", p: float) -> "Observation":
         """Return the Observation of an equilibrium at the parameter p."""
         self.statics.evaluate(s, p, 1.0, 0.0, False)
         return self.statics.system.observe(s, self.statics.assembly.forces)
 
-    def refuse(self, s, p, observation):
+    def refuse(self, s: "State", p: float, observation: "Observation") -> None:
         """Raise ConvergenceError if an element cannot continue from the equilibrium ``s`` at the parameter p."""
         if text := self.ended(s, observation):
             raise ConvergenceError(
@@ -113,7 +121,7 @@ class Follower:
         motion = words(self.statics.system, point.state, point.stability.shape, self.statics.length)
         self.losses.append(f"{text} the equilibrium becomes unstable: {motion}")
 
-    def find(self, s0, p):
+    def find(self, s0: "State", p: float) -> "tuple[State, Status]":
         """Return (state, Status) of the equilibrium at the parameter p near ``s0``, also for singular tangents."""
         s, found = self.statics.correct(s0, p)
         if found.ok and not (found.change > BESIDE and self._balanced(s0, p) and self._free(s0, p)):
@@ -135,7 +143,7 @@ class Follower:
         k, _ = self.statics.scales(self.statics.begin(s))
         return max(self.statics.evaluate(self.statics.begin(s), p, k, 0.0, False)) <= 1.0
 
-    def start(self, s, p):
+    def start(self, s: "State", p: float) -> Point:
         """Return the first Point, at the parameter p: ``s`` or an equilibrium near it. Raises ConvergenceError."""
         begun = self.statics.begin(s)
         k, _ = self.statics.scales(begun)
@@ -147,7 +155,9 @@ class Follower:
             raise self.failure(p, found, begun, p)
         return self.accept(s, p, p, 0.0, found)
 
-    def failure(self, p, found, last, last_p, hint=""):
+    def failure(
+        self, p: float, found: Status, last: "State", last_p: float, hint: str = ""
+    ) -> ConvergenceError | NonFiniteError:
         """Return the error for a failed search after ``last``: place, cause, free motion, worst equations."""
         statics, system = self.statics, self.statics.system
         of, bad = statics.loading, np.flatnonzero(~np.isfinite(statics.assembly.residual[: system.n]))
@@ -177,7 +187,7 @@ class Steps:
         "method: relaxation, which lets a mechanism fall into place"
     )
 
-    def follow(self, follower, point):
+    def follow(self, follower: Follower, point: Point) -> tuple[Point, str]:
         """Return (last Point, reason of the end). Raises ConvergenceError, NonFiniteError."""
         start, equal = point.parameter, (self.end - point.parameter) / self.count
         targets = [self.end] if self.grow else [start + i * equal for i in range(1, self.count)] + [self.end]

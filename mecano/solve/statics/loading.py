@@ -11,8 +11,16 @@ without loads is removed in proportion. Gravity is scaled by the principle of eq
 :math:`(1 - \mu) g` has the gravity :math:`\mu g`, for every element with mass.
 """
 
+from typing import TYPE_CHECKING, TypeAlias
+
 import numpy as np
 
+if TYPE_CHECKING:
+    from mecano.model.assembly import Assembly
+    from mecano.model.state import State
+    from mecano.model.system import System
+
+Loading: TypeAlias = "LoadFactor | Clock"
 ROUNDING = 1e-9  # of the largest force: a smaller imbalance counts as zero
 STRESSED = (
     "; over: time, with heating, preload or natural lengths that grow by laws of time: over the load factor they act "
@@ -25,7 +33,7 @@ class LoadFactor:
 
     name, unit, hint = "load factor", "", ""
 
-    def __init__(self, system, start):
+    def __init__(self, system: "System", start: "State"):
         """Take ``start`` as the configuration whose imbalance without loads is removed along the path."""
         self.system = system
         self.gravity = np.zeros(system.numbering.n_all)
@@ -38,7 +46,18 @@ class LoadFactor:
         if np.abs(self.imbalance).max(initial=0.0) > ROUNDING * assembly.size.max(initial=0.0):
             self.hint = STRESSED
 
-    def assemble(self, s, mu, k, penalty, cK=0.0, cC=0.0, cM=0.0, T=None, into=None):
+    def assemble(
+        self,
+        s: "State",
+        mu: float,
+        k: float,
+        penalty: float,
+        cK: float = 0.0,
+        cC: float = 0.0,
+        cM: float = 0.0,
+        T: np.ndarray | None = None,
+        into: "Assembly | None" = None,
+    ) -> "Assembly":
         """Assemble ``system`` at the load factor mu; sets the accelerations of ``s``, which replace gravity."""
         system = self.system
         np.multiply(self.gravity, 1.0 - mu, out=s.a)
@@ -49,7 +68,7 @@ class LoadFactor:
                 assembly.residual[: system.n_q] -= max(0.0, 1.0 - mu) * self.imbalance
         return assembly
 
-    def slope(self, s, mu):
+    def slope(self, s: "State", mu: float) -> np.ndarray:
         """Return the derivative (n,) of the residual by the load factor; at the corner mu = 1, the one to the right."""
         more, here = (self.assemble(s, factor, 1.0, 0.0).residual for factor in (2.0, 1.0))
         slope = more - here
@@ -62,10 +81,21 @@ class Clock:
 
     name, unit, hint = "t", " s", ""
 
-    def __init__(self, system):
+    def __init__(self, system: "System"):
         self.system = system
 
-    def assemble(self, s, t, k, penalty, cK=0.0, cC=0.0, cM=0.0, T=None, into=None):
+    def assemble(
+        self,
+        s: "State",
+        t: float,
+        k: float,
+        penalty: float,
+        cK: float = 0.0,
+        cC: float = 0.0,
+        cM: float = 0.0,
+        T: np.ndarray | None = None,
+        into: "Assembly | None" = None,
+    ) -> "Assembly":
         """Assemble ``system`` at rest at the time t [s], to which the time of ``s`` is set."""
         s.t = t
         s.a[:] = 0.0

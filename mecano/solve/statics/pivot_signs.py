@@ -1,5 +1,7 @@
 """Stability of equilibria of large models, by the signs of the pivots of the bordered tangent (stability.py)."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
@@ -7,7 +9,10 @@ import scipy.sparse.linalg as spla
 from mecano.model.numbering import ANGLE_CONSTRAINT
 from mecano.solve.diagnostics.scales import mean_diagonal
 from mecano.solve.linear.sparse import LinearSolver, pattern_of
-from mecano.solve.statics.stability import NEUTRAL_WHERE_SOFT, UNKNOWN, Stability, scaled
+from mecano.solve.statics.stability import NEUTRAL_WHERE_SOFT, UNKNOWN, Judge, Stability, scaled
+
+if TYPE_CHECKING:
+    from mecano.solve.linear.ordering import Analysis
 
 NEUTRAL_PIVOT = 1e-13  # relative pivot below which it counts as zero (sparse)
 SHIFT = 1e-9  # of the mean stiffness: by which that of all directions is raised to find the softest
@@ -17,12 +22,12 @@ FARTHER = 4.0  # factor by which the shift to the most negative stiffness grows
 class PivotSigns:
     """Count negative pivots of the tangents of one system, and find its softest motion by inverse iteration."""
 
-    def __init__(self, judge, analysis=None):
+    def __init__(self, judge: Judge, analysis: "Analysis | None" = None):
         """Analyse the pattern of the tangent, unless the ``analysis`` of its LinearSolver is given."""
         self.judge, self.system = judge, judge.system
         self._solver = LinearSolver(pattern_of(self.system), tolerance=0.0, analysis=analysis)
 
-    def __call__(self, data):
+    def __call__(self, data: np.ndarray) -> Stability:
         """Return the Stability from ``data``, as Judge."""
         unstable, zeros = self._negative(data)
         if unstable == UNKNOWN:

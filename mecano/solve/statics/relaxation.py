@@ -9,19 +9,21 @@ of drag D multiplies a displacement along a stiffness -c by 1/(1 - c/D)), so the
 """
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
 from mecano.errors import ConvergenceError
 from mecano.solve.diagnostics.failure import acting
 from mecano.solve.linear.rounding import ROUNDING
-from mecano.solve.statics.continuation import SHRINK
-from mecano.solve.statics.stability import freedom, words
+from mecano.solve.statics.continuation import SHRINK, Follower, Point
+from mecano.solve.statics.stability import Stability, freedom, words
 from mecano.solve.time.increments import displaced, reach_of
 
 if TYPE_CHECKING:
+    from mecano.model.state import State
     from mecano.solve.events.events import EventRecord
+    from mecano.solve.statics.static import Status
 
 FIRST_CREEP, MOST_CREEP = 0.1, 0.3  # displacement in the first step and in any step, in length scales or rad
 MOST_CREEPS = 400  # largest number of steps
@@ -55,11 +57,11 @@ class Relaxation:
         "supports or springs against this motion; method: steps, which takes an unstable equilibrium, too"
     )
 
-    def follow(self, follower, point):
+    def follow(self, follower: Follower, point: Point) -> tuple[Point, str]:
         """Return (Point in stable equilibrium, reason of the end). Raises ConvergenceError, NonFiniteError."""
         return self.find(follower, point.state), "an equilibrium was reached"
 
-    def find(self, follower, s):
+    def find(self, follower: Follower, s: "State") -> Point:
         """Return the Point in stable equilibrium to which the state ``s`` creeps. Raises as ``follow`` does."""
         work = Work()
         s, found, stability = self._equilibrium(follower, s, work)
@@ -70,28 +72,35 @@ class Relaxation:
             s, found, stability = self._below(follower, s, found, stability, work)
         return self._accepted(follower, s, found, work)
 
-    def _below(self, follower, s, found, stability, work):
+    def _below(
+        self, follower: Follower, s: "State", found: "Status", stability: Stability, work: Work
+    ) -> "tuple[State, Status, Stability]":
         """Return (State, Status, Stability) of an equilibrium beside the unstable one ``s``."""
         if stability.shape is None:
             self._refuse(follower, s, found, stability, work, "its unstable motion is unknown")
         reasons = []
-        for beside in self._sides(follower, s, stability):
+        for beside in self._sides(follower, s, stability.shape, stability.stiffness):
             try:
                 return self._equilibrium(follower, beside, work, downhill=True)
             except ConvergenceError as error:
                 reasons.append(str(error).partition("\n")[0])
         self._refuse(follower, s, found, stability, work, "; ".join(dict.fromkeys(reasons)))
 
-    def _sides(self, follower, s, stability):
-        """Return the states on both sides of the unstable equilibrium ``s``; first the one that creeps farther."""
+    def _sides(self, follower: Follower, s: "State", shape: np.ndarray, stiffness: float) -> "list[State]":
+        """Return the states on both sides of the unstable equilibrium ``s``; first the one that creeps farther.
+
+        ``shape`` (n_q,) is its softest motion, ``stiffness`` [N/m] that along it.
+        """
         statics, length = follower.statics, follower.statics.length
-        sides = [displaced(s, sign * NUDGE * length * stability.shape, statics.system.numbering) for sign in (1, -1)]
-        drag = self._downhill(follower, s, 4.0 * max(abs(stability.stiffness), 1e-300))
+        sides = [displaced(s, sign * NUDGE * length * shape, statics.system.numbering) for sign in (1, -1)]
+        drag = self._downhill(follower, s, 4.0 * max(abs(stiffness), 1e-300))
         creeps = [statics.correct(side, self.end, drag)[1] for side in sides]
         first, second = (found.change if found.ok else 0.0 for found in creeps)
         return sides if first >= (1.0 - ALIKE) * second else sides[::-1]
 
-    def _equilibrium(self, follower, s, work, downhill=False):
+    def _equilibrium(
+        self, follower: Follower, s: "State", work: Work, downhill: bool = False
+    ) -> "tuple[State, Status, Stability]":
         """Return (State, Status, Stability) of the equilibrium to which ``s`` creeps; ``downhill``: avoid saddles."""
         s = self._creep(follower, s, work, downhill)
         found_s, found = follower.find(s, self.end)
@@ -101,7 +110,7 @@ class Relaxation:
         follower.refuse(found_s, self.end, follower.observe(found_s, self.end))
         return found_s, found, follower.stability(found_s, self.end)
 
-    def _creep(self, follower, s, work, downhill):
+    def _creep(self, follower: Follower, s: "State", work: Work, downhill: bool) -> "State":
         """Return the state after creep, with forces balanced to their tolerance or, in stiff members, to rounding."""
         statics, drag, last = follower.statics, None, None
         for _ in range(MOST_CREEPS):
@@ -149,7 +158,7 @@ class Relaxation:
         force = statics.assembly.residual[: statics.system.n_q][own] / np.sqrt(statics.weight[own])
         return size, max(float(np.abs(force).max(initial=0.0)), 1e-300)
 
-    def _accepted(self, follower, s, found, work):
+    def _accepted(self, follower: Follower, s: "State", found: "Status", work: Work) -> Point:
         found.iterations += work.iterations
         found.event_records = tuple(work.event_records)
         return follower.accept(s, self.end, self.end, self.end, found, work.rejected)
@@ -161,7 +170,9 @@ class Relaxation:
         motion = "" if shape is None else f": {words(statics.system, s, shape, statics.length)}"
         return f"an unstable equilibrium was found and left on the way{motion}"
 
-    def _refuse(self, follower, s, found, stability, work, why):
+    def _refuse(
+        self, follower: Follower, s: "State", found: "Status", stability: Stability, work: Work, why: str
+    ) -> NoReturn:
         """Raise ConvergenceError for a search that ended at the unstable equilibrium ``s``, which becomes a Point."""
         statics, system = follower.statics, follower.statics.system
         self._accepted(follower, s, found, work)

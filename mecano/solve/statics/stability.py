@@ -10,11 +10,20 @@ divergence.
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.errors import name_list
 from mecano.model.numbering import ROTATION
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
+
+    from mecano.model.state import State
+    from mecano.model.system import System
+    from mecano.solve.linear.ordering import Analysis
+    from mecano.solve.statics.pivot_signs import PivotSigns
 
 DENSE = 400  # unknowns up to which all eigenvalues are computed
 FEW = 100  # motions up to which all eigenvalues take less time than the import of scipy.linalg
@@ -39,7 +48,7 @@ class Stability:
     shape: np.ndarray | None = None  # (n_q,) the softest motion, largest displacement 1
 
     @property
-    def stable(self):
+    def stable(self) -> bool:
         """True if no direction is known to be unstable or neutral."""
         return self.unstable <= 0 and self.neutral <= 0
 
@@ -47,7 +56,7 @@ class Stability:
 class Judge:
     """Determine the stability of equilibria of one system from tangents on its pattern."""
 
-    def __init__(self, system, length, soft=False, analysis=None):
+    def __init__(self, system: "System", length: float, soft: bool = False, analysis: "Analysis | None" = None):
         """Set the limit of neutral directions; ``soft``: compliant redundant constraints may stiffen free motions.
 
         ``analysis``: that of the LinearSolver of the system, if there is one.
@@ -56,9 +65,10 @@ class Judge:
         self.dense = system.n_q <= DENSE
         self.root = np.where(system.numbering.kind[: system.n_q] == ROTATION, length, 1.0)
         self.metric = np.where(system.signals, 0.0, self.root**2)
-        self._pivots, self._analysis = None, analysis
+        self._analysis = analysis
+        self._pivots: PivotSigns | None = None
 
-    def __call__(self, data, drag=0.0):
+    def __call__(self, data: np.ndarray, drag: float = 0.0) -> Stability:
         """Return the Stability from ``data``, the tangent with k = 1 and no penalty: K and the borders -B, -B^T.
 
         ``drag`` [N/m] is added to the stiffness against all motions.
@@ -74,7 +84,7 @@ class Judge:
             self._pivots = PivotSigns(self, self._analysis)
         return self._pivots(data)
 
-    def dragged(self, data, drag):
+    def dragged(self, data: np.ndarray, drag: float) -> np.ndarray:
         """Return ``data`` with ``drag`` [N/m] added to the stiffness against all motions."""
         data = data.copy()
         data[self.system.diagonal[: self.system.n_q]] += drag * self.metric
@@ -104,7 +114,7 @@ class Judge:
         return Stability(unstable, neutral, float(values[0]), scaled(shape, self.root))
 
 
-def condensed(K, own):
+def condensed(K: np.ndarray, own: np.ndarray) -> np.ndarray | None:
     """Return the stiffness (m, m) of the m unknowns ``own`` if the others follow them; None if they are undetermined.
 
     The others are signals: those of a controller add its stiffness, those of an integrator have no value at rest.
@@ -117,7 +127,7 @@ def condensed(K, own):
     return K[own][:, own] - K[own][:, ~own] @ np.linalg.solve(others, K[~own][:, own])
 
 
-def null_space(B):
+def null_space(B: np.ndarray) -> np.ndarray:
     """Return an orthonormal basis (n, n - rank) of the null space of B (m, n), whose rows may be of any size."""
     if not B.shape[0]:
         return np.eye(B.shape[1])
@@ -159,13 +169,13 @@ def _real(values, vectors):
     return values[order].real, vectors[:, order].real
 
 
-def scaled(shape, root):
+def scaled(shape: np.ndarray, root: np.ndarray) -> np.ndarray:
     """Return the motion scaled to a largest displacement of 1 (rotations times the length scale)."""
     size = np.abs(shape * root)
     return shape / (shape[np.argmax(size)] * root[np.argmax(size)])
 
 
-def freedom(system, s, stability, length):
+def freedom(system: "System", s: "State", stability: Stability, length: float) -> str:
     """Return as text the number of unstable or neutral directions of a state, and its softest motion."""
     if stability.shape is None:
         return "no singularity of the tangent was detected there"
@@ -180,7 +190,7 @@ def freedom(system, s, stability, length):
 FREE = 1e-9  # of the sum of its terms: a smaller force in a rigid motion of the model is rounding
 
 
-def floats(system, s, stability):
+def floats(system: "System", s: "State", stability: Stability) -> bool:
     """Return whether the neutral directions at ``s`` are the six rigid motions of the model, such as a satellite."""
     if stability.unstable > 0 or stability.neutral != 6:
         return False
@@ -204,7 +214,15 @@ STILL = 1e-9  # of the largest component: smaller motions of nodes count as zero
 MASSLESS = 1e-12  # of the largest inertia, times the square of the largest component: no kinetic energy
 
 
-def words(system, s, shape, length, inertial=False, most=NAMED, M=None):
+def words(
+    system: "System",
+    s: "State",
+    shape: np.ndarray,
+    length: float,
+    inertial: bool = False,
+    most: int = NAMED,
+    M: "sp.csr_matrix | None" = None,
+) -> str:
     """Describe a motion (n_q,) of the free unknowns at ``s``: at most ``most`` nodes, the most mobile first.
 
     Rotations of ``shape`` are in the axes of the nodes, or ``inertial``. With the sparse mass matrix ``M``, motions are

@@ -7,7 +7,7 @@ A *drag* D makes a state creep towards equilibrium, :math:`r(q) + D (q - q_n) = 
 """
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -15,16 +15,19 @@ from mecano.errors import Failure
 from mecano.model.assembly import Assembly
 from mecano.model.numbering import ROTATION
 from mecano.solve.diagnostics.scales import SMALL, Limits, Scales, Tolerances, balance, norms
-from mecano.solve.events.compliance import soften
-from mecano.solve.events.events import EventMonitor
-from mecano.solve.linear.iteration import iterate
+from mecano.solve.events.compliance import Compliance, soften
+from mecano.solve.events.events import EventMonitor, EventRecord
+from mecano.solve.linear.iteration import Exhausted, Iterated, iterate
 from mecano.solve.linear.rounding import ROUNDING, at_rounding
 from mecano.solve.statics.closing import apply_events
-from mecano.solve.statics.velocity_constraints import NONE, VelocityConstraints
+from mecano.solve.statics.velocity_constraints import NONE, Held, VelocityConstraints
 from mecano.solve.time.increments import correct, largest, reach_of, tangents
 
 if TYPE_CHECKING:
-    from mecano.solve.events.events import EventRecord
+    from mecano.model.state import State
+    from mecano.model.system import System
+    from mecano.solve.linear.sparse import LinearSolver
+    from mecano.solve.statics.loading import Loading
 
 MOST_TURN = 2.4  # rad in one step, so that angles of joints are followed
 PHASE_CHANGES = 10  # rounds of phase changes at one point
@@ -33,6 +36,9 @@ POLISH = 4  # iterations beyond the tolerance while the residual falls
 FARTHEST = 1e3  # length scales in one step: a greater change is that along a free motion by rounding
 LEAN, LEANS, FARTHEST_LEAN = 1e-7, 8, 0.3  # drag over the mean stiffness; steps; of the length scale, or rad
 TOLERANCES = Tolerances(force=1e-9, constraint=1e-11, increment=1e-8)
+
+
+Step: TypeAlias = "tuple[State, Held | None]"  # the beginning of a step, and what restrains velocities there
 
 
 @dataclass(slots=True)
@@ -45,7 +51,7 @@ class Status:
     change: float = 0.0  # largest displacement over the length, or rotation [rad]
     first: float = np.inf  # the same in the first iteration: the prediction of the tangent
     message: str = ""
-    event_records: "tuple[EventRecord, ...]" = ()
+    event_records: tuple[EventRecord, ...] = ()
     failure: Failure = Failure.NOT_CONVERGED  # if not ok
 
 
@@ -53,9 +59,17 @@ class Statics:
     """Solver of one equilibrium under a ``loading``; holds no motion, but the ``assembly`` of its last evaluation."""
 
     def __init__(
-        self, system, linear, loading, length, tolerances=TOLERANCES, k=None, penalty=None, compliance=None,
-        monitor=None,
-    ):  # fmt: skip
+        self,
+        system: "System",
+        linear: "LinearSolver",
+        loading: "Loading",
+        length: float,
+        tolerances: Tolerances = TOLERANCES,
+        k: float | None = None,
+        penalty: float | None = None,
+        compliance: Compliance | None = None,
+        monitor: EventMonitor | None = None,
+    ):
         self.system, self.linear, self.loading, self.length = system, linear, loading, length
         self.tolerances, self.given_k, self.given_penalty, self.compliance = tolerances, k, penalty, compliance
         self.monitor = monitor or EventMonitor(system)
@@ -66,7 +80,7 @@ class Statics:
         self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
         self._rotations = np.flatnonzero(system.numbering.kind[: system.n_q] == ROTATION)
 
-    def scales(self, s):
+    def scales(self, s: "State") -> tuple[float, float]:
         """Return k and penalty of the constraints [N/m] at ``s``: as given, or the mean stiffness of the tangent."""
         mean = balance(self.system, s, self.length, 1.0, 0.0, 0.0, self.assembly)
         k = self.given_k or mean
@@ -76,14 +90,16 @@ class Statics:
         self.compliance.set_step(1.0, mean)
         return k, min(penalty, self.compliance.largest_penalty(mean))
 
-    def begin(self, s0):
+    def begin(self, s0: "State") -> "State":
         """Return a copy of ``s0`` at rest with zero rotation increments."""
         s = s0.copy()
         s.z[self._rotations] = 0.0
         s.v[:] = 0.0
         return s
 
-    def evaluate(self, s, p, k, penalty, tangent, step=None):
+    def evaluate(
+        self, s: "State", p: float, k: float, penalty: float, tangent: bool, step: "Step | None" = None
+    ) -> tuple[float, float]:
         """Assemble residual (and tangent) at the parameter p; return the norms over their tolerances.
 
         ``step`` (see ``step``) is the start of the displacement that velocity constraints restrain; ``s`` by default.
@@ -103,11 +119,11 @@ class Statics:
                 self.compliance.soften_tangent(k, assembly.data, self.compliance.values)
         return self.norms(s, k)
 
-    def step(self, s0, phases):
+    def step(self, s0: "State", phases: np.ndarray) -> Step:
         """Return the beginning ``s0`` of a step, and its Held for elements in the ``phases``."""
         return s0, self.rolling.at(replace(s0, phases=phases))
 
-    def norms(self, s, k):
+    def norms(self, s: "State", k: float) -> tuple[float, float]:
         """Return the norms (forces, constraints) of the assembled residual over their tolerances."""
         of, to = self.system.numbering, self.tolerances
         # without a step, of which rounding could be a large force, what only rounding moves is at rest
@@ -115,7 +131,7 @@ class Statics:
         scales = Scales(self.length, k, k, 1.0, 0.0)
         return norms(self.assembly.residual, self.assembly.size, of, s, scales, limits)[:2]
 
-    def exhausted(self, s):
+    def exhausted(self, s: "State") -> Exhausted:
         """Return the function with which Newton's method decides if its corrections of ``s`` are at rounding."""
         of, limit = self.system.numbering, self.tolerances.increment
 
@@ -124,7 +140,7 @@ class Statics:
 
         return is_exhausted
 
-    def move(self, s, s0, dz, k):
+    def move(self, s: "State", s0: "State", dz: np.ndarray, k: float) -> float:
         """Add the correction dz (n,) to ``s``, rotations relative to ``s0``; return its size over the tolerance."""
         system, of = self.system, self.system.numbering
         largest = correct(of, self.length, -dz, k, 0.0, 0.0, s0.R, s)
@@ -132,17 +148,18 @@ class Statics:
         signals = np.abs(dz[: system.n_q][own]) / np.maximum(np.abs(s.z[: system.n_q][own]), SMALL)
         return max(largest, signals.max(initial=0.0)) / self.tolerances.increment
 
-    def factor(self, b):
+    def factor(self, b: np.ndarray) -> np.ndarray | None:
         """Return the solution (n,) with the assembled tangent and right-hand side b, or None if singular."""
         return self._increment if self.linear.solve(self.assembly.data, b, self._increment).ok else None
 
-    def correct(self, s0, p, drag=0.0):
+    def correct(self, s0: "State", p: float, drag: float = 0.0) -> "tuple[State, Status]":
         """Return (state, Status) of the equilibrium at p near ``s0``; with ``drag`` [N/m], of one step of creep.
 
         Elements whose event values are crossed change their phase, and the search continues from there. A wheel that
         starts to roll in this way rolls from ``s0`` on.
         """
-        s, iterations, first, reported = s0, 0, None, []
+        s, iterations, first = s0, 0, None
+        reported: list[EventRecord] = []
         for _ in range(PHASE_CHANGES):
             s, found = self._newton(s, s0, p, drag)
             iterations += found.iterations
@@ -163,12 +180,13 @@ class Statics:
             message = f"a node moves by more than {FARTHEST:g} times the size of the mechanism in one step"
         return s, Status(ok, iterations, found.norms, found.change, first, message, tuple(reported), failure)
 
-    def correct_singular(self, s0, p):
+    def correct_singular(self, s0: "State", p: float) -> "tuple[State, Status]":
         """Return (state, Status) of an equilibrium near ``s0`` with a singular tangent, by steps with negligible drag.
 
         It exists if no force acts along the free motions.
         """
-        s, iterations, reported = s0, 0, []
+        s, iterations = s0, 0
+        reported: list[EventRecord] = []
         for _ in range(LEANS):
             k, _ = self.scales(self.begin(s))
             s, found = self.correct(s, p, LEAN * k)
@@ -182,7 +200,7 @@ class Statics:
         text = "the tangent is singular, and forces act along a free motion"
         return s, Status(False, iterations, found.norms, found.change, message=text, failure=Failure.SINGULAR)
 
-    def _newton(self, guess, s0, p, drag):
+    def _newton(self, guess: "State", s0: "State", p: float, drag: float) -> "tuple[State, Status]":
         """Iterate from ``guess``: (state, Status); rotation increments, drag and rolling are relative to ``s0``."""
         system, assembly, n, n_q = self.system, self.assembly, self.system.n, self.system.n_q
         s = self.begin(guess) if guess is s0 else guess.copy()
@@ -212,7 +230,7 @@ class Statics:
         first = steps[0] * self.tolerances.increment if steps else np.inf
         return s, self.status_of(result, s, s0, first)
 
-    def status_of(self, result, s, s0, first=np.inf):
+    def status_of(self, result: Iterated, s: "State", s0: "State", first: float = np.inf) -> Status:
         """Return the Status of a Newton iteration from ``s0`` to ``s``; it fails if a rotation is too large."""
         of = self.system.numbering
         change = largest(self.displacement(s, s0), of.kind, of.n_q, self.length)
@@ -222,13 +240,13 @@ class Statics:
             message = f"a body turns by more than {MOST_TURN} rad in one step"
         return Status(ok, result.iterations, result.norms, change, first, message, (), failure)
 
-    def displacement(self, s, s0):
+    def displacement(self, s: "State", s0: "State") -> np.ndarray:
         """Return the displacements (n_q,) from ``s0``, to which the rotation increments of ``s`` are relative."""
         moved = s.z[: self.system.n_q] - s0.z[: self.system.n_q]
         moved[self._rotations] = s.z[self._rotations]
         return moved
 
-    def polish(self, s, p):
+    def polish(self, s: "State", p: float) -> "State":
         """Return the equilibrium ``s`` after further iterations, as long as they reduce the residual."""
         best, s0 = s, s
         k, penalty = self.scales(self.begin(s))
@@ -245,7 +263,7 @@ class Statics:
             least, best = size, trial.copy()
         return best
 
-    def committed(self, s):
+    def committed(self, s: "State") -> "State":
         """Return ``s`` with committed memories, as an accepted point."""
         s.memory = self.system.commit(s)
         return s

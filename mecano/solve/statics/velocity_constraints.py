@@ -19,6 +19,10 @@ import numpy as np
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
+    from mecano.model.assembly import Assembly
+    from mecano.model.state import State
+    from mecano.model.system import System
+
 NONE = np.zeros(0, np.int64)
 
 
@@ -35,7 +39,7 @@ class Held:
 class VelocityConstraints:
     """The constraints on velocities of a system, as constraints on displacements."""
 
-    def __init__(self, system, released=NONE):
+    def __init__(self, system: "System", released: np.ndarray = NONE):
         """Find the entries of the constraints; those ``released`` (indices, compliance.py) are left out."""
         self.system = system
         of_rates = system.numbering.of_rates.copy()
@@ -46,7 +50,7 @@ class VelocityConstraints:
         self.rows, self.cols = system.rows[self.entries] - system.n_q, system.cols[self.entries]
         self.any = bool(of_rates.any())
 
-    def at(self, s):
+    def at(self, s: "State") -> Held | None:
         """Return the Held of ``s`` at rest, or None without constraints on velocities."""
         if not self.any:
             return None
@@ -60,7 +64,9 @@ class VelocityConstraints:
         places = np.searchsorted(pattern, squares.row.astype(np.int64) * system.n + squares.col)
         return Held(B, values, squares.data, places)
 
-    def add(self, assembly, held, displacement, k, penalty, tangent):
+    def add(
+        self, assembly: "Assembly", held: Held, displacement: np.ndarray, k: float, penalty: float, tangent: bool
+    ) -> None:
         """Add ``held`` over a ``displacement`` (n_q,) to the residual, and to the tangent: -k B and penalty B^T B."""
         system, n_q = self.system, self.system.n_q
         gap = held.B @ displacement

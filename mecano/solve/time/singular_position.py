@@ -11,11 +11,19 @@ four digits. Steps so short that they begin and end where less than two are left
 its least value since the start of the run or the last event, which depends on the mechanism alone.
 """
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.errors import ConvergenceError, name_list
 from mecano.solve.diagnostics.scales import constraint_scale
 from mecano.solve.time.increments import largest
+
+if TYPE_CHECKING:
+    from mecano.model.numbering import EquationName
+    from mecano.model.system import System
+    from mecano.solve.time.consistent import Consistent
 
 ROUNDED, LOST = (float((share / np.finfo(float).eps) ** 0.25) for share in (1e-4, 1e-2))  # errors of reactions
 TAKE_PART = 0.1  # of the largest share of a constraint in the dependence
@@ -25,24 +33,24 @@ NAMED = 8  # constraints in the message
 class Amplification:
     """Displacements, relative to the size of the mechanism, that belong to unit violations of its constraints."""
 
-    def __init__(self, system, length):
+    def __init__(self, system: "System", length: float):
         self.system, self.length = system, length
         signs = np.cos(np.arange(system.n_l) ** 2)  # of both signs, in no order: no dependence is without a part of it
         self._violation = signs * constraint_scale(system, length)
 
-    def at(self, consistent):
+    def at(self, consistent: "Consistent") -> float:
         """Return the amplification, 1 to 50 at usual positions and at least 1, for a factored ``Consistent``."""
         of = self.system.numbering
         return max(largest(consistent.change(self._violation), of.kind, of.n_q, self.length), 1.0)
 
-    def dependent(self, consistent):
+    def dependent(self, consistent: "Consistent") -> "list[EquationName]":
         """Return the names of the constraints that become dependent at a factored ``Consistent``, the most first."""
         share, of = np.abs(consistent.exchange(self._violation)[1]), self.system.numbering
         order = [i for i in np.argsort(-share, kind="stable") if share[i] >= TAKE_PART * share.max(initial=0.0)]
         return [of.name[of.n_q + i] for i in order]
 
 
-def cannot_pass(names, t, h):
+def cannot_pass(names: "Sequence[EquationName]", t: float, h: float) -> ConvergenceError:
     """Return the error of a step of size h [s] up to ``t`` [s] that begins and ends near a singular position."""
     places = list(dict.fromkeys(name.place for name in names))
     error = ConvergenceError(

@@ -1,20 +1,23 @@
 """Report of an integration method on a trial step."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from mecano.errors import Failure
-from mecano.model.state import History, RadauHistory
+from mecano.model.state import History, RadauHistory, State
 
 if TYPE_CHECKING:
-    from mecano.model.state import State
     from mecano.solve.events.events import EventRecord
 
 MOST_TURN = 2.4  # rad about one axis in a step: angles of joints are followed by less than half a turn
 TURNS_TOO_FAR = f"a body turns by more than {MOST_TURN} rad in one step"
 PATIENCE = 0.2  # s of wall-clock time between two calls of ``pause``
+
+
+Trial: TypeAlias = "tuple[State, Any, StepInfo]"
+"""A trial step: the state at its end, the history there, which is that of its method, and its outcome"""
 
 
 @dataclass(slots=True)
@@ -31,7 +34,7 @@ class StepInfo:
     lag: float = 0.0  # local error of massless unknowns, which relax
     signalled: float = 0.0  # local error of signals with a rate, which later steps do not undo
     plain: float = np.nan  # the error before it was bounded
-    stages: "tuple[State, ...]" = ()  # States within the step that satisfy the equations, in the order of time
+    stages: tuple[State, ...] = ()  # States within the step that satisfy the equations, in the order of time
     forces: np.ndarray | None = None  # (n_slots,) of the Assembly at the end of the step; None if it has none there
     event_records: "tuple[EventRecord, ...]" = ()  # captured in the step (solve/events/capture.py)
     work: np.ndarray | None = None  # (m, 2) dissipated and given from the beginning to the stages and the end [J]
