@@ -4,6 +4,7 @@ George & Liu 1989, "The evolution of the minimum degree ordering algorithm", SIA
 """
 
 import heapq
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -12,17 +13,19 @@ from mecano.process.memory import reserve_blas_buffer
 SMALL = 1000  # nodes up to which SuperLU is not used; beyond, its order takes less time and has less fill
 
 
-def least_degree(neighbours):
+def least_degree(neighbours: Sequence[np.ndarray]) -> np.ndarray:
     """Return the position (n,) of each node of a symmetric graph in the order; ``neighbours``: an array per node."""
     return _of_small(neighbours) if len(neighbours) <= SMALL else _of_large(neighbours)
 
 
 def _of_small(neighbours):
     """Order by minimum degree; fill is stored as borders of eliminated nodes, whose nodes are all coupled."""
-    near, borders = [set(own.tolist()) for own in neighbours], {}
-    inside = [set() for _ in near]  # eliminated nodes whose border contains a node; ``near``: neighbours in no border
-    degree = [len(own) for own in near]
-    queue = [(count, i) for i, count in enumerate(degree)]
+    near = [set(own.tolist()) for own in neighbours]
+    borders: dict[int, set[int]] = {}
+    # near: neighbours in no border; inside: eliminated nodes whose border contains a node
+    inside: list[set[int]] = [set() for _ in near]
+    degree: list[int | None] = [len(own) for own in near]
+    queue = [(len(own), i) for i, own in enumerate(near)]
     heapq.heapify(queue)
     order = []
     while queue:
@@ -37,8 +40,8 @@ def _of_small(neighbours):
             near[j] -= border
             near[j].discard(i)
             inside[j] = (inside[j] - joined) | {i}
-            degree[j] = len(near[j].union(*(borders[e] for e in inside[j]))) - 1
-            heapq.heappush(queue, (degree[j], j))
+            count = degree[j] = len(near[j].union(*(borders[e] for e in inside[j]))) - 1
+            heapq.heappush(queue, (count, j))
     position = np.empty(len(order), dtype=np.int64)
     position[order] = np.arange(len(order))
     return position

@@ -13,7 +13,7 @@ sparse symmetric linear equations", ACM TOMS 9; Liu 1992, SIAM Review 34).
 
 import hashlib
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -38,6 +38,7 @@ STRIP = 4  # pivots handled in one sweep; rows of fronts are stored with a strid
 
 FRONT_WORK = 2000.0  # overhead of one front, in floating point operations
 WEIGHTS = 30  # nodes that give others a degree beyond that of most models
+Count = TypeVar("Count", int, np.ndarray)
 MOST_ENTRIES = 1_000_000  # entries placed at a time
 
 
@@ -78,7 +79,7 @@ class Pattern(NamedTuple):
     parts: np.ndarray | None = None
 
 
-def analyse(pattern):
+def analyse(pattern: Pattern) -> Analysis:
     """Order the unknowns of a Pattern and lay out the fronts; raises ValueError if it has an entry twice."""
     n, parts, n_q = pattern.n, pattern.parts, len(pattern.groups)
     rows, cols, groups = (np.asarray(given, np.int64) for given in pattern[1:4])
@@ -172,8 +173,9 @@ def _insert_multipliers(n, nodes, n_nodes, position, ties, parts):
 def _structures(neighbours):
     """Return, for each block, the later blocks that its elimination couples (ascending), and the elimination tree."""
     n = len(neighbours)
-    structures, parent = [], np.full(n, -1)
-    children = [[] for _ in range(n)]
+    structures: list[np.ndarray] = []
+    parent = np.full(n, -1)
+    children: list[list[int]] = [[] for _ in range(n)]
     for j, own in enumerate(neighbours):
         parts = [own[own > j]] + [structures[c][1:] for c in children[j]]
         structure = distinct(np.concatenate(parts)) if children[j] else parts[0]
@@ -331,7 +333,7 @@ def _storage(fronts, part_ends):
     return int(offsets[-1]), int(peak)
 
 
-def padded(count):
+def padded(count: Count) -> Count:
     """Return the count rounded up to a multiple of STRIP."""
     return (count + STRIP - 1) // STRIP * STRIP
 

@@ -11,7 +11,7 @@ from mecano.process.memory import reserve_blas_buffer
 class ScaledSuperLU:
     """LU with partial pivoting by SuperLU of a matrix scaled to a largest entry of 1 in every row and column."""
 
-    def __init__(self, n, rows, cols, values, shift=0.0):
+    def __init__(self, n: int, rows: np.ndarray, cols: np.ndarray, values: np.ndarray, shift: float = 0.0):
         """Factor the scaled matrix plus ``shift`` times the identity; raises RuntimeError where a pivot is zero."""
         reserve_blas_buffer(la.lapack.dgesv)
         self.row_scale = _inverse_maxima(n, rows, np.abs(values))
@@ -21,18 +21,18 @@ class ScaledSuperLU:
         self.matrix = sp.csc_matrix((scaled, (rows, cols)), shape=(n, n))
         self.lu = spla.splu(self.matrix + shift * sp.identity(n, format="csc") if shift else self.matrix)
 
-    def solve(self, b):
+    def solve(self, b: np.ndarray) -> np.ndarray:
         """Return the solution x (n,) of A x = b."""
         return self.col_scale * self.lu.solve(self.row_scale * b)
 
-    def driven_null_vector(self, b):
+    def driven_null_vector(self, b: np.ndarray) -> np.ndarray:
         """Return the unit null vector (n,) of the scaled matrix excited by ``b`` (n,): inverse iteration."""
         x = self.lu.solve(self.row_scale * b)
         for _ in range(2):
             x = self.lu.solve(x / np.linalg.norm(x))
         return x / np.linalg.norm(x)
 
-    def reciprocal_condition(self):
+    def reciprocal_condition(self) -> float:
         """Estimate the reciprocal condition number in the 1-norm, of the scaled matrix (Higham & Tisseur 2000).
 
         Return 0 on overflow.

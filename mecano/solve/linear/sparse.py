@@ -1,6 +1,6 @@
 """Linear solver for matrices of one pattern; every solution is checked by its residual."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -16,7 +16,12 @@ from mecano.solve.linear.multifrontal import (
     Factor,
     Substitution,
 )
-from mecano.solve.linear.ordering import Pattern, analyse, padded
+from mecano.solve.linear.ordering import Analysis, Pattern, analyse, padded
+
+if TYPE_CHECKING:
+    from mecano.jit.entry import PackedCall
+    from mecano.model.system import System
+    from mecano.solve.linear.scaled_superlu import ScaledSuperLU
 
 ACCEPT_BELOW = 1e-9  # backward error of a solution that is used
 MOST_SWEEPS = 8  # of refinement with the factor of a similar matrix, which cost as much as a factorization
@@ -38,7 +43,7 @@ class LinearStatus(NamedTuple):
         return self.ok
 
 
-def pattern_of(system):
+def pattern_of(system: "System") -> Pattern:
     """Return the Pattern of the tangent of a System."""
     return Pattern(system.n, system.rows, system.cols, system.numbering.group, system.halves)
 
@@ -46,7 +51,7 @@ def pattern_of(system):
 class LinearSolver:
     """Solves A x = b for many matrices of one pattern."""
 
-    def __init__(self, pattern, tolerance=0.1, analysis=None):
+    def __init__(self, pattern: Pattern, tolerance: float = 0.1, analysis: Analysis | None = None):
         """Analyse a Pattern; raises ValueError if it has an entry twice.
 
         Parameters
@@ -71,11 +76,13 @@ class LinearSolver:
             self._bind(analysis)
         else:
             self._bind_divided(analysis)
-        self._superlu = None  # the factorization by SuperLU, if the last matrix needed it
-        self.label = None  # set and compared by the caller: identifies the factored matrix
+        self._superlu: ScaledSuperLU | None = None  # the factorization by SuperLU, if the last matrix needed it
+        self.label: Any = None  # set and compared by the caller: identifies the factored matrix
 
     def _bind(self, analysis):
         """Enter the entries that factor and substitute, and their constant arguments."""
+        self._substitute_arguments: tuple
+        self._solve_arguments: tuple
         self._solve, self._substitute = multifrontal.solve, multifrontal.substitute
         scratch = np.zeros(analysis.largest * padded(analysis.largest) + analysis.stack_length)
         self._substitute_arguments = (self._lu,)
@@ -99,7 +106,7 @@ class LinearSolver:
         )
         return Substitution(self._packed.function, self._packed.words.ctypes.data)
 
-    def solve(self, data, b, x_out, label=None):
+    def solve(self, data: np.ndarray, b: np.ndarray, x_out: np.ndarray, label: Any = None) -> LinearStatus:
         """Factor the matrix and solve A x = b; returns a LinearStatus.
 
         data (>= nnz,): values of the entries, in the order of the pattern. b (n,), x_out (n,): different arrays.
@@ -111,20 +118,20 @@ class LinearSolver:
             return LinearStatus(True, error, null > 0, True, null, refined)
         return self._solve_with_superlu(data, b, x_out, null)
 
-    def calls(self, data, b, x_out):
+    def calls(self, data: np.ndarray, b: np.ndarray, x_out: np.ndarray) -> "tuple[PackedCall, PackedCall]":
         """Return the calls with which compiled code solves A x = b anew, and with the kept factor, as PackedCalls."""
         new = self._solve.call_from_compiled_code(data, b, *self._solve_arguments, x_out)
         return new, self._substitute.call_from_compiled_code(b, *self._substitute_arguments, x_out)
 
-    def solved(self, label):
+    def solved(self, label: Any) -> None:
         """Note that compiled code has factored the matrix of this ``label``."""
         self._superlu, self.label = None, label
 
-    def twin(self):
+    def twin(self) -> "LinearSolver":
         """Return another solver for the same pattern, which keeps factors of its own."""
         return LinearSolver(self.pattern, self.tolerance, self.analysis)
 
-    def solve_similar(self, data, b, x_out):
+    def solve_similar(self, data: np.ndarray, b: np.ndarray, x_out: np.ndarray) -> bool:
         """Refine ``x_out`` to solve A x = b with the factor of a similar matrix; return whether that converged quickly.
 
         x_out (n,) holds a guess on entry. The arguments are those of ``solve``.
@@ -142,18 +149,18 @@ class LinearSolver:
         return False
 
     @property
-    def nbytes(self):
+    def nbytes(self) -> int:
         """Memory of the factors and of the work arrays [B]."""
         kinds = [*self._solve.parameters.values()][2:-1]
         values = {id(x): x for x in spread(kinds, self._solve_arguments)}
         return sum(x.nbytes for x in values.values() if isinstance(x, np.ndarray))
 
     @property
-    def kept(self):
+    def kept(self) -> bool:
         """True if the last ``solve`` left a multifrontal factor."""
         return self._superlu is None
 
-    def solve_again(self, b, x_out):
+    def solve_again(self, b: np.ndarray, x_out: np.ndarray) -> None:
         """Solve with the factor of the last ``solve`` without checks; b and x_out may be the same array."""
         if self._superlu is None:
             self._substitute(b, *self._substitute_arguments, x_out)
@@ -161,15 +168,15 @@ class LinearSolver:
             x_out[:] = self._superlu.solve(b)
 
     @property
-    def pivots_by_position(self):
+    def pivots_by_position(self) -> np.ndarray:
         """The diagonal (n,) of U of the last ``solve``, in the order of elimination."""
         return self._vectors[PIVOT, : self.n]
 
-    def pivots(self):
+    def pivots(self) -> np.ndarray:
         """Return the diagonal (n,) of U of the last ``solve``, in the numbering of the unknowns."""
         return self._original(self._vectors[PIVOT])
 
-    def cancellation(self):
+    def cancellation(self) -> np.ndarray:
         """Return the pivots over the largest intermediate value of their diagonal (n,): about 1e-16 for dependent rows.
 
         Unlike the pivots it is invariant to scaling of rows and columns.

@@ -6,11 +6,13 @@ hence the distance from p0 at which growth exceeds rounding.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
-from mecano.solve.modal.tracking import GROWS, unstable
+from mecano.solve.modal.tracking import GROWS, Spectrum, unstable
 
 TOLERANCE = 1e-11  # of the value of the parameter
 BISECTIONS = 60
@@ -20,6 +22,9 @@ NEAR = 1e-6  # of the distance of the ends: distance from the value found at whi
 LEAST = 1e-8  # of the value found: lower bound of that distance
 AROUND = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)  # sample points of the parabola, in units of that distance
 SURE = 3.0  # error bound in standard deviations of the scatter
+
+
+End: TypeAlias = tuple[float, complex, np.ndarray]  # of a branch: place, eigenvalue, shape (n_q,)
 
 
 @dataclass(frozen=True)
@@ -33,7 +38,7 @@ class Critical:
     error: float  # error bound of ``place``
 
 
-def critical(spectrum_at, left, right, branch):
+def critical(spectrum_at: Callable[[float], Spectrum], left: End, right: End, branch: int) -> Critical | None:
     """Return the Critical between two ends of a branch, or None if the branch is not continuous between them.
 
     ``spectrum_at(place)`` returns a Spectrum; ``left``, ``right``: (place, eigenvalue, shape), the ends, one of which
@@ -108,10 +113,10 @@ def _border(trace, low, high, xtol):
 class Trace:
     """The eigenvalue of a branch between two ends: at each place the one closest to the interpolated eigenvalue."""
 
-    def __init__(self, spectrum_at, left, right):
+    def __init__(self, spectrum_at: Callable[[float], Spectrum], left: End, right: End):
         self.spectrum_at, self.known = spectrum_at, [left, right]
 
-    def __call__(self, place):
+    def __call__(self, place: float) -> complex:
         """Return the eigenvalue at a place; zero where the branch has reached the free motions."""
         for p, value, _ in self.known:
             if p == place:

@@ -21,6 +21,7 @@ are the exact matrices of :math:`M' \ddot y + C' \dot y + K' y = 0`. They are co
 relative to the frame: a top that only spins, a wheel that rolls straight (w = 0), a rotor in its own axes.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -34,11 +35,13 @@ from mecano.solve.modal.small_motions import DENSE_ROWS
 from mecano.solve.time.increments import displaced, moved
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from mecano.model.assembly import Assembly
+    from mecano.model.state import State
+    from mecano.model.system import System
+    from mecano.solve.events.compliance import Compliance
 
-Assemble: TypeAlias = "Callable[..., Assembly]"  # with the arguments of System.assemble
+Assemble: TypeAlias = "Callable[[State, float, float, float, float, float], Assembly]"
+"""Takes the place of System.assemble: state, k, penalty, cK, cC, cM"""
 PROBE = 1e-6  # [rad] motion over which the change of the matrices is measured
 
 
@@ -60,7 +63,14 @@ class Linearization:
     pace: float = 0.0  # [1/s] rate of change of the matrices: smaller eigenvalues have no meaning
 
 
-def linearize(system, s, length, frame=(0.0, 0.0, 0.0), assemble=None, compliance=None):
+def linearize(
+    system: "System",
+    s: "State",
+    length: float,
+    frame: Sequence[float] | np.ndarray = (0.0, 0.0, 0.0),
+    assemble: "Assemble | None" = None,
+    compliance: "Compliance | None" = None,
+) -> Linearization:
     """Return the Linearization of ``system`` at ``s`` with its velocities, accelerations and multipliers.
 
     ``frame`` (3,) [rad/s]: angular velocity of the axes, inertial; ``assemble`` replaces that of the system

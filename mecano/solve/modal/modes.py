@@ -7,6 +7,7 @@ checked by its residual in the equations above, relative to the magnitudes of th
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg as la
@@ -15,6 +16,9 @@ from mecano.errors import ConvergenceError
 from mecano.solve.modal.modes_dense import dense
 from mecano.solve.modal.modes_sparse import sparse
 from mecano.solve.modal.small_motions import SmallMotions
+
+if TYPE_CHECKING:
+    from mecano.solve.modal.linearize import Linearization
 
 DENSE = 400  # motions up to which all eigenvalues are computed
 FREE = 1e-9  # of the magnitudes of its terms: K y up to which a motion has no stiffness
@@ -38,28 +42,28 @@ class Modes:
     found: int  # number of modes of the model; of a sparse solution, number of modes computed
 
     @property
-    def frequency(self):
+    def frequency(self) -> np.ndarray:
         """Damped frequencies (m,) [Hz]."""
         return np.abs(self.values.imag) / (2.0 * np.pi)
 
     @property
-    def natural_frequency(self):
+    def natural_frequency(self) -> np.ndarray:
         """Moduli of the eigenvalues over 2 pi (m,) [Hz]."""
         return np.abs(self.values) / (2.0 * np.pi)
 
     @property
-    def damping_ratio(self):
+    def damping_ratio(self) -> np.ndarray:
         """Minus the real part over the modulus (m,); nan for free motions."""
         size = np.abs(self.values)
         return np.where(size > 0.0, -self.values.real / np.where(size > 0.0, size, 1.0), np.nan)
 
     @property
-    def converged(self):
+    def converged(self) -> np.ndarray:
         """(m,) bool: False for a mode that does not satisfy the equations."""
         return self.residuals <= CONVERGED
 
     @property
-    def kinds(self):
+    def kinds(self) -> list[str]:
         """(m,) names: free, oscillation, flutter, decay or divergence."""
         return [_kind(value) for value in self.values]
 
@@ -73,7 +77,7 @@ def _kind(value):
     return "divergence" if grows else "decay"
 
 
-def solve(lin, number=10, method="automatic"):
+def solve(lin: "Linearization", number: int = 10, method: str = "automatic") -> Modes:
     """Return the ``number`` Modes of lowest natural frequency of a Linearization, and all computed unstable ones.
 
     ``method``: one of SOLVERS. Shapes are scaled so that their largest component is 1 (rotations

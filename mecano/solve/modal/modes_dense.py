@@ -8,10 +8,15 @@ damping are condensed. A symmetric undamped problem is solved by eigh, any other
 rates of motions without inertia follow from their damping, by QZ if that damping is singular.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy.linalg as la
 
 from mecano.solve.statics.stability import null_space
+
+if TYPE_CHECKING:
+    from mecano.solve.modal.small_motions import SmallMotions
 
 MASSLESS = 1e-13  # of the largest inertia: a smaller one counts as zero
 ZERO, SINGULAR = 1e-12, 1e-9  # of the largest singular value: rounding; a singular matrix
@@ -23,7 +28,7 @@ SLOW = 1e-8  # of the largest square of a frequency: the smaller ones lose half 
 INFINITE = 3e-7  # smaller denominators of the generalized eigenvalues count as zero
 
 
-def dense(scaled):
+def dense(scaled: "SmallMotions") -> tuple[np.ndarray, np.ndarray, str]:
     """Return all eigenvalues and shapes: (values (m,), shapes (m, n_q), name of the method)."""
     kept, (M, C, K), follow = _without_signals(scaled)
     B, E, F, D = (A.toarray() for A in (scaled.B[:, kept], scaled.E[:, kept], scaled.F[:, kept], scaled.D[kept]))

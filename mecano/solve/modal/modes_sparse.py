@@ -8,6 +8,8 @@ is regular. A symmetric undamped problem is solved by Lanczos' method, any other
 whose eigenvalues are :math:`1/(\lambda - \sigma)`.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
@@ -18,6 +20,9 @@ from mecano.solve.linear.ordering import Pattern
 from mecano.solve.linear.sparse import LinearSolver
 from mecano.solve.modal.modes_dense import dense
 
+if TYPE_CHECKING:
+    from mecano.solve.modal.small_motions import SmallMotions
+
 CANCELLED = 1e-12  # relative pivot below which a larger shift is tried
 FEW_MOVE = 3000  # unknowns up to which a mechanism with few motions is solved by dense matrices
 EXTRA = 6  # eigenvalues requested from ARPACK beyond those wanted
@@ -26,7 +31,7 @@ SINGULAR = 1e-12  # of the mean frequency: a smaller eigenvalue about zero is th
 INFINITE = 1e-13  # smaller inverses of eigenvalues count as zero
 
 
-def sparse(scaled, number):
+def sparse(scaled: "SmallMotions", number: int) -> tuple[np.ndarray, np.ndarray, str]:
     """Return the eigenvalues nearest to a small shift: (values (m,), shapes (m, n_q), name of the method)."""
     mobility = scaled.n_q - scaled.B.shape[0]  # lower bound
     if mobility <= 2 * (number + EXTRA) and scaled.n_q <= FEW_MOVE:

@@ -10,7 +10,9 @@ Psi: inner motions under unit displacements of the boundary; Phi: modes of the p
 of lowest frequency are kept and scaled to a modal mass equal to the mass of the part, so amplitudes are in metres.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg as la
@@ -21,6 +23,9 @@ from mecano.elements.bodies.reduced_matrices import RIGID, mass_moments, resista
 from mecano.errors import AssemblyError, UsageError
 from mecano.solve.modal.linearize import linearize
 from mecano.solve.statics.stability import null_space
+
+if TYPE_CHECKING:
+    from mecano.model.system import System
 
 DENSE = 500  # inner motions up to which all modes are computed
 STRESSED = 1e-9  # of stiffness times length: largest force in the reference
@@ -41,7 +46,7 @@ class Reduction:
     mass: float  # [kg]
 
 
-def reduce(system, boundary, number, length):
+def reduce(system: "System", boundary: Sequence[str], number: int | None, length: float) -> Reduction:
     """Return the Reduction of ``system``, at rest in its reference, to the nodes named ``boundary``.
 
     ``number`` of modes, or None for all. Axes and origin are those of the first boundary node. Raises UsageError

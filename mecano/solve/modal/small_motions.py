@@ -1,8 +1,13 @@
 """Matrices of small motions in uniform units, split into motions and constraints; residuals of modes."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
+
+if TYPE_CHECKING:
+    from mecano.solve.modal.linearize import Linearization
 
 SYMMETRIC = 1e-9  # of the largest entry: largest asymmetry of a symmetric stiffness
 ROUNDED = 1e-8  # of the largest stiffness: lower bound of the magnitude to which residuals are relative
@@ -20,7 +25,7 @@ class SmallMotions:
     E, F: constraints on velocities, (value E + F) y = 0.
     """
 
-    def __init__(self, lin):
+    def __init__(self, lin: "Linearization"):
         n_q = self.n_q = lin.n_q
         rows, self.units = _balance(lin)
         rest = np.ones(lin.K.shape[0] - n_q)
@@ -59,14 +64,14 @@ class SmallMotions:
         return np.diff(K[: self.n_q, self.n_q :].tocsr().indptr) > 0
 
     @property
-    def undamped(self):
+    def undamped(self) -> bool:
         """True if the problem is symmetric, without first-order terms."""
         M, C, K = self.size
         scale = np.sqrt(M * K)
         asymmetric = abs(self.K - self.K.T).max() if self.K.nnz else 0.0
         return not self.on_velocity.any() and C <= 1e-14 * scale and asymmetric <= SYMMETRIC * K
 
-    def residual(self, value, y):
+    def residual(self, value: complex, y: np.ndarray) -> float:
         """Return the residual of an eigenpair in the equations, relative to the magnitudes of their terms."""
         terms = [value**2 * (self.M @ y), value * (self.C @ y), self.K @ y]
         r = sum(terms)
@@ -76,11 +81,11 @@ class SmallMotions:
             mu = self.least(r)
             r = r + self.D @ mu
             size += np.linalg.norm(abs(self.D) @ abs(mu))
-        size = max(size, ROUNDED * self.size[2] * np.linalg.norm(y))
+        least = ROUNDED * self.size[2] * float(np.linalg.norm(y))
         gaps = [_relative(self.B, y), _relative(value * self.E + self.F, y)]
-        return float(max([np.linalg.norm(r) / max(size, 1e-300), *gaps]))
+        return float(max([np.linalg.norm(r) / max(float(size), least, 1e-300), *gaps]))
 
-    def least(self, r):
+    def least(self, r: np.ndarray) -> np.ndarray:
         """Return the multipliers mu that minimize |r + D mu|."""
         if self.D.shape[0] <= DENSE_ROWS:
             return np.linalg.lstsq(self.D.toarray(), -r, rcond=1e-12)[0]
@@ -98,7 +103,7 @@ def _least(A, b):
 def _balance(lin):
     """Return factors of equations and units of unknowns (n_q,), one except for signals (Ruiz, CERFACS TR/PA/01/35)."""
     rows, columns = np.ones(lin.n_q), np.ones(lin.n_q)
-    own = np.flatnonzero(lin.signals) if lin.signals is not None else []
+    own = np.flatnonzero(lin.signals)
     if not len(own):
         return rows, columns
     A = sum(abs(part[: lin.n_q, : lin.n_q].tocsr()[own][:, own]).toarray() for part in (lin.C, lin.K))

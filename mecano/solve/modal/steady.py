@@ -14,6 +14,7 @@ on one of them. Signals have any unit: their changes limit no step, and the drag
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg as la
@@ -23,6 +24,12 @@ from mecano.errors import ConvergenceError
 from mecano.model.numbering import ROTATION
 from mecano.solve.events.events import EventMonitor
 from mecano.solve.time.increments import displaced
+
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.model.system import System
+    from mecano.solve.modal.steady_rotation import Rotation
+    from mecano.solve.modal.straight_running import Straight
 
 LARGEST = 4000  # largest number of equations, which are solved by dense least squares
 ITERATIONS, CREEPS = 60, 300  # largest numbers of Newton iterations and of relaxation steps
@@ -58,7 +65,7 @@ class Tangent:
 class Steady:
     """Solver for the steady ``motion`` of a system, a Straight or a Rotation; ``length`` [m]: size of the mechanism."""
 
-    def __init__(self, system, length, motion):
+    def __init__(self, system: "System", length: float, motion: "Straight | Rotation"):
         self.system, self.length, self.motion = system, length, motion
         of = system.numbering
         self.n_q, self.of_rates = system.n_q, of.of_rates
@@ -69,7 +76,7 @@ class Steady:
         self.monitor = EventMonitor(system)
         self.k = None  # [N/m] mean stiffness at the start, at least that of its forces over the length scale
 
-    def find(self, start):
+    def find(self, start: "State") -> "State":
         """Return the steady State near ``start``; raises ConvergenceError with the reason if none is found."""
         if self.system.n > LARGEST:
             raise ConvergenceError(f"steady motion can be computed for models of at most {LARGEST} equations")
@@ -140,7 +147,7 @@ class Steady:
             s, N, at = trial
         return s
 
-    def tangent(self, s):
+    def tangent(self, s: "State") -> Tangent:
         """Return the Tangent of a state."""
         C, _ = self.matrix(s, 0.0, 1.0, 0.0)
         K, assembly = self.matrix(s, 1.0, 0.0, 0.0)
@@ -203,7 +210,7 @@ class Steady:
         return float(diagonal[diagonal > 0].mean()) if np.any(diagonal > 0) else 1.0
 
 
-def reshaping(system, before, after):
+def reshaping(system: "System", before: "State", after: "State") -> np.ndarray:
     """Return the displacements (n_nodes,) [m] of all nodes between two states, the mean translation removed."""
     shift = (after.z - before.z)[system.numbering.x[:, None] + np.arange(3)]
     return np.linalg.norm(shift - shift.mean(axis=0), axis=1)

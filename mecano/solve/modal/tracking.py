@@ -3,10 +3,15 @@
 Both eigenvalues of a conjugate pair are tracked, so that pairs can split into real ones and real ones merge into pairs.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Self, overload
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
+
+if TYPE_CHECKING:
+    from mecano.solve.modal.modes import Modes
 
 SHAPE = 0.5  # weight of a change of shape relative to a change of eigenvalue
 GROWS = 1e-7  # of an eigenvalue: positive real part above which it is unstable
@@ -27,7 +32,10 @@ class Spectrum:
     speed: float = 0.0  # [rad/s] of the rotor
 
     @classmethod
-    def of(cls, found, root, pace=0.0, families=None, whirl=None, speed=0.0):
+    def of(
+        cls, found: "Modes", root: np.ndarray, pace: float = 0.0, families: np.ndarray | None = None,
+        whirl: np.ndarray | None = None, speed: float = 0.0,
+    ) -> Self:  # fmt: skip
         """Return the Spectrum of Modes, which contain one of each conjugate pair.
 
         ``root`` (n_q,) and ``pace`` as in Linearization; ``families`` (m,): indices into FAMILIES of families.py;
@@ -45,34 +53,38 @@ class Spectrum:
         return cls(both, shapes, least, numbers[all_of], found.converged[all_of], turns, speed)
 
     @property
-    def counting(self):
+    def counting(self) -> np.ndarray:
         """The significant eigenvalues with nonnegative imaginary part."""
         return self.values[(self.values.imag >= 0.0) & (np.abs(self.values) > self.least)]
 
-    def costs(self, value, shape, largest):
+    def costs(self, value: complex, shape: np.ndarray, largest: float) -> np.ndarray:
         """Return the dissimilarity (m,) of each eigenpair to ``value`` with ``shape``."""
         apart = np.abs(self.values - value) / (np.abs(self.values) + abs(value) + 0.01 * largest)
         sizes = np.linalg.norm(self.shapes, axis=1) * np.linalg.norm(shape)
         alike = np.abs(self.shapes.conj() @ shape) / np.maximum(sizes, 1e-300)
         return apart + SHAPE * (1.0 - alike**2)
 
-    def nearest(self, value, shape):
+    def nearest(self, value: complex, shape: np.ndarray) -> int:
         """Return the index of the eigenpair most similar to ``value`` with ``shape``."""
         return int(np.argmin(self.costs(value, shape, float(np.abs(self.values).max()))))
 
 
-def unstable(value):
+@overload
+def unstable(value: np.ndarray) -> np.ndarray: ...
+@overload
+def unstable(value: complex) -> bool: ...
+def unstable(value: complex | np.ndarray) -> bool | np.ndarray:
     """Return whether an eigenvalue (or each of an array) is unstable, beyond rounding."""
     return np.real(value) > GROWS * np.abs(value)
 
 
-def damping(values):
+def damping(values: complex | np.ndarray) -> np.ndarray:
     """Return the damping ratios of eigenvalues; nan where they are nan or zero."""
     size = np.abs(values)
     return -np.real(values) / np.where(size > 0.0, size, np.nan)
 
 
-def least_damped(values, least=0.0):
+def least_damped(values: np.ndarray, least: float | np.ndarray = 0.0) -> int:
     """Return the index of the least damped of the eigenvalues (n,); of equal ones, that with the slowest decay.
 
     Ignores nan, and moduli up to ``least`` (a number or (n,)) unless there are no others.
@@ -84,37 +96,38 @@ def least_damped(values, least=0.0):
     return int(np.argmax(np.where(alike, np.real(values), -np.inf)))
 
 
-def growing(row, spectra):
+def growing(row: np.ndarray, spectra: Sequence[Spectrum | None]) -> np.ndarray:
     """Return whether a branch is unstable at each place (n,); intervals without a significant eigenvalue are not.
 
     ``row`` (n,): indices of the branch in the ``spectra``, see ``track``.
     """
     known = np.flatnonzero(row >= 0)
-    values = np.array([spectra[i].values[row[i]] for i in known])
-    grows, means = unstable(values), np.abs(values) > [spectra[i].least for i in known]
+    of = [(spectrum, i) for spectrum, i in zip(spectra, row, strict=True) if spectrum is not None and i >= 0]
+    values = np.array([spectrum.values[i] for spectrum, i in of])
+    grows, means = unstable(values), np.abs(values) > [spectrum.least for spectrum, _ in of]
     reported = np.zeros(len(row), bool)
     for stretch in np.split(np.arange(len(known)), np.flatnonzero(np.diff(grows)) + 1):
         reported[known[stretch]] = np.any(grows[stretch] & means[stretch])
     return reported
 
 
-def track(spectra, places):
+def track(spectra: Sequence[Spectrum | None], places: np.ndarray) -> np.ndarray:
     """Return the indices (branches, n) of the eigenvalues of each branch in the spectra at ``places`` (n,), or -1.
 
     Branches are continued by the assignment with the least total change of shape and of eigenvalue relative to its
     extrapolation. Spectra that are None, where nothing was found, are skipped.
     """
-    known = [i for i, spectrum in enumerate(spectra) if spectrum is not None]
-    rows = []
+    known = {i: spectrum for i, spectrum in enumerate(spectra) if spectrum is not None}
+    rows: list[np.ndarray] = []
     for before, i in zip([None, *known], known, strict=False):
         open_rows = [row for row in rows if before is not None and row[before] >= 0]
-        unassigned = set(range(len(spectra[i].values)))
+        unassigned = set(range(len(known[i].values)))
         if open_rows and unassigned:
-            costs = np.array([_costs(row, spectra, places, before, i) for row in open_rows])
+            costs = np.array([_costs(row, known, places, before, i) for row in open_rows])
             for r, j in zip(*linear_sum_assignment(costs), strict=True):
                 open_rows[r][i] = j
                 unassigned.discard(int(j))
-        for j in sorted(unassigned, key=lambda j: abs(spectra[i].values[j])):
+        for j in sorted(unassigned, key=lambda j: abs(known[i].values[j])):  # noqa: B023
             rows.append(np.full(len(spectra), -1))
             rows[-1][i] = j
     return np.array(rows, int).reshape(len(rows), len(spectra))
@@ -131,7 +144,7 @@ def _costs(row, spectra, places, before, i):
     return spectra[i].costs(value, shape, largest)
 
 
-def loci(rows, spectra):
+def loci(rows: np.ndarray, spectra: Sequence[Spectrum | None]) -> tuple[np.ndarray, np.ndarray]:
     """Return the eigenvalues (branches, n) along branches, imaginary parts nonnegative, nan where missing; and rows.
 
     Of two branches that are conjugate everywhere, one is kept.
@@ -140,7 +153,7 @@ def loci(rows, spectra):
     for b, i in zip(*np.nonzero(rows >= 0), strict=True):
         value = spectra[i].values[rows[b, i]]
         values[b, i] = complex(value.real, abs(value.imag))
-    kept = []
+    kept: list[int] = []
     for b in range(len(values)):
         if not any(np.array_equal(values[b], values[c], equal_nan=True) for c in kept):
             kept.append(b)
