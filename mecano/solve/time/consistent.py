@@ -9,6 +9,7 @@ p makes it regular for nodes without mass; the compliances c are zero unless con
 """
 
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,6 +19,13 @@ from mecano.solve.diagnostics.failure import not_finite
 from mecano.solve.diagnostics.scales import mean_diagonal
 from mecano.solve.time.increments import displaced, moved
 from mecano.solve.time.signals import settle_signals
+
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.model.system import System
+    from mecano.solve.events.compliance import Compliance
+    from mecano.solve.linear.sparse import LinearSolver
+    from mecano.solve.time.contradictions import Contradictions
 
 DIFFERENCE = 0.02  # of a step, for differences along the motion
 RATE_ITERATIONS = 100
@@ -35,7 +43,14 @@ ROUNDING = 1e-12  # of the largest multiplier, value or rate: an iteration on th
 class Consistent:
     """The factored matrix above at one configuration, and the problems solved with it."""
 
-    def __init__(self, system, linear, s, length, compliance=None):
+    def __init__(
+        self,
+        system: "System",
+        linear: "LinearSolver",
+        s: "State",
+        length: float,
+        compliance: "Compliance | None" = None,
+    ):
         """Factor at the positions of ``s`` (its a and multipliers are not used), of a mechanism of the ``length`` [m].
 
         Raises AssemblyError if the matrix is singular.
@@ -64,7 +79,7 @@ class Consistent:
         self.data, self.bare, self.compliance = data, bare, compliance
         self._factor()
 
-    def repeats(self):
+    def repeats(self) -> bool:
         """Return whether a constraint without compliance depends on others; call it before any solution."""
         n_q = self.system.n_q
         dependent = self.linear.cancellation()[n_q:] < DEPENDENT if self.linear.kept else np.ones(self.system.n_l, bool)
@@ -102,19 +117,19 @@ class Consistent:
         self.linear.solve_again(np.concatenate([top, bottom]), x)
         return x
 
-    def change(self, rate):
+    def change(self, rate: np.ndarray) -> np.ndarray:
         """Return the least change dq (n_q,), in the metric of the mass, with B dq = rate (n_l,)."""
         return self._solve_again(np.zeros(self.system.n_q), -self.k * rate)[0]
 
-    def respond(self, forces):
+    def respond(self, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the response to forces (n_q,) with the constraints: rates (n_q,), reactions (n_l,) without p."""
         return self._solve_again(np.where(self.loose, 0.0, forces), np.zeros(self.system.n_l))
 
-    def exchange(self, rate):
+    def exchange(self, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return ``change`` and its impulses (n_l,) k*lambda, less k times the rates reached."""
         return self._solve_again(np.zeros(self.system.n_q), -self.k * rate)
 
-    def share(self, impulses):
+    def share(self, impulses: np.ndarray) -> np.ndarray:
         """Return impulses (n_l,) of the same effect and of least norm, without the rounding errors of the rates.
 
         The compliances turn such errors, 1e-16 of the rates, into 1e-4 of the impulses; here all rates are small.
@@ -123,34 +138,35 @@ class Consistent:
             return impulses
         return impulses + self.exchange(-self.compliance.deflection(impulses))[1]
 
-    def project_velocity(self, s):
+    def project_velocity(self, s: "State") -> None:
         """Change v of ``s`` in place so that the rates of the constraints become zero."""
         s.v[: self.system.n_q] += self.change(-self.system.constraint_derivatives(s)[:, 1])
 
-    def settle_rates(self, s):
+    def settle_rates(self, s: "State") -> None:
         """Set the rates of the massless unknowns of ``s`` in place from their own equations (Levenberg)."""
         own, system, reach = self.massless, self.system, FIRST_REACH
         if not len(own):
             return
-        best = None
+        best: tuple[float, np.ndarray] | None = None  # the least residual so far, by its size
+        rates = s.v[own].copy()  # of it
         for _ in range(RATE_ITERATIONS):
             assembly = system.assemble(s, 1.0, 0.0, 0.0, 1.0, 0.0)
             r = assembly.residual[own]
             if np.abs(r).max() <= RATE_TOLERANCE * assembly.size.max():
                 return
-            size = np.linalg.norm(r)
+            size = float(np.linalg.norm(r))
             # friction that slips does not fall with the slip, and may grow on the way to rest: as long as the force
             # keeps its direction the next step goes further
             if best is None or size < 0.99 * best[0] or (size <= GROWTH * best[0] and r @ best[1] > 0.0):
-                best, reach = (size, r, s.v[own].copy()), 2.0 * reach
+                best, rates, reach = (size, r), s.v[own].copy(), 2.0 * reach
                 C = self._block(assembly)
             else:
                 reach = 0.25 * reach
             change = np.linalg.lstsq(C + np.eye(len(own)) * (best[0] / reach), -best[1], rcond=LEAST_DAMPING)[0]
-            s.v[own] = best[2] + change
-        s.v[own] = best[2]
+            s.v[own] = rates + change
+        s.v[own] = rates
 
-    def settle(self, s, h):
+    def settle(self, s: "State", h: float) -> None:
         """Set values and rates of the massless unknowns of ``s`` in place, consistent for steps of size h.
 
         Rates follow from their own equations; where these have none to speak of (directions whose time constants are
@@ -210,7 +226,7 @@ class Consistent:
     def _unbalanced(self, s):
         return self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0).residual[self.massless]
 
-    def accelerate(self, s):
+    def accelerate(self, s: "State") -> None:
         """Set accelerations and multipliers of ``s`` in place from the equations of motion at its q and v."""
         system = self.system
         bare = _with(self.bare, s.v, np.zeros_like(s.a))
@@ -251,7 +267,7 @@ class Consistent:
                 break
         self._factor()
 
-    def friction_on_itself(self, s):
+    def friction_on_itself(self, s: "State") -> np.ndarray:
         """Return W (m, m): the reactions at ``s`` by which the friction of unit coupled multipliers changes them.
 
         The reactions keep the constraints; without friction the change is zero.
@@ -282,14 +298,14 @@ class Consistent:
         data[:-1][row | column] = np.where(column | (system.cols >= n_q), values, 0.0)[row | column]
         return residual
 
-    def apply_compliance(self, s, compliance):
+    def apply_compliance(self, s: "State", compliance: "Compliance") -> "State":
         """Return ``s`` with positions moved by the deflection of the compliances under its reactions."""
         n_q, n = self.system.n_q, self.system.n
         gap = self.system.constraint_derivatives(s)[:, 0] + compliance.matrix @ s.z[n_q:n]
         gap[self.system.numbering.of_rates] = 0.0
         return displaced(s, self.change(-gap), self.system.numbering)
 
-    def without_compliance(self, s):
+    def without_compliance(self, s: "State") -> "State":
         """Return ``s`` with positions and velocities that satisfy compliant constraints as exactly as all others.
 
         What locks there is not under stress: it would keep the deflection of the compliances, and with them in series
@@ -302,7 +318,15 @@ class Consistent:
         return s
 
 
-def consistent_state(system, linear, s, h, contradictions, compliance=None, consistent=None):
+def consistent_state(
+    system: "System",
+    linear: "LinearSolver",
+    s: "State",
+    h: float,
+    contradictions: "Contradictions",
+    compliance: "Compliance | None" = None,
+    consistent: Consistent | None = None,
+) -> "tuple[State, Consistent]":
     """Return ``s`` with consistent velocities, accelerations and multipliers for steps of size h, and its Consistent.
 
     ``consistent``, if given, is factored for ``s``. Raises AssemblyError where constraints contradict one another.

@@ -1,14 +1,20 @@
 """Contradictions: redundant or deactivated constraints that the other constraints violate."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.errors import AssemblyError, Failure
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, TRANSLATION
 from mecano.solve.diagnostics.constraint_names import by_joint
 from mecano.solve.diagnostics.joint_redundancy import redundant_groups
-from mecano.solve.diagnostics.mobility import analyse
+from mecano.solve.diagnostics.mobility import Group, analyse
 from mecano.solve.diagnostics.scales import constraint_scale
-from mecano.solve.events.compliance import NO_ROWS
+from mecano.solve.events.compliance import NO_ROWS, Compliance
+
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.model.system import System
 
 MOST_OTHERS, MOST_ALIKE = 12, 6  # lines on constraints that contradict one, and joints named in each
 TEXT = "constraints contradict one another: the {} of {} to {}{}"
@@ -29,19 +35,20 @@ class Contradictions:
         Reciprocal of the violation of each constraint that is a contradiction; 0 if it is not checked.
     """
 
-    def __init__(self, system, length, compliance):
-        self.system, self.length, self._redundant = system, length, None
+    def __init__(self, system: "System", length: float, compliance: Compliance | None):
+        self.system, self.length = system, length
+        self._redundant: tuple[Group, ...] | None = None  # found when a contradiction is described
         self.released = NO_ROWS[1] if compliance is None else compliance.released
         self._soft = NO_ROWS[1] if compliance is None else compliance.soft
         of, allowed = system.numbering, GAP * constraint_scale(system, length)
         self.share_of_gap = np.where(np.isin(np.arange(of.n_l), self._soft) & ~of.of_rates, 1.0 / allowed, 0.0)
 
     @property
-    def possible(self):
+    def possible(self) -> bool:
         """True if redundant constraints have compliances."""
         return len(self._soft) > 0
 
-    def refuse(self, s, h):
+    def refuse(self, s: "State", h: float) -> None:
         """Raise AssemblyError where the exact constraints impose rates on others at the consistent state ``s``."""
         for rows, others in (
             (self.released, "constraints on positions leave a slip"),
@@ -51,7 +58,7 @@ class Contradictions:
                 text = f"at t = {s.t:.9g} s {TEXT.format(others, *text)}"
                 raise AssemblyError(text, Failure.CONTRADICTION, timed=True)
 
-    def at_the_end(self, s, h, slips):
+    def at_the_end(self, s: "State", h: float, slips: np.ndarray) -> str:
         """Return the text of a contradiction after a step of size h to ``s``, or "".
 
         ``slips`` (n_l,) are the rates of the deactivated constraints.

@@ -13,6 +13,8 @@ The error of bodies that spin (turning_error.py) is a change of the angular velo
 violate them: with no stiffness in P, what remains is its part along the constraints, projected with the masses.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.jit.entry import Records, entry
@@ -32,6 +34,9 @@ from mecano.solve.time.modal_filter import (
 from mecano.solve.time.step_control import FORGOTTEN, counted
 from mecano.solve.time.turning_error import turning_error
 from mecano.solve.time.workspace import BEGIN, STEP, TRIAL, history_of, state_of
+
+if TYPE_CHECKING:
+    from mecano.solve.time.generalized_alpha import GeneralizedAlpha
 
 FREE = 1e6  # times the weight of the masses: beside it any stiffness is negligible
 NOTHING = 1e-8  # of a change of the accelerations: a part along the constraints that may be rounding
@@ -102,7 +107,7 @@ def filtered_twice(w, b, a):
 class ErrorBound:
     """The record BOUND and the call with which compiled code bounds the error of a step of a GeneralizedAlpha."""
 
-    def __init__(self, method):
+    def __init__(self, method: "GeneralizedAlpha"):
         values, owners = filter_fields(method.system, method.linear)
         vectors = np.zeros((4, method.system.numbering.n_all))
         self.record = record(BOUND, vectors=vectors.ctypes.data, **values)

@@ -12,8 +12,10 @@ with residual and constraints satisfied at the end of the step. HHT and Newmark 
 
 import ctypes
 import time as clock
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 
@@ -22,9 +24,9 @@ from mecano.immutable import immutable
 from mecano.model.assembly import Assembly
 from mecano.model.loops import constraint_derivatives, residual, tangent
 from mecano.model.numbering import MASSLESS, RELEASED, ROTATION, SIGNAL
-from mecano.model.state import History
+from mecano.model.state import History, State
 from mecano.solve.diagnostics.scales import Tolerances
-from mecano.solve.events.compliance import NO_ROWS, compliances_of_a_step, soften
+from mecano.solve.events.compliance import NO_ROWS, Compliance, compliances_of_a_step, soften
 from mecano.solve.linear import multifrontal
 from mecano.solve.linear.newton import (
     CONVERGED,
@@ -40,15 +42,20 @@ from mecano.solve.linear.newton import (
     STALE,
 )
 from mecano.solve.linear.refactorization import LARGER, most_kept
-from mecano.solve.time.consistent import consistent_state
+from mecano.solve.time.consistent import Consistent, consistent_state
 from mecano.solve.time.contradictions import Contradictions
 from mecano.solve.time.error_bound import ErrorBound, bound_error
 from mecano.solve.time.increments import tangents
 from mecano.solve.time.repeated_steps import RepeatedSteps
 from mecano.solve.time.step import attempt
 from mecano.solve.time.step_change import change_step
-from mecano.solve.time.step_info import MOST_TURN, PATIENCE, TURNS_TOO_FAR, StepInfo
+from mecano.solve.time.step_info import MOST_TURN, PATIENCE, TURNS_TOO_FAR, StepInfo, Trial
 from mecano.solve.time.workspace import BEGIN, RENEWED, TANGENT, TRIAL, Workspace
+
+if TYPE_CHECKING:
+    from mecano.jit.entry import PackedCall
+    from mecano.model.system import System
+    from mecano.solve.linear.sparse import LinearSolver
 
 TURN = 0.8  # of it: a step that is planned to turn a body by more would often fail
 Substitution = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
@@ -64,31 +71,31 @@ class Coefficients:
     gamma: float
 
     @classmethod
-    def generalized_alpha(cls, rho):
+    def generalized_alpha(cls, rho: float) -> Self:
         """Chung & Hulbert 1993, spectral radius rho at infinity in [0, 1]."""
         am, af = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
         gamma = 0.5 + af - am
         return cls(am, af, 0.25 * (gamma + 0.5) ** 2, gamma)
 
     @classmethod
-    def hht(cls, rho):
+    def hht(cls, rho: float) -> Self:
         """Hilber, Hughes & Taylor 1977; rho in [1/2, 1]."""
         af = (1.0 - rho) / (1.0 + rho)
         return cls(0.0, af, 0.25 * (1.0 + af) ** 2, 0.5 + af)
 
     @classmethod
-    def newmark(cls, rho):
+    def newmark(cls, rho: float) -> Self:
         """Newmark 1959 with damping: gamma = 1/2 + delta, beta = (gamma + 1/2)^2/4; first order for rho < 1."""
         delta = (1.0 - rho) / (1.0 + rho)
         gamma = 0.5 + delta
         return cls(0.0, 0.0, 0.25 * (gamma + 0.5) ** 2, gamma)
 
     @property
-    def error(self):
+    def error(self) -> float:
         """Ce of the local error Ce h^2 |a_{n+1} - a_n| of the displacement."""
         return self.beta + 0.5 * (self.am - self.af) - 1.0 / 6.0
 
-    def acceleration(self, phase):
+    def acceleration(self, phase: np.ndarray) -> np.ndarray:
         """Return the acceleration of a coordinate that turns by ``phase`` [rad] in each step, over the exact one.
 
         Complex: of exp(i omega t), whose displacements, velocities and both accelerations follow from one another by
@@ -103,17 +110,26 @@ class Coefficients:
 class GeneralizedAlpha:
     """The method for one system: coefficients, tolerances, linear solver. Holds no motion."""
 
-    in_compiled_code = True  # ordinary steps (stride.py)
+    in_compiled_code: Literal[True] = True  # ordinary steps (stride.py)
 
     def __init__(
-        self, system, linear, coefficients, length, tolerances=None, k=None, penalty=None, compliance=None,
-        duration=np.inf,
-    ):  # fmt: skip
+        self,
+        system: "System",
+        linear: "LinearSolver",
+        coefficients: Coefficients,
+        length: float,
+        tolerances: Tolerances | None = None,
+        k: float | None = None,
+        penalty: float | None = None,
+        compliance: Compliance | None = None,
+        duration: float = np.inf,
+    ):
         self.system, self.linear, self.coefficients = system, linear, coefficients
         self.length, self.tolerances = length, tolerances or Tolerances()
         self.k, self.penalty, self.duration = k, penalty, duration
         self.patience = PATIENCE
-        self.pause = lambda: None  # called in a step as often as the program may be late for a signal; may raise
+        # called in a step as often as the program may be late for a signal; may raise
+        self.pause: Callable[[], object] = lambda: None
         self._massless = np.flatnonzero(system.massless)
         self._kind = system.numbering.kind.copy()
         self._kind[self._massless] = MASSLESS
@@ -132,7 +148,7 @@ class GeneralizedAlpha:
         )  # fmt: skip
         self.use(compliance)
 
-    def use(self, compliance):
+    def use(self, compliance: Compliance | None) -> None:
         """Give redundant constraints these compliances, or none (None), from now on."""
         self.compliance, of = compliance, self.system.numbering
         self.contradictions = Contradictions(self.system, self.length, compliance)
@@ -172,7 +188,7 @@ class GeneralizedAlpha:
         )  # fmt: skip
         self._packed = new, kept
 
-    def start(self, s, h, consistent=None):
+    def start(self, s: State, h: float, consistent: Consistent | None = None) -> tuple[State, History]:
         """Return a consistent state and history for steps of size h, at the start and after events.
 
         Projects the velocities, solves for accelerations and multipliers, and shifts both so that the multipliers
@@ -190,11 +206,11 @@ class GeneralizedAlpha:
         return s, self.restart(s, History(s.a, h, slope, none, 0, self._no_shift, 1.0), h)
 
     @cached_property
-    def change_step(self):
+    def change_step(self) -> "PackedCall":
         """The PackedCall with which compiled code changes the step size in the workspace."""
         return change_step.call_from_compiled_code(self.workspace.record)
 
-    def restart(self, s, history, h):
+    def restart(self, s: State, history: History, h: float) -> History:
         """Return the history for a new step size h at an accepted state (step_change.py).
 
         Where the tangent is singular the history stays as it is; the next step fails with the reason.
@@ -213,7 +229,7 @@ class GeneralizedAlpha:
             return replace(history, h=h, tangent=None)
         return w.new_history(BEGIN, w.v_shift.copy(), None)  # as after compiled code has failed, which keeps no tangent
 
-    def repeated(self, s0, history, last):
+    def repeated(self, s0: State, history: History, last: State) -> Callable[[float], Trial]:
         """Return a function of h that makes steps from ``s0`` like ``step``; ``last``: the end of one already made."""
         if self.system.n < LARGER:
             return lambda h: self.step(s0, history if h == history.h else self.restart(s0, history, h), h)
@@ -223,7 +239,7 @@ class GeneralizedAlpha:
     def _repeated_steps(self):
         return RepeatedSteps(self)
 
-    def change_step_with(self, solve, substitute):
+    def change_step_with(self, solve: Callable[[int], bool], substitute: Callable[[], object]) -> bool:
         """Finish a change of step size with matrices that Python solves; return whether all are regular.
 
         ``solve(stage)`` solves the assembled ``equations`` for the ``increment``, of the velocities (stage 0) or of the
@@ -250,7 +266,7 @@ class GeneralizedAlpha:
 
         return self.change_step_with(solve, lambda: self.linear.solve_again(self.equations, self.increment))
 
-    def bounded_error(self, s, history, info):
+    def bounded_error(self, s: State, history: History, info: StepInfo) -> float:
         """Return the local error of the step to ``s`` and ``history`` as error_bound.py bounds it."""
         w = self.workspace
         self._enter(info.began, history.h)
@@ -260,18 +276,18 @@ class GeneralizedAlpha:
         return max(float(self.error_bound.record[name][0]) for name in ("bounded", "turning"))
 
     @cached_property
-    def error_bound(self):
+    def error_bound(self) -> ErrorBound:
         """The ErrorBound of the steps in the workspace."""
         return ErrorBound(self)
 
-    def insist(self, strictly):
+    def insist(self, strictly: bool) -> None:
         """Choose whether an iteration whose correction is rounding converges only if its residual is rounding, too.
 
         If so, corrections of massless unknowns that overshoot are halved (newton.py).
         """
         self.workspace.record["strict"] = strictly
 
-    def longest(self, s):
+    def longest(self, s: State) -> float:
         """Return the longest step [s] in which no body turns too far at the velocities of the state ``s``."""
         of = self.system.numbering
         fastest = np.abs(s.v[: of.n_q][of.kind[: of.n_q] == ROTATION]).max(initial=0.0)
@@ -291,7 +307,7 @@ class GeneralizedAlpha:
             self.compliance.set_step(1.0 / weights[0], history.k)
         return k, penalty, *weights
 
-    def step(self, s0, history, h):
+    def step(self, s0: State, history: History, h: float) -> Trial:
         """Make a step of size h from ``s0`` with its ``history``; return (state, history, StepInfo). Pure."""
         self.prepare(s0, history, h)
         iterations = 0
@@ -302,7 +318,7 @@ class GeneralizedAlpha:
                 break
         return self.trial(s0, history, iterations)
 
-    def prepare(self, s0, history, h):
+    def prepare(self, s0: State, history: History, h: float) -> None:
         """Enter a state and its history into the workspace, for steps of size h."""
         if history.tangent is not None and self.linear.label is not history.tangent:
             self._factor(history.tangent, self._scales(history, h))
@@ -318,7 +334,7 @@ class GeneralizedAlpha:
         if self.compliance is not None:
             self._entry_values[:] = self.compliance.in_tangent(k, self.compliance.values)
 
-    def trial(self, s0, history, iterations):
+    def trial(self, s0: State, history: History, iterations: int) -> Trial:
         """Return the step in the workspace, from ``s0`` with ``history``, as (state, history, StepInfo)."""
         w, h, report = self.workspace, self.workspace.record["h"][0], self.workspace.report
         code, reached = int(w.record["code"][0]), tuple(report[FORCES : INCREMENT + 1].tolist())

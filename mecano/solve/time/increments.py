@@ -8,8 +8,8 @@ from mecano.jit.entry import Indices, Matrices, Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.maths.so3 import exp, tangent
 from mecano.maths.vector import mat, vec
-from mecano.model.numbering import MASSLESS, ROTATION, SCALAR, SIGNAL, TRANSLATION, Unknowns
-from mecano.model.state import Motion
+from mecano.model.numbering import MASSLESS, ROTATION, SCALAR, SIGNAL, TRANSLATION, Numbering, Unknowns
+from mecano.model.state import Motion, State
 from mecano.solve.time.turning_error import turning_error
 
 
@@ -79,7 +79,7 @@ def predict(w, of, start, history, s_out):
     return farthest, loudest
 
 
-def reach_of(z, of, length):
+def reach_of(z: np.ndarray, of: Numbering, length: float) -> float:
     """Return the largest coordinate of a node in z (n_all,), free or fixed, over the length scale; at least 1."""
     return max(np.abs(z[of.kind == TRANSLATION]).max(initial=0.0) / length, 1.0)
 
@@ -184,14 +184,14 @@ def move(of: Unknowns, dt: float, s: Motion, s_out: Motion):
     place_rotations(of.rotation_dof, of.n_q, s_out.z, s.R, s_out.R)
 
 
-def displaced(s, dq, of):
+def displaced(s: State, dq: np.ndarray, of: Numbering) -> State:
     """Return a copy of ``s`` with positions (and rotations, by material increments) moved by dq (n_q,)."""
     out = s.copy()
     move(of, 1.0, Motion(s.z, dq, np.zeros(of.n_q), s.R), out)
     return out
 
 
-def moved(s, dt, of):
+def moved(s: State, dt: float, of: Numbering) -> State:
     """Return the state extrapolated by dt [s] along its velocities and accelerations (second order)."""
     out = s.copy()
     move(of, dt, s, out)

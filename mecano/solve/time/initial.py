@@ -1,6 +1,7 @@
 """Assembly of initial positions, or an error that names constraints that cannot be satisfied."""
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +12,11 @@ from mecano.solve.diagnostics.scales import constraint_scale
 from mecano.solve.events.events import EventMonitor
 from mecano.solve.time.increments import displaced
 
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.model.system import System
+    from mecano.solve.linear.sparse import LinearSolver
+
 MAX_ITERATIONS = 50
 TOLERANCE = 1e-12  # of the length scale, or rad
 FULFILLED = 100 * TOLERANCE
@@ -18,7 +24,7 @@ REGULARIZATION = 1e-9  # lets redundant constraints be solved; the iteration mak
 NAMED = 5  # constraints named in a refusal
 
 
-def assemble_start(system, linear, s, length):
+def assemble_start(system: "System", linear: "LinearSolver", s: "State", length: float) -> "tuple[State, float]":
     """Assemble positions, and again if the phases that follow, such as closed contacts, are not satisfied."""
     found, moved = assemble_positions(system, linear, s, length)
     if not system.n_events:
@@ -30,7 +36,7 @@ def assemble_start(system, linear, s, length):
     return found, moved + again
 
 
-def assemble_positions(system, linear, s, length):
+def assemble_positions(system: "System", linear: "LinearSolver", s: "State", length: float) -> "tuple[State, float]":
     """Move ``s`` to the nearest positions that satisfy all constraints; return (state, largest move [m, rad]).
 
     Gauss-Newton with least displacement, rotations counted by the length scale. Raises AssemblyError naming the
@@ -96,7 +102,7 @@ def _refusal(system, start, s, iterations, length):
     )
 
 
-def most_off(system, s, length):
+def most_off(system: "System", s: "State", length: float) -> str:
     """Return as text the constraint of a system with constraints that is violated most at ``s``, and by how much."""
     phi = system.constraint_derivatives(s)[:, 0]
     first = int(np.argmax(np.abs(phi) / constraint_scale(system, length)))

@@ -1,11 +1,11 @@
 """The motion between two accepted steps, to the order of the integrator."""
 
-from mecano.jit.entry import entry
+from mecano.jit.entry import Entry, entry
 from mecano.maths.hermite import hermite, quintic
 from mecano.maths.so3 import exp, log, tangent, tangent_inverse, tangent_rate
 from mecano.maths.vector import Vec3, mat, put, vec
-from mecano.model.numbering import ROTATION, Unknowns
-from mecano.model.state import Motion
+from mecano.model.numbering import ROTATION, Numbering, Unknowns
+from mecano.model.state import Motion, State
 from mecano.solve.time.increments import put_matrix
 
 
@@ -57,7 +57,7 @@ def between_smooth_states(u: float, h: float, of: Unknowns, s0: Motion, s1: Moti
             put(s_out.z, d, (0.0, 0.0, 0.0))
 
 
-def interpolate(s0, s1, t, of, between=between_states):
+def interpolate(s0: State, s1: State, t: float, of: Numbering, between: Entry = between_states) -> State:
     """Return the State at t in [s0.t, s1.t], by ``between_states`` or ``between_smooth_states``.
 
     The first is the cubic Hermite interpolation of positions and rotations, accurate to O(h^4) between accepted states,

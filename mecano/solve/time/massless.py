@@ -1,13 +1,19 @@
 """Massless unknowns of nodes: positions and rotations that can move without moving any mass, by forces alone."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.maths.distinct import distinct
 from mecano.model.numbering import ROTATION, TRANSLATION, Classes
 from mecano.solve.diagnostics.mobility import DENSE_ROWS, RANK_TOLERANCE, SHARE, gradient
 
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.model.system import System
 
-def massless_unknowns(system, s, length):
+
+def massless_unknowns(system: "System", s: "State", length: float) -> np.ndarray:
     """Return the numbers (n,), ascending, of positions and rotations of nodes that move in massless motions at ``s``.
 
     A massless motion satisfies the constraints and moves only unknowns on which no element with mass acts. Rotations
@@ -27,12 +33,13 @@ def massless_unknowns(system, s, length):
     return np.sort(np.concatenate([*found, np.zeros(0, np.int64)]))
 
 
-def held_by_lines(system, i):
+def held_by_lines(system: "System", i: int) -> tuple[str, ...]:
     """Return the titles of the lines on the unknown ``i`` if nothing else holds it, so that it is loose without them.
 
     Lines are elements whose force has one sign only (``Event.one_sided``). Loads hold nothing.
     """
-    on_it, lines = {}, set()
+    on_it: dict[str, None] = {}
+    lines: set[str] = set()
     for b in system.batches:
         if any(event.one_sided for event in b.kind.events):
             lines.update(b.names)
@@ -41,7 +48,7 @@ def held_by_lines(system, i):
     return tuple(on_it) if lines.issuperset(on_it) else ()
 
 
-def loose_knots(system, s, length):
+def loose_knots(system: "System", s: "State", length: float) -> dict[str, tuple[str, ...]]:
     """Return {place: titles of its lines} of the nodes without mass that only lines hold at ``s``."""
     of = system.numbering
     first = {of.name[i].place: i for i in massless_unknowns(system, s, length) if of.kind[i] == TRANSLATION}
@@ -53,7 +60,7 @@ def _heavy(system):
     """Return (n_q,) bool: whether an unknown belongs to a node of an element with mass."""
     heavy = np.zeros(system.numbering.n_all, bool)
     for b in system.batches:
-        if "mass" in b.p.dtype.names:
+        if "mass" in (b.p.dtype.names or ()):
             heavy[b.dofs[b.p["mass"] > 0.0, : 3 * len(b.kind.layout)]] = True
     return heavy[: system.n_q]
 
@@ -61,7 +68,8 @@ def _heavy(system):
 def _apart(light, rows, cols, entries):
     """Yield sets of unknowns ``light`` (n,) connected by constraints, with the numbers of their gradient entries."""
     index = np.searchsorted(light, cols)
-    classes, first = Classes(len(light)), {}
+    classes = Classes(len(light))
+    first: dict[int, int] = {}  # row -> the first of its unknowns
     for row, i in zip(rows.tolist(), index.tolist(), strict=True):
         classes.join(first.setdefault(row, i), i)
     of = np.array([classes.find(i) for i in range(len(light))])

@@ -11,6 +11,8 @@ weights of K and M the limit lies at another frequency.
 step_change.py filters at the beginning of a step; here is the filter at its end, with a factor of its own.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.jit.kernel import kernel
@@ -20,9 +22,12 @@ from mecano.model.assembly_driver import assemble, loops_at
 from mecano.model.loop_records import SYSTEM
 from mecano.solve.linear import multifrontal
 from mecano.solve.linear.newton import soften_tangent
-from mecano.solve.linear.sparse import ACCEPT_BELOW
+from mecano.solve.linear.sparse import ACCEPT_BELOW, LinearSolver
 from mecano.solve.time.increments import tangents
 from mecano.solve.time.workspace import TRIAL, state_of
+
+if TYPE_CHECKING:
+    from mecano.model.system import System
 
 HARDER = 1e-4  # times the compliances of the step: still far above rounding
 
@@ -91,7 +96,7 @@ def negative_pivots(w, f):
     return number
 
 
-def filter_fields(system, linear):
+def filter_fields(system: "System", linear: LinearSolver) -> tuple[dict[str, int], tuple[object, ...]]:
     """Return the values of the fields FLOATS and WORDS for a system, and the objects that hold them.
 
     The factor is that of a twin of the LinearSolver ``linear``, which keeps its own.

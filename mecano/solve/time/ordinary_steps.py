@@ -1,17 +1,45 @@
 """Ordinary steps of a time integration: their arrays, handed to the compiled loop (stride.py), and its answers."""
 
 import time as clock
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from mecano.model import loops
 from mecano.model.loop_records import record
-from mecano.solve.time.output import FULL, OUTPUT, record_step
+from mecano.solve.time.output import FULL, OUTPUT, Output, record_step
 from mecano.solve.time.run_state import RunState
 from mecano.solve.time.step import attempt
-from mecano.solve.time.step_info import StepInfo
+from mecano.solve.time.step_info import StepInfo, Trial
 from mecano.solve.time.stride import DECIDE, ENOUGH, READY, RECORDED, REPEAT, STRETCH, STRIDE, WAIT, stride
 from mecano.solve.time.workspace import BEGIN, RENEWED, TANGENT
+
+if TYPE_CHECKING:
+    from mecano.model.assembly import Observation
+    from mecano.model.state import State
+    from mecano.model.system import System
+    from mecano.solve.events.shocks import Shocks
+    from mecano.solve.time.generalized_alpha import GeneralizedAlpha
+    from mecano.solve.time.step_control import StepControl
+    from mecano.solve.time.time_integration import Accepted
+
+
+class Recorder(Protocol):
+    """Receives the steps of a time integration (analyses/recorder.py)."""
+
+    output: Output  # the buffers for the steps of compiled code
+
+    def __call__(self, accepted: "Accepted") -> None:
+        """Take a step that Python made."""
+
+    def restarted(self, run: RunState, passing: bool = False) -> None:
+        """Begin the next step with ``run``, whose forces may have jumped; it may be ``passing``, left at once."""
+
+    def empty(self, again: bool = False) -> None:
+        """Empty full buffers, possibly ``again`` in one step."""
+
+    def refuse(self, t: float) -> None:
+        """Raise an error where the run cannot go on from the last step, to the time ``t`` [s]."""
 
 
 class OrdinarySteps:
@@ -23,12 +51,18 @@ class OrdinarySteps:
         Those of the TimeIntegrator.
     observation : Observation
         Written at the end of each step.
-    recorder : object or None
-        Has the buffers ``output`` (output.py); ``empty(again)``, called when they are full, ``again`` in one step; and
-        ``refuse(t)``, which raises an error where the run cannot go on.
+    recorder : Recorder or None
     """
 
-    def __init__(self, system, method, control, shocks, observation, recorder=None):
+    def __init__(
+        self,
+        system: "System",
+        method: "GeneralizedAlpha",
+        control: "StepControl",
+        shocks: "Shocks",
+        observation: "Observation",
+        recorder: Recorder | None = None,
+    ):
         self.system, self.method, self.control, self.recorder = system, method, control, recorder
         self.workspace, self.linear = method.workspace, method.linear
         self._output = record(OUTPUT) if recorder is None else recorder.output.record
@@ -41,7 +75,7 @@ class OrdinarySteps:
         calls = {"attempt": attempt.call_from_compiled_code(self.workspace.record)}
         if recorder is not None:
             calls["record"] = record_step.call_from_compiled_code(self._output, self.workspace.record)
-        self._kept = departing, observation, found, calls  # their addresses stand in the record
+        self._kept: tuple = departing, observation, found, calls  # their addresses stand in the record
         addresses = {"departing": departing, "before_values": self._values, "observation": observation.record}
         addresses |= {name: addressed for name, (addressed, _) in found.items()}
         addresses |= {f"{name[:-1] if name[-1] == 's' else name}_batches": b for name, (_, b) in found.items()}
@@ -55,12 +89,12 @@ class OrdinarySteps:
             **{name: array.ctypes.data for name, array in addresses.items()},
         )  # fmt: skip
         self._stride = stride.bind(self.record, self.workspace.record, self._output)
-        self._tangent = None  # State of the tangent in the workspace
+        self._tangent: State | None = None  # of the tangent in the workspace
         if control.adaptive:
             self._change_steps()
             self._bound_errors()
 
-    def advance(self, run, stop, most):
+    def advance(self, run: RunState, stop: float, most: int) -> "tuple[RunState, Trial | None, bool]":
         """Make at most ``most`` steps towards ``stop`` [s]; return (run, trial, whether Python makes the next step).
 
         The trial is a step from the returned run, still to be accepted or rejected, or None.
@@ -92,6 +126,7 @@ class OrdinarySteps:
             self._note_tangents(before)
             if code != RECORDED:
                 return code
+            assert self.recorder is not None, "steps are recorded only for a recorder"
             if self._output["code"][0] != FULL:
                 self.recorder.refuse(float(self.workspace.states[BEGIN, -1]))
             self.recorder.empty(again=full_at == self.record["done"][0])
@@ -149,7 +184,7 @@ class OrdinarySteps:
             powers=(float(r["power_dissipated"]), float(r["power_given"])), compliance=run.compliance,
         )  # fmt: skip
 
-    def last(self, run):
+    def last(self, run: RunState) -> tuple[StepInfo, float]:
         """Return StepInfo and size of the last step, made from ``run``."""
         o = self._output[0]
         norms, error = (float(o["forces"]), float(o["constraints"]), float(o["increment"])), float(o["error"])

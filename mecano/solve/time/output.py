@@ -3,17 +3,34 @@
 Compiled code collects them in buffers, which Python empties when they are full and now and then.
 """
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats, integers
-from mecano.model.extremes import update
+from mecano.model.extremes import Extremes, update
 from mecano.model.loop_records import fields, record
-from mecano.model.sampler import Nodes, Observed, blend, fill, node_rows
+from mecano.model.sampler import Nodes, Observed, Sampler, blend, fill, node_rows
 from mecano.solve.time.interpolate import between_states
-from mecano.solve.time.unresolved_oscillation import count_changes
-from mecano.solve.time.workspace import BEGIN, BETWEEN, STEP, TRIAL, copy_state, state_of, time_of, unknowns_of
+from mecano.solve.time.unresolved_oscillation import OscillationMonitor, count_changes
+from mecano.solve.time.workspace import (
+    BEGIN,
+    BETWEEN,
+    STEP,
+    TRIAL,
+    Workspace,
+    copy_state,
+    state_of,
+    time_of,
+    unknowns_of,
+)
+
+if TYPE_CHECKING:
+    from mecano.model.assembly import Observation
+    from mecano.solve.time.time_integration import Accepted
 
 DONE, FULL, NOT_FINITE, ENDED = range(4)
 SAMPLE, ENTER, SAVE = range(3)
@@ -181,7 +198,15 @@ class Output:
         (column of the row, greatest size) beyond which elements can go no further.
     """
 
-    def __init__(self, sampler, observation, extremes, ringing, times, ends):
+    def __init__(
+        self,
+        sampler: Sampler,
+        observation: "Observation",
+        extremes: Extremes,
+        ringing: OscillationMonitor,
+        times: tuple[float, float, float],
+        ends: Sequence[tuple[int, float]],
+    ):
         n = len(sampler.row)
         start, end, every = times
         most_rows, most_steps = max(NUMBERS // (1 + n), 16), 4096
@@ -206,7 +231,7 @@ class Output:
             **{name: array.ctypes.data for name, array in arrays.items()},
         )  # fmt: skip
 
-    def record_step(self, workspace, accepted, share):
+    def record_step(self, workspace: Workspace, accepted: "Accepted", share: float) -> int:
         """Record an accepted step, which Python made; returns the code of ``record_step``."""
         run, info, r = accepted.run, accepted.info, self.record[0]
         workspace.put_step(accepted.before, run.motion)
@@ -217,12 +242,12 @@ class Output:
         r["dissipated"], r["given"] = run.dissipated, run.given
         return self.continue_record(workspace)
 
-    def continue_record(self, workspace):
+    def continue_record(self, workspace: Workspace) -> int:
         """Record the step in the workspace, or the rest of it; returns the code of ``record_step``."""
         record_step(self.record, workspace.record)
         return int(self.record["code"][0])
 
-    def due(self, t):
+    def due(self, t: float) -> float | None:
         """Return the next time to be saved if it lies before ``t``, the end of a step; else None."""
         o = self.record[0]
         if o["every"] == 0.0 or o["saved"] < 0:
@@ -230,7 +255,7 @@ class Output:
         wanted = min(o["start"] + (o["saved"] + 1) * o["every"], o["end"])
         return float(wanted) if wanted <= t - NEGLIGIBLE_TIME * o["every"] else None
 
-    def save(self, t, row):
+    def save(self, t: float, row: np.ndarray) -> bool:
         """Append the row of the time that was due; return whether there was room."""
         o = self.record[0]
         if o["n_rows"] == o["most_rows"]:
@@ -240,11 +265,11 @@ class Output:
         o["n_rows"], o["saved"] = o["n_rows"] + 1, o["saved"] + 1
         return True
 
-    def outcome(self):
+    def outcome(self) -> tuple[int, int]:
         """Return the code of the last step, and the number to which it refers."""
         return int(self.record["code"][0]), int(self.record["which"][0])
 
-    def taken(self):
+    def taken(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the rows and the lines of the solver's history in the buffers, which are empty from now on."""
         r = self.record[0]
         rows, steps = self.rows[: r["n_rows"]], self.steps[: r["n_steps"]]

@@ -7,12 +7,15 @@ positions and velocities are projected on the constraints, in the metric of the 
 follow from them (Hairer & Wanner 1996, IV.8 and VII.2).
 """
 
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Literal
+
 import numpy as np
 
 from mecano.errors import Failure
 from mecano.model.assembly import Assembly
 from mecano.model.numbering import ROTATION
-from mecano.model.state import RadauHistory
+from mecano.model.state import RadauHistory, State
 from mecano.solve.diagnostics.scales import SIGNALS, SMALL, Tolerances, balance
 from mecano.solve.linear.newton import FAILURES, MESSAGES, NOT_FINITE, SINGULAR, TOO_MANY
 from mecano.solve.linear.rounding import at_rounding
@@ -23,9 +26,14 @@ from mecano.solve.time.radau_stages import Stages
 from mecano.solve.time.radau_tableau import ERROR, REAL, TO_CUBIC, A
 from mecano.solve.time.radau_tangent import StageTangent
 from mecano.solve.time.singular_position import LOST, ROUNDED, Amplification, cannot_pass
-from mecano.solve.time.step_control import SUDDEN, counted
-from mecano.solve.time.step_info import MOST_TURN, PATIENCE, TURNS_TOO_FAR, StepInfo
+from mecano.solve.time.step_control import SUDDEN, StepControl, counted
+from mecano.solve.time.step_info import MOST_TURN, PATIENCE, TURNS_TOO_FAR, StepInfo, Trial
 from mecano.solve.time.workspace import Workspace
+
+if TYPE_CHECKING:
+    from mecano.model.system import System
+    from mecano.solve.events.compliance import Compliance
+    from mecano.solve.linear.sparse import LinearSolver
 
 SHARE = 0.01  # of the allowed error of a step: a correction that leaves less ends Newton's iteration
 LEAST = 1e-17  # of the length scale, or rad: increments are known to more digits than positions
@@ -41,19 +49,29 @@ class Radau:
     Has the same methods as GeneralizedAlpha.
     """
 
-    in_compiled_code = False
+    in_compiled_code: Literal[False] = False
 
-    def __init__(self, system, linear, length, control, tolerances=None, k=None, compliance=None):
+    def __init__(
+        self,
+        system: "System",
+        linear: "LinearSolver",
+        length: float,
+        control: StepControl,
+        tolerances: Tolerances | None = None,
+        k: float | None = None,
+        compliance: "Compliance | None" = None,
+    ):
         self.system, self.linear, self.length, self.control = system, linear, length, control
         self.tolerances, self.k, self.penalty = tolerances or Tolerances(), k, 0.0
         self.patience = PATIENCE
-        self.pause = lambda: None  # called in a step as often as the program may be late for a signal; may raise
+        # called in a step as often as the program may be late for a signal; may raise
+        self.pause: Callable[[], object] = lambda: None
         of, self.assembly = system.numbering, Assembly(system)
         self.workspace = Workspace(system, self.assembly)
         self.workspace.point_to(kind=of.kind.copy(), rotation_dof=of.rotation_dof)  # for the recorder
         self.use(compliance)
 
-    def use(self, compliance):
+    def use(self, compliance: "Compliance | None") -> None:
         """Give redundant constraints these compliances, or none (None), from now on."""
         self.compliance = compliance
         self.contradictions = Contradictions(self.system, self.length, compliance)
@@ -61,7 +79,7 @@ class Radau:
         self.tangent = StageTangent(self.system, self.assembly, compliance)
         self.amplification = Amplification(self.system, self.length)
 
-    def start(self, s, h, consistent=None):
+    def start(self, s: State, h: float, consistent: Consistent | None = None) -> tuple[State, RadauHistory]:
         """Return a consistent state and the history for a first step of size h, at the start and after events.
 
         ``consistent``, if given, is factored for ``s``. Raises AssemblyError where constraints contradict one another.
@@ -70,31 +88,31 @@ class Radau:
         none, amplified = (np.zeros((4, self.system.n_q)), np.zeros((3, self.system.n_l))), self.amplification.at(used)
         return s, RadauHistory(s.a, h, *none, 0, self._stiffness(s, h), amplified, amplified)
 
-    def restart(self, s, history, h):
+    def restart(self, s: State, history: RadauHistory, h: float) -> RadauHistory:
         """Return the history for a new step size: the same, because steps do not depend on earlier ones."""
         return history
 
-    def repeated(self, s0, history, last):
+    def repeated(self, s0: State, history: RadauHistory, last: State) -> Callable[[float], Trial]:
         """Return a function of h that makes steps from ``s0`` like ``step``; ``last``: the end of one already made."""
         return lambda h: self.step(s0, history, h)
 
-    def insist(self, strictly):
+    def insist(self, strictly: bool) -> None:
         """Do nothing: iterations are judged by their corrections in any case."""
 
-    def longest(self, s):
+    def longest(self, s: State) -> float:
         """Return the longest step [s] for the velocities of the state ``s``."""
         of = self.system.numbering
         fastest = np.abs(s.v[of.rotation_dof[of.rotation_dof < of.n_q][:, None] + np.arange(3)]).max(initial=0.0)
         return TURN / fastest if fastest > 0.0 else np.inf
 
-    def bounded_error(self, s, history, info):
+    def bounded_error(self, s: State, history: RadauHistory, info: StepInfo) -> float:
         """Return the local error of a step: oscillations need no second estimate, as stages resolve or damp them."""
         return info.plain
 
     def _stiffness(self, s, h):
         return self.k or balance(self.system, s, self.length, 1.0, REAL / h, (REAL / h) ** 2)
 
-    def step(self, s0, history, h):
+    def step(self, s0: State, history: RadauHistory, h: float) -> Trial:
         """Make a step of size h from ``s0`` with its ``history``; return (state, history, StepInfo). Pure."""
         stages = self.stages
         code, iterations, size, most = SINGULAR, 0, np.inf, self.tolerances.max_iterations

@@ -1,6 +1,6 @@
 """The stages of a step of Radau IIA: increments, states, residuals, and their prediction."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -12,11 +12,14 @@ from mecano.maths.vector import mat, put, vec
 from mecano.model import loops
 from mecano.model.assembly_driver import Loops, System, assemble_residual, constraint_derivatives
 from mecano.model.numbering import ROTATION, Unknowns
-from mecano.model.state import Instant, Motion
+from mecano.model.state import Instant, Motion, RadauHistory, State
 from mecano.solve.diagnostics.scales import SMALL
-from mecano.solve.events.compliance import soften
+from mecano.solve.events.compliance import Compliance, soften
 from mecano.solve.time.increments import put_matrix
 from mecano.solve.time.radau_tableau import NODES, REAL, TO_CUBIC, TO_PARABOLA, A, D
+
+if TYPE_CHECKING:
+    from mecano.model.assembly import Assembly
 
 PREDICTIONS = 2  # iterations on the rates of the increments
 SECOND = 2  # column of the second rates of the constraints
@@ -130,7 +133,7 @@ def residual(
 class Stages:
     """Increments (3, n_q) and reactions (3, n_l) of the stages of one step, and what follows from them."""
 
-    def __init__(self, system, assembly, compliance, length):
+    def __init__(self, system: System, assembly: "Assembly", compliance: Compliance | None, length: float):
         of, n_q = system.numbering, system.n_q
         self.system, self.assembly, self.compliance = system, assembly, compliance
         n_rotations, n_all = len(of.rotation_dof), of.n_all
@@ -149,7 +152,7 @@ class Stages:
         self._ratio = None
         self._scratch, self._rate, self._g = np.zeros(n_q), np.zeros((3, n_q)), np.zeros((system.n_l, 3))
 
-    def begin(self, s0, h, history, duration, share):
+    def begin(self, s0: State, h: float, history: RadauHistory, duration: float, share: float) -> None:
         """Begin a step of size h from ``s0``: extrapolate velocities and reactions of the last one.
 
         ``duration`` [s] of the run; ``share`` of the accuracy of the motion that suffices for signals without a rate.
@@ -188,11 +191,11 @@ class Stages:
             )
         return self._matrices
 
-    def correct(self, correction, turn):
+    def correct(self, correction: np.ndarray, turn: np.ndarray) -> float:
         """Subtract a correction (3, n): material variations at ``turn`` (n_all,), and reactions. Return its size."""
         return self._correct(turn, correction, self._scratch, self.increments, self.reactions)
 
-    def residuals(self, k):
+    def residuals(self, k: float) -> np.ndarray:
         """Return the residuals (3, n) of the stages: equations of motion, and second rates of constraints times -k."""
         self._place(self.h, self.increments, self.reactions, self.s0, self._at)
         return self._residuals(self._at, k, self._F)
@@ -206,7 +209,7 @@ class Stages:
                 soften(k * (REAL / self.h) ** 2, starts, columns, values, own[n_q : system.n], rows[n_q:])
         return F
 
-    def states(self):
+    def states(self) -> list[State]:
         """Return the states at the stages, whose velocities are kept in ``velocities``."""
         s0, n_q, at = self.s0, self.system.n_q, self._at
         self._place(self.h, self.increments, self.reactions, s0, at)
@@ -219,7 +222,7 @@ class Stages:
             found.append(s)
         return found
 
-    def residual_at(self, s0, back, a, k):
+    def residual_at(self, s0: State, back: float, a: np.ndarray, k: float) -> np.ndarray:
         """Return the residual (n,) at ``s0`` with velocities less by ``back`` (n_q,) and the accelerations ``a``."""
         n_q, s = self.system.n_q, s0.copy()
         s.z[:n_q][self._is_rotation] = 0.0
@@ -228,7 +231,7 @@ class Stages:
         at = Motions(np.array([s.t]), s.z[None], s.v[None], s.a[None], s.R)
         return self._residuals(at, k, np.zeros((1, self.system.n)))[0]
 
-    def gap(self, s):
+    def gap(self, s: State) -> np.ndarray:
         """Return the violation (n_l,) of the constraints on positions."""
         g = self.system.constraint_derivatives(s)[:, 0]
         g[self.system.numbering.of_rates] = 0.0

@@ -4,6 +4,8 @@ The increments of the stages are :math:`\theta_i = h \sum_j A_{ij} \dot\theta_j`
 D_{ij} \theta_j / h` with :math:`D = A^{-1}`, whose eigenvalues are one real and a pair of complex numbers.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 ROOT = np.sqrt(6.0)
@@ -23,7 +25,7 @@ FROM_REAL, FROM_COMPLEX = _vectors[:, _real].real, _vectors[:, _complex]  # eige
 TO_REAL, TO_COMPLEX = np.linalg.inv(_vectors)[_real].real.copy(), np.linalg.inv(_vectors)[_complex]
 
 
-def to_coefficients(times):
+def to_coefficients(times: np.ndarray | Sequence[float]) -> np.ndarray:
     """Return the matrix from values at the ``times`` (m,) to the coefficients of their polynomial, ascending."""
     return np.linalg.inv(np.vander(times, increasing=True))
 

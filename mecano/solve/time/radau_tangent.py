@@ -12,7 +12,7 @@ s is an eigenvalue of the method over the step size: the stages decouple into on
 & Wanner 1996, IV.8).
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -20,6 +20,12 @@ from mecano.jit.entry import Indices, Matrix, Table, Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.solve.time.increments import moved
 from mecano.solve.time.radau_tableau import COMPLEX, FROM_COMPLEX, FROM_REAL, REAL, TO_COMPLEX, TO_REAL
+
+if TYPE_CHECKING:
+    from mecano.model.assembly import Assembly
+    from mecano.model.state import State
+    from mecano.model.system import System
+    from mecano.solve.events.compliance import Compliance
 
 DIFFERENCE = 0.02  # of a step, for the rates of the gradients of the constraints
 MOTION, POSITION, RATE = range(3)  # equations of motion, constraints on positions, constraints on velocities
@@ -111,7 +117,7 @@ def join(from_both: Matrix, n_q: int, k: float, real: Vector, other: Matrix, cor
 class StageTangent:
     """The tangent of the stages in the middle of a step, and its factors."""
 
-    def __init__(self, system, assembly, compliance=None):
+    def __init__(self, system: "System", assembly: "Assembly", compliance: "Compliance | None" = None):
         from mecano.solve.linear.lu import factors  # no ordinary run needs it (docs/architecture.md, Start)
 
         self.system, self.assembly, self.compliance = system, assembly, compliance
@@ -147,7 +153,7 @@ class StageTangent:
         found[start < 0] = -1
         return found
 
-    def prepare(self, s, k, h):
+    def prepare(self, s: "State", k: float, h: float) -> bool:
         """Evaluate and factor the tangent at the state ``s`` within a step of size h; return whether it is regular.
 
         ``s.z`` holds the rotation increments since the beginning of the step, afterwards also ``turn`` (n_all,).
@@ -170,7 +176,7 @@ class StageTangent:
         return self._real.factor() and self._complex.factor()
 
     @property
-    def finite(self):
+    def finite(self) -> bool:
         """True if all values of the last tangent are finite."""
         return bool(np.isfinite(self._parts).all())
 
@@ -183,7 +189,7 @@ class StageTangent:
         np.add.at(self._real.values, self._soft_place, values)
         np.add.at(self._complex.values, self._soft_place, (real / other) ** 2 * values)
 
-    def solve(self, F):
+    def solve(self, F: np.ndarray) -> np.ndarray:
         """Return the corrections (3, n) of increments and multipliers of the stages for their residuals F (3, n)."""
         split(TO_REAL, TO_BOTH, self._real_scale, self._complex_scale, F, *self._right_hand_sides)
         join(FROM_BOTH, self.system.n_q, self.k, self._real.solve(self._b), self._solved(), self._correction)
@@ -192,6 +198,6 @@ class StageTangent:
     def _solved(self):
         return self._complex.solve(self._c).view(float).reshape(-1, 2)
 
-    def solve_real(self, f):
+    def solve_real(self, f: np.ndarray) -> np.ndarray:
         """Return the solution (n,) for the residual f (n,) of the real system; multipliers over k."""
         return self._real.solve(self._real_scale * f)

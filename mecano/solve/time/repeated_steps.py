@@ -6,7 +6,9 @@ closed in its metric, the solution of the filter is refined with its factor, and
 ended and with its tangent.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +16,11 @@ from mecano.model.numbering import SIGNAL
 from mecano.solve.linear.newton import CONVERGED
 from mecano.solve.time.step_change import change_step
 from mecano.solve.time.workspace import BEGIN
+
+if TYPE_CHECKING:
+    from mecano.model.state import History, State
+    from mecano.solve.time.generalized_alpha import GeneralizedAlpha
+    from mecano.solve.time.step_info import Trial
 
 SIMILAR = 0.05  # of a step size: matrices of steps that differ by less are similar
 
@@ -24,19 +31,20 @@ class RepeatedSteps:
     They agree with ``GeneralizedAlpha.step`` to the tolerance of Newton's iteration.
     """
 
-    def __init__(self, method):
+    def __init__(self, method: "GeneralizedAlpha"):
         system = method.system
         self.method, self.solvers = method, (method.linear.twin(), method.linear.twin())
         self.metric, self.filter = self.solvers
         self._resolved = np.zeros(system.n)  # the last solution of the filter
         method.workspace.point_to(masses=np.zeros(system.nnz))
 
-    def begin(self, s0, history, last):
+    def begin(self, s0: "State", history: "History", last: "State") -> "Callable[[float], Trial]":
         """Return a function of h that makes steps from ``s0`` with its ``history``.
 
         ``last`` is the State at the end of a step that has been made from ``s0``.
         """
-        self.s0, self.history, self.last = s0, history, last
+        self.s0, self.history = s0, history
+        self.last: State | None = last
         self.h = self.stiffness = 0.0  # size and mean stiffness of the step whose factors are kept [s, N/m]
         self.method.workspace.point_to(masses_kept=False)
         return self._step
@@ -48,7 +56,7 @@ class RepeatedSteps:
         similar = self.last is not None and abs(h - self.h) <= SIMILAR * self.h
         history = self._changed(h, similar)
         if self.last is not None:
-            history = self._from_the_last(history, h, similar)
+            history = self._from_the_last(self.last, history, h, similar)
         trial = self.method.step(self.s0, history, h)
         self.last = trial[0] if trial[2].ok and trial[0].t > self.s0.t else None  # h may be lost in the rounding of t
         return trial
@@ -92,9 +100,9 @@ class RepeatedSteps:
         self._resolved[:] = m.increment
         return regular
 
-    def _from_the_last(self, history, h, similar):
+    def _from_the_last(self, last, history, h, similar):
         """Return the ``history`` whose prediction ends on the line from the beginning to the last state."""
-        s0, s1, n_q, of = self.s0, self.last, self.method.system.n_q, self.method.system.numbering
+        s0, s1, n_q, of = self.s0, last, self.method.system.n_q, self.method.system.numbering
         slope = np.concatenate([(s1.a - s0.a)[:n_q], (s1.z - s0.z)[n_q : of.n]]) * (h / (s1.t - s0.t))
         signals = of.kind[: of.n] == SIGNAL  # whose rates follow from their own differences
         slope, bend = (np.where(signals, *both) for both in ((history.slope, slope), (history.bend, 0.0)))

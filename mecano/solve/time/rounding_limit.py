@@ -9,10 +9,17 @@ The error of a smooth motion may be far below u r, as that of a spinning top. He
 many trials are rejected, too.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.errors import ConvergenceError
 from mecano.solve.time.increments import reach_of
+
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.solve.time.run_state import Method, RunState
+    from mecano.solve.time.step_control import StepControl
 
 NEAR = 4.0 * np.finfo(float).eps  # of the reach: share of a step that its rounding may exceed
 FAR = 1e6  # a reach that no model has
@@ -23,10 +30,11 @@ REJECTED = 0.2  # of them
 class RoundingLimit:
     """Watch over the rejected trials of a run; ``refuse`` is called with its RunState again and again."""
 
-    def __init__(self, control, method):
-        self.control, self.method, self._begun = control, method, None
+    def __init__(self, control: "StepControl", method: "Method"):
+        self.control, self.method = control, method
+        self._begun: tuple[int, int] | None = None  # accepted and rejected steps when rounding began to matter
 
-    def refuse(self, run, cuts):
+    def refuse(self, run: "RunState", cuts: int) -> None:
         """Raise ConvergenceError if the last trials were rejected because of rounding.
 
         ``cuts`` is the number of trials in the run that were rejected for other reasons.
@@ -55,6 +63,6 @@ class RoundingLimit:
         )
 
 
-def below_rounding(error, s, method):
+def below_rounding(error: float, s: "State", method: "Method") -> bool:
     """Return whether an ``error``, relative to the length scale, is below that of the rounding of ``s``."""
-    return error < NEAR * FAR and error < NEAR * reach_of(s.z, method.system.numbering, method.length)
+    return bool(error < NEAR * FAR and error < NEAR * reach_of(s.z, method.system.numbering, method.length))

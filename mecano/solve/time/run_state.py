@@ -1,7 +1,8 @@
 """The state from which a run continues, and its conversion to plain arrays and back."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from mecano.model.state import History, RadauHistory, State
 from mecano.solve.events.compliance import Compliance
@@ -29,7 +30,7 @@ class RunState:
     powers: tuple[float, float] = (0.0, 0.0)  # [W] dissipated and given at the motion
     compliance: Compliance | None = None  # of redundant constraints in the present phases
 
-    def tried(self, rejected, iterations):
+    def tried(self, rejected: int, iterations: int) -> "RunState":
         """Return the same run with more rejected trials and Newton iterations counted."""
         return RunState(
             motion=self.motion, history=self.history, h=self.h, steps=self.steps, powers=self.powers,
@@ -39,7 +40,7 @@ class RunState:
         )  # fmt: skip
 
 
-def to_plain(run):
+def to_plain(run: RunState) -> dict[str, Any]:
     """Return nested dicts of arrays and numbers, from which ``from_plain`` restores the same run, bit for bit."""
     plain, history = _values(run), _values(run.history)
     if "tangent" in history:
@@ -50,14 +51,13 @@ def to_plain(run):
     return plain | {"motion": _values(run.motion), "history": history, "powers": powers}
 
 
-def from_plain(plain):
+def from_plain(plain: Mapping[str, Any]) -> RunState:
     """Return the RunState from the result of ``to_plain``."""
     history = _history(dict(plain["history"]))
     powers = plain["powers"]["dissipated"], plain["powers"]["given"]
     motion = _state(plain["motion"])
     soft = plain["compliance"] and Compliance.from_plain(plain["compliance"])
-    plain = plain | {"compliance": soft}
-    return RunState(**(plain | {"motion": motion, "history": history, "powers": powers}))
+    return RunState(**{**plain, "motion": motion, "history": history, "powers": powers, "compliance": soft})
 
 
 def _values(record):

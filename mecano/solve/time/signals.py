@@ -1,11 +1,17 @@
 """Consistent signals: values of algebraic signals, rates of those with a state of their own."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.errors import AssemblyError, Failure, NonFiniteError
 from mecano.model.assembly import Assembly
 from mecano.solve.diagnostics.scales import SMALL
 from mecano.solve.time.increments import displaced, moved
+
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.model.system import System
 
 ITERATIONS = 30
 TOLERANCE = 1e-13  # of the signals
@@ -16,7 +22,7 @@ PART = 1e-6  # of the largest entry of a singular vector: signals that take part
 ELSEWHERE = 1e-2  # m, rad, m/s, rad/s: distance of another state, in which a circle is tried again
 
 
-def settle_signals(system, s, dt):
+def settle_signals(system: "System", s: "State", dt: float) -> None:
     """Set the signals of ``s`` in place so that their equations hold at its positions and velocities.
 
     The values of signals without a state follow by Newton's method, as do the rates of those with one. Rates of the
@@ -44,7 +50,7 @@ def _find_rates(equations, s, dt):
     s.a[states] = (4.0 * first.v - 3.0 * s.v - second.v)[states] / (2.0 * dt)
 
 
-def solve_signals(system, s):
+def solve_signals(system: "System", s: "State") -> "State":
     """Solve the equations of the signals of ``s`` in place, if it has any that can be solved; return ``s``.
 
     A signal whose value is not finite waits until the signals that it reads are known: all are zero at first, and may
@@ -82,7 +88,7 @@ class _Equations:
     The assembly is written again at every state. Most signals are linear: their Jacobian is decomposed once.
     """
 
-    def __init__(self, system):
+    def __init__(self, system: "System"):
         self.system, self.own = system, np.flatnonzero(system.signals)
         place = np.full(system.n, -1)
         place[self.own] = np.arange(len(self.own))
@@ -91,7 +97,7 @@ class _Equations:
         self._places = rows[self._entries], columns[self._entries]
         self._assembly, self._decomposed = Assembly(system), (None, None)
 
-    def at(self, s):
+    def at(self, s: "State") -> tuple[np.ndarray, np.ndarray, bool]:
         """Return derivatives (n, n) by values of the signals, or rates of those with a state, and the residual (n,).
 
         The third value is True if the residual depends on rates of signals without a state.
@@ -157,7 +163,7 @@ def _refuse_undetermined(equations, s):
     return reads_rates
 
 
-def refuse_circles(system, s):
+def refuse_circles(system: "System", s: "State") -> None:
     """Raise AssemblyError, with the titles of the signals in ``elements``, if signals form a loop without a solution.
 
     ``s`` is a state before its velocities are known. A loop with a unique solution at other positions and

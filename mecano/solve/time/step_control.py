@@ -1,6 +1,7 @@
 """Control of the step size from the error of the last step."""
 
 import math
+from typing import Self
 
 from mecano.immutable import immutable
 from mecano.jit.kernel import kernel
@@ -81,7 +82,7 @@ class StepControl:
     order: int = 2  # of the method
 
     @classmethod
-    def fixed(cls, step, minimum):
+    def fixed(cls, step: float, minimum: float) -> Self:
         """Return the control of fixed steps."""
         return cls(math.inf, AT_ONCE, minimum, step)
 
@@ -92,32 +93,32 @@ class StepControl:
             return factor(error, share)
         return factor(error, share) if self.order == 2 else SAFETY * (share / error) ** (1.0 / self.order)
 
-    def allowed(self, h):
+    def allowed(self, h: float) -> float:
         """Return the share of the tolerance of a step of size h."""
         return allowed(self.tolerance, self.duration, h)
 
     @property
-    def adaptive(self):
+    def adaptive(self) -> bool:
         """True if step sizes follow from the errors of the steps."""
         return self.tolerance < math.inf
 
-    def forgotten(self, lag, h):
+    def forgotten(self, lag: float, h: float) -> float:
         """Return the error that counts for an error of massless unknowns in a step of size h."""
         return counted(lag, FORGOTTEN, self.duration, h)
 
-    def accept(self, error, h):
+    def accept(self, error: float, h: float) -> bool:
         """Return whether the error is within its share, or the step was cut below the minimum to meet a time."""
         return error <= self.allowed(h) or h < self.minimum
 
-    def holds(self, error, h):
+    def holds(self, error: float, h: float) -> bool:
         """Return whether the error keeps an accepted step of size h from growing."""
         return h < self.maximum and self._change(error, h) < HOLD
 
-    def after(self, error, h, iterations=0):
+    def after(self, error: float, h: float, iterations: int = 0) -> float:
         """Return the next step size after an accepted step of size h with so many Newton iterations."""
         change = eased(self._change(error, h), self.allowed(h), iterations)
         return resized(change, h, self.minimum, self.maximum)
 
-    def retry(self, error, h):
+    def retry(self, error: float, h: float) -> float:
         """Return the step size to try after a rejected step of size h."""
         return retried(self._change(error, h), h, self.minimum)

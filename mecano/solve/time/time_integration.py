@@ -2,9 +2,9 @@
 
 import math
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,26 +13,23 @@ from mecano.model.assembly import Observation
 from mecano.solve.diagnostics import failure
 from mecano.solve.events.application import EventApplication
 from mecano.solve.events.capture import EventCapture
-from mecano.solve.events.events import EventMonitor
+from mecano.solve.events.events import EventMonitor, EventRecord
 from mecano.solve.events.location import look_ahead
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.binding import refuse_binding
 from mecano.solve.time.consistent import consistent_state
-from mecano.solve.time.ordinary_steps import OrdinarySteps
+from mecano.solve.time.ordinary_steps import OrdinarySteps, Recorder
 from mecano.solve.time.rounding_limit import RoundingLimit
-from mecano.solve.time.run_state import RunState
+from mecano.solve.time.run_state import Method, RunState
 from mecano.solve.time.signals import solve_signals
-from mecano.solve.time.step_control import HOLD
+from mecano.solve.time.step_control import HOLD, StepControl
 from mecano.solve.time.stride import PROBE
 from mecano.solve.time.trials import NEGLIGIBLE_TIME, Trials
 
 if TYPE_CHECKING:
     from mecano.model.state import State
     from mecano.model.system import System
-    from mecano.solve.events.events import EventRecord
-    from mecano.solve.time.run_state import Method
-    from mecano.solve.time.step_control import StepControl
-    from mecano.solve.time.step_info import StepInfo
+    from mecano.solve.time.step_info import StepInfo, Trial
 
 LEAST_ULPS = 1e4  # spacings of floating-point numbers of time in a step: a shorter step has too much rounding
 MOST_STEPS = 2**62  # in one call of compiled code: any number
@@ -49,7 +46,7 @@ class Accepted:
     info: "StepInfo"  # StepInfo
     h: float
     rejected: int  # trials rejected before it
-    event_records: "tuple[EventRecord, ...]" = ()  # events at its end
+    event_records: tuple[EventRecord, ...] = ()  # events at its end
 
 
 @dataclass(eq=False, repr=False)
@@ -57,8 +54,8 @@ class TimeIntegrator:
     """Time integration of ``system`` by ``method`` with step sizes from ``control``; a RunState is its state."""
 
     system: "System"
-    method: "Method"
-    control: "StepControl"
+    method: Method
+    control: StepControl
     observers: tuple[Callable[[Accepted], object], ...] = ()  # called with Accepted at every step
     breakpoints: Sequence[float] = ()  # times that a step must end on: corners of laws of time
     rest: float = 1e-4  # of the length scale, or rad, per second: slower approaches do not rebound
@@ -66,7 +63,7 @@ class TimeIntegrator:
     pause: Callable[[RunState], object] = lambda run: (
         None
     )  # called within a step with the RunState before it; may raise
-    recorder: object = (
+    recorder: Recorder | None = (
         None  # receives steps from compiled code (``OrdinarySteps``) and, called with Accepted, from Python
     )
     reporters: tuple[Callable[[RunState], object], ...] = ()  # called with the RunState between calls of compiled code
@@ -77,12 +74,12 @@ class TimeIntegrator:
     events: EventApplication = field(init=False)
     trials: Trials = field(init=False)
     rounding: RoundingLimit = field(init=False)
-    start_events: "list[EventRecord]" = field(init=False, default_factory=list)  # [EventRecord] before the first step
+    start_events: list[EventRecord] = field(init=False, default_factory=list)  # [EventRecord] before the first step
     cuts: list[tuple[float, float]] = field(
         init=False, default_factory=list
     )  # (time, step size) of trials that failed and were cut
-    _ordinary_steps: OrdinarySteps = field(init=False, default=None)
-    _before: RunState = field(init=False, default=None)  # at the beginning of the step
+    _ordinary_steps: OrdinarySteps | None = field(init=False, default=None)
+    _before: RunState = field(init=False)  # at the beginning of the step
 
     def __post_init__(self):
         self._corners = sorted(self.breakpoints)  # of a sampled signal there may be very many
@@ -97,11 +94,11 @@ class TimeIntegrator:
         self.rounding = RoundingLimit(self.control, self.method)
 
     @property
-    def warnings(self):
+    def warnings(self) -> list[str]:
         """The warnings (list of str) to be reported at the end of the run."""
         return self.events.warnings
 
-    def begin(self, s, h):
+    def begin(self, s: "State", h: float) -> RunState:
         """Return the RunState at the start, with consistent velocities, accelerations and multipliers.
 
         Contacts that touch are closed if they are pressed together; ``start_events`` are these events. Those that
@@ -125,11 +122,12 @@ class TimeIntegrator:
             events += happened
         return run, events
 
-    def to(self, end, run):
+    def to(self, end: float, run: RunState) -> RunState:
         """Integrate from ``run`` to the time ``end`` and return the new RunState.
 
         Raises ConvergenceError, NonFiniteError.
         """
+        self._before = run
         try:
             return self._to(end, run)
         except AssemblyError as error:
@@ -140,7 +138,7 @@ class TimeIntegrator:
     def _to(self, end, run):
         if run.compliance is not self.method.compliance:
             self.method.use(run.compliance)
-        self._before, self.method.pause = run, lambda: self.pause(self._before)
+        self.method.pause = lambda: self.pause(self._before)
         if run.motion.t in self._is_corner and run.history.known:  # the last call ended there, before the corner
             run = self._start_behind_corner(run)
         for corner in self._corners[bisect_right(self._corners, end) :][:1]:
@@ -164,12 +162,12 @@ class TimeIntegrator:
         """Return the least remaining time [s] to ``stop`` for which a step is made: less is rounding."""
         return max(LEAST_ULPS * math.ulp(stop), NEGLIGIBLE_TIME * self.control.minimum)
 
-    def to_plain(self):
+    def to_plain(self) -> dict[str, Any]:
         """Return the state of the time loop itself, beside the run, as dicts, lists, texts and numbers."""
         own = {"remarks": list(self.warnings), "cuts": list(self.cuts)}
         return {**own, **self.events.to_plain(), "capture": self.capture.to_plain()}
 
-    def from_plain(self, plain):
+    def from_plain(self, plain: Mapping[str, Any]) -> None:
         """Restore the state returned by ``to_plain``."""
         self.warnings[:], self.cuts = plain["remarks"], [tuple(cut) for cut in plain["cuts"]]
         self.events.from_plain(plain)
@@ -183,7 +181,7 @@ class TimeIntegrator:
         self._before = run
         return self._advance(run, stop, trial) if decide else run
 
-    def ordinary(self, run, stop):
+    def ordinary(self, run: RunState, stop: float) -> "tuple[RunState, Trial | None, bool]":
         """Make ordinary steps towards ``stop`` (``OrdinarySteps.advance``), one at a time if there are observers."""
         if not self.method.in_compiled_code or self.monitor.captures:
             return run, None, True
@@ -201,7 +199,7 @@ class TimeIntegrator:
 
     def _advance(self, run, stop, trial=None):
         """Make one accepted step towards ``stop``, or an event at its beginning, from its first ``trial`` if made."""
-        cuts = []
+        cuts: list[tuple[float, float]] = []
         try:
             h, trial, found, rejected, iterations = self.trials.acceptable(run, stop, trial, cuts)
         finally:

@@ -8,17 +8,17 @@ import numpy as np
 from mecano.solve.diagnostics import failure
 from mecano.solve.events.capture import EventCapture
 from mecano.solve.events.events import EventMonitor
-from mecano.solve.events.location import locate
+from mecano.solve.events.location import Located, locate
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.binding import refuse_binding
 from mecano.solve.time.rounding_limit import below_rounding
-from mecano.solve.time.step_control import AFTER_FAILURE
+from mecano.solve.time.step_control import AFTER_FAILURE, StepControl
 from mecano.solve.time.stride import STRETCH
 
 if TYPE_CHECKING:
     from mecano.model.system import System
-    from mecano.solve.time.run_state import Method
-    from mecano.solve.time.step_control import StepControl
+    from mecano.solve.time.run_state import Method, RunState
+    from mecano.solve.time.step_info import Trial
 
 NEGLIGIBLE_TIME = 1e-6  # of a step: no step is made for a remaining time below
 
@@ -32,13 +32,15 @@ class Trials:
 
     system: "System"
     method: "Method"
-    control: "StepControl"
+    control: StepControl
     monitor: EventMonitor
     capture: EventCapture
     shocks: Shocks
-    corners: frozenset
+    corners: frozenset[float]
 
-    def acceptable(self, run, stop, trial, cuts):
+    def acceptable(
+        self, run: "RunState", stop: float, trial: "Trial | None", cuts: list[tuple[float, float]]
+    ) -> "tuple[float, Trial, Located | None, int, int]":
         """Return the first acceptable step towards ``stop``: (h, trial, first event in it, rejected, iterations).
 
         Failed trials are added to ``cuts``; after one, convergence requires more of the residual (``insist``).
@@ -100,12 +102,12 @@ class Trials:
             raise failure.minimum_step(self.system, run.history.a, history.a, share, run.motion.t, h, rounded)
         return self.control.retry(info.plain, h)  # the bounded one falls only once steps resolve oscillations
 
-    def judged(self, trial, h):
+    def judged(self, trial: "Trial", h: float) -> float:
         """Return the error of the ``trial``, with that of oscillations bounded if the plain estimate is too large."""
         plain = trial[2].plain
         return plain if self.control.accept(plain, h) else self.bounded(trial, h)
 
-    def bounded(self, trial, h):
+    def bounded(self, trial: "Trial", h: float) -> float:
         """Return the error of the ``trial``, with that of oscillations bounded."""
         info = trial[2]
         return max(self.method.bounded_error(*trial), self.control.forgotten(info.lag, h), info.signalled)

@@ -5,6 +5,8 @@ than 16/5 steps. Generalized-alpha damps such a motion, but the computed force i
 mean. Positions may still be as accurate as the tolerance requires, because stiff members move little.
 """
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from mecano.immutable import immutable
@@ -30,32 +32,32 @@ class Oscillation:
 class OscillationMonitor:
     """Watch numbers of the row, given by their ``columns`` (n,), at the accepted steps."""
 
-    def __init__(self, columns):
+    def __init__(self, columns: np.ndarray):
         n = len(columns)
         self.columns = columns
         self.difference, self.signs = np.zeros(n), np.zeros(n, np.int64)
         self.swing, self.time, self.largest = np.zeros(n), np.zeros(n), np.zeros(n)
         self._take = count_changes.bind(*self.to_plain().values(), columns)
 
-    def begin(self):
+    def begin(self) -> None:
         """Restart after an event, where forces may jump."""
         self.difference[:] = 0.0
         self.signs[:] = 0
 
-    def take(self, t, row0, row):
+    def take(self, t: float, row0: np.ndarray, row: np.ndarray) -> None:
         """Take the rows at the beginning of a step and at its end, at the time t [s]."""
         self._take(t, row0, row)
 
-    def to_plain(self):
+    def to_plain(self) -> dict[str, np.ndarray]:
         """Return the arrays from which ``from_plain`` continues."""
         return {name: getattr(self, name) for name in ("difference", "signs", "swing", "time", "largest")}
 
-    def from_plain(self, plain):
+    def from_plain(self, plain: Mapping[str, np.ndarray]) -> None:
         """Continue from the result of ``to_plain``."""
         for name, value in plain.items():
             getattr(self, name)[:] = value
 
-    def found(self, least):
+    def found(self, least: np.ndarray) -> list[Oscillation]:
         """Return, in order, an Oscillation for each number exceeding ``least`` (n,) and a SHARE of its size."""
         share = self.swing / np.maximum(self.largest, np.finfo(float).tiny)
         worst = np.argsort(-share, kind="stable")

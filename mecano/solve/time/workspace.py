@@ -8,6 +8,7 @@ step; BETWEEN is interpolated.
 import ctypes
 import time
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +17,11 @@ from mecano.jit.memory import call, floats, integers, items
 from mecano.model.loop_records import SYSTEM, fields, record
 from mecano.model.numbering import TRANSLATION, Unknowns
 from mecano.model.state import History, Instant, State
+
+if TYPE_CHECKING:
+    from mecano.model.assembly import Assembly
+    from mecano.model.system import System
+    from mecano.solve.time.run_state import RunState
 
 BEGIN, TRIAL, TANGENT, RENEWED, BETWEEN, FORMER = range(6)
 UNCHANGED = 2  # row of ``history``: that at BEGIN before the step size was changed
@@ -112,7 +118,7 @@ class Workspace:
         Fields of STEP that never change: numbers, and arrays in the place of their addresses.
     """
 
-    def __init__(self, system, assembly, **fixed):
+    def __init__(self, system: "System", assembly: "Assembly", **fixed: Any):
         of = system.numbering
         self.system, self._shapes = system, (of.n_all, len(of.rotation_dof))
         state = system.initial_state()
@@ -123,7 +129,7 @@ class Workspace:
         self.history = np.zeros((3, n_all + 2 * of.n))
         self.guess, self.v_shift, self.report = np.zeros((2, of.n)), np.zeros(n_all), np.zeros(8)
         own = ("states", "phases", "history", "guess", "v_shift", "report")
-        self.held = None  # RunState from which compiled code can step on without anything being entered
+        self.held: RunState | None = None  # from which compiled code can step on without anything being entered
         self._kept = {"now": np.zeros(2, np.int64), "assembly": assembly}  # what the record points to
         self.record = record(
             STEP, n_q=of.n_q, n_l=of.n_l, n=of.n, n_all=n_all, n_rotations=n_rotations, n_memory=n_memory,
@@ -133,7 +139,7 @@ class Workspace:
         )  # fmt: skip
         self.point_to(**fixed)
 
-    def point_to(self, **values):
+    def point_to(self, **values: Any) -> None:
         """Set fields of the record: numbers, and addresses of arrays, which are kept."""
         for name, value in values.items():
             if type(value) is np.ndarray:
@@ -141,31 +147,31 @@ class Workspace:
                 value = value.ctypes.data
             self.record[name] = value
 
-    def parts(self, which):
+    def parts(self, which: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Return z, v, a, R, memory of one of the states: views."""
         row, (n, n_rotations) = self.states[which], self._shapes
         end = 3 * n + 9 * n_rotations
         return row[:n], row[n : 2 * n], row[2 * n : 3 * n], row[3 * n : end].reshape(-1, 3, 3), row[end:-1]
 
-    def put_state(self, which, s):
+    def put_state(self, which: int, s: State) -> None:
         """Enter a State, with its phases."""
         for place, values in zip(self.parts(which), (s.z, s.v, s.a, s.R, s.memory), strict=True):
             place[...] = values
         self.states[which, -1] = s.t
         self.phases[:] = s.phases
 
-    def put_step(self, before, after):
+    def put_step(self, before: State, after: State) -> None:
         """Enter the states between which a step was made."""
         self.held = None
         self.put_state(BEGIN, before)
         self.put_state(TRIAL, after)
 
-    def state(self, which, phases, memory=None):
+    def state(self, which: int, phases: np.ndarray, memory: np.ndarray | None = None) -> State:
         """Return one of the states as a State with these phases, which are not copied."""
         z, v, a, R, own = [part.copy() for part in self.parts(which)]
         return State(float(self.states[which, -1]), z, v, a, R, phases, own if memory is None else memory)
 
-    def put_history(self, history):
+    def put_history(self, history: History) -> None:
         """Enter the History with which a step begins."""
         n, row = self.system.n, self.history[BEGIN]
         row[: len(history.a)], row[-2 * n : -n], row[-n:] = history.a, history.slope, history.bend
@@ -175,14 +181,14 @@ class Workspace:
         r["taken"] = history.taken
         r["has"], r["age"], r["drift"] = history.tangent is not None, history.age, history.drift
 
-    def put_unchanged(self, history):
+    def put_unchanged(self, history: History) -> None:
         """Enter the History at BEGIN before its step size was changed, to which another change goes back."""
         n, row, r = self.system.n, self.history[UNCHANGED], self.record
         row[: len(history.a)], row[-2 * n : -n], row[-n:] = history.a, history.slope, history.bend
         r["changed"], r["last_h"], r["last_stiffness"] = True, history.h, history.k
         r["last_has"], r["last_age"] = history.tangent is not None, history.age
 
-    def last_history(self, tangent):
+    def last_history(self, tangent: State | None) -> History:
         """Return the History at BEGIN with which the last step ended; ``tangent`` is a State."""
         r = self.record[0]
         if not r["changed"]:
@@ -193,7 +199,7 @@ class Workspace:
             changed, h=float(r["last_h"]), k=float(r["last_stiffness"]), age=int(r["last_age"]), tangent=former
         )
 
-    def new_history(self, which, v_shift, tangent):
+    def new_history(self, which: int, v_shift: np.ndarray, tangent: State | None) -> History:
         """Return the History at BEGIN or TRIAL; ``v_shift`` is not copied, ``tangent`` a State."""
         n, row, r, now = self.system.n, self.history[which], self.record[0], "next_" if which == TRIAL else ""
         return History(
