@@ -24,10 +24,11 @@ from mecano.analyses.kind_trial import (
     sensor_of,
     turned_values,
 )
-from mecano.element_interface import Context, Kind
+from mecano.element_interface import Context, Kind, Output
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable
 from mecano.maths.dual import value as number_in
+from mecano.schema import Field
 
 K_SCALE, PENALTY = 1.7, 2.3  # k and penalty of the constraints
 STEP = 1e-4  # of differences
@@ -324,8 +325,8 @@ def force_on_nodes(instances: Iterable[Instance], motion: Motion, penalty: float
 def check_declarations(kind: Kind) -> None:
     """Fields, outputs, rows and events are declared, with units and meanings."""
     assert kind.doc and kind.doc.strip()
-    texts = [text for field in kind.fields for text in (field.name, field.unit, field.doc)]
-    texts += [text for output in kind.outputs for text in (output.name, output.unit, output.doc)]
+    declared: list[Field | Output] = [*kind.fields, *kind.outputs]
+    texts = [text for item in declared for text in (item.name, item.unit, item.doc)]
     texts += [text for row in kind.multipliers for text in (row.name, row.unit, row.constraint_unit)]
     texts += [text for event in kind.events for text in (event.name, event.doc)]
     assert all(text.strip() for text in texts)

@@ -147,8 +147,8 @@ class Instance:
         turns = [np.einsum("ijk,kl->ijl", EYES, seeds[0, c : c + 3]) for c in self._columns()]
         slopes = np.array([np.einsum("ij,jkl->ikl", *both) for both in zip(R, turns, strict=True)])
         out = duals(np.zeros(n), np.zeros((n, 3 * n)))
-        moving = [duals(x, seed) for x, seed in zip((q, v, a), seeds, strict=True)]
-        self.run("residual", t, (*moving, duals(R, slopes)), out, k=k, penalty=penalty)
+        of_q, of_v, of_a = (duals(x, seed) for x, seed in zip((q, v, a), seeds, strict=True))
+        self.run("residual", t, (of_q, of_v, of_a, duals(R, slopes)), out, k=k, penalty=penalty)
         np.testing.assert_array_equal([x.value for x in out], f)
         found = np.array([np.broadcast_to(x.slope, 3 * n) for x in out]).reshape(n, 3, n)
         tangents = found.transpose(1, 0, 2).copy()

@@ -156,14 +156,15 @@ def _massless(deck, system, s, length):
     """Return warnings about nodes without mass; none for statics or for a model without any mass."""
     if not deck.values["time"] or not any("mass" in b.p.dtype.names and b.p["mass"].any() for b in system.batches):
         return []
-    names, found = system.numbering.name, {}
+    names = system.numbering.name
+    found: dict[tuple[str, tuple[str, ...]], set[str]] = {}  # (place, nodes) -> sorts of unknowns
     for i in massless_unknowns(system, s, length):
         sort = "rotation" if system.numbering.kind[i] == ROTATION else "displacement"
         found.setdefault((names[i].place, names[i].nodes), set()).add(sort)
     knots = loose_knots(system, s, length)
     return [
-        _knot(deck, *place, knots[place[0]]) if place[0] in knots else _no_mass(deck, *place, sorted(sorts))
-        for place, sorts in found.items()
+        _knot(deck, place, nodes, knots[place]) if place in knots else _no_mass(deck, place, nodes, sorted(sorts))
+        for (place, nodes), sorts in found.items()
     ]
 
 

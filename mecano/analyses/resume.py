@@ -104,23 +104,24 @@ class InterruptedRun:
 
         Raises ResultsError, also for damaged rows, and the errors of ``Interruption.check``.
         """
+        checkpoint = self.checkpoint
+        assert checkpoint is not None, "a run without a checkpoint starts again"
+        rows_before = [int(count) for count in checkpoint["file"]["rows"]]
         size = Path(self.path).stat().st_size
         what, done, begun = f"copying {self.path} ({size / 1e6:.3g} MB)", 0, time.monotonic()
-        for table, rows in self._rows():
+        for table, rows in self._rows(*rows_before[:2]):
             writer.extend(table, rows)
             done += rows.nbytes
             more = max(size / done - 1.0, 0.0)
             interruption.check(what, more * (time.monotonic() - begun), (1.0 + more) * writer.closing_time)
-        assert self.checkpoint is not None, "a run without a checkpoint begins anew"
-        events = int(self.checkpoint["file"]["rows"][2])
-        for e in self.results.events[:events]:
+        for e in self.results.events[: rows_before[2]]:
             writer.append_event(e.time, e.element, e.name, e.before, e.after, e.impulse, e.impulse_unit, e.energy_lost)
-        writer.resume_at(self.checkpoint)
+        writer.resume_at(checkpoint)
         self.close()
 
-    def _rows(self):
-        """Yield all rows before the checkpoint in blocks: (table, (n, width) array)."""
-        for table, count in zip(("output", "solver"), map(int, self.checkpoint["file"]["rows"]), strict=False):
+    def _rows(self, outputs, steps):
+        """Yield the first rows of both tables, of so many ``outputs`` and ``steps``: (table, (n, width) array)."""
+        for table, count in (("output", outputs), ("solver", steps)):
             width = 1 + (self.results.layout.size if table == "output" else len(self.results.layout.steps))
             at_once = max(AT_ONCE // width // 1024, 1) * 1024  # whole chunks
             for first in range(0, count, at_once):

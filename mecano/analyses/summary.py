@@ -16,6 +16,7 @@ from mecano.solve.diagnostics.rigidity import stiff_mechanisms
 
 if TYPE_CHECKING:
     from mecano.deck.deck import Deck
+    from mecano.model.numbering import EquationName
 
 MOST_NAMES, MOST_MECHANISMS = 6, 4  # names printed of one mechanism, and mechanisms
 MOST_ALIKE = 8  # lines printed of one group of redundant constraints
@@ -106,7 +107,9 @@ def _free(mechanisms, every):
 
 def _by_nodes(names):
     """Return names of unknowns ("node a: displacement x"), with those of a whole node or member merged into one."""
-    places, found, inside = {}, [], Counter()
+    places: dict[str, list[EquationName]] = {}
+    found: list[str] = []
+    inside: Counter[str] = Counter()
     for name in names:
         places.setdefault(name.place, []).append(name)
     for own in places.values():
@@ -122,7 +125,7 @@ def _by_nodes(names):
 
 def _by_sort(names):
     """Yield names of unknowns of one place, with three displacements or rotations merged into one."""
-    sorts = {}
+    sorts: dict[str, list[str]] = {}
     for name in names:
         sorts.setdefault(name.what.rpartition(" ")[0], []).append(name.what)
     for sort, own in sorts.items():

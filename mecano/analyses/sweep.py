@@ -267,8 +267,10 @@ def _locus(case, axis, other, reported, orders=()):
     least = np.array([spectrum.least if spectrum else 0.0 for spectrum in spectra])
     kinds = _along(rows, spectra, "families", -1)
     sure = _along(rows, spectra, "converged", True)
-    growth = _growth(spectra)
-    locus = Locus(axis, values, described, kinds, sure, found, unrefined, *growth, least, np.array(variations))
+    growth, count, fastest = _growth(spectra)
+    locus = Locus(
+        axis, values, described, kinds, sure, found, unrefined, growth, count, fastest, least, np.array(variations)
+    )
     if case.rotor:
         locus.whirl = _along(rows, spectra, "whirl", np.nan)
         locus.speed = np.array([spectrum.speed if spectrum else np.nan for spectrum in spectra])
@@ -323,17 +325,19 @@ def _criticals(case, axis, other, rows, spectra):
     for branch, row in enumerate(rows):
         known, grows = (row[:-1] >= 0) & (row[1:] >= 0), growing(row, spectra)
         for i in np.flatnonzero(known & np.diff(grows)):
-            ends = [(float(axis.values[j]), spectra[j].values[row[j]], spectra[j].shapes[row[j]]) for j in (i, i + 1)]
+            left, right = (
+                (float(axis.values[j]), spectra[j].values[row[j]], spectra[j].shapes[row[j]]) for j in (i, i + 1)
+            )
             at, cause = None, "the mode could not be followed from one to the other"
             try:
-                at = critical(spectrum_at, *ends, branch)
+                at = critical(spectrum_at, left, right, branch)
             except FAILED as error:
                 cause = f"no state was found at {place:.9g}: {_cause(error)}"
             if at is not None:
                 found.append(at)
                 continue
             becomes = f"mode {branch + 1} becomes {'unstable' if grows[i + 1] else 'stable'}"
-            between = f"between {axis.name} {ends[0][0]:.9g} and {ends[1][0]:.9g}"
+            between = f"between {axis.name} {left[0]:.9g} and {right[0]:.9g}"
             unrefined.append(f"{becomes} {between}; the critical value was not refined, because {cause}")
     return _distinct(sorted(found, key=lambda c: c.place)), unrefined
 
@@ -346,7 +350,7 @@ def _cause(error):
 
 def _distinct(criticals):
     """Return the Criticals without duplicates from two branches that meet as a pair."""
-    kept = []
+    kept: list[Critical] = []
     for c in criticals:
         twin = any(abs(c.place - k.place) <= 1e-9 * abs(c.place) and c.destabilizes == k.destabilizes for k in kept)
         if not twin or c.value.imag != 0.0 and not any(abs(c.value - k.value) < 1e-6 * abs(c.value) for k in kept):

@@ -146,10 +146,9 @@ def _panels(run, plots):
     """Return panels of curves over time as plain data."""
     if plots:
         sheets = [requested_sheet(Request.parse(text), [run]) for text in plots]
-        found = [panel for sheet in sheets for panel in sheet.panels]
     else:
-        sheets = default_sheets([run])
-        found = overview(sheets).panels if sheets else ()
+        sheets = [overview(standard)] if (standard := default_sheets([run])) else []
+    found = [panel for sheet in sheets for panel in sheet.panels]
     shown = [p for p in found if isinstance(p, Panel) and p.over_time and all(c.y.clock == SAVED for c in p.curves)]
     return shown if plots else shown[:MOST_PLOTS]
 

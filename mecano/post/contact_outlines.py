@@ -69,10 +69,10 @@ def _turned(deck, surface, b, axes):
     """
     from mecano.laws.probe import shape_of_curve
 
-    profile, z = surface["profile"], float(axes[0] @ b)
-    beside = abs(curve_values(deck, profile, [z])[0])
-    bounded = shape_of_curve(checked_law(deck, profile), z - beside, z + beside)[0]
-    ends = np.append(bounded, [z - beside, z + beside])
+    profile, along = surface["profile"], float(axes[0] @ b)
+    beside = abs(curve_values(deck, profile, [along])[0])
+    bounded = shape_of_curve(checked_law(deck, profile), along - beside, along + beside)[0]
+    ends = np.append(bounded, [along - beside, along + beside])
     z = np.linspace(ends.min(), ends.max(), POINTS)
     radius = curve_values(deck, profile, z)
     z, radius = z[radius > 0.0], radius[radius > 0.0]

@@ -10,7 +10,7 @@ from mecano.post.sheet import Curve, Panel, Sheet
 from mecano.post.style import COLOURS, DASHES, INK, PALE
 
 REFERENCE = {"linestyle": "-", "linewidth": 3.5, "alpha": 0.3, "zorder": 1.5}
-OTHERS = {"color": PALE, "linestyle": "-", "linewidth": 0.8, "zorder": 1.2}
+OTHERS: dict[str, Any] = {"color": PALE, "linestyle": "-", "linewidth": 0.8, "zorder": 1.2}
 MOST_STYLED = 16  # elements with a style of their own: more could not be identified in the legend
 
 
@@ -89,7 +89,7 @@ class CurveStyles:
             own = [largest(curve.y.values) for curve in panel.curves]
             for curve, size in zip(panel.curves, own, strict=True):
                 sizes[curve.subject] = max(sizes[curve.subject], size / (max(own) or 1.0))
-        chosen = sorted(subjects, key=sizes.get, reverse=True)[:most]
+        chosen = sorted(subjects, key=sizes.__getitem__, reverse=True)[:most]
         return tuple(subject for subject in subjects if subject in chosen)
 
     def handles(self) -> list[Line2D]:

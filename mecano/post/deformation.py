@@ -46,7 +46,7 @@ def flexible_parts(shapes: Sequence[Shape], flexible: Container[str], held: Cont
 
 def _together(numbers, shapes):
     """Return lists of the indices of shapes that share nodes."""
-    groups = []
+    groups: list[tuple[set[int], set[str]]] = []
     for i in numbers:
         own = ({i}, set(filter(None, shapes[i].nodes)))
         joined = [group for group in groups if group[1] & own[1]]

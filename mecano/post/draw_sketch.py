@@ -176,7 +176,7 @@ def hull(points: np.ndarray) -> np.ndarray:
     ordered = sorted(map(tuple, points))
 
     def half(sequence):
-        chain = []
+        chain: list[tuple] = []
         for p in sequence:
             while len(chain) > 1 and _turn(chain[-2], chain[-1], p) <= 0.0:
                 chain.pop()
@@ -190,7 +190,7 @@ def _turn(a, b, c):
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
-def zigzag(points):
+def zigzag(points: np.ndarray) -> np.ndarray:
     """Return a zigzag line (n, 2) between two points (2, 2), with straight ends and coils 0.1 of its length high."""
     (a, b), count = points, 2 * COILS
     along = b - a

@@ -51,7 +51,8 @@ def _named(run: "Run", event: "Event") -> tuple[str, str]:
 
 def _simultaneous(found):
     """Return {(element, text): "elements: text"} with all elements for which an event occurs at the same times."""
-    times, alike = {}, {}
+    times: dict[tuple[str, str], list[tuple[int, str]]] = {}
+    alike: dict[tuple, list[str]] = {}  # by the text of an event and its times
     for time, element, text, run in found:
         times.setdefault((element, text), []).append((run, f"{time:.6g}"))
     for (element, text), own in times.items():

@@ -77,7 +77,7 @@ def save(figure: Figure, target: Path | IO[bytes], kind: str = "") -> None:
 
 def _room(sheet, styles, cells, width):
     """Return the heights [inch] of the legends above each row of panels, and of the common legend below."""
-    rows = {}
+    rows: dict[int, float] = {}
     for (row, _), panel in zip(cells, sheet.panels, strict=True):
         if isinstance(panel, Panel):
             rows[row] = max(rows.get(row, 0.0), room_above(panel, styles))

@@ -135,7 +135,9 @@ def _cells(run, shape, points):
 def _data(motion, owners):
     """Return forces, moments and stresses of the owners of the cells: name -> Field."""
     run = motion.run
-    shape, found, cells_of = (len(run.results.time[motion.rows]), len(owners)), {}, {}
+    shape = len(run.results.time[motion.rows]), len(owners)
+    found: dict[str, Field] = {}
+    cells_of: dict[str, list[int]] = {}
     for i, owner in enumerate(owners):
         cells_of.setdefault(owner, []).append(i)
     for path, series in run.results.series.items():

@@ -170,20 +170,20 @@ def _holds(results):
     """Return the lines on outputs by owner, with the kinds of the deck."""
     run = Run(results)
     kinds = {path: d["type"] for path, d in run.things.items()}
-    owners = {}
+    owners: dict[tuple[str, str, str], list[str]] = {}  # (section, kind, path of the owner) -> names of its outputs
     for path in results.names():
         owner, _, name = path.rpartition("/")
         if not owner.startswith("formulas/"):  # those written in place, such as the instant of a release
             owners.setdefault((owner.partition("/")[0], kinds.get(owner, ""), owner), []).append(name)
-    groups = {}
+    alike: dict[tuple[str, str, tuple[str, ...]], list[str]] = {}  # owners of the same outputs
     for (section, kind, owner), names in owners.items():
-        groups.setdefault((section, kind, tuple(names)), []).append(owner.rpartition("/")[2])
+        alike.setdefault((section, kind, tuple(names)), []).append(owner.rpartition("/")[2])
     lines = ["Outputs (units and descriptions, and all names: mecano info FILE --names)"]
-    ranked = sorted(groups.items(), key=lambda item: _rank(results, *item[0][:2]))
-    for (section, kind, names), members in ranked:
+    ranked = sorted(alike.items(), key=lambda item: _rank(results, *item[0][:2]))
+    for (section, kind, outputs), members in ranked:
         shown = name_list(members, MOST_NAMES)
         head = f"  {section}{f', {kind}' if kind else ''}" + (f": {shown}" if members != [section] else "")
-        lines += wrap(f"{head}: {', '.join(names)}", WIDTH, initial_indent="  ", subsequent_indent="      ")
+        lines += wrap(f"{head}: {', '.join(outputs)}", WIDTH, initial_indent="  ", subsequent_indent="      ")
     return lines
 
 

@@ -40,7 +40,7 @@ def _run(path):
 
 
 def _modes(file):
-    rows = [HEAD]
+    rows: list[tuple[str, ...]] = [HEAD]
     for i, kind in enumerate(file.kinds):
         numbers = [float(file.numbers[name][i]) + 0.0 for name in NUMBERS]
         texts = [

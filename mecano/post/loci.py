@@ -82,7 +82,8 @@ def _units(file):
 
 def _headed(file, size):
     heading = f"modes over {' and '.join(file.names)}; about: {file.about}"
-    return plain_figure(*size, file.title or file.path.stem, heading)
+    width, height = size
+    return plain_figure(width, height, file.title or file.path.stem, heading)
 
 
 def shown_modes(
@@ -204,7 +205,8 @@ def _mark(ax, file):
 
 def _rows(places, widths):
     """Return for each label, centred at its place, the lowest row in which it does not overlap another one."""
-    rows, ends = [0] * len(places), []
+    rows = [0] * len(places)
+    ends: list[float] = []  # of the last label in each row
     for i in np.argsort(places):
         free = [row for row, end in enumerate(ends) if places[i] - 0.5 * widths[i] >= end]
         rows[i] = free[0] if free else len(ends)

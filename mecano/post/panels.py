@@ -38,11 +38,11 @@ def _by_unit(panel):
 
 def _by_size(panel):
     """Split a panel into panels for elements with values of similar magnitude, so that all are visible."""
-    size = {}
+    size: dict[str, float] = {}  # by subject
     for curve in panel.curves:
         size[curve.subject] = max(size.get(curve.subject, 0.0), largest(curve.y.values))
-    groups = []
-    for subject in sorted(size, key=size.get, reverse=True):
+    groups: list[list[str]] = []
+    for subject in sorted(size, key=size.__getitem__, reverse=True):
         if not groups or size[subject] * FAR_APART < size[groups[-1][0]]:
             groups.append([])
         groups[-1].append(subject)
@@ -79,7 +79,7 @@ def _most_active(things, view, runs):
     if len(things) <= most:
         return things
     activity = {thing: max(_activity(view, thing, run) for run in runs) for thing in things}
-    chosen = sorted(things, key=activity.get, reverse=True)[:most]
+    chosen = sorted(things, key=activity.__getitem__, reverse=True)[:most]
     return [thing for thing in things if thing in chosen]
 
 

@@ -182,7 +182,8 @@ def _targets(names, output, kind, runs):
         prefix = first.with_name(_stem(runs))
     else:
         prefix = whole / _stem(runs) if os.path.isdir(whole) or str(output).endswith(("/", os.sep)) else whole
-    counts, targets = {}, []
+    targets = []
+    counts: dict[str, int] = {}
     for name in names:
         counts[name] = counts.get(name, 0) + 1
         number = f"_{counts[name]}" if counts[name] > 1 else ""

@@ -143,10 +143,11 @@ def _found(results, name):
 def peak_of(results: "Results", quantity: Quantity) -> "Peak":
     """Return value and time [s] of largest magnitude over all accepted steps, or () if unknown."""
     owner, _, name = quantity.path.rpartition("/")
-    path, factor, derived = quantity.path, 1.0, DERIVED.get(name)
-    if derived and derived.factor:
-        path, factor = f"{owner}/{derived.needs[0]}", derived.factor
-    extreme = results.extremes.get(path)
+    derived = DERIVED.get(name)
+    factor = derived.factor if derived else 1.0
+    if factor is None:  # of several outputs
+        return ()
+    extreme = results.extremes.get(f"{owner}/{derived.needs[0]}" if derived else quantity.path)
     if extreme is None or not np.isfinite([extreme.maximum, extreme.minimum]).all():
         return ()
     if abs(extreme.maximum) >= abs(extreme.minimum):

@@ -146,16 +146,17 @@ def _overrides(opened):
 
 def _in_one_unit(texts):
     """Return texts of one value with the first of their units; numbers without a unit are in SI units."""
-    units = [QUANTITY.fullmatch(text)[2] for text in texts if is_quantity(text)]
-    if not units or not all(is_quantity(text) or number(text) is not None for text in texts):
+    units = [match[2] for text in texts if is_quantity(text) and (match := QUANTITY.fullmatch(text))]
+    plain = [number(text) for text in texts]  # None for a quantity
+    if not units or not all(is_quantity(text) or value is not None for text, value in zip(texts, plain, strict=True)):
         return texts
-    values = [converted(text, ANY) if is_quantity(text) else number(text) for text in texts]
+    values = [converted(text, ANY) if value is None else value for text, value in zip(texts, plain, strict=True)]
     return [f"{value / factor_of(units[0], ANY):.6g} {units[0]}" for value in values]
 
 
 def _given(results):
     """Return {path: value} of all overrides, with mappings replaced by their entries."""
-    found = {}
+    found: dict[str, Any] = {}
     for path, text in (override.split("=", 1) for override in results.metadata["overrides"]):
         value = _at(results.resolved, path)
         found |= dict(_leaves(path, value)) if isinstance(value, dict) else {path: text}

@@ -218,7 +218,7 @@ def _ranges(coloured):
 
 def _grounds(run, drawn):
     """Return lines (k, 3), three of each ground, along the path of its wheels."""
-    wheels = {}
+    wheels: dict[str, list[np.ndarray]] = {}  # ground -> points of its wheels
     for shape in drawn:
         d = run.deck.get("elements", {}).get(shape.name, {})
         if shape.style == WHEEL and "ground" in d:

@@ -105,7 +105,8 @@ def _path(runs):
 
 
 def _energies(runs):
-    changes, errors, scales = [], [], {}
+    changes, errors = [], []
+    scales: dict[str, None] = {}
     for number, run in enumerate(runs):
         energies = {name: y for name in (*EXCHANGED, "balance") for y in _found(run, f"energy/{name}")}
         changes += [Curve(time_of(y), _changed(y), number, "energy") for n, y in energies.items() if n != "balance"]

@@ -182,7 +182,7 @@ def _paths(cloud):
     """Return the longest distinct paths (m, 2) of a cloud of points (m, n, 2)."""
     extents = np.hypot(*np.ptp(cloud, axis=0).T)
     size = np.hypot(*np.ptp(cloud.reshape(-1, 2), axis=0))
-    paths = []
+    paths: list[np.ndarray] = []
     for i in np.argsort(-extents):
         path = cloud[:, i]
         if len(paths) == PATHS or extents[i] <= STILL * size:

@@ -79,7 +79,7 @@ def _cases(table):
         for i, name in enumerate(table.case_names)
     ]
     complete = table["case/status"] == COMPLETE
-    beyond = {(i, j) for j, one in enumerate(columns, 1) for i in np.flatnonzero(one.beyond & complete)}
+    beyond = {(int(i), j) for j, one in enumerate(columns, 1) for i in np.flatnonzero(one.beyond & complete)}
     yield Table(("case", *head), rows, marked=frozenset(beyond))
 
 
@@ -103,7 +103,7 @@ def _incomplete(table):
 
 def _warnings(table):
     """Yield the table of the warnings of complete cases, those of most cases first."""
-    cases = {}
+    cases: dict[str, list[str]] = {}  # text of a warning -> names of the cases
     for name, warnings in zip(table.case_names, table.warnings, strict=False):
         for text in warnings:
             cases.setdefault(text, []).append(name)

@@ -14,7 +14,9 @@ if TYPE_CHECKING:
     from matplotlib.lines import Line2D
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#6a51a3", "#8c564b")
-DASHES = ("-", (0, (5, 1.6)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)), (0, (3, 3)), (0, (8, 2, 2, 2, 2, 2)))
+DASHES: tuple[Any, ...] = (  # styles of lines of matplotlib
+    "-", (0, (5, 1.6)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)), (0, (3, 3)), (0, (8, 2, 2, 2, 2, 2)),
+)  # fmt: skip
 LEGEND = {"handlelength": 1.6, "columnspacing": 1.2}  # in units of the font size
 LONGEST_LABEL = 27  # characters
 LINE_OF_TEXT = 13.0  # points

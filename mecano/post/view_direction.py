@@ -58,7 +58,8 @@ def projection(eye: np.ndarray, up: Sequence[float] | np.ndarray = (0.0, 0.0, 1.
 
 def _worth(angles, points, wheels, up):
     """Return a score of a direction: spread of the points, visibility of the wheels, and of their discs."""
-    seen = direction(*angles, up)
+    azimuth, elevation = angles
+    seen = direction(azimuth, elevation, up)
     flat = projection(seen, up)
     spread = np.sqrt(np.linalg.det(np.cov((points @ flat.T).T) + 1e-9 * np.eye(2)))
     off = np.abs(np.angle(np.exp(1j * (angles[0] - USUAL[0])))) / np.pi + abs(angles[1] - USUAL[1])
