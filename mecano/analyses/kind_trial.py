@@ -17,6 +17,7 @@ from mecano.jit.null_matrix import NULL_MATRIX, NullMatrix
 from mecano.laws.table import LawTable
 from mecano.maths.dual import Dual
 from mecano.maths.dual import value as number_in
+from mecano.model.mesh import Frame
 from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL, Values
 
 GRAVITY = np.array([0.7, -0.4, -9.3])
@@ -26,7 +27,6 @@ SPREAD = 0.05  # of the random states around the nodes of a sample [m, rad]
 
 Local: TypeAlias = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 """q, v, a (n_local,) and R (n_rotations, 3, 3) of an element, as defined in element_interface"""
-Frame: TypeAlias = tuple[np.ndarray, np.ndarray]  # position (3,) and rotation (3, 3) of a node
 
 
 EYES = np.cross(np.eye(3)[:, None], np.eye(3)).transpose(2, 1, 0)  # EYES @ a = hat(a), which turns b into a x b

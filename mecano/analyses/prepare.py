@@ -56,15 +56,15 @@ class Prepared:
     system: System
     linear: LinearSolver
     length: float  # [m]
-    state: "State"  # State: positions assembled, velocities of the deck
+    state: "State"  # positions assembled, velocities of the deck
     displacement: float  # [m] largest correction of the deck's positions by the assembly
     analysis: Analysis  # redundant constraints and mechanisms
-    compliance: Compliance | None  # Compliance, or None
-    carried: tuple[str, ...] = ()  # texts on what was carried over from another run
+    compliance: Compliance | None  # of redundant constraints
+    carried: tuple[str, ...] = ()  # on what was carried over from another run
     off: str = ""  # the constraint that the deck's positions violate most, if the assembly moved them
 
     @cached_property
-    def redundant(self) -> list[Group]:
+    def redundant(self) -> tuple[Group, ...]:
         """Groups of redundant constraints at the state, with all joints involved, one for the same joints."""
         return by_same_joints(redundant_groups(self.system, self.state, self.length, self.analysis))
 

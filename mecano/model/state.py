@@ -63,7 +63,7 @@ class History:
     known: int  # number of differences that are known: 0 at a start
     v_shift: np.ndarray  # (n_all,) correction of the velocities after a start or a change of step size
     k: float  # mean stiffness of the effective tangent for this step size [N/m]
-    tangent: State | None = None  # State whose tangent the next step may reuse, or None if it must evaluate a new one
+    tangent: State | None = None  # whose tangent the next step may reuse, or None if it must evaluate a new one
     age: int = 0  # accepted steps since that state
     drift: float = 0.0  # fraction of the residual that an iteration with an old tangent leaves, per step of its age
     taken: float = 0.0  # size of the last step [s]; 0 at a start

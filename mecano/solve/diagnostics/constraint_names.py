@@ -1,24 +1,26 @@
 """Constraints by joint: joints of one kind with the same constraints in one text."""
 
+from collections.abc import Iterable, Mapping
+
 from mecano.errors import name_list
-from mecano.model.numbering import AXES
+from mecano.model.numbering import AXES, EquationName
 
 
-def by_joint(names, totals, most):
+def by_joint(names: Iterable[EquationName], totals: Mapping[str, int], most: int) -> list[str]:
     """Return a text for all joints of one kind with the same constraints among ``names``, in their order.
 
     For example "hinge 'a', 'b': force y; moment about initial x, z (3 of 5 constraints each)". ``totals`` maps the
     place of a name to the number of constraints that the joint has at all; of more than ``most`` joints in a text, the
     others are counted.
     """
-    held = {}
+    held: dict[str, list[str]] = {}  # by place
     for name in names:
         held.setdefault(name.place, []).append(name.what)
-    alike = {}
-    for place, whats in held.items():
+    alike: dict[tuple[str, tuple[str, ...], int], list[str]] = {}
+    for place, own in held.items():
         kind, _, joint = place.partition(" ")
-        alike.setdefault((kind, tuple(whats), totals.get(place, 0)), []).append(joint)
-    return [_text(*key, joints, most) for key, joints in alike.items()]
+        alike.setdefault((kind, tuple(own), totals.get(place, 0)), []).append(joint)
+    return [_text(kind, whats, total, joints, most) for (kind, whats, total), joints in alike.items()]
 
 
 def _text(kind, whats, total, joints, most):
@@ -30,7 +32,7 @@ def _text(kind, whats, total, joints, most):
 
 def _directions(whats):
     """Yield the constraints of a joint, with the axes of a force or moment in one text: "force x, y"."""
-    axes = {}
+    axes: dict[str, list[str]] = {}
     for what in whats:
         sort, _, axis = what.rpartition(" ")
         axes.setdefault(sort, []).append(axis) if sort and axis in AXES else axes.setdefault(what, [])

@@ -1,11 +1,22 @@
 """Messages of failed runs: time, worst equations, their elements, and advice."""
 
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, TypeVar
+
 import numpy as np
 
-from mecano.errors import ConvergenceError, Failure, NonFiniteError, name_list
+from mecano.errors import AssemblyError, ConvergenceError, Failure, NonFiniteError, name_list
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, TRANSLATION
 from mecano.solve.diagnostics.scales import ANGULAR_SHARE, TINY, length_scale
 
+if TYPE_CHECKING:
+    from mecano.model.assembly import Assembly
+    from mecano.model.state import State
+    from mecano.model.system import System
+    from mecano.solve.events.events import EventRecord
+    from mecano.solve.time.step_info import StepInfo
+
+Failed = TypeVar("Failed", bound=ConvergenceError | NonFiniteError)
 REPORTED = 5  # equations reported, the worst of each node, joint or element
 UNITS = {TRANSLATION: " N", ROTATION: " N m"}  # of residuals
 NEGLIGIBLE = 1e-3  # of the worst residual: smaller ones are not reported
@@ -22,7 +33,9 @@ TRY = {
 }
 
 
-def no_step(system, assembly, info, t, h):
+def no_step(
+    system: "System", assembly: "Assembly", info: "StepInfo", t: float, h: float
+) -> ConvergenceError | NonFiniteError:
     """Return the error of a step from ``t`` that failed down to the size ``h`` [s], naming the worst equations.
 
     ``assembly`` is the one of the last iteration.
@@ -41,20 +54,20 @@ def no_step(system, assembly, info, t, h):
     return of_equations(error, system, rows)
 
 
-def of_equations(error, system, rows):
+def of_equations(error: Failed, system: "System", rows: Iterable[int]) -> Failed:
     """Return the ``error`` with the places of the equations ``rows`` of motion, and the elements that act there."""
     error.elements = tuple(dict.fromkeys(title for i in rows for title in titles(system, i)))
     error.places = tuple(dict.fromkeys(system.numbering.name[i].place for i in rows if i < system.n_q))
     return error
 
 
-def no_restart(error, t):
+def no_restart(error: AssemblyError, t: float) -> ConvergenceError:
     """Return the error of a restart that failed at ``t`` after an event: cause, and what to try."""
     text = str(error) if error.timed else f"at t = {t:.9g} s {error}"
     return ConvergenceError(f"{text}\nwhat to try: {TRY[error.failure]}")
 
 
-def not_finite(system, data, t):
+def not_finite(system: "System", data: np.ndarray, t: float) -> NonFiniteError:
     """Return the error for non-finite values ``data`` of the matrix of masses and constraints at ``t``."""
     rows = np.unique(system.rows[~np.isfinite(data[: len(system.rows)])])
     places = {system.numbering.name[i].place: i for i in rows[::-1]}
@@ -63,7 +76,7 @@ def not_finite(system, data, t):
     return NonFiniteError(f"{text}\nwhat to try: {TRY[Failure.NOT_FINITE]}")
 
 
-def with_sources(error, system, s):
+def with_sources(error: NonFiniteError, system: "System", s: "State") -> NonFiniteError:
     """Return the NonFiniteError ``error`` with the elements whose own forces or tangents are not finite at ``s``.
 
     ``s`` is the last accepted state: behind it one such element makes all others so.
@@ -79,7 +92,7 @@ def with_sources(error, system, s):
     return named
 
 
-def unresisted(system, assembly):
+def unresisted(system: "System", assembly: "Assembly") -> str:
     """Return as text the motions and reactions that the singular tangent of an assembly leaves undetermined.
 
     They form the null vector of the tangent excited by the residual, a line for each node, joint or element; "" if
@@ -89,7 +102,8 @@ def unresisted(system, assembly):
         ScaledSuperLU,  # no ordinary run needs it (docs/architecture.md, Start)
     )
 
-    n, of, places = system.n, system.numbering, {}
+    n, of = system.n, system.numbering
+    places: dict[str, int] = {}  # place -> the equation where it moves most
     try:
         matrix = ScaledSuperLU(n, system.rows, system.cols, assembly.data[: len(system.rows)], NEARLY_NULL)
         x = np.abs(matrix.driven_null_vector(assembly.residual[:n]))
@@ -104,19 +118,20 @@ def unresisted(system, assembly):
     return "nothing resists:\n" + "\n".join(lines)
 
 
-def worst_rows(system, assembly):
+def worst_rows(system: "System", assembly: "Assembly") -> list[int]:
     """Return the numbers of the worst equations of an assembly, one for each node, joint or element."""
     of, r = system.numbering, np.abs(assembly.residual[: system.n])
     with np.errstate(all="ignore"):
         relative = np.nan_to_num(r / _scales(system, assembly.size)[of.kind[: system.n]], nan=np.inf, posinf=np.inf)
-    least, places = max(NEGLIGIBLE * relative.max(initial=0.0), TINY), {}
+    least = max(NEGLIGIBLE * relative.max(initial=0.0), TINY)
+    places: dict[str, int] = {}  # place -> its worst equation
     for i in np.argsort(-relative, kind="stable"):
         if relative[i] >= least:
             places.setdefault(of.name[i].place, i)
     return list(places.values())[:REPORTED]
 
 
-def worst_equations(system, assembly):
+def worst_equations(system: "System", assembly: "Assembly") -> str:
     """Return the names and residuals of the worst equations of an assembly, with the elements acting in them."""
     of, r = system.numbering, np.abs(assembly.residual)
     return "\n".join(
@@ -135,7 +150,7 @@ def _scales(system, size):
     return scales
 
 
-def titles(system, i):
+def titles(system: "System", i: int) -> list[str]:
     """Return the titles of the elements that act on the unknown ``i``; empty for a constraint."""
     if i >= system.n_q:
         return []
@@ -149,7 +164,7 @@ def titles(system, i):
     return list(found)
 
 
-def acting(system, i):
+def acting(system: "System", i: int) -> str:
     """Return a clause naming the elements that act on the unknown ``i``; "" for a constraint."""
     names = titles(system, i)
     if not names:
@@ -157,7 +172,9 @@ def acting(system, i):
     return f"; on it act {name_list(names, NAMED)}"
 
 
-def minimum_step(system, before, after, error, t, h, rounded):
+def minimum_step(
+    system: "System", before: np.ndarray, after: np.ndarray, error: float, t: float, h: float, rounded: bool
+) -> ConvergenceError:
     """Return the error of a step of the least size ``h`` [s] whose local error is ``error`` times the allowed one.
 
     ``before`` and ``after`` (n_all,) are the algorithmic accelerations that the estimate compares. ``rounded``: the
@@ -178,7 +195,7 @@ def minimum_step(system, before, after, error, t, h, rounded):
     return of_equations(failed, system, [worst])
 
 
-def binds(system, i, t):
+def binds(system: "System", i: int, t: float) -> ConvergenceError:
     """Return the error of a joint or contact whose friction binds at ``t`` [s], by the number ``i`` of a reaction."""
     place = system.numbering.name[i].place
     error = ConvergenceError(
@@ -191,7 +208,7 @@ def binds(system, i, t):
     return error
 
 
-def standstill(event, count, t):
+def standstill(event: "EventRecord", count: int, t: float) -> ConvergenceError:
     """Return the error of an ``event`` that recurs ``count`` times while time does not advance."""
     error = ConvergenceError(
         f"time does not advance beyond t = {t:.9g} s: {event.element} had the event '{event.name}' ({event.before} -> "

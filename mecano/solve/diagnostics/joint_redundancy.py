@@ -8,7 +8,9 @@ deck, carried along. The number of redundancies is that of the model, plus the n
 that are already identified.
 """
 
+from collections.abc import Iterable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,14 +19,18 @@ from mecano.laws.table import LawTable
 from mecano.model.model import Element, Model
 from mecano.model.numbering import AXES, Classes, EquationName
 from mecano.model.system import System
-from mecano.solve.diagnostics.mobility import DENSE_ROWS, Entries, Group, dependent_rows, gradient, groups
+from mecano.solve.diagnostics.mobility import DENSE_ROWS, Analysis, Entries, Group, dependent_rows, gradient, groups
+
+if TYPE_CHECKING:
+    from mecano.element_interface import Kind
+    from mecano.model.state import State
 
 PARTS = {"x": "force {}", "R": "moment about initial {}"}
 SIDE = np.sqrt(0.5)  # the two coefficients of an identification, as a row of length 1
 SMALL = 1e-6  # of the largest reaction: smaller ones count as zero
 
 
-def redundant_groups(system, s, length, analysis):
+def redundant_groups(system: System, s: "State", length: float, analysis: Analysis) -> tuple[Group, ...]:
     """Return the groups of redundant constraints at ``s``, with all joints involved.
 
     With more than ``DENSE_ROWS`` constraints in closed loops, the groups are those of the ``analysis`` of ``s``, which
@@ -39,9 +45,9 @@ def redundant_groups(system, s, length, analysis):
     return groups(null @ null.T, [names[row] for row in loops], lambda: names)
 
 
-def by_same_joints(found):
+def by_same_joints(found: Iterable[Group]) -> tuple[Group, ...]:
     """Return Groups, a tuple, in which those of redundant constraints of the same joints are united, in order."""
-    united = {}
+    united: dict[frozenset[str], list[Group]] = {}
     for group in found:
         united.setdefault(frozenset(name.place for name in group.names), []).append(group)
     return tuple(
@@ -54,7 +60,7 @@ def by_same_joints(found):
     )
 
 
-def contradicting(system, s, length, phi):
+def contradicting(system: System, s: "State", length: float, phi: np.ndarray) -> list[EquationName]:
     """Return the names of the contradictory constraints and joints of an assembly that failed with the gaps ``phi``.
 
     ``phi`` (n_l,) are then reactions in balance with those of identifications; all constraints whose reactions are not
@@ -92,7 +98,8 @@ def _apart(system, s, length):
     The rows of ``system`` come first, followed by 3 for each identification. There are 6 columns for each node (empty
     for fixed ones), followed by those of the scalars of elements.
     """
-    model, kinds = system.model, {}
+    model = system.model
+    kinds: dict[int, Kind] = {}  # without identifications, by the ids of those with them
     elements = [Element(e.name, _unshared(e, kinds), e.nodes, e.values) for e in model.elements]
     whole = System(Model(model.nodes, elements, LawTable(), model.gravity))
     B, size, holds = gradient(whole, _state(system, whole, s), length)
@@ -105,7 +112,7 @@ def _apart(system, s, length):
             along = np.flatnonzero(axes[axis])
             for node, sign in ((i, SIDE), (j, -SIDE)):
                 if not system.nodes[node].fixed:
-                    rows.append([len(names)] * len(along))
+                    rows.append(np.full(len(along), len(names)))
                     cols.append(6 * node + 3 * (what == "R") + along)
                     values.append(sign * axes[axis, along])
             names.append(EquationName(owner, PARTS[what].format(AXES[axis])))
@@ -114,7 +121,8 @@ def _apart(system, s, length):
     group = np.concatenate([np.repeat(np.arange(len(system.nodes)), 6), len(system.nodes) + np.arange(n_scalars)])
     shape = (len(names), n + n_scalars)
     holds = np.concatenate([holds, np.ones(len(names) - len(holds), bool)])
-    return Entries(*(np.concatenate(part) for part in (rows, cols, values)), shape), size, names, group, holds
+    B = Entries(np.concatenate(rows), np.concatenate(cols), np.concatenate(values), shape)
+    return B, size, names, group, holds
 
 
 def _unshared(element, kinds):

@@ -5,20 +5,21 @@ null space of B couples redundant constraints, its null space couples unknowns t
 """
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import field
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from mecano.immutable import immutable
 from mecano.maths.sparse_rows import SparseRows, sparse_rows
-from mecano.model.numbering import ROTATION
+from mecano.model.numbering import ROTATION, EquationName
 from mecano.solve.diagnostics.constraint_names import by_joint
 
 if TYPE_CHECKING:
-    from mecano.model.numbering import EquationName
+    from mecano.model.state import State
+    from mecano.model.system import System
 
 RANK_TOLERANCE = 1e-9  # singular values of rows of unit length below this count as zero
 SHARE = 1e-7  # entries of a projector below this count as zero
@@ -31,10 +32,10 @@ class Group:
     """Constraints with ``count`` redundancies, or unknowns that move together in ``count`` free motions."""
 
     count: int
-    names: "tuple[EquationName, ...]"  # EquationName
+    names: tuple[EquationName, ...]
     totals: dict[str, int] = field(default_factory=dict)  # place of a name -> number of its constraints
 
-    def by_joint(self, most):
+    def by_joint(self, most: int) -> list[str]:
         """Return a text for the constraints of all joints that take part alike, with up to ``most`` joints each."""
         return by_joint(self.names, self.totals, most)
 
@@ -47,7 +48,7 @@ class Entries(NamedTuple):
     values: np.ndarray
     shape: tuple[int, int]
 
-    def dense(self, rows):
+    def dense(self, rows: np.ndarray) -> np.ndarray:
         """Return the given rows (m,) as a dense matrix (m, n)."""
         place = np.full(self.shape[0], -1)
         place[rows] = np.arange(len(rows))
@@ -65,22 +66,22 @@ class Analysis:
     """
 
     rank: int
-    redundant: tuple[Group, ...]  # Group
+    redundant: tuple[Group, ...]
     dependent: SparseRows | None  # projector (n_l, n_l) on the reactions in redundancies, see ``_directions``
     release_matrix: SparseRows | None  # (n_l, n_l) whose rows times reactions vanish, see ``_repeated``
     gradient: Entries
-    names: "Sequence[EquationName]"  # EquationName of the unknowns, and of others that follow
+    names: Sequence[EquationName]  # of the unknowns, and of others that follow
     signals: np.ndarray  # (n_q,) bool: unknowns that are signals, not motions
     active: np.ndarray  # (n_l,) bool: constraints that hold in the phases of the configuration
     complete: bool = True
 
     @property
-    def mobility(self):
+    def mobility(self) -> int:
         """Number of independent motions that the constraints allow."""
         return self.gradient.shape[1] - self.rank - int(self.signals.sum())
 
     @cached_property
-    def mechanisms(self):
+    def mechanisms(self) -> tuple[Group, ...] | None:
         """Groups of unknowns that can move together; None if there are too many unknowns or the rank is unknown.
 
         Computed on demand, because a run does not need it and the decomposition of all constraints takes time.
@@ -92,22 +93,22 @@ class Analysis:
         return groups(projector, self.motions)
 
     @property
-    def small(self):
+    def small(self) -> bool:
         """True if the rank is known and the unknowns are few enough for a decomposition."""
         return self.complete and self.gradient.shape[1] <= DENSE_ROWS
 
     @property
-    def motions(self):
+    def motions(self) -> list[EquationName]:
         """Names (n_q,) of the motions of the unknowns."""
         return [name.motion for name in self.names[: len(self.signals)]]
 
     @property
-    def released(self):
+    def released(self) -> np.ndarray:
         """Indices (n,) of the released constraints."""
         return np.zeros(0, np.int64) if self.release_matrix is None else self.release_matrix.filled
 
 
-def analyse(system, s, length):
+def analyse(system: "System", s: "State", length: float) -> Analysis:
     """Return the Analysis of ``system`` at ``s``; rotations are multiplied by the length scale."""
     B, size, holds = gradient(system, s, length)
     of = system.numbering
@@ -118,8 +119,9 @@ def analyse(system, s, length):
         dependent = sparse_rows(rows, rows, np.ones(len(rows)), system.n_l)
         return Analysis(n_l, (), dependent, None, B, names, system.signals, holds, False)
     null = _left_null(B.dense(loops))
-    every = partial(of.name.__getitem__, slice(of.n_q, of.n_q + system.n_l))
-    redundant = groups(null @ null.T, [of.name[of.n_q + i] for i in loops], every)
+    redundant = groups(
+        null @ null.T, [of.name[of.n_q + i] for i in loops], lambda: of.name[of.n_q : of.n_q + system.n_l]
+    )
     rank = n_l - null.shape[1]
     rows, shares, null = _repeated(null, of.of_rates[loops])
     release_matrix = (
@@ -129,7 +131,7 @@ def analyse(system, s, length):
     return Analysis(rank, redundant, dependent, release_matrix, B, names, system.signals, holds)
 
 
-def gradient(system, s, length):
+def gradient(system: "System", s: "State", length: float) -> tuple[Entries, np.ndarray, np.ndarray]:
     """Return the scaled gradient B = dPhi/dq (Entries (n_l, n_q)), sizes (n_l,) of its rows, active rows (n_l,) bool.
 
     Columns of rotations are divided by the length scale, then rows are normalized. A constraint that is inactive in the
@@ -150,7 +152,7 @@ def gradient(system, s, length):
     return B, size, data[system.diagonal[system.n_q :]] == 0.0
 
 
-def dependent_rows(B, group, holds):
+def dependent_rows(B: Entries, group: np.ndarray, holds: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
     """Return (indices (m,) of the rows of B in closed loops, orthonormal basis (m, d) of their left null space).
 
     The basis is None for more than ``DENSE_ROWS`` rows; ``group`` (n,) is the number of the node of each column,
@@ -161,7 +163,7 @@ def dependent_rows(B, group, holds):
     return loops, (None if len(loops) > DENSE_ROWS else _left_null(B.dense(loops)))
 
 
-def in_loops(B, group):
+def in_loops(B: Entries, group: np.ndarray) -> np.ndarray:
     """Return the indices of the rows of B in closed loops.
 
     Rows whose columns of one node are independent of all other rows are removed repeatedly: open chains are removed
@@ -169,7 +171,7 @@ def in_loops(B, group):
     """
     alive = np.ones(B.shape[0], bool)
     blocks = [_block(B, entries) for entries in _by_node(B, group)]
-    nodes_of = [[] for _ in range(B.shape[0])]
+    nodes_of: list[list[int]] = [[] for _ in range(B.shape[0])]
     for node, (rows, _) in enumerate(blocks):
         for row in rows:
             nodes_of[row].append(node)
@@ -264,12 +266,15 @@ def _directions(system, projector, loops, size):
         rows += np.repeat(members, len(members)).tolist()
         cols += members * len(members)
         values += (direction @ direction.T).ravel().tolist()
-    rows, cols, values = np.array(rows, np.int64), np.array(cols, np.int64), np.array(values, float)
     kept = np.abs(values) >= SHARE
-    return sparse_rows(rows[kept], cols[kept], values[kept], system.n_l)
+    return sparse_rows(
+        np.array(rows, np.int64)[kept], np.array(cols, np.int64)[kept], np.array(values, float)[kept], system.n_l
+    )
 
 
-def groups(projector, names, every=tuple):
+def groups(
+    projector: np.ndarray, names: Sequence[EquationName], every: Callable[[], Iterable[EquationName]] = tuple
+) -> tuple[Group, ...]:
     """Return the Groups of ``names`` that a projector couples, each with the number of its dimensions.
 
     Groups of the same names, such as those of one joint about two axes, are one, which has such a name twice. ``every``
@@ -279,7 +284,7 @@ def groups(projector, names, every=tuple):
     taking_part = np.flatnonzero(np.diag(projector) > SHARE)
     if not len(taking_part):
         return ()
-    found = {}
+    found: dict[tuple[EquationName, ...], tuple[int, list[EquationName]]] = {}
     for component in connected(np.abs(projector[np.ix_(taking_part, taking_part)]) > SHARE):
         members = taking_part[component]
         of = [names[i] for i in members]
@@ -290,7 +295,7 @@ def groups(projector, names, every=tuple):
     return tuple(Group(count, tuple(of), totals) for count, of in found.values())
 
 
-def connected(coupled):
+def connected(coupled: np.ndarray) -> Iterator[np.ndarray]:
     """Yield the masks (n,) of the connected components of the graph with edges ``coupled`` (n, n) bool."""
     coupled, unvisited = coupled | coupled.T, np.ones(len(coupled), bool)
     while unvisited.any():

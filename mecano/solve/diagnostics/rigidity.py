@@ -6,14 +6,20 @@ tyres are constant. Unknowns that two bodies share, and those of the ground, giv
 has lengths as its only scale; stiffness would be no criterion: the softest bending of 64 beams is 1e-9 of the stiffest.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mecano.maths.vector import skew
 from mecano.model.numbering import SCALAR, Classes
-from mecano.solve.diagnostics.mobility import RANK_TOLERANCE, groups
+from mecano.solve.diagnostics.mobility import RANK_TOLERANCE, Analysis, Group, groups
+
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.model.system import System
 
 
-def stiff_mechanisms(system, s, length, analysis):
+def stiff_mechanisms(system: "System", s: "State", length: float, analysis: Analysis) -> tuple[Group, ...] | None:
     """Return the groups of unknowns of ``system`` that can move at ``s`` with all flexible members rigid.
 
     None if nothing is flexible, or if there are too many unknowns. ``analysis`` is the Analysis of the constraints, in
@@ -31,14 +37,16 @@ def stiff_mechanisms(system, s, length, analysis):
 
 def _bodies(system):
     """Return the nodes of each body as lists of (index of its position in z, of its rotation in z, of its matrix)."""
-    nodes, pairs = {}, []
+    nodes: dict[tuple[int, int, int], int] = {}
+    pairs: list[tuple[int, int]] = []
     for b in system.batches:
         if b.kind.flexible:
             for dofs, rots in zip(b.dofs, b.rots, strict=True):
                 found = [(int(dofs[6 * i]), int(dofs[6 * i + 3]), int(R)) for i, R in enumerate(rots)]
                 numbers = [nodes.setdefault(node, len(nodes)) for node in found]
                 pairs += [(numbers[0], other) for other in numbers[1:]]
-    classes, bodies = Classes(len(nodes)), {}
+    classes = Classes(len(nodes))
+    bodies: dict[int, list[tuple[int, int, int]]] = {}
     for i, j in pairs:
         classes.join(i, j)
     for node, i in nodes.items():

@@ -1,6 +1,7 @@
 """Physical scales of residuals and errors, and the factors that balance the linear system."""
 
-from typing import NamedTuple
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -18,9 +19,14 @@ from mecano.model.numbering import (
     TRANSLATION,
     Unknowns,
 )
-from mecano.model.state import Motion
+from mecano.model.state import Motion, State
 from mecano.solve.events.compliance import RELEASED_COMPLIANCE
 from mecano.solve.linear.rounding import ROUNDING
+
+if TYPE_CHECKING:
+    from mecano.model.assembly import Assembly
+    from mecano.model.model import Node
+    from mecano.model.system import System
 
 HUGE = 1e300  # larger numbers count as infinite
 TINY = 1e-300
@@ -40,23 +46,25 @@ class Tolerances:
     max_iterations: int = 15
 
 
-def extent(nodes):
+def extent(nodes: "Iterable[Node]") -> float:
     """Return the diagonal of the box around nodes [m]; 0 for a single point or none."""
     x = np.array([node.x for node in nodes])
     return float(np.linalg.norm(np.ptp(x, axis=0))) if len(x) else 0.0
 
 
-def length_scale(nodes):
+def length_scale(nodes: "Iterable[Node]") -> float:
     """Return the size of the mechanism [m], the diagonal of the box around its nodes; 1 m for a single point."""
     return extent(nodes) or 1.0
 
 
-def constraint_scale(system, length):
+def constraint_scale(system: "System", length: float) -> np.ndarray:
     """Return the scale of each constraint (n_l,): the length scale [m], or 1 rad."""
     return np.where(system.numbering.kind[system.n_q : system.n] == LENGTH_CONSTRAINT, length, 1.0)
 
 
-def balance(system, s, length, cK, cC, cM, into=None):
+def balance(
+    system: "System", s: State, length: float, cK: float, cC: float, cM: float, into: "Assembly | None" = None
+) -> float:
     """Return k = penalty, the mean stiffness of the tangent cK K + cC C + cM M at ``s`` (theory.md, section 1).
 
     Stiffnesses of rotations [N m] are divided by the square of the ``length`` scale [m] of the mechanism. The mean is
@@ -69,7 +77,7 @@ def balance(system, s, length, cK, cC, cM, into=None):
     return mean if mean > NO_STIFFNESS else 1.0
 
 
-def mean_diagonal(diagonal, kind, length):
+def mean_diagonal(diagonal: np.ndarray, kind: np.ndarray, length: float) -> float:
     """Return the mean size of the entries (n,) of a ``diagonal`` that are not zero; 0 if all are.
 
     Those of rotations, by their ``kind`` (n,), are divided by the square of the ``length`` scale [m].

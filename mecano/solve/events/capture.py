@@ -31,7 +31,7 @@ class EventCapture:
     ``monitor`` omits their values.
     """
 
-    monitor: "EventMonitor"  # EventMonitor
+    monitor: "EventMonitor"
     most: int
     excess: int = 0  # of instants over steps
     counted: int = 0  # steps of the run up to the last instant

@@ -53,9 +53,9 @@ class Shock:
     lost: float
     given: float
     impulses: np.ndarray  # (n_l,) of all constraints [N s, N m s]
-    consistent: "Consistent"  # Consistent at this state
-    compliance: "Compliance | None"  # Compliance of redundant constraints after the impact, or None
-    redundant: "tuple[Group, ...]"  # Groups of constraints that have become redundant
+    consistent: "Consistent"  # at this state
+    compliance: "Compliance | None"  # of redundant constraints after the impact, or None
+    redundant: "tuple[Group, ...]"  # of constraints that have become redundant
 
 
 def touching_gaps(system: "System", tolerance: float, length: float) -> np.ndarray:

@@ -34,7 +34,7 @@ LEAP, NOTICEABLE = 4.0, 0.02  # a jump: larger than so many predicted changes an
 class Point:
     """An equilibrium on a path; ``place`` increases along it: the parameter or the arc length."""
 
-    state: "State"  # State, at rest
+    state: "State"  # at rest
     parameter: float  # load factor, or time [s]
     place: float
     step: float  # from the last point
@@ -42,7 +42,7 @@ class Point:
     rejected: int
     norms: tuple[float, ...]
     stability: Stability
-    observation: "Observation"  # Observation of the state
+    observation: "Observation"  # of the state
     event_records: "tuple[EventRecord, ...]" = ()
 
 
@@ -56,8 +56,8 @@ class Follower:
         ""
     )  # text on an element that ends the run there, "" if none
     judge: Judge = field(init=False)
-    losses: list[str] = field(default_factory=list)  # texts: points at which stability was lost
-    departures: list[str] = field(default_factory=list)  # texts: unstable equilibria that were left
+    losses: list[str] = field(default_factory=list)  # points at which stability was lost
+    departures: list[str] = field(default_factory=list)  # unstable equilibria that were left
     last: Point | None = None
 
     def __post_init__(self):

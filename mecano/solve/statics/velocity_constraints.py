@@ -30,7 +30,7 @@ NONE = np.zeros(0, np.int64)
 class Held:
     """The constraints on velocities of one state as constraints on displacements, and their part of the tangent."""
 
-    B: "sp.csr_matrix"  # csr_matrix (n_l, n_q): rows of other constraints are empty
+    B: "sp.csr_matrix"  # (n_l, n_q): rows of other constraints are empty
     values: np.ndarray  # entries of B in the tangent, one for each of ``VelocityConstraints.entries``
     squares: np.ndarray  # entries of B^T B in the tangent
     square_places: np.ndarray  # their indices in the values of the tangent

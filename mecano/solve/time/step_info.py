@@ -34,7 +34,7 @@ class StepInfo:
     lag: float = 0.0  # local error of massless unknowns, which relax
     signalled: float = 0.0  # local error of signals with a rate, which later steps do not undo
     plain: float = np.nan  # the error before it was bounded
-    stages: tuple[State, ...] = ()  # States within the step that satisfy the equations, in the order of time
+    stages: tuple[State, ...] = ()  # within the step that satisfy the equations, in the order of time
     forces: np.ndarray | None = None  # (n_slots,) of the Assembly at the end of the step; None if it has none there
     event_records: "tuple[EventRecord, ...]" = ()  # captured in the step (solve/events/capture.py)
     work: np.ndarray | None = None  # (m, 2) dissipated and given from the beginning to the stages and the end [J]

@@ -41,9 +41,9 @@ SHORT = 1e-3  # of a step: the reactions of a shorter one are dominated by round
 class Accepted:
     """An accepted step, as reported to observers."""
 
-    before: "State"  # State at the beginning of the step
+    before: "State"  # at the beginning of the step
     run: RunState
-    info: "StepInfo"  # StepInfo
+    info: "StepInfo"
     h: float
     rejected: int  # trials rejected before it
     event_records: tuple[EventRecord, ...] = ()  # events at its end
