@@ -162,8 +162,8 @@ def circle_warnings(
         return
     starts = {column.path: column.start for column in sampler.columns}
     mass = system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0).data[system.diagonal[: system.n_q]]
-    circles, first = [], np.asarray(sampler.nodes.x)
-    for i, (column, x) in enumerate(zip(spins, first, strict=True)):
+    circles = []
+    for i, (column, x) in enumerate(zip(spins, np.asarray(sampler.nodes.x).tolist(), strict=True)):
         if 0 <= x < system.n_q and mass[x] > 0.0:
             about = _circle(column, starts, extremes), _turning_circle(run, i, x, sampler.nodes)
             circles += [(*circle, mass[x], column.path) for circle in about]

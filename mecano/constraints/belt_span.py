@@ -71,7 +71,7 @@ def _continued(angle, at_start, turned):
 
 
 @kernel
-def _between_pulleys(p, at):
+def between_pulleys(p, at):
     """Return stretch, gradient, free length, and the angles since the start of the tangent on both pulleys."""
     R_0, R_1, delta = mat(at.R[0]), mat(at.R[1]), p.radius_1 - p.radius_0
     d = vec(at.q, 6) - vec(at.q, 0)
@@ -86,7 +86,7 @@ def _between_pulleys(p, at):
 
 
 @kernel
-def _to_a_point(p, at):
+def to_a_point(p, at):
     """Return the same of a span between a pulley and a point."""
     R_0, d = mat(at.R[0]), vec(at.q, 6) - vec(at.q, 0)
     d_0, L = R_0.T @ d, sqrt(dot(d, d) - p.radius_0 * p.radius_0)
@@ -162,7 +162,7 @@ def _kind(name, doc, layout, geometry, radii):
     memory = ("angle_0", "angle_1")[: len(layout) - 2]
     return Kind(
         name=name, doc=doc, dtype=RECORD, layout=layout, outputs=OUTPUTS, phases=PHASES, events=EVENTS, memory=memory,
-        sample=_samples(radii, PHASES), **_functions(geometry, len(memory), True),
+        sample=samples_of_spans(radii, PHASES), **_functions(geometry, len(memory), True),
     )  # fmt: skip
 
 
@@ -196,9 +196,7 @@ def span_kind(at_a_point, released, activation):
     activation : None or bool
         None if the belt is always active, or whether it is activated stress-free.
     """
-    plain, geometry, radii = (
-        (BELT_END, _to_a_point, RADII_OF_END) if at_a_point else (BELT_SPAN, _between_pulleys, RADII)
-    )
+    plain, geometry, radii = (BELT_END, to_a_point, RADII_OF_END) if at_a_point else (BELT_SPAN, between_pulleys, RADII)
     if not released and activation is None:
         return plain
     kind = replace(plain, **_functions(geometry, len(plain.memory), False))
@@ -207,7 +205,7 @@ def span_kind(at_a_point, released, activation):
         kind = detached(kind, "belt", (0, CLOSENESS))
     if activation is not None:
         kind = activated(kind, "belt", (0, 1, CLOSENESS) if activation else (0, CLOSENESS))
-    return replace(kind, name=plain.name, sample=_samples(radii, kind.phases))
+    return replace(kind, name=plain.name, sample=samples_of_spans(radii, kind.phases))
 
 
 def span_record(first, second):
@@ -242,7 +240,9 @@ def check_tangent(names, places, radii, frame):
     return []
 
 
-def _samples(radii, phases):
+def samples_of_spans(radii, phases):
+    """Return the function rng -> samples, see Kind.sample, of spans between pulleys of these ``radii``."""
+
     def sample(rng):
         """Return (values of RECORD, nodes, phase) of a span between two pulleys at random places, in each phase.
 
@@ -263,8 +263,8 @@ def _samples(radii, phases):
 
 
 RADII, RADII_OF_END = (0.2, -0.3), (0.2, 0.0)
-BELT_SPAN = _kind("belt_span", __doc__, ("x0", "R0", "x1", "R1"), _between_pulleys, RADII)
+BELT_SPAN = _kind("belt_span", __doc__, ("x0", "R0", "x1", "R1"), between_pulleys, RADII)
 BELT_END = _kind(
-    "belt_end", "Span of a belt between a pulley and a point, see the span.", ("x0", "R0", "x1"), _to_a_point,
+    "belt_end", "Span of a belt between a pulley and a point, see the span.", ("x0", "R0", "x1"), to_a_point,
     RADII_OF_END,
 )  # fmt: skip

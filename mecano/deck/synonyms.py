@@ -19,8 +19,8 @@ NOTES = {  # words with the same meaning: (targets, note)
     ),
     "timing belt, belt drive": ("belt", ""),
     "creep, belt creep, belt slip, v belt, flat belt": (
-        "belt hinge joint_moment",
-        "a belt does not slip; its creep is that of a rim on a hinge with a joint_moment, see docs/pulleys.md",
+        "belt",
+        "a belt does not slip; with 'creep: true' it creeps on its pulleys as its strain changes on them",
     ),
     "motorcycle, motorbike, weave, wobble, capsize": (
         "transient_wheel rigid_wheel", "`mecano modes --sweep` follows the modes over the speed; see docs/tyres.md"

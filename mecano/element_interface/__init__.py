@@ -78,13 +78,23 @@ from mecano.element_interface.declarations import (
     Output,
     Row,
 )
-from mecano.element_interface.kind import BY_COMMAND, FREELY, SECTIONS, Context, Kind, NodeAtStart, Part, nothing
+from mecano.element_interface.kind import (
+    BY_COMMAND,
+    FREELY,
+    SECTIONS,
+    Context,
+    Kind,
+    NodeAtStart,
+    OwnOutput,
+    Part,
+    nothing,
+)
 from mecano.element_interface.records import UNUSED, record, recorded, recorded_values
 
 __all__ = [
     "BY_COMMAND", "CONTACT", "FREELY", "GRIP", "LOCK", "RELEASES", "SECTIONS", "UNUSED", "WAITS", "Context", "Display",
-    "Event", "Kind", "Measured", "NodeAtStart", "Output", "Part", "Place", "Row", "nothing", "record", "recorded",
-    "recorded_values",
+    "Event", "Kind", "Measured", "NodeAtStart", "Output", "OwnOutput", "Part", "Place", "Row", "nothing", "record",
+    "recorded", "recorded_values",
 ]  # fmt: skip
 
 

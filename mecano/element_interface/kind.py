@@ -47,6 +47,12 @@ class NodeAtStart(NamedTuple):
     gravity: np.ndarray  # (3,) [m/s2] of the deck
 
 
+class OwnOutput(NamedTuple):
+    """An output of a part of the same owner, as an input of a part: its name with the label of that part."""
+
+    name: str
+
+
 @immutable
 class Part:
     """A basic constraint or element of which a kind is composed: its nodes and its parameters.
@@ -59,7 +65,7 @@ class Part:
     parameters: Values
     coupled_to: tuple[int, ...] = ()  # indices of the parts of the owner to whose multipliers it is coupled
     label: str = ""  # suffix of the names of its outputs
-    reads: tuple[str, ...] = ()  # formulas of the inputs of its kind, in their order
+    reads: tuple[str | OwnOutput, ...] = ()  # the inputs of its kind, in their order: formulas, own outputs
 
 
 @immutable

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
-    from mecano.element_interface import Kind
+    from mecano.element_interface import Kind, OwnOutput
 
 
 Shared: TypeAlias = tuple[str, int, int, int]
@@ -24,6 +24,6 @@ class Instance:
     n_parts: int = 0  # number of its parts, which follow it in the list
     coupled_to: tuple[int, ...] = ()  # list indices of the instances to whose multipliers it is coupled
     label: str = ""  # suffix of its outputs
-    reads: tuple[str, ...] = ()  # formulas of its inputs
+    reads: "tuple[str | OwnOutput, ...]" = ()  # its inputs
     inputs: tuple[int, ...] = ()  # list indices of the instances whose first scalars are its inputs
     senses: int | None = None  # list index of the instance of which it measures an output

@@ -134,14 +134,14 @@ class System:
 
         Of the batches ``chosen``, if given; otherwise the only loop may be that of a divided model.
         """
-        found = [None if chosen and not chosen(b) else calls_of(b.kind, purpose) for b in self.batches]
-        own = [i for i, calls in enumerate(found) if calls is not None]
-        if chosen is None and own and self.halves is not None:
-            return self._divided(purpose, [(self.batches[i], found[i]) for i in own])
-        records = self._batch_records[own]
-        for i, place in enumerate(own):
-            calling(records[i : i + 1], found[place])
-        return Loops(np.array([found[i].loop for i in own], np.int64), records)
+        of_batches = [calls_of(b.kind, purpose) if chosen is None or chosen(b) else None for b in self.batches]
+        found = {i: calls for i, calls in enumerate(of_batches) if calls is not None}
+        if chosen is None and found and self.halves is not None:
+            return self._divided(purpose, [(self.batches[i], calls) for i, calls in found.items()])
+        records = self._batch_records[list(found)]
+        for i, calls in enumerate(found.values()):
+            calling(records[i : i + 1], calls)
+        return Loops(np.array([calls.loop for calls in found.values()], np.int64), records)
 
     def _divided(self, purpose, loops):
         if purpose not in self._divided_loops:
@@ -268,8 +268,9 @@ class System:
         """
         alone = Assembly(self)
         for b in self.batches:
-            calls = calls_of(b.kind, loops.tangent)
-            for e in range(len(b.p) if calls is not None else 0):
+            if (calls := calls_of(b.kind, loops.tangent)) is None:
+                continue
+            for e in range(len(b.p)):
                 alone_in_loop = Loops(np.array([calls.loop], np.int64), calling(b.record_of(e), calls))
                 assemble = assembly_driver.assemble.bind(alone_in_loop)
                 assemble(alone.record, s, self._no_turn, 1.0, 0.0, 1.0, 1.0, 1.0)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.constraints.output_sensor import output_sensor
+from mecano.element_interface import OwnOutput
 from mecano.elements.signals.formula import FORMULA
 from mecano.laws.formula import read_formula
 from mecano.model.instance import Instance
@@ -24,22 +25,35 @@ def wire(instances: list[Instance], model: Model, context: "Context") -> set[str
     """
     wiring = _Wiring(instances, model, context)
     for item in instances:  # the list grows
-        item.inputs = tuple(wiring.source(text) for text in item.reads)
+        item.inputs = tuple(wiring.input_of(item, one) for one in item.reads)
     return wiring.hidden
 
 
 class _Wiring:
-    """Sources of inputs (signals, sensors, formulas), by the text of the formula."""
+    """Sources of inputs: signals, sensors, formulas, own outputs."""
 
     def __init__(self, instances: list[Instance], model: Model, context: "Context"):
         self.instances, self.model, self.context = instances, model, context
         self.nodes = {node.name: i for i, node in enumerate(model.nodes)}
         self.elements = {(element.kind.section, element.name): element for element in model.elements}
         self.entries = {place: (element.kind, element.values) for place, element in self.elements.items()}
-        self.sources = {
+        self.sources: dict[str | tuple[str, str], int] = {  # by formula, or path and name of an own output
             item.path.partition("/")[2]: i for i, item in enumerate(instances) if item.kind.section == "signals"
         }
         self.hidden: set[str] = set()  # paths of the elements of which hidden outputs are read
+
+    def input_of(self, item: Instance, one: str | OwnOutput) -> int:
+        """Return the list index of the source of an input, a formula or an OwnOutput; append it if new.
+
+        A sensor has the inputs of the instance that it senses.
+        """
+        if not isinstance(one, OwnOutput):
+            return self.source(one)
+        owner = item if item.senses is None else self.instances[item.senses]
+        key = owner.path, one.name
+        if key not in self.sources:
+            self.sources[key] = self._of_observed(f"{owner.owner}: {one.name}", owner.path, one.name)
+        return self.sources[key]
 
     def source(self, text: str) -> int:
         """Return the list index of the instance whose first scalar is the value of a formula; append it if new."""

@@ -1,5 +1,7 @@
 """Campbell diagram: frequencies and damping over the speed of a rotor, lines of its multiples, and where they meet."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.lines import Line2D
 
@@ -10,7 +12,7 @@ from mecano.solve.modal.whirl import whirl_word
 SIZE = (8.4, 6.8)  # inches
 ABOVE = 1.15  # times the highest frequency of interest: limit of the frequencies shown
 LEAST = 1.5  # times the lowest frequency: least limit
-STYLES = {"forward": "-", "backward": (0, (5, 1.6)), "-": (0, (1.2, 1.2))}
+STYLES: dict[str, Any] = {"forward": "-", "backward": (0, (5, 1.6)), "-": (0, (1.2, 1.2))}  # of lines
 WORDS = {"forward": "forward whirl", "backward": "backward whirl", "-": "neither"}
 LONGEST, MOST_NAMED = 100, 12  # characters of a motion in the legend; modes in it
 NUMBERS = 7.5  # points

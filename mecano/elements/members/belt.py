@@ -15,6 +15,11 @@ by an angle passes its radius times this angle from one span to the next, and th
 A span whose tension falls to zero is slack until it has its length again: both are events. The belt has no mass, and
 the stiffness of a span does not change with its length. All pulleys are in one plane, nearly; the belt stays on them.
 
+With ``creep: true`` the belt sticks to each pulley where it comes onto it, and leaves it with the strain of the next
+span: a loaded drive creeps. With the tensions of the tight and the slack span the driven pulley turns at (EA +
+T_slack)/(EA + T_tight) of the speed that the radii give; the rest is dissipated. The stretch of a span includes its
+``creep``.
+
 With ``activate`` the belt carries no force before, and its energy at that instant is given. The stretch of its spans
 counts from the start, and includes all turns of the pulleys since; with ``stress_free`` the belt has its ``pretension``
 at that instant, on pulleys in any position, as in a drive that is engaged. A ``release`` cuts all of it: it carries no
@@ -26,10 +31,11 @@ import numpy as np
 from mecano.constraints.activation import activate_field, is_stress_free
 from mecano.constraints.along_coordinate.trigger import check_trigger, trigger_of
 from mecano.constraints.belt_span import BELT_END, BELT_SPAN, CLOSEST, check_tangent, span_kind, span_record
+from mecano.constraints.creeping_span import CREEPING_END, CREEPING_SPAN
 from mecano.constraints.elastic_line import AXIAL_STIFFNESS, DAMPING
 from mecano.constraints.joint_frame import triad
 from mecano.constraints.release import check_release, elastic_release
-from mecano.element_interface import Display, Kind, Part
+from mecano.element_interface import Display, Kind, OwnOutput, Part
 from mecano.schema import BOOLEAN, DIRECTION, NODES, NUMBER, NUMBERS, Field, not_negative
 
 
@@ -58,7 +64,21 @@ def parts(d, nodes, context):
         stiffness = d["axial_stiffness"] / values["length"]
         more = {"stretch": d["pretension"] / stiffness, "stiffness": stiffness, "damping": d["damping"]}
         kind = span_kind(not d["radii"][ends[1]], d["release"] is not None, activation)
+        if d["creep"]:
+            kind, more["EA"] = CREEPING_SPAN if d["radii"][ends[1]] else CREEPING_END, d["axial_stiffness"]
+            reads = tuple(OwnOutput(f"tension_{other}") for other in _neighbours(d, number - 1))
         found.append(Part(kind, ends, {**values, **more}, label=f"_{number}", reads=reads))
+    return found
+
+
+def _neighbours(d, i):
+    """Return the numbers of the spans, from 1, at the other side of each pulley of span i; its own at a drum."""
+    n = len(_spans(d))
+    found = []
+    for end, other in zip(_spans(d)[i][:2], (i - 1, i + 1) if _spans(d)[i][2] > 0.0 else (i + 1, i - 1), strict=True):
+        if d["radii"][end]:
+            inside = 0 <= other < n
+            found.append(1 + (other % n if d["closed"] else other if inside else i))
     return found
 
 
@@ -71,6 +91,7 @@ def check(d, nodes):
         return ["'nodes' must name at least two nodes, one of them a pulley; a cable without pulleys is a 'cable'"]
     frame, places = triad(d["axis"]), [x for x, _ in nodes]
     texts = check_release(d, []) + check_trigger("activate", d["activate"])
+    texts += [f"'creep' and {name!r} exclude one another" for name in ("release", "activate") if d["creep"] and d[name]]
     for i, j, _ in _spans(d):
         if not radii[i]:
             texts.append(f"'radii': '{names[j]}' and '{names[i]}' are points next to each other: use a 'cable' there")
@@ -99,7 +120,8 @@ def sample(rng):
     drive = {**hoist, "nodes": ["b", "c"], "radii": [-0.2, 0.15], "closed": True}
     once = {"time": 0.3, "when": None}
     timed = [{"release": once}, {"activate": {**once, "stress_free": True}}, {"activate": once, "release": once}]
-    return [(hoist, nodes, ""), (drive, nodes[1:3], ""), *(({**hoist, **more}, nodes, "") for more in timed)]
+    creeping = [({**given, "creep": True}, on, "") for given, on in ((hoist, nodes), (drive, nodes[1:3]))]
+    return [(hoist, nodes, ""), (drive, nodes[1:3], ""), *creeping, *(({**hoist, **more}, nodes, "") for more in timed)]
 
 
 STRESS_FREE = Field("stress_free", BOOLEAN, "-", "the tension of its spans at that instant is its pretension", False)
@@ -116,10 +138,16 @@ BELT = Kind(
         AXIAL_STIFFNESS,
         Field("pretension", NUMBER, "N", "tension of all spans at the start", 0.0, not_negative),
         DAMPING,
+        Field("creep", BOOLEAN, "-", "whether the belt creeps on the pulleys, as its strain changes on them", False),
         elastic_release("belt"),
         activate_field("belt", STRESS_FREE),
     ),
-    optional=(("nodes", BELT_SPAN, "_1"), ("nodes", BELT_END, "_1")),
+    optional=(
+        ("nodes", BELT_SPAN, "_1"),
+        ("nodes", BELT_END, "_1"),
+        ("creep", CREEPING_SPAN, "_1"),
+        ("creep", CREEPING_END, "_1"),
+    ),
     parts=parts,
     check=check,
     ends=ends,

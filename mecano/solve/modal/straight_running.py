@@ -162,7 +162,7 @@ class Straight:
         drag = float(way @ at.f[self.free].sum(axis=0))
         if abs(drag) < DRAG * at.force:
             return ""
-        shares = {}
+        shares: dict[str, float] = {}  # of the force along the road
         for name, alone in steady.system.each_alone(s):
             shares[name] = shares.get(name, 0.0) + float(way @ alone.residual[: self.n_q][self.free].sum(axis=0))
         largest = sorted((name for name in shares if shares[name] * drag > 0.0), key=lambda name: -abs(shares[name]))

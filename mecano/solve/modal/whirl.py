@@ -68,8 +68,8 @@ def whirling(found, lin, of, omega):
 
 def _equal(values):
     """Return the lists of numbers of equal oscillations, by ascending modulus, of more than one."""
-    groups = []
-    for i in np.flatnonzero(values.imag > 0.0):
+    groups: list[list[int]] = []
+    for i in np.flatnonzero(values.imag > 0.0).tolist():
         if groups and abs(values[i] - values[groups[-1][-1]]) <= EQUAL * abs(values[i]):
             groups[-1].append(i)
         else:

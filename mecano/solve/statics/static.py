@@ -76,6 +76,7 @@ class Statics:
         self.rolling = VelocityConstraints(system, NONE if compliance is None else compliance.released)
         turns = system.numbering.kind[: system.n_q] == ROTATION
         self.weight = np.where(turns, length**2, np.where(system.signals, 0.0, 1.0))  # signals follow at once
+        self._states = [(i, np.flatnonzero(system.rows == i)) for i in np.flatnonzero(system.states)]
         self.assembly, self._increment = Assembly(system), np.zeros(system.n)
         self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
         self._rotations = np.flatnonzero(system.numbering.kind[: system.n_q] == ROTATION)
@@ -109,6 +110,8 @@ class Statics:
         if tangent:
             tangents(of.rotation_dof, of.n_q, s.z, self._T)
         self.loading.assemble(s, p, k, penalty, float(tangent), T=self._T, into=assembly)
+        if tangent:
+            self._keep_states()
         if held is not None:
             moved = np.zeros(system.n_q) if s0 is s else self.displacement(s, s0)
             self.rolling.add(assembly, held, moved, k, penalty, tangent)
@@ -118,6 +121,13 @@ class Statics:
             if tangent:
                 self.compliance.soften_tangent(k, assembly.data, self.compliance.values)
         return self.norms(s, k)
+
+    def _keep_states(self):
+        """Enter one on the diagonal of states whose equations vanish at rest, such as creep, which stay as they are."""
+        assembly = self.assembly
+        for i, entries in self._states:
+            if assembly.residual[i] == 0.0 and not assembly.data[entries].any():
+                assembly.data[self.system.diagonal[i]] = 1.0
 
     def step(self, s0: "State", phases: np.ndarray) -> Step:
         """Return the beginning ``s0`` of a step, and its Held for elements in the ``phases``."""

@@ -1,0 +1,126 @@
+r"""Span of a belt that creeps on its pulleys: an elastic line, as of a belt without creep, with the creep c as a state.
+
+A belt comes onto a pulley at the speed u of its surface and sticks to it. Where it leaves the pulley its tension, and
+so its strain, is that of the next span: the same mass per time leaves at another speed. With the tension T of the span,
+:math:`T_i` of the other span at pulley i, and the speed :math:`u_i` of the surface of pulley i in the sense from pulley
+0 to pulley 1, the span is fed at each pulley that the belt leaves for it,
+
+.. math::
+   \dot c = - \max(u_0, 0)\, \frac{T - T_0}{EA + T_0} - \max(-u_1, 0)\, \frac{T - T_1}{EA + T_1}, \qquad
+   u_i = -\rho_i \dot\psi_i,
+
+and its stretch is :math:`\Delta + c`. In a steady drive the driven pulley turns at (EA + T_slack)/(EA + T_tight) of the
+speed that the radii give. The belt that leaves pulley i at the speed u dissipates
+:math:`u\,(T - T_i)^2/(2 (EA + T_i))` on it; the elastic energy that it carries from one span to the next is counted as
+given to the latter, and taken from the former: in a steady drive these powers cancel. A pulley at an end of the belt is
+a drum, from which it leaves with its own tension.
+"""
+
+from mecano.constraints.belt_span import (
+    OUTPUTS,
+    RADII,
+    RADII_OF_END,
+    RECORD,
+    between_pulleys,
+    samples_of_spans,
+    tangent_direction,
+    to_a_point,
+)
+from mecano.constraints.coordinates.coordinate import add_along, rate_of
+from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, TAUT, put_line_events
+from mecano.element_interface import Kind, Output, record
+from mecano.jit.kernel import kernel
+from mecano.maths.dual import number, select
+from mecano.maths.vector import cross, dot, mat, norm, vec
+
+CREEP = Output("creep", "m", "length by which creep has stretched the span since the start")
+CREEPING_RECORD = record(EA=(), **{name: RECORD[name].shape for name in RECORD.names})
+
+
+@kernel
+def _surface_speed(at, radius, axes, delta, R, omega):
+    """Return the speed u of the surface of a pulley, from the first node to the second [m/s].
+
+    ``axes`` are those of the pulley, R (3, 3) its rotation, ``omega`` the place of its angular velocity in at.v.
+    """
+    d = R.T @ (vec(at.q, 6) - vec(at.q, 0))
+    _, g = tangent_direction(axes, d, delta)
+    turning = dot(R @ g, vec(at.v, 6) - vec(at.v, 0)) - dot(cross(d, g), vec(at.v, omega))
+    return -radius * turning
+
+
+@kernel
+def _fed(u, T, before, EA):
+    """Return the rate [m/s] at which a belt that leaves a pulley at the speed u feeds its span, and the loss [W]."""
+    rate = -select(u > 0.0, u, 0.0 * u) * (T - before) / (EA + before)
+    return rate, 0.5 * rate * (before - T)
+
+
+def _kind(name, doc, layout, geometry, radii):
+    """Return the Kind of a span with this ``geometry``, between nodes of which samples have these ``radii``."""
+    own, pulleys = 3 * len(layout), len(layout) - 2
+
+    @kernel
+    def stretch_of(p, at):
+        stretch, along, _, _, _ = geometry(p, at)
+        return stretch + number(at.q[own]), rate_of(along, at.v) + number(at.v[own]), along
+
+    @kernel
+    def creep(p, at, T):
+        u = _surface_speed(at, p.radius_0, mat(p.axes_0), p.radius_1 - p.radius_0, mat(at.R[0]), 3)
+        rate, loss = _fed(u, T, number(at.q[own + 1]), p.EA)
+        if pulleys > 1:
+            u = _surface_speed(at, p.radius_1, mat(p.axes_1), p.radius_1 - p.radius_0, mat(at.R[1]), 9)
+            rate_1, loss_1 = _fed(-u, T, number(at.q[own + 2]), p.EA)
+            rate, loss = rate + rate_1, loss + loss_1
+        return rate, loss
+
+    @kernel
+    def residual(p, at, f):
+        stretch, rate, along = stretch_of(p, at)
+        T = select(at.phase == TAUT, p.stiffness * (stretch + p.damping * rate), 0.0 * stretch)
+        if at.phase == TAUT:
+            add_along(f, T, along)
+        f[own] += number(at.v[own]) - creep(p, at, T)[0]
+
+    @kernel
+    def observe(p, at, F, y, e):
+        """Write tension, stretch, length, closeness, creep, energy, dissipated and given power."""
+        stretch, rate, _ = stretch_of(p, at)
+        elastic = select(at.phase <= RELAXING, p.stiffness * stretch, 0.0 * stretch)
+        T = select(at.phase == TAUT, p.stiffness * (stretch + p.damping * rate), 0.0 * stretch)
+        y[0], y[1], y[2] = T, stretch, geometry(p, at)[2]
+        y[3] = abs(p.radius_1 - p.radius_0) / norm(vec(at.q, 6) - vec(at.q, 0))
+        y[4] = number(at.q[own])
+        e[1] = 0.5 * elastic * stretch
+        loss = creep(p, at, T)[1]
+        e[2] = (T - elastic) * rate + loss
+        e[3] = loss + T * number(at.v[own])
+
+    @kernel
+    def event_values(p, at, g):
+        stretch, rate, _ = stretch_of(p, at)
+        put_line_events(g, at.phase == TAUT, stretch, rate, p.damping)
+
+    @kernel
+    def commit(p, at, m_out):
+        _, _, _, psi_0, psi_1 = geometry(p, at)
+        m_out[0] = psi_0
+        if pulleys > 1:
+            m_out[1] = psi_1
+
+    given = samples_of_spans(radii, PHASES)
+    return Kind(
+        name=name, doc=doc, dtype=CREEPING_RECORD, layout=layout, outputs=(*OUTPUTS, CREEP), phases=PHASES,
+        events=EVENTS, memory=("angle_0", "angle_1")[:pulleys], scalars=("creep",), states=("creep",),
+        inputs=("tension_before", "tension_behind")[:pulleys], residual=residual, observe=observe,
+        event_values=event_values, commit=commit,
+        sample=lambda rng: [({**values, "EA": 40.0}, nodes, phase) for values, nodes, phase in given(rng)],
+    )  # fmt: skip
+
+
+CREEPING_SPAN = _kind("creeping_span", __doc__, ("x0", "R0", "x1", "R1"), between_pulleys, RADII)
+CREEPING_END = _kind(
+    "creeping_end", "Span of a belt that creeps between a pulley and a point, see the span.", ("x0", "R0", "x1"),
+    to_a_point, RADII_OF_END,
+)  # fmt: skip
