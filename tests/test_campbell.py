@@ -85,11 +85,11 @@ def test_whirl_of_equal_modes(rotor):
 
 def test_files_and_picture_of_a_campbell_diagram(rotor, monkeypatch, capsys):
     monkeypatch.chdir(rotor.parent)
-    command = "modes rotor.yaml --sweep speed=250:750:250 --campbell disc --order 1 --order 2 --csv -q"
+    command = "modes rotor.yaml --sweep speed=500,600 --campbell disc --order 1 --order 2 --csv -q"
     commands(command.split(), standalone_mode=False)
     assert "modes with 1, 2 times the speed of 'disc':" in capsys.readouterr().out
     file = read_sweep("rotor_sweep.h5")
-    assert file.rotor == "disc" and file.orders == (1.0, 2.0) and len(file.resonances["speed"]) >= 4
+    assert file.rotor == "disc" and file.orders == (1.0, 2.0) and len(file.resonances["speed"]) > 1
     with open("rotor_sweep_resonances.csv", newline="") as table:
         rows = list(csv.reader(table))
     assert rows[0][:4] == ["speed", "order", "speed [rad/s]", "frequency [Hz]"]

@@ -232,12 +232,12 @@ def test_tangent_with_constraints_on_velocities():
     assert np.abs(tangent[n_q:][system.numbering.of_rates]).max(axis=1).min() > 0.1
 
 
-@pytest.mark.parametrize(("method", "z"), [("relaxation", -0.27413042), ("steps", 0.9)])
-def test_an_equilibrium_does_not_depend_on_the_order_of_the_deck(method, z):
+@pytest.mark.parametrize(("method", "orders", "z"), [("relaxation", 3, -0.27413042), ("steps", 8, 0.9)])
+def test_an_equilibrium_does_not_depend_on_the_order_of_the_deck(method, orders, z):
     """A bicycle that falls over through its road, or stays upright: free to roll, which rounding must not decide."""
     given, found = yaml.safe_load((INPUTS / "bicycle.yaml").read_text()), []
     given["initial"] = {"static": {"method": method}}
-    for seed in range(8):
+    for seed in range(orders):
         rng, text = np.random.default_rng(seed), dict(given)
         for section in ("nodes", "elements", "joints"):
             items = list(given[section].items())
@@ -246,5 +246,5 @@ def test_an_equilibrium_does_not_depend_on_the_order_of_the_deck(method, z):
         equilibrium(prepared)
         place = prepared.system.numbering.x[[node.name for node in prepared.system.nodes].index("frame")]
         found.append(prepared.state.z[place : place + 3])
-    np.testing.assert_allclose(found, np.broadcast_to(found[0], (8, 3)), atol=1e-7)
+    np.testing.assert_allclose(found, np.broadcast_to(found[0], (orders, 3)), atol=1e-7)
     assert found[0][2] == pytest.approx(z, abs=1e-8)
