@@ -26,13 +26,13 @@ from mecano.analyses.diagnostics import (
 from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.prepare import chosen, integrator_of, model_facts, prepare, startup_warnings
 from mecano.analyses.recorder import Recorder
+from mecano.analyses.source import source_of
 from mecano.errors import ConvergenceError, MecanoError, NonFiniteError, ResultsError
 from mecano.model.sampler import Sampler
 from mecano.process.interrupt import Interruption, call_interruptibly
 from mecano.results.disk import deferring_signals
 from mecano.results.layout import Layout, Series
 from mecano.results.lock import locked
-from mecano.results.provenance import Source
 from mecano.results.reason import ENDED, with_warnings
 from mecano.results.whole_file import exists
 from mecano.results.writer import Writer, refuse_existing
@@ -116,7 +116,8 @@ def _from_the_start(deck, path, force, supervision):
         start = call_interruptibly(integrator.begin, prepared.state, deck.values["time"]["step"])
     unstable = call_interruptibly(lambda: list(instability_warnings(prepared, start)))
     notes = [*startup_warnings(prepared, start), *found, *unstable]
-    source = _source(deck, chosen(prepared, integrator, start), model_facts(prepared), notes)
+    automatic, model = chosen(prepared, integrator, start), model_facts(prepared)
+    source = source_of(deck, automatic=automatic, model=model, warnings=notes)
     postponed = supervision.interruption.postponed()
     with postponed, Writer.create(path, layout_of(sampler), source, force=force) as writer:
         for text in notes:
@@ -189,7 +190,8 @@ def _continue(deck, interrupted, supervision):
     layout = layout_of(sampler)
     interrupted.check_layout(layout)
     note = interrupted.note(start.motion.t)
-    source = _source(deck, interrupted.automatic, interrupted.model, [*interrupted.warnings, note])
+    notes = [*interrupted.warnings, note]
+    source = source_of(deck, automatic=interrupted.automatic, model=interrupted.model, warnings=notes)
     begin = partial(interrupted.copy_to, interruption=supervision.interruption)
     postponed = supervision.interruption.postponed()
     with postponed, Writer.create(interrupted.path, layout, source, force=True, begin=begin) as writer:
@@ -202,13 +204,6 @@ def _continue(deck, interrupted, supervision):
 def layout_of(sampler: Sampler) -> Layout:
     """Return the Layout of the rows that a Sampler fills."""
     return Layout([Series(c.path, c.unit, c.doc, c.shape) for c in sampler.columns])
-
-
-def _source(deck, automatic, model, notes):
-    return Source(
-        deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
-        automatic=automatic, model=model, warnings=notes,
-    )  # fmt: skip
 
 
 class Ongoing:

@@ -13,6 +13,7 @@ from mecano.analyses.equilibria import follow
 from mecano.analyses.initial_state import describe, set_initial_state
 from mecano.analyses.load_state import rest_at, state_at
 from mecano.analyses.prepare import Prepared, integrator_of, prepare, startup_warnings
+from mecano.analyses.source import source_of
 from mecano.element_interface import RELEASES
 from mecano.errors import UsageError
 from mecano.model.numbering import TRANSLATION
@@ -20,7 +21,6 @@ from mecano.post.recovered import nodes_inside, recovered
 from mecano.process.interrupt import call_interruptibly
 from mecano.results.lock import locked
 from mecano.results.modes_file import write_modes
-from mecano.results.provenance import Source
 from mecano.results.writer import refuse_existing, refuse_other_ending
 from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.modal.linearize import Assemble, Linearization, linearize
@@ -196,10 +196,9 @@ def _find(
         *doubts(lin.variation, found.residuals),
     ]
     if path is not None:
-        source = Source(deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
-                        warnings=reported)  # fmt: skip
         inner = inner_motions(deck, system, base.state, found.shapes)
-        write_modes(path, contents(system, base.state, found, base.words, turning, inner), source, force=force)
+        plain = contents(system, base.state, found, base.words, turning, inner)
+        write_modes(path, plain, source_of(deck, warnings=reported), force=force)
     head = f"modes about: {base.words}; {found.method}; {found.found} computed"
     lines = [head, *table(system, base.state, found, lin)]
     return "\n".join([*lines, *(f"mecano: {text}" for text in reported)]), found, base

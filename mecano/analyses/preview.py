@@ -3,9 +3,9 @@
 from typing import TYPE_CHECKING
 
 from mecano.analyses.prepare import model_facts, prepare
+from mecano.analyses.source import source_of
 from mecano.model.sampler import Sampler, StaticSample
 from mecano.results.layout import Layout, Series
-from mecano.results.provenance import Source
 from mecano.results.writer import Writer
 
 if TYPE_CHECKING:
@@ -26,10 +26,7 @@ def preview(deck: "Deck", path: "str | os.PathLike[str]") -> None:
     sampler = Sampler(prepared.system)
     kept = [column for column in sampler.columns if column.unit not in UNKNOWN_BEFORE_RUN]
     row = sampler.take(StaticSample(prepared.state), prepared.system.observe(prepared.state))
-    source = Source(
-        deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
-        model=model_facts(prepared),
-    )  # fmt: skip
+    source = source_of(deck, model=model_facts(prepared))
     with Writer.create(path, Layout([Series(c.path, c.unit, c.doc, c.shape) for c in kept]), source) as writer:
         writer.append(prepared.state.t, [x for c in kept for x in row[c.start : c.start + c.size]])
         writer.close("complete", ASSEMBLED)

@@ -9,11 +9,11 @@ from mecano.analyses.diagnostics import limit_warnings, locating_formulas
 from mecano.analyses.equilibria import follow
 from mecano.analyses.not_finite import output_not_finite
 from mecano.analyses.prepare import model_facts, prepare, startup_warnings
+from mecano.analyses.source import source_of
 from mecano.model.sampler import Sampler, StaticSample
 from mecano.model.system import System, is_scaled
 from mecano.results.layout import Layout, Series
 from mecano.results.lock import locked
-from mecano.results.provenance import Source
 from mecano.results.reason import with_warnings
 from mecano.results.whole_file import exists
 from mecano.results.writer import Writer, refuse_existing
@@ -146,10 +146,8 @@ def _follow(
     values, prepared = deck.values["static"], prepare(deck)
     over_time = values["over"] == "time"
     recorder, notes = Recorder(prepared.system, over_time), startup_warnings(prepared)
-    source = Source(
-        deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
-        automatic={"length_scale": prepared.length}, model=model_facts(prepared), warnings=notes,
-    )  # fmt: skip
+    automatic, model = {"length_scale": prepared.length}, model_facts(prepared)
+    source = source_of(deck, automatic=automatic, model=model, warnings=notes)
     axis = AXES["arc_length" if values["method"] == "arc_length" else values["over"]]
     with Writer.create(path, Layout(recorder.series, STEPS, axis), source, force=force) as writer:
         for text in notes:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeAlias
 import numpy as np
 
 from mecano.analyses.modal import doubts, largest_motions, operating_point, turning_of, unbalanced
+from mecano.analyses.source import source_of
 from mecano.analyses.sweep_contents import contents
 from mecano.analyses.sweep_text import lines
 from mecano.deck.read import read_deck
@@ -16,7 +17,6 @@ from mecano.deck.wording import suggestion
 from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError, UsageError
 from mecano.process.interrupt import call_interruptibly
 from mecano.results.lock import locked
-from mecano.results.provenance import Source
 from mecano.results.sweep_file import refuse_tables, write_sweep, write_tables
 from mecano.results.writer import refuse_existing, refuse_other_ending
 from mecano.solve.modal.critical import Critical, critical
@@ -381,9 +381,7 @@ def sweep_into(
         found = sweep(path, overrides, texts, **options)
         deck, plain = found.deck, contents(found)
         warnings = [*found.warnings, *(text for locus in found.loci for text in locus.unrefined)]
-        source = Source(deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
-                        warnings=warnings)  # fmt: skip
-        write_sweep(file, plain, source, force=force)
+        write_sweep(file, plain, source_of(deck, warnings=warnings), force=force)
         if columns:
             write_tables(tables, plain, force)
     text = "\n".join([*lines(found), *(f"mecano: {text}" for text in found.warnings)])

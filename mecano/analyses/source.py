@@ -1,0 +1,27 @@
+"""The deck of a run as the Source that its results file holds."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from mecano.results.provenance import Source
+
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck
+
+
+def source_of(
+    deck: "Deck",
+    *,
+    automatic: Mapping[str, float] | None = None,
+    model: Mapping[str, Any] | None = None,
+    warnings: Sequence[str] = (),
+) -> Source:
+    """Return the Source of a checked deck.
+
+    ``automatic``: values chosen where the deck says "automatic"; ``model``: its properties (prepare.py); ``warnings``:
+    those issued at the start.
+    """
+    return Source(
+        deck.text, deck.resolved(), deck.file, deck.values["title"], deck.overrides, deck.files,
+        automatic=dict(automatic or {}), model=dict(model or {}), warnings=warnings,
+    )  # fmt: skip
