@@ -116,8 +116,8 @@ def analyse(system: "System", s: "State", length: float) -> Analysis:
     loops, names = loops[holds[loops]], of.name
     if len(loops) > DENSE_ROWS:
         rows = np.flatnonzero(holds)
-        undivided = sparse_rows(rows, rows, np.ones(len(rows)), system.n_l)
-        return Analysis(n_l, (), undivided, None, B, names, system.signals, holds, False)
+        identity = sparse_rows(rows, rows, np.ones(len(rows)), system.n_l)
+        return Analysis(n_l, (), identity, None, B, names, system.signals, holds, False)
     null = _left_null(B.dense(loops))
     redundant = groups(
         null @ null.T, [of.name[of.n_q + i] for i in loops], lambda: of.name[of.n_q : of.n_q + system.n_l]
