@@ -24,7 +24,7 @@ from mecano.solve.modal.families import FAMILIES, families, running_axes
 from mecano.solve.modal.linearize import linearize
 from mecano.solve.modal.modes import solve
 from mecano.solve.modal.tracking import Spectrum, growing, least_damped, loci, track, unstable
-from mecano.solve.modal.whirl import resonances, whirling
+from mecano.solve.modal.whirl import Resonance, resonances, whirling
 
 if TYPE_CHECKING:
     import os
@@ -100,7 +100,7 @@ class Locus:
     variation: np.ndarray  # (n,) variation of the Linearization; 0 where no state was found
     whirl: np.ndarray | None = None  # (branches, n) see whirl.py, nan where a branch has none; None without a rotor
     speed: np.ndarray | None = None  # (n,) [rad/s] of the rotor; nan where no state was found
-    resonances: tuple = ()  # of Resonance
+    resonances: Sequence[Resonance] = ()
 
     @property
     def family_names(self) -> list[list[str]]:

@@ -1,6 +1,6 @@
 """Campbell diagram: frequencies and damping over the speed of a rotor, lines of its multiples, and where they meet."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.lines import Line2D
@@ -8,6 +8,11 @@ from matplotlib.lines import Line2D
 from mecano.post.figure import plain_figure
 from mecano.post.style import COLOURS, GREY, INK
 from mecano.solve.modal.whirl import whirl_word
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from mecano.results.sweep_file import SweepFile
 
 SIZE = (8.4, 6.8)  # inches
 ABOVE = 1.15  # times the highest frequency of interest: limit of the frequencies shown
@@ -18,11 +23,12 @@ LONGEST, MOST_NAMED = 100, 12  # characters of a motion in the legend; modes in 
 NUMBERS = 7.5  # points
 
 
-def campbell_figure(file, below=None):
+def campbell_figure(file: "SweepFile", below: float | None = None) -> "Figure":
     """Return the figure of a SweepFile with a rotor; ``below`` [Hz]: limit of the frequencies shown."""
     heading = f"Campbell diagram of '{file.rotor}'; about: {file.about}"
     figure = plain_figure(*SIZE, file.title or file.path.stem, heading)
     over, under = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    assert file.speed is not None, "a sweep with a rotor has its speeds"
     x, limit = file.speed * 30.0 / np.pi, below or _limit(file)
     for order in file.orders:
         over.plot(x, order * x / 60.0, color=GREY, linewidth=0.8)

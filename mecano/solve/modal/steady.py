@@ -26,6 +26,7 @@ from mecano.solve.events.events import EventMonitor
 from mecano.solve.time.increments import displaced
 
 if TYPE_CHECKING:
+    from mecano.model.assembly import Assembly
     from mecano.model.state import State
     from mecano.model.system import System
     from mecano.solve.modal.steady_rotation import Rotation
@@ -162,10 +163,10 @@ class Steady:
             K, C[:, : self.n_q], k, f, size, gap, derivatives[:, 1], force, merit, self._excess(f, size, gap)
         )
 
-    def matrix(self, s, *weights):
+    def matrix(self, s: "State", cK: float, cC: float, cM: float) -> "tuple[np.ndarray, Assembly]":
         """Return the weighted sum (n, n) of derivatives by positions, velocities and accelerations; the Assembly."""
         system, n = self.system, self.system.n
-        assembly = system.assemble(s, 1.0, 0.0, *weights)
+        assembly = system.assemble(s, 1.0, 0.0, cK, cC, cM)
         matrix = sp.csr_matrix((assembly.data[: system.nnz], (system.rows, system.cols)), shape=(n, n))
         return matrix.toarray(), assembly
 

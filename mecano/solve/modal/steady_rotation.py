@@ -16,6 +16,9 @@ Newton's method (steady.py)
 The motion is steady if the forces are in balance, with other reactions, after the nodes have turned on by one radian.
 """
 
+from collections.abc import Collection, Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy.linalg as la
 
@@ -23,6 +26,11 @@ from mecano.errors import ConvergenceError
 from mecano.maths.so3 import exp
 from mecano.maths.vector import Vec3, skew
 from mecano.solve.diagnostics.failure import worst_equations
+
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.model.system import System
+    from mecano.solve.modal.steady import Steady, Tangent
 
 STEADY = 1e-6  # largest change of forces in a turn of one radian, relative; of constraints, relative to the speed
 RANK = 1e-12  # of the largest singular value of the columns of reactions
@@ -37,7 +45,7 @@ class Rotation:
     relaxes = True  # a relaxed state is preferred to one of another shape, which may be unstable
     fading = 0.8  # of the drag in each step of the relaxation, beside the change of the force: arms may swing far
 
-    def __init__(self, system, w, about, at_rest=()):
+    def __init__(self, system: "System", w: Sequence[float], about: Sequence[float], at_rest: Collection[str] = ()):
         of, self.n_q = system.numbering, system.n_q
         self.w, self.about, self.hat = np.asarray(w, float), np.asarray(about, float), np.array(skew(tuple(w)))
         chosen = np.array([node.name not in at_rest for node in system.nodes])
@@ -46,11 +54,11 @@ class Rotation:
         self.at = x[:, None] + np.arange(3)  # positions of the nodes that turn
         self.turns = of.rotation_dof[self.rotations]
 
-    def speed(self, length):
+    def speed(self, length: float) -> float:
         """Return the speed [m/s] at a distance ``length`` from the axis; at rest, one length scale per second."""
         return float(np.linalg.norm(self.w)) * length or length
 
-    def begin(self, s):
+    def begin(self, s: "State") -> None:
         """Set velocities and accelerations of the state ``s`` in place."""
         s.v[:] = s.a[:] = 0.0
         s.v[self.at] = (s.z[self.at] - self.about) @ self.hat.T
@@ -58,17 +66,17 @@ class Rotation:
         for r, d in zip(self.rotations, self.turns, strict=True):
             s.v[d : d + 3] = s.R[r].T @ self.w
 
-    def put_back(self, start, s):
+    def put_back(self, start: "State", s: "State") -> "State":
         """Return the state: relaxation does not turn it about the axis."""
         return s
 
-    def put_on(self, steady, s):
+    def put_on(self, steady: "Steady", s: "State") -> "tuple[State, np.ndarray, Tangent]":
         """Return (state with the velocities of its positions, no free spins (n_q, 0), its Tangent)."""
         s = steady.monitor.settle(s.copy())
         self.begin(s)
         return s, np.zeros((self.n_q, 0)), steady.tangent(s)
 
-    def following(self, steady, s, K, C):
+    def following(self, steady: "Steady", s: "State", K: np.ndarray, C: np.ndarray) -> np.ndarray:
         """Return the derivatives K (n, n) by positions with velocities and accelerations that follow."""
         K, (M, _) = K.copy(), steady.matrix(s, 0.0, 0.0, 1.0)
         for d in self.at[:, 0]:
@@ -77,7 +85,7 @@ class Rotation:
             K[:, d : d + 3] += C[:, d : d + 3] @ (s.R[r].T @ self.hat @ s.R[r])
         return K
 
-    def judge(self, steady, s, arrived):
+    def judge(self, steady: "Steady", s: "State", arrived: bool) -> None:
         """Raise ConvergenceError if the state is not in steady rotation."""
         system, at = steady.system, steady.tangent(s)
         text = f"no steady rotation with the angular velocity {np.round(self.w, 9).tolist()} rad/s was found"

@@ -11,6 +11,9 @@ hardly depends on its spin: therefore the spin of a wheel that no constraint mak
 from the moment about its axle, which increases with the spin.
 """
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 import scipy.linalg as la
 
@@ -18,6 +21,11 @@ from mecano.errors import ConvergenceError, name_list
 from mecano.maths.vector import skew
 from mecano.model.numbering import SIGNAL
 from mecano.solve.diagnostics.failure import worst_equations
+
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.model.system import System
+    from mecano.solve.modal.steady import Steady, Tangent
 
 SPINS = 1e-9  # of the largest singular value: rotations below leave the forces constant
 STEADY = 1e-6  # largest relative change of forces per radian or length scale; of constraints relative to the speed
@@ -32,32 +40,32 @@ class Straight:
     relaxes = False  # a relaxed state of another shape is taken only if it is nearer than that of Newton's method
     fading = 1.0  # of the drag in each step of the relaxation, beside the change of the force
 
-    def __init__(self, system, V):
+    def __init__(self, system: "System", V: Sequence[float]):
         of, self.V = system.numbering, np.asarray(V, float)
         self.n_q, self.at_once = system.n_q, np.flatnonzero(of.kind[: system.n_q] == SIGNAL)
         self.along = np.zeros(of.n_all)
         self.free = np.unique(of.x[of.x < self.n_q])[:, None] + np.arange(3)  # positions that are unknown
         self.along[self.free] = self.V
 
-    def speed(self, length):
+    def speed(self, length: float) -> float:
         """Return the speed [m/s]; at rest, one length scale per second."""
         return float(np.linalg.norm(self.V)) or length
 
-    def begin(self, s):
+    def begin(self, s: "State") -> None:
         """Set the velocities of the state ``s`` in place, without spins."""
         s.v[:] = self.along
 
-    def following(self, steady, s, K, C):
+    def following(self, steady: "Steady", s: "State", K: np.ndarray, C: np.ndarray) -> np.ndarray:
         """Return the derivatives K (n, n) by positions, with which the velocities do not change."""
         return K
 
-    def put_back(self, start, s):
+    def put_back(self, start: "State", s: "State") -> "State":
         """Return the state with the mean displacement along the road removed, which relaxation leaves arbitrary."""
         direction = self.V / (np.linalg.norm(self.V) or 1.0)
         s.z[self.free] -= float(direction @ (s.z - start.z)[self.free].mean(axis=0)) * direction
         return s
 
-    def put_on(self, steady, s):
+    def put_on(self, steady: "Steady", s: "State") -> "tuple[State, np.ndarray, Tangent]":
         """Return (state with steady angular velocities and rolling wheels, N, its Tangent).
 
         Elements are put into the phases that belong to the state.
@@ -131,7 +139,7 @@ class Straight:
             width *= WIDER
         s.v[: self.n_q] = before + found * direction
 
-    def judge(self, steady, s, arrived):
+    def judge(self, steady: "Steady", s: "State", arrived: bool) -> None:
         """Raise ConvergenceError if the state is not in steady running."""
         at = steady.tangent(s)
         text = f"no straight steady running with the velocity {np.round(self.V, 9).tolist()} m/s was found"

@@ -12,7 +12,9 @@ whirl. Equal eigenvalues, as those of a disc in bearings alike in all directions
 of extreme whirl are taken.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg as la
@@ -20,6 +22,12 @@ import scipy.linalg as la
 from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError
 from mecano.maths.vector import skew
 from mecano.solve.modal.critical import Trace
+
+if TYPE_CHECKING:
+    from mecano.model.numbering import Numbering
+    from mecano.solve.modal.linearize import Linearization
+    from mecano.solve.modal.modes import Modes
+    from mecano.solve.modal.tracking import Spectrum
 
 EQUAL = 1e-7  # of an eigenvalue: difference of equal ones
 JUMPED = 1e-6  # of the eigenvalue: difference from a multiple of the speed, where branches were confused
@@ -39,12 +47,12 @@ class Resonance:
     whirl: float
 
 
-def whirl_word(whirl):
+def whirl_word(whirl: float) -> str:
     """Return "forward" or "backward", or "-" for a motion in a plane, along or about the axis, or if it is nan."""
     return "forward" if whirl > CLEAR else "backward" if whirl < -CLEAR else "-"
 
 
-def whirling(found, lin, of, omega):
+def whirling(found: "Modes", lin: "Linearization", of: "Numbering", omega: np.ndarray) -> "tuple[Modes, np.ndarray]":
     """Return (Modes with shapes of extreme whirl, whirl (m,), nan if the rotor is at rest).
 
     ``found``: Modes of the Linearization ``lin``; ``of``: Numbering; ``omega`` (3,) [rad/s]: angular velocity.
@@ -95,7 +103,13 @@ def _parts(of, e, shapes):
     return parts
 
 
-def resonances(rows, spectra, places, orders, spectrum_at):
+def resonances(
+    rows: np.ndarray,
+    spectra: "Sequence[Spectrum | None]",
+    places: np.ndarray,
+    orders: Sequence[float],
+    spectrum_at: "Callable[[float], Spectrum]",
+) -> tuple[list[Resonance], list[tuple[int, float, float, float]]]:
     """Return (Resonances by ascending order and place, and (branch, order, low, high) of those not refined).
 
     ``rows`` (branches, n): indices of the branches in the ``spectra`` at ``places`` (n,); ``spectrum_at(place)``

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 Observer: TypeAlias = "Callable[[Point], object]"  # called with every equilibrium of a path
 GROWTH, SHRINK = 2.0, 0.25
 BESIDE = 1e-4  # length scales or rad: a state in balance that Newton's method moves farther may have a free motion
+ROUNDED = 1e-9  # of the largest force on an unknown: smaller sums of forces may be rounding
 EASY = 12  # iterations up to which the next step grows
 LEAP, NOTICEABLE = 4.0, 0.02  # a jump: larger than so many predicted changes and than this part of the length scale
 
@@ -124,12 +125,21 @@ class Follower:
     def find(self, s0: "State", p: float) -> "tuple[State, Status]":
         """Return (state, Status) of the equilibrium at the parameter p near ``s0``, also for singular tangents."""
         s, found = self.statics.correct(s0, p)
-        if found.ok and not (found.change > BESIDE and self._balanced(s0, p) and self._free(s0, p)):
+        if found.ok and not (found.change > BESIDE and self._only_rounding(s0, p) and self._free(s0, p)):
             return s, found
         wanders = found.failure is Failure.NOT_CONVERGED and max(found.norms[:2], default=np.inf) <= 1.0
         if found.ok or found.failure is Failure.SINGULAR or wanders or self._balanced(s0, p):
             return self.statics.correct_singular(s0, p)
         return s, found
+
+    def _only_rounding(self, s, p):
+        """Return whether ``s`` is an equilibrium in which only rounding can be out of balance, however soft it is."""
+        if not self._balanced(s, p):
+            return False
+        of = np.flatnonzero(self.statics.weight)  # signals have none
+        arm, assembly = np.sqrt(self.statics.weight[of]), self.statics.assembly
+        largest = np.abs(assembly.residual[of] / arm).max(initial=0.0)
+        return largest <= ROUNDED * (assembly.size[of] / arm).max(initial=0.0)
 
     def _free(self, s, p):
         """Return whether some motion of ``s`` has no stiffness, but for rounding."""
