@@ -143,6 +143,22 @@ def test_efficiency_by_the_direction_of_the_power():
     assert len(found) == 3
 
 
+def test_a_multiplier_balances_a_violation_of_a_lossy_coupler():
+    """The penalty of a violation, such as the rounding of angles, acts as a change of the multiplier does."""
+    penalty, found = 1e3, [sample for sample in samples(COUPLER) if sample.values["friction"]]
+    for sample in found:
+        _, relation, friction = sample.instances
+        state = relation.local(sample.motion)
+        violation = relation.constraint_derivatives(0.0, state)[0, 0]
+        penalized = [one.residual(0.0, state, penalty=penalty) for one in (relation, friction)]
+        assert abs(penalty * violation) > 10.0
+        state[0][-1] -= penalty * violation
+        balanced = [one.residual(0.0, state) for one in (relation, friction)]
+        np.testing.assert_allclose(penalized, balanced, rtol=1e-12)
+        assert np.abs(penalized[1]).max() > 1.0
+    assert len(found) == 3
+
+
 @pytest.mark.slow
 def test_a_lossy_coupler_drives_and_brakes(verify):
     """The motor drives the nut with 0.8 of its power; reversed, the nut is braked and gives back 0.5 of its own."""

@@ -76,21 +76,26 @@ def _row(p):
 
 
 @kernel
+def _relation(p, at):
+    """Return the value of the constraint."""
+    turns = len(p.mu)
+    total = -p.offset + 0.0 * number(at.q[_row(p)])
+    for i in range(turns):
+        axes, place = _turning(p, at, i)
+        total = total + p.ratios[i] * angle(axes, place)
+    for i in range(len(p.along)):
+        axes, place = _sliding(p, at, i)
+        total = total + p.ratios[turns + i] * displacement(axes, place)
+    return total
+
+
+@kernel
 def residual(p, at, f):
     """Add the constraint and its forces; their sum over the coordinates is in the row of the multiplier."""
     turns, row = len(p.mu), _row(p)
-    g = -(number(at.q[row]) + at.penalty * p.offset)
-    f[row] += at.k * p.offset
-    for i in range(turns):
-        axes, place = _turning(p, at, i)
-        term = p.ratios[i] * angle(axes, place)
-        g = g + at.penalty * term
-        f[row] -= at.k * term
-    for i in range(len(p.along)):
-        axes, place = _sliding(p, at, i)
-        term = p.ratios[turns + i] * displacement(axes, place)
-        g = g + at.penalty * term
-        f[row] -= at.k * term
+    relation = _relation(p, at)
+    g = -number(at.q[row]) + at.penalty * relation
+    f[row] -= at.k * relation
     for i in range(turns):
         axes, place = _turning(p, at, i)
         add_along(f[6 * i :], p.ratios[i] * g, along_angle(axes, place))
@@ -143,9 +148,9 @@ def _share(p, i):
 
 @kernel
 def friction_residual(p, at, f):
-    """Add the friction, which follows from the multiplier."""
+    """Add the friction of the load with the penalty, whose rounding the multiplier then balances for both loads."""
     turns = len(p.mu)
-    F = tooth_friction(p, -number(at.q[_row(p)]), _mean_rate(p, at))
+    F = tooth_friction(p, -number(at.q[_row(p)]) + at.penalty * _relation(p, at), _mean_rate(p, at))
     for i in range(turns):
         axes, place = _turning(p, at, i)
         add_along(f[6 * i :], _share(p, i) * F, along_angle(axes, place))
