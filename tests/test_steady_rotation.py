@@ -40,6 +40,34 @@ def test_a_turning_rod_is_stretched(verify):
     assert abs(tips[1] - math.tan(k) / k) < 0.26 * abs(tips[0] - math.tan(k) / k)
 
 
+SPINDLE = """
+    mecano: 1
+    gravity: none
+    sections: {shaft: {type: circle, diameter: 50 mm, E: 210 GPa, nu: 0.3, density: 7850}}
+    nodes: {rear: {position: [0.1, 0, 0]}, front: {position: [0.45, 0, 0]}, disc: {position: [0.6, 0, 0]}}
+    elements:
+      span: {type: beam, nodes: [rear, front], section: shaft, mesh: 6}
+      nose: {type: beam, nodes: [front, disc], section: shaft, mesh: 3}
+      disc: {type: rigid_body, node: disc, mass: 15, inertia: [0.12, 0.065, 0.065], center_of_mass: [0, ECCENTRIC, 0]}
+      rear: {type: bushing, nodes: [ground, rear], stiffness: [8.0e7, 1.2e8, 1.0e8, 0, 0, 0]}
+      front: {type: bushing, nodes: [ground, front], stiffness: [1.0e8, 1.6e8, 1.2e8, 0, 0, 0]}
+    initial: {steady: {angular_velocity: [1250, 0, 0], about: [0, 0, 0]}}
+    time: {end: 1, step: 1 ms}
+"""
+
+
+def test_a_straight_shaft_is_in_balance_to_the_rounding_of_its_positions():
+    """No force acts on it but the rounding of its positions times its stiffness, some 1e-6 N."""
+    shift = place(operating_point(deck(SPINDLE.replace("ECCENTRIC", "0"))), "disc") - [0.6, 0.0, 0.0]
+    assert np.abs(shift).max() < 1e-14
+
+
+def test_unbalance_in_bearings_that_differ_in_two_directions():
+    """5 g mm of unbalance are 8 N, which the bearings resist with more stiffness in one direction."""
+    with pytest.raises(ConvergenceError, match="the forces change over time.*a rotor without unbalance"):
+        operating_point(deck(SPINDLE.replace("ECCENTRIC", "0.33e-6")))
+
+
 def test_a_run_from_steady_rotation_stays_there():
     """The rod does not ring: steps of 0.03 rad change its stretch by 0.18 * 0.03^2 of it (docs/step-control.md)."""
     recorded = RecordedRun(deck(ROD.replace("MESH", "8")))

@@ -11,6 +11,9 @@ and reactions that are undetermined stay unchanged; steps are halved until the r
 halves many steps, the state is relaxed first, against a drag that decreases with the forces, and Newton's method
 continues from there; so it is if the mechanism has another shape, as a vehicle whose wheels just touch may be balanced
 on one of them. Signals have any unit: their changes limit no step, and the drag of the relaxation does not act on them.
+
+The forces are in balance to 1e-9 of the largest one, or to the rounding of the positions times the stiffness: in a
+straight shaft that turns, no other forces act.
 """
 
 from dataclasses import dataclass
@@ -23,7 +26,8 @@ import scipy.sparse as sp
 from mecano.errors import ConvergenceError
 from mecano.model.numbering import ROTATION
 from mecano.solve.events.events import EventMonitor
-from mecano.solve.time.increments import displaced
+from mecano.solve.linear.rounding import ROUNDING
+from mecano.solve.time.increments import displaced, reach_of
 
 if TYPE_CHECKING:
     from mecano.model.assembly import Assembly
@@ -56,6 +60,7 @@ class Tangent:
     k: float  # mean stiffness [N/m], which makes rows of forces and of constraints comparable
     f: np.ndarray  # (n_q,) out-of-balance forces
     size: np.ndarray  # (n_q,) sums of the magnitudes of the forces
+    rounding: np.ndarray  # (n_q,) forces by the rounding of positions
     gap: np.ndarray  # (n_l,) values of constraints on positions [m]; of those on velocities, times length scale / speed
     rates: np.ndarray  # (n_l,) rates of constraints on positions; values of constraints on velocities
     force: float  # largest out-of-balance force [N], moments divided by the length scale
@@ -159,9 +164,9 @@ class Steady:
         force = float(np.abs(f / self.root).max(initial=0.0))
         k = self.k = self.k or max(self._stiffness(K), force / self.length)
         merit = float(np.hypot(np.linalg.norm(f / (k * self.root)), np.linalg.norm(gap)))
-        return Tangent(
-            K, C[:, : self.n_q], k, f, size, gap, derivatives[:, 1], force, merit, self._excess(f, size, gap)
-        )
+        rounding = self._rounding(s, K)
+        excess = self._excess(f, size, rounding, gap)
+        return Tangent(K, C[:, : self.n_q], k, f, size, rounding, gap, derivatives[:, 1], force, merit, excess)
 
     def matrix(self, s: "State", cK: float, cC: float, cM: float) -> "tuple[np.ndarray, Assembly]":
         """Return the weighted sum (n, n) of derivatives by positions, velocities and accelerations; the Assembly."""
@@ -170,9 +175,18 @@ class Steady:
         matrix = sp.csr_matrix((assembly.data[: system.nnz], (system.rows, system.cols)), shape=(n, n))
         return matrix.toarray(), assembly
 
-    def _excess(self, f, size, gap):
+    def _rounding(self, s, K):
+        """Return the forces (n_q,) by the rounding of positions, with the tangent ``K``."""
+        stiffest = (np.abs(K[: self.n_q, : self.n_q]) / self.root).max(axis=1, initial=0.0)
+        return ROUNDING * self.length * reach_of(s.z, self.system.numbering, self.length) * stiffest
+
+    def allowed(self, size: np.ndarray, rounding: np.ndarray, relative: float) -> np.ndarray:
+        """Return the tolerances (n_q,) of forces, moments over the length scale, ``relative`` to the largest force."""
+        return np.maximum(relative * max((size / self.root).max(initial=0.0), 1e-300), rounding / self.root)
+
+    def _excess(self, f, size, rounding, gap):
         """Return the largest ratio of a residual to its tolerance."""
-        forces = np.abs(f / self.root).max(initial=0.0) / (FORCE * max((size / self.root).max(initial=0.0), 1e-300))
+        forces = (np.abs(f / self.root) / self.allowed(size, rounding, FORCE)).max(initial=0.0)
         worst = max(forces, np.abs(gap).max(initial=0.0) / (GAP * self.length))
         return worst if np.isfinite(worst) else np.inf
 

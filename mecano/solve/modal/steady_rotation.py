@@ -105,11 +105,12 @@ class Rotation:
                 "prescribed motions; 'at_rest' with the nodes that do not turn"
             )
         change = self._change(steady, s) / steady.root
-        if change.max(initial=0.0) > STEADY * (at.size / steady.root).max(initial=0.0):
+        if np.any(change > steady.allowed(at.size, at.rounding, STEADY)):
             name = system.numbering.name[int(np.argmax(change))]
             raise ConvergenceError(
                 f"{text}: the forces change over time, in {name}; what to try: gravity and other loads along the axis "
-                "of rotation, or none; supports that are alike in all directions across it"
+                "of rotation, or none; supports that are alike in all directions across it, or, for critical speeds, a "
+                "rotor without unbalance"
             )
 
     def _change(self, steady, s):
