@@ -762,6 +762,9 @@ def test_a_signal_is_labelled_by_its_name(path):
         sheet = requested_sheet(Request.parse(names), [run])
         assert [panel.label for panel in sheet.panels] == expected
         assert {what for panel in sheet.panels for what in panel.whats} == {"signal"}
+    sheet = requested_sheet(Request.parse("one_delay:one_curve"), [run])
+    [axes] = figure.sheet_figure(sheet, "title").axes
+    assert axes.get_xlabel().startswith("one_curve") and axes.get_ylabel().startswith("one_delay")
 
 
 def test_no_label_is_empty(tmp_path):

@@ -209,6 +209,17 @@ def test_names_of_divided_members_and_displacements_are_answered(name, answer):
         Lookup([Series(path, "", "", (3,)) for path in paths]).find(name)
 
 
+def test_a_signal_has_its_own_name():
+    """A name of a signal and of an element is that of the signal, as outputs of elements have longer ones."""
+    paths = ["signals/torque/integral", "signals/torque/value", "joints/torque/force"]
+    lookup = Lookup([Series(path, "", "", ()) for path in paths])
+    assert [lookup.find(name)[0].path for name in ("torque", "torque.value", "torque.integral")] == [
+        paths[1], paths[1], paths[0],
+    ]  # fmt: skip
+    with pytest.raises(UnknownNameError, match=re.escape("no output 'torque.x'")):
+        lookup.find("torque.x")
+
+
 def test_a_name_of_several_series_is_refused(tmp_path):
     layout = Layout([Series("elements/leg/force", "N", "a"), Series("joints/leg/force", "N", "b")])
     Writer.create(tmp_path / "r.h5", layout, Source("", {})).close()

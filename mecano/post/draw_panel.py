@@ -59,7 +59,8 @@ def draw_panel(
             ax.plot(time / x_factor, value / y_factor, "o", color=style["color"], markersize=3.5, zorder=3)
     _scales(ax, panel, x_factor, y_factor)
     ax.set_ylabel(with_unit(panel.label, y_unit))
-    ax.set_xlabel(with_unit(panel.curves[0].x.what, x_unit))
+    x = panel.curves[0].x
+    ax.set_xlabel(with_unit(x.subject if x.of_signal else x.what, x_unit))
     legend_above(ax, styles.legend(panel), WIDTH)
     _note(ax, panel, y_factor, y_unit)
     if panel.over_time:

@@ -44,6 +44,8 @@ MOST = 8  # outputs of one owner that a message names
 class Lookup:
     """Series by any ending of their paths, with dots or slashes, followed by a component for vectors.
 
+    The name of a signal alone means its value, as in formulas.
+
     Parameters
     ----------
     series : sequence of Series
@@ -130,9 +132,13 @@ def _matching(paths, pattern):
 
 
 def _endings(path):
-    """Return the endings of a path with dots, from the whole to the last two parts (the last if it is the only one)."""
+    """Return the endings of a path with dots, from the whole to the last two parts (the last if it is the only one).
+
+    The value of a signal has also the name of the signal.
+    """
     parts = path.split("/")
-    return [".".join(parts[i:]) for i in range(max(len(parts) - 1, 1))]
+    alone = [parts[1]] if len(parts) == 3 and parts[0] == "signals" and parts[2] == "value" else []
+    return [".".join(parts[i:]) for i in range(max(len(parts) - 1, 1))] + alone
 
 
 def _split(dotted, parts):
