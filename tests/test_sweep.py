@@ -624,6 +624,8 @@ def test_values_of_a_sweep():
         (["speed=1:2:0"], "has no values, or more than"),
         (["speed=0:1:1e-9"], "has no values, or more than"),
         (["speed=a,b"], "cannot be understood"),
+        (["speed=0:72 km/h:18km/h"], "are numbers in SI units; write --sweep speed=0:20:5"),
+        (["speed=10 cm,2 ells"], "cannot be understood"),
         (["speed=1,2", "speed=1,2"], "both sweeps are over 'speed'"),
         (["speed=1,2", "swing=0,1", "damping=1,2"], "once, or twice"),
     ],

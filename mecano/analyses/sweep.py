@@ -13,6 +13,7 @@ from mecano.analyses.source import source_of
 from mecano.analyses.sweep_contents import contents
 from mecano.analyses.sweep_text import lines
 from mecano.deck.read import read_deck
+from mecano.deck.units import ANY, UnitError, converted, is_quantity
 from mecano.deck.wording import suggestion
 from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError, UsageError
 from mecano.process.interrupt import call_interruptibly
@@ -71,7 +72,19 @@ class Axis:
         if LIST.fullmatch(values):
             numbers = np.array(sorted({float(part) for part in values.split(",")}))
             return cls(full, path.removeprefix("parameters."), numbers)
+        numbers = _in_si_units(values)
+        if RANGE.fullmatch(numbers) or LIST.fullmatch(numbers):
+            raise UsageError(f"'{text}': values of a sweep are numbers in SI units; write --sweep {path}={numbers}")
         raise UsageError(wanted)
+
+
+def _in_si_units(values):
+    """Return the text of a range or list with its quantities as numbers in SI units, or unchanged if a unit is none."""
+    parts = re.split("([:,])", values)
+    try:
+        return "".join(f"{converted(part, ANY):.12g}" if is_quantity(part) else part for part in parts)
+    except UnitError:
+        return values
 
 
 def _range(first, last, step, text):
