@@ -32,7 +32,10 @@ NOTES = {  # words with the same meaning: (targets, note)
         "a belt, a gear_pair with a 'ratio', or a coupler of the angles of two hinges"
     ),
     "synchronisation, synchronization, differential, transmission, linear relation": ("coupler", ""),
-    "gear, gearbox, gear train, gear wheel, planetary gear": ("gear_pair rack_and_pinion", ""),
+    "gear, gear train, gear wheel, planetary gear": ("gear_pair rack_and_pinion", ""),
+    "gearbox, gear motor, geared motor": (
+        "coupler gear_pair joint_moment", "a coupler of two hinges is any gear, with an efficiency by its 'friction'"
+    ),
     "gear mesh, tooth stiffness, mesh stiffness, gear loss, lossy gear": (
         "gear_pair rack_and_pinion", "with 'teeth' they are elastic, with 'friction' they have an efficiency"
     ),
@@ -181,9 +184,15 @@ NOTES = {  # words with the same meaning: (targets, note)
         "a formula or a table of time of each coordinate of the tool; a curve of time is a command of a controller",
     ),
     "helicopter, rotor blade, rotordynamics, flap, lag, lead lag, campbell, campbell diagram, critical speed, ground "
-    "resonance, whirl": (
-        "beam hinge",
-        "`mecano modes --sweep speed=... --campbell NODE`; 'initial: {steady: {angular_velocity: ...}}'",
+    "resonance, whirl, rotor, shaft, spindle, turbine, blade flapping, southwell": (
+        "beam hinge bushing rigid_body",
+        "`mecano modes --sweep speed=... --campbell NODE`; 'initial: {steady: {angular_velocity: ...}}', docs/modes.md",
+    ),
+    "disc, disk, unbalance, imbalance, eccentricity, eccentric mass": (
+        "rigid_body", "an unbalance is its 'center_of_mass' beside the axis",
+    ),
+    "run up, runup, coast down": (
+        "prescribed_angle joint_moment", "an angle that is a polynomial of the time: [0, 0, half the acceleration]"
     ),
     "hexapod, stewart, stewart platform, gough platform": (
         "line_force prescribed_length pid universal spherical", "`mecano example stewart` copies a deck"
@@ -263,7 +272,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     "hydrostatic pressure, fluid pressure, water pressure": ("pressure", ""),
     "distributed load, line force, uniformly distributed load": ("line_load pressure line_moment", ""),
     "distributed moment, distributed torque": ("line_moment", ""),
-    "wind, wind load, gust, rotor, current, morison": (
+    "wind, wind load, gust, current, morison": (
         "drag line_load", "a 'drag' on each node of a member (docs/beams.md); a 'line_load' for a given force"
     ),
     "aerodynamics, air resistance, parachute, fluid": (
@@ -287,6 +296,10 @@ NOTES = {  # words with the same meaning: (targets, note)
     "equilibrium, static equilibrium": ("static initial", ""),
     "statics, statics solver, arc length, riks, buckling, snap through": ("static", ""),
     "results, result, sampling, save": ("output", "`mecano info`, `mecano post` and `mecano export` read the results"),
+    "dissipation, power loss, losses, energy, energy balance": (
+        "output",
+        "the results contain energy.dissipated, energy.given, energy.balance, and the 'dissipated_power' of elements",
+    ),
     "outputs, reaction, reactions": (
         "output study",
         "`mecano explain KIND` lists the outputs of a kind, `mecano info RESULTS --names` those of a run, all of "
