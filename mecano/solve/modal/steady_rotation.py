@@ -89,7 +89,8 @@ class Rotation:
         """Raise ConvergenceError if the state is not in steady rotation."""
         system, at = steady.system, steady.tangent(s)
         text = f"no steady rotation with the angular velocity {np.round(self.w, 9).tolist()} rad/s was found"
-        tries = "what to try: initial positions nearer to it; a smaller angular velocity first; "
+        sagging = "a higher angular velocity" if np.any(self.w) else "'initial: static'"
+        tries = f"what to try: initial positions nearer to it; for blades that sag far {sagging}; "
         if not arrived:
             assembly = system.assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0)
             raise ConvergenceError(
