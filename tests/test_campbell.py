@@ -115,3 +115,11 @@ def test_errors_of_a_campbell_diagram(rotor, monkeypatch, options, said):
     with pytest.raises((UsageError, BadParameter)) as info:
         commands(["modes", "rotor.yaml", *options.split()], standalone_mode=False)
     assert said in str(info.value)
+
+
+def test_a_mode_that_does_not_oscillate_has_no_resonance_at_rest(rotor):
+    """Axial motion with more than critical damping, 2 sqrt(k m): two real modes, 0 Hz as the rotor at rest."""
+    rotor.write_text(ROTOR.replace("2.0e6, 0, 0, 0]}", "2.0e6, 0, 0, 0], damping: [5.0e3, 0, 0, 0, 0, 0]}"))
+    (locus,) = sweep(rotor, (), ["speed=0,100"], rotor="disc").loci
+    assert np.sum(np.all(np.abs(locus.values.imag) == 0.0, axis=1)) == 2
+    assert not locus.resonances and not locus.unrefined

@@ -121,14 +121,23 @@ def resonances(
         for i, j in zip(known[:-1], known[1:], strict=True):
             ends = [(float(places[k]), spectra[k].values[row[k]], spectra[k].shapes[row[k]]) for k in (i, j)]
             for order in orders:
-                apart = [abs(spectra[k].values[row[k]].imag) - order * spectra[k].speed for k in (i, j)]
-                if (apart[0] < 0.0) == (apart[1] < 0.0):
+                both = [(abs(spectra[k].values[row[k]].imag), order * spectra[k].speed) for k in (i, j)]
+                if _no_crossing(*both):
                     continue
                 try:
                     found.append(_resonance(spectrum_at, ends, branch, order, spectra[i], spectra[j]))
                 except (AssemblyError, ConvergenceError, NonFiniteError):
                     unrefined.append((branch, order, ends[0][0], ends[1][0]))
     return sorted(found, key=lambda one: (one.order, one.place)), unrefined
+
+
+def _no_crossing(left, right):
+    """Return whether (frequency, multiple of the speed) [rad/s] have one order at both ends, or both are zero at one.
+
+    A mode that does not oscillate, as one of large damping, has the frequency of a rotor at rest, but no resonance.
+    """
+    zero = not any(left) or not any(right)
+    return zero or (left[0] < left[1]) == (right[0] < right[1])
 
 
 def _resonance(spectrum_at, ends, branch, order, *known):
