@@ -6,8 +6,11 @@ from scipy.integrate import quad
 from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.kind_trial import samples
+from mecano.analyses.modal import sticking
+from mecano.deck.build import build, set_velocities
 from mecano.elements.joints.coupler import COUPLER
 from mecano.errors import DeckError
+from mecano.model.system import System
 
 MOTOR = 0.5  # N m
 
@@ -189,6 +192,21 @@ def test_a_self_locking_coupler_holds_its_load():
     creep = 1e-3 * (1.0 - np.sqrt(1.0 - 2.0 / mu))
     assert m["joints/bearing/rate"][-1] == pytest.approx(creep, rel=1e-3)
     assert abs(m["joints/drive/load_1"][-1]) < 1e-3 * 0.5
+
+
+@pytest.mark.parametrize(("speed", "sticks"), [(0.0, True), (0.1, False)])
+def test_modes_of_a_coupler_that_sticks_are_warned_of(speed, sticks):
+    """The rate of the first coordinate is compared with the regularization, a rate in its unit."""
+    text = SPINDLE.replace("GIVEN", f"angles: [bearing], displacements: [guide], factors: [0.1, -1], {LOSSY}")
+    text = text.replace("time:", "initial: {velocities: [{nodes: [wheel], angular_velocity: [0, 0, SPEED], about: own},"
+                        "\n               {nodes: [nut], velocity: [TRAVEL, 0, 0]}]}\n    time:")  # fmt: skip
+    text = text.replace("SPEED", str(speed)).replace("TRAVEL", str(TRAVEL * speed))
+    checked = deck(text)
+    system = System(build(checked))
+    start = system.initial_state(0.0)
+    set_velocities(checked, system, start)
+    warnings = list(sticking(checked, system, start))
+    assert len(warnings) == sticks and all("coupler 'drive': regularized friction acts" in one for one in warnings)
 
 
 @pytest.mark.parametrize(

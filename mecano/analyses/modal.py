@@ -192,7 +192,7 @@ def _find(
     reported = [
         *base.warnings,
         *unbalanced(base, turning),
-        *_sticking(deck, system, base.state),
+        *sticking(deck, system, base.state),
         *doubts(lin.variation, found.residuals),
     ]
     if path is not None:
@@ -223,12 +223,14 @@ def turning_of(system: "System", s: "State", frame: str) -> np.ndarray:
     return turning
 
 
-def _sticking(deck, system, s):
+def sticking(deck: "Deck", system: "System", s: "State") -> Iterator[str]:
     """Yield a warning about joints whose friction is in its regularized range, where it acts as a viscous damper."""
-    stuck = [
+    first = {joint.name: joint.nodes[:2] for joint in system.model.elements if joint.kind.section == "joints"}
+    stuck = [  # a coupler has no nodes of its own: its friction opposes the rate of its first coordinate
         f"{d['type']} '{name}'"
         for name, d in deck.values["joints"].items()
-        if d.get("friction") and _sliding(system, s, d["nodes"], d["friction"]) < d["friction"]["regularization"]
+        if (friction := d.get("friction"))
+        and _sliding(system, s, d.get("nodes", first[name]), friction) < friction["regularization"]
     ]
     if stuck:
         yield (
