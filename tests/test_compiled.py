@@ -401,6 +401,17 @@ class TestStore:
         monkeypatch.setattr(Path, "mkdir", refuse)
         assert store.folder.__wrapped__() == found and found.parent == tmp_path
 
+    def test_codes_are_loaded_as_one_library_and_only_once(self, monkeypatch):
+        codes = [half.code, one.code]
+        for code in codes:
+            store.compile_code(code)
+        monkeypatch.setattr(store, "_addresses", {})
+        libraries = len(store._kept)
+        for _ in range(2):
+            store.load(codes)
+            assert len(store._kept) == libraries + 1
+        assert set(store._addresses) == {code.file for code in codes} and len(set(store._addresses.values())) == 2
+
     def test_an_object_that_cannot_be_stored_leaves_no_file(self, tmp_path, monkeypatch):
         monkeypatch.setattr(Path, "replace", refuse)
         store.put(tmp_path / "a.o", b"code")

@@ -164,9 +164,10 @@ def address(code):
 
 
 def load(codes):
-    """Load those of the ``codes`` that a store contains at once: one after the other, they take twice as long."""
+    """Load at once those of the ``codes`` that a store contains: one after the other, they take twice as long."""
     found = {code.file: read(code.file) for code in codes if code.file not in _addresses}
-    _load({file: content for file, content in found.items() if content is not None})
+    if contents := {file: content for file, content in found.items() if content is not None}:
+        _load(contents)
 
 
 def compile_code(code):
