@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import textwrap
+import threading
 import time
 import types
 from collections import namedtuple
@@ -507,6 +508,20 @@ class TestDigest:
             with pytest.raises(TypeError, match="uses a global set"):
                 digest(outer)
         assert not is_digested(outer)
+
+    def test_two_threads_find_the_same_digest_at_the_same_time(self, monkeypatch):
+        module, found = sys.modules["mecano.jit.digest"], []
+        describe = module._describe_function
+
+        def meanwhile(function):
+            if threading.current_thread() is threading.main_thread():
+                other = threading.Thread(target=lambda: found.append(digest(function)))
+                other.start()
+                other.join()
+            return describe(function)
+
+        monkeypatch.setattr(module, "_describe_function", meanwhile)
+        assert self.digest(self.HEAD) in found and "recursive" not in found
 
     def test_two_kinds_have_loops_of_their_own(self):
         from mecano.elements import KINDS

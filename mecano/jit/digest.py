@@ -7,6 +7,7 @@ the digests of the objects that contain it, and of no others.
 
 import dis
 import hashlib
+import threading
 import types
 from functools import cache
 
@@ -21,6 +22,7 @@ LOAD_GLOBAL, EXTENDED_ARG = dis.opmap["LOAD_GLOBAL"], dis.EXTENDED_ARG
 PLAIN = (bool, int, float, str, bytes, frozenset, np.generic)  # types with an exact repr
 
 _digests = {}  # by function; the functions that it calls do not change during the life of the process
+_begun = threading.local()  # ``functions`` of which a thread is taking the digest; another one takes it, too
 
 
 def digest(function):
@@ -30,12 +32,14 @@ def digest(function):
     """
     known = _digests.get(function)
     if known is None:
-        _digests[function] = "recursive"
+        begun = _begun.__dict__.setdefault("functions", set())
+        if function in begun:
+            return "recursive"
+        begun.add(function)
         try:
             known = _digests[function] = _hash(_describe_function(function))
-        except BaseException:
-            del _digests[function]
-            raise
+        finally:
+            begun.remove(function)
     return known
 
 
