@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+import threading
 import time
 
 import pytest
@@ -92,6 +93,26 @@ def test_a_file_is_compiled_by_one_process_at_a_time(empty_store):
     os.waitpid(child, 0)
     assert (empty_store / "made.txt").read_text().count("once") == 1
     assert not list(empty_store.glob("*.lock"))
+
+
+def test_threads_compile_one_after_the_other(empty_store):
+    """Tables of numba belong to one at a time, and a process forked meanwhile would wait for locks of the others."""
+    working, most = [], []
+
+    def generate(_):
+        working.append(1)
+        most.append(len(working))
+        time.sleep(0.05)
+        working.pop()
+        return "name", b"machine code"
+
+    codes = [Code(f"code_{i}", "0", generate) for i in range(3)]
+    threads = [threading.Thread(target=store.compile_code, args=(code,)) for code in codes]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert most == [1, 1, 1]
 
 
 def test_processes_end_with_the_one_that_started_them(tmp_path):

@@ -18,11 +18,12 @@ def compile_ahead(codes):
 
     A code that a process fails to compile is left for ``store.address``, which reports why.
     """
-    missing = list({code.file: code for code in codes if not store.holds(code.file)}.values())
-    processes = min(cores(), MOST, len(missing))
-    if processes > 1:
-        with suppress(OSError):  # no pipe is left: each code is compiled when it is needed
-            _compile(missing, processes)
+    with store.alone:
+        missing = list({code.file: code for code in codes if not store.holds(code.file)}.values())
+        processes = min(cores(), MOST, len(missing))
+        if processes > 1:
+            with suppress(OSError):  # no pipe is left: each code is compiled when it is needed
+                _compile(missing, processes)
 
 
 def _compile(codes, processes):

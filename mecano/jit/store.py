@@ -9,6 +9,7 @@ import atexit
 import hashlib
 import os
 import sys
+import threading
 import time
 from collections.abc import Callable
 from contextlib import contextmanager, suppress
@@ -44,6 +45,7 @@ _kept = []  # keeps alive the code that LLVM has loaded
 _addresses = {}  # of the functions that are loaded, by their file
 _times = []  # wall-clock time of each compilation of this process [s]
 _listeners = []  # called before and while something is compiled
+alone = threading.RLock()  # held by the thread that compiles, forks processes that compile, or loads machine code
 
 
 @cache
@@ -171,8 +173,8 @@ def load(codes):
 
 
 def compile_code(code):
-    """Compile a Code, or wait for another process that does, and return the contents of its file."""
-    with _locked(code.file):
+    """Compile a Code, or wait for another thread or process that does, and return the contents of its file."""
+    with alone, _locked(code.file):
         found = read(code.file)
         if found is None:
             require_memory(TO_COMPILE)
@@ -381,6 +383,7 @@ def _load(files):
         symbol, machine_code = content.split(b"\n", 1)
         symbols[file] = symbol.decode()
         library.add_object_img(machine_code).export_symbol(symbols[file])
-    loaded = library.link(_linker(), f"library {len(_kept)}")
-    _kept.append(loaded)
-    _addresses.update({file: loaded[symbol] for file, symbol in symbols.items()})
+    with alone:
+        loaded = library.link(_linker(), f"library {len(_kept)}")
+        _kept.append(loaded)
+        _addresses.update({file: loaded[symbol] for file, symbol in symbols.items()})
