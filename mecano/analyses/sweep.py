@@ -20,7 +20,7 @@ from mecano.process.interrupt import call_interruptibly
 from mecano.results.lock import locked
 from mecano.results.sweep_file import refuse_tables, write_sweep, write_tables
 from mecano.results.writer import refuse_existing, refuse_other_ending
-from mecano.solve.modal.critical import Critical, critical
+from mecano.solve.modal.critical import Critical, critical, end_of
 from mecano.solve.modal.families import FAMILIES, families, running_axes
 from mecano.solve.modal.linearize import linearize
 from mecano.solve.modal.modes import solve
@@ -276,7 +276,7 @@ def _locus(case, axis, other, reported, orders=()):
     values, rows = loci(track(spectra, axis.values), spectra)
     described = [_described(row, spectra, motions) for row in rows]
     spectrum_at = lambda value: case.spectrum((*other, (axis.path, float(value))))[0]  # noqa: E731
-    found, unrefined = _criticals(case, axis, other, rows, spectra)
+    found, unrefined = _criticals(axis, rows, spectra, spectrum_at)
     least = np.array([spectrum.least if spectrum else 0.0 for spectrum in spectra])
     kinds = _along(rows, spectra, "families", -1)
     sure = _along(rows, spectra, "converged", True)
@@ -326,24 +326,22 @@ def _growth(spectra):
     return growth, count, fastest
 
 
-def _criticals(case, axis, other, rows, spectra):
+def _criticals(axis, rows, spectra, spectrum_at):
     """Return the Criticals at which branches become unstable or stable, sorted by value, and ``Locus.unrefined``."""
     found, unrefined, place = [], [], np.nan
 
-    def spectrum_at(value):
+    def noted(value):
         nonlocal place
         place = float(value)
-        return case.spectrum((*other, (axis.path, place)))[0]
+        return spectrum_at(place)
 
     for branch, row in enumerate(rows):
         known, grows = (row[:-1] >= 0) & (row[1:] >= 0), growing(row, spectra)
-        for i in np.flatnonzero(known & np.diff(grows)):
-            left, right = (
-                (float(axis.values[j]), spectra[j].values[row[j]], spectra[j].shapes[row[j]]) for j in (i, i + 1)
-            )
+        for i in np.flatnonzero(known & np.diff(grows)).tolist():
+            left, right = (end_of(spectra, axis.values, row, j) for j in (i, i + 1))
             at, cause = None, "the mode could not be followed from one to the other"
             try:
-                at = critical(spectrum_at, left, right, branch)
+                at = critical(noted, left, right, branch)
             except FAILED as error:
                 cause = f"no state was found at {place:.9g}: {_cause(error)}"
             if at is not None:

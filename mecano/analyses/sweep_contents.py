@@ -31,14 +31,12 @@ def contents(sweep: "Sweep") -> dict[str, Any]:
         for at, locus in zip(other, loci, strict=True)
         for c in locus.critical
     ]
-    columns = np.array(rows, float).reshape(len(rows), len(CRITICAL)).T
-    critical = {name: column for (name, _, _), column in zip(CRITICAL, columns, strict=True)}
     alone = len(axes) == 1
     return {
         "names": tuple(axis.name for axis in axes), "parameter": axes[0].values, "other": other,
         "modes": modes if alone else {}, "motions": loci[0].motions if alone else [],
         "families": loci[0].family_names if alone else [],
-        "map": {name: np.array(table, float) for name, table in over.items()}, "critical": critical,
+        "map": {name: np.array(table, float) for name, table in over.items()}, "critical": _columns(rows, CRITICAL),
         "about": sweep.about, **(_campbell(sweep) if sweep.rotor else {}),
     }  # fmt: skip
 
@@ -51,6 +49,11 @@ def _campbell(sweep):
          one.branch + 1, one.whirl)
         for one in locus.resonances
     ]  # fmt: skip
-    columns = np.array(rows, float).reshape(len(rows), len(RESONANCES)).T
-    found = {name: column for (name, _, _), column in zip(RESONANCES, columns, strict=True)}
+    found = _columns(rows, RESONANCES)
     return {"rotor": {"speed": locus.speed}, "resonances": found, "node": sweep.rotor, "orders": sweep.orders}
+
+
+def _columns(rows, declared):
+    """Return the columns of a table by name; ``declared``: (name, unit, meaning) of each."""
+    columns = np.array(rows, float).reshape(len(rows), len(declared)).T
+    return {name: column for (name, _, _), column in zip(declared, columns, strict=True)}

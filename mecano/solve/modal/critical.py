@@ -6,7 +6,7 @@ hence the distance from p0 at which growth exceeds rounding.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -25,6 +25,13 @@ SURE = 3.0  # error bound in standard deviations of the scatter
 
 
 End: TypeAlias = tuple[float, complex, np.ndarray]  # of a branch: place, eigenvalue, shape (n_q,)
+
+
+def end_of(spectra: Sequence[Spectrum | None], places: np.ndarray, row: np.ndarray, i: int) -> End:
+    """Return the End of a branch at the place number i; ``row`` (n,): indices of the branch in the ``spectra``."""
+    spectrum = spectra[i]
+    assert spectrum is not None, "a branch ends where a state was found"
+    return float(places[i]), spectrum.values[row[i]], spectrum.shapes[row[i]]
 
 
 @dataclass(frozen=True)
