@@ -18,7 +18,7 @@ from mecano.element_interface import Kind
 from mecano.errors import ResultsError
 from mecano.jit import store
 from mecano.jit.ahead import compile_ahead
-from mecano.model.loop_code import PURPOSES, codes_of
+from mecano.model.loop_code import all_codes
 from mecano.solve.time.error_bound import bound_error
 
 STEPS = 3
@@ -85,8 +85,7 @@ def _longer(time):
 
 
 def _compile(kinds, further=()):
-    found = [codes_of(kind, purpose) for kind in kinds for purpose in PURPOSES]
-    codes = [code for codes in found if codes is not None for code in codes if code is not None]
+    codes = all_codes(kinds)
     compile_ahead([*(entry.code for entry in (*TIME_INTEGRATION, *EVENTS, bound_error, *radau())), *codes, *further])
     for code in codes:
         store.address(code)

@@ -3,7 +3,7 @@ the kind among their globals.
 """
 
 import types
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cache
 from typing import NamedTuple
 
@@ -64,6 +64,12 @@ def codes_of(kind: Kind, purpose: Callable[..., None]) -> Codes | None:
         loop_code(loop), _code(template, function, parameters),
         None if inertia is None else _code(element_calls.inertia, inertia, parameters),
     )  # fmt: skip
+
+
+def all_codes(kinds: Iterable[Kind]) -> list[Code]:
+    """Return the Codes of the loops of all purposes for some kinds, and of what they call."""
+    found = [codes_of(kind, purpose) for kind in kinds for purpose in PURPOSES]
+    return [code for codes in found if codes is not None for code in codes if code is not None]
 
 
 def _of(kind, purpose):

@@ -14,7 +14,7 @@ from mecano.model.assembly_driver import Loops
 from mecano.model.batch import Batch, batches, calling
 from mecano.model.expansion import expand
 from mecano.model.halves import halves
-from mecano.model.loop_code import PURPOSES, calls_of, codes_of
+from mecano.model.loop_code import all_codes, calls_of
 from mecano.model.loop_records import SYSTEM, record
 from mecano.model.mesh import divided
 from mecano.model.model import Model, with_ground
@@ -121,8 +121,7 @@ class System:
 
     def codes(self) -> "list[Code]":
         """Return the Codes of all loops of the model, and of the functions that they call."""
-        found = [codes_of(b.kind, purpose) for b in self.batches for purpose in PURPOSES]
-        return [code for codes in found if codes is not None for code in codes if code is not None]
+        return all_codes(b.kind for b in self.batches)
 
     @cached_property
     def halves(self) -> np.ndarray | None:
