@@ -38,7 +38,13 @@ from mecano.elements.members.beam_elastic import (
 from mecano.elements.members.beam_flexibility import elastic_constants, hat
 from mecano.elements.members.beam_inertia import add_inertia, energies, inertia_record
 from mecano.elements.members.beam_line import check_line, screw, stations
-from mecano.elements.members.beam_section_forces import largest_stresses, local_strains, middle_rotation, section_forces
+from mecano.elements.members.beam_section_forces import (
+    helix,
+    largest_stresses,
+    local_strains,
+    middle_rotation,
+    section_forces,
+)
 from mecano.elements.members.cross_section import MOST_POINTS, constants
 from mecano.elements.members.heated_beam import (
     CURVES,
@@ -67,7 +73,7 @@ RECORD = record(
     damping=(), gravity=3,
     mass=(), eccentric="i", J1=(3, 3), J2=(3, 3), J12=(3, 3), c1=3, t1=3, c2=3, t2=3,
     axes=(3, 3), F_uu=(3, 3), F_up=(3, 3), F_pp=(3, 3),
-    E=(), G=(), radius=(), torsion_radius=(), points=(MOST_POINTS, 2),
+    E=(), G=(), radius=(), torsion_radius=(), n_points="i", points=(MOST_POINTS, 2),
 )  # fmt: skip
 
 
@@ -105,16 +111,18 @@ def observe_from(p, at, u0, phi0, y, e):
     elastic = 0.5 * (dot(e_u, p_u) + dot(e_phi, p_phi))
     dissipated = p.damping * (dot(u_rate, rate_u) + dot(phi_rate, rate_phi))
     N, first, second = _at_ends(p, s, line.g, e_u, e_phi)
-    middle = middle_rotation(p, s, (N, first), line.length)
-    N, M, N_1, N_2, M_1, M_2 = section_forces(p, s, middle, N, first, second)
+    path = helix(s)
+    middle = middle_rotation(p, s, path, (N, first), line.length)
+    N, M, N_1, N_2, M_1, M_2 = section_forces(p, path, middle, N, first, second)
     strain, curvature = local_strains(p, N, M)
     normal, shear, equivalent = largest_stresses(p, N, M)
     for N_end, M_end in ((N_1, M_1), (N_2, M_2)):
         n_end, s_end, e_end = largest_stresses(p, N_end, M_end)
         normal, shear, equivalent = max(normal, n_end), max(shear, s_end), max(equivalent, e_end)
-    total_u, total_phi = e_u + p.damping * u_rate, e_phi + p.damping * phi_rate
-    N, first, second = _at_ends(p, s, line.g, total_u, total_phi)
-    N, M, N_1, N_2, M_1, M_2 = section_forces(p, s, middle, N, first, second)
+    if p.damping > 0.0:
+        total_u, total_phi = e_u + p.damping * u_rate, e_phi + p.damping * phi_rate
+        N, first, second = _at_ends(p, s, line.g, total_u, total_phi)
+        N, M, N_1, N_2, M_1, M_2 = section_forces(p, path, middle, N, first, second)
     for i, value in ((0, N), (3, M), (6, M_1), (9, M_2), (12, strain), (15, curvature)):
         put(y, i, value)
     kinetic, weight = energies(p, at.q, at.v, mat(at.R[0]), mat(at.R[1]))
@@ -162,7 +170,8 @@ def _record(section, damping, gravity, S_1, S_2, h0):
         **inertia_record(section.mass * length, section.J * length, S_1, S_2, c, tangent),
         "axes": S_2, "F_uu": F[:3, :3], "F_up": F[:3, 3:], "F_pp": F[3:, 3:],
         "E": section.E, "G": section.G,
-        "radius": section.radius, "torsion_radius": section.torsion_radius, "points": points,
+        "radius": section.radius, "torsion_radius": section.torsion_radius,
+        "n_points": len(section.points), "points": points,
     }  # fmt: skip
 
 

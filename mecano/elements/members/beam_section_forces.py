@@ -5,23 +5,41 @@ in section axes of node 2, the first moment in those of node 1.
 """
 
 import math
+from typing import NamedTuple
 
 from mecano.jit.kernel import kernel
 from mecano.maths.so3 import exp, tangent
 from mecano.maths.vector import EYE, Vec3, cross, cross_columns, dot, mat, skew
 
 
+class Helix(NamedTuple):
+    """The helix from the first to the second end section, in the axes of the first one."""
+
+    half: tuple  # rotation of the middle
+    whole: tuple  # rotation of the second end
+    ahead: tuple  # vector from the first end to the middle
+
+
 @kernel
-def middle_rotation(p, s, ends, length):
-    """Return the rotation from the axes of the middle section to those of the first one; ``ends``: force, first moment.
+def helix(s):
+    """Return the Helix of a Screw."""
+    half = 0.5 * s.phi
+    return Helix(exp(half), exp(s.phi), 0.5 * (tangent(half).T @ (s.H @ s.y)))
+
+
+@kernel
+def middle_rotation(p, s, path, ends, length):
+    """Return the rotation from the axes of the middle section to those of the first one.
+
+    ``path``: the Helix; ``ends``: force, first moment; ``length`` of the bent line.
 
     Along the line of shear centres, with the curvature k in section axes, the wrench changes by N' = N x k, M' = M x k
     + N x e_1, and the strain of curvature by kappa'. In such an S shape the middle section turns against that of the
     helix by -kappa' L^2/8. N and M are those in its own axes: with X = T L^2/(8 EI), for a tension T, the turn follows
     from (X + X^2/6) instead of X, the first terms of cosh(sqrt(2 X)) - 1 in the solution of M'' = T M/EI.
     """
-    axes, half, c, F_pp = mat(p.axes), exp(0.5 * s.phi), skew(_shear_center(p)), mat(p.F_pp)
-    force, moment, _ = _carried(s, half, _ahead(s), *ends)
+    axes, c, F_pp = mat(p.axes), skew(_shear_center(p)), mat(p.F_pp)
+    force, moment, _ = _carried(path, path.half, path.ahead, *ends)
     N, k = axes.T @ force, skew(axes.T @ s.phi)
     M = axes.T @ moment - c @ N
     by_force = mat(p.F_up).T @ k + F_pp @ (skew(Vec3(length, 0.0, 0.0)) + c @ k)
@@ -29,7 +47,7 @@ def middle_rotation(p, s, ends, length):
     X = -eighth * (cross_columns(by_force, N) + cross_columns(by_moment, M))
     more = EYE + (1.0 / 6.0) * X
     turn = _solution(EYE + X @ more, more @ (eighth * (by_force @ N + by_moment @ M)))
-    return half @ exp(axes @ turn)
+    return path.half @ exp(axes @ turn)
 
 
 @kernel
@@ -47,28 +65,22 @@ def _shear_center(p):
 
 
 @kernel
-def _carried(s, middle, ahead, force, first):
+def _carried(path, middle, ahead, force, first):
     """Return force and moment at ``ahead`` of the first end, in the axes ``middle``, and the force at this end."""
-    first_force = exp(s.phi) @ force
+    first_force = path.whole @ force
     return middle.T @ first_force, middle.T @ (first - cross(ahead, first_force)), first_force
 
 
 @kernel
-def _ahead(s):
-    """Return the vector from the first end to the middle of the helix, in the axes of the first end."""
-    return 0.5 * (tangent(0.5 * s.phi).T @ (s.H @ s.y))
-
-
-@kernel
-def section_forces(p, s, middle, force, first, second):
+def section_forces(p, path, middle, force, first, second):
     """Return force and moment in the middle, force and moment at both ends, in the section axes of each place.
 
     The middle section is turned about its shear centre, at c from the nodes.
     """
     axes = mat(p.axes)
     c = axes @ _shear_center(p)
-    ahead = _ahead(s) + exp(0.5 * s.phi) @ c - middle @ c
-    middle_force, middle_moment, first_force = _carried(s, middle, ahead, force, first)
+    ahead = path.ahead + path.half @ c - middle @ c
+    middle_force, middle_moment, first_force = _carried(path, middle, ahead, force, first)
     return (
         axes.T @ middle_force, axes.T @ middle_moment, axes.T @ first_force, axes.T @ force,
         axes.T @ first, axes.T @ second,
@@ -87,7 +99,7 @@ def largest_stresses(p, N, M):
     """Return the largest normal stress of the fibres, shear stress of torsion, equivalent stress [Pa]."""
     strain, curvature = local_strains(p, N, M)
     largest = abs(strain[0]) + p.radius * math.sqrt(curvature[1] ** 2 + curvature[2] ** 2)
-    for i in range(p.points.shape[0]):
+    for i in range(p.n_points):
         fibre = strain[0] + curvature[1] * p.points[i, 1] - curvature[2] * p.points[i, 0]
         largest = max(largest, abs(fibre))
     normal, shear = p.E * largest, p.G * p.torsion_radius * abs(curvature[0])
