@@ -159,8 +159,8 @@ def judge(w, report, signals):
     if not np.isfinite(worst):
         return NOT_FINITE
     rate = worst / max(report[LAST], TINY)
-    if iteration and report[INCREMENT] <= 1.0:
-        reduction = w.motion / max(w.last_motion, TINY)  # the correction is of the motion alone
+    reduction = w.motion / max(w.last_motion, TINY)  # the correction is of the motion alone
+    if iteration and report[INCREMENT] * min(reduction, 1.0) <= 1.0:  # the next correction would be within tolerance
         rounded = at_rounding(report[INCREMENT] * w.increment_tolerance, reduction, w.renewed, w.reach, ROUNDING)
         if worst <= 1.0 or (signals <= 1.0 and rounded and not w.strict):
             return CONVERGED
