@@ -1,7 +1,9 @@
 r"""Exact tangents of the forces of a superelement, column by column: variation of all forces with one unknown.
 
 A variation of the nodes varies the frame by rho, the rotations relative to it by :math:`\psi_i = \phi_i - E_i^T \rho`,
-and with them all terms of superelement_force.py. Columns of amplitudes cost one row of a matrix each.
+and with them all terms of superelement_force.py. Columns of amplitudes cost one row of a matrix each: with dual
+numbers, half as many lines, the time integration of the deck superelement_arm takes 13 % more processor time, and that
+of a superelement with 40 modes 2.4 times as much.
 """
 
 from typing import NamedTuple
