@@ -25,11 +25,9 @@ from mecano.schema import BOOLEAN, CONDITION, NODE_PAIR, Field
 
 OPEN, CLOSED = 0, 1
 PHASES = ("open", "closed", "released")
-INPUTS = ("closing", "opening")
+LAYOUT = ("x0", "R0", "x1", "R1")
 FOR_EVER, UNTIL_RELEASED, WHILE = 0.0, 1.0, 2.0  # how long it is closed
 NEVER = -1.0  # number of an event that does not occur
-COMMANDS, FORCE, MOMENT = 12, 14, 17  # local indices of the inputs and multipliers, after positions and rotations
-COMMANDS_OF_POSITION, FORCE_OF_POSITION = 9, 11  # where the rotation of b is no unknown
 UNIT = (Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, 1.0))
 
 
@@ -72,113 +70,80 @@ def _gradient_of_turn(at, S, i):
 
 
 @kernel
-def _hold_position(at, row, f):
-    """Add the constraint of the position, whose first multiplier is at ``row``."""
-    Phi = _position(at) - vec(at.m, 0)
-    for i in range(3):
-        add_reaction(f, row + i, at.k, at.penalty, Phi[i], at.q[row + i], _gradient_of_position(at, i))
+def _rate_of_position(at):
+    """Return the velocity of b relative to a, in the axes of a."""
+    return mat(at.R[0]).T @ (vec(at.v, 6) - vec(at.v, 0)) - cross(vec(at.v, 3), _position(at))
 
 
 @kernel
-def _put_position(at, g):
-    """Write the constraint of the position and its rate."""
-    d = _position(at)
-    rate = mat(at.R[0]).T @ (vec(at.v, 6) - vec(at.v, 0)) - cross(vec(at.v, 3), d)
-    for i in range(3):
-        g[i, 0], g[i, 1] = d[i] - at.m[i], rate[i]
+def _rate_of_turn(at, S):
+    """Return the rate of the turn."""
+    omega = vec(at.v, 9) - mat(at.R[1]).T @ (mat(at.R[0]) @ vec(at.v, 3))
+    return 0.5 * ((S[0][0] + S[1][1] + S[2][2]) * omega - S.T @ omega)
 
 
-@kernel
-def grip_residual(p, at, f):
-    """Add the constraints of position and rotation."""
-    if at.phase != CLOSED:
-        for i in range(6):
-            f[FORCE + i] -= at.q[FORCE + i]
-        return
-    _hold_position(at, FORCE, f)
-    S = _turned(at)
-    Phi = _turn(S)
-    for i in range(3):
-        add_reaction(f, MOMENT + i, at.k, at.penalty, Phi[i], at.q[MOMENT + i], _gradient_of_turn(at, S, i))
+def _functions(layout, turns):
+    """Return the functions of a grip of nodes with this layout, which holds the rotation, too, if it ``turns``."""
+    command = 3 * len(layout)
+    force, moment, end = command + 2, command + 5, command + (8 if turns else 5)  # local indices of the multipliers
 
-
-@kernel
-def position_residual(p, at, f):
-    """Add the constraints of position."""
-    if at.phase != CLOSED:
+    @kernel
+    def residual(p, at, f):
+        if at.phase != CLOSED:
+            for row in range(force, end):
+                f[row] -= at.q[row]
+            return
+        Phi = _position(at) - vec(at.m, 0)
         for i in range(3):
-            f[FORCE_OF_POSITION + i] -= at.q[FORCE_OF_POSITION + i]
-    else:
-        _hold_position(at, FORCE_OF_POSITION, f)
+            row = force + i
+            add_reaction(f, row, at.k, at.penalty, Phi[i], at.q[row], _gradient_of_position(at, i))
+        if turns:
+            S = _turned(at)
+            Phi = _turn(S)
+            for i in range(3):
+                row = moment + i
+                add_reaction(f, row, at.k, at.penalty, Phi[i], at.q[row], _gradient_of_turn(at, S, i))
 
-
-@kernel
-def grip_constraints(p, at, g):
-    """Write the constraints and their rates."""
-    if at.phase == CLOSED:
-        _put_position(at, g)
-        S = _turned(at)
-        Phi = _turn(S)
-        omega = vec(at.v, 9) - mat(at.R[1]).T @ (mat(at.R[0]) @ vec(at.v, 3))
-        rate = 0.5 * ((S[0][0] + S[1][1] + S[2][2]) * omega - S.T @ omega)
+    @kernel
+    def constraints(p, at, g):
+        if at.phase != CLOSED:
+            return
+        Phi, rate = _position(at) - vec(at.m, 0), _rate_of_position(at)
         for i in range(3):
-            g[3 + i, 0], g[3 + i, 1] = Phi[i], rate[i]
+            g[i, 0], g[i, 1] = Phi[i], rate[i]
+        if turns:
+            S = _turned(at)
+            Phi, rate = _turn(S), _rate_of_turn(at, S)
+            for i in range(3):
+                g[3 + i, 0], g[3 + i, 1] = Phi[i], rate[i]
 
+    @kernel
+    def observe(p, at, F, y, e):
+        """Write force and moment on b, and the state."""
+        put(y, 0, mat(at.R[0]) @ vec(at.q, force))
+        if turns and at.phase == CLOSED:
+            put(y, 3, mat(at.R[1]) @ _moment_on_b(_turned(at), vec(at.q, moment)))
+        y[6] = 1.0 if at.phase == CLOSED else 0.0
 
-@kernel
-def position_constraints(p, at, g):
-    """Write the constraints and their rates."""
-    if at.phase == CLOSED:
-        _put_position(at, g)
+    @kernel
+    def event_values(p, at, g):
+        """Write the numbers of the events, from the commands to close and to open."""
+        closing, opening = at.q[command], at.q[command + 1]
+        g[0] = closing
+        g[1] = opening if p.duration == UNTIL_RELEASED else NEVER
+        g[2] = -closing if p.duration == WHILE else NEVER
 
+    @kernel
+    def commit(p, at, m_out):
+        """Keep the relative position, and rotation, of the last step before it closed."""
+        put(m_out, 0, vec(at.m, 0) if at.phase == CLOSED else _position(at))
+        if turns:
+            put(m_out, 3, vec(at.m, 3) if at.phase == CLOSED else log(mat(at.R[0]).T @ mat(at.R[1])))
 
-@kernel
-def observe_grip(p, at, F, y, e):
-    """Write force and moment on b, and the state."""
-    put(y, 0, mat(at.R[0]) @ vec(at.q, FORCE))
-    if at.phase == CLOSED:
-        put(y, 3, mat(at.R[1]) @ _moment_on_b(_turned(at), vec(at.q, MOMENT)))
-    y[6] = 1.0 if at.phase == CLOSED else 0.0
-
-
-@kernel
-def observe_position(p, at, F, y, e):
-    """Write the force on b, no moment, and the state."""
-    put(y, 0, mat(at.R[0]) @ vec(at.q, FORCE_OF_POSITION))
-    y[6] = 1.0 if at.phase == CLOSED else 0.0
-
-
-@kernel
-def _put_events(p, closing, opening, g):
-    """Write the numbers of the events from both commands."""
-    g[0] = closing
-    g[1] = opening if p.duration == UNTIL_RELEASED else NEVER
-    g[2] = -closing if p.duration == WHILE else NEVER
-
-
-@kernel
-def grip_events(p, at, g):
-    """Write the numbers of the events."""
-    _put_events(p, at.q[COMMANDS], at.q[COMMANDS + 1], g)
-
-
-@kernel
-def position_events(p, at, g):
-    """Write the numbers of the events."""
-    _put_events(p, at.q[COMMANDS_OF_POSITION], at.q[COMMANDS_OF_POSITION + 1], g)
-
-
-@kernel
-def commit_position(p, at, m_out):
-    """Keep the relative position of the last step before it closed."""
-    put(m_out, 0, vec(at.m, 0) if at.phase == CLOSED else _position(at))
-
-
-@kernel
-def commit_grip(p, at, m_out):
-    """Keep relative position and rotation of the last step before it closed."""
-    commit_position(p, at, m_out)
-    put(m_out, 3, vec(at.m, 3) if at.phase == CLOSED else log(mat(at.R[0]).T @ mat(at.R[1])))
+    return {
+        "residual": residual, "constraints": constraints, "observe": observe, "event_values": event_values,
+        "commit": commit,
+    }  # fmt: skip
 
 
 def prepare(d, nodes, context):
@@ -221,7 +186,7 @@ GRIP = Kind(
     doc=__doc__,
     display=Display(support=False, force="force"),
     dtype=record(duration=()),
-    layout=("x0", "R0", "x1", "R1"),
+    layout=LAYOUT,
     fields=(
         Field("nodes", NODE_PAIR, "-", "node a, which grips, and node b, which is held"),
         Field("close", TRIGGER, "-", "when it closes: {time: ...} or {when: ...}", None),
@@ -238,7 +203,7 @@ GRIP = Kind(
         *(Row(f"force of the grip along axis {i} of a", "N", "m") for i in (1, 2, 3)),
         *(Row(f"moment of the grip about axis {i} of b", "N m", "rad") for i in (1, 2, 3)),
     ),
-    inputs=INPUTS,
+    inputs=("closing", "opening"),
     reads=reads,
     phases=PHASES,
     events=(
@@ -250,15 +215,10 @@ GRIP = Kind(
     prepare=prepare,
     variant=variant,
     check=check,
-    residual=grip_residual,
-    constraints=grip_constraints,
-    observe=observe_grip,
-    event_values=grip_events,
-    commit=commit_grip,
     sample=sample,
+    **_functions(LAYOUT, True),
 )
 POSITION_GRIP = replace(
-    GRIP, name="position_grip", layout=("x0", "R0", "x1"), multipliers=GRIP.multipliers[:3], memory=GRIP.memory[:3],
-    residual=position_residual, constraints=position_constraints, observe=observe_position,
-    event_values=position_events, commit=commit_position,
+    GRIP, name="position_grip", layout=LAYOUT[:3], multipliers=GRIP.multipliers[:3], memory=GRIP.memory[:3],
+    **_functions(LAYOUT[:3], False),
 )  # fmt: skip
