@@ -76,6 +76,50 @@ def _row(p):
 
 
 @kernel
+def _ratio(p, i):
+    """Return the derivative of the constraint by coordinate i."""
+    return p.ratios[i]
+
+
+@kernel
+def _share(p, i):
+    """Return the derivative of the mean rate, of coordinate 1 and of what the others make of it, by that of i."""
+    return 0.5 if i == 0 else -0.5 * p.ratios[i]
+
+
+def _sum_with(factor):
+    """Return the rate of the sum of all coordinates times factor(p, i), and the function that adds a load along it."""
+
+    @kernel
+    def rate(p, at):
+        turns = len(p.mu)
+        total = 0.0 * number(at.q[_row(p)])
+        for i in range(turns):
+            axes, place = _turning(p, at, i)
+            total = total + factor(p, i) * rate_of(along_angle(axes, place), place.v)
+        for i in range(len(p.along)):
+            axes, place = _sliding(p, at, i)
+            total = total + factor(p, turns + i) * rate_of(along_displacement(axes, place), place.v)
+        return total
+
+    @kernel
+    def add(p, at, f, load):
+        turns = len(p.mu)
+        for i in range(turns):
+            axes, place = _turning(p, at, i)
+            add_along(f[6 * i :], factor(p, i) * load, along_angle(axes, place))
+        for i in range(len(p.along)):
+            axes, place = _sliding(p, at, i)
+            add_along(f[6 * turns + 9 * i :], factor(p, turns + i) * load, along_displacement(axes, place))
+
+    return rate, add
+
+
+_rate, _add_load = _sum_with(_ratio)
+_mean_rate, _add_friction = _sum_with(_share)
+
+
+@kernel
 def _relation(p, at):
     """Return the value of the constraint."""
     turns = len(p.mu)
@@ -92,31 +136,15 @@ def _relation(p, at):
 @kernel
 def residual(p, at, f):
     """Add the constraint and its forces; their sum over the coordinates is in the row of the multiplier."""
-    turns, row = len(p.mu), _row(p)
-    relation = _relation(p, at)
-    g = -number(at.q[row]) + at.penalty * relation
+    row, relation = _row(p), _relation(p, at)
     f[row] -= at.k * relation
-    for i in range(turns):
-        axes, place = _turning(p, at, i)
-        add_along(f[6 * i :], p.ratios[i] * g, along_angle(axes, place))
-    for i in range(len(p.along)):
-        axes, place = _sliding(p, at, i)
-        add_along(f[6 * turns + 9 * i :], p.ratios[turns + i] * g, along_displacement(axes, place))
+    _add_load(p, at, f, -number(at.q[row]) + at.penalty * relation)
 
 
 @kernel
 def constraints(p, at, g):
     """Write the constraint and its rate."""
-    turns = len(p.mu)
-    g[0, 0] -= p.offset
-    for i in range(turns):
-        axes, place = _turning(p, at, i)
-        g[0, 0] += p.ratios[i] * angle(axes, place)
-        g[0, 1] += p.ratios[i] * rate_of(along_angle(axes, place), place.v)
-    for i in range(len(p.along)):
-        axes, place = _sliding(p, at, i)
-        g[0, 0] += p.ratios[turns + i] * displacement(axes, place)
-        g[0, 1] += p.ratios[turns + i] * rate_of(along_displacement(axes, place), place.v)
+    g[0, 0], g[0, 1] = _relation(p, at), _rate(p, at)
 
 
 @kernel
@@ -127,36 +155,10 @@ def observe(p, at, F, y, e):
 
 
 @kernel
-def _mean_rate(p, at):
-    """Return the mean rate of coordinate 1 and of what the others make of it."""
-    turns = len(p.mu)
-    rate = 0.0 * number(at.q[_row(p)])
-    for i in range(turns):
-        axes, place = _turning(p, at, i)
-        rate = rate + _share(p, i) * rate_of(along_angle(axes, place), place.v)
-    for i in range(len(p.along)):
-        axes, place = _sliding(p, at, i)
-        rate = rate + _share(p, turns + i) * rate_of(along_displacement(axes, place), place.v)
-    return rate
-
-
-@kernel
-def _share(p, i):
-    """Return the derivative of the mean rate by that of coordinate i."""
-    return 0.5 if i == 0 else -0.5 * p.ratios[i]
-
-
-@kernel
 def friction_residual(p, at, f):
     """Add the friction of the load with the penalty, whose rounding the multiplier then balances for both loads."""
-    turns = len(p.mu)
-    F = tooth_friction(p, -number(at.q[_row(p)]) + at.penalty * _relation(p, at), _mean_rate(p, at))
-    for i in range(turns):
-        axes, place = _turning(p, at, i)
-        add_along(f[6 * i :], _share(p, i) * F, along_angle(axes, place))
-    for i in range(len(p.along)):
-        axes, place = _sliding(p, at, i)
-        add_along(f[6 * turns + 9 * i :], _share(p, turns + i) * F, along_displacement(axes, place))
+    load = -number(at.q[_row(p)]) + at.penalty * _relation(p, at)
+    _add_friction(p, at, f, tooth_friction(p, load, _mean_rate(p, at)))
 
 
 @kernel
