@@ -16,9 +16,8 @@ from dataclasses import replace
 from mecano.constraints.rolling import ROWS
 from mecano.constraints.tire_patch import patch
 from mecano.element_interface import GRIP, Event
-from mecano.elements.wheels.lateral_force import relax
-from mecano.elements.wheels.patch_load import add_load, load_of
-from mecano.elements.wheels.patch_wheel import PatchFriction, check, patch_wheel, put_patch
+from mecano.elements.wheels.lateral_law import relax
+from mecano.elements.wheels.patch_wheel import PatchFriction, add_load, check, load_of, patch_wheel, put_patch
 from mecano.elements.wheels.rolling_tyre import FIELDS as ROLLING_FIELDS
 from mecano.elements.wheels.tire_wheel import AIR, LIFT_OFF
 from mecano.jit.kernel import kernel

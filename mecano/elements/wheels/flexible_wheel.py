@@ -32,9 +32,18 @@ from functools import cache
 
 from mecano.constraints.tire_patch import patch
 from mecano.element_interface import record
-from mecano.elements.wheels.lateral_force import relax
-from mecano.elements.wheels.patch_load import add_load, load_of
-from mecano.elements.wheels.patch_wheel import RECORD, SCALARS, PatchFriction, patch_wheel, prepare, put_patch, sample
+from mecano.elements.wheels.lateral_law import relax
+from mecano.elements.wheels.patch_wheel import (
+    RECORD,
+    SCALARS,
+    PatchFriction,
+    add_load,
+    load_of,
+    patch_wheel,
+    prepare,
+    put_patch,
+    sample,
+)
 from mecano.elements.wheels.rolling_tyre import is_given, rolling_law, with_rolling
 from mecano.elements.wheels.sliding_friction import SLIDING_FRICTION
 from mecano.elements.wheels.tire_wheel import AIR

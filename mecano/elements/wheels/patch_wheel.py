@@ -1,4 +1,8 @@
-"""Deck fields, outputs, energies, events, samples and warnings shared by wheels with a flexible patch."""
+"""What wheels with a flexible patch share: load in the patch, deck fields, outputs, energies, events and warnings.
+
+The load is the radial force and that of the lateral law. The friction F in the ground is left to the kind of wheel: its
+patch slips, or it is held.
+"""
 
 import math
 from typing import NamedTuple
@@ -7,14 +11,23 @@ import numpy as np
 
 from mecano.constraints.disc import Wheel
 from mecano.constraints.ground import GROUND_RECORD, ends, touch
-from mecano.constraints.tire_patch import Y
+from mecano.constraints.tire_patch import Y, add_patch_force
 from mecano.element_interface import Kind, Output, record
 from mecano.elements.wheels.at_start import start_warnings
-from mecano.elements.wheels.ground_surface import SURFACE_RECORD
-from mecano.elements.wheels.lateral_law import FORMS, LATERAL_RECORD, check_lateral, prepare_lateral, twists
+from mecano.elements.wheels.ground_surface import SURFACE_RECORD, surface_at
+from mecano.elements.wheels.lateral_law import (
+    FORMS,
+    LATERAL_RECORD,
+    Lateral,
+    check_lateral,
+    lateral_law,
+    prepare_lateral,
+    twists,
+)
 from mecano.elements.wheels.sliding_friction import RECORD as FRICTION_RECORD
 from mecano.elements.wheels.sliding_friction import prepare as prepare_friction
-from mecano.elements.wheels.tire_law import RADIAL_RECORD
+from mecano.elements.wheels.slip_law import Slip
+from mecano.elements.wheels.tire_law import RADIAL_RECORD, radial_force
 from mecano.elements.wheels.tire_wheel import (
     CONTACT,
     EVENTS,
@@ -30,9 +43,10 @@ from mecano.elements.wheels.tire_wheel import (
 from mecano.elements.wheels.tire_wheel import FIELDS as WHEEL_FIELDS
 from mecano.elements.wheels.tire_wheel import OUTPUTS as TIRE_OUTPUTS
 from mecano.jit.kernel import kernel
+from mecano.laws.contact_force import elastic_force
 from mecano.maths.dual import select
 from mecano.maths.surface import directions
-from mecano.maths.vector import cross, dot, mat, put, vec
+from mecano.maths.vector import add_vec, cross, dot, mat, norm, put, vec
 from mecano.schema import NUMBER, Field, mapping
 
 INITIAL = mapping(
@@ -69,12 +83,45 @@ STRING = {
 MATRICES = {"stiffness": [900.0, 50.0, -80.0, 300.0], "damping": [30.0, -2.0, 4.0, 20.0]}
 
 
+class Load(NamedTuple):
+    """Forces in the patch except its friction."""
+
+    radial: float  # F_r [N]
+    N: float  # normal force [N]
+    damping: float  # its part by radial damping [N]
+    slip: Slip
+    law: Lateral
+
+
 class PatchFriction(NamedTuple):
     """Action of the ground on a patch; 3-vectors in the inertial frame."""
 
     v: tuple  # slip velocity [m/s]
     F: tuple  # force on the wheel, in the ground [N]
     lost: float  # dissipated power [W]
+
+
+@kernel
+def load_of(p, at, k):
+    """Return the Load of the Patch ``k``."""
+    w = p.radius - k.g.r
+    v, radial = vec(at.v, 0), radial_force(p, at.laws, w, k.w1)
+    N, damping = radial / k.g.q, (radial - elastic_force(at.laws, p.radial, w)) / k.g.q
+    u, (t, l) = v - dot(k.g.n, v) * k.g.n, directions(k.a, k.g)
+    grip = surface_at(p, at, k.g.n, vec(at.q, 0) + k.rho).grip
+    slip = Slip(N, w, grip, k.v_C, k.v_0, u, k.omega, dot(k.omega, k.a), k.g.s, t, l, k.g.n, 0.0)
+    turning = dot(k.g.n, k.omega)
+    law = lateral_law(p, at.laws, vec(at.q, Y), vec(at.v, Y), k.rolled, N, norm(u), dot(t, u), turning)
+    return Load(radial, N, damping, slip, law)
+
+
+@kernel
+def add_load(f, at, k, load, F):
+    """Add the forces of a Load and of the friction F (3,) [N] in the ground."""
+    R = mat(at.R[0])
+    add_patch_force(f, R, k, F, load.N, load.damping)
+    add_vec(f, 3, -load.law.turn, R.T @ k.g.n)
+    add_vec(f, Y, 1.0, load.law.f)
 
 
 @kernel

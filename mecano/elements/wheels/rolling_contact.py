@@ -1,16 +1,21 @@
-"""Kinematics of the contact, outputs, events and samples shared by wheels with a slip law."""
+"""What wheels with a slip law share: kinematics of the contact, outputs, events, samples.
 
+Their kinds have one variant for each slip law, in which the functions of that law are compiled.
+"""
+
+from dataclasses import replace
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from mecano.constraints.disc import Wheel
-from mecano.constraints.ground import touch
-from mecano.element_interface import Output
+from mecano.constraints.ground import ends, touch
+from mecano.element_interface import Kind, Output, record
 from mecano.elements.wheels.ground_surface import Surface, surface_at
 from mecano.elements.wheels.slip_law import Slip, default_values
-from mecano.elements.wheels.tire_law import radial_force, slip_law_of
-from mecano.elements.wheels.tire_wheel import CONTACT, Grip, large_wheel, put_tire, range_of_law
+from mecano.elements.wheels.tire_law import RADIAL_RECORD, radial_force, slip_law_of
+from mecano.elements.wheels.tire_wheel import CONTACT, EVENTS, PHASES, Grip, large_wheel, put_tire, range_of_law
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import atan2, select, sqrt
 from mecano.maths.surface import Contact, directions
@@ -119,3 +124,44 @@ def law_samples(rng, law):
         wheel["tire_law"][law.name] = default_values(law.type.options, values)
         found.append((wheel, [(np.zeros(3), np.eye(3))], "contact"))
     return [*found, *((wheel, nodes, "air") for wheel, nodes, _ in found[-1:])]
+
+
+def wheel_with(law, compiled, own_record, prepare, **fields):
+    """Return the Kind of a wheel with a SlipLaw.
+
+    ``compiled(law)``: its ``residual`` and ``observe``; ``own_record``: fields of its record besides the axis, the
+    radial force and those of the law, all but the last from ``prepare``; ``fields``: of the Kind.
+    """
+    residual, observe = compiled(law)
+
+    def prepare_all(d, nodes, context):
+        return {**prepare(d, nodes, context), **law.prepare(d["tire_law"], context)}
+
+    return Kind(
+        section="elements",
+        dtype=record(axis=3, **own_record, **RADIAL_RECORD, **law.record),
+        phases=PHASES,
+        events=EVENTS,
+        prepare=prepare_all,
+        limits=limits,
+        ends=ends,
+        residual=residual,
+        observe=observe,
+        **fields,
+    )
+
+
+def by_slip_law(make, first):
+    """Return the Kind ``make(first)`` of a wheel with the SlipLaw ``first``, and ``make(law)`` as its variants."""
+
+    @cache
+    def named(law):
+        kind = make(law)
+        return replace(kind, name=f"{kind.name}_{law.name}")
+
+    def variant(d):
+        law = slip_law_of(d["tire_law"])
+        return wheel if law is first else named(law)
+
+    wheel = replace(make(first), variant=variant)
+    return wheel

@@ -27,15 +27,16 @@ import numpy as np
 from mecano.constraints.ground import GROUND_RECORD
 from mecano.element_interface import Output
 from mecano.elements.wheels.at_start import start_warnings
-from mecano.elements.wheels.by_slip_law import by_slip_law, wheel_with
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import (
     FIRST,
     add_ground,
+    by_slip_law,
     event_values,
     law_samples,
     put_rolling,
     rolling,
+    wheel_with,
     with_slip,
 )
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS

@@ -30,15 +30,16 @@ from functools import partial
 
 from mecano.constraints.ground import GROUND_RECORD
 from mecano.elements.wheels.at_start import start_warnings
-from mecano.elements.wheels.by_slip_law import by_slip_law, wheel_with
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
 from mecano.elements.wheels.rolling_contact import (
     add_ground,
+    by_slip_law,
     event_values,
     law_samples,
     put_rolling,
     rolling,
+    wheel_with,
     with_slip,
 )
 from mecano.elements.wheels.rolling_tyre import with_rolling

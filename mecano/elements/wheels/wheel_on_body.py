@@ -36,10 +36,17 @@ from mecano.constraints.ground import LEAST_Q, too_low
 from mecano.constraints.touching import named_surface
 from mecano.element_interface import Display
 from mecano.elements.wheels.at_start import start_warnings_on_body
-from mecano.elements.wheels.by_slip_law import by_slip_law, wheel_with
 from mecano.elements.wheels.ground_surface import Surface
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
-from mecano.elements.wheels.rolling_contact import add_ground, law_samples, put_rolling, rolling_on, with_slip
+from mecano.elements.wheels.rolling_contact import (
+    add_ground,
+    by_slip_law,
+    law_samples,
+    put_rolling,
+    rolling_on,
+    wheel_with,
+    with_slip,
+)
 from mecano.elements.wheels.rolling_tyre import with_rolling
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.elements.wheels.tire_law import check_tire_law, prepare_radial
