@@ -20,17 +20,20 @@ The minimum of T and B is smoothed and never exceeds either: :math:`(T + B - \sq
 s = 0.02. A stopped wheel is held: under a moment m < T it creeps at about :math:`\epsilon m/(2 T)`.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import law_of, on_demand
 from mecano.constraints.disc import carried_axis
-from mecano.constraints.ground import GROUND_RECORD, prepare_ground, slope_below
+from mecano.constraints.ground import GROUND_RECORD, prepare_ground, slope_below, touch
 from mecano.element_interface import Kind, Output, record
-from mecano.elements.forces.brake_bound import BY_ADHESION, BY_SPEED, SPIN, UNBOUNDED, bound_of
-from mecano.elements.wheels.tire_law import RADIAL_RECORD, prepare_radial
+from mecano.elements.wheels.tire_law import RADIAL_RECORD, prepare_radial, radial_force, speed_over_ground
 from mecano.jit.kernel import kernel
-from mecano.maths.dual import at_least, at_most, select, sqrt
-from mecano.maths.vector import add_vec, dot, mat, vec
+from mecano.laws.table import curve
+from mecano.maths.dual import at_least, at_most, constant, select, sqrt
+from mecano.maths.surface import directions
+from mecano.maths.vector import add_vec, cross, dot, mat, norm, vec
 from mecano.schema import CURVE, DIRECTION, DRIVE, NODE_PAIR, NUMBER, WHEEL, Field, mapping, positive
 
 RECORD = record(
@@ -38,7 +41,54 @@ RECORD = record(
     least_speed=(), **GROUND_RECORD, **RADIAL_RECORD,
 )  # fmt: skip
 SMOOTH = 0.02  # s of the smooth minimum
-REFERENCE = 0  # local unknowns: rotation of the reference node; then position and rotation of the wheel's node
+REFERENCE, POSITION, SPIN = 0, 3, 6  # local unknowns: rotation of the reference node; both of the wheel's node
+UNBOUNDED, BY_SPEED, BY_ADHESION = 0.0, 1.0, 2.0
+
+
+class Bound(NamedTuple):
+    """The bound of a brake."""
+
+    B: float  # [N m]
+    factor: float  # of the anti-skid
+    slip: float  # slip ratio
+
+
+@kernel
+def bound_of(p, at):
+    """Return the Bound: a curve B(u) of the speed u of the wheel, or mu(u) F_r r of its tyre, zero in the air.
+
+    The radial force F_r and the loaded radius r are those of the disc, without the lateral displacement of a patch.
+    """
+    velocity = vec(at.v, POSITION)
+    if p.watches == 0.0:
+        B = curve(at.laws, p.bound, norm(velocity))
+        return Bound(B, constant(1.0, B), constant(0.0, B))
+    R = mat(at.R[1])
+    axis, omega = R @ vec(p.axis, 0), R @ vec(at.v, SPIN)
+    g = touch(p, at.laws, vec(at.q, POSITION), axis)
+    r, u = at_most(g.r, p.radius), speed_over_ground(g.n, velocity)
+    w1 = -dot(g.n, velocity + cross(omega, g.arm)) / g.q
+    pressing = select(g.r < p.radius, radial_force(p, at.laws, p.radius - g.r, w1) * r, 0.0)
+    pressing = select(p.bounded == BY_ADHESION, pressing, 1.0)
+    slip = _slip_ratio(p, dot(directions(axis, g)[0], velocity), dot(omega, axis) * r)
+    return Bound(curve(at.laws, p.bound, u) * pressing, _released(p, slip), slip)
+
+
+@kernel
+def _slip_ratio(p, forward, rim):
+    """Return the slip ratio (v_x - Omega r) v_x/(v_x^2 + v_0^2) from the velocities [m/s] of the centre and of the rim.
+
+    At speeds above v_0 it is that of textbooks; it vanishes with the speed, so that a stopped wheel is held.
+    """
+    return (forward - rim) * forward / (forward * forward + p.least_speed * p.least_speed)
+
+
+@kernel
+def _released(p, slip):
+    """Return the factor of the anti-skid: 1 up to the slip kappa_0, falling smoothly to 0 at kappa_0 + width."""
+    width = select(p.slip_width > 0.0, p.slip_width, 1.0)
+    x = at_most(at_least((slip - p.slip_start) / width, 0.0), select(p.slip_width > 0.0, 1.0, 0.0))
+    return 1.0 - x * x * (3.0 - 2.0 * x)
 
 
 @kernel
@@ -159,7 +209,7 @@ def sample(rng):
     return cases
 
 
-def slip_ratio(value):
+def check_slip(value):
     """Check that the slip ratio is between rolling and locked."""
     return None if 0.0 < value < 1.0 else "must lie between 0 and 1"
 
@@ -167,7 +217,7 @@ def slip_ratio(value):
 LEAST_SPEED = 1.0  # m/s
 PARALLEL = 1e-6
 ANTI_SKID = mapping(
-    Field("slip", NUMBER, "-", "slip ratio above which the torque is reduced", check=slip_ratio),
+    Field("slip", NUMBER, "-", "slip ratio above which the torque is reduced", check=check_slip),
     Field("width", NUMBER, "-", "further slip over which it falls to zero", 0.1, positive),
     Field("least_speed", NUMBER, "m/s", "v_0 of the slip ratio, which fades at lower speeds", LEAST_SPEED, positive),
 )
