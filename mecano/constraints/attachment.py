@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.constraints.joint_frame import not_parallel
+from mecano.constraints.joint_frame import ANGLE, turn_between
 from mecano.constraints.pair import pair_parts
 from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.element_interface import Part
@@ -34,4 +34,4 @@ def attachment(nodes, i, context):
 
 def is_marker(nodes, i):
     """Return whether the initial rotation of node i differs from that of the first one."""
-    return bool(not_parallel([nodes[0], nodes[i]]))
+    return bool(turn_between(nodes[0], nodes[i]) > ANGLE)

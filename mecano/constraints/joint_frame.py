@@ -74,8 +74,8 @@ def turned_onto(a, b):
     return np.eye(3) + hat + hat @ hat / (1.0 + a @ b)
 
 
-def not_at_one_place(nodes):
-    """Return errors if two nodes that share a position do not coincide initially; nodes as in element_interface."""
+def not_at_one_place(d, nodes):
+    """Return errors if two nodes that share a position do not coincide initially: the ``check`` of a joint."""
     gap = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
     if gap <= PLACE:
         return []
@@ -83,9 +83,14 @@ def not_at_one_place(nodes):
     return [f"its nodes must be at the same place; they are {gap:.6g} m apart ({how})"]
 
 
-def not_parallel(nodes):
-    """Return errors if two nodes that share a rotation have different initial rotations."""
-    turn = np.linalg.norm(np.subtract(nodes[1][1], nodes[0][1])) / np.sqrt(2.0)
+def turn_between(a, b):
+    """Return 2 sin(angle/2) of the angle between the initial rotations of two nodes."""
+    return np.linalg.norm(np.subtract(b[1], a[1])) / np.sqrt(2.0)
+
+
+def not_parallel(d, nodes):
+    """Return errors if two nodes that share a rotation have different initial rotations: the ``check`` of a joint."""
+    turn = turn_between(*nodes)
     if turn <= ANGLE:
         return []
     degrees = np.degrees(2.0 * np.arcsin(min(1.0, turn / 2.0)))
@@ -93,8 +98,8 @@ def not_parallel(nodes):
     return [f"its nodes must have the same rotation; they differ by {degrees:.6g} degrees ({how})"]
 
 
-def at_one_place(nodes):
-    """Return errors if two nodes whose distance must not vanish coincide initially."""
+def at_one_place(d, nodes):
+    """Return errors if two nodes whose distance must not vanish coincide initially: the ``check`` of an element."""
     gap = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
     if gap > PLACE:
         return []

@@ -1,4 +1,4 @@
-"""Values shared by the samples of joints for the generic tests."""
+"""Values and nodes shared by the samples of elements and joints for the generic tests."""
 
 import numpy as np
 
@@ -27,3 +27,15 @@ def one_place(rng):
     """Return two nodes at the same position, rotated relative to each other."""
     x = rng.normal(size=3)
     return [(x, R) for R in ORIENTATIONS]
+
+
+def at_distance(rng, length):
+    """Return two nodes at this distance in a random direction, without rotation."""
+    x, direction = rng.normal(size=(2, 3))
+    return [(x, np.eye(3)), (x + length * direction / np.linalg.norm(direction), np.eye(3))]
+
+
+def rotation(rng):
+    """Return a random rotation (3, 3)."""
+    Q = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    return Q * np.linalg.det(Q)

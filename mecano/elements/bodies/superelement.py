@@ -21,6 +21,7 @@ from functools import cache
 
 import numpy as np
 
+from mecano.constraints.joint_samples import rotation
 from mecano.element_interface import Display, Kind, Output, record
 from mecano.elements.bodies.reduced_matrices import mass_moments, misplaced, problems, rigid_motions
 from mecano.elements.bodies.superelement_force import add_forces, add_product, state_of
@@ -205,8 +206,7 @@ def sample(rng):
         reduced = {"positions": X.tolist(), "stiffness": K.tolist(), "mass": M.tolist()}
         if n_nodes == 2:
             reduced["damping"] = (0.5 * free @ heavy @ heavy.T @ free).tolist()
-        turns = [np.linalg.qr(rng.normal(size=(3, 3)))[0] for _ in range(n_nodes)]
-        turns = [A * np.linalg.det(A) for A in turns]
+        turns = [rotation(rng) for _ in range(n_nodes)]
         nodes = [(x @ turns[0].T + 0.3, A) for x, A in zip(X, turns, strict=True)]
         found.append(({"file": reduced, **damping}, nodes, ""))
     return found

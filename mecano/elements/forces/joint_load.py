@@ -107,5 +107,5 @@ JOINT_FORCE = _load(
 LINE_FORCE = _load(
     "line_force", "Force along the line between two nodes, such as that of a hydraulic cylinder", DISTANCE,
     Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
-    _along_line, lambda d, nodes: at_one_place(nodes), _line_sample,
+    _along_line, at_one_place, _line_sample,
 )  # fmt: skip

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import is_formula, law_of, of_input, of_law, on_demand
-from mecano.constraints.segments import check_line, lengths, sample_line
+from mecano.constraints.line_of_nodes import check_line, lengths, sample_line
 from mecano.element_interface import Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, dot, mat, vec
@@ -73,11 +73,6 @@ def prepare(d, nodes, context):
     return {"length": lengths(nodes).sum(), "law": law_of(d["value"], context)}
 
 
-def check(d, nodes):
-    """Return errors for a line of less than two nodes, or with nodes at one place."""
-    return check_line(nodes)
-
-
 def sample(rng):
     """Return a growing load on three nodes, dead and following."""
     law = (("linear", {"slope": 0.5, "offset": 3.0}),)
@@ -132,7 +127,7 @@ class _Quantity:
             ),
             prepare=prepare,
             parts=self.parts,
-            check=check,
+            check=check_line,
             observe=observe,
             sample=sample,
         )

@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import is_formula, law_of, of_input, of_law, on_demand
-from mecano.constraints.segments import check_line, sample_line
+from mecano.constraints.line_of_nodes import check_line, sample_line
 from mecano.element_interface import Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, cross, dot, mat, vec
@@ -92,7 +92,7 @@ def parts(d, nodes, context):
 
 def check(d, nodes):
     """Return errors in the line, and for a segment that runs along 'across'."""
-    if texts := check_line(nodes):
+    if texts := check_line(d, nodes):
         return texts
     sines = np.linalg.norm(_across(d, nodes), axis=1)
     i = int(np.argmin(sines))

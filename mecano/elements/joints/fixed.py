@@ -73,7 +73,7 @@ FIXED = sharing_pair(
         (),
         _put_shared,
         ("force", "moment"),
-        lambda nodes: not_at_one_place(nodes) + not_parallel(nodes),
+        lambda d, nodes: not_at_one_place(d, nodes) + not_parallel(d, nodes),
     ),
     sample,
 )

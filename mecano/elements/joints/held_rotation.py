@@ -17,11 +17,6 @@ def observe(p, at, F, y, e):
     put(y, 0, -(mat(at.R[1]) @ vec(F, 3)))
 
 
-def check(d, nodes):
-    """Check that the nodes have the same initial rotation."""
-    return not_parallel(nodes)
-
-
 def sample(rng):
     """Return two nodes with the same rotation."""
     return [({}, two_parallel(rng), "")]
@@ -36,7 +31,7 @@ HELD_ROTATION = Kind(
     fields=(Field("nodes", NODE_PAIR, "-", "nodes a and b, usually [ground, the node that must not rotate]"),),
     outputs=(Output("moment", "N m", "moment of a on b, inertial axes", (3,)),),
     shares=one_rotation,
-    check=check,
+    check=not_parallel,
     observe=observe,
     hidden={"moment": "use a 'generic' joint with free: [along_1, along_2, along_axis]"},
     sample=sample,

@@ -26,7 +26,7 @@ from mecano.constraints.along_coordinate.measure import TURNING
 from mecano.constraints.hinge_friction import HINGE_FRICTION, hinge_friction_record
 from mecano.constraints.joint_frame import not_at_one_place, one_position, triad, turned_onto
 from mecano.constraints.joint_options import ANGLE_ENDS, TURNING_LAW, friction_option
-from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING
+from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING, rotation
 from mecano.constraints.pair import triads_together
 from mecano.constraints.release import SAMPLE
 from mecano.element_interface import Display
@@ -59,8 +59,7 @@ def _place(d, nodes, context):
 def sample(rng):
     """Return random axes, with every option."""
     x = rng.normal(size=3)
-    nodes = [(x, rotation) for rotation in np.linalg.qr(rng.normal(size=(2, 3, 3)))[0]]
-    nodes = [(x, R * np.linalg.det(R)) for x, R in nodes]
+    nodes = [(x, rotation(rng)) for _ in range(2)]
     radii, stops = {"radius": 0.3, "collar_radius": 0.4}, {"lower": -1.0, "upper": 2.0, "restitution": 0.4}
     d, law, skew = {"axis": rng.normal(size=3)}, {"turning_law": SPRUNG}, {"axis": (1, 0, 0), "axis_b": (1, 0.1, 0)}
     return [

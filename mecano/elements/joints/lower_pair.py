@@ -48,7 +48,7 @@ class Shared:
     held: tuple  # axes that are left to be held by constraints
     put_reactions: Callable  # (p, at, F, y, i): write the reactions, starting at y[i]
     hidden: tuple  # outputs of these that depend on the forces F
-    check: Callable  # nodes -> texts: what keeps them from sharing it
+    check: Callable  # (deck values, nodes) -> texts: what keeps them from sharing it
 
 
 @immutable
@@ -154,7 +154,7 @@ def lower_pair(name, doc, pair, sample):
 def sharing_pair(name, doc, pair, shared, sample):
     """Return the Kind of a lower pair whose nodes share what they may: else its axes are all held by parts."""
     given = lower_pair(f"{name}_held", doc, pair, sample)
-    apart = replace(given, check=lambda d, nodes: shared.check(nodes) + given.check(d, nodes))
+    apart = replace(given, check=lambda d, nodes: shared.check(d, nodes) + given.check(d, nodes))
     released = _released(apart, pair)
 
     def parts(d, nodes, context):

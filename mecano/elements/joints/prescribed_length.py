@@ -38,7 +38,7 @@ def check(d, nodes):
     """Check that there is one law, and an initial direction."""
     if (d["length"] is None) == (d["value"] is None):
         return ["needs either 'value', the change of the distance, or 'length', the distance itself"]
-    return at_one_place(nodes)
+    return at_one_place(d, nodes)
 
 
 def sample(rng):

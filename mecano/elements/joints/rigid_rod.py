@@ -23,11 +23,6 @@ def parts(d, nodes, context):
     return [Part(DISTANCE, (0, 1), {"offset": initial if d["length"] is None else d["length"], "law": 0})]
 
 
-def check(d, nodes):
-    """Check that the rod has an initial direction."""
-    return at_one_place(nodes)
-
-
 def sample(rng):
     """Return a rod that fits, and one to be assembled."""
     return [({}, 2, ""), ({"length": 1.3}, 2, "")]
@@ -48,7 +43,7 @@ RIGID_ROD = Kind(
         Output("length", "m", "distance of the nodes"),
     ),
     parts=parts,
-    check=check,
+    check=at_one_place,
     observe=observe,
     sample=sample,
 )

@@ -21,8 +21,9 @@ from functools import cache
 
 import numpy as np
 
+from mecano.constraints.joint_samples import rotation
+from mecano.constraints.line_of_nodes import check_line, nearest_station, smooth_line
 from mecano.element_interface import Display, Event, Kind, Output, Row, record
-from mecano.elements.members.smooth_line import nearest_station, smooth_line
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, number
 from mecano.maths.vector import add_vec, cross, dot, mat, norm, put, vec
@@ -157,10 +158,7 @@ def start(p):
 
 def check(d, nodes):
     """Return errors for an invalid line."""
-    if len(d["line"]) < 2:
-        return ["'line' must name at least 2 nodes"]
-    apart = np.linalg.norm(np.diff([x for x, _ in nodes[1:]], axis=0), axis=1)
-    return ["consecutive nodes of 'line' must not coincide"] if not apart.min() > 0.0 else []
+    return check_line(d, nodes[1:])
 
 
 def ends(d):
@@ -185,8 +183,7 @@ def sample(rng):
     for count, place in ((3, 0.0), (3, 1.6), (2, 0.0)):
         axis, across = rng.normal(size=(2, 3))
         axis, across = axis / np.linalg.norm(axis), np.cross(axis, across) / np.linalg.norm(np.cross(axis, across))
-        turns = [np.linalg.qr(rng.normal(size=(3, 3)))[0] for _ in range(count)]
-        line = [(axis * i + 0.2 * i * i * across, A * np.linalg.det(A)) for i, A in enumerate(turns)]
+        line = [(axis * i + 0.2 * i * i * across, rotation(rng)) for i in range(count)]
         names = ["slider", *(f"node_{i}" for i in range(count))]
         nodes = [(axis * place + 0.2 * place**2 * across, np.eye(3)), *line]
         found.append(({"node": names[0], "line": names[1:]}, nodes, ""))

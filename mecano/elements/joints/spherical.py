@@ -44,7 +44,7 @@ def variant(d):
 
 def check(d, nodes):
     """Check that the nodes coincide initially, and that friction is not negative."""
-    return not_at_one_place(nodes) + check_friction(d)
+    return not_at_one_place(d, nodes) + check_friction(d)
 
 
 def sample(rng):

@@ -169,7 +169,7 @@ def variant(d):
 def check(d, nodes):
     """Check that the nodes coincide initially and that the pins are perpendicular."""
     cosine = triad(d["axis_a"])[2] @ triad(d["axis_b"])[2]
-    texts = not_at_one_place(nodes) + check_friction(d)
+    texts = not_at_one_place(d, nodes) + check_friction(d)
     if abs(cosine) > PERPENDICULAR:
         degrees = np.degrees(np.arccos(cosine))
         texts.append(f"'axis_a' and 'axis_b' must be perpendicular; they are {degrees:.6g} degrees apart")

@@ -24,6 +24,7 @@ import numpy as np
 from mecano.constraints.along_coordinate.demand import as_formula, is_formula
 from mecano.constraints.elastic_line import STRAIN_OF_STEEL
 from mecano.constraints.joint_frame import norm
+from mecano.constraints.joint_samples import rotation
 from mecano.element_interface import Display, Kind, Output, record
 from mecano.elements.members.beam_elastic import (
     add_elastic,
@@ -266,8 +267,7 @@ def sample(rng):
     }  # fmt: skip
     x, axis, across = rng.normal(size=(3, 3))
     axis, across = axis / np.linalg.norm(axis), np.cross(axis, across) / np.linalg.norm(np.cross(axis, across))
-    R = [np.linalg.qr(rng.normal(size=(3, 3)))[0] for _ in range(2)]
-    nodes = [(x, R[0] * np.linalg.det(R[0])), (x + 1.4 * axis, R[1] * np.linalg.det(R[1]))]
+    nodes = [(x, rotation(rng)), (x + 1.4 * axis, rotation(rng))]
     sine = (("sine", {"amplitude": 0.1, "frequency": 0.4, "phase": 0.3, "offset": 0.05}),)
     heat = {"strain": sine, "curvature_2": 0.2, "curvature_3": sine}
     bow = {"via": x + 0.7 * axis + 0.55 * across, "twist": 0.8, "up": across + 0.5 * axis}

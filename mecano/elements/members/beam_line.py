@@ -85,7 +85,7 @@ def _section_axes(axis, up):
 
 def check_line(d, nodes, is_round):
     """Return errors that prevent the values from being a beam."""
-    if texts := at_one_place(nodes):
+    if texts := at_one_place(d, nodes):
         return texts
     (x_1, _), (x_2, _) = nodes
     if d["via"] is not None and min(norm(np.subtract(d["via"], x)) for x in (x_1, x_2)) <= PLACE:

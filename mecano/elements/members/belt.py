@@ -34,6 +34,7 @@ from mecano.constraints.belt_span import BELT_END, BELT_SPAN, CLOSEST, check_tan
 from mecano.constraints.creeping_span import CREEPING_END, CREEPING_SPAN
 from mecano.constraints.elastic_line import AXIAL_STIFFNESS, DAMPING
 from mecano.constraints.joint_frame import triad
+from mecano.constraints.joint_samples import rotation
 from mecano.constraints.release import check_release, elastic_release
 from mecano.element_interface import Display, Kind, OwnOutput, Part
 from mecano.schema import BOOLEAN, DIRECTION, NODES, NUMBER, NUMBERS, Field, not_negative
@@ -109,10 +110,8 @@ def ends(d):
 
 def sample(rng):
     """Return a hoist over two pulleys, and a crossed belt drive."""
-    turn = [np.linalg.qr(rng.normal(size=(3, 3)))[0] for _ in range(4)]
-    turn = [Q * np.linalg.det(Q) for Q in turn]
     places = np.array([[0.0, 0.0, 0.0], [0.4, 0.05, 1.0], [1.4, 0.0, 1.1], [1.8, -0.03, 0.2]])
-    nodes = list(zip(places, turn, strict=True))
+    nodes = [(x, rotation(rng)) for x in places]
     hoist = {
         "nodes": ["a", "b", "c", "d"], "radii": [0.0, -0.2, -0.15, 0.0], "axis": [0.0, 1.0, 0.0],
         "axial_stiffness": 50.0, "pretension": 20.0, "damping": 0.1,

@@ -53,6 +53,7 @@ from mecano.constraints.elastic_line import (
     strained,
 )
 from mecano.constraints.joint_frame import at_one_place
+from mecano.constraints.joint_samples import at_distance
 from mecano.constraints.line import add_line_force, line
 from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, TAUT, put_line_events
 from mecano.constraints.release import SAMPLE, check_release, cut, elastic_release
@@ -164,7 +165,7 @@ def variant_stress_free(d):
 
 def check(d, nodes):
     """Check that the line has a direction and an initial natural length, and exactly one axial stiffness."""
-    texts = at_one_place(nodes)
+    texts = at_one_place(d, nodes)
     if (d["axial_stiffness"] is None) == (d["E"] is None):
         texts.append("give either 'axial_stiffness' or 'E' with 'area'")
     elif d["E"] is not None and d["area"] is None:
@@ -217,7 +218,7 @@ def sample_bar(rng):
         "mass_distribution": "lumped",
     }  # fmt: skip
     driven = {**given, "natural_length": "1.5 + command"}
-    return [(given, _apart(rng, 1.5), ""), (lumped, _apart(rng, 2.0), ""), (driven, _apart(rng, 1.5), "")]
+    return [(d, at_distance(rng, length), "") for d, length in ((given, 1.5), (lumped, 2.0), (driven, 1.5))]
 
 
 def sample_cable(rng):
@@ -226,22 +227,17 @@ def sample_cable(rng):
     wound, hooked = (("linear", {"slope": -0.3, "offset": 1.5}),), {"time": 0.3, "when": None, "stress_free": True}
     winder = {"payout_tension": (("linear", {"slope": 4.0, "offset": 0.03}),), "at_full_length": "shock"}
     return [
-        *(({**d, "natural_length": wound}, _apart(rng, 2.0), phase) for phase in ("taut", "relaxing")),
-        ({**d, "natural_length": 3.0}, _apart(rng, 2.0), "slack"),
-        *(({**d, **SAMPLE, "natural_length": 1.5}, _apart(rng, 2.0), phase) for phase in ("taut", "released")),
-        ({**d, **SAMPLE, "natural_length": 3.0}, _apart(rng, 2.0), "slack"),
-        ({**d, "natural_length": "command"}, _apart(rng, 2.0), "taut"),
-        ({**d, **SAMPLE, "natural_length": "command"}, _apart(rng, 2.0), "taut"),
-        ({**d, "activate": hooked, "pretension": 5.0, "natural_length": "command"}, _apart(rng, 2.0), "taut"),
-        ({**d, "natural_length": wound, "at_full_length": "hold"}, _apart(rng, 2.0), "held"),
-        ({**d, "natural_length": 3.0, "at_full_length": "hold"}, _apart(rng, 2.0), "slack"),
-        *(({**d, **winder, "natural_length": 2.6}, _apart(rng, 2.0), phase) for phase in ("taut", "paying out")),
+        *(({**d, "natural_length": wound}, at_distance(rng, 2.0), phase) for phase in ("taut", "relaxing")),
+        ({**d, "natural_length": 3.0}, at_distance(rng, 2.0), "slack"),
+        *(({**d, **SAMPLE, "natural_length": 1.5}, at_distance(rng, 2.0), phase) for phase in ("taut", "released")),
+        ({**d, **SAMPLE, "natural_length": 3.0}, at_distance(rng, 2.0), "slack"),
+        ({**d, "natural_length": "command"}, at_distance(rng, 2.0), "taut"),
+        ({**d, **SAMPLE, "natural_length": "command"}, at_distance(rng, 2.0), "taut"),
+        ({**d, "activate": hooked, "pretension": 5.0, "natural_length": "command"}, at_distance(rng, 2.0), "taut"),
+        ({**d, "natural_length": wound, "at_full_length": "hold"}, at_distance(rng, 2.0), "held"),
+        ({**d, "natural_length": 3.0, "at_full_length": "hold"}, at_distance(rng, 2.0), "slack"),
+        *(({**d, **winder, "natural_length": 2.6}, at_distance(rng, 2.0), phase) for phase in ("taut", "paying out")),
     ]
-
-
-def _apart(rng, distance):
-    x, direction = rng.normal(size=(2, 3))
-    return [(x, np.eye(3)), (x + distance * direction / np.linalg.norm(direction), np.eye(3))]
 
 
 MEASURES = {"length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {})}

@@ -29,6 +29,7 @@ import numpy as np
 from mecano.constraints.along_coordinate.law import LAW_RECORD, STILL, extension, law_values, report
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.joint_frame import at_one_place
+from mecano.constraints.joint_samples import at_distance
 from mecano.constraints.line import add_line_force, line
 from mecano.constraints.stop_phases import EVENTS, FAR, PHASES, put_stop_events
 from mecano.element_interface import Display, Kind, Measured, Output, record
@@ -147,7 +148,7 @@ def _chambers(gas, second):
 
 def check(d, nodes):
     """Check that the line has a direction, the orifices are open, and the second chamber has the higher pressure."""
-    texts, gas, second = at_one_place(nodes), d["gas"], d["second_gas"]
+    texts, gas, second = at_one_place(d, nodes), d["gas"], d["second_gas"]
     if second is not None and second["pressure"] <= gas["pressure"]:
         texts.append("'second_gas.pressure' must be higher than 'gas.pressure': its separator opens under compression")
     return texts + [text for name in ("orifice", "rebound_orifice") for text in _closed(name, d["oil"][name])]
@@ -206,12 +207,8 @@ def sample(rng):
     valve, both = {**oil, "rebound_orifice": 0.7, "recoil_area": 0.9}, {"pressure": 3.6, "volume": 2.0}
     stop = (("stop", {"stiffness": 30.0, "lower": -0.9, "upper": 0.1, "damping": 0.1}),)
     two = {"gas": gas, "oil": valve, "second_gas": both, "law": stop, "extended_length": 2.0}
-    samples = [(one, 2, "between")]
-    for phase, length in zip(PHASES, (1.0, 1.5, 2.3), strict=True):
-        x, line = rng.normal(size=(2, 3))
-        nodes = [(x, np.eye(3)), (x + length * line / np.linalg.norm(line), np.eye(3))]
-        samples.append((two, nodes, phase))
-    return samples
+    lengths = zip(PHASES, (1.0, 1.5, 2.3), strict=True)
+    return [(one, 2, "between"), *((two, at_distance(rng, length), phase) for phase, length in lengths)]
 
 
 def _length(d, nodes, context):

@@ -44,6 +44,7 @@ from mecano.constraints.belt_span import CLOSEST, INCLINATION, check_tangent, sp
 from mecano.constraints.capstan import CAPSTAN, capstan, friction_field
 from mecano.constraints.elastic_line import AXIAL_STIFFNESS, DAMPING, STRAINS, add_strain_energy
 from mecano.constraints.joint_frame import triad
+from mecano.constraints.joint_samples import rotation
 from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, TAUT, put_line_events
 from mecano.constraints.reeved_path import (
     arc,
@@ -265,9 +266,8 @@ def sample(rng):
 
     Some are released or activated.
     """
-    turns = [np.linalg.qr(rng.normal(size=(3, 3)))[0] for _ in range(4)]
     places = np.array([[0.0, 0.0, 0.0], [0.4, 0.05, 1.0], [1.4, 0.0, 1.1], [1.8, -0.03, 0.2]])
-    nodes = [(x, Q * np.linalg.det(Q)) for x, Q in zip(places, turns, strict=True)]
+    nodes = [(x, rotation(rng)) for x in places]
     hauled = (("linear", {"slope": -0.3, "offset": 0.1}),)
     d = {
         "nodes": ["a", "b", "c", "d"], "radii": [0.0, -0.2, -0.15, 0.0], "axis": [0.0, 1.0, 0.0],

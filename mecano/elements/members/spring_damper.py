@@ -20,6 +20,7 @@ from mecano.constraints.along_coordinate.demand import is_formula, on_demand, wi
 from mecano.constraints.along_coordinate.law import LAW_RECORD, extension, law_values, report, set_point_of_law
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.joint_frame import at_one_place
+from mecano.constraints.joint_samples import at_distance
 from mecano.constraints.line import add_line_force, line
 from mecano.constraints.release import with_release
 from mecano.constraints.stop_phases import EVENTS, PHASES, put_stop_events
@@ -77,7 +78,7 @@ def prepare(d, nodes, context):
 
 def check(d, nodes):
     """Check that the line has an initial direction, and that the natural length is not negative at the start."""
-    texts, natural = at_one_place(nodes), d["natural_length"]
+    texts, natural = at_one_place(d, nodes), d["natural_length"]
     if natural is None or is_formula(natural):
         return texts
     error = not_negative(curve_at(natural, 0.0)[0])
@@ -93,14 +94,11 @@ def sample(rng):
         ("dry_friction", {"force": 1.5, "regularization": 0.6}),
     )
     cubic = (("polynomial", {"coefficients": [1.0, 20.0, 0.0, 7.0]}), ("damper", {"coefficient": 3.0}))
-    samples = []
-    for phase, length in zip(PHASES, (1.0, 2.0, 3.0), strict=True):
-        x, line = rng.normal(size=(2, 3))
-        nodes = [(x, np.eye(3)), (x + length * line / np.linalg.norm(line), np.eye(3))]
-        samples.append(({"law": strut, "natural_length": 2.0}, nodes, phase))
+    lengths = zip(PHASES, (1.0, 2.0, 3.0), strict=True)
     moved = (("sine", {"amplitude": 0.3, "frequency": 0.4, "phase": 0.2, "offset": 1.5}),)
     return [
-        *samples, *(({"law": cubic, "natural_length": length}, 2, "between") for length in (None, moved, "1 + command"))
+        *(({"law": strut, "natural_length": 2.0}, at_distance(rng, length), phase) for phase, length in lengths),
+        *(({"law": cubic, "natural_length": length}, 2, "between") for length in (None, moved, "1 + command"))
     ]  # fmt: skip
 
 
