@@ -1,0 +1,180 @@
+r"""Prescribed motions: a coordinate c of one or two nodes is a function of time, :math:`c - c_0 - f(t) = 0`.
+
+c is the displacement of a node along an inertial direction (``prescribed_position``), the angle between two nodes about
+an axis (``prescribed_angle``), or the distance of two nodes (``prescribed_length``). f is a law of time or a formula of
+the time. The multiplier is the load along c; its power :math:`k\lambda\, \dot f` is supplied by the surroundings.
+"""
+
+import numpy as np
+
+from mecano.constraints.along_coordinate.hold import motion_values, with_motion
+from mecano.constraints.along_coordinate.measure import angle_outputs
+from mecano.constraints.body_fixed import follow
+from mecano.constraints.coordinates.displacement import DISPLACEMENT
+from mecano.constraints.coordinates.distance import DISTANCE
+from mecano.constraints.coordinates.twist import TWIST
+from mecano.constraints.joint_frame import ENDS, NODES, at_one_place, triad
+from mecano.constraints.joint_samples import two_places
+from mecano.constraints.of_coordinates import DISTANCE as DRIVEN_DISTANCE
+from mecano.constraints.of_coordinates import HELD_COORDINATE, RELATIVE_ANGLE, drive_part
+from mecano.element_interface import BY_COMMAND, Display, Kind, Output, record
+from mecano.jit.kernel import kernel
+from mecano.schema import DIRECTION, MOTION, NODE, Field
+
+POSITION = r"""Prescribed position: a node is displaced along an inertial direction n as a function of time.
+
+.. math::  n \cdot (x - x_0) - f(t) = 0
+
+with x_0 the position in the deck. The multiplier is the force on the node along n; its power :math:`k\lambda\, \dot f`
+is supplied by the surroundings.
+"""
+ANGLE = r"""Prescribed angle: node b is rotated relative to node a about an axis, as a function of time.
+
+For two nodes that share this axis through another joint (a hinge, a cylindrical joint):
+
+.. math::  \theta - f(t) = 0
+
+with theta the angle of that joint, zero in the deck; f may cover many turns. The multiplier is the moment on b
+about the axis; its power :math:`k\lambda\, \dot f` is supplied by the surroundings.
+"""
+LENGTH = r"""Prescribed length: the distance of two nodes is a function of time, as for a driven strut or leg.
+
+.. math::  |x_b - x_a| - L - f(t) = 0
+
+with L the initial distance, or zero if the deck gives the length itself. Both ends rotate freely. The multiplier
+is the force of the drive, which pushes the nodes apart; its power :math:`k\lambda\, \dot f` is supplied by the
+surroundings.
+"""
+
+
+@kernel
+def _as_it_is(wanted, c):
+    return c
+
+
+def _prescribed(name, doc, coordinate, constraint, motion_of, motions=("value",), **declared):
+    """Return the Kind of a joint that drives a ``coordinate`` by the Part ``constraint``.
+
+    ``motion_of(d, nodes)`` returns the axes of the coordinate, the motion of the deck and the value to which it counts;
+    ``motions`` are the fields that may give it, ``declared`` other fields of the Kind.
+    """
+    value, rates, row = coordinate.value, coordinate.rates, coordinate.row
+    nearest = follow if coordinate.periodic else _as_it_is
+    on = tuple(range(len({slot[1] for slot in coordinate.layout})))
+
+    def prepare(d, nodes, context):
+        axes, motion, zero = motion_of(d, nodes)
+        return {**axes, **motion_values(motion, zero, context)}
+
+    def parts(d, nodes, context):
+        axes, motion, zero = motion_of(d, nodes)
+        return [drive_part(constraint, on, axes, motion, zero, context)]
+
+    def kind(motion):
+        target = motion.at
+
+        @kernel
+        def observe(p, at, F, y, e):
+            wanted, wanted_rate, _ = target(p, at)
+            y[0] = nearest(wanted, value(p, at))
+            y[1] = rates(p, at)[0]
+            y[2] = at.q[row]
+            e[3] = at.q[row] * wanted_rate
+
+        return Kind(
+            name=name, section="joints", doc=doc, dtype=record(**coordinate.axes, **motion.fields),
+            layout=coordinate.layout, prepare=prepare, parts=parts, observe=observe, **declared,
+        )  # fmt: skip
+
+    return with_motion(kind, *motions)
+
+
+def _displacement(d, nodes):
+    return {"direction": triad(d["direction"])[2], "origin": np.asarray(nodes[0][0])}, d["value"], 0.0
+
+
+def _angle(d, nodes):
+    mu = triad(d["axis"])
+    return {"mu": mu @ nodes[0][1], "xi": mu @ nodes[1][1]}, d["value"], 0.0
+
+
+def _length(d, nodes):
+    if d["length"] is not None:
+        return {}, d["length"], 0.0
+    return {}, d["value"], np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
+
+
+def _check_length(d, nodes):
+    """Check that there is one law, and an initial direction."""
+    if (d["length"] is None) == (d["value"] is None):
+        return ["needs either 'value', the change of the distance, or 'length', the distance itself"]
+    return at_one_place(d, nodes)
+
+
+def _sine(amplitude, frequency, offset):
+    return (("sine", {"amplitude": amplitude, "frequency": frequency, "phase": 0.4, "offset": offset}),)
+
+
+def _sample_positions(rng):
+    """Return a moving support."""
+    return [({"direction": rng.normal(size=3), "value": f}, 1, "") for f in (_sine(0.3, 0.7, 0.1), "time**2/2")]
+
+
+def _sample_angles(rng):
+    """Return a motion of many turns."""
+    nodes = two_places(rng)
+    return [({"axis": rng.normal(size=3), "value": f}, nodes, "") for f in (_sine(30.0, 0.2, 4.0), "9*sin(time/4)")]
+
+
+def _sample_lengths(rng):
+    """Return a leg that changes its length, and two whose length is given."""
+    given = {"value": _sine(0.2, 0.7, 0.1)}, {"length": _sine(0.2, 0.7, 1.3)}, {"length": "2 + cos(time)"}
+    return [(values, 2, "") for values in given]
+
+
+PRESCRIBED_POSITION = _prescribed(
+    "prescribed_position", POSITION, DISPLACEMENT, HELD_COORDINATE, _displacement,
+    display=Display("nothing", pictures=("slides",)),
+    fields=(
+        Field("node", NODE, "-", "node that is moved"),
+        Field("direction", DIRECTION, "-", "direction of the displacement, inertial"),
+        Field("value", MOTION, "m", "displacement from the position in the deck, a law or a formula of time [s]"),
+    ),
+    outputs=(
+        Output("displacement", "m", "displacement of the node along the direction", rate="velocity"),
+        Output("velocity", "m/s", "rate of the displacement"),
+        Output("force", "N", "force on the node along the direction"),
+    ),
+    sample=_sample_positions,
+)  # fmt: skip
+PRESCRIBED_ANGLE = _prescribed(
+    "prescribed_angle", ANGLE, TWIST, RELATIVE_ANGLE, _angle,
+    display=Display("nothing", pictures=("angles",)),
+    turns=BY_COMMAND,
+    fields=(
+        NODES,
+        Field("axis", DIRECTION, "-", "axis at the start, inertial; fixed in both nodes"),
+        Field("value", MOTION, "rad", "rotation of b relative to a since the start, a law or a formula of time [s]"),
+    ),
+    outputs=(
+        *angle_outputs("rotation of b relative to a about the axis since the start"),
+        Output("moment", "N m", "moment of a on b about the axis"),
+    ),
+    sample=_sample_angles,
+)  # fmt: skip
+PRESCRIBED_LENGTH = _prescribed(
+    "prescribed_length", LENGTH, DISTANCE, DRIVEN_DISTANCE, _length, ("value", "length"),
+    display=Display("line"),
+    fields=(
+        ENDS,
+        Field("value", MOTION, "m", "change of the distance since the start, a law or a formula of time [s]", None),
+        Field("length", MOTION, "m", "the distance itself, a law or a formula of time [s], instead of 'value'", None),
+    ),
+    outputs=(
+        Output("length", "m", "distance of the nodes", rate="rate"),
+        Output("rate", "m/s", "rate of the length"),
+        Output("force", "N", "force of the drive, positive when it pushes the nodes apart"),
+    ),
+    check=_check_length,
+    sample=_sample_lengths,
+)  # fmt: skip
