@@ -14,15 +14,41 @@ import numpy as np
 
 from mecano.constraints.disc import FIELDS, OUTPUTS, WHEEL_DISPLAY, Wheel, carried_axis, check_touching, put_outputs
 from mecano.constraints.ground import check_axle, ends, on_the_slope, slope_below, unit
+from mecano.constraints.no_slip import add_slip_reactions, leaning, on_a_plane, put_slip
 from mecano.constraints.of_coordinates import HELD_COORDINATE
-from mecano.constraints.upright_rolling import RECORD, UPRIGHT_ROLLING
-from mecano.element_interface import Kind, Part
+from mecano.constraints.rolling import ROWS
+from mecano.element_interface import Kind, Part, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.maths.surface import disc_contact
 from mecano.maths.vector import ZERO, dot, mat, vec
 
+RECORD = record(axis=3, radius=(), normal=3)
 HEIGHT, DRIVING, LATERAL = 6, 7, 8  # multipliers of the parts, after its own unknowns
+
+
+@kernel
+def residual(p, at, f):
+    """Add the tangential forces below the centre and their moment."""
+    add_slip_reactions(at, -p.radius * vec(p.normal, 0), on_a_plane(p, at.R), f)
+
+
+@kernel
+def constraints(p, at, g):
+    """Write the velocity of the point below the centre."""
+    put_slip(at, -p.radius * vec(p.normal, 0), on_a_plane(p, at.R), g)
+
+
+def _sample_rolling(rng):
+    """Return a leaning disc."""
+    values, nodes = leaning(rng)
+    return [({**values, "radius": 0.7}, nodes, "")]
+
+
+UPRIGHT_ROLLING = Kind(
+    name="upright_rolling", doc="Upright rolling: the point below the centre of a disc does not slip.", dtype=RECORD,
+    layout=("x0", "R0"), multipliers=ROWS, residual=residual, constraints=constraints, sample=_sample_rolling,
+)  # fmt: skip
 
 
 @kernel

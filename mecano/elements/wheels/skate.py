@@ -10,17 +10,30 @@ force on the blade along l. Nothing keeps the node on the ground, and the blade 
 
 import numpy as np
 
-from mecano.constraints.blade import BLADE, RECORD
 from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import LEAN, check_axle, ends, lean_of, slope_below
-from mecano.element_interface import Display, Kind, Output, Part
+from mecano.constraints.no_slip import add_slip_reactions, on_a_plane, put_slip
+from mecano.element_interface import Display, Kind, Output, Row, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.maths.surface import directions, disc_contact
 from mecano.maths.vector import ZERO, dot, mat, put, vec
 from mecano.schema import DIRECTION, GROUND, NODE, Field
 
-LATERAL = 6  # multiplier of the part, after its own unknowns
+RECORD = record(axis=3, normal=3)
+LATERAL = 6  # local index of the multiplier
+
+
+@kernel
+def residual(p, at, f):
+    """Add the force across the blade."""
+    add_slip_reactions(at, ZERO, on_a_plane(p, at.R)[1:], f)
+
+
+@kernel
+def constraints(p, at, g):
+    """Write the velocity across the blade."""
+    put_slip(at, ZERO, on_a_plane(p, at.R)[1:], g)
 
 
 @kernel
@@ -39,11 +52,6 @@ def prepare(d, nodes, context):
     """Return the record: axis in the node's frame, normal."""
     normal = np.array(d["ground"]["plane"]["normal"], float)
     return {"axis": carried_axis(d, nodes), "normal": normal / np.linalg.norm(normal)}
-
-
-def parts(d, nodes, context):
-    """Return the Part: no velocity across the blade."""
-    return [Part(BLADE, (0,), prepare(d, nodes, context))]
 
 
 def check(d, nodes):
@@ -78,10 +86,12 @@ SKATE = Kind(
         Output("speed", "m/s", "velocity of the node along the blade, t = a x n/|a x n|"),
         LEAN,
     ),
+    multipliers=(Row("force across the blade", "N", "m/s"),),
     prepare=prepare,
-    parts=parts,
     check=check,
     ends=ends,
+    residual=residual,
+    constraints=constraints,
     observe=observe,
     sample=sample,
 )
