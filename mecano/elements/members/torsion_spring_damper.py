@@ -16,30 +16,17 @@ elastic energy is lost.
 from dataclasses import replace
 
 from mecano.constraints.activation import SHIFT, since_activation, with_activation
-from mecano.constraints.along_coordinate.demand import is_formula, with_rate
+from mecano.constraints.along_coordinate.demand import on_demand, with_rate
 from mecano.constraints.along_coordinate.law import SET_POINT, extension, law_kind, law_values, report, set_point_of_law
 from mecano.constraints.along_coordinate.measure import OVER_TURNS, angle_outputs
 from mecano.constraints.coordinates.twist import TWIST, followed
 from mecano.constraints.joint_frame import NODES, triad
-from mecano.constraints.of_coordinates import OF_SIGNAL, TWIST_LAW
+from mecano.constraints.of_coordinates import TWIST_LAW
 from mecano.constraints.release import with_release
 from mecano.constraints.stop_phases import EVENTS, PHASES
 from mecano.element_interface import Display, Kind, Measured, Output
 from mecano.jit.kernel import kernel
 from mecano.schema import CONTINUOUS_DRIVE, DIRECTION, LAW, Field
-
-
-def _observe(set_point):
-    """Return ``observe`` for a natural angle (p, at) -> (value, rate)."""
-
-    @kernel
-    def observe(p, at, F, y, e):
-        angle, rate = followed(p, at.m, at.v, at.R)
-        report(p, at, set_point(p, at), angle, rate, y, 2, e)
-        y[0] = angle
-        y[1] = rate
-
-    return observe
 
 
 def prepare(d, nodes, context):
@@ -75,64 +62,62 @@ def _angle(d, nodes, context):
     return Measured(TWIST, (0, 1), {"mu": p["mu"], "xi": p["xi"]})
 
 
-_BY_LAW = Kind(
-    name="torsion_spring_damper",
-    section="elements",
-    doc=__doc__,
-    display=Display("nothing", pictures=("torsion_springs",)),
-    dtype=TWIST_LAW.dtype,
-    layout=("R0", "R1"),
-    fields=(
-        NODES,
-        Field("axis", DIRECTION, "-", "axis at the start, inertial"),
-        Field(
-            "law", LAW, "-", "moment [N m] from angle [rad] and rate [rad/s]; > 0 turns against a positive angle",
-            argument="rad",
+def _kind(set_point):
+    law = law_kind(TWIST_LAW.name, TWIST_LAW.doc, TWIST, set_point)
+
+    @kernel
+    def observe(p, at, F, y, e):
+        angle, rate = followed(p, at.m, at.v, at.R)
+        report(p, at, set_point(p, at), angle, rate, y, 2, e)
+        y[0] = angle
+        y[1] = rate
+
+    return Kind(
+        name="torsion_spring_damper",
+        section="elements",
+        doc=__doc__,
+        display=Display("nothing", pictures=("torsion_springs",)),
+        dtype=law.dtype,
+        layout=("R0", "R1"),
+        fields=(
+            NODES,
+            Field("axis", DIRECTION, "-", "axis at the start, inertial"),
+            Field(
+                "law", LAW, "-", "moment [N m] from angle [rad] and rate [rad/s]; > 0 turns against a positive angle",
+                argument="rad",
+            ),
+            Field("natural_angle", CONTINUOUS_DRIVE, "rad", f"angle {SET_POINT.format('spring')}", 0.0),
         ),
-        Field("natural_angle", CONTINUOUS_DRIVE, "rad", f"angle {SET_POINT.format('spring')}", 0.0),
-    ),
-    outputs=(
-        *angle_outputs(OVER_TURNS),
-        Output("moment", "N m", "moment of the law: on a about +axis, on b about -axis"),
-    ),
-    phases=PHASES,
-    events=EVENTS,
-    memory=("angle",),
-    prepare=prepare,
-    residual=TWIST_LAW.residual,
-    observe=_observe(set_point_of_law),
-    variant=lambda d: _BY_SIGNAL if is_formula(d["natural_angle"]) else _BY_LAW,
-    event_values=TWIST_LAW.event_values,
-    commit=TWIST_LAW.commit,
-    sample=sample,
-    measures={"angle": _angle},
-)  # fmt: skip
-_DRIVEN = OF_SIGNAL[TWIST_LAW]
-_BY_SIGNAL = replace(
-    _BY_LAW, inputs=("natural_angle",), residual=_DRIVEN.residual, observe=_observe(with_rate(6)),
-    event_values=_DRIVEN.event_values, commit=_DRIVEN.commit, variant=None,
-)  # fmt: skip
+        outputs=(
+            *angle_outputs(OVER_TURNS),
+            Output("moment", "N m", "moment of the law: on a about +axis, on b about -axis"),
+        ),
+        phases=PHASES,
+        events=EVENTS,
+        memory=("angle",),
+        prepare=prepare,
+        residual=law.residual,
+        observe=observe,
+        event_values=law.event_values,
+        commit=law.commit,
+        sample=sample,
+        measures={"angle": _angle},
+    )  # fmt: skip
 
 
-def _stress_free(kind, set_point):
-    """Return the ``kind`` of a spring with this ``set_point``, whose law takes the angle since its activation."""
-    shifted = since_activation(set_point, 1)
-    law = law_kind(TWIST_LAW.name, TWIST_LAW.doc, TWIST, shifted)
+def _stress_free(set_point):
+    """Return the Kind of a spring whose law takes the angle since its activation."""
 
     @kernel
     def commit(p, at, m_out):
         angle, _ = followed(p, at.m, at.v, at.R)
         m_out[0], m_out[1] = angle, extension(p, set_point(p, at), angle)
 
-    return replace(
-        kind, memory=("angle", SHIFT), residual=law.residual, observe=_observe(shifted), commit=commit,
-        event_values=law.event_values,
-    )  # fmt: skip
+    return replace(_kind(since_activation(set_point, 1)), memory=("angle", SHIFT), commit=commit)
 
 
-_SHIFTED_BY_LAW, _SHIFTED_BY_SIGNAL = _stress_free(_BY_LAW, set_point_of_law), _stress_free(_BY_SIGNAL, with_rate(6))
-_SHIFTED = replace(
-    _SHIFTED_BY_LAW, variant=lambda d: _SHIFTED_BY_SIGNAL if is_formula(d["natural_angle"]) else _SHIFTED_BY_LAW
+_GIVEN, _SHIFTED = (
+    with_release(on_demand(make, "natural_angle", 6, set_point_of_law, with_rate), "spring", (2,))
+    for make in (_kind, _stress_free)
 )
-_GIVEN, _SHIFTED = (with_release(kind, "spring", (2,)) for kind in (_BY_LAW, _SHIFTED))
 TORSION_SPRING_DAMPER = with_activation(_GIVEN, "spring", (2,), (_SHIFTED, (2,)))
