@@ -9,7 +9,6 @@ chapter 5), hence the force :math:`F = \frac{\rho A^3}{2 (C_d A_o)^2} v |v|`. A 
 import numpy as np
 
 from mecano.jit.kernel import kernel
-from mecano.laws.linear_forces import no_energy
 from mecano.laws.polynomial import COEFFICIENTS, pack_polynomial, polynomial
 from mecano.laws.tabulated import (
     BEYOND,
@@ -21,22 +20,8 @@ from mecano.laws.tabulated import (
     some_points,
     table,
 )  # fmt: skip
-from mecano.laws.term import Term
+from mecano.laws.term import Term, of_rate
 from mecano.schema import NUMBER, Field, not_negative, positive
-
-
-@kernel
-def damper_polynomial(a, i, s, v):
-    """Evaluate the polynomial of the rate."""
-    y, d, _ = polynomial(a, i, v)
-    return y, 0.0, d
-
-
-@kernel
-def damper_table(a, i, s, v):
-    """Evaluate the table of the rate."""
-    y, d, _ = table(a, i, v)
-    return y, 0.0, d
 
 
 @kernel
@@ -93,8 +78,7 @@ DAMPER_POLYNOMIAL = Term(
     role="force",
     fields=(COEFFICIENTS,),
     pack=pack_polynomial,
-    evaluate=damper_polynomial,
-    integral=no_energy,
+    evaluate=of_rate(polynomial),
     check=no_force_at_rest,
 )
 
@@ -104,8 +88,7 @@ DAMPER_TABLE = Term(
     role="force",
     fields=(POINTS_FIELD, *FILE_FIELDS, INTERPOLATION, BEYOND),
     pack=pack_table,
-    evaluate=damper_table,
-    integral=no_energy,
+    evaluate=of_rate(table),
     check=opposes_motion,
 )
 
@@ -118,7 +101,6 @@ OIL_DAMPER = Term(
         Field("rebound", NUMBER, "N s2/m2", "coefficient while the length increases", check=not_negative),
     ),
     evaluate=oil_damper,
-    integral=no_energy,
 )
 
 METERING_PIN = Term(
@@ -135,6 +117,5 @@ METERING_PIN = Term(
     ),
     pack=pack_metering_pin,
     evaluate=metering_pin,
-    integral=no_energy,
     check=open_orifice,
 )

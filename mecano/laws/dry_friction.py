@@ -5,7 +5,6 @@ r"""Dry friction, regularized after Oden & Martins (1985).
 """
 
 from mecano.jit.kernel import kernel
-from mecano.laws.linear_forces import no_energy
 from mecano.laws.term import Term
 from mecano.schema import NUMBER, Field, not_negative, positive
 
@@ -30,5 +29,4 @@ DRY_FRICTION = Term(
         Field("regularization", NUMBER, "m/s or rad/s", "rate at which the full force is reached", check=positive),
     ),
     evaluate=dry_friction,
-    integral=no_energy,
 )

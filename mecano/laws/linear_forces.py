@@ -25,12 +25,6 @@ def damper(a, i, s, v):
 
 
 @kernel
-def no_energy(a, i, s):
-    """Return zero: a term without force at rest stores no energy."""
-    return 0.0
-
-
-@kernel
 def preload(a, i, s, v):
     """Return the constant force."""
     return a[i], 0.0, 0.0
@@ -51,7 +45,6 @@ DAMPER = Term(
     role="force",
     fields=(Field("coefficient", NUMBER, "N s/m or N m s/rad", "force per rate", check=not_negative),),
     evaluate=damper,
-    integral=no_energy,
 )
 
 PRELOAD = Term(

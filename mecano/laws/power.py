@@ -7,9 +7,8 @@ A sphere on a plane gives p = 3/2 (Hertz 1881), turbulent drag p = 2. For p < 1 
 import numpy as np
 
 from mecano.jit.kernel import kernel
-from mecano.laws.linear_forces import no_energy
 from mecano.laws.polynomial import SHOWN
-from mecano.laws.term import OF_A_POWER, Term
+from mecano.laws.term import OF_A_POWER, Term, of_rate
 from mecano.schema import NUMBER, Field, not_negative, positive
 
 NEAR = 1e-9
@@ -34,13 +33,6 @@ def _derivative(size, near, exponent):
 def power_integral(a, i, s):
     """Return the antiderivative that is zero at s = 0."""
     return a[i] * abs(s) ** (a[i + 1] + 1.0) / (a[i + 1] + 1.0)
-
-
-@kernel
-def damper_power(a, i, s, v):
-    """Evaluate the power of the rate."""
-    y, d, _ = power(a, i, v)
-    return y, 0.0, d
 
 
 def breakpoints_of_power(values):
@@ -71,6 +63,5 @@ DAMPER_POWER = Term(
     doc="F = coefficient sign(v) |v|^exponent, a power of the rate, for any exponent > 0.",
     role="force",
     fields=(Field("coefficient", NUMBER, OF_A_POWER, "coefficient c", check=not_negative), EXPONENT),
-    evaluate=damper_power,
-    integral=no_energy,
+    evaluate=of_rate(power),
 )

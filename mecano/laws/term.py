@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from mecano.immutable import immutable
+from mecano.jit.kernel import kernel
 
 # A law may be a function of metres, seconds or radians: its units depend on where the deck uses it.
 ARGUMENT = "unit of the argument"
@@ -24,6 +25,23 @@ def nothing(*_):
     return []
 
 
+@kernel
+def no_energy(a, i, s):
+    """Return zero: the integral of a force term that gives no force at rest."""
+    return 0.0
+
+
+def of_rate(curve):
+    """Return ``evaluate`` of a force term that is a curve of the rate."""
+
+    @kernel
+    def damper(a, i, s, v):
+        y, d, _ = curve(a, i, v)
+        return y, 0.0, d
+
+    return damper
+
+
 @immutable
 class Term:
     """One summand of a law.
@@ -34,7 +52,7 @@ class Term:
     role "force": ``evaluate(a, i, s, v)`` -> (F, dF/ds, dF/dv) for the extension s and its rate v; F > 0 pulls
     the two ends together. ARGUMENT in the units of its fields is the rate.
 
-    ``integral(a, i, s)`` is a continuous antiderivative of y(s) or of F(s, 0).
+    ``integral(a, i, s)`` is a continuous antiderivative of y(s) or of F(s, 0); by default zero, as that of a damper.
     """
 
     name: str
@@ -42,7 +60,7 @@ class Term:
     role: str
     fields: tuple  # schema.Field
     evaluate: Callable
-    integral: Callable
+    integral: Callable = no_energy
     pack: Callable | None = None
     """{field: value} -> the numbers of the term; by default the values of its fields, in their order"""
     check: Callable = nothing
