@@ -16,19 +16,12 @@ given to the latter, and taken from the former: in a steady drive these powers c
 a drum, from which it leaves with its own tension.
 """
 
-from mecano.constraints.belt_span import (
-    OUTPUTS,
-    RADII,
-    RADII_OF_END,
-    RECORD,
-    between_pulleys,
-    samples_of_spans,
-    tangent_direction,
-    to_a_point,
-)
+from dataclasses import replace
+
+from mecano.constraints.belt_span import BELT_END, BELT_SPAN, RECORD, between_pulleys, tangent_direction, to_a_point
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
-from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, TAUT, put_line_events
-from mecano.element_interface import Kind, Output, record
+from mecano.constraints.line_phases import RELAXING, TAUT, put_line_events
+from mecano.element_interface import Output, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select
 from mecano.maths.vector import cross, dot, mat, norm, vec
@@ -56,24 +49,32 @@ def _fed(u, T, before, EA):
     return rate, 0.5 * rate * (before - T)
 
 
-def _kind(name, doc, layout, geometry, radii):
-    """Return the Kind of a span with this ``geometry``, between nodes of which samples have these ``radii``."""
-    own, pulleys = 3 * len(layout), len(layout) - 2
+def _creep(first, pulleys):
+    """Return the compiled function (p, at, T) -> rate of the creep [m/s] and the power lost [W] at the tension T.
+
+    ``first`` is the local index of the tension of the other span at pulley 0, ``pulleys`` their number.
+    """
+
+    @kernel
+    def creep(p, at, T):
+        u = _surface_speed(at, p.radius_0, mat(p.axes_0), p.radius_1 - p.radius_0, mat(at.R[0]), 3)
+        rate, loss = _fed(u, T, number(at.q[first]), p.EA)
+        if pulleys > 1:
+            u = _surface_speed(at, p.radius_1, mat(p.axes_1), p.radius_1 - p.radius_0, mat(at.R[1]), 9)
+            rate_1, loss_1 = _fed(-u, T, number(at.q[first + 1]), p.EA)
+            rate, loss = rate + rate_1, loss + loss_1
+        return rate, loss
+
+    return creep
+
+
+def _functions(geometry, own, creep):
+    """Return the functions of a span with this ``geometry``, whose creep is the local unknown ``own``."""
 
     @kernel
     def stretch_of(p, at):
         stretch, along, _, _, _ = geometry(p, at)
         return stretch + number(at.q[own]), rate_of(along, at.v) + number(at.v[own]), along
-
-    @kernel
-    def creep(p, at, T):
-        u = _surface_speed(at, p.radius_0, mat(p.axes_0), p.radius_1 - p.radius_0, mat(at.R[0]), 3)
-        rate, loss = _fed(u, T, number(at.q[own + 1]), p.EA)
-        if pulleys > 1:
-            u = _surface_speed(at, p.radius_1, mat(p.axes_1), p.radius_1 - p.radius_0, mat(at.R[1]), 9)
-            rate_1, loss_1 = _fed(-u, T, number(at.q[own + 2]), p.EA)
-            rate, loss = rate + rate_1, loss + loss_1
-        return rate, loss
 
     @kernel
     def residual(p, at, f):
@@ -102,25 +103,21 @@ def _kind(name, doc, layout, geometry, radii):
         stretch, rate, _ = stretch_of(p, at)
         put_line_events(g, at.phase == TAUT, stretch, rate, p.damping)
 
-    @kernel
-    def commit(p, at, m_out):
-        _, _, _, psi_0, psi_1 = geometry(p, at)
-        m_out[0] = psi_0
-        if pulleys > 1:
-            m_out[1] = psi_1
+    return {"residual": residual, "observe": observe, "event_values": event_values}
 
-    given = samples_of_spans(radii, PHASES)
-    return Kind(
-        name=name, doc=doc, dtype=CREEPING_RECORD, layout=layout, outputs=(*OUTPUTS, CREEP), phases=PHASES,
-        events=EVENTS, memory=("angle_0", "angle_1")[:pulleys], scalars=("creep",), states=("creep",),
-        inputs=("tension_before", "tension_behind")[:pulleys], residual=residual, observe=observe,
-        event_values=event_values, commit=commit,
-        sample=lambda rng: [({**values, "EA": 40.0}, nodes, phase) for values, nodes, phase in given(rng)],
+
+def _creeping(name, doc, span, geometry):
+    """Return the Kind of a ``span`` with this ``geometry`` on which the belt creeps."""
+    own, pulleys = 3 * len(span.layout), len(span.memory)
+    return replace(
+        span, name=name, doc=doc, dtype=CREEPING_RECORD, outputs=(*span.outputs, CREEP), scalars=("creep",),
+        states=("creep",), inputs=("tension_before", "tension_behind")[:pulleys],
+        sample=lambda rng: [({**values, "EA": 40.0}, nodes, phase) for values, nodes, phase in span.sample(rng)],
+        **_functions(geometry, own, _creep(own + 1, pulleys)),
     )  # fmt: skip
 
 
-CREEPING_SPAN = _kind("creeping_span", __doc__, ("x0", "R0", "x1", "R1"), between_pulleys, RADII)
-CREEPING_END = _kind(
-    "creeping_end", "Span of a belt that creeps between a pulley and a point, see the span.", ("x0", "R0", "x1"),
-    to_a_point, RADII_OF_END,
-)  # fmt: skip
+CREEPING_SPAN = _creeping("creeping_span", __doc__, BELT_SPAN, between_pulleys)
+CREEPING_END = _creeping(
+    "creeping_end", "Span of a belt that creeps between a pulley and a point, see the span.", BELT_END, to_a_point
+)

@@ -82,10 +82,12 @@ def _rate_of_turn(at, S):
     return 0.5 * ((S[0][0] + S[1][1] + S[2][2]) * omega - S.T @ omega)
 
 
-def _functions(layout, turns):
-    """Return the functions of a grip of nodes with this layout, which holds the rotation, too, if it ``turns``."""
-    command = 3 * len(layout)
-    force, moment, end = command + 2, command + 5, command + (8 if turns else 5)  # local indices of the multipliers
+def _holding(force, moment, turns):
+    """Return ``residual`` and ``constraints`` of a grip whose multipliers have these local indices.
+
+    It holds the rotation, too, if it ``turns``.
+    """
+    end = moment + 3 if turns else moment
 
     @kernel
     def residual(p, at, f):
@@ -116,6 +118,15 @@ def _functions(layout, turns):
             Phi, rate = _turn(S), _rate_of_turn(at, S)
             for i in range(3):
                 g[3 + i, 0], g[3 + i, 1] = Phi[i], rate[i]
+
+    return residual, constraints
+
+
+def _functions(layout, turns):
+    """Return the functions of a grip of nodes with this layout, which holds the rotation, too, if it ``turns``."""
+    command = 3 * len(layout)
+    force, moment = command + 2, command + 5
+    residual, constraints = _holding(force, moment, turns)
 
     @kernel
     def observe(p, at, F, y, e):
