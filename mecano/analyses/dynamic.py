@@ -31,11 +31,12 @@ from mecano.errors import ConvergenceError, MecanoError, NonFiniteError, Results
 from mecano.model.sampler import Sampler
 from mecano.process.interrupt import Interruption, call_interruptibly
 from mecano.results.disk import deferring_signals
+from mecano.results.file_names import refuse_existing
 from mecano.results.layout import Layout, Series
 from mecano.results.lock import locked
 from mecano.results.reason import ENDED, with_warnings
 from mecano.results.whole_file import exists
-from mecano.results.writer import Writer, refuse_existing
+from mecano.results.writer import Writer
 
 if TYPE_CHECKING:
     import os

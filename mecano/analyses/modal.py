@@ -19,9 +19,9 @@ from mecano.errors import UsageError
 from mecano.model.numbering import TRANSLATION
 from mecano.post.recovered import nodes_inside, recovered
 from mecano.process.interrupt import call_interruptibly
+from mecano.results.file_names import refuse_existing, refuse_other_ending
 from mecano.results.lock import locked
 from mecano.results.modes_file import write_modes
-from mecano.results.writer import refuse_existing, refuse_other_ending
 from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.modal.linearize import Assemble, Linearization, linearize
 from mecano.solve.modal.modes import CONVERGED, Modes, solve

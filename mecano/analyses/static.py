@@ -12,11 +12,12 @@ from mecano.analyses.prepare import model_facts, prepare, startup_warnings
 from mecano.analyses.source import source_of
 from mecano.model.sampler import Sampler, StaticSample
 from mecano.model.system import System, is_scaled
+from mecano.results.file_names import refuse_existing
 from mecano.results.layout import Layout, Series
 from mecano.results.lock import locked
 from mecano.results.reason import with_warnings
 from mecano.results.whole_file import exists
-from mecano.results.writer import Writer, refuse_existing
+from mecano.results.writer import Writer
 
 if TYPE_CHECKING:
     import os

@@ -17,9 +17,9 @@ from mecano.deck.units import ANY, UnitError, converted, is_quantity
 from mecano.deck.wording import suggestion
 from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError, UsageError
 from mecano.process.interrupt import call_interruptibly
+from mecano.results.file_names import refuse_existing, refuse_other_ending
 from mecano.results.lock import locked
 from mecano.results.sweep_file import refuse_tables, write_sweep, write_tables
-from mecano.results.writer import refuse_existing, refuse_other_ending
 from mecano.solve.modal.critical import Critical, critical, end_of
 from mecano.solve.modal.families import FAMILIES, families, running_axes
 from mecano.solve.modal.linearize import linearize

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from mecano.analyses.progress import Progress, StaticProgress
 from mecano.errors import UsageError
-from mecano.results.writer import refuse_other_ending
+from mecano.results.file_names import refuse_other_ending
 
 if TYPE_CHECKING:
     from mecano.deck.deck import Deck

@@ -12,10 +12,10 @@ from mecano.post.request import found
 from mecano.post.runs import opened_runs
 from mecano.post.sheet import Curve
 from mecano.results.disk import atomic_hdf5_file
+from mecano.results.file_names import refuse_existing
 from mecano.results.lock import locked
 from mecano.results.vtk_group import add_grids, write_grids
 from mecano.results.whole_file import exists, refuse_other_than_file, write_csv
-from mecano.results.writer import refuse_existing
 
 if TYPE_CHECKING:
     import os

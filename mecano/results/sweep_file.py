@@ -12,9 +12,9 @@ import numpy as np
 from mecano.errors import ResultsError
 from mecano.results.checked import open_checked
 from mecano.results.disk import atomic_hdf5_file
+from mecano.results.file_names import refuse_existing
 from mecano.results.table import describe
 from mecano.results.whole_file import exists, put_source, refuse_other_than_file, write_csv
-from mecano.results.writer import refuse_existing
 
 if TYPE_CHECKING:
     import os

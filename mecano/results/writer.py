@@ -7,7 +7,6 @@ than these state. ``flush`` is called automatically when a buffer is full or ``f
 
 import atexit
 import errno
-import glob
 import os
 import time as clocks
 from collections.abc import Callable
@@ -16,26 +15,25 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from mecano.errors import ResultsError, UsageError
+from mecano.errors import ResultsError
 from mecano.jit.store import compile_time
 from mecano.model.extremes import Extremes
 from mecano.results.checkpoints import Slots
-from mecano.results.disk import SIGNATURE, Disk, deferring_signals, open_file
+from mecano.results.disk import Disk, deferring_signals, open_file
 from mecano.results.empty_file import CHANGING, RUNNING, TEXT_LENGTHS, empty_file
+from mecano.results.file_names import give_name, refuse_existing, remove_abandoned
 from mecano.results.layout import EXTREMES, Layout
-from mecano.results.provenance import Source, lives, provenance
+from mecano.results.provenance import Source, provenance
 from mecano.results.table import EventTable, NumberTable, chunk_shape
-from mecano.results.whole_file import exists, hidden_name, refuse_other_than_file
+from mecano.results.whole_file import hidden_name
 
 if TYPE_CHECKING:
     from mecano.results.state import SavedState
 
 STATUSES = (RUNNING, "complete", "stopped", "failed")
-_EXISTS = "{} exists already; give another name, or --force (in Python force=True) to replace it"
-OTHERS = (".csv", ".txt", ".xlsx", ".mat", ".json", ".yaml", ".yml", ".png", ".html", ".vtkhdf")  # of other formats
 WRITING = "writing failed"
-LOST = (errno.ENOENT, errno.ENODATA)  # the file was removed, replaced or cut short
 """Beginning of the reason of a run that ended because of a full disk."""
+LOST = (errno.ENOENT, errno.ENODATA)  # the file was removed, replaced or cut short
 UNSAFE = 2**14
 """Numbers that were handed to the disk and are not acknowledged: a failure of the disk loses no more."""
 _CLOSING = 2e-9
@@ -88,7 +86,7 @@ class Writer:
         refuse_existing(path, force)
         hidden = path.with_name(f"{hidden_name(path)}.{os.getpid()}.part")
         try:
-            _clear(path)
+            remove_abandoned(path)
             disk = Disk(hidden)
             try:
                 writer = cls(path, disk, layout, source, flush_interval)
@@ -132,7 +130,7 @@ class Writer:
             begin(self)
             if self._disk.error is not None:
                 raise self._disk.error
-            _move(hidden, self.path, force)
+            give_name(hidden, self.path, force)
         except BaseException:
             with deferring_signals():
                 if self._file is not None:
@@ -349,53 +347,8 @@ class Writer:
                 self.close("stopped" if stopped else "failed", reason)
 
 
-def refuse_other_ending(path: str | os.PathLike[str], instead: str) -> None:
-    """Raise UsageError if the name of a results file ends like that of another format; ``instead``: what writes it."""
-    ending = os.path.splitext(path)[1].lower()
-    if ending in OTHERS:
-        raise UsageError(f"results are HDF5, not '{ending}': name them .h5; {instead}")
-
-
-def refuse_existing(path: str | os.PathLike[str], force: bool) -> None:
-    """Raise ResultsError if ``path`` exists, unless ``force`` is True and it is an HDF5 file."""
-    refuse_other_than_file(path)
-    if not exists(path):
-        return
-    if not force:
-        raise ResultsError(_EXISTS.format(path))
-    try:
-        with open(path, "rb") as file:
-            begins = file.read(len(SIGNATURE))
-    except OSError as error:
-        raise ResultsError(f"cannot read {path}, which would be replaced: {error.strerror}") from error
-    if begins != SIGNATURE:
-        raise ResultsError(f"{path} exists already and is not a results file; give another name")
-
-
 def _opened(disk, layout):
     """Open the file with a chunk cache for several rows of chunks, so that an incomplete chunk is never read back."""
     rows, width = chunk_shape(1 + layout.size)
     chunks = -(-(1 + layout.size) // width)
     return open_file(disk, max(3 * 8 * rows * width * chunks, 2**20), max(4 * chunks + 1, 521))
-
-
-def _clear(path):
-    """Remove hidden files left by runs that were killed before the file appeared."""
-    for hidden in path.parent.glob(f"{glob.escape(hidden_name(path))}.*.part"):
-        process = hidden.name.split(".")[-2]
-        if process.isdecimal() and not lives(int(process)):
-            hidden.unlink(missing_ok=True)
-
-
-def _move(hidden, path, force):
-    if force:
-        os.replace(hidden, path)
-        return
-    try:
-        os.link(hidden, path)
-    except FileExistsError:
-        raise ResultsError(_EXISTS.format(path)) from None
-    except OSError:  # a file system without hard links
-        os.rename(hidden, path)
-        return
-    os.unlink(hidden)

@@ -1,0 +1,62 @@
+"""Names of results files: which are refused, and how a file gets its name when it is ready."""
+
+import glob
+import os
+from pathlib import Path
+
+from mecano.errors import ResultsError, UsageError
+from mecano.results.disk import SIGNATURE
+from mecano.results.provenance import lives
+from mecano.results.whole_file import exists, hidden_name, refuse_other_than_file
+
+_EXISTS = "{} exists already; give another name, or --force (in Python force=True) to replace it"
+OTHERS = (".csv", ".txt", ".xlsx", ".mat", ".json", ".yaml", ".yml", ".png", ".html", ".vtkhdf")  # of other formats
+
+
+def refuse_other_ending(path: str | os.PathLike[str], instead: str) -> None:
+    """Raise UsageError if the name of a results file ends like that of another format; ``instead``: what writes it."""
+    ending = os.path.splitext(path)[1].lower()
+    if ending in OTHERS:
+        raise UsageError(f"results are HDF5, not '{ending}': name them .h5; {instead}")
+
+
+def refuse_existing(path: str | os.PathLike[str], force: bool) -> None:
+    """Raise ResultsError if ``path`` exists, unless ``force`` is True and it is an HDF5 file."""
+    refuse_other_than_file(path)
+    if not exists(path):
+        return
+    if not force:
+        raise ResultsError(_EXISTS.format(path))
+    try:
+        with open(path, "rb") as file:
+            begins = file.read(len(SIGNATURE))
+    except OSError as error:
+        raise ResultsError(f"cannot read {path}, which would be replaced: {error.strerror}") from error
+    if begins != SIGNATURE:
+        raise ResultsError(f"{path} exists already and is not a results file; give another name")
+
+
+def remove_abandoned(path: Path) -> None:
+    """Remove hidden files left by runs that were killed before the results file ``path`` appeared."""
+    for hidden in path.parent.glob(f"{glob.escape(hidden_name(path))}.*.part"):
+        process = hidden.name.split(".")[-2]
+        if process.isdecimal() and not lives(int(process)):
+            hidden.unlink(missing_ok=True)
+
+
+def give_name(hidden: Path, path: Path, force: bool) -> None:
+    """Give the file ``hidden`` the name ``path``; an existing file is replaced only if ``force``.
+
+    Raises ResultsError.
+    """
+    if force:
+        os.replace(hidden, path)
+        return
+    try:
+        os.link(hidden, path)
+    except FileExistsError:
+        raise ResultsError(_EXISTS.format(path)) from None
+    except OSError:  # a file system without hard links
+        os.rename(hidden, path)
+        return
+    os.unlink(hidden)
