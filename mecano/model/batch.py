@@ -166,6 +166,24 @@ def batches(
     return found
 
 
+def followers(instances: "Sequence[Instance]", batches: "Sequence[Batch]") -> np.ndarray:
+    """Return (m, 2) indices into the phases of a state: instances that share the phase of another one, and that one.
+
+    They are parts that share the phase of their owner, and sensors.
+    """
+    place = {number: b.first_phase + e for b in batches for e, number in enumerate(b.instances)}
+    found = [
+        (place[part], place[owner])
+        for owner, item in enumerate(instances)
+        for part in range(owner + 1, owner + 1 + item.n_parts)
+        if len(item.kind.phases) > 1 and instances[part].kind.phases == item.kind.phases
+    ]
+    owner = dict(found)
+    sensed = [(place[i], place[item.senses]) for i, item in enumerate(instances) if item.senses is not None]
+    found += [(sensor, owner.get(part, part)) for sensor, part in sensed]
+    return np.array(found, np.int64).reshape(-1, 2)
+
+
 class _Places:
     """Places of scalars and multipliers, assigned in the order of the instances, as in the numbering."""
 

@@ -11,7 +11,7 @@ from mecano.maths.distinct import distinct
 from mecano.model import assembly_driver, loops
 from mecano.model.assembly import Assembly, Observation
 from mecano.model.assembly_driver import Loops
-from mecano.model.batch import Batch, batches, calling
+from mecano.model.batch import Batch, batches, calling, followers
 from mecano.model.expansion import expand
 from mecano.model.halves import halves
 from mecano.model.loop_code import all_codes, calls_of
@@ -21,10 +21,12 @@ from mecano.model.model import Model, with_ground
 from mecano.model.numbering import SCALAR, SIGNAL, STATE, EquationName, number
 from mecano.model.reaction_partition import ReactionPartition
 from mecano.model.signal_units import signal_units
+from mecano.model.sparse_pattern import sparse_pattern
 from mecano.model.state import State
 
 if TYPE_CHECKING:
     from mecano.jit.store import Code
+    from mecano.model.divided_loops import DividedLoops
 
 
 class System:
@@ -54,8 +56,10 @@ class System:
         self.signals = self.numbering.kind[: self.n_q] >= SIGNAL
         self.states = self.numbering.kind[: self.n_q] == STATE
         self._state_dofs = np.flatnonzero(self.states)
-        self.followers = _followers(instances, self.batches)
-        self._pattern()
+        self.followers = followers(instances, self.batches)
+        self.rows, self.cols, self.diagonal = sparse_pattern(self.n, self.batches)
+        self.nnz = len(self.rows)
+        self._divided_loops: dict[Callable[..., None], DividedLoops] = {}  # by purpose
         self.laws = model.laws.array()
         self.partition_starts, self.partition_members, self.partition_weights = partition.tables()
         self.n_transmitted = self.n_slots + len(self.partition_starts) - 1
@@ -78,23 +82,6 @@ class System:
         rest = np.arange(of.n_q - of.n_scalars, of.n)
         self.slot_dof = np.concatenate([nodes, rest]) if n_nodes else rest
         self.n_slots = len(self.slot_dof)
-
-    def _pattern(self):
-        """Build the sparse pattern (each entry once, with the whole diagonal) and the indices of element entries."""
-        n = self.n
-        codes = [np.arange(n) * (n + 1)]
-        for b in self.batches:
-            i, j = b.dofs[:, :, None], b.dofs[:, None, :]
-            codes.append(np.where((i < n) & (j < n), i * n + j, -1).ravel())
-        unique = distinct(np.concatenate(codes))
-        unique = unique[unique >= 0]
-        self.rows, self.cols = unique // n, unique % n
-        self.nnz = len(unique)
-        self.diagonal = np.searchsorted(unique, np.arange(n) * (n + 1))
-        for b, code in zip(self.batches, codes[1:], strict=True):
-            place = np.where(code >= 0, np.searchsorted(unique, code), self.nnz)
-            b.entries = place.reshape(len(b.p), b.dofs.shape[1], b.dofs.shape[1])
-        self._divided_loops = {}  # by purpose
 
     def _record(self):
         """Create the record SYSTEM of the loops, without arrays to be written, and the records of the batches."""
@@ -393,21 +380,3 @@ def acts_by_multipliers(batch: Batch) -> bool:
 def _kind_of_scalar(kind, name):
     """Return SCALAR, SIGNAL or STATE (numbering.py)."""
     return STATE if name in kind.states else SIGNAL if kind.of_signals else SCALAR
-
-
-def _followers(instances, batches):
-    """Return (m, 2) indices into the phases of a state: instances that share the phase of another one, and that one.
-
-    They are parts that share the phase of their owner, and sensors.
-    """
-    place = {number: b.first_phase + e for b in batches for e, number in enumerate(b.instances)}
-    found = [
-        (place[part], place[owner])
-        for owner, item in enumerate(instances)
-        for part in range(owner + 1, owner + 1 + item.n_parts)
-        if len(item.kind.phases) > 1 and instances[part].kind.phases == item.kind.phases
-    ]
-    owner = dict(found)
-    sensed = [(place[i], place[item.senses]) for i, item in enumerate(instances) if item.senses is not None]
-    found += [(sensor, owner.get(part, part)) for sensor, part in sensed]
-    return np.array(found, np.int64).reshape(-1, 2)
