@@ -7,6 +7,7 @@ element.
 """
 
 from dataclasses import replace
+from functools import cache
 
 from mecano.constraints.along_coordinate.trigger import TIME, WHEN, check_trigger, trigger_of
 from mecano.constraints.release import ATTACHED_PHASE
@@ -50,17 +51,14 @@ def with_activation(kind, what, forces, stress_free=None, free=STRESS_FREE):
     (the kind like it whose set points are shifted by the last of its memory, the indices of its outputs that are zero
     before); ``free`` is the option of the deck.
     """
-    families, made = {False: (kind, forces), True: stress_free}, {}
+    families, activated_once = {False: (kind, forces), True: stress_free}, cache(activated)
     given = activate_field(what, *([free] if stress_free else []))
 
     def variant(d):
         if d["activate"] is None:
             return kind.chosen(d)
         family, zero = families[is_stress_free(d)]
-        base = family.chosen(d)
-        if id(base) not in made:
-            made[id(base)] = activated(base, what, zero)
-        return made[id(base)]
+        return activated_once(family.chosen(d), what, zero)
 
     def check(d, nodes):
         return kind.check(d, nodes) + check_trigger("activate", d["activate"])

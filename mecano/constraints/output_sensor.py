@@ -7,6 +7,8 @@ once for Duals, from which the exact derivatives for the implicit step follow. T
 outputs that depend on them are ``Kind.hidden``.
 """
 
+from functools import cache
+
 import numpy as np
 
 from mecano.constraints.along_coordinate.signal import SIGNAL
@@ -16,21 +18,14 @@ from mecano.jit.memory import give_back, take_items
 from mecano.maths.dual import number
 
 ENERGIES = 4  # number that ``observe`` writes
-_made = {}  # (id of the kind, number of multipliers): sensor
 
 
+@cache
 def output_sensor(kind, n_multipliers):
     """Return the Kind that senses an output of ``kind``, whose ``observe`` sees ``n_multipliers`` multipliers.
 
     Its record is that of ``kind`` with the index ``sensed`` of the output, components of vectors counted.
     """
-    key = id(kind), n_multipliers
-    if key not in _made:
-        _made[key] = _sensor(kind, n_multipliers)
-    return _made[key]
-
-
-def _sensor(kind, n_multipliers):
     row, observe = 3 * len(kind.layout) + len(kind.scalars) + len(kind.inputs) + n_multipliers, kind.observe
     for phase, outputs in kind.idle.items():
         observe = _idle(observe, kind.phases.index(phase), outputs)

@@ -5,6 +5,7 @@ That of a joint loses no energy; the elastic energy of a cable or spring is lost
 """
 
 from dataclasses import replace
+from functools import cache
 
 from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.trigger import TRIGGER, check_trigger, trigger_of
@@ -67,15 +68,10 @@ def detached(kind, what, forces):
 
 def with_release(kind, what, forces):
     """Return the ``kind`` of an elastic element with the field ``release``; the arguments are those of ``detached``."""
-    chosen, made = kind.variant or (lambda d: kind), {}
+    released = cache(lambda base: detached(base, what, forces))
 
     def variant(d):
-        base = chosen(d)
-        if d["release"] is None:
-            return base
-        if id(base) not in made:
-            made[id(base)] = detached(base, what, forces)
-        return made[id(base)]
+        return kind.chosen(d) if d["release"] is None else released(kind.chosen(d))
 
     def check(d, nodes):
         return kind.check(d, nodes) + check_trigger("release", d["release"])

@@ -297,10 +297,10 @@ def _stress_free(kind, set_points):
 
 
 _SHIFTED = {
-    id(kind): _stress_free(kind, points)
+    kind: _stress_free(kind, points)
     for kind, points in ((STILL, _fixed), (BY_LAWS, _moving(_of_law)), (BY_SIGNALS, _moving(_of_signal)))
 }
 BUSHING = with_activation(
     with_release(STILL, "bushing", FORCES), "bushing", FORCES,
-    (with_release(replace(STILL, variant=lambda d: _SHIFTED[id(variant(d))]), "bushing", FORCES), FORCES),
+    (with_release(replace(STILL, variant=lambda d: _SHIFTED[variant(d)]), "bushing", FORCES), FORCES),
 )  # fmt: skip
