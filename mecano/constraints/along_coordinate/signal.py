@@ -1,6 +1,6 @@
 """Declarations shared by all signals: their first scalar is their value, which is also their first output."""
 
-from mecano.element_interface import Output
+from mecano.element_interface import Kind, Output
 from mecano.jit.kernel import kernel
 from mecano.schema import FORMULA, NUMBER, UNIT, Field
 
@@ -9,8 +9,6 @@ SIGNAL = {"scalars": ("value",), "of_signals": True}
 VALUE = Output("value", "SI", "value of the signal, in SI units")
 INPUT = Field("input", FORMULA, "-", "the input: a formula of signals, outputs of elements, motions of nodes, time")
 INITIAL = Field("initial", NUMBER, "-", "value at the start", 0.0)
-
-
 UNIT_OF_VALUE = Field(
     "unit", UNIT, "-", "unit of the value, such as N m or deg; values are in SI units, which results state: N m, rad. "
     "When absent, the unit of the input or formula, where it follows from that", None,
@@ -25,3 +23,12 @@ def observe_value(p, at, F, y, e):
 
 IN_DECK = {**SIGNAL, "section": "signals", "outputs": (VALUE,), "observe": observe_value}
 """Declarations of a kind of the section ``signals``."""
+
+
+def signal_of_input(name, doc, *fields, **declared):
+    """Return the Kind of a signal whose first input is the field ``input``; ``fields`` are those of its own.
+
+    ``declared`` are other fields of the Kind, which go before those of ``IN_DECK``.
+    """
+    given = {"fields": (INPUT, *fields, UNIT_OF_VALUE), "inputs": ("input",), **IN_DECK}
+    return Kind(name=name, doc=doc, **{**given, **declared})

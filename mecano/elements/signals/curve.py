@@ -6,8 +6,7 @@ Time steps end at the breakpoints of the law if the input is ``time``; in a func
 of the signal, as those of ``max`` and ``abs``.
 """
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT, UNIT_OF_VALUE
-from mecano.element_interface import Kind
+from mecano.constraints.along_coordinate.signal import signal_of_input
 from mecano.jit.kernel import kernel
 from mecano.laws.table import breakpoints, curve
 from mecano.laws.term import VALUE as VALUE_UNIT
@@ -36,17 +35,11 @@ def sample(rng):
     return [({"input": "a", "law": law}, 1, "") for law in (table, square)]
 
 
-CURVE = Kind(
-    name="curve",
-    doc=__doc__,
-    fields=(
-        INPUT,
-        Field("law", CURVE_LAW, VALUE_UNIT, "c, the value as a function of the input, both in SI units"),
-        UNIT_OF_VALUE,
-    ),
-    inputs=("input",),
+CURVE = signal_of_input(
+    "curve",
+    __doc__,
+    Field("law", CURVE_LAW, VALUE_UNIT, "c, the value as a function of the input, both in SI units"),
     residual=residual,
     times=times,
     sample=sample,
-    **IN_DECK,
 )

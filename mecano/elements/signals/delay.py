@@ -7,8 +7,7 @@ of the delay, and interpolated linearly. In a step longer than the delay, the va
 interpolation.
 """
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT, UNIT_OF_VALUE
-from mecano.element_interface import Kind
+from mecano.constraints.along_coordinate.signal import signal_of_input
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import constant, number
 from mecano.schema import NUMBER, Field, positive
@@ -57,14 +56,12 @@ def commit(p, at, m_out):
     m_out[FIRST], m_out[FIRST + 1] = at.t, at.q[U]
 
 
-DELAY = Kind(
-    name="delay",
-    doc=__doc__,
-    fields=(INPUT, Field("time", NUMBER, "s", "T, by which the value is late", check=positive), UNIT_OF_VALUE),
+DELAY = signal_of_input(
+    "delay",
+    __doc__,
+    Field("time", NUMBER, "s", "T, by which the value is late", check=positive),
     like=lambda d: d["input"],
-    inputs=("input",),
     memory=("count", *(f"{name}_{i}" for i in range(KEPT + 2) for name in ("time", "value"))),
     residual=residual,
     commit=commit,
-    **IN_DECK,
 )

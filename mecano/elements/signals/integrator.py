@@ -3,8 +3,7 @@ r"""Integrator: the time integral of the input.
 .. math::  \dot y = u
 """
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INITIAL, INPUT, UNIT_OF_VALUE
-from mecano.element_interface import Kind
+from mecano.constraints.along_coordinate.signal import INITIAL, signal_of_input
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 
@@ -17,14 +16,12 @@ def residual(p, at, f):
     f[OWN] += number(at.v[OWN]) - number(at.q[U])
 
 
-INTEGRATOR = Kind(
-    name="integrator",
-    doc=__doc__,
+INTEGRATOR = signal_of_input(
+    "integrator",
+    __doc__,
+    INITIAL,
     smooths=lambda d: True,
-    fields=(INPUT, INITIAL, UNIT_OF_VALUE),
     states=("value",),
-    inputs=("input",),
     start=lambda p: [p["initial"]],
     residual=residual,
-    **IN_DECK,
 )

@@ -3,8 +3,7 @@ r"""First-order lag: a low-pass filter, or an actuator or sensor with a time con
 .. math::  T \dot y + y = g u
 """
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INITIAL, INPUT, UNIT_OF_VALUE
-from mecano.element_interface import Kind
+from mecano.constraints.along_coordinate.signal import INITIAL, signal_of_input
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.schema import NUMBER, Field, positive
@@ -18,21 +17,15 @@ def residual(p, at, f):
     f[OWN] += number(at.v[OWN]) + (number(at.q[OWN]) - p.gain * number(at.q[U])) / p.time_constant
 
 
-LAG = Kind(
-    name="lag",
-    doc=__doc__,
+LAG = signal_of_input(
+    "lag",
+    __doc__,
+    Field("time_constant", NUMBER, "s", "time constant T", check=positive),
+    Field("gain", NUMBER, "-", "g, ratio of the value to a constant input", 1.0),
+    INITIAL,
     smooths=lambda d: True,
-    fields=(
-        INPUT,
-        Field("time_constant", NUMBER, "s", "time constant T", check=positive),
-        Field("gain", NUMBER, "-", "g, ratio of the value to a constant input", 1.0),
-        INITIAL,
-        UNIT_OF_VALUE,
-    ),
     like=lambda d: d["input"] if d["gain"] == 1.0 else "",
     states=("value",),
-    inputs=("input",),
     start=lambda p: [p["initial"]],
     residual=residual,
-    **IN_DECK,
 )

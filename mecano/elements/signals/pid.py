@@ -19,8 +19,8 @@ import math
 from dataclasses import replace
 from functools import cache
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INITIAL, INPUT, OF_INPUT, OF_VALUE, UNIT_OF_VALUE, VALUE
-from mecano.element_interface import Event, Kind, Output, record
+from mecano.constraints.along_coordinate.signal import INITIAL, OF_INPUT, OF_VALUE, VALUE, signal_of_input
+from mecano.element_interface import Event, Output, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select
 from mecano.schema import NUMBER, Field, positive
@@ -143,11 +143,21 @@ def sample(rng):
     ]  # fmt: skip
 
 
-PID = Kind(
-    name="pid",
-    doc=__doc__,
+PID = signal_of_input(
+    "pid",
+    __doc__,
+    Field("proportional", NUMBER, "-", "K_P", 0.0),
+    Field("integral", NUMBER, "-", "K_I, per second", 0.0),
+    Field("derivative", NUMBER, "-", "K_D, times seconds", 0.0),
+    Field("derivative_time", NUMBER, "s", "T_D of the filter of the derivative", None, positive),
+    Field("lower", NUMBER, "-", "lower limit of the value; none when absent", -math.inf),
+    Field("upper", NUMBER, "-", "upper limit of the value; none when absent", math.inf),
+    Field(
+        "tracking_time", NUMBER, "s",
+        "T_t of the reset of the integral at a limit; when absent K_P/K_I, or 1 s if either is zero", None, positive,
+    ),
+    replace(INITIAL, doc="integral x_I at the start"),
     dtype=RECORD,
-    inputs=("input",),
     phases=("lower", "within", "upper"),
     at_start=lambda p: WITHIN,
     events=(
@@ -156,27 +166,12 @@ PID = Kind(
         Event("lower limit", "within", "lower", "the demand falls to the lower limit"),
         Event("lower limit left", "lower", "within", "the demand rises from the lower limit"),
     ),
-    fields=(
-        INPUT,
-        Field("proportional", NUMBER, "-", "K_P", 0.0),
-        Field("integral", NUMBER, "-", "K_I, per second", 0.0),
-        Field("derivative", NUMBER, "-", "K_D, times seconds", 0.0),
-        Field("derivative_time", NUMBER, "s", "T_D of the filter of the derivative", None, positive),
-        Field("lower", NUMBER, "-", "lower limit of the value; none when absent", -math.inf),
-        Field("upper", NUMBER, "-", "upper limit of the value; none when absent", math.inf),
-        Field(
-            "tracking_time", NUMBER, "s",
-            "T_t of the reset of the integral at a limit; when absent K_P/K_I, or 1 s if either is zero", None,
-            positive,
-        ),
-        replace(INITIAL, doc="integral x_I at the start"),
-        UNIT_OF_VALUE,
-    ),
+    outputs=(VALUE, *STATES),
     prepare=prepare,
     check=check,
     variant=variant,
     residual=residual,
+    observe=observe,
     event_values=event_values,
     sample=sample,
-    **IN_DECK | {"outputs": (VALUE, *STATES), "observe": observe},
 )  # fmt: skip

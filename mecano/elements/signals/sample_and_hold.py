@@ -7,8 +7,7 @@ Time steps end at all sampling times; the first one is the start of the run.
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT, UNIT_OF_VALUE
-from mecano.element_interface import Kind
+from mecano.constraints.along_coordinate.signal import signal_of_input
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.schema import NUMBER, Field, positive
@@ -38,16 +37,14 @@ def times(d, start, end):
     return (start + d["period"] * np.arange(1, int((end - start) / d["period"]) + 1)).tolist()
 
 
-SAMPLE_AND_HOLD = Kind(
-    name="sample_and_hold",
-    doc=__doc__,
+SAMPLE_AND_HOLD = signal_of_input(
+    "sample_and_hold",
+    __doc__,
+    Field("period", NUMBER, "s", "T, time between two samples", check=positive),
     jumps=True,
-    fields=(INPUT, Field("period", NUMBER, "s", "T, time between two samples", check=positive), UNIT_OF_VALUE),
     like=lambda d: d["input"],
-    inputs=("input",),
     memory=("held", "next", "started"),
     residual=residual,
     commit=commit,
     times=times,
-    **IN_DECK,
 )

@@ -7,8 +7,8 @@ formula ``high`` or ``low``; with the numbers 1 and 0 it is a condition, for use
 events.
 """
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT, UNIT_OF_VALUE
-from mecano.element_interface import Event, Kind, record
+from mecano.constraints.along_coordinate.signal import signal_of_input
+from mecano.element_interface import Event, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select
 from mecano.schema import FORMULA, NUMBER, Field
@@ -47,19 +47,15 @@ def sample(rng):
     ]
 
 
-SWITCH = Kind(
-    name="switch",
-    doc=__doc__,
+SWITCH = signal_of_input(
+    "switch",
+    __doc__,
+    Field("upper", NUMBER, "-", "level of the input above which the switch becomes high", 0.0),
+    Field("lower", NUMBER, "-", "level below which it becomes low again; 'upper' when absent", None),
+    Field("high", FORMULA, "-", "value when it is high", "1"),
+    Field("low", FORMULA, "-", "value when it is low", "0"),
     jumps=True,
     dtype=record(upper=(), lower=()),
-    fields=(
-        INPUT,
-        Field("upper", NUMBER, "-", "level of the input above which the switch becomes high", 0.0),
-        Field("lower", NUMBER, "-", "level below which it becomes low again; 'upper' when absent", None),
-        Field("high", FORMULA, "-", "value when it is high", "1"),
-        Field("low", FORMULA, "-", "value when it is low", "0"),
-        UNIT_OF_VALUE,
-    ),
     inputs=("input", "high", "low"),
     phases=("low", "high"),
     events=(
@@ -71,5 +67,4 @@ SWITCH = Kind(
     residual=residual,
     event_values=event_values,
     sample=sample,
-    **IN_DECK,
 )

@@ -5,8 +5,8 @@ r"""Washout: a high-pass filter, which passes changes and removes constant value
 x follows the input with the time constant T. With the gain g = 1/T, y is the rate of x, a filtered derivative of u.
 """
 
-from mecano.constraints.along_coordinate.signal import IN_DECK, INPUT, OF_INPUT, UNIT_OF_VALUE, VALUE
-from mecano.element_interface import Kind, Output
+from mecano.constraints.along_coordinate.signal import OF_INPUT, VALUE, signal_of_input
+from mecano.element_interface import Output
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.schema import NUMBER, Field, positive
@@ -29,20 +29,17 @@ def observe(p, at, F, y, e):
     y[0], y[1] = at.q[OWN], at.q[X]
 
 
-WASHOUT = Kind(
-    name="washout",
-    doc=__doc__,
-    fields=(
-        INPUT,
-        Field("time_constant", NUMBER, "s", "time constant T", check=positive),
-        Field("gain", NUMBER, "-", "g, the value over a sudden change of the input", 1.0),
-        Field("initial_state", NUMBER, "-", "x at the start: the input from which changes count", 0.0),
-        UNIT_OF_VALUE,
-    ),
+WASHOUT = signal_of_input(
+    "washout",
+    __doc__,
+    Field("time_constant", NUMBER, "s", "time constant T", check=positive),
+    Field("gain", NUMBER, "-", "g, the value over a sudden change of the input", 1.0),
+    Field("initial_state", NUMBER, "-", "x at the start: the input from which changes count", 0.0),
     like=lambda d: d["input"] if d["gain"] == 1.0 else "",
+    scalars=("value", "state"),
     states=("state",),
-    inputs=("input",),
+    outputs=(VALUE, STATE),
     start=lambda p: [0.0, p["initial_state"]],
     residual=residual,
-    **IN_DECK | {"scalars": ("value", "state"), "outputs": (VALUE, STATE), "observe": observe},
+    observe=observe,
 )
