@@ -19,8 +19,7 @@ phi is zero for an upright wheel. The contact is single inside a drum if rho > r
 
 from typing import NamedTuple
 
-import numpy as np
-
+from mecano.constraints.joint_frame import unit
 from mecano.constraints.touching import check_given, named_surface, surface_point
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, cos, implicit, sin, value
@@ -123,8 +122,7 @@ def carried_record(d, nodes):
 def place_at_start(d, nodes):
     """Return origin [m] and unit normal or axis of the surface at the start, inertial, (3,) each."""
     name, values = named_surface(d)
-    main = np.array(values["normal" if name == "plane" else "axis"], float)
-    return surface_point(values, nodes), main / np.linalg.norm(main)
+    return surface_point(values, nodes), unit(values["normal" if name == "plane" else "axis"])
 
 
 def contact_at_start(p, nodes, axis, origin, main):

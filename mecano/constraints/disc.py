@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mecano.constraints.ground import LEAN, lean_of, prepare_ground, too_low
+from mecano.constraints.joint_frame import unit
 from mecano.element_interface import Display, Output
 from mecano.jit.kernel import kernel
 from mecano.maths.surface import directions
@@ -38,8 +39,7 @@ OUTPUTS = (
 
 def carried_axis(d, nodes):
     """Return the unit axis of the deck in the axes of the first node."""
-    axis = np.asarray(nodes[0][1], float).T @ np.asarray(d["axis"], float)
-    return axis / np.linalg.norm(axis)
+    return unit(np.asarray(nodes[0][1], float).T @ np.asarray(d["axis"], float))
 
 
 def disc_record(d, nodes, context):

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from mecano.constraints.joint_frame import unit
 from mecano.element_interface import Context, Output
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import corners, curve_at, jumps
@@ -109,12 +110,6 @@ def too_low(depth, lift, because=""):
 def ends(d):
     """Return the end condition of a wheel that comes to lie flat, where its contact is undefined."""
     return [("lean", math.acos(LEAST_Q), "lies flat: its axis is along the normal of the ground")]
-
-
-def unit(a):
-    """Return the unit vector (3,) along a vector."""
-    a = np.array(a, float)
-    return a / np.linalg.norm(a)
 
 
 def in_plane(direction, normal):

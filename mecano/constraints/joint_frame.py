@@ -22,6 +22,12 @@ def one_rotation(d, nodes):
     return [("R", 0, 1)]
 
 
+def unit(a):
+    """Return the unit vector (3,) along a vector."""
+    a = np.array(a, float)
+    return a / np.linalg.norm(a)
+
+
 def triad(axis, first=None):
     """Return right-handed unit axes (3, 3), rows: mu_3 along ``axis``, mu_1 the component of ``first`` normal to it.
 

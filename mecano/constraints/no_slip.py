@@ -9,6 +9,7 @@ Cardona, Geradin & Doan 1991).
 import numpy as np
 
 from mecano.constraints.ground import normal_and_level
+from mecano.constraints.joint_frame import unit
 from mecano.jit.kernel import kernel
 from mecano.maths.force_at_point import add_force
 from mecano.maths.surface import directions, disc_contact
@@ -27,8 +28,7 @@ def on_a_plane(p, R):
 def leaning(rng):
     """Return, for samples, the record of ``on_a_plane`` and the node of a leaning body."""
     normal, level = normal_and_level(rng)
-    axis = level + 0.3 * normal
-    return {"axis": axis / np.linalg.norm(axis), "normal": normal}, [(rng.normal(size=3), np.eye(3))]
+    return {"axis": unit(level + 0.3 * normal), "normal": normal}, [(rng.normal(size=3), np.eye(3))]
 
 
 @kernel

@@ -10,6 +10,7 @@ import numpy as np
 
 from mecano.constraints.augmented_lagrangian import deactivate
 from mecano.constraints.ground import GROUND_RECORD, normal_and_level, touch
+from mecano.constraints.joint_frame import unit
 from mecano.element_interface import Kind, Row, record
 from mecano.jit.kernel import kernel
 from mecano.maths.force_at_point import add_force, add_multiplier_column, add_position_tangent
@@ -71,8 +72,8 @@ def leaning_discs(rng):
     found = []
     for phase in ("contact", "air"):
         ground, level = ground_below(rng)
-        axis = level + rng.uniform(-0.5, 0.5) * ground["normal"]
-        values = {"axis": axis / np.linalg.norm(axis), "radius": 7.0, **ground}
+        axis = unit(level + rng.uniform(-0.5, 0.5) * ground["normal"])
+        values = {"axis": axis, "radius": 7.0, **ground}
         found.append((values, [(rng.normal(size=3), np.eye(3))], phase))
     return found
 

@@ -27,6 +27,7 @@ import numpy as np
 from mecano.constraints.along_coordinate.demand import law_of, on_demand
 from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import GROUND_RECORD, prepare_ground, slope_below, touch
+from mecano.constraints.joint_frame import unit
 from mecano.element_interface import Kind, Output, record
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, prepare_radial, radial_force, speed_over_ground
 from mecano.jit.kernel import kernel
@@ -172,8 +173,7 @@ def check(d, nodes):
         texts.append("'bound' and 'adhesion' exclude one another")
     if wheel["node"] != d["nodes"][1]:
         texts.append(f"'nodes' must end with '{wheel['node']}', the node of the wheel")
-    a, b = (np.array(axis, float) / np.linalg.norm(axis) for axis in (d["axis"], wheel["axis"]))
-    if np.linalg.norm(np.cross(a, b)) > PARALLEL:
+    if np.linalg.norm(np.cross(unit(d["axis"]), unit(wheel["axis"]))) > PARALLEL:
         texts.append("'axis' is not parallel to the axis of the wheel")
     return texts
 

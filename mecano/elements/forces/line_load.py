@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import is_formula, law_of, of_input, of_law, on_demand
+from mecano.constraints.joint_frame import unit
 from mecano.constraints.line_of_nodes import check_line, lengths, sample_line
 from mecano.element_interface import Kind, Output, Part, record
 from mecano.jit.kernel import kernel
@@ -94,7 +95,7 @@ class _Quantity:
         """Return the Parts: the share of each node."""
         half = 0.5 * lengths(nodes)
         share = np.append(half, 0.0) + np.append(0.0, half)
-        direction = np.asarray(d["direction"], float) / np.linalg.norm(d["direction"])
+        direction = unit(d["direction"])
         kinds, by_signal = self.following if d["follows"] else self.dead, is_formula(d["value"])
         kind, law, reads = kinds[by_signal], law_of(d["value"], context), (d["value"],) if by_signal else ()
         turned = [R.T @ direction if d["follows"] else direction for _, R in nodes]

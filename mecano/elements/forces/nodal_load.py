@@ -13,9 +13,8 @@ The tangents of the follower force and of the dead moment are not symmetric: the
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from mecano.constraints.along_coordinate.demand import law_of, on_demand
+from mecano.constraints.joint_frame import unit
 from mecano.element_interface import Display, Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, dot, mat, put, vec
@@ -71,8 +70,7 @@ def _functions(directions, demand):
 
 def prepare(d, nodes, context):
     """Return the record of a dead load."""
-    direction = np.asarray(d["direction"], float)
-    return {"law": law_of(d["value"], context), "direction": direction / np.linalg.norm(direction)}
+    return {"law": law_of(d["value"], context), "direction": unit(d["direction"])}
 
 
 def prepare_follower(d, nodes, context):

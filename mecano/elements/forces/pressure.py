@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import is_formula, law_of, of_input, of_law, on_demand
+from mecano.constraints.joint_frame import unit
 from mecano.constraints.line_of_nodes import check_line, sample_line
 from mecano.element_interface import Kind, Output, Part, record
 from mecano.jit.kernel import kernel
@@ -73,7 +74,7 @@ def _across(d, nodes):
     """Return 'across' at the start, inertial, made normal to each of the n - 1 segments; not of unit length."""
     along = np.diff([x for x, _ in nodes], axis=0)
     along /= np.linalg.norm(along, axis=1)[:, None]
-    across = np.asarray(d["across"], float) / np.linalg.norm(d["across"])
+    across = unit(d["across"])
     return across - (along @ across)[:, None] * along
 
 

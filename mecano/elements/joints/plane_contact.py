@@ -12,6 +12,7 @@ step before the impact.
 import numpy as np
 
 from mecano.constraints.augmented_lagrangian import add_reaction
+from mecano.constraints.joint_frame import unit
 from mecano.element_interface import CONTACT, Event, Kind, Output, Row, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, vec
@@ -65,11 +66,8 @@ def commit(p, at, m_out):
 def prepare(d, nodes, context):
     """Return unit normal and point of the plane."""
     plane = d["ground"]["plane"]
-    normal = np.array(plane["normal"], float)
-    return {
-        "point": plane["point"], "normal": normal / np.linalg.norm(normal), "radius": d["radius"],
-        "restitution": d["restitution"],
-    }  # fmt: skip
+    own = {name: d[name] for name in ("radius", "restitution")}
+    return {"point": plane["point"], "normal": unit(plane["normal"]), **own}
 
 
 def check(d, nodes):
@@ -84,7 +82,7 @@ def check(d, nodes):
 def sample(rng):
     """Return a node above a slope, and one on it."""
     ground = {"plane": {"point": rng.normal(size=3), "normal": rng.normal(size=3)}, "profile": None}
-    normal = ground["plane"]["normal"] / np.linalg.norm(ground["plane"]["normal"])
+    normal = unit(ground["plane"]["normal"])
     x = ground["plane"]["point"] + np.cross(normal, rng.normal(size=3)) + 0.5 * normal
     values = {"ground": ground, "radius": 0.2, "restitution": 0.6}
     return [(values, [(x, np.eye(3))], "air"), (values, [(x - 0.3 * normal, np.eye(3))], "contact")]

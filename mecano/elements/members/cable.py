@@ -130,11 +130,6 @@ def _cable_functions(natural):
     return {"residual": residual, "observe": observe, "event_values": event_values}
 
 
-def prepare(d, nodes, context):
-    """Return the record of one bar or cable; the natural length defaults to that of the pretension at the start."""
-    return line_record(d, nodes, context)
-
-
 def prepare_stress_free(d, nodes, context):
     """Return the record of a cable that is activated stress-free."""
     return {**line_record(d, nodes, context), "prestrain": prestrain(d)}
@@ -284,7 +279,7 @@ BAR = Kind(
     layout=("x0", "x1"),
     fields=FIELDS,
     outputs=OUTPUTS,
-    prepare=prepare,
+    prepare=line_record,
     check=check,
     strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
     residual=BAR_RESIDUAL,
@@ -310,7 +305,7 @@ ELASTIC_CABLE = Kind(
     outputs=(*OUTPUTS, Output("state", "-", "0 relaxing, slack or released, 1 taut, 2 paying out")),
     phases=PHASES,
     events=EVENTS,
-    prepare=prepare,
+    prepare=line_record,
     variant=variant,
     check=check_cable,
     strains=(-np.inf, STRAIN_OF_STEEL),  # it may be slack

@@ -13,7 +13,8 @@ exact one (``rigid_wheel``) falls over below v^2 = g r/3. A, C are the moments o
 import numpy as np
 
 from mecano.constraints.disc import FIELDS, OUTPUTS, WHEEL_DISPLAY, Wheel, carried_axis, check_touching, put_outputs
-from mecano.constraints.ground import check_axle, ends, on_the_slope, slope_below, unit
+from mecano.constraints.ground import check_axle, ends, on_the_slope, slope_below
+from mecano.constraints.joint_frame import unit
 from mecano.constraints.no_slip import add_slip_reactions, leaning, on_a_plane, put_slip
 from mecano.constraints.of_coordinates import HELD_COORDINATE
 from mecano.constraints.rolling import ROWS
@@ -63,8 +64,7 @@ def observe(p, at, F, y, e):
 
 def prepare(d, nodes, context):
     """Return the record: axis in the node's frame, radius, normal."""
-    normal = np.array(d["ground"]["plane"]["normal"], float)
-    return {"axis": carried_axis(d, nodes), "radius": d["radius"], "normal": normal / np.linalg.norm(normal)}
+    return {"axis": carried_axis(d, nodes), "radius": d["radius"], "normal": unit(d["ground"]["plane"]["normal"])}
 
 
 def parts(d, nodes, context):

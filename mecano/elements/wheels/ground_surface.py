@@ -11,7 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.constraints.ground import in_plane, unit
+from mecano.constraints.ground import in_plane
+from mecano.constraints.joint_frame import unit
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.laws.table import curve

@@ -12,6 +12,7 @@ import numpy as np
 
 from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import LEAN, check_axle, ends, lean_of, slope_below
+from mecano.constraints.joint_frame import unit
 from mecano.constraints.no_slip import add_slip_reactions, on_a_plane, put_slip
 from mecano.element_interface import Display, Kind, Output, Row, record
 from mecano.jit.kernel import kernel
@@ -50,8 +51,7 @@ def observe(p, at, F, y, e):
 
 def prepare(d, nodes, context):
     """Return the record: axis in the node's frame, normal."""
-    normal = np.array(d["ground"]["plane"]["normal"], float)
-    return {"axis": carried_axis(d, nodes), "normal": normal / np.linalg.norm(normal)}
+    return {"axis": carried_axis(d, nodes), "normal": unit(d["ground"]["plane"]["normal"])}
 
 
 def check(d, nodes):

@@ -33,6 +33,7 @@ from mecano.constraints.carried_surface import (
 )
 from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import LEAST_Q, too_low
+from mecano.constraints.joint_frame import unit
 from mecano.constraints.touching import named_surface
 from mecano.element_interface import Display
 from mecano.elements.wheels.at_start import start_warnings_on_body
@@ -135,7 +136,7 @@ def _check_place(d, nodes):
     (name, values), law = named_surface(d), d["tire_law"]
     if name == "cylinder" and values["inside"] and values["radius"] <= law["radius"]:
         return [f"'cylinder.radius' must exceed the radius of the wheel inside it, {law['radius']:g} m"]
-    axis = np.asarray(d["axis"], float) / np.linalg.norm(d["axis"])
+    axis = unit(d["axis"])
     p = SimpleNamespace(**carried_record(d, nodes))
     g = contact_at_start(p, nodes, axis, *place_at_start(d, nodes))
     if g.q < LEAST_Q:
