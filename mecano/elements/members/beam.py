@@ -16,16 +16,15 @@ torsion_radius in torsion; the von Mises equivalent stress combines both as if a
 stress of the shear forces.
 """
 
-import math
 from dataclasses import replace
 
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import as_formula, is_formula
 from mecano.constraints.elastic_line import STRAIN_OF_STEEL
-from mecano.constraints.joint_frame import norm
 from mecano.constraints.joint_samples import rotation
 from mecano.element_interface import Display, Kind, Output, record
+from mecano.elements.members.beam_checks import check, check_mesh, suspicious
 from mecano.elements.members.beam_elastic import (
     add_elastic,
     bent_line,
@@ -38,7 +37,7 @@ from mecano.elements.members.beam_elastic import (
 )
 from mecano.elements.members.beam_flexibility import elastic_constants, hat
 from mecano.elements.members.beam_inertia import add_inertia, energies, inertia_record
-from mecano.elements.members.beam_line import check_line, screw, stations
+from mecano.elements.members.beam_line import screw, stations
 from mecano.elements.members.beam_section_forces import (
     helix,
     largest_stresses,
@@ -50,7 +49,6 @@ from mecano.elements.members.cross_section import MOST_POINTS, constants
 from mecano.elements.members.heated_beam import (
     CURVES,
     THERMAL,
-    check_heating,
     force_by_laws,
     force_by_signals,
     heating,
@@ -65,10 +63,6 @@ from mecano.maths.vector import dot, mat, put, vec
 from mecano.schema import DIRECTION, INTEGER, NODE_PAIR, NUMBER, POINT, SECTION, Field
 
 MOST_RECORDS = 1000  # of a section that are kept
-MOST_SLENDER = 1e7  # lengths over radii of gyration: stiffnesses differ by the square, of 16 digits
-MOST_ELEMENTS = 10_000
-LOST = 3e-17  # relative error of the deflection, per element and square of the slenderness of the beam (measured)
-INACCURATE = 1e-6  # of the deflection
 RECORD = record(
     S=(3, 3), K_uu=(3, 3), K_up=(3, 3), K_pp=(3, 3), D=(3, 3), shift=(3, 3), along=3, u0=3, phi0=3,
     damping=(), gravity=3,
@@ -181,75 +175,6 @@ def variant(d):
     if d["thermal"] is None:
         return BEAM
     return HEATED_BY_SIGNALS if any(map(is_formula, heating(d))) else HEATED_BEAM
-
-
-def check(d, nodes):
-    """Return errors for an impossible line (beam_line.py) and for elements whose stiffness is lost in rounding."""
-    section = constants(d["section"])
-    texts = check_line(d, nodes, section.is_round) or _too_slender(d, nodes, section)
-    return texts if d["thermal"] is None or texts else check_heating(d)
-
-
-def _slenderness(section, x_1, x_2):
-    """Return the distance of two points over the least radius of gyration of a section."""
-    return norm(np.subtract(x_2, x_1)) * section.slenderness
-
-
-def _too_slender(d, nodes, section):
-    slenderness = _slenderness(section, *(x for x, _ in nodes)) / d["mesh"]
-    if slenderness <= MOST_SLENDER:
-        return []
-    return [
-        f"an element is {slenderness:.2g} radii of gyration of its section long, {MOST_SLENDER:g} at most: correct the "
-        "places of the nodes or the 'section', or use a cable"
-    ]
-
-
-def suspicious(d, nodes):
-    """Return warnings about a beam that is too slender for its numbers or for its elements."""
-    return [*_inaccurate(d, nodes), *_hanging(d, nodes)]
-
-
-def _hanging(d, nodes):
-    """Return a warning about an arc whose weight, as a tension, may open its elements beyond their length.
-
-    The elongation N L^3 phi^2/(720 EI) of an arc that turns by phi is that of linear statics; it exceeds the difference
-    L phi^2/24 of arc and chord if N > 30 EI/L^2.
-    """
-    if d["via"] is None:
-        return []
-    section, length = constants(d["section"]), norm(np.subtract(nodes[1].x, nodes[0].x))
-    weight, bending = section.mass * length * norm(nodes[0].gravity), np.diag(section.C)[4:].min()
-    enough = math.ceil(length * math.sqrt(weight / (30.0 * bending)))
-    if d["mesh"] >= enough:
-        return []
-    return [
-        f"its weight of {weight:.3g} N exceeds 30 EI/L^2 = {30.0 * bending * (d['mesh'] / length) ** 2:.3g} N, L the "
-        f"length of an element: if it hangs, its tension may open the arcs beyond their length; write 'mesh: {enough}' "
-        "or more, straight beams, or a line of cables"
-    ]
-
-
-def _inaccurate(d, nodes):
-    """Return a warning about a beam of whose deflections rounding leaves few digits.
-
-    The bending stiffness is smaller than the axial one by the square of the slenderness, and follows from differences
-    of the positions of nodes.
-    """
-    slenderness = _slenderness(constants(d["section"]), *(node.x for node in nodes))
-    error = LOST * d["mesh"] * slenderness**2
-    if error <= INACCURATE:
-        return []
-    digits = max(0, math.floor(-math.log10(error)))
-    return [
-        f"it is {slenderness:.2g} radii of gyration of its section long: rounding leaves about {digits} digits of its "
-        "deflections; is the 'section' intended? A cable has no bending stiffness to lose"
-    ]
-
-
-def check_mesh(n):
-    """Check that the number of elements is in range."""
-    return None if 1 <= n <= MOST_ELEMENTS else f"must be 1 to {MOST_ELEMENTS}"
 
 
 def sample(rng):
