@@ -22,8 +22,6 @@ from mecano.constraints.of_coordinates import (
 from mecano.element_interface import Part
 from mecano.immutable import immutable
 
-ANGLE_LATCHES = ANGLE_LATCH, ANGLE_LATCH_RELEASE
-SLIDE_LATCHES = SLIDE_LATCH, SLIDE_LATCH_RELEASE
 NOT_GIVEN = 0.0, (("constant", {"value": 0.0}),)  # set points
 
 
@@ -38,40 +36,39 @@ class Option:
     needs_reactions: bool = False  # along all axes that the joint holds
 
 
-def _needs(law, set_point):
-    """Return the check that the set point of a law stands beside the law."""
+def _about(place):
+    """Return the axes of the angle about the axis of a joint, and its initial value."""
+    return {"mu": place["mu"], "xi": place["xi"]}, 0.0
+
+
+def _along(place):
+    """Return the axes of the sliding along the axis of a joint, and its initial value."""
+    return {"mu": place["mu"][2]}, place["start"][2]
+
+
+def _law_option(fields, kind, of_place):
+    """Return the Option of a law along a coordinate; ``fields`` are those of the law and of its set point."""
+    law, set_point = (field.name for field in fields)
+
+    def parts(d, place, context):
+        axes, start = of_place(place)
+        return [] if d[law] is None else [law_part(kind, axes, d[law], d[set_point], context, start)]
 
     def check(d):
         alone = d[law] is None and d[set_point] not in NOT_GIVEN
         return [f"{set_point!r} is that of a {law!r}, which is missing"] if alone else []
 
-    return check
+    return Option(fields, parts, ((law, kind, ""),), check)
 
 
-def _turning_parts(d, place, context):
-    if d["turning_law"] is None:
-        return []
-    axes = {"mu": place["mu"], "xi": place["xi"]}
-    return [law_part(TWIST_LAW, axes, d["turning_law"], d["natural_angle"], context)]
+def _end_option(coordinate, latches, stop, of_place):
+    """Return the Option of the ends of a coordinate: Kinds of its latches, for good or released, and of its stops."""
 
+    def parts(d, place, context):
+        return end_parts(d, coordinate, *of_place(place), latches, stop)
 
-def _sliding_parts(d, place, context):
-    if d["sliding_law"] is None:
-        return []
-    axes, natural = {"mu": place["mu"][2]}, d["natural_displacement"]
-    return [law_part(SLIDE_LAW, axes, d["sliding_law"], natural, context, place["start"][2])]
-
-
-def _angle_end_parts(d, place, context):
-    return end_parts(d, TWIST, {"mu": place["mu"], "xi": place["xi"]}, 0.0, ANGLE_LATCHES, ANGLE_STOP)
-
-
-def _slide_end_parts(d, place, context):
-    return end_parts(d, SLIDE, {"mu": place["mu"][2]}, place["start"][2], SLIDE_LATCHES, SLIDE_STOP)
-
-
-def _ends(latches, stop):
-    return (*(("latch", latch, "") for latch in latches), ("stops", stop, ""))
+    optional = (*(("latch", latch, "") for latch in latches), ("stops", stop, ""))
+    return Option(end_fields(coordinate), parts, optional, check_ends)
 
 
 def friction_option(kind, values, *geometry):
@@ -89,11 +86,7 @@ def friction_option(kind, values, *geometry):
     return Option((friction_fields(*geometry),), parts, (("friction", kind, ""),), check_friction, True)
 
 
-TURNING_LAW = Option(
-    TURNING_FIELDS, _turning_parts, (("turning_law", TWIST_LAW, ""),), _needs("turning_law", "natural_angle")
-)
-SLIDING_LAW = Option(
-    SLIDING_FIELDS, _sliding_parts, (("sliding_law", SLIDE_LAW, ""),), _needs("sliding_law", "natural_displacement")
-)
-ANGLE_ENDS = Option(end_fields(TWIST), _angle_end_parts, _ends(ANGLE_LATCHES, ANGLE_STOP), check_ends)
-SLIDE_ENDS = Option(end_fields(SLIDE), _slide_end_parts, _ends(SLIDE_LATCHES, SLIDE_STOP), check_ends)
+TURNING_LAW = _law_option(TURNING_FIELDS, TWIST_LAW, _about)
+SLIDING_LAW = _law_option(SLIDING_FIELDS, SLIDE_LAW, _along)
+ANGLE_ENDS = _end_option(TWIST, (ANGLE_LATCH, ANGLE_LATCH_RELEASE), ANGLE_STOP, _about)
+SLIDE_ENDS = _end_option(SLIDE, (SLIDE_LATCH, SLIDE_LATCH_RELEASE), SLIDE_STOP, _along)
