@@ -69,6 +69,12 @@ def _friction(p, at, touched, N):
     return -(N * friction(at.laws, p.coefficient, p.regularization, norm(u))) * u, u
 
 
+@kernel
+def _no_friction(p, at, touched, N):
+    """Return the friction on b and the velocity of sliding of a smooth contact."""
+    return ZERO, ZERO
+
+
 def _event_values(shapes, row, inputs=0):
     """Return ``event_values``: the depth [m]; then -N [N] of the multiplier at ``row``, or the gap without one.
 
@@ -97,63 +103,31 @@ def _event_values(shapes, row, inputs=0):
 
 def elastic(shapes, rubs):
     """Return the functions of an elastic contact, with friction if it ``rubs``, as fields of a Kind."""
-    approach = shapes.approach
+    touch, approach, friction_of = shapes.touch, shapes.approach, _friction if rubs else _no_friction
+    add_forces = _add_forces if rubs or shapes.turning else _add_central_forces
 
     @kernel
     def normal_force(p, at, touched):
         return contact_force(at.laws, p.law, p.damping, -touched.gap, approach(touched, at))
 
     @kernel
-    def observed_force(p, at, touched, e):
-        """Return the normal force; write the elastic energy and the power that the contact dissipates."""
-        w, N = -touched.gap, select(at.phase == CLOSED, normal_force(p, at, touched), 0.0)
-        if at.phase == CLOSED:
-            e[1] = elastic_energy(at.laws, p.law, at_least(value(w), 0.0))
-            e[2] = (N - elastic_force(at.laws, p.law, w)) * approach(touched, at)
-        return N
-
-    residual, observe = (_rough if rubs else _smooth)(shapes, normal_force, observed_force)
-    return {"residual": residual, "observe": observe, "event_values": _event_values(shapes, None)}
-
-
-def _smooth(shapes, normal_force, observed_force):
-    """Return ``residual`` and ``observe`` of an elastic contact without friction."""
-    touch, add_normal = shapes.touch, _add_forces if shapes.turning else _add_central_forces
-
-    @kernel
-    def residual(p, at, f):
-        if at.phase == CLOSED:
-            touched = touch(p, at)
-            add_normal(f, at, touched, normal_force(p, at, touched) * touched.n)
-
-    @kernel
-    def observe(p, at, F, y, e):
-        touched = touch(p, at)
-        _put(at, touched, observed_force(p, at, touched, e), ZERO, ZERO, y)
-
-    return residual, observe
-
-
-def _rough(shapes, normal_force, observed_force):
-    """Return ``residual`` and ``observe`` of an elastic contact with friction."""
-    touch = shapes.touch
-
-    @kernel
     def residual(p, at, f):
         if at.phase == CLOSED:
             touched = touch(p, at)
             N = normal_force(p, at, touched)
-            _add_forces(f, at, touched, N * touched.n + _friction(p, at, touched, N)[0])
+            add_forces(f, at, touched, N * touched.n + friction_of(p, at, touched, N)[0])
 
     @kernel
     def observe(p, at, F, y, e):
         touched = touch(p, at)
-        N = observed_force(p, at, touched, e)
-        F_t, u = _friction(p, at, touched, N)
-        e[2] -= dot(F_t, u)
+        w, N = -touched.gap, select(at.phase == CLOSED, normal_force(p, at, touched), 0.0)
+        F_t, u = friction_of(p, at, touched, N)
+        if at.phase == CLOSED:
+            e[1] = elastic_energy(at.laws, p.law, at_least(value(w), 0.0))
+            e[2] = (N - elastic_force(at.laws, p.law, w)) * approach(touched, at) - dot(F_t, u)
         _put(at, touched, N, F_t, u, y)
 
-    return residual, observe
+    return {"residual": residual, "observe": observe, "event_values": _event_values(shapes, None)}
 
 
 def rigid(shapes, inputs=0):
