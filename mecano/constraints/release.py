@@ -67,8 +67,11 @@ def detached(kind, what, forces):
 
 
 def with_release(kind, what, forces):
-    """Return the ``kind`` of an elastic element with the field ``release``; the arguments are those of ``detached``."""
-    released = cache(lambda base: detached(base, what, forces))
+    """Return the ``kind`` of an elastic element with the field ``release``; the arguments are those of ``detached``.
+
+    If ``forces`` are None, its own functions are without force in any additional phase, as ``cut`` requires.
+    """
+    released = cache(lambda base: cut(base, what) if forces is None else detached(base, what, forces))
 
     def variant(d):
         return kind.chosen(d) if d["release"] is None else released(kind.chosen(d))

@@ -34,7 +34,7 @@ import numpy as np
 
 from mecano.constraints import wound_line
 from mecano.constraints.activation import SHIFT, is_stress_free, since_activation, with_activation
-from mecano.constraints.along_coordinate.demand import is_formula, with_rate
+from mecano.constraints.along_coordinate.demand import is_formula, on_demand, with_rate
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.elastic_line import (
     DAMPING,
@@ -56,7 +56,7 @@ from mecano.constraints.joint_frame import at_one_place
 from mecano.constraints.joint_samples import at_distance
 from mecano.constraints.line import add_line_force, line
 from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, TAUT, put_line_events
-from mecano.constraints.release import SAMPLE, check_release, cut, elastic_release
+from mecano.constraints.release import SAMPLE, with_release
 from mecano.constraints.wound_line import CATCHES
 from mecano.element_interface import Display, Kind, Measured, Output, record
 from mecano.jit.kernel import kernel
@@ -144,20 +144,6 @@ def prepare_wound(d, nodes, context):
     }  # fmt: skip
 
 
-def variant(d):
-    """Return the purely elastic cable, the one with a release, or the one with a winder or a shock."""
-    if d["release"] is not None:
-        return RELEASED_BY_SIGNAL if is_formula(d["natural_length"]) else RELEASED_CABLE
-    if is_formula(d["natural_length"]):
-        return CABLE_BY_SIGNAL
-    return ELASTIC_CABLE if d["payout_tension"] is None and d["at_full_length"] == "stretch" else WOUND_CABLE
-
-
-def variant_stress_free(d):
-    """Return the cable that is activated stress-free, with a natural length of either sort, and with a release."""
-    return STRESS_FREE_CABLES[is_formula(d["natural_length"]), d["release"] is not None]
-
-
 def check(d, nodes):
     """Check that the line has a direction and an initial natural length, and exactly one axial stiffness."""
     texts = at_one_place(d, nodes)
@@ -181,15 +167,20 @@ def check_pretension(d):
     return []
 
 
+def _winds(d):
+    """Return which of the fields of a winder, and of a shock at the full length, are given: {field: bool}."""
+    return {"payout_tension": d["payout_tension"] is not None, "at_full_length": d["at_full_length"] != "stretch"}
+
+
 def check_cable(d, nodes):
-    """Check the values as for a bar, a release, and that a winder has a full length that is not yet reached."""
-    texts = check(d, nodes) + check_release(d, ["payout_tension"])
+    """Check the values as for a bar, and that a winder has a full length that is not yet reached."""
+    texts, winds = check(d, nodes), _winds(d)
     if d["pretension"] < 0.0:
         texts.append("'pretension' of a cable must not be negative")
-    winds = {"payout_tension": d["payout_tension"] is not None, "at_full_length": d["at_full_length"] != "stretch"}
-    texts += [f"'activate' and {name!r} exclude one another" for name in winds if winds[name] and d["activate"]]
-    if d["release"] is not None and winds["at_full_length"]:
-        texts.append("'release' and 'at_full_length' exclude one another")
+    texts += [
+        f"{timed!r} and {name!r} exclude one another"
+        for timed in ("release", "activate") for name in winds if winds[name] and d[timed]
+    ]  # fmt: skip
     if is_formula(d["natural_length"]) and any(winds.values()):
         texts.append("with 'payout_tension' or 'at_full_length' the 'natural_length' is a number or a law of time")
     if d["payout_tension"] is None or texts:
@@ -224,7 +215,6 @@ def sample_cable(rng):
     return [
         *(({**d, "natural_length": wound}, at_distance(rng, 2.0), phase) for phase in ("taut", "relaxing")),
         ({**d, "natural_length": 3.0}, at_distance(rng, 2.0), "slack"),
-        *(({**d, **SAMPLE, "natural_length": 1.5}, at_distance(rng, 2.0), phase) for phase in ("taut", "released")),
         ({**d, **SAMPLE, "natural_length": 3.0}, at_distance(rng, 2.0), "slack"),
         ({**d, "natural_length": "command"}, at_distance(rng, 2.0), "taut"),
         ({**d, **SAMPLE, "natural_length": "command"}, at_distance(rng, 2.0), "taut"),
@@ -269,57 +259,71 @@ OUTPUTS = (
 )
 
 DRAWN = Display("cable", axial="tension")
-BAR_RESIDUAL, OBSERVE_BAR, _ = _functions(_of_time)
-BAR = Kind(
-    name="bar",
-    section="elements",
-    doc="Bar: an elastic line between two nodes that pulls and pushes.\n\n" + __doc__,
-    display=DRAWN,
-    dtype=RECORD,
-    layout=("x0", "x1"),
-    fields=FIELDS,
-    outputs=OUTPUTS,
-    prepare=line_record,
-    check=check,
-    strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
-    residual=BAR_RESIDUAL,
-    inertia=line_inertia,
-    observe=OBSERVE_BAR,
-    variant=lambda d: BAR_BY_SIGNAL if is_formula(d["natural_length"]) else BAR,
-    measures=MEASURES,
-    sample=sample_bar,
+
+
+def _bar(natural):
+    residual, observe, _ = _functions(natural)
+    return Kind(
+        name="bar",
+        section="elements",
+        doc="Bar: an elastic line between two nodes that pulls and pushes.\n\n" + __doc__,
+        display=DRAWN,
+        dtype=RECORD,
+        layout=("x0", "x1"),
+        fields=FIELDS,
+        outputs=OUTPUTS,
+        prepare=line_record,
+        check=check,
+        strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
+        residual=residual,
+        inertia=line_inertia,
+        observe=observe,
+        measures=MEASURES,
+        sample=sample_bar,
+    )
+
+
+def _cable(natural):
+    return Kind(
+        name="cable",
+        section="elements",
+        doc="Cable: an elastic line between two nodes that carries tension only.\n\n" + __doc__,
+        display=DRAWN,
+        dtype=RECORD,
+        layout=("x0", "x1"),
+        fields=(*FIELDS, *WINDER_FIELDS),
+        outputs=(*OUTPUTS, Output("state", "-", "0 relaxing, slack or released, 1 taut, 2 paying out")),
+        phases=PHASES,
+        events=EVENTS,
+        prepare=line_record,
+        check=check_cable,
+        strains=(-np.inf, STRAIN_OF_STEEL),  # it may be slack
+        sample=sample_cable,
+        measures=MEASURES,
+        inertia=line_inertia,
+        **_cable_functions(natural),
+    )
+
+
+def _stress_free(natural):
+    """Return the Kind of a cable that is activated stress-free."""
+
+    @kernel
+    def commit(p, at, m_out):
+        m_out[0] = line(at.q, at.v)[0] / (1.0 + p.prestrain) - natural(p, at)[0]
+
+    return replace(
+        _cable(since_activation(natural, 0)), dtype=record(**LINE_RECORD, prestrain=()), prepare=prepare_stress_free,
+        memory=(SHIFT,), commit=commit,
+    )  # fmt: skip
+
+
+BAR, _GIVEN, _HOOKED = (
+    on_demand(make, "natural_length", INPUT, _of_time, with_rate) for make in (_bar, _cable, _stress_free)
 )
-BAR_BY_SIGNAL = replace(
-    BAR, inputs=("natural_length",), variant=None,
-    **dict(zip(("residual", "observe"), _functions(with_rate(INPUT))[:2], strict=True)),
-)  # fmt: skip
-
-ELASTIC_CABLE = Kind(
-    name="cable",
-    section="elements",
-    doc="Cable: an elastic line between two nodes that carries tension only.\n\n" + __doc__,
-    display=DRAWN,
-    dtype=RECORD,
-    layout=("x0", "x1"),
-    fields=(*FIELDS, *WINDER_FIELDS, elastic_release("cable")),
-    outputs=(*OUTPUTS, Output("state", "-", "0 relaxing, slack or released, 1 taut, 2 paying out")),
-    phases=PHASES,
-    events=EVENTS,
-    prepare=line_record,
-    variant=variant,
-    check=check_cable,
-    strains=(-np.inf, STRAIN_OF_STEEL),  # it may be slack
-    sample=sample_cable,
-    measures=MEASURES,
-    inertia=line_inertia,
-    **_cable_functions(_of_time),
-)
-CABLE_BY_SIGNAL = replace(ELASTIC_CABLE, inputs=("natural_length",), variant=None, **_cable_functions(with_rate(INPUT)))
-
-RELEASED_CABLE, RELEASED_BY_SIGNAL = cut(ELASTIC_CABLE, "cable"), cut(CABLE_BY_SIGNAL, "cable")
-
+_GIVEN, _HOOKED = (with_release(kind, "cable", None) for kind in (_GIVEN, _HOOKED))
 WOUND_CABLE = replace(
-    ELASTIC_CABLE,
+    _GIVEN,
     name="wound_cable",
     dtype=wound_line.RECORD,
     phases=wound_line.PHASES,
@@ -327,34 +331,17 @@ WOUND_CABLE = replace(
     memory=wound_line.MEMORY,
     prepare=prepare_wound,
     parts=lambda d, nodes, context: wound_line.wound_parts(prepare_wound(d, nodes, context)),
+    variant=None,
     residual=None,
     inertia=None,
     observe=wound_line.observe,
     event_values=wound_line.event_values,
     commit=wound_line.commit,
 )
-
-
-def _stress_free(kind, natural):
-    """Return the Kind of a cable that is activated stress-free, from that with this natural length."""
-
-    @kernel
-    def commit(p, at, m_out):
-        m_out[0] = line(at.q, at.v)[0] / (1.0 + p.prestrain) - natural(p, at)[0]
-
-    return replace(
-        kind, dtype=record(**LINE_RECORD, prestrain=()), prepare=prepare_stress_free, variant=variant_stress_free,
-        memory=(SHIFT,), commit=commit, **_cable_functions(since_activation(natural, 0)),
-    )  # fmt: skip
-
-
-_HOOKED, _HOOKED_BY_SIGNAL = _stress_free(ELASTIC_CABLE, _of_time), _stress_free(CABLE_BY_SIGNAL, with_rate(INPUT))
-STRESS_FREE_CABLES = {
-    (False, False): _HOOKED, (True, False): _HOOKED_BY_SIGNAL, (False, True): cut(_HOOKED, "cable"),
-    (True, True): cut(_HOOKED_BY_SIGNAL, "cable"),
-}  # fmt: skip
-"""Keys: the natural length is a formula; it has a release."""
 STRESS_FREE = Field(
     "stress_free", BOOLEAN, "-", "it has only its pretension then, at the distance that it finds", False
 )
-CABLE = with_activation(ELASTIC_CABLE, "cable", None, (_HOOKED, None), STRESS_FREE)
+CABLE = with_activation(
+    replace(_GIVEN, variant=lambda d: WOUND_CABLE if any(_winds(d).values()) else _GIVEN.chosen(d)), "cable", None,
+    (_HOOKED, None), STRESS_FREE,
+)  # fmt: skip
