@@ -178,12 +178,6 @@ def _set_points(d):
     return [(d["natural"] or {}).get(axis) for axis in ORDER]
 
 
-def variant(d):
-    """Return the kind with set points that are zero, laws of time or signals."""
-    given = [value for value in _set_points(d) if value is not None]
-    return BY_SIGNALS if any(map(is_formula, given)) else BY_LAWS if given else STILL
-
-
 def check(d, nodes):
     """Check that stiffness is symmetric, that neither matrix generates energy, and that some property is given."""
     texts = [] if d["axis"] is None else not_across(d, nodes)
@@ -241,44 +235,42 @@ NATURAL = (
           f"{axis.split('_')[0]} this axis: a function of time [s], or a formula of signals", None)
     for axis in ORDER
 )  # fmt: skip
-STILL = Kind(
-    name="bushing",
-    section="elements",
-    doc=__doc__,
-    dtype=RECORD,
-    layout=("x0", "R0", "x1", "R1"),
-    fields=(
-        Field("nodes", NODE_PAIR, "-", "nodes a (with the axes) and b; either may be ground"),
-        Field("stiffness", MATRIX_6, "N/m, N, N m/rad", "forces (1, 2, 3), moments (1, 2, 3) by d and psi", None),
-        Field("damping", MATRIX_6, "N s/m, N s, N m s/rad", "the same by their rates", None),
-        Field("axis", DIRECTION, "-", "third axis at the start, inertial; the axes of node a when absent", None),
-        AXIS_1,
-        Field("laws", mapping(*law_fields(AXES)), "-", "laws of single axes, added to the matrices", None),
-        Field("natural", mapping(*NATURAL), "-", "set points e_0 of the axes; zero when absent", None),
-    ),
-    outputs=(
-        Output("displacement", "m", "d, displacement of b from the start, along the axes", (3,)),
-        Output("rotation_vector", "rad", "psi, rotation vector of b relative to a, in the axes", (3,)),
-        Output("force", "N", "force of the matrices on b, along the axes", (3,)),
-        Output("moment", "N m", "moment of the matrices on b, about the axes", (3,)),
-    ),
-    optional=law_outputs("laws", AXES),
-    prepare=prepare,
-    parts=parts,
-    check=check,
-    variant=variant,
-    limits=limits,
-    sample=sample,
-    **_functions(_fixed),
-)
-BY_LAWS = replace(STILL, **_functions(_moving(_of_law)))
-BY_SIGNALS = replace(
-    STILL, inputs=ORDER, reads=lambda d: list(map(as_formula, _set_points(d))), **_functions(_moving(_of_signal))
-)
 
 
-def _stress_free(kind, set_points):
-    """Return the ``kind`` of a bushing with these ``set_points``, whose strain is that since its activation."""
+def _bushing(set_points):
+    return Kind(
+        name="bushing",
+        section="elements",
+        doc=__doc__,
+        dtype=RECORD,
+        layout=("x0", "R0", "x1", "R1"),
+        fields=(
+            Field("nodes", NODE_PAIR, "-", "nodes a (with the axes) and b; either may be ground"),
+            Field("stiffness", MATRIX_6, "N/m, N, N m/rad", "forces (1, 2, 3), moments (1, 2, 3) by d and psi", None),
+            Field("damping", MATRIX_6, "N s/m, N s, N m s/rad", "the same by their rates", None),
+            Field("axis", DIRECTION, "-", "third axis at the start, inertial; the axes of node a when absent", None),
+            AXIS_1,
+            Field("laws", mapping(*law_fields(AXES)), "-", "laws of single axes, added to the matrices", None),
+            Field("natural", mapping(*NATURAL), "-", "set points e_0 of the axes; zero when absent", None),
+        ),
+        outputs=(
+            Output("displacement", "m", "d, displacement of b from the start, along the axes", (3,)),
+            Output("rotation_vector", "rad", "psi, rotation vector of b relative to a, in the axes", (3,)),
+            Output("force", "N", "force of the matrices on b, along the axes", (3,)),
+            Output("moment", "N m", "moment of the matrices on b, about the axes", (3,)),
+        ),
+        optional=law_outputs("laws", AXES),
+        prepare=prepare,
+        parts=parts,
+        check=check,
+        limits=limits,
+        sample=sample,
+        **_functions(set_points),
+    )
+
+
+def _stress_free(set_points):
+    """Return the Kind of a bushing with these ``set_points``, whose strain is that since its activation."""
 
     @kernel
     def shifted(p, at):
@@ -292,15 +284,19 @@ def _stress_free(kind, set_points):
         put(m_out, 0, d - d_0)
         put(m_out, 3, psi - psi_0)
 
-    memory = tuple(f"{SHIFT}_{axis}" for axis in ORDER)
-    return replace(kind, memory=memory, commit=commit, **_functions(shifted))
+    return replace(_bushing(shifted), memory=tuple(f"{SHIFT}_{axis}" for axis in ORDER), commit=commit)
 
 
-_SHIFTED = {
-    kind: _stress_free(kind, points)
-    for kind, points in ((STILL, _fixed), (BY_LAWS, _moving(_of_law)), (BY_SIGNALS, _moving(_of_signal)))
-}
-BUSHING = with_activation(
-    with_release(STILL, "bushing", FORCES), "bushing", FORCES,
-    (with_release(replace(STILL, variant=lambda d: _SHIFTED[variant(d)]), "bushing", FORCES), FORCES),
-)  # fmt: skip
+def _released(make):
+    """Return the Kind ``make(set_points)`` with a release; its variants have set points by laws of time, or signals."""
+    still, by_laws = make(_fixed), make(_moving(_of_law))
+    by_signals = replace(make(_moving(_of_signal)), inputs=ORDER, reads=lambda d: list(map(as_formula, _set_points(d))))
+
+    def variant(d):
+        given = [value for value in _set_points(d) if value is not None]
+        return by_signals if any(map(is_formula, given)) else by_laws if given else still
+
+    return with_release(replace(still, variant=variant), "bushing", FORCES)
+
+
+BUSHING = with_activation(_released(_bushing), "bushing", FORCES, (_released(_stress_free), FORCES))
