@@ -84,6 +84,7 @@ def test_warnings_are_printed_once_and_stored(name, tmp_path):
         ("pendulum", "[pin]", "angular_velocity: [2, 3, 0]", "node 'pin' from [2, 3, 0] to [0, 3, 0] rad/s"),
         ("pendulum", "[pin]", "angular_velocity: [0, 3, 0]", ""),
         ("pendulum", "all", "velocity: [0, 0, 1]", ""),
+        ("spherical_pendulum", "[ball]", "angular_velocity: [0, 0, 3], about: [0, 0, 0]", ""),  # a point does not turn
         ("caster_shimmy", "[hub]", "angular_velocity: [0, 0.1, 0]", ""),  # beside steady running
     ],
 )

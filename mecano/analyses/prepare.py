@@ -266,6 +266,7 @@ def _changed_velocities(prepared, motion):
     entries = [entry for entry in deck.values["initial"]["velocities"] if entry["nodes"] != "all"]
     named = {name for entry in entries for name in entry["nodes"]}
     turned = {name for entry in entries if any(entry["angular_velocity"]) for name in entry["nodes"]}
+    turned &= _turning(system)
     motions = [  # fixed nodes did not receive the velocities asked
         (names, np.where((first < of.n_q)[:, None], before, asked), reached, unit)
         for names, first, asked, before, reached, unit in zip(
@@ -288,6 +289,13 @@ def _changed_velocities(prepared, motion):
                 "for a rotation"
             ]
     return []
+
+
+def _turning(system):
+    """Return the names of the nodes whose rotation is free or held: a point mass has none to which a rate belongs."""
+    nodes, of = system.nodes, system.numbering
+    held = {of.r[i] for i, node in enumerate(nodes) if node.fixed}
+    return {node.name for i, node in enumerate(nodes) if of.r[i] < of.n_q or of.r[i] in held}
 
 
 def _rates(system, s):
