@@ -103,6 +103,10 @@ def _found(scaled, lin, number, method):
     growing = [i for i in order[number:] if _kind(values[i]) in GROWING]
     chosen = np.array([*order[:number], *growing], int)
     residuals = np.array([scaled.residual(values[i], shapes[i]) for i in chosen])
+    free = values[chosen] == 0.0
+    if residuals[free].max(initial=0.0) > CONVERGED and not exact and scaled.n_q <= DENSE:
+        shapes[chosen[free]] -= _strained(scaled, shapes[chosen[free]])
+        residuals = np.array([scaled.residual(values[i], shapes[i]) for i in chosen])
     shapes = np.array([_normal(shapes[i] * scaled.units) / lin.root for i in chosen]).reshape(len(chosen), lin.n_q)
     return Modes(values[chosen], shapes, residuals, text, len(values))
 
@@ -140,6 +144,16 @@ def _with_free(scaled, values, shapes):
     free = _plain(U[:, sigma > 1e-3 * sigma[0]].T)
     moving = ~still
     return np.concatenate([np.zeros(len(free)), values[moving]]), np.concatenate([free, shapes[moving]])
+
+
+def _strained(scaled, shapes):
+    """Return the parts (m, n_q) of shapes that have forces of stiffness: the least x with K x + D mu = K y, B x = B y.
+
+    Free motions are combinations of eigenvectors, which magnify the rounding of these where they are nearly parallel.
+    """
+    K, D, B = (A.toarray() for A in (scaled.K, scaled.D, scaled.B))
+    whole = np.block([[K, D], [B, np.zeros((len(B), D.shape[1]))]])
+    return np.linalg.lstsq(whole, np.vstack([K, B]) @ shapes.T, rcond=1e-12)[0][: scaled.n_q].T
 
 
 def _plain_zeros(values, shapes):
