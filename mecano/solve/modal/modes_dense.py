@@ -2,8 +2,9 @@ r"""All modes of a small model, by dense matrices.
 
 Signals without a state follow at once from motions and other signals: they are eliminated. Holonomic constraints
 restrict motions to y = Z p with an orthonormal basis Z of the null space of B, so no eigenvalue belongs to a
-constraint, redundant or not. Constraints on velocities restrict them further to :math:`\dot p = N r + G p`, with N the
-null space of E Z and :math:`G = -(E Z)^+ F Z`. Motions without inertia and
+constraint, redundant or not. The equations are projected on these motions, too, or, if friction follows reactions, on
+the null space of :math:`D^T`, in which reactions do no work. Constraints on velocities restrict the motions further to
+:math:`\dot p = N r + G p`, with N the null space of E Z and :math:`G = -(E Z)^+ F Z`. Motions without inertia and
 damping are condensed. A symmetric undamped problem is solved by eigh, any other one in first-order form: by QR if the
 rates of motions without inertia follow from their damping, by QZ if that damping is singular.
 """
@@ -25,6 +26,7 @@ ROUNDED_MASS = 1e-12  # of the largest inertia: asymmetry that is rounding
 ROUNDED = 1e-15  # of the largest entry of its row: an entry that is rounding
 COUPLED = 3e-14  # of the same: smaller entries do not scale unknowns, else undetermined angles would amplify rounding
 SLOW = 1e-8  # of the largest square of a frequency: the smaller ones lose half of the digits beside it
+ROUNDED_REACTION = 1e-9  # of the largest entry of B: work of reactions that is rounding
 INFINITE = 3e-7  # smaller denominators of the generalized eigenvalues count as zero
 
 
@@ -35,11 +37,13 @@ def dense(scaled: "SmallMotions") -> tuple[np.ndarray, np.ndarray, str]:
     Z = null_space(B)
     if not Z.shape[1]:
         return np.zeros(0, complex), np.zeros((0, scaled.n_q), complex), "dense: nothing moves"
-    M, C, K = (Z.T @ A @ Z for A in (M, C, K))
+    L = _workless(D[:, ~scaled.on_velocity], B, Z)
+    M, C, K = (L.T @ A @ Z for A in (M, C, K))
     if scaled.on_velocity.any():
-        values, p = _on_velocities(E @ Z, F @ Z, Z.T @ D[:, scaled.on_velocity], M, C, K)
+        values, p = _on_velocities(E @ Z, F @ Z, L.T @ D[:, scaled.on_velocity], M, C, K)
         return values, follow(values, p @ Z.T), "dense, first order, with constraints on velocities"
-    if np.abs(M - M.T).max(initial=0.0) > ROUNDED_MASS * np.abs(M).max(initial=0.0):  # signals that read reactions
+    asymmetric = np.abs(M - M.T).max(initial=0.0) > ROUNDED_MASS * np.abs(M).max(initial=0.0)
+    if L is not Z or asymmetric:  # signals or friction that read reactions
         values, p = _general(M, C, K)
         return values, follow(values, p @ Z.T), "dense, first order"
     M, C, K, back = _condensed(M, C, K)
@@ -50,6 +54,18 @@ def dense(scaled: "SmallMotions") -> tuple[np.ndarray, np.ndarray, str]:
         return both, (np.concatenate([vectors.T, vectors.T[squares < 0.0]]) @ back.T) @ Z.T, "dense, undamped"
     values, p = _first_order(M, C, K)
     return values, follow(values, (p @ back.T) @ Z.T), "dense, first order"
+
+
+def _workless(D, B, Z):
+    """Return the combinations (n, m) of equations that contain no multiplier: Z where reactions are along B^T.
+
+    Friction adds to the columns of the multipliers that it follows. Where redundant constraints leave these
+    undetermined, there are fewer combinations than motions, and Z is returned.
+    """
+    if np.abs(D.T @ Z).max(initial=0.0) <= ROUNDED_REACTION * np.abs(B).max(initial=0.0):
+        return Z
+    L = null_space(D.T)
+    return L if L.shape == Z.shape else Z
 
 
 def _without_signals(scaled):
@@ -156,9 +172,12 @@ def _pace(M, C, K):
 
 def _general(M, C, K):
     """Return eigenvalues and vectors as ``_first_order`` does, for any M."""
-    rate = _pace(M, C, K)
-    values, vectors = _of_blocks(M * rate**2, C * rate, K)
-    return values * rate, vectors
+    rate, eye = _pace(M, C, K), np.eye(len(M))
+    size = max(np.abs(A).max() for A in (M * rate**2, C * rate, K)) or 1.0
+    M, C, K = M * (rate**2 / size), C * (rate / size), K / size
+    A = np.block([[0.0 * eye, eye], [-K, -C]])
+    values, vectors = _without_zeros(A, la.block_diag(eye, M), ZERO * np.linalg.norm(A, 2), _finite)
+    return values * rate, vectors[: len(M)].T
 
 
 def _of_blocks(M, C, K):

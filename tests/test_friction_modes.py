@@ -1,0 +1,77 @@
+"""Modes of a body that rubs on a moving belt: friction follows the reaction, and makes it flutter, as a brake squeals.
+
+The body, of the mass m and the moment of inertia J, is held by springs and touches the belt at the point (r_x, r_z)
+from its centre of mass. With the reaction N = N_0 + n of the belt, friction mu N along it, and small displacements x
+and rotations t about y, by which the centre rises by r_x t,
+
+    n = m r_x t'' + k_z r_x t
+    m x'' + k_x x + k_xt t - mu n = 0
+    J t'' + k_xt x + k_t t + (r_x - mu r_z) n + (mu r_x + r_z) N_0 t = 0
+
+as in the minimal model of mode coupling of N. Hoffmann et al., Int. J. Mech. Sci. 44 (2002), whose matrices are
+not symmetric either.
+"""
+
+import numpy as np
+import pytest
+from time_runs import deck
+
+from mecano.analyses.modal import modes
+
+MASS, INERTIA, R_X, R_Z, FRICTION = 2.0, 0.03, 0.08, -0.1, 0.6  # kg, kg m2, m, m
+K_X, K_Z, K_T, LOAD = 9e3, 2e4, 20.0, 2.0 * 9.81  # N/m, N/m, N m/rad, N
+
+
+def rubbing(coupling):
+    """The deck; dead loads balance the weight's moment and the friction, so the body is at rest."""
+    springs = np.diag([K_X, 1e4, K_Z, 100.0, K_T, 100.0])
+    springs[0, 4] = springs[4, 0] = coupling
+    return deck(f"""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes:
+          belt: {{position: [0, 0, 0]}}
+          body: {{position: [0, 0, {-R_Z}]}}
+          pad: {{position: [{R_X}, 0, 0]}}
+        elements:
+          belt: {{type: rigid_body, node: belt, mass: 1, inertia: [1, 1, 1]}}
+          body: {{type: rigid_body, node: body, mass: {MASS}, inertia: {[INERTIA] * 3}, attached: [pad]}}
+          springs: {{type: bushing, nodes: [ground, body], stiffness: {springs.tolist()}}}
+          pad:
+            type: contact
+            nodes: [belt, pad]
+            plane: {{normal: [0, 0, 1], point: [0, 0, 0]}}
+            friction: {{coefficient: {FRICTION}, regularization: 1 mm/s}}
+        joints:
+          guide: {{type: prismatic, nodes: [ground, belt], axis: [1, 0, 0]}}
+          drive: {{type: prescribed_position, node: belt, direction: [1, 0, 0], value: 2*time}}
+          plane: {{type: planar, nodes: [ground, body], axis: [0, 1, 0]}}
+        loads:
+          stop: {{type: force, node: body, direction: [-1, 0, 0], value: {FRICTION * LOAD}}}
+          turn: {{type: moment, node: body, direction: [0, -1, 0], value: {(FRICTION * R_Z - R_X) * LOAD}}}
+        initial: {{velocities: [{{nodes: [belt], velocity: [2, 0, 0]}}]}}
+        time: {{end: 1, step: 1 ms}}
+        """)
+
+
+def closed_form(coupling):
+    """The eigenvalues of the equations above with positive imaginary parts, in the order of ``ordered``."""
+    arm = R_X - FRICTION * R_Z
+    M = np.array([[MASS, -FRICTION * MASS * R_X], [0.0, INERTIA + arm * MASS * R_X]])
+    K = np.array([[K_X, coupling - FRICTION * K_Z * R_X], [coupling, K_T + (FRICTION * R_X + R_Z) * LOAD]])
+    K[1, 1] += arm * K_Z * R_X
+    values = np.sqrt(-np.linalg.eigvals(np.linalg.solve(M, K)).astype(complex))
+    return ordered(np.where(values.imag < 0.0, -values, values))
+
+
+def ordered(values):
+    """The values by the sums of their parts: those that flutter and decay have the same frequency."""
+    return values[np.argsort(values.real + values.imag)]
+
+
+@pytest.mark.parametrize(("coupling", "kinds"), [(0.0, ["oscillation"] * 2), (400.0, ["flutter", "oscillation"])])
+def test_friction_that_follows_the_reaction_couples_modes(coupling, kinds, verify):
+    _, found, _ = modes(rubbing(coupling), None)
+    assert found.converged.all() and sorted(found.kinds) == kinds
+    what = f"body that rubs on a belt, coupled by {coupling:g} N: eigenvalues [1/s]"
+    verify("Modes", what, ordered(found.values), closed_form(coupling), "closed form", relative=1e-7)
