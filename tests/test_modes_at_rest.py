@@ -149,3 +149,22 @@ def test_where_nothing_moves_there_are_no_shapes_to_draw(tmp_path, capsys):
     assert not modes_file.with_suffix(".png").exists()
     with pytest.raises(ResultsError, match="nothing moves"):
         draw_modes(modes_file)
+
+
+def test_a_model_without_mass_has_no_modes():
+    """A prestressed net of cables without mass, by either solver: it has stiffness alone."""
+    net = deck("""
+        mecano: 1
+        gravity: none
+        nodes:
+          left: {position: [0, 0, 0], fixed: true}
+          middle: {position: [1, 0, 0]}
+          right: {position: [2, 0, 0], fixed: true}
+        elements:
+          a: {type: cable, nodes: [left, middle], axial_stiffness: 1000, pretension: 10}
+          b: {type: cable, nodes: [middle, right], axial_stiffness: 1000, pretension: 10}
+        static: {steps: 1}
+        """)
+    for solver in ("dense", "sparse"):
+        text, found, _ = modes(net, None, method=solver)
+        assert len(found.values) == 0 and "nothing has inertia or damping; 0 computed" in text.splitlines()[0]

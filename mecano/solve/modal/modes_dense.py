@@ -47,6 +47,8 @@ def dense(scaled: "SmallMotions") -> tuple[np.ndarray, np.ndarray, str]:
         values, p = _general(M, C, K)
         return values, follow(values, p @ Z.T), "dense, first order"
     M, C, K, back = _condensed(M, C, K)
+    if not len(M):
+        return np.zeros(0, complex), np.zeros((0, scaled.n_q), complex), "dense: nothing has inertia or damping"
     if scaled.undamped and kept.all():
         squares, vectors = _undamped(0.5 * (M + M.T), 0.5 * (K + K.T))
         values = np.where(squares < 0.0, np.sqrt(np.abs(squares)), 1j * np.sqrt(np.abs(squares)))

@@ -36,6 +36,8 @@ def sparse(scaled: "SmallMotions", number: int) -> tuple[np.ndarray, np.ndarray,
     mobility = scaled.n_q - scaled.B.shape[0]  # lower bound
     if mobility <= 2 * (number + EXTRA) and scaled.n_q <= FEW_MOVE:
         return dense(scaled)
+    if not scaled.M.count_nonzero() and not scaled.C.count_nonzero():
+        return np.zeros(0, complex), np.zeros((0, scaled.n_q), complex), "sparse: nothing has inertia or damping"
     wanted = max(min(number + EXTRA, mobility - 2), 1)
     M, _, K = scaled.full
     rate = np.sqrt(abs(K.diagonal()[: scaled.n_q]).mean() / abs(M.diagonal()[: scaled.n_q]).mean())
