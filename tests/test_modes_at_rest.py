@@ -168,3 +168,28 @@ def test_a_model_without_mass_has_no_modes():
     for solver in ("dense", "sparse"):
         text, found, _ = modes(net, None, method=solver)
         assert len(found.values) == 0 and "nothing has inertia or damping; 0 computed" in text.splitlines()[0]
+
+
+def test_a_drive_at_its_turning_point_is_at_rest():
+    """Its velocity, a cosine of 90 degrees, is rounding: a turn by 1 rad would take an age, and the pendulum falls."""
+    text, _, _ = modes(
+        deck("""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes: {support: {position: [0, 0, 0.01]}, pin: {position: [0, 0, 0.01]}}
+        elements:
+          support: {type: rigid_body, node: support, mass: 1, inertia: [0.01, 0.01, 0.01]}
+          bar: {type: rigid_body, node: pin, mass: 0.1, center_of_mass: [0.1, 0, 0], inertia: [1.0e-4, 1.0e-3, 1.0e-3]}
+        joints:
+          guide: {type: prismatic, nodes: [ground, support], axis: [0, 0, 1]}
+          shaker:
+            type: prescribed_position
+            node: support
+            direction: [0, 0, 1]
+            value: {sine: {amplitude: 10 mm, frequency: 60, phase: 90 deg, offset: -10 mm}}
+          hinge: {type: hinge, nodes: [support, pin], axis: [0, 1, 0]}
+        time: {end: 1, step: 1 ms}
+        """),
+        None,
+    )
+    assert "the start is not an equilibrium" in text and "not constant in these axes" not in text

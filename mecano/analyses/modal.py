@@ -23,7 +23,7 @@ from mecano.results.file_names import refuse_existing, refuse_other_ending
 from mecano.results.lock import locked
 from mecano.results.modes_file import write_modes
 from mecano.solve.linear.rounding import ROUNDING
-from mecano.solve.modal.linearize import Assemble, Linearization, linearize
+from mecano.solve.modal.linearize import RESTING, Assemble, Linearization, linearize
 from mecano.solve.modal.modes import CONVERGED, Modes, solve
 from mecano.solve.statics.stability import words
 from mecano.solve.time.increments import displaced
@@ -135,7 +135,7 @@ def _relative_accelerations(system: "System", s: "State", w: np.ndarray) -> np.n
     free = of.rotation_dof < n_q
     rotations = of.rotation_dof[free][:, None] + np.arange(3)
     v[rotations] -= w @ s.R[free]
-    rounding = ROUNDING * np.abs(s.v[:n_q]).max(initial=0.0)
+    rounding = max(ROUNDING * np.abs(s.v[:n_q]).max(initial=0.0), RESTING)
     in_place = rotations[np.abs(v[rotations]).max(axis=1) > rounding]
     a[in_place], v[in_place] = 0.0, 0.0
     return None if np.any(np.abs(v[~system.signals]) > rounding) else a

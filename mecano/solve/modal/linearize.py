@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 Assemble: TypeAlias = "Callable[[State, float, float, float, float, float], Assembly]"
 """Takes the place of System.assemble: state, k, penalty, cK, cC, cM"""
 PROBE = 1e-6  # [rad] motion over which the change of the matrices is measured
+RESTING = 1e-12  # [m/s], [rad/s] velocities up to this are rounding, as of a drive at its turning point
 
 
 @dataclass(frozen=True)
@@ -143,7 +144,7 @@ def _variation(system, s, w, rate, assemble, now):
     It is that from PROBE to twice PROBE: at rest, jumps of a tangent, such as that between compression and rebound of
     an oleo, depend on the sign of a rate that is rounding.
     """
-    if rate == 0.0:
+    if rate <= RESTING:
         return 0.0
     near, far = (_matrices_after(system, s, w, i * PROBE / rate, assemble) for i in (1, 2))
     changes, sizes = _changes(near, far, system.n_q), [sp.linalg.norm(A) for A in now]
