@@ -75,3 +75,49 @@ def test_friction_that_follows_the_reaction_couples_modes(coupling, kinds, verif
     assert found.converged.all() and sorted(found.kinds) == kinds
     what = f"body that rubs on a belt, coupled by {coupling:g} N: eigenvalues [1/s]"
     verify("Modes", what, ordered(found.values), closed_form(coupling), "closed form", relative=1e-7)
+
+
+def test_the_efficiency_of_gears_divides_what_they_drive(verify):
+    """Gears turn between springs, a drives: w^2 = (k_a + k_b i^2/eta)/(J_a + J_b i^2/eta), i = r_a/r_b."""
+    (J_a, J_b), (k_a, k_b), (r_a, r_b), eta = (0.02, 0.05), (50.0, 400.0), (0.1, 0.2), 0.8
+    _, found, _ = modes(
+        deck(f"""
+        mecano: 1
+        gravity: none
+        parameters: {{speed: 10, force: 100, ratio: {r_a / r_b}}}
+        nodes: {{a: {{position: [0, 0, 0]}}, b: {{position: [{r_a + r_b}, 0, 0]}}}}
+        elements:
+          a: {{type: rigid_body, node: a, mass: 1, inertia: [0.1, 0.1, {J_a}]}}
+          b: {{type: rigid_body, node: b, mass: 1, inertia: [0.1, 0.1, {J_b}]}}
+          spring_a:
+            {{type: torsion_spring_damper, nodes: [ground, a], axis: [0, 0, 1], law: {{spring: {k_a}}},
+             natural_angle: $speed*time}}
+          spring_b:
+            {{type: torsion_spring_damper, nodes: [ground, b], axis: [0, 0, 1], law: {{spring: {k_b}}},
+             natural_angle: -$ratio*$speed*time}}
+        joints:
+          hinge_a: {{type: hinge, nodes: [ground, a], axis: [0, 0, 1]}}
+          hinge_b: {{type: hinge, nodes: [ground, b], axis: [0, 0, 1]}}
+          gears:
+            type: gear_pair
+            nodes: [ground, a, b]
+            axis_a: [0, 0, 1]
+            radius_a: {r_a}
+            radius_b: {r_b}
+            friction: {{efficiency: {eta}, regularization: 0.01 mm/s}}
+        loads:
+          motor: {{type: joint_moment, joint: hinge_a, value: {r_a}*$force}}
+          load: {{type: joint_moment, joint: hinge_b, value: {eta * r_b}*$force}}
+        initial:
+          velocities:
+            - {{nodes: [a], angular_velocity: [0, 0, $speed]}}
+            - {{nodes: [b], angular_velocity: [0, 0, -$ratio*$speed]}}
+        time: {{end: 1, step: 1 ms}}
+        """),
+        None,
+    )
+    driven = (r_a / r_b) ** 2 / eta
+    frequency = np.sqrt((k_a + k_b * driven) / (J_a + J_b * driven))
+    verify(
+        "Modes", "gears with an efficiency of 0.8 [rad/s]", found.values.imag, [frequency], "closed form", relative=1e-9
+    )
