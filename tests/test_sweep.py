@@ -202,6 +202,13 @@ def test_signals_may_vary_in_steady_running_if_no_force_varies(read, text):
         operating_point(deck(free + signals + "\n" + load % "way - push"))
 
 
+def test_no_running_is_steady_on_a_wavy_road():
+    wavy = ", profile: {direction: [1, 0, 0], height: {sine: {amplitude: 1 mm, frequency: 0.5}}}}\n"
+    text = TROLLEY.format(tow=TOW).replace("[$slope, 0, 1]}}\n", "[0, 0, 1]}" + wavy)
+    with pytest.raises(ConvergenceError, match="the forces change over time.*\n.*the road, which is flat at the start"):
+        operating_point(deck(text))
+
+
 def test_a_rim_whose_principal_axis_is_not_its_axle_is_named():
     """Set by 0.01 rad about the vertical, axle and wheel; the inertia is still that about y."""
     text = TROLLEY.format(tow=TOW).replace("axis: [0, 1, 0]", "axis: [-0.01, 1, 0]")
