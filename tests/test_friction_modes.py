@@ -121,3 +121,39 @@ def test_the_efficiency_of_gears_divides_what_they_drive(verify):
     verify(
         "Modes", "gears with an efficiency of 0.8 [rad/s]", found.values.imag, [frequency], "closed form", relative=1e-9
     )
+
+
+def test_redundant_guides_share_the_reaction_and_its_friction(verify):
+    """A block moves along two guides at the same place, of 0.3 and 0.1: half of the force on each, hence 0.2 on all.
+
+    A spring of the stiffness k, inclined by the angle a, changes the force of the guides by k cos a sin a per
+    displacement: w^2 = k cos a (cos a + 0.2 sin a)/m.
+    """
+    mass, k, a = 2.0, 800.0, 0.7
+    guides = "\n".join(
+        f"  guide_{i}: {{type: prismatic, nodes: [sledge, block], axis: [1, 0, 0], "
+        f"friction: {{coefficient: {mu}, regularization: 0.01 mm/s}}}}"
+        for i, mu in enumerate((0.3, 0.1))
+    )
+    text = f"""mecano: 1
+gravity: [0, 0, -9.81]
+nodes:
+  sledge: {{position: [0, 0, 0]}}
+  block: {{position: [0, 0, 0]}}
+  pin: {{position: [{-np.cos(a)}, 0, {np.sin(a)}], fixed: true}}
+elements:
+  sledge: {{type: rigid_body, node: sledge, mass: 1, inertia: [1, 1, 1]}}
+  block: {{type: rigid_body, node: block, mass: {mass}, inertia: [0.01, 0.01, 0.01]}}
+  spring: {{type: spring_damper, nodes: [pin, block], law: {{spring: {k}}}}}
+joints:
+  track: {{type: prismatic, nodes: [ground, sledge], axis: [1, 0, 0]}}
+  drive: {{type: prescribed_position, node: sledge, direction: [1, 0, 0], value: 0.5*time}}
+{guides}
+loads: {{stop: {{type: force, node: block, direction: [-1, 0, 0], value: {0.2 * mass * 9.81}}}}}
+initial: {{velocities: [{{nodes: [sledge], velocity: [0.5, 0, 0]}}]}}
+time: {{end: 1, step: 1 ms}}
+"""
+    _, found, _ = modes(deck(text), None)
+    frequency = np.sqrt(k * np.cos(a) * (np.cos(a) + 0.2 * np.sin(a)) / mass)
+    what = "block in redundant guides with friction [rad/s]"
+    verify("Modes", what, found.values.imag, [frequency], "closed form", relative=1e-9)

@@ -61,12 +61,13 @@ def dense(scaled: "SmallMotions") -> tuple[np.ndarray, np.ndarray, str]:
 def _workless(D, B, Z):
     """Return the combinations (n, m) of equations that contain no multiplier: Z where reactions are along B^T.
 
-    Friction adds to the columns of the multipliers that it follows. Where redundant constraints leave these
-    undetermined, there are fewer combinations than motions, and Z is returned.
+    Friction adds to the columns of the multipliers that it follows. Redundant constraints share their reactions
+    equally: these are combinations of the columns of B.
     """
     if np.abs(D.T @ Z).max(initial=0.0) <= ROUNDED_REACTION * np.abs(B).max(initial=0.0):
         return Z
-    L = null_space(D.T)
+    reactions = np.linalg.svd(B, full_matrices=False)[0][:, : Z.shape[0] - Z.shape[1]]
+    L = null_space((D @ reactions).T)
     return L if L.shape == Z.shape else Z
 
 
