@@ -69,7 +69,10 @@ class SmallMotions:
         M, C, K = self.size
         scale = np.sqrt(M * K)
         asymmetric = abs(self.K - self.K.T).max() if self.K.nnz else 0.0
-        return not self.on_velocity.any() and C <= 1e-14 * scale and asymmetric <= SYMMETRIC * K
+        if self.on_velocity.any() or C > 1e-14 * scale or asymmetric > SYMMETRIC * K:
+            return False
+        friction = abs(self.D + self.B.T)  # that follows reactions; else D is -B^T
+        return not friction.nnz or friction.max() <= SYMMETRIC * abs(self.B).max()
 
     def residual(self, value: complex, y: np.ndarray) -> float:
         """Return the residual of an eigenpair in the equations, relative to the magnitudes of their terms."""
