@@ -38,7 +38,7 @@ def prepare_ground(ground, context):
         "point": np.array(plane["point"], float),
         "normal": normal,
         "direction": unit(direction) if profile else direction,
-        "height": int(context.laws.add(profile["height"])) if profile else 0,
+        "height": context.laws.add(profile["height"]) if profile else 0,
     }
 
 

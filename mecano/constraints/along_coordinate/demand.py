@@ -40,7 +40,7 @@ def is_formula(value):
 
 def law_of(value, context):
     """Return the start, in the table of laws, of a checked value of the type DRIVE; 0 for a formula."""
-    return 0 if is_formula(value) else int(context.laws.add(value))
+    return 0 if is_formula(value) else context.laws.add(value)
 
 
 def as_formula(value):

@@ -142,7 +142,7 @@ def prepare(d, nodes, context):
     values = {
         "axis": carried_axis(d, nodes[1:]),
         "law": law_of(d["torque"], context),
-        "bound": int(context.laws.add(law)) if bounded else 0,
+        "bound": context.laws.add(law) if bounded else 0,
         "bounded": bounded,
         "rate_regularization": d["rate_regularization"],
         "watches": float(d["wheel"] is not None),

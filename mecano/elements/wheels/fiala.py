@@ -67,13 +67,13 @@ RECORD = {"cornering": "i", "longitudinal": "i", "camber": "i", "mu": "i", "half
 def prepare(law, context):
     """Return the values of RECORD."""
     d, add = law["fiala"], context.laws.add
-    cornering = int(add(d["cornering_stiffness"]))
+    cornering = add(d["cornering_stiffness"])
     along = d["longitudinal_stiffness"]
     return {
         "cornering": cornering,
-        "longitudinal": cornering if along is None else int(add(along)),
-        "camber": int(add(d["camber_stiffness"])),
-        "mu": int(add(d["friction"])),
+        "longitudinal": cornering if along is None else add(along),
+        "camber": add(d["camber_stiffness"]),
+        "mu": add(d["friction"]),
         "half_length": 0.5 * d["contact_length"],
         "least_speed": d["least_speed"],
     }

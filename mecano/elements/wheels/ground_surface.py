@@ -33,24 +33,17 @@ class Surface(NamedTuple):
 
 
 def prepare_surface(ground, context):
-    """Return the values of SURFACE_RECORD."""
+    """Return the values of SURFACE_RECORD that are not zero."""
     normal, motion, friction = unit(ground["plane"]["normal"]), ground.get("motion"), ground.get("friction")
-    values = {
-        "grip": 0,
-        "grip_direction": np.zeros(3),
-        "moves": 0.0,
-        "belt": 0,
-        "belt_direction": np.zeros(3),
-        "turn": 0,
-    }
+    values = {}
     if friction:
         direction = unit(in_plane(friction["direction"], normal))
-        values |= {"grip": int(context.laws.add(friction["factor"])), "grip_direction": direction}
+        values |= {"grip": context.laws.add(friction["factor"]), "grip_direction": direction}
     if motion:
         values |= {
             "moves": 1.0,
-            "belt": int(context.laws.add(motion["speed"])),
-            "turn": int(context.laws.add(motion["rate"])),
+            "belt": context.laws.add(motion["speed"]),
+            "turn": context.laws.add(motion["rate"]),
         }
         if motion["direction"] is not None:
             values["belt_direction"] = unit(in_plane(motion["direction"], normal))

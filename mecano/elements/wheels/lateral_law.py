@@ -182,7 +182,7 @@ def prepare_lateral(law, context):
     """Return the values of LATERAL_RECORD."""
     values = prepare_string(law) or _prepare_matrices(law)
     values |= {**_energies(values), "reverses": 0.0 if law["matrices"] or law["string"] else 1.0}
-    curves = {name: int(context.laws.add(law[name])) for name in CURVES}
+    curves = {name: context.laws.add(law[name]) for name in CURVES}
     return {"aligning": law["aligning_moment"], **values, **curves}
 
 

@@ -116,8 +116,8 @@ def _prepare(d, context):
         return {**values, "resistance": 0, "resistance_by_speed": 0, "resistance_speed": 1.0}
     return {
         **values,
-        "resistance": int(context.laws.add(resistance["coefficient"])),
-        "resistance_by_speed": int(context.laws.add(resistance["by_speed"])),
+        "resistance": context.laws.add(resistance["coefficient"]),
+        "resistance_by_speed": context.laws.add(resistance["by_speed"]),
         "resistance_speed": resistance["least_speed"],
     }
 

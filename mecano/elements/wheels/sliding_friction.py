@@ -34,8 +34,8 @@ RECORD = {"friction": "i", "friction_by_speed": "i", "slip_regularization": ()}
 def prepare(law, context):
     """Return the values of RECORD."""
     return {
-        "friction": int(context.laws.add(law["friction"])),
-        "friction_by_speed": int(context.laws.add(law["friction_by_speed"])),
+        "friction": context.laws.add(law["friction"]),
+        "friction_by_speed": context.laws.add(law["friction_by_speed"]),
         "slip_regularization": law["slip_regularization"],
     }
 

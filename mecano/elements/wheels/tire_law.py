@@ -75,7 +75,7 @@ def prepare_radial(law, context):
     """Return the values of RADIAL_RECORD."""
     return {
         "radius": law["radius"],
-        "radial": int(context.laws.add(law["radial"])),
+        "radial": context.laws.add(law["radial"]),
         "radial_damping": law["radial_damping"],
     }
 
