@@ -138,31 +138,39 @@ def modes(
     and, with --plot, to a picture. With --sweep it finds root loci and critical values, with
     --campbell also critical speeds.
     """
+    of_sweeps = {"--csv": columns, "--below": below, "--campbell": rotor, "--order": orders}
+    _refuse_unfit(sweeps, at, at_rest, of_sweeps)
     if sweeps:
-        if at is not None or at_rest:
-            raise click.BadParameter(
-                "takes one state, but --sweep has many; for modes about a saved state at each value use "
-                "--set initial.from=FILE:TIME",
-                param_hint="--at",
-            )
-        if orders and not rotor:
-            raise click.BadParameter("belongs to --campbell", param_hint="--order")
         turning = {"rotor": rotor or "", "orders": orders or (1.0,)}
-        return _sweep(
-            deck, sweeps, overrides, number, frame, solver, output, plot, below, columns, quiet, force, turning
+        _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, below, columns, quiet, force, turning)
+    else:
+        _modes_about(deck, overrides, at, at_rest, number, frame, solver, output, plot, quiet, force)
+
+
+def _refuse_unfit(sweeps, at, at_rest, of_sweeps):
+    """Raise BadParameter for an option without the one to which it belongs; ``of_sweeps``: {option: value}."""
+    given = [option for option, value in of_sweeps.items() if value]
+    if sweeps and (at is not None or at_rest):
+        raise click.BadParameter(
+            "takes one state, but --sweep has many; for modes about a saved state at each value use "
+            "--set initial.from=FILE:TIME",
+            param_hint="--at",
         )
-    given = {"--csv": columns, "--below": below, "--campbell": rotor, "--order": orders}
-    if any(given.values()):
-        raise click.BadParameter("belongs to --sweep", param_hint=next(name for name in given if given[name]))
+    if sweeps and "--order" in given and "--campbell" not in given:
+        raise click.BadParameter("belongs to --campbell", param_hint="--order")
+    if given and not sweeps:
+        raise click.BadParameter("belongs to --sweep", param_hint=given[0])
     if at_rest and at is None:
         raise click.BadParameter("belongs to --at RESULTS.h5:TIME", param_hint="--at-rest")
+
+
+def _modes_about(deck, overrides, at, at_rest, number, frame, solver, output, plot, quiet, force):
+    from mecano.analyses.modal import modes as find
+    from mecano.analyses.progress import SweepProgress
     from mecano.deck.read import read_deck
 
     checked = read_deck(deck, overrides)
     path = output or f"{os.path.splitext(os.path.basename(deck))[0]}_modes{_of_state(at, at_rest)}.h5"
-    from mecano.analyses.modal import modes as find
-    from mecano.analyses.progress import SweepProgress
-
     with SweepProgress(quiet, path).announcing_compiling():
         text, found, _ = find(
             checked, path, at=at, at_rest=at_rest, number=number or 10, frame=frame, method=solver, force=force
