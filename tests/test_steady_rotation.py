@@ -4,10 +4,16 @@ import math
 
 import numpy as np
 import pytest
-from time_runs import RecordedRun, deck
+from scipy.integrate import solve_bvp
+from scipy.optimize import minimize
+from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.modal import modes, operating_point
+from mecano.analyses.prepare import prepare
 from mecano.errors import ConvergenceError, DeckError
+from mecano.solve.modal.spin_up import spin_up
+from mecano.solve.modal.steady import Steady
+from mecano.solve.modal.steady_rotation import Rotation
 
 S = "Steady rotation"
 ROD = """
@@ -93,6 +99,64 @@ PENDULUM = """
     initial: {steady: {angular_velocity: [0, 0, 7], about: [0, 0, 0]}}
     time: {end: 1.0e-2, step: 1 ms}
 """.replace("nodes: {shaft", "nodes: {hook: {position: [0.1, 0, 0]}, shaft")
+
+
+BLADE = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    sections: {blade: {type: rectangle, width: 0.3, height: 0.02, E: 2.0e10, nu: 0.3, density: 1800}}
+    nodes: {root: {position: [0, 0, 0]}, tip: {position: [10, 0, 0]}}
+    elements: {blade: {type: beam, nodes: [root, tip], section: blade, mesh: 5, up: [0, 0, 1]}}
+    joints: {bearing: {type: hinge, nodes: [ground, root], axis: [0, 0, 1]}}
+    initial: {steady: {angular_velocity: [0, 0, SPEED], about: [0, 0, 0]}}
+    time: {end: 1.0e-3, step: 1.0e-3}
+"""
+
+
+def sagging_tip(speed):
+    """Return (x, z) [m] of the tip of BLADE without shear and extension: EI t' = M, M' = H sin t - m g (L - s) cos t.
+
+    t is the slope downwards, and H' = -m w^2 x the force across the axis. Its weight grows step by step.
+    """
+    s, m, EI = np.linspace(0.0, 10.0, 101), 1800 * 0.3 * 0.02, 2e10 * 0.3 * 0.02**3 / 12
+    y = np.array([0 * s, 0 * s, s, 0 * s, 0 * s])
+    for share in np.linspace(0.1, 1.0, 10):
+
+        def slope(s, y, share=share):
+            t, M, x, _, H = y
+            bending = H * np.sin(t) - share * m * 9.81 * (10.0 - s) * np.cos(t)
+            return np.array([M / EI, bending, np.cos(t), -np.sin(t), -m * speed**2 * x])
+
+        found = solve_bvp(slope, lambda a, b: np.array([a[0], b[1], a[2], a[3], b[4]]), s, y, tol=1e-6)
+        s, y = found.x, found.y
+    return y[2, -1], y[3, -1]
+
+
+def test_a_blade_that_sags_far_at_low_speed(verify):
+    """The tip hangs 2.8 m below the root, as the equations of the elastica say; five elements err by 1e-3 of it."""
+    tip = place(operating_point(deck(BLADE.replace("SPEED", "2.0"))), "tip")
+    verify(S, "blade of 10 m at 2 rad/s: sag of the tip [m]", tip[2], sagging_tip(2.0)[1], "elastica", relative=2e-3)
+    assert tip[0] == pytest.approx(sagging_tip(2.0)[0], rel=1e-4) and abs(tip[1]) < 1e-5
+
+
+def test_arms_of_a_governor_on_stiff_springs():
+    """Found from rest, where they hang, at 3 rad/s: the slider stands where the potential of gravity, centrifugal
+    forces and springs is least (masses and lengths of inputs/flyball_governor.yaml)."""
+    prepared = prepare(input_deck("flyball_governor"))
+    motion = Rotation(prepared.system, (0.0, 0.0, 3.0), (0.0, 0.0, 0.0))
+    s, arrived = spin_up(Steady(prepared.system, prepared.length, motion), motion, prepared.state)
+    assert arrived
+
+    def potential(at):
+        c, d, slider = math.cos(at[0]), math.sin(at[0]), at[1]
+        gravity = 9.81 * (2 * (5 * (1 - d) + 0.3 * (1 - d / 2)) + 3 * slider)
+        spread = 5 * (0.05 + c) ** 2 + 0.3 * (0.05 + c / 2) ** 2 + 0.025 * c**2 + 2.5e-6 * d**2
+        stretch = math.hypot(c / 2, 1 - d / 2 - slider) - 0.5
+        return gravity - 9.0 * spread + 800e3 * stretch**2
+
+    least = minimize(potential, [1.4, 0.01], method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-13}).x
+    node = [node.name for node in prepared.system.nodes].index("slider")
+    assert s.z[prepared.system.numbering.x[node] + 2] == pytest.approx(least[1], abs=1e-6)
 
 
 def test_a_pendulum_on_a_turning_shaft_swings_out():

@@ -10,7 +10,8 @@ Newton's method on :math:`(q, \sigma, \Lambda)` takes the minimum-norm step: pos
 and reactions that are undetermined stay unchanged; steps are halved until the residual decreases. If Newton's method
 halves many steps, the state is relaxed first, against a drag that decreases with the forces, and Newton's method
 continues from there; so it is if the mechanism has another shape, as a vehicle whose wheels just touch may be balanced
-on one of them. Signals have any unit: their changes limit no step, and the drag of the relaxation does not act on them.
+on one of them. A rotation that is not found in this way is followed from rest (spin_up.py). Signals have any unit:
+their changes limit no step, and the drag of the relaxation does not act on them.
 
 The forces are in balance to 1e-9 of the largest one, or to the rounding of the positions times the stiffness: in a
 straight shaft that turns, no other forces act.
@@ -42,6 +43,7 @@ RANK = 1e-12  # of the largest singular value: smaller ones are zero
 FARTHEST = 0.2  # largest change in one iteration, in length scales or rad
 FORCE, GAP, CHANGE = 1e-9, 1e-10, 1e-9  # tolerances: of the force scale; of length scale or speed; length scales or rad
 ROUGHLY = 1e-4  # of the force scale: residual at which relaxation ends and Newton's method continues
+FEW_ITERATIONS = 12  # from a state near by, beyond which continuation takes a shorter step
 HALVINGS = 16  # of steps, after which the state is relaxed before Newton's method has all its iterations
 LEAST_GAIN, SMALLEST_SHARE = 1e-4, 2.0**-20  # required relative decrease of the residual by a full step; least share
 FIRST_CREEP, FADES = 0.01, (0.1, 2.0)  # first displacement in length scales; limits of the change of the drag per step
@@ -80,34 +82,58 @@ class Steady:
         self.root = np.where(self.turning, length, 1.0)
         self.speed = motion.speed(length)
         self.monitor = EventMonitor(system)
+        self._held: tuple[np.ndarray, np.ndarray] | None = None  # forces and gaps that are there by intention
         self.k = None  # [N/m] mean stiffness at the start, at least that of its forces over the length scale
 
     def find(self, start: "State") -> "State":
         """Return the steady State near ``start``; raises ConvergenceError with the reason if none is found."""
         if self.system.n > LARGEST:
             raise ConvergenceError(f"steady motion can be computed for models of at most {LARGEST} equations")
-        s, arrived = self._newton(self._begun(start), HALVINGS)
-        if not arrived or self._reshaped(start, s) > NOTICEABLE * self.length:
-            crept, settled = self._newton(self.motion.put_back(start, self._creep(self._begun(start))))
+        s, arrived = self._newton(self.begun(start), HALVINGS)
+        if not arrived or self.reshaped(start, s) > NOTICEABLE * self.length:
+            crept, settled = self._newton(self.motion.put_back(start, self._creep(self.begun(start))))
             if not (arrived or settled):
-                s, arrived = self._newton(self._begun(start))
-            better = self.motion.relaxes or self._reshaped(start, crept) < self._reshaped(start, s)
+                s, arrived = self._newton(self.begun(start))
+            better = self.motion.relaxes or self.reshaped(start, crept) < self.reshaped(start, s)
             if not arrived or (settled and better):
                 s, arrived = crept, settled
+            if not arrived:
+                s, arrived = self.motion.follow(self, start, s)
         self.motion.judge(self, s, arrived)
         s.v[np.abs(s.v) < ROUNDED * max(1.0, 1.0 / self.length) * self.speed] = 0.0
         return s
 
-    def _begun(self, start):
+    def begun(self, start: "State") -> "State":
+        """Return a State at the positions of ``start``, with the velocities of the motion and without reactions."""
         s = start.copy()
         s.a[:] = 0.0
         s.z[self.n_q : self.system.n] = 0.0
         self.motion.begin(s)
         return s
 
-    def _reshaped(self, start, s):
+    def reshaped(self, start: "State", s: "State") -> float:
         """Return the largest displacement [m] of a node from ``start`` to ``s``, the mean translation removed."""
         return float(reshaping(self.system, start, s).max(initial=0.0))
+
+    def correct(self, s: "State") -> "tuple[State, bool]":
+        """Return (state, whether Newton's method converged) near ``s``, by full steps.
+
+        The first one bends slender members, whose tension falls with the second; their residual grows in between.
+        """
+        s, N, at = self.motion.put_on(self, s)
+        last = np.inf
+        for _ in range(FEW_ITERATIONS):
+            if at.excess <= 1.0 and last <= CHANGE:
+                return s, True
+            step, last = self._step(at, N)
+            if not last <= FARTHEST:
+                break
+            s, N, at = self.motion.put_on(self, self._moved(s, step, N, 1.0))
+        return s, False
+
+    def release(self, at: Tangent | None, share: float) -> None:
+        """Seek states with a ``share`` of the forces and gaps of a Tangent, or in balance (None)."""
+        self._held = None if at is None else (share * at.f, share * at.gap)
 
     def _newton(self, s, halvings=np.inf):
         """Return (state, whether Newton's method converged); steps are halved until the residual decreases.
@@ -161,6 +187,8 @@ class Steady:
         f, size = assembly.residual[: self.n_q], assembly.size[: self.n_q]
         derivatives = self.system.constraint_derivatives(s)
         gap = np.where(self.of_rates, derivatives[:, 1] * self.length / self.speed, derivatives[:, 0])
+        if self._held is not None:
+            f, gap = f - self._held[0], gap - self._held[1]
         force = float(np.abs(f / self.root).max(initial=0.0))
         k = self.k = self.k or max(self._stiffness(K), force / self.length)
         merit = float(np.hypot(np.linalg.norm(f / (k * self.root)), np.linalg.norm(gap)))

@@ -26,6 +26,7 @@ from mecano.errors import ConvergenceError
 from mecano.maths.so3 import exp
 from mecano.maths.vector import Vec3, skew
 from mecano.solve.diagnostics.failure import worst_equations
+from mecano.solve.modal.spin_up import spin_up
 
 if TYPE_CHECKING:
     from mecano.model.state import State
@@ -47,12 +48,17 @@ class Rotation:
 
     def __init__(self, system: "System", w: Sequence[float], about: Sequence[float], at_rest: Collection[str] = ()):
         of, self.n_q = system.numbering, system.n_q
-        self.w, self.about, self.hat = np.asarray(w, float), np.asarray(about, float), np.array(skew(tuple(w)))
+        self.about = np.asarray(about, float)
+        self.turn(np.asarray(w, float))
         chosen = np.array([node.name not in at_rest for node in system.nodes])
         x = np.unique(of.x[chosen & (of.x < self.n_q)])
         self.rotations = [r for r in np.unique(of.rotation[chosen]) if of.rotation_dof[r] < self.n_q]
         self.at = x[:, None] + np.arange(3)  # positions of the nodes that turn
         self.turns = of.rotation_dof[self.rotations]
+
+    def turn(self, w: np.ndarray) -> None:
+        """Set the angular velocity (3,) [rad/s], inertial."""
+        self.w, self.hat = w, np.array(skew(tuple(w)))
 
     def speed(self, length: float) -> float:
         """Return the speed [m/s] at a distance ``length`` from the axis; at rest, one length scale per second."""
@@ -69,6 +75,11 @@ class Rotation:
     def put_back(self, start: "State", s: "State") -> "State":
         """Return the state: relaxation does not turn it about the axis."""
         return s
+
+    def follow(self, steady: "Steady", start: "State", s: "State") -> "tuple[State, bool]":
+        """Return (state, whether it is steady) by continuation from ``start``, where Newton's method ended at ``s``."""
+        found, arrived = spin_up(steady, self, start)
+        return (found, True) if arrived else (s, False)
 
     def put_on(self, steady: "Steady", s: "State") -> "tuple[State, np.ndarray, Tangent]":
         """Return (state with the velocities of its positions, no free spins (n_q, 0), its Tangent)."""
@@ -89,8 +100,7 @@ class Rotation:
         """Raise ConvergenceError if the state is not in steady rotation."""
         system, at = steady.system, steady.tangent(s)
         text = f"no steady rotation with the angular velocity {np.round(self.w, 9).tolist()} rad/s was found"
-        sagging = "a higher angular velocity" if np.any(self.w) else "'initial: static'"
-        tries = f"what to try: initial positions nearer to it; for blades that sag far {sagging}; "
+        tries = "what to try: initial positions nearer to it; "
         if not arrived:
             assembly = system.assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0)
             raise ConvergenceError(

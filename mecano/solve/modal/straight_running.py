@@ -65,6 +65,10 @@ class Straight:
         s.z[self.free] -= float(direction @ (s.z - start.z)[self.free].mean(axis=0)) * direction
         return s
 
+    def follow(self, steady: "Steady", start: "State", s: "State") -> "tuple[State, bool]":
+        """Return (``s``, False): no path but that of Newton's method, which ended there, is known."""
+        return s, False
+
     def put_on(self, steady: "Steady", s: "State") -> "tuple[State, np.ndarray, Tangent]":
         """Return (state with steady angular velocities and rolling wheels, N, its Tangent).
 
