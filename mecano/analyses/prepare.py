@@ -151,7 +151,7 @@ def integrator_of(prepared: Prepared, observers: Iterable[Callable[[Accepted], o
         )  # fmt: skip
     return TimeIntegrator(
         system, method, control, tuple(observers), time_breakpoints(deck), values["rest_speed"],
-        steady=bool(deck.values["initial"]["steady"]), most_located=values["located_events"],
+        most_located=values["located_events"],
     )  # fmt: skip
 
 

@@ -143,7 +143,7 @@ class GeneralizedAlpha:
         self.workspace.point_to(
             n_constraints=len(loops), constraints=loops, constraint_batches=batches,
             derivatives=np.zeros((5, system.n_l, 3)),
-            gap=np.zeros(system.n_l), added=np.zeros((3, system.numbering.n_all)),
+            gap=np.zeros(system.n_l), added=np.zeros((5, system.numbering.n_all)),
             nnz=system.nnz, rows=system.rows, columns=system.cols, diagonal=system.diagonal,
         )  # fmt: skip
         self.use(compliance)
@@ -188,9 +188,7 @@ class GeneralizedAlpha:
         )  # fmt: skip
         self._packed = new, kept
 
-    def start(
-        self, s: State, h: float, consistent: Consistent | None = None, steady: bool = False
-    ) -> tuple[State, History]:
+    def start(self, s: State, h: float, consistent: Consistent | None = None) -> tuple[State, History]:
         """Return a consistent state and history for steps of size h, at the start and after events.
 
         Projects the velocities, solves for accelerations and multipliers, and shifts both so that the multipliers
@@ -201,14 +199,11 @@ class GeneralizedAlpha:
 
         The accelerations of the history are those that a step of h resolves (modal_filter.py): those of a member that
         oscillates much faster would give it the velocity h q''_0 in the first step, with (omega h)^2 times its energy.
-        In ``steady`` motion no member oscillates, and the accelerations stay as they are: those on circles, along stiff
-        blades, would be lost, and the blades would ring.
         """
         s, _ = consistent_state(self.system, self.linear, s, h, self.contradictions, self.compliance, consistent)
         none, at_once = np.zeros(self.system.n), self.system.numbering.kind[: self.system.n] == SIGNAL
         slope = np.where(at_once, h * s.v[: self.system.n], none)
-        history = self.restart(s, History(s.a, h, slope, none, int(steady), self._no_shift, 1.0), h)
-        return s, replace(history, known=0)  # it was 1, as between steps of one size, between which nothing is filtered
+        return s, self.restart(s, History(s.a, h, slope, none, 0, self._no_shift, 1.0), h)
 
     @cached_property
     def change_step(self) -> "PackedCall":

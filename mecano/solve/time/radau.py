@@ -79,13 +79,10 @@ class Radau:
         self.tangent = StageTangent(self.system, self.assembly, compliance)
         self.amplification = Amplification(self.system, self.length)
 
-    def start(
-        self, s: State, h: float, consistent: Consistent | None = None, steady: bool = False
-    ) -> tuple[State, RadauHistory]:
+    def start(self, s: State, h: float, consistent: Consistent | None = None) -> tuple[State, RadauHistory]:
         """Return a consistent state and the history for a first step of size h, at the start and after events.
 
-        ``consistent``, if given, is factored for ``s``; ``steady`` motion starts as any other. Raises AssemblyError
-        where constraints contradict one another.
+        ``consistent``, if given, is factored for ``s``. Raises AssemblyError where constraints contradict one another.
         """
         s, used = consistent_state(self.system, self.linear, s, h, self.contradictions, self.compliance, consistent)
         none, amplified = (np.zeros((4, self.system.n_q)), np.zeros((3, self.system.n_l))), self.amplification.at(used)

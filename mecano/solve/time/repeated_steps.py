@@ -35,6 +35,7 @@ class RepeatedSteps:
         system = method.system
         self.method, self.solvers = method, (method.linear.twin(), method.linear.twin())
         self.metric, self.filter = self.solvers
+        self._latest = self.metric  # whose matrix is the latest one of a change of step size
         self._resolved = np.zeros(system.n)  # the last solution of the filter
         method.workspace.point_to(masses=np.zeros(system.nnz))
 
@@ -72,7 +73,7 @@ class RepeatedSteps:
             change_step(w.record)
             m.change_step_with(
                 lambda stage: (self._resolve if stage else self._close_gaps)(similar),
-                lambda: self.metric.solve_again(m.equations, m.increment),
+                lambda: self._solve_again(similar),
             )
         finally:
             w.point_to(delegated=False, similar=False)
@@ -85,20 +86,33 @@ class RepeatedSteps:
 
     def _close_gaps(self, similar):
         """Solve for the gap of the velocities in the metric; return whether it is regular."""
-        m = self.method
+        m, self._latest = self.method, self.metric
         if similar:
             self.metric.solve_again(m.equations, m.increment)
         return similar or self.metric.solve(m.assembly.data, m.equations, m.increment).ok
 
     def _resolve(self, similar):
         """Solve for the part of the accelerations that steps resolve; return whether the tangent is regular."""
-        m, regular = self.method, False
-        if similar:
-            m.increment[:] = self._resolved
-            regular = self.filter.solve_similar(m.assembly.data, m.equations, m.increment)
-        regular = regular or self.filter.solve(m.assembly.data, m.equations, m.increment).ok
+        m, self._latest = self.method, self.filter
+        m.increment[:] = self._resolved
+        regular = self._filtered(similar)
         self._resolved[:] = m.increment
         return regular
+
+    def _filtered(self, similar):
+        """Solve with the tangent of the filter, from the increment if ``similar``; return whether it is regular."""
+        m = self.method
+        regular = similar and self.filter.solve_similar(m.assembly.data, m.equations, m.increment)
+        return regular or self.filter.solve(m.assembly.data, m.equations, m.increment).ok
+
+    def _solve_again(self, similar):
+        """Solve with the latest of both matrices for other equations."""
+        m = self.method
+        if similar and self._latest is self.filter:
+            m.increment[:] = 0.0
+            self._filtered(similar)
+        else:
+            self._latest.solve_again(m.equations, m.increment)
 
     def _from_the_last(self, last, history, h, similar):
         """Return the ``history`` whose prediction ends on the line from the beginning to the last state."""

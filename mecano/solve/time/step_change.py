@@ -12,6 +12,8 @@ tangent resolves (modal_filter.py); the next step begins its iterations with the
 (refactorization.py).
 """
 
+import numpy as np
+
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers
@@ -22,6 +24,7 @@ from mecano.model.state import Instant
 from mecano.solve.events.compliance import OF_RATES, OF_RELEASED, RELEASED_COMPLIANCE
 from mecano.solve.linear.newton import CONVERGED, OTHERWISE, soften_tangent
 from mecano.solve.linear.sparse import ACCEPT_BELOW
+from mecano.solve.time.force_rates import force_rates
 from mecano.solve.time.increments import largest_change, move
 from mecano.solve.time.workspace import (
     BEGIN,
@@ -43,6 +46,7 @@ DIFFERENCE = 0.02  # of a step, for differences along the motion
 JUMP = 10.0  # ratio of two such differences from which on one includes a jump; of t^2, t^3 from rest it is 3 and 7
 METRIC = 1e-3  # of a step: for steps so much shorter the tangent is that of the masses, where there are any
 TOO_FAST = 0.1  # of the accelerations lost to the filter: below, its error is all that it would bring
+MOST = 0.5  # of what the filter leaves out, unexplained by a slow motion: beyond, vibrations dominate
 HERE, NEXT, AFTER, TURNING, ALGORITHMIC = range(5)  # rows of ``derivatives``
 
 
@@ -340,16 +344,65 @@ def factor_filter(w):
 
 @kernel
 def add_resolved_part(w):
-    """Add to the accelerations what steps resolve of ``added``, or all of it if nothing in it is too fast."""
-    a, x, kind = history_of(w, BEGIN)[0], floats(w.increment, w.n), integers(w.kind, w.n_all)
-    more, none = floats(w.added, w.n_all), floats(w.added + 8 * w.n_all, w.n_all)
+    """Add to the accelerations what steps resolve of ``added``, or all of it if nothing in it is too fast.
+
+    At a start, what stiff members need to follow a slow motion is added if it is most of what the filter leaves out.
+    """
+    a, x, more = history_of(w, BEGIN)[0], floats(w.increment, w.n), floats(w.added, w.n_all)
+    none, resolved = floats(w.added + 8 * w.n_all, w.n_all), floats(w.added + 16 * w.n_all, w.n)
+    lost = left_out(w, x)
+    allowed = TOO_FAST * largest_change(none, more, integers(w.kind, w.n_all), w.n_q, w.length)
+    filtered = lost > allowed
+    for i in range(w.n):
+        resolved[i] = x[i]
+    if filtered and w.known == 0 and follow_stiff_members(w, a):
+        for i in range(w.n):
+            x[i] = resolved[i] - x[i]
+        unexplained = left_out(w, x)
+        if unexplained < MOST * lost:
+            resolved, filtered = x, unexplained > allowed
+    for i in range(w.n_q):
+        a[i] += resolved[i] if filtered else more[i]
+
+
+@kernel
+def left_out(w, part):
+    """Return the largest of ``added`` without a ``part`` (n,) of it, which gets all of unknowns that do not move."""
+    more, kind = floats(w.added, w.n_all), integers(w.kind, w.n_all)
     for i in range(w.n_q):
         if not moves(w, i):
-            x[i] = more[i]
-    lost = largest_change(x, more, kind, w.n_q, w.length)
-    filtered = lost > TOO_FAST * largest_change(none, more, kind, w.n_q, w.length)
+            part[i] = more[i]
+    return largest_change(part, more, kind, w.n_q, w.length)
+
+
+@kernel
+def follow_stiff_members(w, a):
+    """Solve for minus what stiff members need at their slow velocities, beside accelerations ``a`` (n_all,).
+
+    Return whether the forces are finite as far as a step leads.
+    """
+    true, rest = state_of(w, BEGIN).v, floats(w.added + 8 * w.n_all, w.n_all)
+    v, x, rates = floats(w.added + 24 * w.n_all, w.n), floats(w.increment, w.n), floats(w.added + 32 * w.n_all, w.n)
+    force_rates(w, true, rest, False, rates)
+    if not solve_for(w, rates):
+        return False
     for i in range(w.n_q):
-        a[i] += x[i] if filtered else more[i]
+        v[i] = true[i] - (x[i] if moves(w, i) else 0.0)
+    force_rates(w, v, a, True, rates)
+    return solve_for(w, rates)
+
+
+@kernel
+def solve_for(w, rates):
+    """Solve with the last factor for ``rates`` (n,) of forces; return whether they are finite."""
+    b, x = floats(w.residual, w.n_all), floats(w.increment, w.n)
+    for i in range(w.n):
+        b[i] = rates[i]
+    call(w.substitute, w.substitute_words, 0)
+    for i in range(w.n_q):
+        if not np.isfinite(x[i]):
+            return False
+    return True
 
 
 @kernel

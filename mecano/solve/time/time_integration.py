@@ -59,7 +59,6 @@ class TimeIntegrator:
     observers: tuple[Callable[[Accepted], object], ...] = ()  # called with Accepted at every step
     breakpoints: Sequence[float] = ()  # times that a step must end on: corners of laws of time
     rest: float = 1e-4  # of the length scale, or rad, per second: slower approaches do not rebound
-    steady: bool = False  # whether the run begins in steady motion
     most_located: int = 100  # instants with elastic events, beyond one in each step, that are located (capture.py)
     pause: Callable[[RunState], object] = lambda run: (
         None
@@ -106,7 +105,7 @@ class TimeIntegrator:
         separate are free, even if rounding makes them overlap.
         """
         s = replace(s, memory=self.system.commit(solve_signals(self.system, s.copy())))
-        s, history = self.method.start(self.monitor.settle(s, self.shocks.touching), h, steady=self.steady)
+        s, history = self.method.start(self.monitor.settle(s, self.shocks.touching), h)
         run = RunState(s, history, h, compliance=self.method.compliance)
         run, self.start_events = self._close_pressed(replace(run, powers=self._observe(s).powers))
         return run

@@ -1,0 +1,57 @@
+r"""Rates of the forces along a motion, by which the modal filter knows the accelerations of stiff members.
+
+A stiff member that turns has centripetal accelerations, which are no vibration: they keep its strain as it is. The
+forces f(q, v), without inertia, tell both apart. Along a motion with velocities v and accelerations a they change by
+
+.. math:: r = \frac{d}{dt} f_e + c_C f_o, \quad g = \frac{d^2}{dt^2} f_e + c_C \frac{d}{dt} f_o, \qquad
+   f_e, f_o = \tfrac12 [f(q, v) \pm f(q, -v)]
+
+of which the first is small for velocities without vibration, and the second for accelerations without it
+(modal_filter.py; docs/theory.md, 2.1). Multipliers, signals, massless scalars and the time stay as they are.
+"""
+
+from mecano.jit.kernel import kernel
+from mecano.jit.memory import floats
+from mecano.model.assembly_driver import bind_state, loops_at, residual
+from mecano.model.numbering import MASSLESS, SIGNAL
+from mecano.model.state import Instant
+from mecano.solve.time.increments import move
+from mecano.solve.time.workspace import BEGIN, TRIAL, copy_state, state_of, system_of, unknowns_of
+
+DIFFERENCE = 0.02  # of a step, for the first rates; the second ones are those over a step, beside less rounding
+
+
+@kernel
+def force_rates(w, v, a, second, rates_out):
+    """Write r (n,) at BEGIN, or g if ``second``, for velocities ``v`` and accelerations ``a`` (>= n_q,).
+
+    Zero for signals and constraints. Overwrites TRIAL.
+    """
+    f, of, dt = floats(w.residual, w.n_all), unknowns_of(w), w.h if second else DIFFERENCE * w.h
+    rates_out[:] = 0.0
+    for steps in range(-1, 2):
+        for way in range(-1, 2, 2):
+            even, odd = 0.25 * steps / dt, 0.0 if steps else 0.5 * w.cC
+            if second:
+                even, odd = (0.5 if steps else -1.0) / (dt * dt), 0.25 * steps * w.cC / dt
+            evaluate_forces(w, of, v, a, steps * dt, way)
+            for i in range(w.n_q):
+                if of.kind[i] < SIGNAL:
+                    rates_out[i] += (even + way * odd) * f[i]
+
+
+@kernel
+def evaluate_forces(w, of, v, a, dt, way):
+    """Write the residual a time dt from BEGIN along the motion, without inertia, with ``way`` times its velocities."""
+    s, s_moved, system = state_of(w, BEGIN), state_of(w, TRIAL), system_of(w)
+    copy_state(w, BEGIN, TRIAL)
+    move(of, dt, Instant(s.t, s.z, v, a, s.R, s.phases, s.memory), s_moved)
+    for i in range(w.n_q):
+        if of.kind[i] != MASSLESS and of.kind[i] < SIGNAL:
+            s_moved.v[i] = way * (v[i] + dt * a[i])
+        else:
+            s_moved.z[i] = s.z[i]
+    s_moved.a[:] = 0.0
+    bind_state(system, s_moved)
+    system[0].lag = 1.0 / w.cC
+    residual(loops_at(w.n_loops, w.loops, w.batches), system, w.k, 0.0)
