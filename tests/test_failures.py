@@ -341,7 +341,7 @@ def test_lines_that_leave_a_knot_without_mass_loose_are_explained(tmp_path):
     initial: {velocities: [{nodes: [load], velocity: [0, 0, 2]}]}
     time: {end: 2, step: 1 ms}
     """
-    with pytest.raises(ConvergenceError, match="time does not advance") as error:
+    with pytest.raises(ConvergenceError, match="time does not advance|no step could be taken") as error:
         dynamic.run(deck(text), tmp_path / "r.h5")
     said = str(error.value)
     assert "node knot: nothing gives mass to its displacement, and only lines that may go slack hold it" in said
