@@ -46,7 +46,7 @@ DIFFERENCE = 0.02  # of a step, for differences along the motion
 JUMP = 10.0  # ratio of two such differences from which on one includes a jump; of t^2, t^3 from rest it is 3 and 7
 METRIC = 1e-3  # of a step: for steps so much shorter the tangent is that of the masses, where there are any
 TOO_FAST = 0.1  # of the accelerations lost to the filter: below, its error is all that it would bring
-MOST = 0.5  # of what the filter leaves out, unexplained by a slow motion: beyond, vibrations dominate
+MOST = 0.1  # of what the filter leaves out, unexplained by a slow motion: beyond, members vibrate
 HERE, NEXT, AFTER, TURNING, ALGORITHMIC = range(5)  # rows of ``derivatives``
 
 
@@ -346,7 +346,7 @@ def factor_filter(w):
 def add_resolved_part(w):
     """Add to the accelerations what steps resolve of ``added``, or all of it if nothing in it is too fast.
 
-    At a start, what stiff members need to follow a slow motion is added if it is most of what the filter leaves out.
+    At a start, what stiff members need to follow a slow motion is added if it is nearly all that the filter leaves out.
     """
     a, x, more = history_of(w, BEGIN)[0], floats(w.increment, w.n), floats(w.added, w.n_all)
     none, resolved = floats(w.added + 8 * w.n_all, w.n_all), floats(w.added + 16 * w.n_all, w.n)
