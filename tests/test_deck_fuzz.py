@@ -134,7 +134,7 @@ def grafted(tree, rng, values):
     return copy
 
 
-@fuzz(250)
+@fuzz(150)
 @given(st.sampled_from(DECKS), st.lists(VALUE, min_size=1, max_size=2), st.integers(0, 2**32))
 def test_made_values_in_a_deck(deck, values, seed):
     tree, rng = plain(compose(Source("", deck[0]), [])), random.Random(seed)

@@ -77,6 +77,7 @@ def test_friction_that_follows_the_reaction_couples_modes(coupling, kinds, verif
     verify("Modes", what, ordered(found.values), closed_form(coupling), "closed form", relative=1e-7)
 
 
+@pytest.mark.slow
 def test_the_efficiency_of_gears_divides_what_they_drive(verify):
     """Gears turn between springs, a drives: w^2 = (k_a + k_b i^2/eta)/(J_a + J_b i^2/eta), i = r_a/r_b."""
     (J_a, J_b), (k_a, k_b), (r_a, r_b), eta = (0.02, 0.05), (50.0, 400.0), (0.1, 0.2), 0.8

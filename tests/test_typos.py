@@ -15,7 +15,7 @@ from mecano.errors import DeckError
 
 INPUTS = Path(__file__).parent.parent / "inputs"
 WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]+")
-TRIALS, RIGHT = 1500, 0.97
+TRIALS, RIGHT = 1000, 0.97
 
 
 @pytest.mark.parametrize(
