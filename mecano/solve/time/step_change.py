@@ -12,20 +12,18 @@ tangent resolves (modal_filter.py); the next step begins its iterations with the
 (refactorization.py).
 """
 
-import numpy as np
-
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers
 from mecano.maths.vector import cross, vec
 from mecano.model.assembly_driver import assemble, constraint_derivatives, loops_at
-from mecano.model.numbering import MASSLESS, ROTATION, SIGNAL
+from mecano.model.numbering import ROTATION, SIGNAL
 from mecano.model.state import Instant
 from mecano.solve.events.compliance import OF_RATES, OF_RELEASED, RELEASED_COMPLIANCE
 from mecano.solve.linear.newton import CONVERGED, OTHERWISE, soften_tangent
 from mecano.solve.linear.sparse import ACCEPT_BELOW
-from mecano.solve.time.force_rates import force_rates
 from mecano.solve.time.increments import largest_change, move
+from mecano.solve.time.stiff_members import follow_stiff_members, moves
 from mecano.solve.time.workspace import (
     BEGIN,
     FORMER,
@@ -279,13 +277,6 @@ def put_gap(w):
 
 
 @kernel
-def moves(w, i):
-    """Return whether an unknown has inertia or constraints that move it; others move as their own equations say."""
-    kind = integers(w.kind, w.n_all)[i]
-    return kind != MASSLESS and kind < SIGNAL
-
-
-@kernel
 def shift_velocities(w):
     """Write the correction of the velocities, from the solution for their gap."""
     shift, x = floats(w.v_shift, w.n_all), floats(w.increment, w.n)
@@ -373,36 +364,6 @@ def left_out(w, part):
         if not moves(w, i):
             part[i] = more[i]
     return largest_change(part, more, kind, w.n_q, w.length)
-
-
-@kernel
-def follow_stiff_members(w, a):
-    """Solve for minus what stiff members need at their slow velocities, beside accelerations ``a`` (n_all,).
-
-    Return whether the forces are finite as far as a step leads.
-    """
-    true, rest = state_of(w, BEGIN).v, floats(w.added + 8 * w.n_all, w.n_all)
-    v, x, rates = floats(w.added + 24 * w.n_all, w.n), floats(w.increment, w.n), floats(w.added + 32 * w.n_all, w.n)
-    force_rates(w, true, rest, False, rates)
-    if not solve_for(w, rates):
-        return False
-    for i in range(w.n_q):
-        v[i] = true[i] - (x[i] if moves(w, i) else 0.0)
-    force_rates(w, v, a, True, rates)
-    return solve_for(w, rates)
-
-
-@kernel
-def solve_for(w, rates):
-    """Solve with the last factor for ``rates`` (n,) of forces; return whether they are finite."""
-    b, x = floats(w.residual, w.n_all), floats(w.increment, w.n)
-    for i in range(w.n):
-        b[i] = rates[i]
-    call(w.substitute, w.substitute_words, 0)
-    for i in range(w.n_q):
-        if not np.isfinite(x[i]):
-            return False
-    return True
 
 
 @kernel

@@ -1,4 +1,4 @@
-r"""Rates of the forces along a motion, by which the modal filter knows the accelerations of stiff members.
+r"""Accelerations that stiff members need to follow a slow motion; the modal filter would take them for vibrations.
 
 A stiff member that turns has centripetal accelerations, which are no vibration: they keep its strain as it is. The
 forces f(q, v), without inertia, tell both apart. Along a motion with velocities v and accelerations a they change by
@@ -10,8 +10,10 @@ of which the first is small for velocities without vibration, and the second for
 (modal_filter.py; docs/theory.md, 2.1). Multipliers, signals, massless scalars and the time stay as they are.
 """
 
+import numpy as np
+
 from mecano.jit.kernel import kernel
-from mecano.jit.memory import floats
+from mecano.jit.memory import call, floats, integers
 from mecano.model.assembly_driver import bind_state, loops_at, residual
 from mecano.model.numbering import MASSLESS, SIGNAL
 from mecano.model.state import Instant
@@ -19,6 +21,43 @@ from mecano.solve.time.increments import move
 from mecano.solve.time.workspace import BEGIN, TRIAL, copy_state, state_of, system_of, unknowns_of
 
 DIFFERENCE = 0.02  # of a step, for the first rates; the second ones are those over a step, beside less rounding
+
+
+@kernel
+def follow_stiff_members(w, a):
+    """Solve for minus what stiff members need at their slow velocities, beside accelerations ``a`` (n_all,).
+
+    Return whether the forces are finite as far as a step leads.
+    """
+    true, rest = state_of(w, BEGIN).v, floats(w.added + 8 * w.n_all, w.n_all)
+    v, x, rates = floats(w.added + 24 * w.n_all, w.n), floats(w.increment, w.n), floats(w.added + 32 * w.n_all, w.n)
+    force_rates(w, true, rest, False, rates)
+    if not solve_for(w, rates):
+        return False
+    for i in range(w.n_q):
+        v[i] = true[i] - (x[i] if moves(w, i) else 0.0)
+    force_rates(w, v, a, True, rates)
+    return solve_for(w, rates)
+
+
+@kernel
+def solve_for(w, rates):
+    """Solve with the last factor for ``rates`` (n,) of forces; return whether they are finite."""
+    b, x = floats(w.residual, w.n_all), floats(w.increment, w.n)
+    for i in range(w.n):
+        b[i] = rates[i]
+    call(w.substitute, w.substitute_words, 0)
+    for i in range(w.n_q):
+        if not np.isfinite(x[i]):
+            return False
+    return True
+
+
+@kernel
+def moves(w, i):
+    """Return whether an unknown has inertia or constraints that move it; others move as their own equations say."""
+    kind = integers(w.kind, w.n_all)[i]
+    return kind != MASSLESS and kind < SIGNAL
 
 
 @kernel
@@ -47,7 +86,7 @@ def evaluate_forces(w, of, v, a, dt, way):
     copy_state(w, BEGIN, TRIAL)
     move(of, dt, Instant(s.t, s.z, v, a, s.R, s.phases, s.memory), s_moved)
     for i in range(w.n_q):
-        if of.kind[i] != MASSLESS and of.kind[i] < SIGNAL:
+        if moves(w, i):
             s_moved.v[i] = way * (v[i] + dt * a[i])
         else:
             s_moved.z[i] = s.z[i]
