@@ -1,6 +1,7 @@
 // The page: time, keys, choices, names, events, the film, and results that still grow.
 const SPEEDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
 const MAGNIFICATIONS = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
+const LONGEST = 100; // [ms] between two pictures: a film skips nothing while the machine is busy or the page hidden
 const KEYS = `space: play, pause
 \u2190 \u2192: one frame (with shift: ten)    home, end: first, last
 n, p: next, previous event
@@ -126,7 +127,7 @@ function play(on) {
 
 function tick(now) {
   if (player.playing) {
-    player.clock += player.last === null ? 0 : ((now - player.last) / 1000) * byId("speed").value;
+    player.clock += player.last === null ? 0 : (Math.min(now - player.last, LONGEST) / 1000) * byId("speed").value;
     player.last = now;
     if (player.clock > motion.times[motion.count - 1]) {
       if (film.recorder) film.stop();
