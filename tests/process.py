@@ -1,16 +1,35 @@
 """The command line in a separate process, as called by a user."""
 
+import atexit
+import functools
+import json
+import os
 import resource
 import subprocess
 import sys
+import tempfile
+from pathlib import Path
 
 COMMAND = (sys.executable, "-m", "mecano")
 
 
-def mecano_process(*arguments, cwd=None):
-    """Run ``mecano`` with the arguments: (exit code, output, errors)."""
-    ended = subprocess.run([*COMMAND, *map(str, arguments)], cwd=cwd, capture_output=True, text=True)
-    return ended.returncode, ended.stdout, ended.stderr
+def mecano_process(*arguments, cwd=None, **environment):
+    """Run ``mecano`` with the arguments, without standard input: (exit code, output, errors)."""
+    with tempfile.NamedTemporaryFile("r") as out, tempfile.NamedTemporaryFile("r") as errors:
+        environment = {**os.environ, **environment}
+        request = ([*map(str, arguments)], str(cwd or Path.cwd()), environment, out.name, errors.name)
+        server = _fork_server()
+        print(json.dumps(request), file=server.stdin, flush=True)
+        return int(server.stdout.readline()), out.read(), errors.read()
+
+
+@functools.cache
+def _fork_server():
+    """A process that has imported what ``mecano`` needs; it ends with this one."""
+    words = [sys.executable, Path(__file__).with_name("fork_server.py")]
+    server = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    atexit.register(server.communicate)
+    return server
 
 
 def flowing(text):

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from process import COMMAND, mecano_process
 
 import mecano
 from mecano.errors import CompilationError
@@ -34,10 +35,9 @@ def folder(tmp_path, monkeypatch):
 
 def call(*words, **environment):
     """Exit code, standard output and errors of `mecano`, in a process of its own: plugins stay in a process."""
-    command = [sys.executable, "-m", "mecano", *words]
-    ended = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **environment})
-    assert "Traceback" not in ended.stderr, ended.stderr
-    return ended.returncode, ended.stdout, ended.stderr
+    code, out, errors = mecano_process(*words, **environment)
+    assert "Traceback" not in errors, errors
+    return code, out, errors
 
 
 def test_the_files_of_the_page_are_short():
@@ -151,7 +151,7 @@ def test_a_run_is_resumed_with_the_same_plugin_only(folder):
     run = "run", "fall.yaml", "--plugin", "my_drag.py", "-q"
     assert call(*run)[0] == 0  # compiles
     os.remove("fall.h5")
-    assert call(*run, "--set", "time.step=1e-6", "--max-walltime", "6s")[0] == 75 and os.path.exists("fall.h5")
+    assert call(*run, "--set", "time.step=1e-6", "--max-walltime", "3s")[0] == 75 and os.path.exists("fall.h5")
     (folder / "my_drag.py").write_text(SOURCES["my_drag.py"] + "# changed\n")
     code, _, err = call(*run, "--set", "time.step=1e-6", "--resume")
     assert code == 2 and "my_drag.py is missing or was changed" in err
@@ -189,10 +189,9 @@ def test_an_installed_package(folder):
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: drag-package\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text("[mecano.kinds]\ndrag = drag_package.drag\n")
     path = os.pathsep.join([str(folder / "site"), os.environ.get("PYTHONPATH", "")])
-    code, out, _ = call("explain", "air_drag", PYTHONPATH=path)
-    assert code == 0 and "coefficient [N s2/m2]" in out
-    code, _, err = call("run", "fall.yaml", "-q", PYTHONPATH=path)
-    assert code == 0, err
+    started = {"env": {**os.environ, "PYTHONPATH": path}, "capture_output": True, "text": True, "check": True}
+    assert "coefficient [N s2/m2]" in subprocess.run([*COMMAND, "explain", "air_drag"], **started).stdout
+    subprocess.run([*COMMAND, "run", "fall.yaml", "-q"], **started)
     with mecano.open_results("fall.h5") as results:
         assert list(json.loads(results.metadata["plugins"])) == ["drag-package:drag_package.drag"]
 

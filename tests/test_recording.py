@@ -1,11 +1,10 @@
 """Output of `mecano run`: saved times and extremes, against a run of the same deck that saves every step."""
 
 import signal
-import subprocess
-import sys
 
 import numpy as np
 import pytest
+from process import mecano_process, settings
 from time_runs import INPUTS, input_deck
 
 import mecano
@@ -30,9 +29,7 @@ MOTIONS = {name for output in COORDINATES for name in (output.name, output.rate)
 
 def run_of(name, path, *overrides):
     """A process of its own: `mecano run` of a deck of inputs/ to a file."""
-    options = [word for text in overrides for word in ("--set", text)]
-    command = [sys.executable, "-m", "mecano", "run", str(INPUTS / f"{name}.yaml"), "-q", "-o", str(path), *options]
-    subprocess.run(command, check=True)
+    assert mecano_process("run", INPUTS / f"{name}.yaml", "-q", "-o", path, *settings(*overrides)) == (0, "", "")
     return mecano.open_results(path)
 
 
