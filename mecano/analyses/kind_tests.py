@@ -287,7 +287,7 @@ def on_all_nodes(instances: Iterable[Instance], motion: Motion, penalty: float, 
 
 
 def set_reactions(instances: Iterable[Instance], motion: Motion, wanted: np.ndarray) -> None:
-    """Return multipliers that exert the forces ``wanted``: a rotated model may write its constraints in other axes."""
+    """Set multipliers that exert the forces ``wanted``: a rotated model may write its constraints in other axes."""
     held = [instance for instance in instances if instance.kind.multipliers]
     sizes = [len(instance.multipliers) for instance in held]
 
