@@ -87,16 +87,21 @@ def post(
     if below is not None:
         raise UsageError("--below: only for files of `mecano modes --sweep`")
     with opened_runs(paths) as runs:
-        if any(not len(run.results.time) for run in runs):
-            raise ResultsError(f"{', '.join(map(str, paths))}: no saved times yet")
-        title = title or " | ".join(dict.fromkeys(run.title for run in runs))
-        times, asked = times_of(at) if at else [], asked_sheets(plots, spectra, runs)
-        pictures = [(sheet, sheet_figure) for sheet in asked] if asked or times else _default_pictures(runs)
+        pictures, times = _pictures(runs, plots, spectra, at)
         yield from _of_runs(runs, pictures, times, output, kind, columns, title, force)
 
 
+def _pictures(runs, plots, spectra, at):
+    """Return the pictures [(Sheet, function that draws it)] of runs, and the times [s] of their configurations."""
+    if any(not len(run.results.time) for run in runs):
+        raise ResultsError(f"{', '.join(str(run.results.path) for run in runs)}: no saved times yet")
+    times, asked = times_of(at) if at else [], asked_sheets(plots, spectra, runs)
+    return [(sheet, sheet_figure) for sheet in asked] if asked or times else _default_pictures(runs), times
+
+
 def _of_runs(runs, pictures, times, output, kind, columns, title, force):
-    """Draw ``pictures`` (Sheet, function that draws it) and configurations; yield the Path of each file."""
+    """Draw pictures and configurations; yield the Path of each file."""
+    title = title or " | ".join(dict.fromkeys(run.title for run in runs))
     names = [sheet.name for sheet, _ in pictures] + ["configurations"] * (len(runs) if times else 0)
     targets = _targets(names, output, kind, runs)
     for target in targets:
