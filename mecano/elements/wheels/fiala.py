@@ -23,21 +23,13 @@ the rolling, and so does the camber thrust the power with which it drives the sl
 slip speed.
 """
 
-from mecano.elements.wheels.slip_law import Carcass, SlipForces, SlipLaw
+from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, Carcass, SlipForces, SlipLaw
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.laws.table import curve
 from mecano.maths.dual import at_least, at_most, atan2, select, sqrt
 from mecano.maths.vector import dot, norm
-from mecano.schema import CURVE, NUMBER, NUMBERS, Field, mapping, not_negative, positive
-
-LEAST_FORCE = 1e-9  # [N] lower bound of mu N, which is zero in the air
-
-
-def two_positive(numbers):
-    """Check that there are two numbers > 0."""
-    return None if len(numbers) == 2 and min(numbers) > 0.0 else "must hold 2 numbers greater than zero"
-
+from mecano.schema import CURVE, NUMBER, Field, mapping, not_negative, positive
 
 FIELDS = (
     Field("cornering_stiffness", CURVE, "N/rad", "C_l, lateral force per slip angle; a curve of the normal force [N]",
@@ -51,15 +43,7 @@ FIELDS = (
           argument="N"),
     Field("contact_length", NUMBER, "m", "2a, for the aligning moment", 0.0, not_negative),
     Field("least_speed", NUMBER, "m/s", "v_0, speed below which the slip no longer grows as 1/speed", 0.1, positive),
-    Field(
-        "carcass_stiffness", NUMBERS, "N/m",
-        "for a transient_wheel, K [along t, along l]: relaxation length C/K + creep_length",
-        None, two_positive,
-    ),
-    Field(
-        "creep_length", NUMBER, "m", "rolling distance in which the carcass settles when the whole contact slides; "
-        "its share of the relaxation length acts at once", 0.02, positive,
-    ),
+    *CARCASS_FIELDS,
 )  # fmt: skip
 RECORD = {"cornering": "i", "longitudinal": "i", "camber": "i", "mu": "i", "half_length": (), "least_speed": ()}
 
