@@ -15,6 +15,7 @@ from mecano.elements.wheels.fiala import FIALA
 from mecano.elements.wheels.magic_formula import MAGIC_FORMULA, completed
 from mecano.elements.wheels.slip_law import default_values
 from mecano.elements.wheels.transient_wheel import TRANSIENT_WHEEL, X, Y
+from mecano.elements.wheels.yawed_rolling import YAWED_ROLLING
 
 C, LOAD, K, CREEP, V, ALPHA = 6e4, 4000.0, 1.5e5, 0.02, 10.0, 0.03
 
@@ -76,7 +77,11 @@ def tyres():
     common = {"friction": None, "friction_by_speed": 1.0, "slip_regularization": None, "valid_deformation": None}
     one = {**common, **radial, "fiala": default_values(FIALA.type.options, fiala)}
     file = {**common, "magic_formula": default_values(MAGIC_FORMULA.type.options, {"coefficients": numbers})}
-    return {"fiala": one, "magic_formula": {**file, **completed(file)}}
+    yawed = default_values(YAWED_ROLLING.type.options, fiala)
+    return {
+        "fiala": one, "magic_formula": {**file, **completed(file)},
+        "yawed_rolling": {**common, **radial, "yawed_rolling": yawed},
+    }  # fmt: skip
 
 
 def damping_of_deflections(instance, q, v):
@@ -90,7 +95,7 @@ def damping_of_deflections(instance, q, v):
     return np.array(columns).T
 
 
-@pytest.mark.parametrize("name", ["fiala", "magic_formula"])
+@pytest.mark.parametrize("name", ["fiala", "magic_formula", "yawed_rolling"])
 def test_rates_of_the_deflections_are_unique(name):
     """The forces along x and y never fall with dx/dt and dy/dt: monotone, sliding or not, at all loads and speeds."""
     rng, least = seed_of(name), []

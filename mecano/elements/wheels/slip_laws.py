@@ -3,5 +3,6 @@
 from mecano.elements.wheels.fiala import FIALA
 from mecano.elements.wheels.magic_formula import MAGIC_FORMULA
 from mecano.elements.wheels.sliding_friction import SLIDING_FRICTION
+from mecano.elements.wheels.yawed_rolling import YAWED_ROLLING
 
-SLIP_LAWS = {law.name: law for law in (SLIDING_FRICTION, FIALA, MAGIC_FORMULA)}
+SLIP_LAWS = {law.name: law for law in (SLIDING_FRICTION, FIALA, MAGIC_FORMULA, YAWED_ROLLING)}

@@ -1,0 +1,118 @@
+r"""Tyre in yawed rolling after Smiley and Horne: cornering force and self-aligning torque against one angle.
+
+For aircraft tyres of any size, load and pressure the force and the moment fall on two curves if the yaw angle psi is
+multiplied by the cornering stiffness N and divided by mu F_z (NASA TR R-64, 1960; NACA TN 4110, 1958):
+
+    phi = N psi/(mu F_z)
+    F(phi) = mu F_z {phi - 4 phi^3/27 up to phi = 1.5, 1 beyond}
+    M(phi) = mu F_z h {0.8 phi up to 0.1, phi - phi^2 - 0.01 up to 0.55, 0.2925 - 0.1 phi up to 2.925, 0 beyond}
+
+with the half length h = c sqrt(w (2 r - w)) of the contact at the deformation w of a tyre of the radius r, c =
+``contact_share`` of the chord. N is a curve of w. The report has no braking: in combined slip the force is that of the
+whole slip, against it, with the slip velocity (v_t, v_l), the spin times the rolling radius V_r, V = sqrt(V_r^2 +
+v_0^2) and the slip stiffness C_t:
+
+    G = -(C_t v_t/V, N atan(v_l/V)),   phi = |G|/(mu F_z),   F(phi) G/|G|,   -M(phi) (G_l/|G|) (V_r/V) n
+
+In pure side slip this is the law above, with the angle psi; in reverse the moment changes its sign. There is no camber
+thrust. The force dissipates -F.v >= 0; the moment exchanges the power M.omega with the rolling. The friction mu is a
+curve of the slip speed. With v_0 = ``least_speed`` the slip is finite at rest, where the tyre therefore creeps.
+"""
+
+from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, Carcass, SlipForces, SlipLaw
+from mecano.jit.kernel import kernel
+from mecano.laws.probe import curve_at
+from mecano.laws.table import curve
+from mecano.maths.dual import at_least, atan2, select, sqrt
+from mecano.maths.vector import dot, norm
+from mecano.schema import CURVE, NUMBER, Field, mapping, positive, share
+
+LEAST_DEPTH = 1e-9  # lower bound of the deformation in h, over the radius: the root has a slope at zero
+FULL, STRAIGHT, CURVED = 1.5, 0.1, 0.55  # phi: sliding; ends of the first and the second piece of the moment
+
+FIELDS = (
+    Field(
+        "cornering_stiffness", CURVE, "N/rad", "N, lateral force per angle; a curve of the radial deformation [m]; by "
+        "'smiley_horne' when absent", None, argument="m",
+    ),
+    Field(
+        "longitudinal_stiffness", CURVE, "N",
+        "C_t, driving force per slip ratio; a curve of the radial deformation [m]; N when absent", None, argument="m"
+    ),
+    Field("friction", CURVE, "-", "coefficient of friction mu, a curve of the slip speed [m/s]", argument="m/s"),
+    Field("contact_share", NUMBER, "-", "c, length of the contact over that of the chord", 0.85, share),
+    Field("least_speed", NUMBER, "m/s", "v_0, speed below which the slip no longer grows as 1/speed", 0.1, positive),
+    *CARCASS_FIELDS,
+)  # fmt: skip
+RECORD = {"cornering": "i", "longitudinal": "i", "mu": "i", "contact_share": (), "least_speed": ()}
+
+
+def prepare(law, context):
+    """Return the values of RECORD."""
+    d, add = law["yawed_rolling"], context.laws.add
+    cornering, along = add(d["cornering_stiffness"]), d["longitudinal_stiffness"]
+    return {
+        "cornering": cornering,
+        "longitudinal": cornering if along is None else add(along),
+        "mu": add(d["friction"]),
+        "contact_share": d["contact_share"],
+        "least_speed": d["least_speed"],
+    }
+
+
+def check(law):
+    """Return errors for a missing cornering stiffness and for negative friction."""
+    d = law["yawed_rolling"]
+    texts = []
+    if d["cornering_stiffness"] is None:
+        texts.append("'tire_law.yawed_rolling' has no 'cornering_stiffness': give it, or 'smiley_horne', which does")
+    if curve_at(d["friction"], 0.0)[0] < 0.0:
+        texts.append("'tire_law.yawed_rolling.friction' must not be negative")
+    return texts
+
+
+def carcass(law):
+    """Return the Carcass, or None if the deck gives no stiffness."""
+    d = law["yawed_rolling"]
+    return d["carcass_stiffness"] and Carcass(tuple(d["carcass_stiffness"]), 2 * (d["creep_length"],))
+
+
+@kernel
+def forces(p, laws, k):
+    """Return the SlipForces of the Slip ``k``."""
+    v_t, v_l = dot(k.t, k.v), dot(k.l, k.v)
+    rolling = dot(k.t, k.u) - dot(k.t, k.v_0)
+    V = sqrt(rolling * rolling + p.least_speed * p.least_speed)
+    w = at_least(k.w, LEAST_DEPTH * p.radius)
+    G_t = -at_least(curve(laws, p.longitudinal, w), 0.0) * v_t / V
+    G_l = -at_least(curve(laws, p.cornering, w), 0.0) * atan2(v_l, V)
+    limit = at_least(k.grip * at_least(curve(laws, p.mu, norm(k.v_0)), 0.0) * at_least(k.N, 0.0), LEAST_FORCE)
+    phi = sqrt(G_t * G_t + G_l * G_l) / limit
+    used = select(phi < FULL, 1.0 - 4.0 / 27.0 * phi * phi, 1.0 / at_least(phi, FULL))
+    F_t, F_l = used * G_t, used * G_l
+    turn = -arm(phi) * p.contact_share * sqrt(w * (2.0 * p.radius - w)) * (rolling / V) * G_l
+    return SlipForces(F_t * k.t + F_l * k.l, turn * k.n, -(F_t * v_t + F_l * v_l), turn * dot(k.n, k.omega))
+
+
+@kernel
+def arm(phi):
+    """Return M/(phi mu F_z h)."""
+    inner = at_least(phi, STRAIGHT)
+    sliding = at_least(0.2925 / inner - 0.1, 0.0)
+    return select(phi < CURVED, 1.0 - inner - 0.01 / inner, sliding)
+
+
+def sample(rng):
+    """Return laws for adhesion and for sliding, with one stiffness and with two."""
+    falling = (("exponential", {"start": 0.9, "limit": 0.5, "rate": 0.2, "origin": 0.0}),)
+    rising = (("polynomial", {"coefficients": [1e3, 4e3, -300.0]}),)
+    base = {"least_speed": 0.5, "carcass_stiffness": [2e3, 3e3], "creep_length": 0.5}
+    return [
+        {"cornering_stiffness": rising, "friction": falling, **base},
+        {"cornering_stiffness": 3e5, "longitudinal_stiffness": 5e5, "friction": 0.4, **base},
+    ]
+
+
+YAWED_ROLLING = SlipLaw(
+    "yawed_rolling", __doc__, mapping(*FIELDS), forces, RECORD, prepare, check, carcass=carcass, sample=sample
+)
