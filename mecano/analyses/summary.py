@@ -47,6 +47,7 @@ def summary_of(prepared: Prepared, every: bool = False) -> str:
         f"length scale     {prepared.length:.6g} m",
         f"memory           about {in_words(memory_of_run(prepared))} in a run",
         *(_statics(prepared) if values["static"] else _amounts(prepared)),
+        *(line for text in _tyres(values["tire_laws"]) for line in _labelled("tyre", text)),
         *(line for text in prepared.carried for line in _labelled("start", text)),
         *(line for text in warnings_of(prepared) for line in _labelled("warning", text)),
     ]
@@ -166,6 +167,15 @@ def _gravity(vector):
     """Return the line on gravity."""
     shown = ", ".join(f"{component + 0.0:.6g}" for component in vector)
     return f"gravity          {f'[{shown}] m/s2' if any(vector) else 'none'}"
+
+
+def _tyres(tire_laws):
+    """Yield texts on the tyres given by size and pressure, with the values that follow."""
+    for name, law in tire_laws.items():
+        if law["smiley_horne"]:
+            from mecano.elements.wheels.smiley_horne import text_under_load  # with the slip laws, which few decks need
+
+            yield f"{name}: {text_under_load(law['smiley_horne'])}"
 
 
 def _amounts(prepared):

@@ -116,8 +116,8 @@ EXAMPLES = {
         "road_tyre: {radius: 0.3 m, radial: {linear: {slope: 200 kN/m}}, "
         "fiala: {cornering_stiffness: 60 kN, friction: 0.8, contact_length: 120 mm}}",
     "yawed_rolling":
-        "main: {radius: 0.5 m, radial: {linear: {slope: 1.5 MN/m}}, "
-        "yawed_rolling: {cornering_stiffness: 490 kN, friction: 0.6}}",
+        "main: {smiley_horne: {diameter: 25.5 in, width: 8 in, pressure: 145 psi, rated_pressure: 200 psi, "
+        "load: 30 kN}, yawed_rolling: {friction: 0.6}}",
     "magic_formula": "car: {magic_formula: {file: passenger_car.tir, pressure: 2.3 bar}}",
     "circle": "shaft: {type: circle, diameter: 30 mm, E: 210 GPa, nu: 0.3, density: 7850}",
     "tube": "tube: {type: tube, diameter: 80 mm, thickness: 5 mm, E: 210 GPa, nu: 0.3, density: 7850}",

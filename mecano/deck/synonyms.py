@@ -249,8 +249,11 @@ NOTES = {  # words with the same meaning: (targets, note)
         "integrator line_force joint_force joint_moment",
         "pressures and currents are integrators whose inputs are their rates; see servo_valve.yaml and docs/signals.md",
     ),
+    "aircraft tyre, aircraft tire, smiley, horne, tire size, tyre size, inflation pressure": (
+        "smiley_horne yawed_rolling", "docs/tyres.md, 'An aircraft tyre by size and pressure'"
+    ),
     "tyre, tire, pneumatic, pacejka, brush": (
-        "wheel transient_wheel flexible_wheel adhesive_wheel tire_laws fiala magic_formula", "",
+        "wheel transient_wheel flexible_wheel adhesive_wheel tire_laws fiala magic_formula yawed_rolling", "",
     ),
     "treadmill, test rig, dynamometer, ship, moving deck, carrier": (
         "wheel_on_body", "the surface, a plane or a cylinder, is carried by a node"

@@ -1,10 +1,11 @@
-"""Complete the tyre laws of a deck: read their files, and fill in the fields that their slip laws provide."""
+"""Complete the tyre laws of a deck by files, by the size of aircraft tyres, and by what their slip laws provide."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from mecano.deck.tyre_file import read_tyre
 from mecano.deck.wording import quoted
+from mecano.elements.wheels import smiley_horne
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.elements.wheels.tire_law import slip_law_of
 
@@ -17,7 +18,7 @@ REQUIRED = {"radius": "undeformed radius [m]", "radial": "radial force [N], a cu
 
 
 def complete_tyres(tire_laws: "Mapping[str, Values]", root: "Node", scope: "Scope") -> None:
-    """Read files of tyres, fill in fields that slip laws provide, and note errors for missing or excess fields.
+    """Read files of tyres, fill in fields by size and slip law, and note errors for missing or excess fields.
 
     ``tire_laws``: checked values by name, changed in place; ``root``: tree of the deck.
     """
@@ -32,11 +33,36 @@ def complete_tyres(tire_laws: "Mapping[str, Values]", root: "Node", scope: "Scop
             continue
         if values.get("magic_formula") and not _with_file(values["magic_formula"], node.value["magic_formula"], scope):
             continue
-        known = slip_law_of(values).completed(values)
+        by_size = bool(values.get("smiley_horne"))
+        if by_size and not _with_size(values, node, scope):
+            continue
+        known = {**slip_law_of(values).completed(values), **(smiley_horne.completed(values) if by_size else {})}
         values |= {field: value for field, value in known.items() if not values.get(field)}
         for field, what in REQUIRED.items():
             if values.get(field, 0.0) is None:
                 scope.refuse(key, f"missing {quoted(field)}, {what}")
+
+
+def _with_size(values, node, scope):
+    """Compute an aircraft tyre under its load, and what its slip law lacks; return False, with errors noted."""
+    d, place = values["smiley_horne"], node.value["smiley_horne"][1]
+    found = smiley_horne.errors(d)
+    for field, text in found:
+        scope.refuse(place.value[field][0], f"'smiley_horne.{field}' {text}")
+    if found:
+        return False
+    d |= smiley_horne.under_load(d)
+    own = values.get("yawed_rolling")
+    if own is None:
+        return True
+    if d["relaxation_length"] <= own["creep_length"]:
+        text = f"'smiley_horne.load' ({d['load']:g} N) gives a relaxation length of {d['relaxation_length']:.4g} m"
+        least = f"'yawed_rolling.creep_length', {own['creep_length']:g} m"
+        scope.refuse(place.value["load"][0], f"{text}, which must exceed {least}")
+        return False
+    known = smiley_horne.rolling_stiffnesses(d, own["creep_length"])
+    own |= {field: value for field, value in known.items() if own[field] is None}
+    return True
 
 
 def _with_file(values, entry, scope):

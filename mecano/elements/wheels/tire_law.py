@@ -20,6 +20,7 @@ from mecano.elements.wheels.rolling_tyre import check_rolling, is_given, rolling
 from mecano.elements.wheels.sliding_friction import FIELDS as FRICTION_FIELDS
 from mecano.elements.wheels.slip_law import given_law
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
+from mecano.elements.wheels.smiley_horne import SMILEY_HORNE
 from mecano.jit.kernel import kernel
 from mecano.laws.contact_force import contact_force
 from mecano.laws.probe import curve_at
@@ -27,11 +28,14 @@ from mecano.maths.vector import dot, norm
 from mecano.schema import CURVE, NUMBER, Field, not_negative, positive
 
 LAW_FIELDS = (
-    Field("radius", NUMBER, "m", "undeformed radius; required unless a .tir file gives it", None, positive),
+    Field(
+        "radius", NUMBER, "m", "undeformed radius; required unless smiley_horne or a .tir file gives it", None,
+        positive,
+    ),
     Field(
         "radial", CURVE, "N",
-        "radial force, a curve of the deformation w [m], zero at w = 0; required unless a .tir file gives it", None,
-        argument="m"
+        "radial force, a curve of the deformation w [m], zero at w = 0; required unless smiley_horne or a .tir file "
+        "gives it", None, argument="m"
     ),
     Field(
         "radial_damping", NUMBER, "s/m", "c in the factor max(0, 1 + c dw/dt) on the radial force", 0.0,
@@ -44,6 +48,7 @@ LAW_FIELDS = (
     ),
     *ROLLING_FIELDS,
     Field("lateral", LATERAL_TYPE, "-", "lateral law of the patch: flexible wheels", None),
+    SMILEY_HORNE,
 )  # fmt: skip
 
 
