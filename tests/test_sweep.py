@@ -23,7 +23,7 @@ from mecano.analyses import sweep as sweeps
 from mecano.analyses.modal import operating_point
 from mecano.analyses.sweep import Axis, sweep, sweep_into
 from mecano.analyses.sweep_text import _numbers, known
-from mecano.errors import ConvergenceError, ResultsError, UsageError
+from mecano.errors import ConvergenceError, DeckError, ResultsError, UsageError
 from mecano.post.loci import _mark, real_range, shown_modes, sweep_figure
 from mecano.post.pictures import post
 from mecano.results.sweep_file import read_sweep
@@ -499,7 +499,7 @@ def test_root_loci_on_the_command_line(tmp_path, monkeypatch, capsys):
     from mecano.cli import commands
 
     monkeypatch.chdir(tmp_path)
-    arguments = ["modes", str(INPUTS / "bicycle.yaml"), "--sweep", "speed=4:5:0.5", "--plot", "--csv"]
+    arguments = ["modes", str(INPUTS / "bicycle.yaml"), "--sweep", "speed=4 m/s:5:1.8 km/h", "--plot", "--csv"]
     commands(arguments, standalone_mode=False)
     out, errors = capsys.readouterr()
     assert "critical speed 4.2923825363: mode " in out and "bicycle_sweep.png" in out and "3 states" in errors
@@ -618,7 +618,11 @@ def test_values_of_a_sweep():
     np.testing.assert_allclose(Axis.parse("speed=80:10:-35", names).values, [10.0, 45.0, 80.0])
     axis = Axis.parse("tire_laws.rubber.radius=0.4,.3,1e-1", names)
     assert axis.path == axis.name == "tire_laws.rubber.radius" and axis.values.tolist() == [0.1, 0.3, 0.4]
-    assert Axis.parse("speed=1,2", names).path == "parameters.speed"
+    assert Axis.parse("speed=1,2", names).path == "parameters.speed" and not axis.unit
+    axis = Axis.parse("speed=0:72 km/h:18km/h", names)
+    assert axis.values.tolist() == [0.0, 5.0, 10.0, 15.0, 20.0] and axis.unit == "m/s"
+    axis = Axis.parse("nodes.a.position.0=0.5 m, 1 ft", names)
+    assert axis.values.tolist() == [0.3048, 0.5] and axis.unit == "m"
 
 
 @pytest.mark.parametrize(
@@ -631,8 +635,9 @@ def test_values_of_a_sweep():
         (["speed=1:2:0"], "has no values, or more than"),
         (["speed=0:1:1e-9"], "has no values, or more than"),
         (["speed=a,b"], "cannot be understood"),
-        (["speed=0:72 km/h:18km/h"], "are numbers in SI units; write --sweep speed=0:20:5"),
-        (["speed=10 cm,2 ells"], "cannot be understood"),
+        (["speed=1,2:3"], "cannot be understood"),
+        (["speed=1 m/s,2 kg"], "'speed=1 m/s,2 kg': 1 m/s and 2 kg are different quantities"),
+        (["speed=10 kmh,20 kmh"], "'kmh' is not a unit; did you mean 'km/h'?"),
         (["speed=1,2", "speed=1,2"], "both sweeps are over 'speed'"),
         (["speed=1,2", "swing=0,1", "damping=1,2"], "once, or twice"),
     ],
@@ -641,6 +646,12 @@ def test_sweeps_that_cannot_be(texts, message):
     with pytest.raises(UsageError) as info:
         sweep(INPUTS / "caster_shimmy.yaml", (), texts)
     assert message in str(info.value)
+
+
+@pytest.mark.parametrize("values", ["speed=1 m,2 m", "elements.rim.mass=1 m:2 m:0.5 m"])
+def test_units_of_a_sweep_are_checked_as_those_of_the_deck(values):
+    with pytest.raises(DeckError, match="is expected, and 'm' is a length"):
+        sweep(INPUTS / "caster_shimmy.yaml", (), [values])
 
 
 def test_modes_that_cross_keep_their_shapes():

@@ -13,7 +13,7 @@ from mecano.analyses.source import source_of
 from mecano.analyses.sweep_contents import contents
 from mecano.analyses.sweep_text import lines
 from mecano.deck.read import read_deck
-from mecano.deck.units import ANY, UnitError, converted, is_quantity
+from mecano.deck.units import ANY, UnitError, converted, is_quantity, same_dimension, si_unit
 from mecano.deck.wording import suggestion
 from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError, UsageError
 from mecano.process.interrupt import call_interruptibly
@@ -34,10 +34,8 @@ if TYPE_CHECKING:
 
 MOST = 100_000  # states in one sweep
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-RANGE = re.compile(f"({NUMBER}):({NUMBER}):({NUMBER})")
 ALONE = re.compile(rf"(?<!\w){NUMBER}")  # not within a name
 MOTIONS = re.compile(r"(?:node '[^']*' (?:turns|moves) [^;]*(?:; )?)+")  # the largest of a motion
-LIST = re.compile(f"{NUMBER}(?:,{NUMBER})*")
 STEADY = 1e-8  # variation of the equations (linearize.py) below which a state is steady; rounding causes 1e-10
 Settings: TypeAlias = tuple[tuple[str, float], ...]  # paths of numbers in the deck, and their values
 Describe: TypeAlias = "Callable[[complex, np.ndarray], str]"  # the largest motions of a mode, in words
@@ -46,48 +44,56 @@ FAILED = (AssemblyError, ConvergenceError, NonFiniteError)  # the sweep continue
 
 @dataclass(frozen=True)
 class Axis:
-    """A number of the deck and its values in a sweep: ``path`` as in ``--set``, ``name`` for display."""
+    """A number of the deck and its values in a sweep: ``path`` as in ``--set``, ``name`` for display.
+
+    ``unit`` is the SI unit of values that are written with a unit, else "".
+    """
 
     path: str
     name: str
     values: np.ndarray
+    unit: str = ""
 
     @classmethod
     def parse(cls, text: str, parameters: Iterable[str]) -> Self:
-        """Parse "speed=10:80:1" or "tire_laws.rubber.radius=0.3,0.32"; a name without a dot is a parameter.
+        """Parse "speed=10:80:1" or "tire_laws.rubber.radius=0.3 m,32 cm"; a name without a dot is a parameter.
 
         Raises UsageError.
         """
-        path, equals, values = text.partition("=")
+        path, equals, written = text.partition("=")
         wanted = f"'{text}' cannot be understood; write --sweep speed=10:80:1 (from, to, step) or speed=10,20,40"
         if not equals or not path:
             raise UsageError(wanted)
         if "." not in path and path not in parameters:
             hint = suggestion(path, parameters)
             raise UsageError(f"the deck has no parameter '{path}' to sweep over" + (f"; {hint}" if hint else ""))
-        full = path if "." in path else f"parameters.{path}"
-        if match := RANGE.fullmatch(values):
-            first, last, step = map(float, match.groups())
-            return cls(full, path.removeprefix("parameters."), _range(first, last, step, text))
-        if LIST.fullmatch(values):
-            numbers = np.array(sorted({float(part) for part in values.split(",")}))
-            return cls(full, path.removeprefix("parameters."), numbers)
-        numbers = _in_si_units(values)
-        if RANGE.fullmatch(numbers) or LIST.fullmatch(numbers):
-            raise UsageError(f"'{text}': values of a sweep are numbers in SI units; write --sweep {path}={numbers}")
-        raise UsageError(wanted)
+        full, name = path if "." in path else f"parameters.{path}", path.removeprefix("parameters.")
+        is_range = ":" in written
+        parts = [part.strip() for part in re.split("[:,]", written)]
+        if (is_range and ("," in written or len(parts) != 3)) or not all(map(_is_value, parts)):
+            raise UsageError(wanted)
+        numbers, unit = _in_si_units(parts, text)
+        return cls(full, name, _range(numbers, text) if is_range else np.array(sorted(set(numbers))), unit)
 
 
-def _in_si_units(values):
-    """Return the text of a range or list with its quantities as numbers in SI units, or unchanged if a unit is none."""
-    parts = re.split("([:,])", values)
+def _is_value(text):
+    return bool(re.fullmatch(NUMBER, text)) or is_quantity(text)
+
+
+def _in_si_units(parts, text):
+    """Return ([number in SI units], SI unit or "") of values of a sweep, some of which have units."""
+    quantities = [part for part in parts if is_quantity(part)]
     try:
-        return "".join(f"{converted(part, ANY):.12g}" if is_quantity(part) else part for part in parts)
-    except UnitError:
-        return values
+        numbers = [converted(part, ANY) if is_quantity(part) else float(part) for part in parts]
+    except UnitError as error:
+        raise UsageError(f"'{text}': {error}") from None
+    if other := next((part for part in quantities if not same_dimension(quantities[0], part)), None):
+        raise UsageError(f"'{text}': {quantities[0]} and {other} are different quantities")
+    return numbers, si_unit(quantities[0]) if quantities else ""
 
 
-def _range(first, last, step, text):
+def _range(numbers, text):
+    first, last, step = numbers
     count = (last - first) / step if step else np.inf
     if not 0 < count < MOST:
         raise UsageError(f"'{text}' has no values, or more than {MOST}: the step must lead from the first to the last")
@@ -155,10 +161,12 @@ class Case:
     error: Exception | None = None  # of the last state that was not found
     variation: float = 0.0  # of the Linearizations, largest of all states
     residuals: dict[Settings, float] = field(default_factory=dict)  # settings -> largest of all modes but free ones
+    units: dict[str, str] = field(default_factory=dict)  # path -> SI unit of its values, "" for numbers without units
 
     def deck(self, settings: Settings = ()) -> "Deck":
         """Return the checked deck with ``settings``, pairs (path, value), applied."""
-        return read_deck(self.path, (*self.overrides, *(f"{path}={value!r}" for path, value in settings)))
+        values = (f"{path}={value!r} {self.units.get(path, '')}".rstrip() for path, value in settings)
+        return read_deck(self.path, (*self.overrides, *values))
 
     def warn(self, text: str, settings: Settings) -> None:
         """Record a warning about the state with ``settings``.
@@ -230,6 +238,7 @@ def sweep(
     axes = tuple(Axis.parse(text, deck.values["parameters"]) for text in texts)
     if len(axes) == 2 and axes[0].path == axes[1].path:
         raise UsageError(f"both sweeps are over '{axes[0].name}'")
+    case.units = {axis.path: axis.unit for axis in axes}
     others = [()] if len(axes) == 1 else [((axes[1].path, float(value)),) for value in axes[1].values]
     first, total = axes[0], len(axes[0].values) * len(others)
     found = []

@@ -33,7 +33,8 @@ def contents(sweep: "Sweep") -> dict[str, Any]:
     ]
     alone = len(axes) == 1
     return {
-        "names": tuple(axis.name for axis in axes), "parameter": axes[0].values, "other": other,
+        "names": tuple(axis.name for axis in axes), "units": tuple(axis.unit for axis in axes),
+        "parameter": axes[0].values, "other": other,
         "modes": modes if alone else {}, "motions": loci[0].motions if alone else [],
         "families": loci[0].family_names if alone else [],
         "map": {name: np.array(table, float) for name, table in over.items()}, "critical": _columns(rows, CRITICAL),

@@ -19,7 +19,8 @@ MOST_ROWS, MOST_DIGITS, INSTANT_DIGITS = 200, 11, 3
 def lines(sweep: "Sweep") -> Iterator[str]:
     """Yield the lines of the table: the least stable mode at each value, the modes, the critical values."""
     first = sweep.axes[0]
-    yield f"modes over {first.name}, {len(first.values)} values from {first.values[0]:g} to {first.values[-1]:g}"
+    span = f"from {first.values[0]:g} to {first.values[-1]:g} {first.unit}".rstrip()
+    yield f"modes over {first.name}, {len(first.values)} values {span}"
     yield f"about: {sweep.about}"
     if len(sweep.axes) == 1:
         yield from _states(first, sweep.loci[0])

@@ -77,7 +77,8 @@ def run(
 @click.option("--number", type=click.IntRange(1), help="Modes of lowest frequency; default: 10, in a sweep all.")
 @click.option(
     "--sweep", "sweeps", multiple=True, metavar="NAME=FROM:TO:STEP",
-    help="Vary a parameter, or any number of the deck (as --set); also NAME=A,B,C. Twice: a map of stability.",
+    help="Vary a parameter, or any number of the deck (as --set); also NAME=A,B,C, with units 'NAME=1 m,2 ft'. Twice: "
+    "a map of stability.",
 )  # fmt: skip
 @click.option(
     "--campbell", "rotor", metavar="NODE",

@@ -72,12 +72,13 @@ def sweep_figure(file: SweepFile, below: float | None = None) -> "Figure":
 
 
 def _units(file):
-    """Return the units of the parameters, as far as the deck in the file gives them. Raises ResultsError."""
+    """Return the units of the parameters of a SweepFile, as far as deck or sweep give them. Raises ResultsError."""
     with open_checked(file.path) as opened:
         text, resolved = opened["deck/text"][()].decode(), json.loads(opened["deck/resolved"][()])
     written = parameters_of(str(file.path), text)
     paths = [name if "." in name else f"parameters.{name}" for name in file.names]
-    return [unit_of(path, resolved, [written.get(path)]) for path in paths]
+    given = file.units or ("",) * len(paths)
+    return [unit_of(path, resolved, [written.get(path)]) or unit for path, unit in zip(paths, given, strict=True)]
 
 
 def _headed(file, size):

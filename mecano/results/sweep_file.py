@@ -76,6 +76,7 @@ class SweepFile:
     speed: np.ndarray | None = None  # (n,) [rad/s] of the rotor
     orders: tuple[float, ...] = ()  # multiples of its speed
     resonances: dict[str, np.ndarray] | None = None  # name -> (r,)
+    units: tuple[str, ...] = ()  # SI units of values of --sweep that are written with units, else ""
 
 
 def write_sweep(
@@ -97,7 +98,7 @@ def _fill(file, plain, source):
         for name, texts in (("motion", plain["motions"]), ("family", plain["families"])):
             words = np.array(texts, dtype=object)
             file.create_dataset(f"modes/{name}", data=words, dtype=h5py.string_dtype(), shape=words.shape)
-    facts = {"about": plain["about"], "parameters": json.dumps(plain["names"])}
+    facts = {"about": plain["about"], "parameters": json.dumps(plain["names"]), "units": json.dumps(plain["units"])}
     if "node" in plain:
         facts |= {"rotor": plain["node"], "orders": json.dumps(plain["orders"])}
     put_source(file, source, FORMAT, FORMAT_VERSION, **facts)
@@ -117,7 +118,8 @@ def read_sweep(path: "str | os.PathLike[str]") -> SweepFile:
         return SweepFile(Path(path), run["title"], run["about"], tuple(json.loads(run["parameters"])),
                          file["parameter"][:], file["other"][:], groups["modes"], motions, families,
                          groups["map"], groups["critical"], run.get("rotor", ""), groups["rotor"].get("speed"),
-                         tuple(json.loads(run.get("orders", "[]"))), groups["resonances"])  # fmt: skip
+                         tuple(json.loads(run.get("orders", "[]"))), groups["resonances"],
+                         tuple(json.loads(run.get("units", "[]"))))  # fmt: skip
 
 
 def _columns(group, columns):
