@@ -252,6 +252,12 @@ class TestDecks:
         reported = deck_error_text(error.value)
         assert re.match("deck.yaml:7:.*got -1.* in case 1 of the study \\(parameters.speed = -1\\)", reported), reported
 
+    def test_an_error_of_a_deck_shows_where_the_study_gives_the_parameter(self, folder):
+        (folder / "deck.yaml").write_text(BALL.replace("mass: 2.0", "mass: $speed"))
+        with pytest.raises(DeckError) as error:
+            try_deck(study(folder, "grid: {parameters.speed: [1 m, 2 m]}"))
+        assert "is a length; $speed is given in study.yaml:3:27; in case 1" in deck_error_text(error.value)
+
     def test_a_case_that_is_wrong_is_not(self, folder):
         found = try_deck(study(folder, "grid: {time.end: [-1, 2]}"))
         assert found.overrides == ("time.end=2",) and found.values["time"]["end"] == 2.0

@@ -11,7 +11,7 @@ from mecano.study.grammar import Entries, Entry
 if TYPE_CHECKING:
     from mecano.study.read import Case, Study
 
-SET = re.compile(r"(--set .+?):1:(\d+)(?=: )")
+SET = re.compile(r"(--set .+?):1:(\d+)")
 MOST_REPORTED = 3  # values of a case
 
 
@@ -23,12 +23,16 @@ def in_study(error: DeckError, study: "Study", case: "Case") -> DeckError:
 
 def line_in_study(said: str, study: "Study", case: "Case") -> str:
     """Return an error line of `mecano run` with its position in the study."""
-    places = _places(study.entries(case))
-    return SET.sub(lambda match: str(_mark(*places[match[1]], int(match[2]))) if match[1] in places else match[0], said)
+    return _in_words(said, _places(study.entries(case)))
+
+
+def _in_words(text: str, places: dict[str, tuple[str, Entry]]) -> str:
+    """Return a text with the positions in the study of the values that it mentions."""
+    return SET.sub(lambda match: str(_mark(*places[match[1]], int(match[2]))) if match[1] in places else match[0], text)
 
 
 def _moved(problem, places, case):
-    mark = problem.mark
+    problem, mark = replace(problem, hint=_in_words(problem.hint, places)), problem.mark
     if mark and mark.file in places:
         path, entry = places[mark.file]
         return replace(problem, mark=_mark(path, entry, mark.column))
