@@ -131,8 +131,13 @@ def test_the_motion_of_a_node_and_that_of_its_body_of_the_same_name():
 @pytest.mark.parametrize(
     ("formula", "unit"),
     [
-        ("sin(pin.angle)", "-"), ("1 + tanh(pin.angle)", "-"), ("sqrt(abs(pin.angle))", "SI"), ("exp(pin.angle)", "SI"),
+        ("sin(pin.angle)", "-"), ("1 + tanh(pin.angle)", "-"), ("sqrt(abs(pin.angle))", "SI"), ("exp(pin.angle)", "-"),
         ("atan(pin.rate) - pin.angle", "rad"), ("-abs(pin.angle)", "rad"), ("max(pin.force.x, 2)", "N"),
+        ("sqrt(bob.velocity.x**2 + bob.velocity.y**2)", "m/s"), ("bob.velocity.x/hypot(bob.velocity.y, 0.1)", "-"),
+        ("nodes.bob.position.x*pin.rate", "m/s"), ("pin.moment.x*pin.rate", "W"), ("pin.moment.x/pin.angle", "N m/rad"),
+        ("pin.rate - bob.velocity.x/nodes.bob.position.y", "rad/s"), ("pin.rate*time", "rad"), ("2*pin.rate", "SI"),
+        ("pin.force.x/nodes.bob.position.x**2", "Pa"), ("pin.force.x/time/bob.velocity.x**2", "N s/m2"),
+        ("2**3 + pin.angle", "rad"), ("pin.rate**2*nodes.bob.position.x", "m/s2"), ("1/pin.rate", "SI"),
     ],
 )  # fmt: skip
 def test_functions_have_units_of_their_own(formula, unit):
@@ -159,12 +164,44 @@ def test_states_of_a_controller_have_the_units_of_value_and_error():
         joints: {pin: {type: hinge, nodes: [ground, bob], axis: [0, 0, 1]}}
         signals:
           torque: {type: pid, input: 3 - pin.rate, integral: 2, derivative: 1, derivative_time: 0.1, unit: kN m}
-          fast: {type: washout, input: pin.angle, gain: 10, time_constant: 0.1, unit: rad/s}
+          fast: {type: washout, input: pin.angle, gain: 10, time_constant: 0.1}
+          turned: {type: integrator, input: fast*pin.moment.z}
+          slow: {type: washout, input: pin.angle, gain: 5, time_constant: 0.1}
         time: {end: 1, step: 0.1}
         """
     assert signal_units(prepare(deck(text)).system.model) == {
         "signals/torque/value": "N m", "signals/torque/integral": "N m", "signals/torque/filtered": "rad/s",
-        "signals/fast/value": "rad/s", "signals/fast/state": "rad",
+        "signals/fast/value": "rad/s", "signals/fast/state": "rad", "signals/turned/value": "N m",
+        "signals/slow/value": "SI", "signals/slow/state": "rad",
+    }  # fmt: skip
+
+
+def test_signals_have_the_unit_of_the_field_whose_value_they_are():
+    """So has the signal that a lag follows; one that is a force and a moment has none, and a unit in the deck holds."""
+    text = """
+        mecano: 1
+        gravity: none
+        nodes: {bob: {position: [0, 0, 0]}}
+        elements: {bob: {type: rigid_body, node: bob, mass: 1, inertia: [1, 1, 1]}}
+        joints: {pin: {type: hinge, nodes: [ground, bob], axis: [0, 0, 1]}}
+        signals:
+          wanted: 20*(0.1 - pin.angle)
+          torque: {type: lag, input: wanted, time_constant: 0.1}
+          both: 3*time
+          share: {type: formula, value: 2*time, unit: "1"}
+        loads:
+          motor: {type: joint_moment, joint: pin, value: torque}
+          brake: {type: joint_moment, joint: pin, value: "0.2*hypot(bob.velocity.x, bob.velocity.y)"}
+          turn: {type: moment, node: bob, direction: [0, 0, 1], value: both}
+          push: {type: force, node: bob, direction: [0, 0, 1], value: both}
+          pull: {type: force, node: bob, direction: [0, 0, 1], value: share}
+          rub: {type: force, node: bob, direction: [0, 0, 1], value: pin.angle + pin.moment.x/pin.moment.y}
+        time: {end: 1, step: 0.1}
+        """
+    assert prepare(deck(text)).system.signal_units == {
+        "signals/wanted/value": "N m", "signals/torque/value": "N m", "signals/both/value": "SI",
+        "signals/share/value": "-", "formulas/0.2*hypot(bob.velocity.x, bob.velocity.y)/value": "SI",
+        "formulas/pin.angle + pin.moment.x\N{DIVISION SLASH}pin.moment.y/value": "rad",
     }  # fmt: skip
 
 

@@ -141,6 +141,9 @@ class Mechanics:
     """deck values of a signal -> True if its value does not jump with its inputs"""
     like: Callable = never
     """deck values of a signal -> formula (text) of the same unit as its value; "" if there is none"""
+    seconds: Callable = never
+    """deck values of a signal -> power of seconds by which the unit of its value exceeds that of ``like``: 1.0 of an
+    integral"""
     inputs: tuple[str, ...] = ()  # names of the signals that it reads
     multipliers: tuple[Row, ...] = ()
     coupled_multipliers: tuple[Row, ...] = ()  # of other parts of the same owner

@@ -1,4 +1,7 @@
-"""Units of signals: given by the deck, or derived from the quantities in the formulas of the signals."""
+"""Units of signals: given by the deck, or derived from the quantities in their formulas, or from their use.
+
+A signal that is the value of a load has the unit of this load, and so has the input of a filter of this signal.
+"""
 
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
@@ -13,14 +16,20 @@ from mecano.laws.formula import (
     ATAN,
     ATAN2,
     COS,
+    DIVIDE,
+    EXP,
     HYPOT,
     INPUT,
+    LOG,
     MAX,
     MIN,
+    MULTIPLY,
     NEGATIVE,
     NUMBER,
+    POWER,
     SIGN,
     SIN,
+    SQRT,
     SUBTRACT,
     TAN,
     TANH,
@@ -29,6 +38,8 @@ from mecano.laws.formula import (
 )
 from mecano.model.quantity_names import meaning, measured_outputs, quantities
 from mecano.model.sampler import NODE_OUTPUTS
+from mecano.model.unit_products import product_unit
+from mecano.model.wiring import text_of
 
 if TYPE_CHECKING:
     from mecano.element_interface import Output
@@ -38,15 +49,19 @@ if TYPE_CHECKING:
 UNKNOWN = VALUE.unit
 ANY = ""  # unit of a number: that of what it is added to or compared with
 LIKE = (ADD, SUBTRACT, MIN, MAX, HYPOT)  # of two numbers of one unit
-OWN = dict.fromkeys((SIN, COS, TAN, TANH, SIGN), "-") | dict.fromkeys((ASIN, ACOS, ATAN, ATAN2), "rad")
-OF_NO_QUANTITY = (UNKNOWN, "-", "s")  # units of formulas that any field accepts: a ramp is a number times the time
+OWN = dict.fromkeys((SIN, COS, TAN, TANH, SIGN, EXP, LOG), "-") | dict.fromkeys((ASIN, ACOS, ATAN, ATAN2), "rad")
+OF_NO_QUANTITY = (UNKNOWN, "-", "s", "1/s", "1/s2")
+"""Units of formulas that any field accepts: a ramp is a number times time, a quotient of lengths may be an angle."""
 OF_NODES = {name: unit for name, unit, _, _ in NODE_OUTPUTS}
 
 
-def signal_units(model: "Model") -> dict[str, str]:
-    """Return {path: unit} of the outputs of the signals of a Model that depend on its deck."""
+def signal_units(model: "Model", formulas: Iterable[str] = ()) -> dict[str, str]:
+    """Return {path: unit} of the outputs of the signals of a Model that depend on its deck.
+
+    ``formulas``: paths of the formulas written in place (wiring.py).
+    """
     units = _Units(model)
-    found = {}
+    found = {f"{path}/{VALUE.name}": units.of_formula(text_of(path)) for path in formulas}
     for element in _signals(model):
         for output in element.kind.outputs:
             if output.name == VALUE.name or output.unit in (OF_VALUE, OF_INPUT):
@@ -95,6 +110,21 @@ class _Units:
         self.nodes = {node.name for node in model.nodes}
         self.entries = {(e.kind.section, e.name): (e.kind, e.values) for e in model.elements}
         self.found, self.unlike = {}, {}  # units by signal; pairs of units that a formula adds or compares
+        self.used = {}  # units by signal, of the fields whose value it is
+        for element in model.elements:
+            for field, text in _drives(element.kind.fields, element.values):
+                self._use(text, field.unit)
+
+    def _use(self, text, unit):
+        """Note that the value of a formula is a quantity in ``unit``, if it is a signal; of two units none is noted."""
+        name = read_formula(text).reference.removeprefix("signals.")
+        if ("signals", name) not in self.entries or not product_unit((unit, 1.0)) or self.used.get(name) == unit:
+            return
+        known = name in self.used
+        self.used[name] = UNKNOWN if known else unit
+        kind, d = self.entries["signals", name]
+        if not known and kind.like(d) and not kind.seconds(d):
+            self._use(kind.like(d), unit)
 
     def of_output(self, element: "Element", output: "Output") -> str:
         """Return the unit of an output of a signal: that of its value or of its input."""
@@ -107,21 +137,28 @@ class _Units:
         if name not in self.found:
             self.found[name] = UNKNOWN
             kind, d = self.entries["signals", name]
-            self.found[name] = d["unit"] or (self.of_formula(kind.like(d)) if kind.like(d) else UNKNOWN)
+            like = self.of_formula(kind.like(d)) if kind.like(d) else UNKNOWN
+            power = kind.seconds(d)
+            unit = _product((like, 1.0), ("s", power)) if power else like
+            self.found[name] = d["unit"] or (self.used.get(name, UNKNOWN) if unit == UNKNOWN else unit)
         return self.found[name]
 
     def of_formula(self, text: str) -> str:
-        """Return the unit of a formula whose operations do not change the unit of its quantities."""
+        """Return the unit of a formula, as far as those of its quantities determine it.
+
+        A number that is a factor may have any unit, and so may the product.
+        """
         formula, stack, self.unlike[text] = read_formula(text), [], []
-        for code, x in formula.program:
+        for i, (code, x) in enumerate(formula.program):
             if code in (NUMBER, INPUT, TIME):
                 stack.append({NUMBER: ANY, TIME: "s"}.get(code) or self._of_input(code, formula, x))
             elif code < ADD:
-                operand = stack.pop()
-                stack.append(operand if code in (NEGATIVE, ABS) else OWN.get(code, UNKNOWN))
+                stack.append(_of_one(code, stack.pop()))
             else:
                 second, first = stack.pop(), stack.pop()
-                stack.append(_of_two(code, first, second))
+                exponent = formula.program[i - 1]
+                power = exponent[1] if code == POWER and exponent[0] == NUMBER else 0.0
+                stack.append(_product((first, power)) if power else _of_two(code, first, second))
                 if code in LIKE and first != second and not {ANY, UNKNOWN} & {first, second}:
                     self.unlike[text].append((first, second))
         return stack[0] or UNKNOWN
@@ -139,10 +176,33 @@ class _Units:
         return next(output.unit for output, label in outputs if what in quantities(output, label))
 
 
+def _of_one(code, unit):
+    """Return the unit of a function of a number with this unit."""
+    if code == SQRT:
+        return _product((unit, 0.5))
+    return unit if code in (NEGATIVE, ABS) else OWN[code]
+
+
 def _of_two(code, first, second):
     """Return the unit of an operation on two numbers with these units."""
     if code in OWN:
         return OWN[code]
-    if code not in LIKE or UNKNOWN in (first, second) or (first and second and first != second):
+    if code in (MULTIPLY, DIVIDE):
+        return _product((first, 1.0), (second, 1.0 if code == MULTIPLY else -1.0))
+    if code not in LIKE or UNKNOWN in (first, second):
         return UNKNOWN
-    return first or second
+    if ANY in (first, second) or first == second:
+        return first or second
+    return next((one for one, other in ((first, second), (second, first)) if _without_radians(one) == other), UNKNOWN)
+
+
+def _without_radians(unit):
+    return product_unit((unit, 1.0), ("rad", -1.0))
+
+
+def _product(*factors):
+    """Return the unit of a product of ``factors`` (unit, power); that of numbers alone is ANY, with others UNKNOWN."""
+    units = {unit for unit, _ in factors}
+    if units == {ANY}:
+        return ANY
+    return UNKNOWN if {ANY, UNKNOWN} & units else product_unit(*factors) or UNKNOWN

@@ -23,6 +23,7 @@ from mecano.model.reaction_partition import ReactionPartition
 from mecano.model.signal_units import signal_units
 from mecano.model.sparse_pattern import sparse_pattern
 from mecano.model.state import State
+from mecano.model.wiring import IN_PLACE
 
 if TYPE_CHECKING:
     from mecano.jit.store import Code
@@ -144,7 +145,8 @@ class System:
     @cached_property
     def signal_units(self) -> dict[str, str]:
         """{path: unit} of the values of signals."""
-        return signal_units(self.model)
+        paths = [path for batch in self.batches for path, _ in batch.paths if path.startswith(IN_PLACE)]
+        return signal_units(self.model, paths)
 
     @cached_property
     def _assemble(self):

@@ -15,7 +15,18 @@ from mecano.model.quantity_names import MAGNITUDE, index_of, magnitude_of, meani
 if TYPE_CHECKING:
     from mecano.element_interface import Context, Part
 
+IN_PLACE = "formulas/"  # section of the formulas that are written in place
 DIVISION = "\N{DIVISION SLASH}"  # in the name of a formula, since / separates groups of the results file
+
+
+def path_of(text: str) -> str:
+    """Return the path of a formula that is written in place."""
+    return f"{IN_PLACE}{text.replace('/', DIVISION)}"
+
+
+def text_of(path: str) -> str:
+    """Return the formula of a path of ``path_of``."""
+    return path.removeprefix(IN_PLACE).replace(DIVISION, "/")
 
 
 def wire(instances: list[Instance], model: Model, context: "Context") -> set[str]:
@@ -68,8 +79,7 @@ class _Wiring:
     def _append(self, owner, kind, nodes, text):
         values = {"value": text}
         record = kind.record_values(values, (), self.context)
-        path = f"formulas/{text.replace('/', DIVISION)}"
-        self.instances.append(Instance(owner, path, kind, nodes, record, reads=kind.read(values)))
+        self.instances.append(Instance(owner, path_of(text), kind, nodes, record, reads=kind.read(values)))
         return len(self.instances) - 1
 
     def _of_reference(self, name):

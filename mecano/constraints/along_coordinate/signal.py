@@ -11,7 +11,7 @@ INPUT = Field("input", FORMULA, "-", "the input: a formula of signals, outputs o
 INITIAL = Field("initial", NUMBER, "-", "value at the start", 0.0)
 UNIT_OF_VALUE = Field(
     "unit", UNIT, "-", "unit of the value, such as N m or deg; values are in SI units, which results state: N m, rad. "
-    "When absent, the unit of the input or formula, where it follows from that", None,
+    "When absent, the unit of the input, formula or use, where it follows from these", None,
 )  # fmt: skip
 
 

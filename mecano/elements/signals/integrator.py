@@ -21,6 +21,8 @@ INTEGRATOR = signal_of_input(
     __doc__,
     INITIAL,
     smooths=lambda d: True,
+    like=lambda d: d["input"],
+    seconds=lambda d: 1.0,
     states=("value",),
     start=lambda p: [p["initial"]],
     residual=residual,

@@ -5,6 +5,8 @@ r"""Washout: a high-pass filter, which passes changes and removes constant value
 x follows the input with the time constant T. With the gain g = 1/T, y is the rate of x, a filtered derivative of u.
 """
 
+import math
+
 from mecano.constraints.along_coordinate.signal import OF_INPUT, VALUE, signal_of_input
 from mecano.element_interface import Output
 from mecano.jit.kernel import kernel
@@ -29,13 +31,19 @@ def observe(p, at, F, y, e):
     y[0], y[1] = at.q[OWN], at.q[X]
 
 
+def is_rate(d):
+    """Return whether the value is the rate of the input: the gain is 1/T."""
+    return d["gain"] != 1.0 and math.isclose(d["gain"] * d["time_constant"], 1.0, rel_tol=1e-3)
+
+
 WASHOUT = signal_of_input(
     "washout",
     __doc__,
     Field("time_constant", NUMBER, "s", "time constant T", check=positive),
     Field("gain", NUMBER, "-", "g, the value over a sudden change of the input", 1.0),
     Field("initial_state", NUMBER, "-", "x at the start: the input from which changes count", 0.0),
-    like=lambda d: d["input"] if d["gain"] == 1.0 else "",
+    like=lambda d: d["input"] if d["gain"] == 1.0 or is_rate(d) else "",
+    seconds=lambda d: -1.0 if is_rate(d) else 0.0,
     scalars=("value", "state"),
     states=("state",),
     outputs=(VALUE, STATE),
