@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 import scipy.linalg as la
 from equilibria import arm
-from time_runs import deck
+from time_runs import INPUTS, deck
 
 from mecano.analyses.dynamic import run
 from mecano.analyses.modal import modes, operating_point
 from mecano.analyses.static import run as run_static
 from mecano.cli import commands
 from mecano.commands.solving import _of_state
+from mecano.deck.read import read_deck
 from mecano.errors import ConvergenceError, ResultsError, UsageError
 from mecano.post.mode_shapes import draw_modes
 
@@ -193,3 +194,12 @@ def test_a_drive_at_its_turning_point_is_at_rest():
         None,
     )
     assert "the start is not an equilibrium" in text and "not constant in these axes" not in text
+
+
+def test_a_mechanism_without_forces_is_free_at_rest(tmp_path):
+    """Reactions of 1e-31 N are rounding, and so is the stiffness that they cause, of either sign."""
+    four_bar = read_deck(INPUTS / "four_bar.yaml", ("gravity=none", "time.end=0.3", "output.every=0.1"))
+    run(four_bar, tmp_path / "four_bar.h5")
+    _, found, base = modes(four_bar, None, at=f"{tmp_path / 'four_bar.h5'}:0.3", at_rest=True)
+    assert found.kinds == ["free"] and found.values.tolist() == [0.0]
+    assert "1 direction(s) without stiffness" in base.warnings[-1] and len(base.warnings) == 2

@@ -16,6 +16,7 @@ import numpy as np
 
 from mecano.errors import name_list
 from mecano.model.numbering import ROTATION
+from mecano.solve.diagnostics.scales import NO_STIFFNESS
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
@@ -102,7 +103,7 @@ class Judge:
         K = K / np.outer(root, root)
         largest = np.abs(K).max()
         K = Z.T @ K @ Z
-        limit = self.neutral * max(largest, np.finfo(float).tiny)
+        limit = max(self.neutral * largest, NO_STIFFNESS)
         values, vectors = _lowest(0.5 * (K + K.T), limit)
         if _unsymmetric(K, largest, values):
             values, vectors = _real(*np.linalg.eig(K))
