@@ -22,6 +22,7 @@ from mecano.cli import commands
 from mecano.deck.read import deck_of_bytes
 from mecano.deck.run_size import result_bytes, saved_times, steps
 from mecano.jit import store
+from mecano.post.info import info as info_of
 from mecano.post.runs import open_runs
 from mecano.post.sheets import default_sheets
 from mecano.solve.diagnostics.scales import length_scale
@@ -93,6 +94,17 @@ def test_initial_velocities_that_cannot_be_are_reported(name, nodes, motion, rep
     said = [text for text in base.warnings if "initial velocities" in text]
     changes = [text.partition("(momenta kept): ")[2].partition(". Nodes that are not named")[0] for text in said]
     assert changes == ([reported] if reported else [])
+
+
+def test_what_a_drive_sets_in_motion_is_listed(tmp_path):
+    """The end of a crank of 50 mm at 50 rad/s moves at 2.5 m/s; this is no warning."""
+    crank = "the constraints set in motion what the deck leaves at rest: node 'crank_pin' by 2.5 m/s; "
+    assert f"at start {crank}" in flowing(summary(input_deck("slider_crank")))
+    dynamic.run(input_deck("slider_crank", "time.end=0.001"), tmp_path / "reported.h5")
+    with mecano.open_results(tmp_path / "reported.h5") as results:
+        assert f"at start {crank}" in flowing(info_of(results.path)) and not results.warnings
+    given = "initial.velocities=[{nodes: all, velocity: [0, 0, 0]}]"  # the deck gives all
+    assert "at start" not in summary(input_deck("slider_crank", given))
 
 
 ROTOR = b"""

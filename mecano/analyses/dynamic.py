@@ -24,6 +24,7 @@ from mecano.analyses.diagnostics import (
     wrap_warnings,
 )
 from mecano.analyses.initial_state import set_initial_state
+from mecano.analyses.initial_velocities import set_in_motion
 from mecano.analyses.prepare import chosen, integrator_of, model_facts, prepare, startup_warnings
 from mecano.analyses.recorder import Recorder
 from mecano.analyses.source import source_of
@@ -118,6 +119,8 @@ def _from_the_start(deck, path, force, supervision):
     unstable = call_interruptibly(lambda: list(instability_warnings(prepared, start)))
     notes = [*startup_warnings(prepared, start), *found, *unstable]
     automatic, model = chosen(prepared, integrator, start), model_facts(prepared)
+    if moved := set_in_motion(deck, prepared.system, prepared.state, start.motion):
+        model["set_in_motion"] = moved
     source = source_of(deck, automatic=automatic, model=model, warnings=notes)
     postponed = supervision.interruption.postponed()
     with postponed, Writer.create(path, layout_of(sampler), source, force=force) as writer:

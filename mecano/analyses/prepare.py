@@ -5,11 +5,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from mecano.analyses.carry_over import carried_over
+from mecano.analyses.initial_velocities import changed_velocities
 from mecano.analyses.lint import suspicious_model
-from mecano.deck.build import asked_velocities, build, set_velocities, time_breakpoints
+from mecano.deck.build import build, set_velocities, time_breakpoints
 from mecano.deck.run_size import LOOSEST, size_warnings
 from mecano.deck.sections import finest_step
 from mecano.errors import AssemblyError, DeckError, Problem, name_list
@@ -22,7 +21,6 @@ from mecano.solve.diagnostics.joint_redundancy import by_same_joints, redundant_
 from mecano.solve.diagnostics.mobility import DENSE_ROWS, Analysis, Group, analyse
 from mecano.solve.diagnostics.scales import Tolerances, length_scale
 from mecano.solve.events.compliance import Compliance, compliance
-from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.linear.sparse import LinearSolver, pattern_of
 from mecano.solve.time.generalized_alpha import Coefficients, GeneralizedAlpha
 from mecano.solve.time.initial import assemble_start, most_off
@@ -179,7 +177,7 @@ def startup_warnings(prepared: Prepared, start: "RunState | None" = None) -> lis
     """Return the warnings about a model before it runs, one text each; ``start`` is the initial RunState."""
     texts, analysis = [*prepared.carried], prepared.analysis
     if start is not None:
-        texts += _changed_velocities(prepared, start.motion)
+        texts += changed_velocities(prepared.deck, prepared.system, prepared.state, start.motion, prepared.length)
     if prepared.displacement > MOVED * prepared.length:
         texts.append(
             f"the assembly moved the initial positions by up to {prepared.displacement:.3g} m, to the nearest that "
@@ -258,50 +256,6 @@ def _read_by_signals(system, group):
         f"signals read reactions of {', '.join(owners)} that are not unique: they depend on how equal compliances of "
         "the redundant constraints distribute the reactions"
     ]
-
-
-def _changed_velocities(prepared, motion):
-    """Return a warning about the node whose velocity, or else angular velocity, the constraints changed most."""
-    deck, system, of = prepared.deck, prepared.system, prepared.system.numbering
-    entries = [entry for entry in deck.values["initial"]["velocities"] if entry["nodes"] != "all"]
-    named = {name for entry in entries for name in entry["nodes"]}
-    turned = {name for entry in entries if any(entry["angular_velocity"]) for name in entry["nodes"]}
-    turned &= _turning(system)
-    motions = [  # fixed nodes did not receive the velocities asked
-        (names, np.where((first < of.n_q)[:, None], before, asked), reached, unit)
-        for names, first, asked, before, reached, unit in zip(
-            (named, turned), (of.x, of.r), asked_velocities(deck, system), _rates(system, prepared.state),
-            _rates(system, motion), ("m/s", "rad/s"), strict=False,
-        )
-    ]  # fmt: skip
-    fastest = [np.linalg.norm(np.concatenate([asked, now]), axis=1).max(initial=0.0) for _, asked, now, _ in motions]
-    rounding = ROUNDING * fastest[1] * prepared.length, ROUNDING * fastest[0] / prepared.length  # of one by the other
-    for (names, asked, reached, unit), speed, least in zip(motions, fastest, rounding, strict=True):
-        rows = [i for i, node in enumerate(system.nodes) if node.name in names]
-        change = np.linalg.norm((reached - asked)[rows], axis=1)
-        if change.max(initial=0.0) > max(1e-6 * speed, least):
-            i = rows[int(np.argmax(change))]
-            was, is_ = (", ".join(f"{c + 0.0:.4g}" for c in vector) for vector in (asked[i], reached[i]))
-            return [
-                "the initial velocities violate the constraints and were replaced by the nearest admissible ones "
-                f"(momenta kept): node '{system.nodes[i].name}' from [{was}] to [{is_}] {unit}. Nodes that are not "
-                "named, including those attached to a body, have no velocity: name all nodes that move, with 'about' "
-                "for a rotation"
-            ]
-    return []
-
-
-def _turning(system):
-    """Return the names of the nodes whose rotation is free or held: a point mass has none to which a rate belongs."""
-    nodes, of = system.nodes, system.numbering
-    held = {of.r[i] for i, node in enumerate(nodes) if node.fixed}
-    return {node.name for i, node in enumerate(nodes) if of.r[i] < of.n_q or of.r[i] in held}
-
-
-def _rates(system, s):
-    """Return the velocities and angular velocities of all nodes, (n_nodes, 3) each, in inertial axes."""
-    of, three = system.numbering, np.arange(3)
-    return s.v[of.x[:, None] + three], np.einsum("nij,nj->ni", s.R[of.rotation], s.v[of.r[:, None] + three])
 
 
 def chosen(prepared: Prepared, integrator: TimeIntegrator, start: "RunState") -> dict[str, float]:

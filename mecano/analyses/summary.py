@@ -4,15 +4,19 @@ from collections import Counter
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from mecano.analyses.initial_state import describe
+from mecano.analyses.initial_velocities import NOTICED, set_in_motion
 from mecano.analyses.memory_estimate import in_words, memory_of_run
 from mecano.analyses.prepare import Prepared, amount_warnings, mass_of, prepare, warnings_of
 from mecano.deck.run_size import saved_times, steps
 from mecano.element_interface import SECTIONS
-from mecano.errors import name_list
+from mecano.errors import AssemblyError, name_list
 from mecano.process.interrupt import call_interruptibly
 from mecano.solve.diagnostics.mobility import DENSE_ROWS
 from mecano.solve.diagnostics.rigidity import stiff_mechanisms
+from mecano.solve.time.consistent import Consistent
 
 if TYPE_CHECKING:
     from mecano.deck.deck import Deck
@@ -190,8 +194,27 @@ def _amounts(prepared):
         yield from _start(prepared)
     if values["initial"]["steady"]:
         yield f"initial          {describe(prepared.deck)}, computed when the run starts"
+    elif moved := _set_in_motion(prepared):
+        yield from _labelled("at start", f"the constraints set in motion what the deck leaves at rest: {moved}")
     for text in amount_warnings(prepared):
         yield from _labelled("warning", text)
+
+
+def _set_in_motion(prepared):
+    """Return as text what the constraints set in motion at the start; "" if no velocities satisfy them there.
+
+    Where the velocities of the deck satisfy them, there is nothing to compute, or to compile.
+    """
+    start = prepared.state.copy()
+    rates = np.abs(prepared.system.constraint_derivatives(start)[:, 1])
+    if rates.max(initial=0.0) <= NOTICED * np.abs(start.v).max():
+        return ""
+    try:
+        consistent = Consistent(prepared.system, prepared.linear, start, prepared.length, prepared.compliance)
+    except AssemblyError:
+        return ""
+    consistent.project_velocity(start)
+    return set_in_motion(prepared.deck, prepared.system, prepared.state, start)
 
 
 def _labelled(label, text):

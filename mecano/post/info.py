@@ -71,10 +71,17 @@ def facts(results: Results) -> list[tuple[str, str]]:
         ("other files", ", ".join(data["includes"]) or "none"),
         ("plugins", _plugins(data.get("plugins", "{}"))),
         ("automatic", _automatic(results)),
+        *_set_in_motion(results),
         *(("energy", text) for text in _energy(results)),
         ("started", f"{data['started']} on {data['host']}, {data['threads']} thread(s)"),
         ("with", ", ".join(versions)),
     ]
+
+
+def _set_in_motion(results):
+    """Yield the fact that constraints give velocities to nodes that the deck leaves at rest."""
+    if nodes := results.model.get("set_in_motion"):
+        yield "at start", f"the constraints set in motion what the deck leaves at rest: {nodes}"
 
 
 def _plugins(text):

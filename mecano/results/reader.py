@@ -262,7 +262,7 @@ class Results(ByName):
 
     @cached_property
     def model(self) -> dict[str, Any]:
-        """Properties of the model: name -> number; empty for older files."""
+        """Properties of the model: name -> number, or text; empty for older files."""
         return self._file.json("deck/model", dict) if "deck/model" in self._file.h5 else {}
 
     @cached_property

@@ -1,0 +1,80 @@
+"""Initial velocities that the constraints change, and those of nodes that the deck leaves at rest."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mecano.deck.build import asked_velocities
+from mecano.errors import name_list
+from mecano.solve.linear.rounding import ROUNDING
+
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck
+    from mecano.model.state import State
+    from mecano.model.system import System
+
+NOTICED = 1e-6  # of the fastest motion: a change of a velocity that is reported
+MOST_NAMED = 3
+
+
+def changed_velocities(deck: "Deck", system: "System", given: "State", start: "State", length: float) -> list[str]:
+    """Return a warning about the node whose velocity, or else angular velocity, the constraints changed most.
+
+    ``given``: the state with the velocities of the deck, ``start``: with consistent ones; ``length`` [m]: the length
+    scale. Only nodes that the deck names are considered.
+    """
+    of = system.numbering
+    entries = [entry for entry in deck.values["initial"]["velocities"] if entry["nodes"] != "all"]
+    named = {name for entry in entries for name in entry["nodes"]}
+    turned = {name for entry in entries if any(entry["angular_velocity"]) for name in entry["nodes"]}
+    turned &= _turning(system)
+    motions = [  # fixed nodes did not receive the velocities asked
+        (names, np.where((first < of.n_q)[:, None], before, asked), reached, unit)
+        for names, first, asked, before, reached, unit in zip(
+            (named, turned), (of.x, of.r), asked_velocities(deck, system), _rates(system, given),
+            _rates(system, start), ("m/s", "rad/s"), strict=False,
+        )
+    ]  # fmt: skip
+    fastest = [np.linalg.norm(np.concatenate([asked, now]), axis=1).max(initial=0.0) for _, asked, now, _ in motions]
+    rounding = ROUNDING * fastest[1] * length, ROUNDING * fastest[0] / length  # of one by the other
+    for (names, asked, reached, unit), speed, least in zip(motions, fastest, rounding, strict=True):
+        rows = [i for i, node in enumerate(system.nodes) if node.name in names]
+        change = np.linalg.norm((reached - asked)[rows], axis=1)
+        if change.max(initial=0.0) > max(1e-6 * speed, least):
+            i = rows[int(np.argmax(change))]
+            was, is_ = (", ".join(f"{c + 0.0:.4g}" for c in vector) for vector in (asked[i], reached[i]))
+            return [
+                "the initial velocities violate the constraints and were replaced by the nearest admissible ones "
+                f"(momenta kept): node '{system.nodes[i].name}' from [{was}] to [{is_}] {unit}. Nodes that are not "
+                "named, including those attached to a body, have no velocity: name all nodes that move, with 'about' "
+                "for a rotation"
+            ]
+    return []
+
+
+def _turning(system):
+    """Return the names of the nodes whose rotation is free or held: a point mass has none to which a rate belongs."""
+    nodes, of = system.nodes, system.numbering
+    held = {of.r[i] for i, node in enumerate(nodes) if node.fixed}
+    return {node.name for i, node in enumerate(nodes) if of.r[i] < of.n_q or of.r[i] in held}
+
+
+def _rates(system, s):
+    """Return the velocities and angular velocities of all nodes, (n_nodes, 3) each, in inertial axes."""
+    of, three = system.numbering, np.arange(3)
+    return s.v[of.x[:, None] + three], np.einsum("nij,nj->ni", s.R[of.rotation], s.v[of.r[:, None] + three])
+
+
+def set_in_motion(deck: "Deck", system: "System", given: "State", start: "State") -> str:
+    """Return as text which nodes, not named in ``initial.velocities``, the constraints set in motion, or "".
+
+    Arguments as in ``changed_velocities``. A drive whose rate is not zero at the start moves what it drives.
+    """
+    quiet = asked_velocities(deck, system)[2] | [node.internal for node in system.nodes]
+    found = []
+    for before, now, unit in zip(_rates(system, given), _rates(system, start), ("m/s", "rad/s"), strict=True):
+        change, fastest = np.linalg.norm(now - before, axis=1), np.linalg.norm(now, axis=1).max(initial=0.0)
+        moved = (change > NOTICED * fastest) & ~quiet
+        found += [f"node '{system.nodes[i].name}' by {change[i]:.4g} {unit}" for i in np.argsort(-change) if moved[i]]
+        quiet |= moved
+    return name_list(found, MOST_NAMED, "; ")
