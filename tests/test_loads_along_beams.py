@@ -82,3 +82,50 @@ def test_errors():
         input_deck("loads_along_beams", "loads.water.across=[0, 1, 0.05]")
     text = "'across' runs along the line between nodes 'east' and 'ring.1'; it must cross it"
     assert text in deck_error_text(info.value)
+
+
+LINES = """
+mecano: 1
+gravity: none
+sections: {tube: {type: tube, diameter: 0.1, thickness: 5 mm, E: 70 GPa, nu: 0.3, density: 2700}}
+nodes: {tip: {position: [0, 0, 3]}}
+elements: {mass: {type: point_mass, node: tip, mass: 1}}
+templates:
+  mast:
+    nodes: {foot: {position: [0, 0, 0], fixed: true}, top: {position: [0, 0, 1]}, boom: {position: [0, 0, 2]}}
+    elements:
+      mast: {type: beam, nodes: [foot, top], section: tube, mesh: 3}
+      boom: {type: beam, nodes: [boom, top], section: tube, mesh: 2}
+      bar: {type: rigid_body, node: boom, mass: 1, inertia: [1, 1, 1]}
+    loads: {wind: {type: line_load, line: [mast, boom.1, boom], direction: [1, 0, 0], value: 3 N/m}}
+place: {p: {template: mast}}
+loads: {wind: {type: line_load, line: LINE, direction: [1, 0, 0], value: 3 N/m}}
+time: {end: 1, step: 0.1}
+"""
+
+
+@pytest.mark.parametrize(
+    ("line", "nodes"),
+    [
+        ("p_mast", "p_foot p_mast.1 p_mast.2 p_top"),
+        ("[p_mast, tip]", "p_foot p_mast.1 p_mast.2 p_top tip"),
+        ("[p_mast.2, p_top, p_boom.1]", "p_mast.2 p_top p_boom.1"),
+    ],
+)
+def test_a_member_in_a_line_stands_for_its_nodes(line, nodes):
+    """The beam boom runs to the top, against the line, but the name is that of a node, too, which comes first."""
+    loads = deck(LINES.replace("LINE", line)).values["loads"]
+    assert loads["wind"]["line"] == nodes.split()
+    assert loads["p_wind"]["line"] == "p_foot p_mast.1 p_mast.2 p_top p_boom.1 p_boom".split()
+    with_a_name = LINES.replace("LINE", line).replace("boom: {position", "end: {position").replace("[boom,", "[end,")
+    with_a_name = with_a_name.replace("[mast, boom.1, boom]", "[mast, boom]").replace("node: boom", "node: end")
+    loads = deck(with_a_name).values["loads"]
+    assert loads["p_wind"]["line"] == "p_foot p_mast.1 p_mast.2 p_top p_boom.1 p_end".split()
+
+
+@pytest.mark.parametrize("line", ["p_mats", "[p_foot, p_bar]", "3"])
+def test_a_line_of_what_is_no_member(line):
+    with pytest.raises(DeckError) as error:
+        deck(LINES.replace("LINE", line))
+    expected = {"p_mats": "did you mean 'p_mast'?", "3": "must be the name of a member, or a list of names"}
+    assert expected.get(line, "unknown node 'p_bar'") in deck_error_text(error.value)

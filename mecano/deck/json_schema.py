@@ -13,7 +13,7 @@ from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS
 from mecano.elements.members.cross_section import SHAPES
 from mecano.laws import TERMS
-from mecano.schema import SECTION_OF, Field, not_negative, positive, share
+from mecano.schema import LINE, SECTION_OF, Field, not_negative, positive, share
 
 EXPRESSION = r"^\s*=|\$|^[-+( ]*(\.?[0-9]|pi\b|[a-z0-9]+\()"  # in place of a number: an expression, or 25 mm
 NAME = r"^[A-Za-z_$][A-Za-z0-9_$()+*/% -]*$"
@@ -191,7 +191,7 @@ WRITTEN = {
 }  # fmt: skip
 MADE = {
     "choice": lambda t: {"enum": list(t.options)},
-    "nodes": lambda t: _list(TEXT, *(2 * t.options)),
+    "nodes": lambda t: {"anyOf": [TEXT, _list(TEXT)]} if t == LINE else _list(TEXT, *(2 * t.options)),
     "mapping": lambda t: mapping_schema(t.options),
     "named": _named,
     "list": lambda t: _list(_of(t.options[0])),

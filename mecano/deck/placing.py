@@ -10,7 +10,7 @@ from typing import TypeAlias
 from mecano.deck.compose import Node
 from mecano.deck.copied_formulas import is_own, with_prefix
 from mecano.deck.scope import INVALID, Scope, node_of
-from mecano.schema import SECTION_OF, Field
+from mecano.schema import LINE, SECTION_OF, Field
 
 Quaternion: TypeAlias = tuple[float, float, float, float]  # w, x, y, z of a rotation
 FORMULAS = ("formula", "condition", "drive", "signal_entry")  # types of texts that may name signals and outputs
@@ -91,7 +91,7 @@ class Placing:
         elif type_.name in FORMULAS and type(node.value) is str:
             self._rename_formula(node)
         elif type_.name in SECTION_OF:
-            self._rename(node, SECTION_OF[type_.name])
+            self._rename(node, SECTION_OF[type_.name], type_ == LINE)
         elif type_.name == "mapping":
             self._fields(node, type_.options)
         elif type_.name in ("kind", "signal_entry") and type(node.value) is dict:
@@ -127,13 +127,15 @@ class Placing:
             place = node.value
             node.value = [Node(c, at.source, at.line, at.column, at.raw) for c, at in zip(moved, place, strict=True)]
 
-    def _rename(self, node, section):
+    def _rename(self, node, section, members=False):
         if type(node.value) is list:
             for item in node.value:
-                self._rename(item, section)
+                self._rename(item, section, members)
         elif type(node) is Word and node.rise > 0:
             node.rise -= 1
-        elif type(node.value) is str and self._is_own(node.value, section):
+        elif type(node.value) is str and (
+            self._is_own(node.value, section) or (members and self._is_own(node.value, "elements"))
+        ):
             node.value = self.prefix + node.value
         elif type(node.value) is str:
             self.scope.own_names[id(node)] = self.own[section]

@@ -10,8 +10,8 @@ from mecano.deck.motions import NotAMotion, motion_of
 from mecano.deck.similar_names import similar
 from mecano.deck.wording import quoted
 from mecano.laws.formula import read_formula
-from mecano.model.mesh import divides, inner_names
-from mecano.schema import MOTION, Values
+from mecano.model.mesh import divided_nodes, divides, inner_names
+from mecano.schema import LINE, MOTION, Values
 
 if TYPE_CHECKING:
     from mecano.deck.compose import Node
@@ -23,6 +23,7 @@ OTHERS = ("nodes", "elements", "joints", "loads", "sections", "grounds", "tire_l
 def resolve(values: Values, scope: "Scope") -> None:
     """Resolve every reference of the scope in the checked values, which are changed in place."""
     nodes = dict.fromkeys([*values["nodes"], *_nodes_of_members(values["elements"], scope.kinds)])
+    members = {name: d for name, d in values["elements"].items() if scope.kinds[d["type"]].divide and name not in nodes}
     formulas = {*values["signals"], "time"}  # names that are formulas
     for reference in sorted(scope.references, key=_prescribes):
         scope.subject = reference.subject
@@ -37,8 +38,11 @@ def resolve(values: Values, scope: "Scope") -> None:
             _put(reference, reference.name)
             note_continuous(read_formula(reference.name), reference.node, reference.options, scope)
             continue
+        of_line = reference.options == LINE.options
+        if of_line and reference.name in members:
+            continue
         if reference.name not in known:
-            more = values["signals"] if reference.wanted == "drive" else ()
+            more = values["signals"] if reference.wanted == "drive" else members if of_line else ()
             _unknown(reference, [*known, *more], values, scope)
             continue
         found = known[reference.name]
@@ -49,6 +53,19 @@ def resolve(values: Values, scope: "Scope") -> None:
         _put(reference, found)
         if reference.section == "joints":
             _check_joint(reference, found, scope)
+    for line in scope.lines:
+        line[:] = _nodes_of_line(line, members)
+
+
+def _nodes_of_line(names, members):
+    """Return the names of nodes along a line; a member begins where the line before it ends."""
+    line: list[str] = []
+    for name in names:
+        nodes = divided_nodes(name, members[name]) if name in members else [name]
+        if line[-1:] == nodes[-1:]:
+            nodes = nodes[::-1]
+        line += nodes[1:] if line[-1:] == nodes[:1] and name in members else nodes
+    return line
 
 
 def _put(reference, value):
@@ -83,6 +100,8 @@ def unknown_names(root: "Node", scope: "Scope") -> None:
         if reference.wanted == "motion":
             continue
         names = [*known.get(reference.section, (reference.name,))]
+        if reference.options == LINE.options:
+            names += known.get("elements", (reference.name,))
         if reference.wanted == "drive":
             names = [*known.get("laws", ()), *known.get("signals", ())]
         if scope.misplaced & ({"laws", "signals"} if reference.wanted == "drive" else {reference.section}):

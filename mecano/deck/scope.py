@@ -76,6 +76,7 @@ class Scope:
     included: dict[str, str] = field(default_factory=dict)  # file as shown -> its folder relative to that of the deck
     parameters: Parameters = field(default_factory=Parameters)
     references: list[Reference] = field(default_factory=list)
+    lines: list[list[str]] = field(default_factory=list)  # names of nodes and members
     formulas: "list[tuple[Formula, Node, str]]" = field(default_factory=list)  # with their subjects, all that are read
     continuous: "list[tuple[Formula, Node, str]]" = field(default_factory=list)  # the same of those that must not jump
     files: dict[str, str] = field(default_factory=dict)  # name of a file read -> SHA-256

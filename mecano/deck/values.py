@@ -22,11 +22,12 @@ from mecano.deck.units import (
     written_in_si,
 )
 from mecano.deck.wording import quoted
-from mecano.schema import NODE, NUMBER, NUMBERS, SECTION_OF, Field, Type
+from mecano.schema import LINE, NODE, NUMBER, NUMBERS, SECTION_OF, Field, Type
 
 LARGEST = 1e100  # beyond it squares and products overflow; no quantity in SI units is near
 SMALLEST = 1e-100  # below it they vanish; zero itself is allowed
 END = replace(NODE, name="end")  # one of two nodes, which may be the ground
+OF_LINE = replace(NODE, options=LINE.options)  # or the name of a member
 PAIR = replace(NUMBERS, expects="two numbers")
 ROW = replace(NUMBERS, expects="three numbers")
 SIX = replace(NUMBERS, expects="six numbers")
@@ -264,12 +265,14 @@ def node_name(node: Node, field: Field, scope: Scope) -> str | Invalid:
     """Return the name of a node, resolved later."""
     if type(node.value) is not str:
         return scope.refuse_value(node, field)
-    scope.references.append(Reference(node.value, "nodes", field.type.name, node, scope.subject))
+    scope.references.append(Reference(node.value, "nodes", field.type.name, node, scope.subject, field.type.options))
     return node.value
 
 
 def node_names(node: Node, field: Field, scope: Scope) -> list[str] | Invalid:
     """Return a list of names of nodes, of the length required by the type; one of a fixed number may be ``ground``."""
+    if field.type == LINE:
+        return line(node, field, scope)
     length = field.type.options[0] if field.type.options else None
     if type(node.value) is not list or (length and len(node.value) != length):
         hint = f"write [{node.value}]" if type(node.value) is str and node.value.isidentifier() and not length else ""
@@ -281,6 +284,17 @@ def node_names(node: Node, field: Field, scope: Scope) -> list[str] | Invalid:
         else:
             type_ = END if length else NODE
             values.append(node_name(item, replace(field, name=f"{field.name}[{i}]", type=type_), scope))
+    return INVALID if INVALID in values else values
+
+
+def line(node: Node, field: Field, scope: Scope) -> list[str] | Invalid:
+    """Return a list of names of nodes and members; the members are replaced later by their nodes (resolve.py)."""
+    items = [node] if type(node.value) is str else node.value
+    if type(items) is not list:
+        return scope.refuse_value(node, field)
+    own = [replace(field, name=f"{field.name}[{i}]", type=OF_LINE) for i in range(len(items))]
+    values: list[Any] = [node_name(item, one, scope) for item, one in zip(items, own, strict=True)]
+    scope.lines.append(values)
     return INVALID if INVALID in values else values
 
 

@@ -19,7 +19,7 @@ from mecano.constraints.line_of_nodes import check_line, lengths, sample_line
 from mecano.element_interface import Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, dot, mat, vec
-from mecano.schema import BOOLEAN, DIRECTION, DRIVE, NODES, Field
+from mecano.schema import BOOLEAN, DIRECTION, DRIVE, LINE, Field
 
 EQUATIONS = __doc__.partition("\n\n")[2]
 RECORD = record(load=3, law="i")  # load of a node per unit of the law
@@ -117,7 +117,12 @@ class _Quantity:
             doc=f"{self.name.capitalize()} per length along a line of nodes, such as those of a beam.\n\n{EQUATIONS}",
             dtype=OF_LINE,
             fields=(
-                Field("line", NODES, "-", "nodes from one end to the other, including those created by 'mesh'"),
+                Field(
+                    "line",
+                    LINE,
+                    "-",
+                    "nodes from one end to the other; a member, such as a beam, stands for all its nodes",
+                ),
                 Field("direction", DIRECTION, "-", "direction at the start, inertial, made a unit vector"),
                 Field("value", DRIVE, f"{self.unit}/m", f"{per}: a function of time [s], or a formula of signals"),
                 Field("follows", BOOLEAN, "-", "whether the direction turns with each node", False),

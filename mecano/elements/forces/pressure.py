@@ -21,7 +21,7 @@ from mecano.constraints.line_of_nodes import check_line, sample_line
 from mecano.element_interface import Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, cross, dot, mat, vec
-from mecano.schema import DIRECTION, DRIVE, NODES, NUMBER, Field, positive
+from mecano.schema import DIRECTION, DRIVE, LINE, NUMBER, Field, positive
 
 RECORD = record(across_0=3, across_1=3, half_width=(), law="i")
 OF_LINE = record(width=(), law="i")
@@ -121,7 +121,9 @@ def _kind(demand):
         doc=__doc__,
         dtype=OF_LINE,
         fields=(
-            Field("line", NODES, "-", "nodes from one end to the other, including those created by 'mesh'"),
+            Field(
+                "line", LINE, "-", "nodes from one end to the other; a member, such as a beam, stands for all its nodes"
+            ),
             Field("across", DIRECTION, "-", "across the line, along the width of the side, at the start, inertial"),
             Field("width", NUMBER, "m", "width of the side", check=positive),
             Field("value", DRIVE, "Pa", "pressure: a function of time [s], or a formula of signals"),

@@ -27,7 +27,7 @@ from mecano.element_interface import Display, Event, Kind, Output, Row, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, number
 from mecano.maths.vector import add_vec, cross, dot, mat, norm, put, vec
-from mecano.schema import NODE, NODES, Field
+from mecano.schema import LINE, NODE, Field
 
 RECORD = record(n_nodes="i", table="i", first="i", start=(), length=())
 PAST = 1e-6  # of an element: distance past a node at which the next one takes over; lets a slider rest at a node
@@ -199,7 +199,7 @@ DECLARED = {
     "scalars": ("position",),
     "fields": (
         Field("node", NODE, "-", "the slider, free to rotate"),
-        Field("line", NODES, "-", "nodes of the beam from its start to its end, including those created by 'mesh'"),
+        Field("line", LINE, "-", "the beam, or its nodes from its start to its end"),
     ),
     "outputs": (
         Output(
