@@ -311,13 +311,23 @@ def test_a_brake_keeps_its_bound_and_holds_a_stopped_wheel():
 def test_the_random_road_has_its_spectrum():
     """Mean square of ISO 8608's density G = G0 (n/n0)^-2 over the waves: G0 n0^2 (1/n1 - 1/n2); the seed decides."""
     values = {"density": 64e-6, "reference": 0.1, "exponent": 2.0, "lowest": 0.011, "highest": 2.83, "waves": 200}
-    values["seed"] = 3
+    values |= {"seed": 3, "lead_in": 0.0, "start": 0.0}
     road = (("random", values),)
     s = np.linspace(0.0, 4000.0, 20001)
     height = np.array([curve_at(road, x)[0] for x in s[::10]])
     assert np.mean(height**2) == pytest.approx(64e-6 * 0.01 * (1 / 0.011 - 1 / 2.83), rel=0.1)
     same, other = (curve_at((("random", {**values, "seed": seed}),), 1.0)[0] for seed in (3, 4))
     assert same == curve_at(road, 1.0)[0] != other
+
+
+def test_a_random_road_begins_flat_and_rises_smoothly_over_its_lead_in():
+    values = {"density": 64e-6, "reference": 0.1, "exponent": 2.0, "lowest": 0.011, "highest": 2.83, "waves": 20}
+    values |= {"seed": 3, "lead_in": 0.0, "start": 0.0}
+    endless, led = (("random", values),), (("random", {**values, "lead_in": 5.0, "start": 2.0}),)
+    assert curve_at(led, -3.0) == curve_at(led, 2.0) == (0.0, 0.0, 0.0)
+    assert curve_at(led, 7.0) == curve_at(endless, 7.0) and curve_at(led, 50.0) == curve_at(endless, 50.0)
+    assert curve_at(led, 4.5)[0] == pytest.approx(0.5 * curve_at(endless, 4.5)[0], rel=1e-12)
+    assert abs(curve_at(led, 2.0 + 1e-6)[1]) < 1e-6 * abs(curve_at(endless, 2.0)[1]) + 1e-9
 
 
 LANDING = [0.0, 469064.3846532291, 19244229.974871956, -219455084.02402905, 843323797.0102023]

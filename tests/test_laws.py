@@ -18,6 +18,7 @@ DAMPING = [[-2, -3.0], [-0.5, -1.0], [0, 0], [1, 0.4], [2, 2.0]]
 OIL = {"density": 870.0, "piston_area": 0.01, "discharge_coefficient": 0.7, "interpolation": "cubic"}
 RANDOM = {
     "density": 0.1, "reference": 0.1, "exponent": 2.0, "lowest": 0.05, "highest": 1.0, "waves": 12, "seed": 5,
+    "lead_in": 0.0, "start": 0.0,
 }  # fmt: skip
 QUAKE = {"points": CUBIC["points"], "factor": 0.7, "initial_rate": -0.3, "baseline": "as_given"}
 
@@ -43,6 +44,8 @@ CASES = {
     "exponential, rate 0": ("exponential", {"start": 0.8, "limit": 0.3, "rate": 0.0, "origin": -0.5}, []),
     "bump": ("bump", {"start": -1.0, "length": 2.5, "height": 0.6}, [-1.0, 1.5]),
     "random": ("random", RANDOM, []),
+    "random, after a lead-in": ("random", {**RANDOM, "lead_in": 1.8, "start": -1.2}, [-1.2, 0.6]),
+    "random, after a lead-in as long as a wave": ("random", {**RANDOM, "lead_in": 10.0, "start": -2.5}, [-2.5]),
     "acceleration": ("acceleration", QUAKE, [-2, 2]),
     "acceleration, at rest in the end": ("acceleration", {**QUAKE, "baseline": "end_at_rest"}, [-2, 2]),
     "spring": ("spring", {"stiffness": 7.0}, []),

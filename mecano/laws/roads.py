@@ -1,4 +1,4 @@
-"""Curves used mainly as road profiles: a bump, and a random road of given spectrum."""
+"""Curves used mainly as road profiles: a bump, and a random road of given spectrum, which may begin flat."""
 
 import math
 
@@ -28,23 +28,46 @@ def bump_integral(a, i, s):
 
 @kernel
 def waves(a, i, s):
-    """Evaluate the term; numbers: count, then amplitude, angular frequency, phase of each wave."""
+    """Evaluate the term; numbers: start and length of the lead-in, count, then those of each wave.
+
+    A wave has amplitude, angular frequency and phase. In the lead-in waves are multiplied by (1 - cos)/2.
+    """
+    x, lead = s - a[i], a[i + 1]
     y, d, h = 0.0, 0.0, 0.0
-    for j in range(int(a[i])):
-        A, w, phase = a[i + 1 + 3 * j], a[i + 2 + 3 * j], a[i + 3 + 3 * j]
+    if lead > 0.0 and x <= 0.0:
+        return y, d, h
+    for j in range(int(a[i + 2])):
+        A, w, phase = a[i + 3 + 3 * j], a[i + 4 + 3 * j], a[i + 5 + 3 * j]
         c, s_ = math.cos(w * s + phase), math.sin(w * s + phase)
         y, d, h = y + A * c, d - A * w * s_, h - A * w * w * c
-    return y, d, h
+    if lead <= 0.0 or x >= lead:
+        return y, d, h
+    k = math.pi / lead
+    part, slope, bend = 0.5 - 0.5 * math.cos(k * x), 0.5 * k * math.sin(k * x), 0.5 * k * k * math.cos(k * x)
+    return part * y, part * d + slope * y, part * h + 2.0 * slope * d + bend * y
 
 
 @kernel
 def waves_integral(a, i, s):
-    """Return the antiderivative, zero at s = 0."""
-    total = 0.0
-    for j in range(int(a[i])):
-        A, w, phase = a[i + 1 + 3 * j], a[i + 2 + 3 * j], a[i + 3 + 3 * j]
-        total += A / w * (math.sin(w * s + phase) - math.sin(phase))
+    """Return the antiderivative, zero at s = 0, or before the lead-in."""
+    start, lead, total = a[i], a[i + 1], 0.0
+    x = min(max(s - start, 0.0), lead)
+    for j in range(int(a[i + 2])):
+        A, w, phase = a[i + 3 + 3 * j], a[i + 4 + 3 * j], a[i + 5 + 3 * j]
+        if lead > 0.0:  # (1 - cos k x)/2 times a wave is a sum of three waves
+            k, phase = math.pi / lead, phase + w * start
+            total += A * (0.5 * area(w, phase, x) - 0.25 * (area(w + k, phase, x) + area(w - k, phase, x)))
+            total += A * area(w, phase + w * x, max(s - start - x, 0.0))
+        else:
+            total += A / w * (math.sin(w * s + phase) - math.sin(phase))
     return total
+
+
+@kernel
+def area(w, phase, x):
+    """Return the integral of cos(w x + phase) from 0 to x, also for w = 0."""
+    half = 0.5 * w * x
+    return x * math.cos(half + phase) * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
 
 
 def pack_random(values):
@@ -54,12 +77,22 @@ def pack_random(values):
     frequency = np.sqrt(edges[:-1] * edges[1:])
     square = values["density"] * (frequency / values["reference"]) ** -values["exponent"] * np.diff(edges)
     phase = np.random.default_rng(values["seed"]).uniform(0.0, 2.0 * math.pi, n)
-    return [n, *np.stack([np.sqrt(2.0 * square), 2.0 * math.pi * frequency, phase], axis=1).ravel()]
+    return [
+        values["start"],
+        values["lead_in"],
+        n,
+        *np.stack([np.sqrt(2.0 * square), 2.0 * math.pi * frequency, phase], axis=1).ravel(),
+    ]
 
 
 def check_random(values):
     """Check that the range of frequencies is not empty."""
     return [] if values["highest"] > values["lowest"] else ["'highest' must be greater than 'lowest'"]
+
+
+def ends_of_lead_in(values):
+    """Return the arguments of both ends of the lead-in, if there is one."""
+    return [values["start"], values["start"] + values["lead_in"]] if values["lead_in"] else []
 
 
 def some(number):
@@ -113,11 +146,15 @@ RANDOM = Term(
         Field("highest", NUMBER, PER_ARGUMENT, "highest frequency", 2.83, positive),
         Field("waves", INTEGER, "-", "number of cosines", 100, some),
         Field("seed", INTEGER, "-", "seed of the random phases", 1, not_negative),
+        Field("lead_in", NUMBER, ARGUMENT, "length over which the road rises smoothly from flat; endless without", 0.0,
+              not_negative),
+        Field("start", NUMBER, ARGUMENT, "where the lead-in begins: flat before", 0.0),
     ),
     pack=pack_random,
     evaluate=waves,
     integral=waves_integral,
     shape=shape_of_random,
     frequency=lambda values: values["highest"] if values["density"] else 0.0,
+    breakpoints=ends_of_lead_in,
     check=check_random,
 )  # fmt: skip
