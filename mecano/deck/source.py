@@ -66,14 +66,17 @@ class Lines:
     def __init__(self, text: str):
         self._text, self._begins = text, array("q", [0])
         self._begins.extend(end.end() for end in LINE_END.finditer(text))
+        self._last: tuple[int | None, str] = (None, "")  # the last line asked for: many errors may share a long one
 
     def __len__(self):
         return len(self._begins)
 
     def __getitem__(self, i):
-        begin = self._begins[i]  # IndexError ends an iteration
-        end = LINE_END.search(self._text, begin)
-        return self._text[begin : end.start() if end else None]
+        if i != self._last[0]:
+            begin = self._begins[i]  # IndexError ends an iteration
+            end = LINE_END.search(self._text, begin)
+            self._last = i, self._text[begin : end.start() if end else None]
+        return self._last[1]
 
 
 @lru_cache(maxsize=4)  # the copies of a template share one text
