@@ -68,6 +68,12 @@ def test_units_in_a_deck():
     )
 
 
+@pytest.mark.parametrize("text", ["kg.0", "Kg.0", "m.0"])
+def test_no_unit_with_the_power_zero_is_suggested(text):
+    (problem,) = problems_of(VALID.replace("mass: 7e1", f"mass: 7 {text}"))
+    assert "is not a unit" in problem and "0'?" not in problem
+
+
 @pytest.mark.parametrize(
     ("old", "new", "reported"),
     [

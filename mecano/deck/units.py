@@ -20,6 +20,7 @@ QUANTITY = re.compile(rf"({NUMBER})(?:\s+(?=1/)|\s*(?!1/|[eE][-+]?[0-9]))({UNIT}
 NAME = re.compile("[A-Za-zµμ°%]+")
 EXPRESSION = re.compile(r"[$()+]| [-*] ")  # arithmetic after a unit
 FACTOR = re.compile(r"([A-Za-zµμ°%]+|1)(?:\^?(-?[0-9])|\^(-?[0-9]\.[0-9]{1,3})|([²³]))?")
+NO_POWER = re.compile(r"[A-Za-z]\^?0")  # that nobody means
 PREFIXES = {"": 1.0, "G": 1e9, "M": 1e6, "k": 1e3, "d": 1e-1, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "μ": 1e-6,
             "n": 1e-9}  # fmt: skip
 Powers: TypeAlias = tuple[float, float, float, float]  # of m, kg, s and rad
@@ -209,7 +210,7 @@ def _meant(word, wanted=None):
     text = re.sub(r"(?<=[A-Za-z])-(?=[A-Za-z])", " ", word.replace("**", "^"))
     parts = [[part] if i % 2 else _readings(part) for i, part in enumerate(re.split(r"([ /*·]+)", text))]
     combined = itertools.islice(itertools.product(*parts), MOST_READINGS)
-    whole = {unit: found[1] for unit in map("".join, combined) if (found := parsed(unit))}
+    whole = {unit: found[1] for unit in map("".join, combined) if (found := parsed(unit)) and not NO_POWER.search(unit)}
     near = (
         difflib.get_close_matches(word, (*ALONE, *PREFIXED, *COMMON), n=1, cutoff=CLOSE[len(word) > 3])
         if len(word) > 1
