@@ -62,6 +62,14 @@ def test_decks_are_written_into_a_folder(tmp_path, monkeypatch):
     assert {path.name for path in tmp_path.iterdir()} == {"beam.yaml", "superelement_arm.yaml", "superelement_arm.npz"}
 
 
+@pytest.mark.parametrize(("command", "hint"), [("new", "mecano run pendulum.yaml -o r.h5"), ("example", "-o r.h5")])
+def test_decks_are_not_written_into_files_of_results(command, hint, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UsageError, match=f"a deck is YAML, not '.h5': .*{hint}"):
+        commands([command, "pendulum", "r.h5"], standalone_mode=False)
+    assert not list(tmp_path.iterdir())
+
+
 def test_schema_is_written(tmp_path):
     path = tmp_path / "mecano.schema.json"
     printed = CliRunner().invoke(commands, ["schema"], catch_exceptions=False).output

@@ -127,8 +127,19 @@ def new(template: str | None, deck: str | None, every: bool) -> None:
 
 
 def _written_at(deck, name):
-    """Return the path of a deck that is written: ``deck``, or NAME.yaml in this folder or in the folder ``deck``."""
-    return os.path.join(deck or "", f"{name}.yaml") if not deck or os.path.isdir(deck) else deck
+    """Return the path of a deck that is written: ``deck``, or NAME.yaml in this folder or in the folder ``deck``.
+
+    Raises UsageError for the name of a file of another format.
+    """
+    if not deck or os.path.isdir(deck):
+        return os.path.join(deck or "", f"{name}.yaml")
+    ending = os.path.splitext(deck)[1]
+    if ending.lower() not in ("", ".yaml", ".yml"):
+        from mecano.errors import UsageError
+
+        hint = f"mecano run {name}.yaml -o {deck}" if ending == ".h5" else "name it .yaml"
+        raise UsageError(f"a deck is YAML, not '{ending}': {hint}")
+    return deck
 
 
 def _examples(context, parameter, begun):
