@@ -3,6 +3,7 @@
 import hashlib
 import os
 from pathlib import Path
+from textwrap import dedent
 
 import numpy as np
 import pytest
@@ -506,3 +507,20 @@ def test_what_a_missing_file_defines_is_not_reported(tmp_path):
     text = deck_error_text(error.value)
     assert "file 'lost.yaml' cannot be read" in text and "length" not in text.replace("[$length", "")
     assert UNCHECKED in text
+
+
+@pytest.mark.parametrize("key", ["template", "templats"])
+def test_a_misspelt_section_of_templates_is_one_error(key):
+    text = f"""
+    mecano: 1
+    gravity: none
+    {key}:
+      leg:
+        nodes: {{a: {{position: [0, 0, 0], fixed: true}}, b: {{position: [1, 0, 0]}}}}
+        elements: {{m: {{type: point_mass, node: b, mass: 1 kg}}}}
+    place: {{l1: {{template: leg}}, l2: {{template: leg}}}}
+    time: {{end: 1, step: 1 ms}}
+    """
+    with pytest.raises(DeckError) as error:
+        deck_of_bytes(dedent(text).encode(), "test.yaml")
+    assert [problem.message for problem in error.value.problems] == [f"unknown key '{key}'"]

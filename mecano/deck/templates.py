@@ -5,9 +5,10 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from mecano.deck.containers import filled
+from mecano.deck.containers import SECTION_NAMES, filled
 from mecano.deck.parameters import Parameters
 from mecano.deck.placing import Word
+from mecano.deck.similar_names import similar
 from mecano.deck.wording import quoted
 from mecano.schema import ORIENTATION, POSITION, TEXT, Field, Type, Values, mapping, named
 
@@ -57,8 +58,9 @@ class Templates:
         self._open: list[str] = []  # names of the templates being placed
 
     def _declared(self, root):
-        """Return {name: node}, each a mapping of sections."""
-        given = root.value.get("templates")
+        """Return {name: node}, each a mapping of sections; also of a misspelt section, which is refused elsewhere."""
+        meant = (pair for key, pair in root.value.items() if key not in SECTION_NAMES and similar(key, ("templates",)))
+        given = root.value.get("templates") or next(meant, None)
         if given is None or given[1].value is None:
             return {}
         if type(given[1].value) is not dict:
