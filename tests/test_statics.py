@@ -248,6 +248,14 @@ def test_buckling_is_reported():
     assert float(reported[1]) == pytest.approx(critical, rel=1e-5)  # the least stiffness is linear in the load factor
 
 
+def test_an_equilibrium_where_stability_is_lost_lies_within_the_reported_interval():
+    """The second of four steps ends where the spring is just as strong as the weight: neither stable nor unstable."""
+    path = Path(arm("static: {steps: 4}", centre="[0, 0, 0.5]", stiffness=0.5 * 2.0 * G * 0.5))
+    np.testing.assert_array_equal(path.unstable, [0, 0, 0, 1, 1])
+    assert path.points[2].stability.neutral == 1
+    assert path.result.warnings[0].startswith("between load factor 0.25 and 0.75, near 0.5, the equilibrium becomes")
+
+
 def test_a_slender_column_under_a_follower_force_has_no_static_instability():
     """Beck 1952: it flutters from 20.05 EI/L^2 on, but no other equilibrium is near at any force.
 

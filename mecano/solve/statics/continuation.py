@@ -60,6 +60,7 @@ class Follower:
     losses: list[str] = field(default_factory=list)  # points at which stability was lost
     departures: list[str] = field(default_factory=list)  # unstable equilibria that were left
     last: Point | None = None
+    resisting: Point | None = None  # the last point before further directions lost their stiffness
 
     def __post_init__(self):
         statics = self.statics
@@ -109,11 +110,20 @@ class Follower:
             )
 
     def _watch(self, point, critical):
-        """Record a loss of stability; in steps of the parameter it is located by interpolating the least stiffness."""
-        last, self.last = self.last, point
-        if last is None or not 0 <= last.stability.unstable < point.stability.unstable:
+        """Record a loss of stability; in steps of the parameter it is located by interpolating the least stiffness.
+
+        A direction without stiffness that becomes unstable may have been so before, within rounding: the loss then lies
+        behind the last point at which it had a stiffness.
+        """
+        last, resisting, now = self.last, self.resisting, point.stability
+        self.last = point
+        if resisting is None or now.neutral <= resisting.stability.neutral:
+            self.resisting = point
+        if last is None or not 0 <= last.stability.unstable < now.unstable:
             return
-        before, after, of = last.stability.stiffness, point.stability.stiffness, self.statics.loading
+        if resisting is not None and now.neutral < last.stability.neutral:
+            last = resisting
+        before, after, of = last.stability.stiffness, now.stiffness, self.statics.loading
         text = f"between {of.name} {last.parameter:.6g} and {point.parameter:.6g}{of.unit}"
         if before > 0.0 > after and point.place == point.parameter:
             critical = last.parameter + (point.parameter - last.parameter) * before / (before - after)
