@@ -7,6 +7,7 @@ import scipy.sparse.linalg as spla
 
 from mecano.solve.linear.dense_front import NULL_PIVOT
 from mecano.solve.linear.ordering import Pattern, analyse
+from mecano.solve.linear.scaled_superlu import ScaledSuperLU
 from mecano.solve.linear.sparse import LinearSolver, multifrontal
 
 ACCURATE = 1e-13  # backward error
@@ -427,6 +428,14 @@ def test_pivots_in_the_numbering_of_the_unknowns():
     solver = small.solver()
     solver.solve(small.data, np.ones(2), np.empty(2))
     np.testing.assert_array_equal(solver.pivots(), [2.0, -4.5])
+
+
+@pytest.mark.parametrize("b", [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
+def test_a_null_vector_is_found_whether_or_not_the_residual_excites_it(b):
+    """Rows and columns of diag(2, 0, 3): the second unknown is free."""
+    singular = ScaledSuperLU(3, np.arange(3), np.arange(3), np.array([2.0, 0.0, 3.0]), 1e-13)
+    found = np.abs(singular.driven_null_vector(np.array(b)))
+    np.testing.assert_allclose(found, [0.0, 1.0, 0.0], rtol=0, atol=1e-12)
 
 
 def test_entry_given_twice_is_refused():

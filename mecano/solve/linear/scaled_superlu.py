@@ -7,6 +7,8 @@ import scipy.sparse.linalg as spla
 
 from mecano.process.memory import reserve_blas_buffer
 
+NULL = 1e-6  # entries of the scaled matrix times a unit null vector are smaller
+
 
 class ScaledSuperLU:
     """LU with partial pivoting by SuperLU of a matrix scaled to a largest entry of 1 in every row and column."""
@@ -26,11 +28,19 @@ class ScaledSuperLU:
         return self.col_scale * self.lu.solve(self.row_scale * b)
 
     def driven_null_vector(self, b: np.ndarray) -> np.ndarray:
-        """Return the unit null vector (n,) of the scaled matrix excited by ``b`` (n,): inverse iteration."""
-        x = self.lu.solve(self.row_scale * b)
-        for _ in range(2):
-            x = self.lu.solve(x / np.linalg.norm(x))
-        return x / np.linalg.norm(x)
+        """Return the unit null vector (n,) of the scaled matrix excited by ``b`` (n,): inverse iteration.
+
+        If ``b`` excites none, one excited by all rows alike.
+        """
+        x = self._iterated(self.row_scale * b) if np.any(b) else np.ones(len(b))
+        return x if np.abs(self.matrix @ x).max() <= NULL else self._iterated(np.ones(len(b)))
+
+    def _iterated(self, b):
+        """Return the unit vector (n,) after three inverse iterations from ``b`` (n,)."""
+        for _ in range(3):
+            b = self.lu.solve(b)
+            b /= np.linalg.norm(b)
+        return b
 
     def reciprocal_condition(self) -> float:
         """Estimate the reciprocal condition number in the 1-norm, of the scaled matrix (Higham & Tisseur 2000).
