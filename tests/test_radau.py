@@ -13,6 +13,7 @@ from mecano.maths.so3 import tangent, tangent_rate
 from mecano.maths.vector import Vec3
 from mecano.model.numbering import ROTATION
 from mecano.results.reader import open_results
+from mecano.solve.linear import lu
 
 RADAU = "time.method=radau"
 
@@ -202,6 +203,33 @@ def test_a_step_that_is_too_long_is_named():
     )
     with pytest.raises(ConvergenceError, match="(?s)no step could be taken at t = 0 s.*moment about material y"):
         RecordedRun(text)
+
+
+LOOSE = """
+mecano: 1
+gravity: none
+nodes: {hub: {position: [0, 0, 0]}, disc: {position: [0, 0, 0]}}
+elements:
+  disc: {type: rigid_body, node: disc, mass: 2, inertia: [1, 1, 1]}
+  seat: {type: bushing, nodes: [ground, hub], stiffness: [2.0e4, 2.0e4, 2.0e4, 0, 0, 0]}
+joints:
+  ball: {type: spherical, nodes: [hub, disc]}
+initial: {velocities: [{nodes: all, velocity: [1, 0, 0]}]}
+time: {end: 0.03, step: 1.0e-3, method: radau, adaptive: {tolerance: 1.0e-6, length_scale: 1}}
+"""
+
+
+def test_a_rotation_that_nothing_moves_or_resists_stays(monkeypatch):
+    """That of the hub has neither inertia nor stiffness: the disc oscillates with sqrt(k/m) = 100 rad/s."""
+    for most_dense in (150, 1):  # also with sparse factors
+        monkeypatch.setattr(lu, "MOST_DENSE", most_dense)
+        recorded = RecordedRun(deck(LOOSE))
+        assert recorded["nodes/disc/position"][-1, 0] == pytest.approx(np.sin(3.0) / 100.0, abs=1e-8)
+    turned = LOOSE.replace(
+        "initial:", "loads: {turn: {type: moment, node: hub, direction: [0, 0, 1], value: 3}}\ninitial:"
+    )
+    with pytest.raises(ConvergenceError, match="nothing resists:\n  node hub: rotation about material z"):
+        RecordedRun(deck(turned))
 
 
 def test_no_step_turns_a_body_by_more_than_joints_can_follow():

@@ -173,7 +173,23 @@ class StageTangent:
             self._soften(real, other)
         n_q = self.system.n_q
         self._real_scale[n_q:], self._complex_scale[n_q:] = real**-2, ((other**-2).real, (other**-2).imag)
+        return self._factored() or (self._hold_idle() and self._factored())
+
+    def _factored(self):
         return self._real.factor() and self._complex.factor()
+
+    def _hold_idle(self):
+        """Let unknowns that nothing resists or moves, with rows and columns of zeros, keep their values; return if any.
+
+        Such is the rotation of a node without inertia on which no moment acts.
+        """
+        system, of = self.system, self._real
+        size = np.abs(of.values[of.place])
+        touched = np.bincount(system.rows, size, system.n) + np.bincount(system.cols, size, system.n)
+        idle = np.flatnonzero((touched == 0.0) & (self.assembly.residual[: system.n] == 0.0))
+        places = of.place[system.diagonal[idle]]
+        of.values[places] = self._complex.values[places] = 1.0
+        return len(idle) > 0
 
     @property
     def finite(self) -> bool:
