@@ -292,6 +292,17 @@ def test_prescribed_angle_holds_over_many_turns():
         close(outputs(system, s)["prescribed_angle 'motor'"]["angle"], 50.3 + error)
 
 
+def test_a_prescribed_angle_of_many_turns_is_held_to_the_rounding_of_one():
+    """An error of 2e-13 rad is seen beside 44,000 rad, of which the last digit is 7e-12 rad."""
+    motor = element("motor", "prescribed_angle", ("o", "b"), axis=Z, value=(("constant", {"value": 44000.0}),))
+    system = System(Model([at(name="o", fixed=True), at()], [body("b"), motor], LawTable()))
+    s, held = system.initial_state(), []
+    for error in (0.0, 2e-13):
+        s.R[system.numbering.rotation[1]] = Rotation.from_rotvec([0, 0, 0.3 + error]).as_matrix()
+        held.append(system.constraint_derivatives(s)[0, 0])
+    assert held[1] - held[0] == pytest.approx(2e-13, abs=2e-15)
+
+
 def test_sliding_is_counted_from_the_start():
     """Displacement along the carried axis, and its rate in a turning frame."""
     joint = element("joint", "prismatic", ("a", "b"), axis=Z)

@@ -72,7 +72,8 @@ def _minus(c, wanted):
 
 @kernel
 def _turn_between(c, wanted):
-    return wrap(c - wanted)
+    """Return the difference within a turn; c lies within one, and keeps its digits beside many wanted turns."""
+    return wrap(c - wrap(wanted))
 
 
 def holding(coordinate, target):
