@@ -64,6 +64,16 @@ def follow(previous, angle):
 
 
 @kernel
+def whole_turns(previous, angle):
+    """Return the whole turns [rad] that bring an angle [rad] in one turn closest to ``previous``.
+
+    A constraint that adds angles of many turns adds their whole turns first: they do not change in an iteration, and
+    what remains is not rounded to the last digit of the large angles.
+    """
+    return -2.0 * math.pi * math.ceil(value(angle - previous) / (2.0 * math.pi) - 0.5)
+
+
+@kernel
 def relative_rotation(R_0, R_1):
     """Return R_0^T R_1."""
     return R_0.T @ R_1

@@ -8,12 +8,13 @@ both circles:
 
 The last terms vanish where the carrier holds both centres. They make the multiplier the tooth force on the first gear
 along :math:`\tau`, and on the second gear against it, each at the pitch point, without a moment on the carrier. The
-angles are continued over whole turns with the memory of their values at the last accepted step. The tangent is
-written by hand: with dual numbers the time integration of the deck gears takes a third more processor time.
+angles are continued over whole turns with the memory of their values at the last accepted step; the whole turns are
+added first (body_fixed.py). The tangent is written by hand: with dual numbers the time integration of the deck gears
+takes a third more processor time.
 """
 
 from mecano.constraints.augmented_lagrangian import add_constraint
-from mecano.constraints.body_fixed import add_blocks, follow, relative_rotation
+from mecano.constraints.body_fixed import add_blocks, relative_rotation, whole_turns
 from mecano.constraints.coordinates.coordinate import rate_of
 from mecano.constraints.coordinates.slide import add_slide_curvature, slide, slide_gradient
 from mecano.constraints.coordinates.twist import twist, twist_curvature, twist_gradient
@@ -27,11 +28,18 @@ MULTIPLIER = 15
 
 
 @kernel
-def gear_angles(p, m, R):
-    """Return the angles of both gears relative to the carrier, over any number of turns [rad]."""
+def _turned(p, m, R):
+    """Return the whole turns of both gears relative to the carrier, and their angles within a turn [rad]."""
     first = twist(relative_rotation(mat(R[0]), mat(R[1])), mat(p.mu_1), mat(p.xi_1))
     second = twist(relative_rotation(mat(R[0]), mat(R[2])), mat(p.mu_2), mat(p.xi_2))
-    return follow(m[0], first), follow(m[1], second)
+    return (whole_turns(m[0], first), whole_turns(m[1], second)), (first, second)
+
+
+@kernel
+def gear_angles(p, m, R):
+    """Return the angles of both gears relative to the carrier, over any number of turns [rad]."""
+    turns, angles = _turned(p, m, R)
+    return turns[0] + angles[0], turns[1] + angles[1]
 
 
 @kernel
@@ -40,8 +48,9 @@ def _coupling(p, at):
     A, tau = mat(at.R[0]), vec(p.tangent, 0)
     Q_1, Q_2 = relative_rotation(A, mat(at.R[1])), relative_rotation(A, mat(at.R[2]))
     h_1, h_2 = p.travel[0], p.travel[1]
-    angle_1, angle_2 = gear_angles(p, at.m, at.R)
-    Phi = h_1 * angle_1 + h_2 * angle_2 + slide(at.q, at.v, A, tau)[0] - p.offset
+    turns, angles = _turned(p, at.m, at.R)
+    Phi = (h_1 * turns[0] + h_2 * turns[1]) + (h_1 * angles[0] + h_2 * angles[1])
+    Phi = Phi + slide(at.q, at.v, A, tau)[0] - p.offset
     c_1, b_1 = twist_gradient(Q_1, vec(p.mu_1[2], 0), vec(p.xi_1[2], 0))
     c_2, b_2 = twist_gradient(Q_2, vec(p.mu_2[2], 0), vec(p.xi_2[2], 0))
     back, b_0, along = slide_gradient(at.q, A, tau)

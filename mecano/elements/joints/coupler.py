@@ -31,6 +31,7 @@ from functools import cache
 import numpy as np
 
 from mecano.constraints.along_coordinate.law import counted
+from mecano.constraints.body_fixed import whole_turns
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
@@ -45,7 +46,7 @@ COORDINATES = {"angles": ("angle", TWIST), "displacements": ("displacement", SLI
 DISSIPATED = Output("dissipated_power", "W", "power dissipated, with friction")
 Turning = namedtuple("Turning", TWIST.axes)
 Sliding = namedtuple("Sliding", SLIDE.axes)
-angle, along_angle = counted(TWIST), TWIST.gradient
+angle, angle_in_turn, along_angle = counted(TWIST), TWIST.value, TWIST.gradient
 displacement, along_displacement = SLIDE.value, SLIDE.gradient
 
 
@@ -121,12 +122,15 @@ _mean_rate, _add_friction = _sum_with(_share)
 
 @kernel
 def _relation(p, at):
-    """Return the value of the constraint."""
+    """Return the value of the constraint; whole turns are added first (body_fixed.py)."""
     turns = len(p.mu)
-    total = -p.offset + 0.0 * number(at.q[_row(p)])
+    whole, total = 0.0, 0.0 * number(at.q[_row(p)])
     for i in range(turns):
         axes, place = _turning(p, at, i)
-        total = total + p.ratios[i] * angle(axes, place)
+        in_turn = angle_in_turn(axes, place)
+        whole += p.ratios[i] * whole_turns(place.m[0], in_turn)
+        total = total + p.ratios[i] * in_turn
+    total = total + (whole - p.offset)
     for i in range(len(p.along)):
         axes, place = _sliding(p, at, i)
         total = total + p.ratios[turns + i] * displacement(axes, place)
