@@ -29,7 +29,7 @@ from functools import cache
 import numpy as np
 
 from mecano.constraints.activation import SHIFT, activated
-from mecano.constraints.body_fixed import wrap
+from mecano.constraints.body_fixed import whole_turns
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, SLACK, TAUT, put_line_events
 from mecano.constraints.release import detached
@@ -65,9 +65,10 @@ def tangent_direction(axes, d, delta):
 
 
 @kernel
-def _continued(angle, at_start, turned):
-    """Return the angle since the start, next to the last known one."""
-    return turned + wrap(angle - at_start - turned)
+def _since_start(angle, at_start, turned):
+    """Return the whole turns since the start, next to the last known angle ``turned``, and the angle beyond them."""
+    beyond = angle - at_start
+    return whole_turns(turned, beyond), beyond
 
 
 @kernel
@@ -78,11 +79,13 @@ def between_pulleys(p, at):
     d_0, d_1, L = R_0.T @ d, R_1.T @ d, sqrt(dot(d, d) - delta * delta)
     psi_0, g_0 = tangent_direction(mat(p.axes_0), d_0, delta)
     psi_1, g_1 = tangent_direction(mat(p.axes_1), d_1, delta)
-    psi_0, psi_1 = _continued(psi_0, p.angle_0, at.m[0]), _continued(psi_1, p.angle_1, at.m[1])
+    turns_0, psi_0 = _since_start(psi_0, p.angle_0, at.m[0])
+    turns_1, psi_1 = _since_start(psi_1, p.angle_1, at.m[1])
     G = d / L + p.radius_0 * (R_0 @ g_0) - p.radius_1 * (R_1 @ g_1)
     turning = (3, -p.radius_0 * cross(d_0, g_0)), (9, p.radius_1 * cross(d_1, g_1))
-    stretch = L - p.length + p.stretch + p.radius_0 * psi_0 - p.radius_1 * psi_1
-    return stretch, ((0, -G), (6, G), *turning), L, psi_0, psi_1
+    whole = p.radius_0 * turns_0 - p.radius_1 * turns_1  # they cancel, and are large (body_fixed.py)
+    stretch = L - p.length + p.stretch + whole + (p.radius_0 * psi_0 - p.radius_1 * psi_1)
+    return stretch, ((0, -G), (6, G), *turning), L, turns_0 + psi_0, turns_1 + psi_1
 
 
 @kernel
@@ -91,10 +94,10 @@ def to_a_point(p, at):
     R_0, d = mat(at.R[0]), vec(at.q, 6) - vec(at.q, 0)
     d_0, L = R_0.T @ d, sqrt(dot(d, d) - p.radius_0 * p.radius_0)
     psi_0, g_0 = tangent_direction(mat(p.axes_0), d_0, -p.radius_0)
-    psi_0 = _continued(psi_0, p.angle_0, at.m[0])
+    turns_0, psi_0 = _since_start(psi_0, p.angle_0, at.m[0])
     G = d / L + p.radius_0 * (R_0 @ g_0)
     along = (0, -G), (6, G), (3, -p.radius_0 * cross(d_0, g_0))
-    return L - p.length + p.stretch + p.radius_0 * psi_0, along, L, psi_0, 0.0
+    return L - p.length + p.stretch + p.radius_0 * (turns_0 + psi_0), along, L, turns_0 + psi_0, 0.0
 
 
 def _since_activation(geometry, i):
