@@ -203,3 +203,18 @@ def test_a_mechanism_without_forces_is_free_at_rest(tmp_path):
     _, found, base = modes(four_bar, None, at=f"{tmp_path / 'four_bar.h5'}:0.3", at_rest=True)
     assert found.kinds == ["free"] and found.values.tolist() == [0.0]
     assert "1 direction(s) without stiffness" in base.warnings[-1] and len(base.warnings) == 2
+
+
+def test_what_is_strained_later_is_not_strained_at_the_start(tmp_path):
+    """A damper without a spring has its length at the start as its natural one; 0.3 s later it is twice as long."""
+    falling = deck("""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes: {top: {position: [0, 0, 0.2], fixed: true}, bob: {position: [0, 0, 0]}}
+        elements:
+          bob: {type: point_mass, node: bob, mass: 1}
+          damper: {type: spring_damper, nodes: [top, bob], law: {damper: 0.1}}
+        time: {end: 0.3, step: 0.01}
+        """)
+    run(falling, tmp_path / "falling.h5")
+    assert operating_point(falling, f"{tmp_path / 'falling.h5'}:0.3").warnings == ()

@@ -67,13 +67,14 @@ def operating_point(deck: "Deck", at: str | None = None, at_rest: bool = False) 
 
 
 def _operating_point(deck: "Deck", at: str | None, at_rest: bool) -> OperatingPoint:
-    prepared, held = prepare(deck), tuple(_held(deck))
+    begun, held = prepare(deck), tuple(_held(deck))
+    prepared = begun
     if at is not None and at_rest:
-        prepared, state, text, reported = rest_at(prepared, at)
-        return OperatingPoint(prepared, state, None, text, (*startup_warnings(prepared), *reported, *held))
+        prepared, state, text, reported = rest_at(begun, at)
+        return OperatingPoint(prepared, state, None, text, (*startup_warnings(prepared, begun=begun), *reported, *held))
     if at is not None:
-        prepared, state, assemble, text = state_at(prepared, at)
-        return OperatingPoint(prepared, state, assemble, text, (*startup_warnings(prepared), *held))
+        prepared, state, assemble, text = state_at(begun, at)
+        return OperatingPoint(prepared, state, assemble, text, (*startup_warnings(prepared, begun=begun), *held))
     if deck.values["static"]:
         result = follow(prepared)
         reported = (*startup_warnings(prepared), *result.warnings, *held)

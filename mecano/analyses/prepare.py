@@ -173,8 +173,11 @@ def or_default(value: Any, otherwise: Any) -> Any:
     return otherwise if value == AUTOMATIC else value
 
 
-def startup_warnings(prepared: Prepared, start: "RunState | None" = None) -> list[str]:
-    """Return the warnings about a model before it runs, one text each; ``start`` is the initial RunState."""
+def startup_warnings(prepared: Prepared, start: "RunState | None" = None, begun: Prepared | None = None) -> list[str]:
+    """Return the warnings about a model before it runs, one text each.
+
+    ``start`` is the initial RunState; ``begun`` is the model in the state of the deck, if ``prepared`` is in another.
+    """
     texts, analysis = [*prepared.carried], prepared.analysis
     if start is not None:
         texts += changed_velocities(prepared.deck, prepared.system, prepared.state, start.motion, prepared.length)
@@ -195,7 +198,7 @@ def startup_warnings(prepared: Prepared, start: "RunState | None" = None) -> lis
             f"more than {DENSE_ROWS} constraints form closed loops: their redundancy is not analysed, and the run "
             "expects some to be redundant"
         )
-    texts += warnings_of(prepared)
+    texts += warnings_of(begun or prepared)
     if prepared.deck.values["time"] and not mass_of(prepared.system):
         texts.append("nothing in the model has a mass: is this intended?")
     return texts + (amount_warnings(prepared) if prepared.deck.values["time"] else [])
