@@ -188,6 +188,10 @@ def test_signals_have_the_unit_of_the_field_whose_value_they_are():
           wanted: 20*(0.1 - pin.angle)
           torque: {type: lag, input: wanted, time_constant: 0.1}
           both: 3*time
+          target: {type: curve, input: time, law: {linear: {slope: 2 deg/s}}}
+          slow: {type: lag, input: later, time_constant: 0.1}
+          later: 0.3*time
+          missing: max(target - pin.angle, slow)
           share: {type: formula, value: 2*time, unit: "1"}
         loads:
           motor: {type: joint_moment, joint: pin, value: torque}
@@ -200,7 +204,9 @@ def test_signals_have_the_unit_of_the_field_whose_value_they_are():
         """
     assert prepare(deck(text)).system.signal_units == {
         "signals/wanted/value": "N m", "signals/torque/value": "N m", "signals/both/value": "SI",
-        "signals/share/value": "-", "formulas/0.2*hypot(bob.velocity.x, bob.velocity.y)/value": "SI",
+        "signals/target/value": "rad", "signals/slow/value": "rad", "signals/later/value": "rad",
+        "signals/missing/value": "rad", "signals/share/value": "-", "formulas/time/value": "s",
+        "formulas/0.2*hypot(bob.velocity.x, bob.velocity.y)/value": "SI",
         "formulas/pin.angle + pin.moment.x\N{DIVISION SLASH}pin.moment.y/value": "rad",
     }  # fmt: skip
 

@@ -1,6 +1,7 @@
 """Units of signals: given by the deck, or derived from the quantities in their formulas, or from their use.
 
-A signal that is the value of a load has the unit of this load, and so has the input of a filter of this signal.
+A signal that is the value of a load has the unit of this load, and so has the input of a filter of this signal; one
+that is added to or compared with a quantity has the unit of that.
 """
 
 from collections.abc import Iterable, Iterator
@@ -109,11 +110,22 @@ class _Units:
     def __init__(self, model):
         self.nodes = {node.name for node in model.nodes}
         self.entries = {(e.kind.section, e.name): (e.kind, e.values) for e in model.elements}
-        self.found, self.unlike = {}, {}  # units by signal; pairs of units that a formula adds or compares
-        self.used = {}  # units by signal, of the fields whose value it is
+        self.found: dict[str, str] = {}  # units by signal
+        self.unlike: dict[str, list[tuple[str, str]]] = {}  # pairs of units that a formula adds or compares
+        self.used: dict[
+            str, str
+        ] = {}  # units by signal, of the fields whose value it is, or of what it is compared with
         for element in model.elements:
             for field, text in _drives(element.kind.fields, element.values):
                 self._use(text, field.unit)
+        before: dict[str, str] | None = None
+        while self.used != before:  # the use of one signal tells that of another
+            before = dict(self.used)
+            self.found.clear()
+            for element in _signals(model):
+                self.of_signal(element.name)
+                for text in element.kind.chosen(element.values).read(element.values):
+                    self.of_formula(text)
 
     def _use(self, text, unit):
         """Note that the value of a formula is a quantity in ``unit``, if it is a signal; of two units none is noted."""
@@ -159,9 +171,19 @@ class _Units:
                 exponent = formula.program[i - 1]
                 power = exponent[1] if code == POWER and exponent[0] == NUMBER else 0.0
                 stack.append(_product((first, power)) if power else _of_two(code, first, second))
-                if code in LIKE and first != second and not {ANY, UNKNOWN} & {first, second}:
-                    self.unlike[text].append((first, second))
+                if code in LIKE:
+                    self._compare(formula, i, first, second)
         return stack[0] or UNKNOWN
+
+    def _compare(self, formula, i, first, second):
+        """Note the units of the numbers that the step ``i`` of a formula adds or compares, and the use of signals."""
+        if first != second and not {ANY, UNKNOWN} & {first, second}:
+            self.unlike[formula.text].append((first, second))
+        before = formula.program[:i][::-1]  # the last number stands before the step, the other before that
+        for unit, other, place in ((second, first, 0), (first, second, 1)):
+            alone = place < len(before) and all(code < NEGATIVE for code, _ in before[: place + 1])
+            if unit == UNKNOWN and other not in (ANY, UNKNOWN) and alone and before[place][0] == INPUT:
+                self._use(formula.references[int(before[place][1])], other)
 
     def _of_input(self, code, formula, x):
         return self._of_quantity(formula.references[int(x)]) if code == INPUT else ANY
