@@ -18,7 +18,11 @@ def check_line(d, nodes):
     """Return errors for a line of less than two nodes, or with nodes at one place: the ``check`` of a load."""
     if len(nodes) < 2:
         return ["'line' must name at least 2 nodes"]
-    return [] if lengths(nodes).min() > 0.0 else ["consecutive nodes of 'line' must not coincide"]
+    if lengths(nodes).min() > 0.0:
+        return []
+    return [
+        "consecutive nodes of 'line' must not coincide: where a joint connects two members, each has a line of its own"
+    ]
 
 
 def sample_line(rng):
