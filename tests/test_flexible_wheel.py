@@ -9,9 +9,12 @@ import pytest
 from small_motions import eigenvalues
 from time_runs import RecordedRun, deck, input_deck
 
+from mecano.analyses.initial_state import set_initial_state
+from mecano.analyses.prepare import prepare
 from mecano.analyses.static import run as static_run
 from mecano.elements.wheels.flexible_wheel import FLEXIBLE_WHEEL
 from mecano.elements.wheels.lateral_law import FORMS, check_lateral, matrices, twists
+from mecano.errors import ConvergenceError
 from mecano.laws.probe import curve_at
 from mecano.results.reader import open_results
 
@@ -328,6 +331,17 @@ def test_a_random_road_begins_flat_and_rises_smoothly_over_its_lead_in():
     assert curve_at(led, 7.0) == curve_at(endless, 7.0) and curve_at(led, 50.0) == curve_at(endless, 50.0)
     assert curve_at(led, 4.5)[0] == pytest.approx(0.5 * curve_at(endless, 4.5)[0], rel=1e-12)
     assert abs(curve_at(led, 2.0 + 1e-6)[1]) < 1e-6 * abs(curve_at(endless, 2.0)[1]) + 1e-9
+
+
+def test_steady_running_begins_on_the_flat_part_of_a_random_road():
+    """The bicycle, whose front wheel stands at 1.02 m, starts as on a plane; without a lead-in it cannot."""
+    rough = "grounds.road.profile={direction: [1, 0, 0], height: {random: {density: 4e-6, lowest: 0.05, highest: 0.3}}}"
+    led = rough.replace("highest", "lead_in: 2, start: 1.5, highest")
+    plane, road = (prepare(input_deck("bicycle", *overrides)) for overrides in ((), (led,)))
+    assert set_initial_state(plane) == set_initial_state(road) == ()
+    np.testing.assert_array_equal(road.state.z, plane.state.z)
+    with pytest.raises(ConvergenceError, match="no straight steady running"):
+        set_initial_state(prepare(input_deck("bicycle", rough)))
 
 
 LANDING = [0.0, 469064.3846532291, 19244229.974871956, -219455084.02402905, 843323797.0102023]
