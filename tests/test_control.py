@@ -1,6 +1,7 @@
 """Signals that drive loads: motions with control against independent integrations and closed forms."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from time_runs import RecordedRun, deck, input_deck
 import mecano
 from mecano.analyses.control_stability import instability_warnings
 from mecano.analyses.prepare import integrator_of, prepare
+from mecano.elements.signals.delay import MOST, _kept
 from mecano.errors import AssemblyError
 from mecano.solve.time import signals
 from mecano.solve.time.signals import _balancing
@@ -218,14 +220,50 @@ def test_relay_with_hysteresis(verify, digital):
 
 
 def test_a_delay_longer_than_a_step_and_shorter():
-    """Of a parabola, which linear interpolation between steps misses by h^2/8 of its curvature at most."""
+    """Of a parabola: exact behind short steps; linear interpolation in long ones misses h^2/8 of its curvature."""
     late = "late: {type: delay, input: rail.displacement, time: 0.025}"
     text = LOOP.replace("SIGNAL", "6").replace("second:", f"{late}, second:")
-    for h in (0.01, 0.04):
+    for h, error in ((0.01, 1e-12), (0.04, 3.0 * 0.04**2 / 8.0)):
         m = RecordedRun(deck(text.replace("end: 0.1, step: 0.01", f"end: 0.4, step: {h}")))
         wanted = np.where(m.time > 0.025, 1.5 * (m.time - 0.025) ** 2, 0.0)
-        np.testing.assert_allclose(m["signals/late/value"], wanted, atol=3.0 * h * h / 8.0 + 1e-12)
-        assert np.abs(m["signals/late/value"] - wanted).max() > 1e-6
+        np.testing.assert_allclose(m["signals/late/value"], wanted, atol=error)
+    assert np.abs(m["signals/late/value"] - wanted).max() > 1e-6
+
+
+@pytest.mark.parametrize("method", ["generalized_alpha", "radau"])
+def test_a_delay_of_a_jump_and_of_a_wave_in_long_steps(method):
+    """A unit force from 0.5 s on, and a wave from 0.3 s on, push 1 kg; the jump is resolved, but not located."""
+    m = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: none
+        nodes: {{cart: {{position: [0, 0, 0]}}}}
+        elements: {{body: {{type: rigid_body, node: cart, mass: 1, inertia: [1, 1, 1]}}}}
+        joints: {{rail: {{type: prismatic, nodes: [ground, cart], axis: [1, 0, 0]}}}}
+        signals:
+          on: {{type: switch, input: time, upper: 0.2}}
+          late: {{type: delay, input: on, time: 0.3}}
+          wave: {{type: delay, input: sin(5*time), time: 0.3}}
+        loads: {{push: {{type: joint_force, joint: rail, value: late + wave}}}}
+        time: {{end: 1, step: 0.013, method: {method}, adaptive: {{tolerance: 1.0e-5, length_scale: 1}}}}
+    """)
+    )
+    wanted = 0.5 * 0.5**2 + 0.7 / 5.0 - np.sin(5.0 * 0.7) / 25.0
+    assert m["joints/rail/displacement"][-1] == pytest.approx(wanted, abs=1e-4)  # ten tolerances
+    assert m.run.steps < 200
+    np.testing.assert_array_equal(m["signals/late/value"][m.time > 0.5 + 1e-3], 1.0)
+
+
+def test_a_delay_does_not_overshoot():
+    """The corners of a ramp, delayed by three steps, in the middle of each step."""
+    kept, p = np.zeros(1 + 2 * MOST), SimpleNamespace(time=0.3)
+    times, values = np.arange(8) * 0.1, np.array([0.0, 0.0, 0.0, 0.4, 1.0, 1.0, 1.0, 1.0])
+    kept[0], kept[1:17:2], kept[2:18:2] = 8, times[::-1], values[::-1]
+    found = np.array([_kept(p, kept, t) for t in np.arange(0.05, 0.7, 0.1)])
+    assert np.all(found[[0, 1, 4, 5, 6]] == [0, 0, 1, 1, 1]) and 0.0 < found[2] < 0.4 < found[3] < 1.0
+    kept[2:18:2] = (times**2)[::-1]
+    at = np.array([0.35, 0.52, 0.64])
+    np.testing.assert_allclose([_kept(p, kept, t) for t in at], at**2, rtol=1e-12)
 
 
 class AntiSkid:

@@ -3,8 +3,9 @@ r"""Delay: the input at an earlier time.
 .. math::  y(t) = u(t - T)
 
 Before the start, the input has its initial value. The values of accepted steps are stored, at most one for each 1/256
-of the delay, and interpolated linearly. In a step longer than the delay, the value at its end is part of the
-interpolation.
+of the delay, and both values at events where it jumps, and interpolated by cubics that do not overshoot. In a step
+longer than the delay, the value at its end is part of a linear interpolation. Steps do not end where a delayed input
+jumps: fixed steps miss a jump by part of a step, adaptive ones resolve it to their tolerance.
 """
 
 from mecano.constraints.along_coordinate.signal import signal_of_input
@@ -14,6 +15,10 @@ from mecano.schema import NUMBER, Field, positive
 
 OWN, U = 0, 1  # local unknowns: the value; the input
 KEPT = 256
+MOST = 2 * KEPT  # pairs in the memory, with those of jumps
+INSTANT = 1e-9  # of the delay: values less apart are those before and behind a jump
+UNCHANGED = 1e-12  # relative change that is no jump
+STEEPEST = 3.0  # slope of a monotone cubic over the smallest mean slope beside it (Fritsch & Carlson 1980)
 COUNT, FIRST = 0, 1  # in the memory: number of pairs (t, u); first of the pairs, which are newest first
 
 
@@ -28,32 +33,77 @@ def residual(p, at, f):
         w = (t - newest) / (at.t - newest) if at.t > newest else 1.0
         y = (1.0 - w) * m[FIRST + 1] + w * u
     else:
-        y = constant(_kept(m, t), u)
+        y = constant(_kept(p, m, t), u)
     f[OWN] += number(at.q[OWN]) - y
 
 
 @kernel
-def _kept(m, t):
+def _kept(p, m, t):
     """Return the value at a time t before the last accepted step, or the oldest one."""
     last = int(m[COUNT]) - 1
     for i in range(last):
-        later, earlier = FIRST + 2 * i, FIRST + 2 * i + 2
-        if t >= m[earlier]:
-            length = m[later] - m[earlier]
-            w = (t - m[earlier]) / length if length > 0.0 else 1.0
-            return (1.0 - w) * m[earlier + 1] + w * m[later + 1]
+        if t >= m[FIRST + 2 * i + 2]:
+            return _between(p, m, i, last, t)
     return m[FIRST + 2 * last + 1]
+
+
+@kernel
+def _between(p, m, i, last, t):
+    """Return the value at a time t between the pairs i and i + 1: a cubic with the slopes of parabolas at both."""
+    length, mean = _chord(m, i)
+    if length <= INSTANT * p.time:
+        return m[FIRST + 2 * i + 1]
+    has_later, has_earlier = False, False
+    later, earlier = mean, mean
+    if i > 0:
+        has_later, later = _slope(p, length, mean, _chord(m, i - 1))
+    if i + 1 < last:
+        has_earlier, earlier = _slope(p, length, mean, _chord(m, i + 1))
+    if has_earlier and not has_later:
+        later = _limited(2.0 * mean - earlier, mean, mean)
+    elif has_later and not has_earlier:
+        earlier = _limited(2.0 * mean - later, mean, mean)
+    w = (t - m[FIRST + 2 * i + 2]) / length
+    line = (1.0 - w) * m[FIRST + 2 * i + 3] + w * m[FIRST + 2 * i + 1]
+    return line + length * w * (1.0 - w) * ((1.0 - w) * (earlier - mean) - w * (later - mean))
+
+
+@kernel
+def _chord(m, i):
+    """Return length and mean slope between the pairs i and i + 1."""
+    length = m[FIRST + 2 * i] - m[FIRST + 2 * i + 2]
+    return length, (m[FIRST + 2 * i + 1] - m[FIRST + 2 * i + 3]) / length if length > 0.0 else 0.0
+
+
+@kernel
+def _slope(p, length, mean, beside):
+    """Return whether the values do not jump between two chords, and the slope of the parabola there, limited."""
+    if beside[0] <= INSTANT * p.time:
+        return False, mean
+    slope = (length * beside[1] + beside[0] * mean) / (length + beside[0])
+    return True, _limited(slope, mean, beside[1])
+
+
+@kernel
+def _limited(slope, mean, beside):
+    """Return the slope, at most STEEPEST times the smaller of two mean slopes beside it."""
+    most = STEEPEST * min(abs(mean), abs(beside))
+    return min(max(slope, -most), most)
 
 
 @kernel
 def commit(p, at, m_out):
     """Store the pair of this step; it replaces the last one if that is too close to the one before it."""
-    count = int(at.m[COUNT])
-    if count < 2 or at.m[FIRST] - at.m[FIRST + 2] >= p.time / KEPT:
-        for i in range(min(count, KEPT + 1)):
+    count, u = int(at.m[COUNT]), at.q[U]
+    jumps = count > 0 and at.t - at.m[FIRST] <= INSTANT * p.time
+    if jumps and abs(u - at.m[FIRST + 1]) <= UNCHANGED * abs(u):
+        return
+    apart = at.m[FIRST] - at.m[FIRST + 2]
+    if jumps or count < 2 or apart >= p.time / KEPT or apart <= INSTANT * p.time:
+        for i in range(min(count, MOST - 1)):
             m_out[FIRST + 2 * i + 2], m_out[FIRST + 2 * i + 3] = at.m[FIRST + 2 * i], at.m[FIRST + 2 * i + 1]
-        m_out[COUNT] = min(count + 1, KEPT + 2)
-    m_out[FIRST], m_out[FIRST + 1] = at.t, at.q[U]
+        m_out[COUNT] = min(count + 1, MOST)
+    m_out[FIRST], m_out[FIRST + 1] = at.t, u
 
 
 DELAY = signal_of_input(
@@ -61,7 +111,8 @@ DELAY = signal_of_input(
     __doc__,
     Field("time", NUMBER, "s", "T, by which the value is late", check=positive),
     like=lambda d: d["input"],
-    memory=("count", *(f"{name}_{i}" for i in range(KEPT + 2) for name in ("time", "value"))),
+    memory=("count", *(f"{name}_{i}" for i in range(MOST) for name in ("time", "value"))),
     residual=residual,
     commit=commit,
+    follows_jumps=True,
 )

@@ -298,6 +298,7 @@ class TimeIntegrator:
     def _start_again(self, run, s, consistent=None):
         """Return the run with consistent accelerations and a new history at ``s``, after an event or a corner."""
         s, history = self.method.start(s, run.h, consistent)
+        s = replace(s, memory=self.system.commit_jumps(s))
         new = replace(run, motion=s, history=history, powers=self._observe(s).powers)
         if self.recorder is not None:
             self.recorder.restarted(new, passing=self._passes(s, run.h))  # forces may jump
