@@ -120,7 +120,7 @@ JOINTS = [  # function, deflection over the width (True) or the diameter at whic
 def test_pieces_of_the_formulas_meet_with_one_slope(function, of_width, joint, types):
     """A wrong digit of a constant would open a gap, in which one of the slopes is 1e7 times its height."""
     for kind in types:
-        d = tyre(type=kind)
+        d = tyre(tire_type=kind)
         at, e = joint * d["width" if of_width else "diameter"], 1e-7
         low, middle, high = (function(d, at + s) for s in (-e, 0.0, e))
         before, after = (middle - low) / e, (high - middle) / e
@@ -142,7 +142,7 @@ def test_formulas_have_the_dimensions_of_their_units(delta):
 
 @pytest.mark.parametrize("kind", ["I", "III", "VII"])
 def test_the_deflection_is_the_inverse_of_the_force(kind):
-    d = tyre(type=kind)
+    d = tyre(tire_type=kind)
     for delta in (1e-4, 0.01, 0.0199, 0.0201, 0.06, 0.1):
         assert smiley_horne.deflection(d, smiley_horne.vertical_force(d, delta)) == pytest.approx(delta, rel=1e-12)
 
@@ -150,7 +150,7 @@ def test_the_deflection_is_the_inverse_of_the_force(kind):
 @pytest.mark.parametrize("kind", ["I", "VII"])
 def test_tables_of_force_and_cornering_stiffness_follow_the_formulas(kind):
     """To 1e-4, also where the table of the force is continued; the cornering stiffness is zero beyond its range."""
-    d = tyre(type=kind)
+    d = tyre(tire_type=kind)
     radial, cornering = smiley_horne.radial_law(d), smiley_horne.cornering_law(d)
     for delta in np.linspace(1e-4, 0.25, 157):
         assert curve_at(radial, delta)[0] == pytest.approx(smiley_horne.vertical_force(d, delta), rel=1e-4)
@@ -297,7 +297,7 @@ def test_a_constant_carcass_makes_the_relaxation_length_of_light_loads_too_long(
         (", pressure: 300 bar", FLEXIBLE, "'smiley_horne.pressure' (3e+07 Pa) must be at most twice", "pressure: 300"),
         (", load: 900 kN", FLEXIBLE, "(900000 N) deforms the tyre by", "load: 900"),
         (", load: 100 N", "yawed_rolling: {friction: 1}", "gives a relaxation length of 0.00", "load: 100 N"),
-        (", type: IX", FLEXIBLE, "'smiley_horne.type' cannot be 'IX'", "IX"),
+        (", tire_type: IX", FLEXIBLE, "'smiley_horne.tire_type' cannot be 'IX'", "IX"),
     ],
 )  # fmt: skip
 def test_errors_name_field_and_place(more, slip, text, column):

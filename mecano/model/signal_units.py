@@ -112,9 +112,7 @@ class _Units:
         self.entries = {(e.kind.section, e.name): (e.kind, e.values) for e in model.elements}
         self.found: dict[str, str] = {}  # units by signal
         self.unlike: dict[str, list[tuple[str, str]]] = {}  # pairs of units that a formula adds or compares
-        self.used: dict[
-            str, str
-        ] = {}  # units by signal, of the fields whose value it is, or of what it is compared with
+        self.used: dict[str, str] = {}  # units by signal, of fields whose value it is, and of what it is compared with
         for element in model.elements:
             for field, text in _drives(element.kind.fields, element.values):
                 self._use(text, field.unit)

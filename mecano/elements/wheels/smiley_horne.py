@@ -41,7 +41,7 @@ FIELDS = (
     Field("width", NUMBER, "m", "w, of the unloaded tyre", check=positive),
     Field("pressure", NUMBER, "Pa", "p, inflation pressure above that of the air", check=positive),
     Field("rated_pressure", NUMBER, "Pa", "p_r, rated pressure: a quarter of the bursting pressure", check=positive),
-    Field("type", choice(*TYPES), "-", "I smooth contour, III low pressure, VII extra high pressure", "VII"),
+    Field("tire_type", choice(*TYPES), "-", "I smooth contour, III low pressure, VII extra high pressure", "VII"),
     Field("load", NUMBER, "N", "vertical load for which constants of the law are computed", check=positive),
     Field(
         "lateral", choice("relaxation", "string", "straight_tangent", "moreland"), "-",
@@ -84,7 +84,7 @@ SMILEY_HORNE = Field(
 
 def vertical_force(d, delta):
     """Return F_z [N] at the deflection ``delta`` [m] >= 0; ``d``: values of FIELDS."""
-    C_z, z = TYPES[d["type"]][0], delta / d["width"]
+    C_z, z = TYPES[d["tire_type"]][0], delta / d["width"]
     share = 0.96 * z + 0.216 * z * z / C_z if z <= 10.0 * C_z / 3.0 else 2.4 * (z - C_z)
     return share * _force(d)
 
@@ -96,7 +96,7 @@ def _force(d):
 
 def deflection(d, force):
     """Return the deflection [m] at which F_z is ``force`` [N]."""
-    C_z, share = TYPES[d["type"]][0], force / _force(d)
+    C_z, share = TYPES[d["tire_type"]][0], force / _force(d)
     if share > 5.6 * C_z:
         return d["width"] * (share / 2.4 + C_z)
     return d["width"] * 2.0 * share / (0.96 + math.sqrt(0.9216 + 0.864 * share / C_z))
@@ -106,7 +106,7 @@ def cornering_stiffness(d, delta):
     """Return N [N/rad]."""
     x = delta / d["diameter"]
     share = 1.2 * x - 8.8 * x * x if x <= JOINT else max(0.067375 - 0.34 * x, 0.0)
-    return TYPES[d["type"]][2] * (d["pressure"] + 0.44 * d["rated_pressure"]) * d["width"] ** 2 * share
+    return TYPES[d["tire_type"]][2] * (d["pressure"] + 0.44 * d["rated_pressure"]) * d["width"] ** 2 * share
 
 
 def relaxation_length(d, delta):
@@ -119,7 +119,7 @@ def relaxation_length(d, delta):
 
 def lateral_stiffness(d, delta):
     """Return K_y [N/m]."""
-    tau, w = TYPES[d["type"]][1], d["width"]
+    tau, w = TYPES[d["tire_type"]][1], d["width"]
     return tau * w * (d["pressure"] + 0.24 * d["rated_pressure"]) * (1.0 - 0.7 * delta / w)
 
 
@@ -172,7 +172,7 @@ def errors(d):
 def radial_law(d):
     """Return F_z as a law of the deflection, a table."""
     w = d["width"]
-    joint = 10.0 * TYPES[d["type"]][0] / 3.0 * w
+    joint = 10.0 * TYPES[d["tire_type"]][0] / 3.0 * w
     return _table(lambda delta: vertical_force(d, delta), [*_even(0.0, joint, 1), w], "extend")
 
 

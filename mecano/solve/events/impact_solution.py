@@ -20,6 +20,7 @@ from mecano.solve.events.events import EventRecord
 from mecano.solve.events.impact_candidates import ImpactCandidate
 from mecano.solve.events.impact_friction import rough_contacts, solve_with_friction
 from mecano.solve.events.restitution import restitutions
+from mecano.solve.events.shocks import STILL
 
 if TYPE_CHECKING:
     from mecano.model.state import State
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from mecano.solve.events.shocks import Shocks
     from mecano.solve.time.consistent import Consistent
 
-STILL = 1e-10  # of the largest approach: a rate below this is zero
 MASSLESS = 1e-14  # of the largest: a contact with a smaller response moves no mass
 LEVER = 1e-12  # of the largest entry of a gradient: a smaller lever arm is rounding
 ADHESIVE = 1e-9  # of the largest: an impulse below minus this is adhesive

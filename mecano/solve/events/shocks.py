@@ -12,7 +12,6 @@ from mecano.model.numbering import LENGTH_CONSTRAINT
 from mecano.solve.diagnostics.scales import constraint_scale
 from mecano.solve.events.events import EventMonitor
 from mecano.solve.events.impact_candidates import ImpactCandidates
-from mecano.solve.events.impact_solution import STILL, ImpactSolution, Shock
 from mecano.solve.events.redundancy import reanalyse_redundancy
 from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.time.increments import reach_of
@@ -22,11 +21,13 @@ if TYPE_CHECKING:
     from mecano.model.system import System
     from mecano.solve.diagnostics.mobility import Group
     from mecano.solve.events.compliance import Compliance
+    from mecano.solve.events.impact_solution import Shock
     from mecano.solve.time.consistent import Consistent
     from mecano.solve.time.run_state import Method
 
 TOGETHER = 1e-6  # of a step: impacts closer in time than this are simultaneous
 NEAR = 10.0  # times the tolerance of constraints: so are impacts of contacts with a smaller gap
+STILL = 1e-10  # of the largest approach: a rate below this is zero
 STANDS = 1e-4  # of the gap within which contacts touch: less, in a step, by an acceleration, is rounding
 DEPARTING = -1e-300  # event value of a contact that is touching and separating
 
@@ -143,7 +144,7 @@ class Shocks:
         h: float = np.inf,
         at_once: bool = False,
         k: float = 0.0,
-    ) -> Shock:
+    ) -> "Shock":
         """Solve the impact of the events ``hit`` (n_events,) bool at ``s``; return a Shock.
 
         The velocities of ``s`` satisfy the constraints active before. ``h`` [s] is the next step: contacts that would
@@ -151,6 +152,8 @@ class Shocks:
         noticeably count as closed. Closed contacts without a force, for the mean stiffness k [N/m], are opened first:
         if the impact reaches them, they follow at the same time, as in Newton's cradle.
         """
+        from mecano.solve.events.impact_solution import ImpactSolution  # runs without impacts need none of it
+
         in_phase = self.impact_candidates.in_phase
         closing, others = self.impact_candidates.split(hit | self._idle(s, k))
         s, event_records = self.monitor.apply(s, others)
