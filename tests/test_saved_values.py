@@ -14,7 +14,7 @@ from mecano.analyses.recorder import Recorder
 from mecano.results.reader import open_results
 
 DECKS = sorted(path.stem for path in (Path(__file__).parent.parent / "inputs").glob("*.yaml"))
-MORE = [pytest.param(name, marks=pytest.mark.slow) for i, name in enumerate(DECKS) if i % 3]
+MORE = [pytest.param(name, marks=pytest.mark.slow) for i, name in enumerate(DECKS) if i % 4]
 ENDS = {  # [s] of decks of many steps, of which a beginning with events is enough
     "andrews": 0.01, "anti_skid": 1.5, "ball_on_turntable": 3.0, "crosswind_landing": 0.8, "flexible_ring": 0.1,
     "flexible_slider_crank": 0.02, "four_bar": 1.0, "friction_pendulum": 2.0, "n_four_bar": 2.0,
@@ -33,7 +33,7 @@ def motions(sampler):
     return found
 
 
-@pytest.mark.parametrize("name", [*DECKS[::3], *MORE])
+@pytest.mark.parametrize("name", [*DECKS[::4], *MORE])
 def test_no_saved_value_lies_beyond_those_of_the_steps_around_it(name, tmp_path, monkeypatch):
     """Forces, energies, slips and all that is no motion; and nothing that is saved exceeds the extremes."""
     deck = input_deck(name, *([f"time.end={ENDS[name]}"] if name in ENDS else []))
