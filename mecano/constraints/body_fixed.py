@@ -52,25 +52,25 @@ def turning_rate(gradient, omega_0, omega_1):
 
 
 @kernel
+def whole_turns(previous, angle):
+    """Return the whole turns [rad] that bring an angle [rad] closest to ``previous``.
+
+    A constraint that adds angles of many turns adds their whole turns first: they do not change in an iteration, and
+    the angles within a turn are not rounded to the last digit of the large ones.
+    """
+    return -2.0 * math.pi * math.ceil((value(angle) - previous) / (2.0 * math.pi) - 0.5)
+
+
+@kernel
 def wrap(angle):
     """Return the angle [rad] reduced to (-pi, pi] by whole turns."""
-    return angle - 2.0 * math.pi * math.ceil(value(angle) / (2.0 * math.pi) - 0.5)
+    return angle + whole_turns(0.0, angle)
 
 
 @kernel
 def follow(previous, angle):
     """Return the angle [rad] plus the whole turns that bring it closest to ``previous``."""
     return previous + wrap(angle - previous)
-
-
-@kernel
-def whole_turns(previous, angle):
-    """Return the whole turns [rad] that bring an angle [rad] in one turn closest to ``previous``.
-
-    A constraint that adds angles of many turns adds their whole turns first: they do not change in an iteration, and
-    what remains is not rounded to the last digit of the large angles.
-    """
-    return -2.0 * math.pi * math.ceil(value(angle - previous) / (2.0 * math.pi) - 0.5)
 
 
 @kernel
