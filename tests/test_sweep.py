@@ -21,7 +21,8 @@ from time_runs import INPUTS, deck, input_deck
 
 from mecano.analyses import sweep as sweeps
 from mecano.analyses.modal import operating_point
-from mecano.analyses.sweep import Axis, sweep, sweep_into
+from mecano.analyses.sweep import sweep, sweep_into
+from mecano.analyses.sweep_axis import Axis
 from mecano.analyses.sweep_text import _numbers, known
 from mecano.errors import ConvergenceError, DeckError, ResultsError, UsageError
 from mecano.post.loci import _mark, real_range, shown_modes, sweep_figure
