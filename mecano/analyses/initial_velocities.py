@@ -40,7 +40,7 @@ def changed_velocities(deck: "Deck", system: "System", given: "State", start: "S
     for (names, asked, reached, unit), speed, least in zip(motions, fastest, rounding, strict=True):
         rows = [i for i, node in enumerate(system.nodes) if node.name in names]
         change = np.linalg.norm((reached - asked)[rows], axis=1)
-        if change.max(initial=0.0) > max(1e-6 * speed, least):
+        if change.max(initial=0.0) > max(NOTICED * speed, least):
             i = rows[int(np.argmax(change))]
             was, is_ = (", ".join(f"{c + 0.0:.4g}" for c in vector) for vector in (asked[i], reached[i]))
             return [

@@ -5,7 +5,11 @@ import math
 import numpy as np
 
 from mecano.constraints.joint_samples import rotation
+from mecano.schema import LINE, Field
 
+LINE_FIELD = Field(
+    "line", LINE, "-", "nodes from one end to the other; a member, such as a beam, stands for all its nodes"
+)
 STRAIGHT = 1e-9  # rad: an element whose end directions differ by less is straight
 
 

@@ -15,11 +15,11 @@ import numpy as np
 
 from mecano.constraints.along_coordinate.demand import is_formula, law_of, of_input, of_law, on_demand
 from mecano.constraints.joint_frame import unit
-from mecano.constraints.line_of_nodes import check_line, lengths, sample_line
+from mecano.constraints.line_of_nodes import LINE_FIELD, check_line, lengths, sample_line
 from mecano.element_interface import Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, dot, mat, vec
-from mecano.schema import BOOLEAN, DIRECTION, DRIVE, LINE, Field
+from mecano.schema import BOOLEAN, DIRECTION, DRIVE, Field
 
 EQUATIONS = __doc__.partition("\n\n")[2]
 RECORD = record(load=3, law="i")  # load of a node per unit of the law
@@ -117,12 +117,7 @@ class _Quantity:
             doc=f"{self.name.capitalize()} per length along a line of nodes, such as those of a beam.\n\n{EQUATIONS}",
             dtype=OF_LINE,
             fields=(
-                Field(
-                    "line",
-                    LINE,
-                    "-",
-                    "nodes from one end to the other; a member, such as a beam, stands for all its nodes",
-                ),
+                LINE_FIELD,
                 Field("direction", DIRECTION, "-", "direction at the start, inertial, made a unit vector"),
                 Field("value", DRIVE, f"{self.unit}/m", f"{per}: a function of time [s], or a formula of signals"),
                 Field("follows", BOOLEAN, "-", "whether the direction turns with each node", False),

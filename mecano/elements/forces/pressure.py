@@ -17,11 +17,11 @@ import numpy as np
 
 from mecano.constraints.along_coordinate.demand import is_formula, law_of, of_input, of_law, on_demand
 from mecano.constraints.joint_frame import unit
-from mecano.constraints.line_of_nodes import check_line, sample_line
+from mecano.constraints.line_of_nodes import LINE_FIELD, check_line, sample_line
 from mecano.element_interface import Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, cross, dot, mat, vec
-from mecano.schema import DIRECTION, DRIVE, LINE, NUMBER, Field, positive
+from mecano.schema import DIRECTION, DRIVE, NUMBER, Field, positive
 
 RECORD = record(across_0=3, across_1=3, half_width=(), law="i")
 OF_LINE = record(width=(), law="i")
@@ -121,9 +121,7 @@ def _kind(demand):
         doc=__doc__,
         dtype=OF_LINE,
         fields=(
-            Field(
-                "line", LINE, "-", "nodes from one end to the other; a member, such as a beam, stands for all its nodes"
-            ),
+            LINE_FIELD,
             Field("across", DIRECTION, "-", "across the line, along the width of the side, at the start, inertial"),
             Field("width", NUMBER, "m", "width of the side", check=positive),
             Field("value", DRIVE, "Pa", "pressure: a function of time [s], or a formula of signals"),

@@ -23,7 +23,7 @@ the rolling, and so does the camber thrust the power with which it drives the sl
 slip speed.
 """
 
-from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, Carcass, SlipForces, SlipLaw
+from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipForces, SlipLaw, carcass_of
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.laws.table import curve
@@ -73,9 +73,8 @@ def check(law):
 
 
 def carcass(law):
-    """Return the Carcass, or None if the deck gives no stiffness."""
-    d = law["fiala"]
-    return d["carcass_stiffness"] and Carcass(tuple(d["carcass_stiffness"]), 2 * (d["creep_length"],))
+    """Return the or None if the deck gives no stiffness."""
+    return carcass_of(law["fiala"])
 
 
 @kernel

@@ -78,6 +78,11 @@ CARCASS_FIELDS = (
 )  # fmt: skip
 
 
+def carcass_of(d):
+    """Return the Carcass of values of CARCASS_FIELDS, or None if the deck gives no stiffness."""
+    return d["carcass_stiffness"] and Carcass(tuple(d["carcass_stiffness"]), 2 * (d["creep_length"],))
+
+
 @immutable
 class SlipLaw:
     """A slip law: its deck fields and its compiled function. A tyre law names exactly one."""

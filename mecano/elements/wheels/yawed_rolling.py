@@ -19,7 +19,7 @@ thrust. The force dissipates -F.v >= 0; the moment exchanges the power M.omega w
 curve of the slip speed. With v_0 = ``least_speed`` the slip is finite at rest, where the tyre therefore creeps.
 """
 
-from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, Carcass, SlipForces, SlipLaw
+from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipForces, SlipLaw, carcass_of
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.laws.table import curve
@@ -72,9 +72,8 @@ def check(law):
 
 
 def carcass(law):
-    """Return the Carcass, or None if the deck gives no stiffness."""
-    d = law["yawed_rolling"]
-    return d["carcass_stiffness"] and Carcass(tuple(d["carcass_stiffness"]), 2 * (d["creep_length"],))
+    """Return the or None if the deck gives no stiffness."""
+    return carcass_of(law["yawed_rolling"])
 
 
 @kernel
