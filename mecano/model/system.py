@@ -199,7 +199,7 @@ class System:
 
     @cached_property
     def _commit_jumps(self):
-        return self._bind(assembly_driver.commit, loops.commit, follows_jumps)
+        return self._bind(assembly_driver.commit, loops.commit, lambda batch: batch.kind.follows_jumps)
 
     def initial_state(self, t: float = 0.0) -> State:
         """Return the state at rest in the configuration of the deck, with every element in its initial phase."""
@@ -351,16 +351,17 @@ class System:
         """Return the memory after an accepted step at ``s``."""
         if not len(s.memory):
             return s.memory
-        memory = s.memory.copy()
-        self._commit(self._record_of_tables, s, memory)
-        return memory
+        return self._committed(self._commit, s)
 
     def commit_jumps(self, s: State) -> np.ndarray:
         """Return the memory behind an event or a corner at ``s``, where inputs of signals may have jumped."""
-        if not any(map(follows_jumps, self.batches)):
+        if not any(batch.kind.follows_jumps for batch in self.batches):
             return s.memory
+        return self._committed(self._commit_jumps, s)
+
+    def _committed(self, driver, s):
         memory = s.memory.copy()
-        self._commit_jumps(self._record_of_tables, s, memory)
+        driver(self._record_of_tables, s, memory)
         return memory
 
     def inadmissible(self, s: State) -> list[str]:
@@ -384,11 +385,6 @@ def is_scaled(batch: Batch) -> bool:
     They are loads, or the parts of loads, whose value is not given by signals, as by a controller.
     """
     return batch.paths[0][0].startswith("loads/") and not batch.kind.inputs
-
-
-def follows_jumps(batch: Batch) -> bool:
-    """Return whether the memory of a batch follows jumps of its inputs at events."""
-    return batch.kind.follows_jumps
 
 
 def acts_by_multipliers(batch: Batch) -> bool:
