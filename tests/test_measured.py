@@ -29,6 +29,13 @@ SWINGING = """
     signals: {SIGNALS}
     time: {end: 0.6, step: 0.002}
     """
+ON_A_PIN = """
+        mecano: 1
+        gravity: none
+        nodes: {bob: {position: [0, 0, 0]}}
+        elements: {bob: {type: rigid_body, node: bob, mass: 1, inertia: [1, 1, 1]}}
+        joints: {pin: {type: hinge, nodes: [ground, bob], axis: [0, 0, 1]}}
+"""  # a body, to which sections of this indent are added
 SINE = "{sine: {amplitude: 0.1, frequency: 2, offset: 1.04}}"
 LINE = "nodes: [top, load], axial_stiffness: 4000, damping: 0.002, natural_length: "
 TURNING = "nodes: [top, load], axis: [0, 1, 0], law: {spring: 3, damper: 0.4}, natural_angle: "
@@ -141,27 +148,22 @@ def test_the_motion_of_a_node_and_that_of_its_body_of_the_same_name():
     ],
 )  # fmt: skip
 def test_functions_have_units_of_their_own(formula, unit):
-    of_pendulum = """
-        mecano: 1
-        gravity: none
-        nodes: {bob: {position: [0, 0, 0]}}
-        elements: {bob: {type: rigid_body, node: bob, mass: 1, inertia: [1, 1, 1]}}
-        joints: {pin: {type: hinge, nodes: [ground, bob], axis: [0, 0, 1]}}
+    of_pendulum = (
+        ON_A_PIN
+        + """
         signals: {read: "FORMULA"}
         time: {end: 1, step: 0.1}
         """
+    )
     model = prepare(deck(of_pendulum.replace("FORMULA", formula))).system.model
     assert signal_units(model) == {"signals/read/value": unit}
 
 
 def test_states_of_a_controller_have_the_units_of_value_and_error():
     """Of u = K_P e + x_I + K_D/T_D (e - x_D), x_I has the unit of u and x_D that of e, here an angular velocity."""
-    text = """
-        mecano: 1
-        gravity: none
-        nodes: {bob: {position: [0, 0, 0]}}
-        elements: {bob: {type: rigid_body, node: bob, mass: 1, inertia: [1, 1, 1]}}
-        joints: {pin: {type: hinge, nodes: [ground, bob], axis: [0, 0, 1]}}
+    text = (
+        ON_A_PIN
+        + """
         signals:
           torque: {type: pid, input: 3 - pin.rate, integral: 2, derivative: 1, derivative_time: 0.1, unit: kN m}
           fast: {type: washout, input: pin.angle, gain: 10, time_constant: 0.1}
@@ -169,6 +171,7 @@ def test_states_of_a_controller_have_the_units_of_value_and_error():
           slow: {type: washout, input: pin.angle, gain: 5, time_constant: 0.1}
         time: {end: 1, step: 0.1}
         """
+    )
     assert signal_units(prepare(deck(text)).system.model) == {
         "signals/torque/value": "N m", "signals/torque/integral": "N m", "signals/torque/filtered": "rad/s",
         "signals/fast/value": "rad/s", "signals/fast/state": "rad", "signals/turned/value": "N m",
@@ -178,12 +181,9 @@ def test_states_of_a_controller_have_the_units_of_value_and_error():
 
 def test_signals_have_the_unit_of_the_field_whose_value_they_are():
     """So has the signal that a lag follows; one that is a force and a moment has none, and a unit in the deck holds."""
-    text = """
-        mecano: 1
-        gravity: none
-        nodes: {bob: {position: [0, 0, 0]}}
-        elements: {bob: {type: rigid_body, node: bob, mass: 1, inertia: [1, 1, 1]}}
-        joints: {pin: {type: hinge, nodes: [ground, bob], axis: [0, 0, 1]}}
+    text = (
+        ON_A_PIN
+        + """
         signals:
           wanted: 20*(0.1 - pin.angle)
           torque: {type: lag, input: wanted, time_constant: 0.1}
@@ -202,6 +202,7 @@ def test_signals_have_the_unit_of_the_field_whose_value_they_are():
           rub: {type: force, node: bob, direction: [0, 0, 1], value: pin.angle + pin.moment.x/pin.moment.y}
         time: {end: 1, step: 0.1}
         """
+    )
     assert prepare(deck(text)).system.signal_units == {
         "signals/wanted/value": "N m", "signals/torque/value": "N m", "signals/both/value": "SI",
         "signals/target/value": "rad", "signals/slow/value": "rad", "signals/later/value": "rad",

@@ -117,7 +117,7 @@ class _Units:
             for field, text in _drives(element.kind.fields, element.values):
                 self._use(text, field.unit)
         before: dict[str, str] | None = None
-        while self.used != before:  # the use of one signal tells that of another
+        while self.used != before:  # the use of one signal determines that of another
             before = dict(self.used)
             self.found.clear()
             for element in _signals(model):
