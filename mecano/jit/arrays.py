@@ -11,6 +11,7 @@ from numba.np.numpy_support import from_dtype
 from mecano.jit import memory
 from mecano.jit.aggregates import WORD, array_at
 from mecano.jit.array_object import DATA, SHAPE
+from mecano.jit.lanes import Lanes  # noqa: F401  registers arrays of Lanes
 
 
 def _load(builder, address, kind=WORD):
@@ -47,6 +48,8 @@ _learn_arrays(memory.floats, types.float64)
 _learn_arrays(memory.integers, types.int64)
 type_callable(memory.items)(lambda context: lambda address, shape, dtype: _type_of_array(dtype.dtype, shape))
 lower_builtin(memory.items, types.Any, types.Any, types.Any)(_generate_array)
+lower_builtin(memory.lanes, types.Any, types.Any)(_generate_array)
+lower_builtin(memory.lanes_items, types.Any, types.Any, types.Any)(_generate_array)
 
 
 def _learn_number(function, kind, of):

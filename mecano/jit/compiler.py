@@ -26,13 +26,14 @@ from mecano.jit.array_object import ALIGNED, C_CONTIGUOUS, WRITEABLE, fits
 from mecano.jit.arrays import array_object, refuse
 from mecano.jit.digest import digest
 from mecano.jit.entry import Array
+from mecano.jit.lanes import Lanes, Mask
 from mecano.jit.library import not_loaded
 from mecano.jit.named_tuple import classes, gathered
 from mecano.jit.null_matrix import NullMatrix, wanted
 from mecano.jit.passes import KernelCompiler
 from mecano.jit.shortcuts import shortcuts
 from mecano.jit.store import processor
-from mecano.jit.symbols import Condition, Symbol, is_number, value_of
+from mecano.jit.symbols import Condition, Symbol, any_many, is_number, value_of
 from mecano.process.interrupt import call_interruptibly
 
 # Functions that machine code may call: C mathematics, C memory, the rejection of the arguments of a call.
@@ -58,7 +59,7 @@ class PlainDispatcher(types.Dispatcher):
         return self.dispatcher.overloads[tuple(given)].signature.replace(pysig=python_signature)
 
 
-NUMERIC = (types.Number, types.Boolean)
+NUMERIC = (types.Number, types.Boolean, type(Lanes), type(Mask))
 LOOP = types.void(types.int64, types.int64)
 NUMBERS = {float: types.float64, int: types.int64, bool: types.int64}
 
@@ -247,7 +248,7 @@ def _store_dual(array, index, value):
 
 
 IN_PLACE = {operator.add: operator.iadd, operator.sub: operator.isub, operator.mul: operator.imul}
-OPERANDS = (types.BaseNamedTuple, types.Record, types.Float, types.Integer)
+OPERANDS = (types.BaseNamedTuple, types.Record, type(Lanes), types.Float, types.Integer)
 _known = set()  # functions with methods that have been registered with numba
 methods.Generic.primitive = staticmethod(symbols.primitive)
 
@@ -282,8 +283,8 @@ def _learn(function, named):
     if isinstance(function, methods.Generic):
         lower_builtin(named, types.VarArg(types.Any))(generate)
         return
-    unary = [(kind,) for kind in OPERANDS[:2]]
-    for operands in [*unary, *((a, b) for a in OPERANDS for b in OPERANDS if {a, b} & set(OPERANDS[:2]))]:
+    unary = [(kind,) for kind in OPERANDS[:3]]
+    for operands in [*unary, *((a, b) for a in OPERANDS for b in OPERANDS if {a, b} & set(OPERANDS[:3]))]:
         lower_builtin(named, *operands)(generate)
 
 
@@ -308,7 +309,8 @@ def _learn_attribute(name):
 def _result(function, arguments):
     """Return the result type of a function for arguments of these types, or None if it has no method for them."""
     kinds = set(map(_kind, arguments))
-    if None in kinds or (kinds == {float} and not isinstance(function, methods.Generic)):
+    plain = kinds == {float} and Lanes not in arguments
+    if None in kinds or (plain and not isinstance(function, methods.Generic)):
         return None
     try:
         return _type_of(function(*map(_stand_in, arguments)))
@@ -322,16 +324,17 @@ def _stand_in(of):
     if kind is None:
         raise TypeError(f"{of} is no operand")
     if kind is float:
-        return Condition(None) if isinstance(of, types.Boolean) else Symbol(None)
+        placeholder = Condition if isinstance(of, types.Boolean) or of is Mask else Symbol
+        return placeholder(None, many=of in (Lanes, Mask))
     parts = [of.typeof(name) for name in of.fields] if isinstance(of, types.Record) else of.types
     return kind(*map(_stand_in, parts))
 
 
 def _type_of(value):
     if isinstance(value, Condition | bool):
-        return types.boolean
+        return Mask if any_many([value]) else types.boolean
     if is_number(value):
-        return types.float64
+        return Lanes if any_many([value]) else types.float64
     parts = [_type_of(part) for part in value]
     if len(set(parts)) == 1:
         return types.NamedUniTuple(parts[0], len(parts), type(value))
@@ -341,8 +344,10 @@ def _type_of(value):
 def _symbolic(context, builder, of, value):
     """Return a value of compiled code as Symbols."""
     kind = _kind(of)
-    if isinstance(of, types.Boolean):
-        return Condition(builder, context.cast(builder, value, of, types.boolean))
+    if of is Lanes:
+        return Symbol(builder, value)
+    if isinstance(of, types.Boolean) or of is Mask:
+        return Condition(builder, value if of is Mask else context.cast(builder, value, of, types.boolean))
     if kind is float:
         return Symbol(builder, context.cast(builder, value, of, types.float64))
     if isinstance(of, types.Record):

@@ -5,6 +5,8 @@ Only the names are declared here; arrays.py implements them.
 
 import numpy as np
 
+LANES = 4  # elements that are computed at once where a kind allows it
+
 
 def floats(address, shape):
     """Return the array of floats of this shape (a number or a tuple) at ``address``."""
@@ -19,6 +21,27 @@ def integers(address, shape):
 def items(address, shape, dtype):
     """Return the array of this shape of items of another type, such as records, at ``address``."""
     raise RuntimeError("available in compiled code only")
+
+
+def lanes(address, shape):
+    """Return the array of this shape of numbers of LANES elements at ``address``."""
+    raise RuntimeError("available in compiled code only")
+
+
+def lanes_items(address, shape, dtype):
+    """Return the array of this shape of records of LANES elements each at ``address``, for the ``dtype`` of one."""
+    raise RuntimeError("available in compiled code only")
+
+
+def lanes_dtype(dtype):
+    """Return the type of the record of LANES elements: each number four times, each integer once."""
+    return np.dtype(
+        [
+            (name, field.base, field.shape if field.base.kind == "i" else (*field.shape, LANES))
+            for name, (field, *_) in dtype.fields.items()
+        ],
+        align=True,
+    )
 
 
 def word(address):

@@ -31,8 +31,8 @@ except ImportError:  # not a POSIX system
     fcntl = None
 
 COMPILER = (
-    "aggregates", "array_object", "arrays", "compiler", "convention", "entry", "indexing", "kernel", "library",
-    "memory", "methods", "named_tuple", "null_matrix", "passes", "symbols",
+    "aggregates", "array_object", "arrays", "compiler", "convention", "entry", "indexing", "kernel", "lanes",
+    "library", "memory", "methods", "named_tuple", "null_matrix", "passes", "symbols",
 )  # fmt: skip
 """Modules that generate code."""
 DAY = 86400.0  # s

@@ -6,23 +6,28 @@ its own, because compiling a function takes longer than emitting these few instr
 
 from llvmlite import ir
 
+from mecano.jit.memory import LANES
+
 NUMBER, CONDITION = ir.DoubleType(), ir.IntType(1)
+NUMBERS, CONDITIONS = ir.VectorType(NUMBER, LANES), ir.VectorType(CONDITION, LANES)  # of as many elements at once
+LANE = ir.IntType(32)
 MATHEMATICS = ("sqrt", "sin", "cos", "tan", "exp", "atan2")  # functions of the C library, by name
 INTRINSIC = ("sin", "cos", "exp")  # those of them for which numba calls an LLVM intrinsic
 
 
 class Symbol:
-    """A number; without a builder it is only a placeholder."""
+    """A number, or those of LANES elements (``many``); without a builder it is only a placeholder."""
 
     builder = None
 
-    def __init__(self, builder, value=None):
+    def __init__(self, builder, value=None, many=False):
         self.builder, self.value = builder, value
+        self.many = many if builder is None else value.type == NUMBERS
 
     def _with(self, instruction, *others):
         if self.builder is None:
-            return Symbol(None)
-        return Symbol(self.builder, getattr(self.builder, instruction)(*(value_of(other) for other in others)))
+            return Symbol(None, many=any_many(others))
+        return Symbol(self.builder, getattr(self.builder, instruction)(*values_of(self.builder, others)))
 
     def __add__(self, other):
         return self._with("fadd", self, other) if is_number(other) else NotImplemented
@@ -56,8 +61,8 @@ class Symbol:
 
     def _compared(self, how, other):
         if self.builder is None:
-            return Condition(None)
-        return Condition(self.builder, self.builder.fcmp_ordered(how, self.value, value_of(other)))
+            return Condition(None, many=any_many((self, other)))
+        return Condition(self.builder, self.builder.fcmp_ordered(how, *values_of(self.builder, (self, other))))
 
     def __lt__(self, other):
         return self._compared("<", other) if is_number(other) else NotImplemented
@@ -73,12 +78,13 @@ class Symbol:
 
 
 class Condition:
-    """A truth value, for ``select`` only: methods must not branch."""
+    """A truth value, or those of LANES elements, for ``select`` only: methods must not branch."""
 
     builder = None
 
-    def __init__(self, builder, value=None):
+    def __init__(self, builder, value=None, many=False):
         self.builder, self.value = builder, value
+        self.many = many if builder is None else value.type == CONDITIONS
 
     def __bool__(self):
         raise TypeError("a method cannot branch on the numbers of compiled code: use select")
@@ -94,26 +100,91 @@ def value_of(number):
     return number.value if isinstance(number, Symbol) else ir.Constant(NUMBER, float(number))
 
 
+def any_many(values):
+    """Return whether any of these is a number or a truth value of LANES elements."""
+    return any(getattr(value, "many", False) for value in values)
+
+
+def values_of(builder, numbers):
+    """Return the values of numbers; if one of them is of LANES elements, all are."""
+    values = [value_of(number) for number in numbers]
+    if not any_many(numbers):
+        return values
+    return [value if value.type == NUMBERS else splat(builder, value) for value in values]
+
+
+def splat(builder, value):
+    """Return the number of one element for LANES elements."""
+    if isinstance(value, ir.Constant):
+        return ir.Constant(NUMBERS, [value] * LANES)
+    unknown = ir.Constant(NUMBERS, ir.Undefined)
+    first = builder.insert_element(unknown, value, LANE(0))
+    return builder.shuffle_vector(first, unknown, ir.Constant(ir.VectorType(LANE, LANES), None))
+
+
 def primitive(function, arguments):
-    """Return a Generic applied to Symbols: a C function, ``select``, or its own code."""
-    if function.__name__ == "select":
-        return _select(*arguments)
-    return _call(function.__name__, arguments) if function.__name__ in MATHEMATICS else function.__wrapped__(*arguments)
+    """Return a Generic applied to Symbols: a C function, a function of conditions, or its own code."""
+    name = function.__name__
+    if name in CHOICES:
+        return CHOICES[name](*arguments)
+    return _call(name, arguments) if name in MATHEMATICS else function.__wrapped__(*arguments)
 
 
 def _select(condition, a, b):
     if not isinstance(condition, Condition):
         return a if condition else b
     if condition.builder is None:
-        return Symbol(None)
-    return Symbol(condition.builder, condition.builder.select(condition.value, value_of(a), value_of(b)))
+        return Symbol(None, many=any_many((condition, a, b)))
+    one, other = values_of(condition.builder, (a, b))
+    if condition.many:
+        one, other = (v if v.type == NUMBERS else splat(condition.builder, v) for v in (one, other))
+    return Symbol(condition.builder, condition.builder.select(condition.value, one, other))
+
+
+def _anywhere(condition):
+    return _one_condition(condition, "icmp_unsigned", "!=", 0)
+
+
+def _everywhere(condition):
+    return _one_condition(condition, "icmp_unsigned", "==", 2**LANES - 1)
+
+
+def _one_condition(condition, instruction, how, bits):
+    """Return the truth value for all elements together."""
+    if not isinstance(condition, Condition) or not condition.many:
+        return condition
+    if condition.builder is None:
+        return Condition(None)
+    word = ir.IntType(LANES)
+    found = condition.builder.bitcast(condition.value, word)
+    return Condition(condition.builder, getattr(condition.builder, instruction)(how, found, word(bits)))
+
+
+CHOICES = {"select": _select, "anywhere": _anywhere, "everywhere": _everywhere}  # functions of conditions, by name
 
 
 def _call(name, arguments):
     builder = next(a.builder for a in arguments if isinstance(a, Symbol))
     if builder is None:
-        return Symbol(None)
+        return Symbol(None, many=any_many(arguments))
+    values = values_of(builder, arguments)
+    if not any_many(arguments):
+        return Symbol(builder, _call_for_one(builder, name, values))
+    if name in ("sqrt", "fabs"):
+        return Symbol(builder, builder.call(_function(builder, f"llvm.{name}.v{LANES}f64", NUMBERS, 1), values))
+    together = ir.Constant(NUMBERS, ir.Undefined)
+    for i in range(LANES):
+        found = _call_for_one(builder, name, [builder.extract_element(value, LANE(i)) for value in values])
+        together = builder.insert_element(together, found, LANE(i))
+    return Symbol(builder, together)
+
+
+def _call_for_one(builder, name, values):
     name = f"llvm.{name}.f64" if name in INTRINSIC else name
-    kind = ir.FunctionType(NUMBER, [NUMBER] * len(arguments))
-    found = builder.module.globals.get(name) or ir.Function(builder.module, kind, name)
-    return Symbol(builder, builder.call(found, [value_of(a) for a in arguments]))
+    return builder.call(_function(builder, name, NUMBER, len(values)), values)
+
+
+def _function(builder, name, number, n):
+    """Return the function of this name of n numbers."""
+    kind = ir.FunctionType(number, [number] * n)
+    return builder.module.globals.get(name) or ir.Function(builder.module, kind, name)
