@@ -28,7 +28,7 @@ REFERENCE = {  # deck and overrides: steps accepted, Newton iterations of all tr
     ("reflector",): (411, 1170, 654),
 }
 
-COMPILED = {"pendulum": (30, 1769), "nose_gear_rigid": (47, 2517)}  # machine code objects, lines of their functions
+COMPILED = {"pendulum": (30, 1769), "nose_gear_rigid": (47, 2596)}  # machine code objects, lines of their functions
 
 
 SEVEN_MODULES = {  # end [s]: the same counts of a reflector, instants with events, instants with shocks

@@ -24,6 +24,9 @@ def check_declarations(kind: Kind) -> None:
     assert bool(kind.memory) == (kind.commit is not None)
     assert any(not event.command for event in kind.events) == (kind.event_values is not None)
     assert kind.acts or kind.observe is not None or kind.optional  # or all is in its parts
+    if kind.by_lanes:
+        assert kind.force and kind.observe and len(kind.phases) == 1
+        assert not (kind.multipliers or kind.coupled_multipliers or kind.memory)
     for event in kind.events:
         assert event.before in kind.phases and event.after in kind.phases
 

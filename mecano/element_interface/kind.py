@@ -162,6 +162,8 @@ class Mechanics:
     idle: dict[str, Sequence[int]] = field(default_factory=dict)
     """{phase: indices of outputs}: phases in which an element with a ``residual`` has no force, energy or power, and
     these outputs are zero; its ``residual`` is not called then"""
+    by_lanes: bool = False
+    """True if ``force`` and ``observe`` also compute several elements at once; see element_interface"""
     residual: Callable | None = None
     inertia: Callable | None = None
     force: Callable | None = None

@@ -276,6 +276,18 @@ def _(condition, a, b):
 
 
 @Generic
+def everywhere(condition):
+    """Return whether a condition holds for all elements that are computed at once."""
+    return condition
+
+
+@Generic
+def anywhere(condition):
+    """Return whether a condition holds for one of the elements that are computed at once."""
+    return condition
+
+
+@Generic
 def at_least(a, least):
     """Return the larger of a number and a bound."""
     return select(a > least, a, least)

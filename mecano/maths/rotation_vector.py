@@ -10,9 +10,8 @@ With :math:`R_2 = R_1 \exp(\hat\varphi)` and material variations :math:`\delta\T
 ``c1`` and ``c2`` below are :math:`c'/\theta` and :math:`c_1'/\theta`.
 """
 
-import math
-
 from mecano.jit.kernel import kernel
+from mecano.maths.dual import everywhere, select, sqrt, tan
 from mecano.maths.vector import EYE, Mat3, Vec3, cross, dot, outer, skew
 
 SERIES = 1.0  # squared angle [rad2] below which eleven terms of the series are exact to round-off
@@ -25,22 +24,26 @@ A10, A11 = 174611.0 / 802857662698291200000.0, 77683.0 / 14101100039391805440000
 @kernel
 def inverse_coefficients(t2):
     """Return c, c1 and c2 for t2 = theta^2; theta < 2 pi."""
-    if t2 < SERIES:
-        c = A7 + t2 * (A8 + t2 * (A9 + t2 * (A10 + t2 * A11)))
-        c = A1 + t2 * (A2 + t2 * (A3 + t2 * (A4 + t2 * (A5 + t2 * (A6 + t2 * c)))))
-        c1 = 12.0 * A7 + t2 * (14.0 * A8 + t2 * (16.0 * A9 + t2 * (18.0 * A10 + t2 * 20.0 * A11)))
-        c1 = 2.0 * A2 + t2 * (4.0 * A3 + t2 * (6.0 * A4 + t2 * (8.0 * A5 + t2 * (10.0 * A6 + t2 * c1))))
-        c2 = 120.0 * A7 + t2 * (168.0 * A8 + t2 * (224.0 * A9 + t2 * (288.0 * A10 + t2 * 360.0 * A11)))
-        c2 = 8.0 * A3 + t2 * (24.0 * A4 + t2 * (48.0 * A5 + t2 * (80.0 * A6 + t2 * c2)))
+    is_small = t2 < SERIES
+    c = A7 + t2 * (A8 + t2 * (A9 + t2 * (A10 + t2 * A11)))
+    c = A1 + t2 * (A2 + t2 * (A3 + t2 * (A4 + t2 * (A5 + t2 * (A6 + t2 * c)))))
+    c1 = 12.0 * A7 + t2 * (14.0 * A8 + t2 * (16.0 * A9 + t2 * (18.0 * A10 + t2 * 20.0 * A11)))
+    c1 = 2.0 * A2 + t2 * (4.0 * A3 + t2 * (6.0 * A4 + t2 * (8.0 * A5 + t2 * (10.0 * A6 + t2 * c1))))
+    c2 = 120.0 * A7 + t2 * (168.0 * A8 + t2 * (224.0 * A9 + t2 * (288.0 * A10 + t2 * 360.0 * A11)))
+    c2 = 8.0 * A3 + t2 * (24.0 * A4 + t2 * (48.0 * A5 + t2 * (80.0 * A6 + t2 * c2)))
+    if everywhere(is_small):
         return c, c1, c2
-    t = math.sqrt(t2)
+    t = sqrt(t2)
     s = 1.0 / t2
-    cot = 1.0 / math.tan(0.5 * t)
+    cot = 1.0 / tan(0.5 * t)
     square = 1.0 + cot * cot
     g = 1.0 - 0.5 * t * cot
     g1 = 0.25 * square - 0.5 * cot / t
     g2 = (0.25 * square + 0.5 * cot / t - 0.25 * square * cot * t) * s
-    return g * s, (g1 - 2.0 * g * s) * s, (g2 - 4.0 * g1 * s + 8.0 * g * s * s) * s
+    return (
+        select(is_small, c, g * s), select(is_small, c1, (g1 - 2.0 * g * s) * s),
+        select(is_small, c2, (g2 - 4.0 * g1 * s + 8.0 * g * s * s) * s),
+    )  # fmt: skip
 
 
 @kernel

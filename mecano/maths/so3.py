@@ -6,7 +6,7 @@ r"""Rotations: exponential map, logarithm and tangent operators, on tuples.
 """
 
 from mecano.jit.kernel import kernel
-from mecano.maths.dual import at_least, atan2, select, sin, sqrt, tan
+from mecano.maths.dual import at_least, atan2, everywhere, select, sin, sqrt, tan
 from mecano.maths.vector import EYE, Vec3, cross, dot, skew
 
 TINY = 1e-150  # half the angle [rad] below which a rotation has no axis
@@ -16,15 +16,18 @@ SERIES = 1e-2  # below this angle [rad] the series of four terms is exact to rou
 @kernel
 def coefficients(t2):
     """Return sin(t)/t, (1 - cos t)/t^2, (t - sin t)/t^3 for t2 = t^2."""
-    if t2 < SERIES * SERIES:
-        s = 1.0 - t2 / 6.0 * (1.0 - t2 / 20.0 * (1.0 - t2 / 42.0))
-        c = 0.5 * (1.0 - t2 / 12.0 * (1.0 - t2 / 30.0 * (1.0 - t2 / 56.0)))
-        b = (1.0 - t2 / 20.0 * (1.0 - t2 / 42.0 * (1.0 - t2 / 72.0))) / 6.0
+    is_small = t2 < SERIES * SERIES
+    s = 1.0 - t2 / 6.0 * (1.0 - t2 / 20.0 * (1.0 - t2 / 42.0))
+    c = 0.5 * (1.0 - t2 / 12.0 * (1.0 - t2 / 30.0 * (1.0 - t2 / 56.0)))
+    b = (1.0 - t2 / 20.0 * (1.0 - t2 / 42.0 * (1.0 - t2 / 72.0))) / 6.0
+    if everywhere(is_small):
         return s, c, b
     t = sqrt(t2)
     half = sin(0.5 * t) / (0.5 * t)
-    s = sin(t) / t
-    return s, 0.5 * half * half, (1.0 - s) / t2
+    sine = sin(t) / t
+    return (
+        select(is_small, s, sine), select(is_small, c, 0.5 * half * half), select(is_small, b, (1.0 - sine) / t2)
+    )  # fmt: skip
 
 
 @kernel
@@ -39,25 +42,41 @@ def exp(psi):
 def quaternion(R):
     """Return the unit quaternion (w, x, y, z), w >= 0, of R, computed from its largest component for accuracy."""
     t = R[0][0] + R[1][1] + R[2][2]
-    if t > R[0][0] and t > R[1][1] and t > R[2][2]:
-        w = 0.5 * sqrt(1.0 + t)
-        s = 0.25 / w
-        x, y, z = (R[2][1] - R[1][2]) * s, (R[0][2] - R[2][0]) * s, (R[1][0] - R[0][1]) * s
-    elif R[0][0] >= R[1][1] and R[0][0] >= R[2][2]:
-        x = 0.5 * sqrt(1.0 + R[0][0] - R[1][1] - R[2][2])
-        s = 0.25 / x
-        w, y, z = (R[2][1] - R[1][2]) * s, (R[1][0] + R[0][1]) * s, (R[2][0] + R[0][2]) * s
-    elif R[1][1] >= R[2][2]:
-        y = 0.5 * sqrt(1.0 + R[1][1] - R[2][2] - R[0][0])
-        s = 0.25 / y
-        w, z, x = (R[0][2] - R[2][0]) * s, (R[2][1] + R[1][2]) * s, (R[0][1] + R[1][0]) * s
-    else:
-        z = 0.5 * sqrt(1.0 + R[2][2] - R[0][0] - R[1][1])
-        s = 0.25 / z
-        w, x, y = (R[1][0] - R[0][1]) * s, (R[0][2] + R[2][0]) * s, (R[2][1] + R[1][2]) * s
-    if w < 0.0:
-        return (-w, -x, -y, -z)
-    return (w, x, y, z)
+    by_w = t > at_least(at_least(R[0][0], R[1][1]), R[2][2])
+    w = 0.5 * sqrt(at_least(1.0 + t, TINY))
+    s = 0.25 / w
+    x, y, z = (R[2][1] - R[1][2]) * s, (R[0][2] - R[2][0]) * s, (R[1][0] - R[0][1]) * s
+    if everywhere(by_w):
+        return w, x, y, z
+    other = _from_vector_part(R)
+    return select(by_w, w, other[0]), select(by_w, x, other[1]), select(by_w, y, other[2]), select(by_w, z, other[3])
+
+
+@kernel
+def _from_vector_part(R):
+    """Return the unit quaternion (w, x, y, z), w >= 0, of R, computed from its largest component among x, y, z.
+
+    ``a`` is this component, ``b`` the next in the order x, y, z, x, ``c`` the one after that.
+    """
+    by_x, by_y = R[0][0] >= at_least(R[1][1], R[2][2]), R[1][1] >= R[2][2]
+    own = _chosen(by_x, by_y, R[0][0], R[1][1], R[2][2])
+    others = _chosen(by_x, by_y, R[1][1], R[2][2], R[0][0]), _chosen(by_x, by_y, R[2][2], R[0][0], R[1][1])
+    a = 0.5 * sqrt(1.0 + own - others[0] - others[1])
+    s = 0.25 / a
+    w = _chosen(by_x, by_y, R[2][1] - R[1][2], R[0][2] - R[2][0], R[1][0] - R[0][1]) * s
+    xy, yz, zx = R[1][0] + R[0][1], R[2][1] + R[1][2], R[0][2] + R[2][0]
+    b, c = _chosen(by_x, by_y, xy, yz, zx) * s, _chosen(by_x, by_y, zx, xy, yz) * s
+    sign = select(w < 0.0, -1.0, 1.0)
+    return (
+        sign * w, sign * _chosen(by_x, by_y, a, c, b), sign * _chosen(by_x, by_y, b, a, c),
+        sign * _chosen(by_x, by_y, c, b, a),
+    )  # fmt: skip
+
+
+@kernel
+def _chosen(by_x, by_y, of_x, of_y, of_z):
+    """Return the value of the largest component."""
+    return select(by_x, of_x, select(by_y, of_y, of_z))
 
 
 @kernel

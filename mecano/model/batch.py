@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.jit.memory import LANES, lanes_dtype
 from mecano.maths.dual import DUAL
 from mecano.model.loop_records import BATCH, record
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 OF_ELEMENTS = "p", "dofs", "rots", "slots", "output_dofs", "output_slots", "multipliers", "entries"
 LINES = 128  # B, two lines of the cache
-WORK = ("q", "v", "a", "R", "f", "K", "C", "M", "seeded", "F", "g")
+WORK = ("q", "v", "a", "R", "f", "K", "C", "M", "seeded", "F", "g", "y", "energies")
 
 
 @dataclass(eq=False, repr=False)
@@ -52,12 +53,15 @@ class Batch:
     def __post_init__(self):
         kind, n = self.kind, self.dofs.shape[1]
         n_work, n_rotations = max(n, self.output_dofs.shape[1]), len(self.columns)
-        self.q, self.v, self.a = (np.zeros(n_work) for _ in range(3))
-        self.R = np.zeros((n_rotations, 3, 3))
-        self.f, self.K, self.C, self.M = np.zeros(n), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
+        lanes = LANES if kind.by_lanes else 1
+        self.q, self.v, self.a = (np.zeros((n_work, lanes)) for _ in range(3))
+        self.R = np.zeros((n_rotations, 3, 3, lanes))
+        self.f, (self.K, self.C, self.M) = np.zeros((n, lanes)), (np.zeros((n, n, lanes)) for _ in range(3))
         self.seeded = np.zeros(4 * n + 9 * n_rotations, DUAL)
-        self.F, self.g = np.zeros(self.output_slots.shape[1]), np.zeros((len(kind.multipliers), 3))
+        self.F, self.g = np.zeros((self.output_slots.shape[1], lanes)), np.zeros((len(kind.multipliers), 3))
+        self.groups = _of_groups(self.p) if kind.by_lanes else self.p[:0]
         self.n_outputs = sum(int(np.prod(o.shape, dtype=int)) for o in kind.outputs)
+        self.y, self.energies = np.zeros((self.n_outputs, lanes)), np.zeros((4, lanes))
         self.n_events = len(kind.events)
         self.idle = np.zeros((len(kind.phases), 1 + self.n_outputs), np.int64)  # flags: the phase, vanishing outputs
         for phase, outputs in kind.idle.items():
@@ -102,10 +106,10 @@ class Batch:
             "n": n, "n_local": n_local, "n_rotations": len(self.columns), "n_multipliers": self.multipliers.shape[1],
             "first_reaction": self.kind.first_reaction,
             "n_reactions": len(self.kind.multipliers) + len(self.kind.coupled_multipliers),
-            "n_output_dofs": self.output_dofs.shape[1], "n_forces": len(self.F), "n_outputs": self.n_outputs,
-            "n_phases": len(self.idle), "n_events": self.n_events, "n_memory": len(self.kind.memory),
-            "first_phase": self.first_phase, "first_memory": self.first_memory, "first_output": self.first_output,
-            "first_event": self.first_event,
+            "n_output_dofs": self.output_dofs.shape[1], "n_forces": self.output_slots.shape[1],
+            "n_outputs": self.n_outputs, "n_phases": len(self.idle), "n_events": self.n_events,
+            "n_memory": len(self.kind.memory), "first_phase": self.first_phase, "first_memory": self.first_memory,
+            "first_output": self.first_output, "first_event": self.first_event, "first_element": 0,
         }  # fmt: skip
         names = [name for name in BATCH.names if name not in sizes]
         return record(BATCH, **sizes, **{name: getattr(self, name).ctypes.data for name in names})
@@ -119,7 +123,7 @@ class Batch:
         out = np.repeat(self.record(), len(begins))
         for name in OF_ELEMENTS:
             out[name] += begins * getattr(self, name).strides[0]
-        out["n"] = ends - begins
+        out["n"], out["first_element"] = ends - begins, begins
         out["first_phase"] += begins
         out["first_memory"] += begins * len(self.kind.memory)
         out["first_output"] += begins * self.n_outputs
@@ -238,6 +242,19 @@ def _records(kind, parameters):
             for key, value in values.items():
                 p[key][e] = value
     return p
+
+
+def _of_groups(p):
+    """Return the records of each LANES of the records ``p`` (n,); those of the last group may repeat the last one.
+
+    Of integers, which are flags and numbers of items, a group has the largest.
+    """
+    places = np.minimum(np.arange(-(-len(p) // LANES) * LANES), len(p) - 1).reshape(-1, LANES)
+    out = np.zeros(len(places), lanes_dtype(p.dtype))
+    for name in p.dtype.names:
+        of_lanes = p[name][places]  # (groups, LANES, ...)
+        out[name] = of_lanes.max(axis=1) if of_lanes.dtype.kind == "i" else np.moveaxis(of_lanes, 1, -1)
+    return out
 
 
 def _table(rows):

@@ -9,7 +9,7 @@ their globals.
 """
 
 from mecano.jit.kernel import kernel
-from mecano.jit.memory import floats, items
+from mecano.jit.memory import floats, items, lanes, lanes_items
 from mecano.jit.null_matrix import NULL_MATRIX
 from mecano.model.gather_scatter import (
     dual_constraints,
@@ -17,6 +17,7 @@ from mecano.model.gather_scatter import (
     dual_place,
     event_values_of,
     lag_of,
+    lanes_place,
     moving_place,
     new_memory_of,
     observed,
@@ -43,6 +44,28 @@ def force(batch, system):
     b, s = batch_at(batch), system_at(system)
     p, at = items(b.p, b.n, parameters)[b.element], place(b, s, lag_of(b, s))  # noqa: F821
     function(p, at, floats(b.f, b.n_local), NULL_MATRIX, NULL_MATRIX, NULL_MATRIX)  # noqa: F821
+
+
+def lanes_tangent(batch, system):
+    """Call ``force`` for a group of elements."""
+    b, s = batch_at(batch), system_at(system)
+    n, p = b.n_local, lanes_items(b.groups, b.n, parameters)[b.element]  # noqa: F821
+    K, C, M = lanes(b.K, (n, n)), lanes(b.C, (n, n)), lanes(b.M, (n, n))
+    function(p, lanes_place(b, s), lanes(b.f, n), K, C, M)  # noqa: F821
+
+
+def lanes_force(batch, system):
+    """Call ``force`` for the forces alone of a group of elements."""
+    b, s = batch_at(batch), system_at(system)
+    p, f = lanes_items(b.groups, b.n, parameters)[b.element], lanes(b.f, b.n_local)  # noqa: F821
+    function(p, lanes_place(b, s), f, NULL_MATRIX, NULL_MATRIX, NULL_MATRIX)  # noqa: F821
+
+
+def lanes_observe(batch, system):
+    """Call ``observe`` for a group of elements."""
+    b, s = batch_at(batch), system_at(system)
+    p, F = lanes_items(b.groups, b.n, parameters)[b.element], lanes(b.F, b.n_forces)  # noqa: F821
+    function(p, lanes_place(b, s), F, lanes(b.y, b.n_outputs), lanes(b.energies, 4))  # noqa: F821
 
 
 def residual(batch, system):

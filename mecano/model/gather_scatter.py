@@ -8,7 +8,7 @@ import math
 
 from mecano.element_interface import Place
 from mecano.jit.kernel import kernel
-from mecano.jit.memory import floats, integers, items
+from mecano.jit.memory import floats, integers, items, lanes
 from mecano.maths.dual import DUAL, Dual
 from mecano.maths.vector import Vec3, mat, skew, vec
 
@@ -105,6 +105,14 @@ def place(b, s, lag):
     q, v, a, R = work(b)
     laws = floats(s.laws, s.n_laws)
     return Place(s.t, phase_of(b, s), s.k, s.penalty * lag, laws, memory_of(b, s), q, v, a, R)
+
+
+@kernel
+def lanes_place(b, s):
+    """Return the Place of a gathered group of elements, which have one phase and no memory."""
+    n, laws = max(b.n_local, b.n_output_dofs), floats(s.laws, s.n_laws)
+    q, v, a, R = lanes(b.q, n), lanes(b.v, n), lanes(b.a, n), lanes(b.R, (b.n_rotations, 3, 3))
+    return Place(s.t, 0, s.k, s.penalty, laws, laws, q, v, a, R)
 
 
 @kernel

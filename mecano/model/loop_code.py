@@ -10,7 +10,7 @@ from typing import NamedTuple
 from mecano.element_interface import UNUSED, Kind, record
 from mecano.jit.digest import digest
 from mecano.jit.store import Code, address
-from mecano.model import element_calls, loops
+from mecano.model import element_calls, lane_loops, loops
 
 NO_PARAMETERS = record(**{UNUSED: ()})
 # For each purpose: the loop, the template of the call, the function of the kind.
@@ -23,6 +23,11 @@ PURPOSES = {
     loops.observe: (loops.observe, element_calls.observe, "observe"),
     loops.event_values: (loops.event_values, element_calls.event_values, "event_values"),
     loops.commit: (loops.commit, element_calls.commit, "commit"),
+}  # fmt: skip
+BY_LANES = {
+    loops.tangent: (lane_loops.tangent, element_calls.lanes_tangent, "force"),
+    loops.residual: (lane_loops.residual, element_calls.lanes_force, "force"),
+    loops.observe: (lane_loops.observe, element_calls.lanes_observe, "observe"),
 }  # fmt: skip
 BY_DUALS = loops.dual_tangent, element_calls.dual_residual, "residual"
 BY_RESIDUAL = loops.residual, element_calls.residual, "residual"
@@ -74,6 +79,8 @@ def all_codes(kinds: Iterable[Kind]) -> list[Code]:
 
 def _of(kind, purpose):
     """Return the loop of a purpose for a kind, the template of the call, and the name of the function of the kind."""
+    if kind.by_lanes and purpose in BY_LANES:
+        return BY_LANES[purpose]
     if kind.residual is not None and purpose is loops.tangent:
         return BY_DUALS
     if kind.residual is not None and purpose is loops.residual:
@@ -86,7 +93,8 @@ def _of(kind, purpose):
 @cache
 def loop_code(loop: Callable[..., None]) -> Code:
     """Return the Code of a loop."""
-    return Code(f"loop_{loop.__name__}", digest(loop), lambda compiler: compiler.loop_code(loop))
+    name = f"{loop.__module__.rpartition('.')[2]}_{loop.__name__}"
+    return Code(name, digest(loop), lambda compiler: compiler.loop_code(loop))
 
 
 @cache

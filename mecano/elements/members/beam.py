@@ -59,6 +59,7 @@ from mecano.elements.members.heated_beam import (
     thermal_values,
 )
 from mecano.jit.kernel import kernel
+from mecano.maths.dual import anywhere, at_least
 from mecano.maths.vector import dot, mat, put, vec
 from mecano.schema import DIRECTION, INTEGER, NODE_PAIR, NUMBER, POINT, SECTION, Field
 
@@ -113,8 +114,8 @@ def observe_from(p, at, u0, phi0, y, e):
     normal, shear, equivalent = largest_stresses(p, N, M)
     for N_end, M_end in ((N_1, M_1), (N_2, M_2)):
         n_end, s_end, e_end = largest_stresses(p, N_end, M_end)
-        normal, shear, equivalent = max(normal, n_end), max(shear, s_end), max(equivalent, e_end)
-    if p.damping > 0.0:
+        normal, shear, equivalent = at_least(normal, n_end), at_least(shear, s_end), at_least(equivalent, e_end)
+    if anywhere(p.damping > 0.0):
         total_u, total_phi = e_u + p.damping * u_rate, e_phi + p.damping * phi_rate
         N, first, second = _at_ends(p, s, line.g, total_u, total_phi)
         N, M, N_1, N_2, M_1, M_2 = section_forces(p, path, middle, N, first, second)
@@ -244,6 +245,7 @@ BEAM = Kind(
     suspicious=suspicious,
     strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
     force=force,
+    by_lanes=True,
     observe=observe,
     sample=sample,
 )  # fmt: skip
@@ -253,6 +255,7 @@ HEATED_BEAM = replace(
     dtype=thermal_record(RECORD),
     prepare=lambda d, nodes, context: thermal_values(d, prepare(d, nodes, context), context),
     force=force_by_laws,
+    by_lanes=False,
     observe=observed(observe_from, of_laws),
 )
 HEATED_BY_SIGNALS = replace(

@@ -24,10 +24,10 @@ component along the section axes, by :math:`\tfrac35 \gamma^2 L` for a slender e
 the component alone, every tension of more than 12 EI/L^2 would tilt the sections.
 """
 
-import math
 from typing import NamedTuple
 
 from mecano.jit.kernel import inlined, kernel
+from mecano.maths.dual import anywhere, select, sqrt
 from mecano.maths.rotation_vector import (
     first_derivative,
     inverse_coefficients,
@@ -97,8 +97,8 @@ def bent_line(p, u, e_u):
     """Return the Line of an element with the screw u and the strain e_u = u - u0."""
     a, De = vec(p.along, 0), mat(p.D) @ e_u
     axial, square = dot(a, u), dot(e_u, De)
-    length = math.sqrt(axial * axial + square)
-    more = square / (length + axial) if axial > 0.0 else length - axial
+    length = sqrt(axial * axial + square)
+    more = select(axial > 0.0, square / (length + axial), length - axial)
     return Line(length, more, (1.0 / length) * (De - more * a))
 
 
@@ -155,7 +155,7 @@ def add_elastic(p, at, u0, phi0, f, K, C):
     s, e_u, e_phi = strains(p, at, u0, phi0)
     R2, line = mat(at.R[1]), bent_line(p, s.u, e_u)
     e_u = e_u + line.more * vec(p.along, 0)
-    if p.damping > 0.0:
+    if anywhere(p.damping > 0.0):
         rates = strain_rates(p, at, s)
         _add_viscous(p, at, s, rates, line, K, C)
         e_u, e_phi = e_u + p.damping * rate_along(p, rates.u, line.g), e_phi + p.damping * rates.phi

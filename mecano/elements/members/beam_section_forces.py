@@ -4,10 +4,10 @@
 in section axes of node 2, the first moment in those of node 1.
 """
 
-import math
 from typing import NamedTuple
 
 from mecano.jit.kernel import kernel
+from mecano.maths.dual import at_least, sqrt
 from mecano.maths.so3 import exp, tangent
 from mecano.maths.vector import EYE, Vec3, cross, cross_columns, dot, mat, skew
 
@@ -98,9 +98,9 @@ def local_strains(p, N, M):
 def largest_stresses(p, N, M):
     """Return the largest normal stress of the fibres, shear stress of torsion, equivalent stress [Pa]."""
     strain, curvature = local_strains(p, N, M)
-    largest = abs(strain[0]) + p.radius * math.sqrt(curvature[1] ** 2 + curvature[2] ** 2)
+    largest = abs(strain[0]) + p.radius * sqrt(curvature[1] * curvature[1] + curvature[2] * curvature[2])
     for i in range(p.n_points):
         fibre = strain[0] + curvature[1] * p.points[i, 1] - curvature[2] * p.points[i, 0]
-        largest = max(largest, abs(fibre))
+        largest = at_least(largest, abs(fibre))
     normal, shear = p.E * largest, p.G * p.torsion_radius * abs(curvature[0])
-    return normal, shear, math.sqrt(normal * normal + 3.0 * shear * shear)
+    return normal, shear, sqrt(normal * normal + 3.0 * shear * shear)

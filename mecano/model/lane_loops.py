@@ -1,0 +1,168 @@
+"""Loops over the elements of kinds that are computed by lanes: LANES elements at once, one in each lane.
+
+The number i of the element in lane l is stored at [i, l] of the work arrays, so that compiled code reads the numbers of
+all lanes as one. Lanes beyond the last element repeat it. A batch that begins or ends between two groups of elements,
+as those of divided_loops.py do, leaves out the lanes before and behind. The results are those of loops.py, to the bit.
+"""
+
+from mecano.jit.kernel import kernel
+from mecano.jit.memory import LANES, call, floats, integers, lanes
+from mecano.model.gather_scatter import observed
+from mecano.model.loop_records import batch_at, system_at
+
+
+@kernel
+def groups(b):
+    """Return the numbers of the first group of elements and of the one behind the last."""
+    return b.first_element // LANES, (b.first_element + b.n - 1) // LANES + 1
+
+
+@kernel
+def element_in(b, group, lane):
+    """Return the number of the element in a lane, negative or at least n for one that is left out."""
+    return LANES * group + lane - b.first_element
+
+
+@kernel
+def gather(b, s, group, dofs):
+    """Copy the local unknowns, their rates and the rotations of a group of elements to the work arrays."""
+    n, m = dofs.shape[1], b.n_rotations
+    rots, R = integers(b.rots, (b.n, m)), floats(s.R, (s.n_rotations, 3, 3))
+    z, v, a = floats(s.z, s.n_all), floats(s.v, s.n_all), floats(s.a, s.n_all)
+    q_out, v_out, a_out = floats(b.q, (n, LANES)), floats(b.v, (n, LANES)), floats(b.a, (n, LANES))
+    R_out = floats(b.R, (m, 3, 3, LANES))
+    for lane in range(LANES):
+        e = min(max(element_in(b, group, lane), 0), b.n - 1)
+        for i in range(n):
+            d = dofs[e, i]
+            q_out[i, lane] = z[d]
+            v_out[i, lane] = v[d]
+            a_out[i, lane] = a[d]
+        for r in range(m):
+            for i in range(3):
+                for j in range(3):
+                    R_out[r, i, j, lane] = R[rots[e, r], i, j]
+
+
+@kernel
+def gather_turns(b, s, group):
+    """Copy the matrices that map rotation increments to material variations to the work array for rotations."""
+    rots, T = integers(b.rots, (b.n, b.n_rotations)), floats(s.T, (s.n_rotations, 3, 3))
+    T_out = floats(b.R, (b.n_rotations, 3, 3, LANES))
+    for lane in range(LANES):
+        e = min(max(element_in(b, group, lane), 0), b.n - 1)
+        for r in range(b.n_rotations):
+            for i in range(3):
+                for j in range(3):
+                    T_out[r, i, j, lane] = T[rots[e, r], i, j]
+
+
+@kernel
+def combine(b, s):
+    """Replace K by the derivatives cK K T + cC C + cM M with respect to the unknowns."""
+    n = b.n_local
+    K, C, M = lanes(b.K, (n, n)), lanes(b.C, (n, n)), lanes(b.M, (n, n))
+    columns, turns = integers(b.columns, b.n_rotations), lanes(b.R, (b.n_rotations, 3, 3))
+    for r in range(b.n_rotations):
+        c = columns[r]
+        for i in range(n):
+            k0, k1, k2 = K[i, c], K[i, c + 1], K[i, c + 2]
+            for j in range(3):
+                K[i, c + j] = k0 * turns[r, 0, j] + k1 * turns[r, 1, j] + k2 * turns[r, 2, j]
+    cK, cC, cM = s.cK, s.cC, s.cM
+    for i in range(n):
+        for j in range(n):
+            K[i, j] = cK * K[i, j] + cC * C[i, j] + cM * M[i, j]
+
+
+def tangent(batch, system):
+    """Compute forces, their magnitudes, masses, and the tangent cK K + cC C + cM M."""
+    b, s = batch_at(batch), system_at(system)
+    n, (first, end) = b.n_local, groups(b)
+    dofs, slots, entries = (
+        integers(b.dofs, (b.n, n)), integers(b.slots, (b.n, n)), integers(b.entries, (b.n, n, n))
+    )  # fmt: skip
+    f = floats(b.f, n * LANES)
+    K, C, M = floats(b.K, (n, n, LANES)), floats(b.C, (n, n, LANES)), floats(b.M, (n, n, LANES))
+    data_out = floats(s.data, s.n_data)
+    force_out, size_out, mass_out = floats(s.force, s.n_slots), floats(s.size, s.n_slots), floats(s.mass, s.n_slots)
+    for group in range(first, end):
+        b.element = group
+        f[:] = 0.0
+        K[:, :, :] = 0.0
+        C[:, :, :] = 0.0
+        M[:, :, :] = 0.0
+        gather(b, s, group, dofs)
+        call(b.function, batch, system)
+        gather_turns(b, s, group)
+        combine(b, s)
+        for lane in range(LANES):
+            e = element_in(b, group, lane)
+            if e < 0 or e >= b.n:
+                continue
+            for i in range(n):
+                slot, force = slots[e, i], f[LANES * i + lane]
+                force_out[slot] += force
+                size_out[slot] += abs(force)
+                mass_out[slot] += abs(M[i, i, lane])
+                for j in range(n):
+                    data_out[entries[e, i, j]] += K[i, j, lane]
+
+
+def residual(batch, system):
+    """Compute forces and their magnitudes."""
+    b, s = batch_at(batch), system_at(system)
+    n, (first, end) = b.n_local, groups(b)
+    dofs, slots = integers(b.dofs, (b.n, n)), integers(b.slots, (b.n, n))
+    f, force_out, size_out = floats(b.f, n * LANES), floats(s.force, s.n_slots), floats(s.size, s.n_slots)
+    for group in range(first, end):
+        b.element = group
+        f[:] = 0.0
+        gather(b, s, group, dofs)
+        call(b.function, batch, system)
+        for lane in range(LANES):
+            e = element_in(b, group, lane)
+            if e < 0 or e >= b.n:
+                continue
+            for i in range(n):
+                slot, force = slots[e, i], f[LANES * i + lane]
+                force_out[slot] += force
+                size_out[slot] += abs(force)
+
+
+@kernel
+def gather_forces(b, s, group):
+    """Copy the forces on a group of elements to the work array F."""
+    slots, force = integers(b.output_slots, (b.n, b.n_forces)), floats(s.transmitted, s.n_transmitted)
+    F = floats(b.F, (b.n_forces, LANES))
+    for lane in range(LANES):
+        e = min(max(element_in(b, group, lane), 0), b.n - 1)
+        for i in range(b.n_forces):
+            F[i, lane] = force[slots[e, i]]
+
+
+def observe(batch, system):
+    """Compute outputs and energies of the elements, and add the energies to the totals."""
+    b, s = batch_at(batch), system_at(system)
+    first, end = groups(b)
+    dofs = integers(b.output_dofs, (b.n, b.n_output_dofs))
+    y, energies = floats(b.y, (b.n_outputs, LANES)), floats(b.energies, (4, LANES))
+    total_out = floats(s.energy, 4)
+    for group in range(first, end):
+        b.element = group
+        gather(b, s, group, dofs)
+        gather_forces(b, s, group)
+        y[:, :] = 0.0
+        energies[:, :] = 0.0
+        call(b.function, batch, system)
+        for lane in range(LANES):
+            e = element_in(b, group, lane)
+            if e < 0 or e >= b.n:
+                continue
+            b.element = e
+            y_out, energies_out = observed(b, s)
+            for i in range(b.n_outputs):
+                y_out[i] = y[i, lane]
+            for i in range(4):
+                energies_out[i] = energies[i, lane]
+                total_out[i] += energies[i, lane]
