@@ -254,8 +254,9 @@ methods.Generic.primitive = staticmethod(symbols.primitive)
 
 
 def _learn_methods():
-    """Register functions with methods, and attributes, that numba does not know yet."""
-    for function in [f for f in methods.functions() if f not in _known]:
+    """Register operators, functions with methods, and attributes, that numba does not know yet."""
+    operators = *methods.UNARY, *methods.BINARY  # those of Lanes need no methods
+    for function in [f for f in dict.fromkeys((*operators, *methods.functions())) if f not in _known]:
         for named in {function, IN_PLACE.get(function, function)}:
             _learn(function, named)
         _known.add(function)

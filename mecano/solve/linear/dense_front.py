@@ -3,14 +3,16 @@
 Rows of a front and columns of L are stored with a stride rounded up to STRIP, and so is the number of columns of L:
 columns beyond the pivots stay zero, values beyond the last row of a column are never used.
 
-Loops are written so that they are vectorized: elementwise, without sums.
+Loops along rows and columns compute STRIP numbers at once, by the instructions that processors have for it: most fronts
+are so small that a loop that a compiler divides into such groups and a remainder would spend its time in the remainder.
+A group may include numbers that are used no more.
 """
 
 from typing import NamedTuple
 
 from mecano.jit.entry import Indices, Vector
 from mecano.jit.kernel import kernel
-from mecano.jit.memory import floats
+from mecano.jit.memory import floats, lanes
 from mecano.solve.linear.ordering import STRIP
 
 TILE_ROWS, TILE_COLUMNS = 64, 256  # part of a front updated at once, to stay in cache
@@ -32,6 +34,12 @@ class Front(NamedTuple):
 def part(vector, begin, n):
     """Return ``vector[begin : begin + n]``; a slice of numba takes a dozen instructions more."""
     return floats(vector.ctypes.data + 8 * begin, n)
+
+
+@kernel
+def strips(vector, begin, n):
+    """Return ``vector[begin : begin + n]`` in groups of STRIP numbers, computed at once; STRIP divides n."""
+    return lanes(vector.ctypes.data + 8 * begin, n // STRIP)
 
 
 @kernel
@@ -68,7 +76,7 @@ def _exchange(i, j, end, stride, front_out, columns_out):
 def _eliminate_strip(begin, end, block_end, pivots, stride, tolerance, front_out):
     """Factor the columns begin ... end - 1 of a Front, right-looking; returns the number of null pivots."""
     values_out, columns_out, pivot_out, inverse_out, magnitude_out, exchanges_out = front_out
-    null = 0
+    null, below = 0, begin + STRIP
     for c in range(begin, block_end):
         magnitude_out[c] = max(magnitude_out[c], abs(columns_out[c * stride + c]))
     for k in range(begin, end):
@@ -83,15 +91,19 @@ def _eliminate_strip(begin, end, block_end, pivots, stride, tolerance, front_out
             factor = 0.0
             null += 1
         inverse_out[k] = factor
-        lower = column[k + 1 :]
+        for i in range(k + 1, below):
+            column[i] *= factor
+        lower = strips(columns_out, k * stride + below, stride - below)
         for i in range(lower.size):
             lower[i] *= factor
         for c in range(k + 1, end):
             magnitude_out[c] = max(magnitude_out[c], abs(columns_out[c * stride + c]))
-            other = columns_out[c * stride + k + 1 : (c + 1) * stride]
-            u = columns_out[c * stride + k]
-            for i in range(other.size):
-                other[i] -= lower[i] * u
+            other, rest = columns_out[c * stride :], strips(columns_out, c * stride + below, stride - below)
+            u = other[k]
+            for i in range(k + 1, below):
+                other[i] -= column[i] * u
+            for i in range(rest.size):
+                rest[i] -= lower[i] * u
     return null
 
 
@@ -100,8 +112,8 @@ def apply_strip(begin, stride, columns, targets_out):
     """Eliminate the STRIP pivots from ``begin`` in further columns or right-hand sides, one after the other."""
     n, at = stride - begin - STRIP, begin * stride + begin
     below = at + STRIP
-    l0, l1 = part(columns, below, n), part(columns, below + stride, n)
-    l2, l3 = part(columns, below + 2 * stride, n), part(columns, below + 3 * stride, n)
+    l0, l1 = strips(columns, below, n), strips(columns, below + stride, n)
+    l2, l3 = strips(columns, below + 2 * stride, n), strips(columns, below + 3 * stride, n)
     for c in range(targets_out.size // stride):
         top = part(targets_out, c * stride + begin, STRIP)
         u0 = top[0]
@@ -109,8 +121,8 @@ def apply_strip(begin, stride, columns, targets_out):
         u2 = top[2] - columns[at + 2] * u0 - columns[at + stride + 2] * u1
         u3 = top[3] - columns[at + 3] * u0 - columns[at + stride + 3] * u1 - columns[at + 2 * stride + 3] * u2
         top[1], top[2], top[3] = u1, u2, u3
-        rest = part(targets_out, c * stride + begin + STRIP, n)
-        for i in range(n):
+        rest = strips(targets_out, c * stride + begin + STRIP, n)
+        for i in range(rest.size):
             rest[i] -= l0[i] * u0 + l1[i] * u1 + l2[i] * u2 + l3[i] * u3
 
 
@@ -118,15 +130,17 @@ def apply_strip(begin, stride, columns, targets_out):
 def _update(begin, last, rows_begin, rows_end, left, right, stride, columns, front_out):
     """Subtract from rows and columns [left, right) of a front the products of the STRIP pivots from ``begin``.
 
-    Pivots beyond ``last`` do not exist; their columns are zero, so that any row can be used for them.
+    ``left`` and ``right`` are multiples of STRIP. Pivots beyond ``last`` do not exist; their columns are zero, so that
+    any row can be used for them.
     """
+    n, at = right - left, begin * stride + left
     r1, r2, r3 = min(begin + 1, last) * stride, min(begin + 2, last) * stride, min(begin + 3, last) * stride
-    u0 = front_out[begin * stride + left : begin * stride + right]
-    u1, u2, u3 = front_out[r1 + left : r1 + right], front_out[r2 + left : r2 + right], front_out[r3 + left : r3 + right]
+    u0, u1 = strips(front_out, at, n), strips(front_out, r1 + left, n)
+    u2, u3 = strips(front_out, r2 + left, n), strips(front_out, r3 + left, n)
     for i in range(rows_begin, rows_end):
         at = begin * stride + i
         x0, x1, x2, x3 = columns[at], columns[at + stride], columns[at + 2 * stride], columns[at + 3 * stride]
-        row = front_out[i * stride + left : i * stride + right]
+        row = strips(front_out, i * stride + left, n)
         for j in range(row.size):
             row[j] -= x0 * u0[j] + x1 * u1[j] + x2 * u2[j] + x3 * u3[j]
 
@@ -137,9 +151,9 @@ def _update_pivot_rows(begin, end, left, right, stride, columns, front_out):
     for strip in range(begin, end, STRIP):
         strip_end = min(strip + STRIP, end)
         for k in range(strip + 1, strip_end):
-            row = front_out[k * stride + left : k * stride + right]
+            row = strips(front_out, k * stride + left, right - left)
             for c in range(strip, k):
-                above, x = front_out[c * stride + left : c * stride + right], columns[c * stride + k]
+                above, x = strips(front_out, c * stride + left, right - left), columns[c * stride + k]
                 for j in range(row.size):
                     row[j] -= x * above[j]
         _update(strip, strip_end - 1, strip_end, end, left, right, stride, columns, front_out)
@@ -163,7 +177,7 @@ def eliminate_block(begin, end, pivots, size, tolerance, front_out):
         null += _eliminate_strip(strip, strip_end, end, pivots, stride, tolerance, front_out)
         right = part(columns_out, strip_end * stride, (end - strip_end) * stride)
         apply_strip(strip, stride, columns_out, right)
-    for left in range(end, stride, TILE_COLUMNS):
+    for left in range(end // STRIP * STRIP, stride, TILE_COLUMNS):
         right = min(left + TILE_COLUMNS, stride)
         _update_pivot_rows(begin, end, left, right, stride, columns_out, values_out)
         for top in range(end, size, TILE_ROWS):

@@ -84,7 +84,7 @@ def backward_half(at_hand: Indices, own_range: Indices, lu: Factor, own: Matrix)
     for i in range(own_range[MIDDLE], order.size):
         y[i] = lu.vectors[PERMUTED, i]
     for f in range(own_range[END] - 1, own_range[BEGIN] - 1, -1):
-        backward(f, lu, y)
+        backward(f, lu, own[WORK], y)
     for i in range(own_range[LOW], own_range[HIGH]):
         x[order[i]] = y[i]
 
@@ -105,7 +105,7 @@ def substitute(b: Vector, lu: Factor, halves: Halves, x_out: Vector):
     for f in range(begin, n_fronts):
         forward(f, lu, lu.vectors[FRONT], y)
     for f in range(n_fronts - 1, begin - 1, -1):
-        backward(f, lu, y)
+        backward(f, lu, lu.vectors[FRONT], y)
     run_parts(pool, tasks[BACKWARD, 0], tasks[BACKWARD, 1], tasks[BACKWARD, 2])
     for i in range(first, order.size):
         x_out[order[i]] = y[i]

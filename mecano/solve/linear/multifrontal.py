@@ -28,7 +28,7 @@ import numpy as np
 from mecano.jit.entry import Indices, Matrix, Short, Table, Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call
-from mecano.solve.linear.dense_front import Front, apply_strip, eliminate_block, part, stride_of
+from mecano.solve.linear.dense_front import Front, apply_strip, eliminate_block, part, stride_of, strips
 from mecano.solve.linear.ordering import (
     BORDER,
     CONTRIBUTION,
@@ -105,12 +105,12 @@ def _assemble(f, data, fronts, links, stack, front_out, magnitude_out):
 def _store(f, fronts, front, factors_out, stack_out):
     """Store U12 of a front, by columns, and push its contribution on the stack."""
     pivots, size = fronts[f, PIVOTS], fronts[f, SIZE]
-    stride, width = stride_of(size), size - pivots
-    begin = fronts[f, FACTOR] + stride_of(pivots) * stride
+    stride, height, width = stride_of(size), stride_of(pivots), size - pivots
+    begin = fronts[f, FACTOR] + height * stride
     for k in range(pivots):
         row = front[k * stride + pivots : k * stride + size]
         for j in range(row.size):
-            factors_out[begin + j * pivots + k] = row[j]
+            factors_out[begin + j * height + k] = row[j]
     begin = fronts[f, CONTRIBUTION]
     for i in range(width):
         kept = stack_out[begin + i * width : begin + (i + 1) * width]
@@ -176,22 +176,24 @@ def forward(f, lu, work, y_out):
 
 
 @kernel
-def backward(f, lu, y_out):
+def backward(f, lu, work, y_out):
     """Solve for the pivots of a front in y (n,); the border is known."""
     fronts, links, factors, inverse = lu.fronts, lu.links, lu.values, lu.vectors[INVERSE]
     first, pivots, size = fronts[f, FIRST], fronts[f, PIVOTS], fronts[f, SIZE]
-    stride = stride_of(size)
+    stride, height = stride_of(size), stride_of(pivots)
     border = links[fronts[f, BORDER] : fronts[f, BORDER] + size - pivots]
-    own, scale = part(y_out, first, pivots), part(inverse, first, pivots)
-    begin, last = fronts[f, FACTOR] + stride_of(pivots) * stride, border.size // STRIP * STRIP
+    own, scale = part(work, 0, height), part(inverse, first, pivots)
+    for k in range(pivots):
+        own[k] = y_out[first + k]
+    begin, last = fronts[f, FACTOR] + height * stride, border.size // STRIP * STRIP
     for j in range(0, last, STRIP):
         _subtract_strip(
-            begin + j * pivots, pivots, factors, y_out[border[j]], y_out[border[j + 1]], y_out[border[j + 2]],
+            begin + j * height, height, factors, y_out[border[j]], y_out[border[j + 1]], y_out[border[j + 2]],
             y_out[border[j + 3]], own,
         )  # fmt: skip
     for j in range(last, border.size):
-        _subtract_column(part(factors, begin + j * pivots, pivots), y_out[border[j]], own)
-    columns, last = part(factors, fronts[f, FACTOR], pivots * stride), pivots // STRIP * STRIP
+        _subtract_column(part(factors, begin + j * height, height), y_out[border[j]], own)
+    columns, last = part(factors, fronts[f, FACTOR], height * stride), pivots // STRIP * STRIP
     for k in range(pivots - 1, last - 1, -1):
         own[k] *= scale[k]
         _subtract_column(part(columns, k * stride, k), own[k], part(own, 0, k))
@@ -203,23 +205,32 @@ def backward(f, lu, y_out):
         x0 = own[k] - columns[at + 3 * stride] * x3 - columns[at + 2 * stride] * x2 - columns[at + stride] * x1
         own[k], own[k + 1], own[k + 2], own[k + 3] = x0 * scale[k], x1, x2, x3
         _subtract_strip((k + 3) * stride, -stride, columns, x3, x2, x1, own[k], part(own, 0, k))
+    for k in range(pivots):
+        y_out[first + k] = own[k]
 
 
 @kernel
 def _subtract_column(column, x, out):
     """Subtract the column times x from ``out``."""
-    for i in range(out.size):
+    whole = out.size // STRIP * STRIP
+    groups, subtracted = strips(out, 0, whole), strips(column, 0, whole)
+    for i in range(groups.size):
+        groups[i] -= subtracted[i] * x
+    for i in range(whole, out.size):
         out[i] -= column[i] * x
 
 
 @kernel
 def _subtract_strip(begin, step, columns, x0, x1, x2, x3, out):
-    """Subtract STRIP columns, of which the next begins a ``step`` later, one after the other from ``out``."""
+    """Subtract STRIP columns, of which the next begins a ``step`` later, one after the other from ``out``.
+
+    The length of ``out`` is a multiple of STRIP.
+    """
     n = out.size
-    c0, c1 = part(columns, begin, n), part(columns, begin + step, n)
-    c2, c3 = part(columns, begin + 2 * step, n), part(columns, begin + 3 * step, n)
-    for i in range(n):
-        out[i] = out[i] - c0[i] * x0 - c1[i] * x1 - c2[i] * x2 - c3[i] * x3
+    groups, c0, c1 = strips(out, 0, n), strips(columns, begin, n), strips(columns, begin + step, n)
+    c2, c3 = strips(columns, begin + 2 * step, n), strips(columns, begin + 3 * step, n)
+    for i in range(groups.size):
+        groups[i] = groups[i] - c0[i] * x0 - c1[i] * x1 - c2[i] * x2 - c3[i] * x3
 
 
 @entry
@@ -231,7 +242,7 @@ def substitute(b: Vector, lu: Factor, x_out: Vector):
     for f in range(n_fronts):
         forward(f, lu, work, y)
     for f in range(n_fronts - 1, -1, -1):
-        backward(f, lu, y)
+        backward(f, lu, work, y)
     for i in range(order.size):
         x_out[order[i]] = y[i]
 

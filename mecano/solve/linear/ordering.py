@@ -17,6 +17,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
+from mecano.jit.memory import LANES
 from mecano.maths.distinct import distinct
 from mecano.solve.linear.least_degree import least_degree
 
@@ -34,7 +35,7 @@ CONTRIBUTION = 9  # offset in the stack of contributions
 FACTOR = 10  # offset in the factors
 COLUMNS = 11
 
-STRIP = 4  # pivots handled in one sweep; rows of fronts are stored with a stride rounded up to it
+STRIP = LANES  # pivots handled in one sweep; rows of fronts are stored with a stride rounded up to it
 
 FRONT_WORK = 2000.0  # overhead of one front, in floating point operations
 WEIGHTS = 30  # nodes that give others a degree beyond that of most models
@@ -315,8 +316,7 @@ def _link(fronts, parent, border_rows, row_place, col_place):
 def _storage(fronts, part_ends):
     """Fill in CONTRIBUTION and FACTOR; return the lengths of the factors and of the stacks, one for each part."""
     widths = fronts[:, SIZE] - fronts[:, PIVOTS]
-    stride = padded(fronts[:, SIZE])
-    lengths = padded(fronts[:, PIVOTS]) * stride + fronts[:, PIVOTS] * (stride - fronts[:, PIVOTS])
+    lengths = padded(fronts[:, PIVOTS]) * (padded(fronts[:, SIZE]) + widths)
     offsets = _offsets(lengths)
     fronts[:, FACTOR] = offsets[:-1]
     peak = 0
