@@ -24,7 +24,7 @@ class Equilibrium:
         """cK K + cM M (n, n), by material variations."""
         system, n = self.system, self.system.n
         data = system.assemble(self.state, 1.0, 0.0, cK, 0.0, cM).data
-        return sp.csr_matrix((data[:-1], (system.rows, system.cols)), shape=(n, n))
+        return sp.csr_matrix((data[: system.nnz], (system.rows, system.cols)), shape=(n, n))
 
     def position(self, name):
         """Position (3,) of a node."""

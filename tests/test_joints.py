@@ -47,10 +47,10 @@ def reactions(nodes, elements, gravity, spin=(0.0, 0.0, 0.0)):
         s.v[r : r + 3] = spin
     masses = system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0)
     matrix = np.zeros((system.n, system.n))
-    matrix[system.rows, system.cols] = masses.data[:-1]
-    gradient = np.zeros(system.nnz + 1)
+    matrix[system.rows, system.cols] = masses.data[: system.nnz]
+    gradient = np.zeros(system.n_data)
     system.add_constraints(s, 1.0, 0.0, gradient)
-    matrix[system.rows, system.cols] += gradient[:-1]
+    matrix[system.rows, system.cols] += gradient[: system.nnz]
     right = np.concatenate([-masses.residual[: system.n_q], system.constraint_derivatives(s)[:, 2]])
     used = np.abs(matrix).max(axis=1, initial=0.0) > 0.0
     solution = np.zeros(system.n)

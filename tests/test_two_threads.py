@@ -169,7 +169,7 @@ class TestModels:
             s.v[: system.n_q], s.a[: system.n_q] = random.standard_normal((2, system.n_q))
             assembly, observation = system.assemble(s, 2.0, 3.0, 1.0, 0.5, 0.25), system.observe(s)
             return [
-                assembly.residual, assembly.size, assembly.data[:-1], observation.energy, observation.energies,
+                assembly.residual, assembly.size, assembly.data[: system.nnz], observation.energy, observation.energies,
                 observation.outputs, system.event_values(s), system.commit(s),
             ]  # fmt: skip
 

@@ -42,12 +42,13 @@ def _address(context, builder, array, value, index, given):
 
 
 def _from_start(context, builder, kind, i, shape, axis):
-    """Return the index along an axis that counts from the start, as negative ones count from the end."""
+    """Return the index along an axis that counts from the start, as negative constants count from the end.
+
+    Other indices are not tested for being negative: that would be a third of the instructions of loops over elements.
+    """
     i = context.cast(builder, i, kind, types.intp)
-    if not kind.signed or (isinstance(i, ir.Constant) and i.constant >= 0):
-        return i
-    is_negative = builder.icmp_signed("<", i, ir.Constant(i.type, 0))
-    return builder.select(is_negative, builder.add(i, builder.extract_value(shape, axis)), i)
+    is_negative = isinstance(i, ir.Constant) and i.constant < 0
+    return builder.add(i, builder.extract_value(shape, axis)) if is_negative else i
 
 
 @lower_builtin(operator.getitem, types.Array, types.Integer)

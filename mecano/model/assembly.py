@@ -18,15 +18,15 @@ class Assembly:
     Parameters
     ----------
     system : System
-    data : (nnz + 1,) array, optional
+    data : (n_data,) array, optional
         Values to which a tangent is added, in the place of new ones.
 
     Attributes
     ----------
     residual, size : (n_all,) array
         Residual of the equations, and the sum of the magnitudes of its terms, which is its scale.
-    data : (nnz + 1,) array
-        Values of the tangent in the pattern of the system; the last one collects the terms of fixed unknowns.
+    data : (n_data,) array
+        Values of the tangent in the pattern of the system; the last three collect the terms of fixed unknowns.
     forces : (n_slots,) array
         Sums of the residuals of the elements at each node, shared unknowns apart.
     record : (1,) array of SYSTEM
@@ -34,7 +34,7 @@ class Assembly:
 
     def __init__(self, system: "System", data: np.ndarray | None = None):
         self.residual, self.size = np.zeros(system.numbering.n_all), np.zeros(system.numbering.n_all)
-        self.data = np.zeros(system.nnz + 1) if data is None else data
+        self.data = np.zeros(system.n_data) if data is None else data
         self.forces, self._sizes = np.zeros(system.n_slots), np.zeros(system.n_slots)
         self._masses = np.zeros(system.n_slots)  # diagonals of the mass matrices at the last tangent
         self.record = system.record_with(

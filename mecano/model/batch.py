@@ -103,8 +103,8 @@ class Batch:
         n, n_local = self.dofs.shape
         sizes = {
             "function": 0, "inertia": 0, "element": 0, "of_rates": self.kind.of_rates,
-            "n": n, "n_local": n_local, "n_rotations": len(self.columns), "n_multipliers": self.multipliers.shape[1],
-            "first_reaction": self.kind.first_reaction,
+            "n": n, "n_local": n_local, "n_vectors": len(self.kind.layout), "n_rotations": len(self.columns),
+            "n_multipliers": self.multipliers.shape[1], "first_reaction": self.kind.first_reaction,
             "n_reactions": len(self.kind.multipliers) + len(self.kind.coupled_multipliers),
             "n_output_dofs": self.output_dofs.shape[1], "n_forces": self.output_slots.shape[1],
             "n_outputs": self.n_outputs, "n_phases": len(self.idle), "n_events": self.n_events,

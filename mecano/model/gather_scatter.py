@@ -10,7 +10,7 @@ from mecano.element_interface import Place
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats, integers, items, lanes
 from mecano.maths.dual import DUAL, Dual
-from mecano.maths.vector import Vec3, mat, skew, vec
+from mecano.maths.vector import Vec3, mat, put, skew, vec
 
 SIZE = DUAL.itemsize
 NEVER = -1.0  # number of an event that does not occur
@@ -30,19 +30,33 @@ def idle_phases(b):
 
 
 @kernel
-def gather(dofs, rots, s, q_out, v_out, a_out, R_out):
-    """Copy local unknowns, velocities, accelerations (n_local,) and rotations (n_rotations, 3, 3) of one element."""
+def gather(dofs, rots, n_vectors, s, q_out, v_out, a_out, R_out):
+    """Copy local unknowns, velocities, accelerations (n_local,) and rotations (n_rotations, 3, 3) of one element.
+
+    The first 3 ``n_vectors`` unknowns are those of nodes, three by three.
+    """
     z, v, a = floats(s.z, s.n_all), floats(s.v, s.n_all), floats(s.a, s.n_all)
     R = floats(s.R, (s.n_rotations, 3, 3))
-    for i in range(dofs.shape[0]):
+    for j in range(n_vectors):
+        i = 3 * j
+        d = dofs[i]
+        put(q_out, i, vec(z, d))
+        put(v_out, i, vec(v, d))
+        put(a_out, i, vec(a, d))
+    for i in range(3 * n_vectors, dofs.shape[0]):
         d = dofs[i]
         q_out[i] = z[d]
         v_out[i] = v[d]
         a_out[i] = a[d]
     for r in range(rots.shape[0]):
-        for i in range(3):
-            for j in range(3):
-                R_out[r, i, j] = R[rots[r], i, j]
+        put_matrix(R_out[r], mat(R[rots[r]]))
+
+
+@kernel
+def put_matrix(out, A):
+    """out[:, :] = A"""
+    for i in range(3):
+        put(out[i], 0, A[i])
 
 
 @kernel
@@ -73,24 +87,16 @@ def rotations_of(b):
 def gather_unknowns(b, s):
     """Copy the local unknowns of an element to the work arrays."""
     q, v, a, R = work(b)
-    gather(
-        integers(b.dofs, (b.n, b.n_local))[b.element], integers(b.rots, (b.n, b.n_rotations))[b.element], s, q, v, a, R
-    )
+    dofs, rots = integers(b.dofs, (b.n, b.n_local)), integers(b.rots, (b.n, b.n_rotations))
+    gather(dofs[b.element], rots[b.element], b.n_vectors, s, q, v, a, R)
 
 
 @kernel
 def gather_observed(b, s):
     """Copy the unknowns that ``observe`` reads of an element to the work arrays."""
     q, v, a, R = work(b)
-    gather(
-        integers(b.output_dofs, (b.n, b.n_output_dofs))[b.element],
-        integers(b.rots, (b.n, b.n_rotations))[b.element],
-        s,
-        q,
-        v,
-        a,
-        R,
-    )
+    dofs, rots = integers(b.output_dofs, (b.n, b.n_output_dofs)), integers(b.rots, (b.n, b.n_rotations))
+    gather(dofs[b.element], rots[b.element], b.n_vectors, s, q, v, a, R)
 
 
 @kernel
@@ -220,6 +226,19 @@ def add_dual_force(b, s, lag):
         f = f_1[i].value * (lag if i >= n - b.n_multipliers else 1.0)
         force_out[slots[b.element, i]] += f
         size_out[slots[b.element, i]] += abs(f)
+
+
+@kernel
+def add_forces(f, slots, n_vectors, force_out, size_out):
+    """Add forces (n_local,) and their magnitudes to the slots; the first 3 ``n_vectors`` are those of nodes."""
+    for j in range(n_vectors):
+        i = 3 * j
+        own, slot = vec(f, i), slots[i]
+        put(force_out, slot, vec(force_out, slot) + own)
+        put(size_out, slot, vec(size_out, slot) + Vec3(abs(own[0]), abs(own[1]), abs(own[2])))
+    for i in range(3 * n_vectors, slots.shape[0]):
+        force_out[slots[i]] += f[i]
+        size_out[slots[i]] += abs(f[i])
 
 
 @kernel

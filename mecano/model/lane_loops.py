@@ -7,6 +7,7 @@ as those of divided_loops.py do, leaves out the lanes before and behind. The res
 
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import LANES, call, floats, integers, lanes
+from mecano.maths.vector import Vec3, put, vec
 from mecano.model.gather_scatter import observed
 from mecano.model.loop_records import batch_at, system_at
 
@@ -78,7 +79,7 @@ def combine(b, s):
 def tangent(batch, system):
     """Compute forces, their magnitudes, masses, and the tangent cK K + cC C + cM M."""
     b, s = batch_at(batch), system_at(system)
-    n, (first, end) = b.n_local, groups(b)
+    n, n_vectors, (first, end) = b.n_local, b.n_vectors, groups(b)
     dofs, slots, entries = (
         integers(b.dofs, (b.n, n)), integers(b.slots, (b.n, n)), integers(b.entries, (b.n, n, n))
     )  # fmt: skip
@@ -101,12 +102,15 @@ def tangent(batch, system):
             if e < 0 or e >= b.n:
                 continue
             for i in range(n):
-                slot, force = slots[e, i], f[LANES * i + lane]
+                slot, force, row = slots[e, i], f[LANES * i + lane], entries[e, i]
                 force_out[slot] += force
                 size_out[slot] += abs(force)
                 mass_out[slot] += abs(M[i, i, lane])
-                for j in range(n):
-                    data_out[entries[e, i, j]] += K[i, j, lane]
+                for c in range(0, 3 * n_vectors, 3):
+                    block = Vec3(K[i, c, lane], K[i, c + 1, lane], K[i, c + 2, lane])
+                    put(data_out, row[c], vec(data_out, row[c]) + block)
+                for j in range(3 * n_vectors, n):
+                    data_out[row[j]] += K[i, j, lane]
 
 
 def residual(batch, system):

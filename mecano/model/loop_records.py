@@ -14,7 +14,7 @@ def fields(floats="", words=""):
 # Addresses of the functions of the kind, number of the present element, addresses of arrays, and their lengths
 # (n, n_...); shapes as in batch.py.
 BATCH = fields(
-    words="function inertia element of_rates n n_local n_rotations n_multipliers first_reaction n_reactions "
+    words="function inertia element of_rates n n_local n_vectors n_rotations n_multipliers first_reaction n_reactions "
     "n_output_dofs n_forces n_outputs n_phases "
     "n_events n_memory p dofs rots slots columns entries multipliers output_dofs output_slots "
     "q v a R f K C M seeded F g y energies idle before commands kept first_phase first_memory first_output first_event "

@@ -6,10 +6,12 @@ There is one loop per purpose: a C function of two addresses, those of the batch
 """
 
 from mecano.jit.memory import call, floats, integers
+from mecano.maths.vector import put, vec
 from mecano.model.gather_scatter import (
     add_column,
     add_dual_force,
     add_energies,
+    add_forces,
     add_masses,
     clear_other_events,
     gather,
@@ -33,7 +35,7 @@ from mecano.model.loop_records import batch_at, system_at
 def tangent(batch, system):
     """Compute forces, their magnitudes, masses, and the tangent cK K + cC C + cM M."""
     b, s = batch_at(batch), system_at(system)
-    n, lag, cK, cC, cM = b.n_local, lag_of(b, s), s.cK, s.cC, s.cM
+    n, n_vectors, lag, cK, cC, cM = b.n_local, b.n_vectors, lag_of(b, s), s.cK, s.cC, s.cM
     dofs, rots, columns = (
         integers(b.dofs, (b.n, n)),
         integers(b.rots, (b.n, b.n_rotations)),
@@ -50,7 +52,7 @@ def tangent(batch, system):
         K[:] = 0.0
         C[:] = 0.0
         M[:] = 0.0
-        gather(dofs[e], rots[e], s, q, v, a, R)
+        gather(dofs[e], rots[e], n_vectors, s, q, v, a, R)
         call(b.function, batch, system)
         if b.of_rates:
             for i in range(first_row, n):
@@ -58,11 +60,9 @@ def tangent(batch, system):
                 for j in range(n):
                     K[i, j] *= lag
                     C[i, j] *= lag
+        add_forces(f, slots[e], n_vectors, force_out, size_out)
         for i in range(n):
-            slot = slots[e, i]
-            force_out[slot] += f[i]
-            size_out[slot] += abs(f[i])
-            mass_out[slot] += abs(M[i, i])
+            mass_out[slots[e, i]] += abs(M[i, i])
         # K is the derivative with respect to the material variation; T maps it to the rotation increment
         for r in range(b.n_rotations):
             c, turn = columns[r], T[rots[e, r]]
@@ -71,8 +71,12 @@ def tangent(batch, system):
                 for j in range(3):
                     K[i, c + j] = k0 * turn[0, j] + k1 * turn[1, j] + k2 * turn[2, j]
         for i in range(n):
-            for j in range(n):
-                data_out[entries[e, i, j]] += cK * K[i, j] + cC * C[i, j] + cM * M[i, j]
+            row = entries[e, i]
+            for c in range(0, 3 * n_vectors, 3):
+                block = cK * vec(K[i], c) + cC * vec(C[i], c) + cM * vec(M[i], c)
+                put(data_out, row[c], vec(data_out, row[c]) + block)
+            for j in range(3 * n_vectors, n):
+                data_out[row[j]] += cK * K[i, j] + cC * C[i, j] + cM * M[i, j]
 
 
 def dual_tangent(batch, system):
@@ -101,7 +105,7 @@ def dual_tangent(batch, system):
 def residual(batch, system):
     """Compute forces and their magnitudes."""
     b, s = batch_at(batch), system_at(system)
-    n, lag = b.n_local, lag_of(b, s)
+    n, n_vectors, lag = b.n_local, b.n_vectors, lag_of(b, s)
     dofs, rots, slots = integers(b.dofs, (b.n, n)), integers(b.rots, (b.n, b.n_rotations)), integers(b.slots, (b.n, n))
     q, v, a, R = work(b)
     f, force_out, size_out = floats(b.f, n), floats(s.force, s.n_slots), floats(s.size, s.n_slots)
@@ -110,15 +114,12 @@ def residual(batch, system):
         if is_idle(b, s):
             continue
         f[:] = 0.0
-        gather(dofs[e], rots[e], s, q, v, a, R)
+        gather(dofs[e], rots[e], n_vectors, s, q, v, a, R)
         call(b.function, batch, system)
         if b.of_rates:
             for i in range(n - b.n_multipliers, n):
                 f[i] *= lag
-        for i in range(n):
-            slot = slots[e, i]
-            force_out[slot] += f[i]
-            size_out[slot] += abs(f[i])
+        add_forces(f, slots[e], n_vectors, force_out, size_out)
 
 
 def constraint_derivatives(batch, system):

@@ -60,6 +60,7 @@ class System:
         self.followers = followers(instances, self.batches)
         self.rows, self.cols, self.diagonal = sparse_pattern(self.n, self.batches)
         self.nnz = len(self.rows)
+        self.n_data = self.nnz + 3  # terms of fixed unknowns, three by three, follow the values of the tangent
         self._divided_loops: dict[Callable[..., None], DividedLoops] = {}  # by purpose
         self.laws = model.laws.array()
         self.partition_starts, self.partition_members, self.partition_weights = partition.tables()
@@ -96,7 +97,7 @@ class System:
         self._record_of_tables = record(
             SYSTEM, n_all=self.numbering.n_all, n_rotations=len(self.numbering.rotation_dof), n_laws=len(self.laws),
             n_states=len(self._state_dofs),
-            n_slots=self.n_slots, n_data=self.nnz + 1, n_transmitted=self.n_transmitted, n_constraints=self.n_l,
+            n_slots=self.n_slots, n_data=self.n_data, n_transmitted=self.n_transmitted, n_constraints=self.n_l,
             k=1.0, **{name: array.ctypes.data for name, array in arrays.items()},
         )  # fmt: skip
 
@@ -288,8 +289,9 @@ class System:
             cases = (0.0, 1.0, 0.0, by_positions), (0.0, 0.0, 1.0, plain), (penalty, 0.0, 1.0, penalized)
             for p, cK, cC, out in cases:
                 self._add(self._add_constraints_of_rates, s, k, p, cK, cC, out)
-            of_motions = np.where(self.rows >= self.n_q, plain[:-1], (penalized - plain)[:-1])
-            data[:-1] += np.where(self.cols >= self.n_q, by_positions[:-1], of_motions)
+            by_positions, plain, penalized = (out[: self.nnz] for out in (by_positions, plain, penalized))
+            of_motions = np.where(self.rows >= self.n_q, plain, penalized - plain)
+            data[: self.nnz] += np.where(self.cols >= self.n_q, by_positions, of_motions)
 
     def scale_loads(
         self, assembly: Assembly, s: State, factor: float, cK: float, cC: float, cM: float, T: np.ndarray | None = None

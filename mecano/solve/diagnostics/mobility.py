@@ -139,7 +139,7 @@ def gradient(system: "System", s: "State", length: float) -> tuple[Entries, np.n
     """
     bare = s.copy()
     bare.z[system.n_q : system.n] = 0.0
-    data = np.zeros(system.nnz + 1)
+    data = np.zeros(system.n_data)
     system.add_constraints(bare, 1.0, 0.0, data)
     at = np.flatnonzero((system.rows >= system.n_q) & (system.cols < system.n_q))
     rows, cols = system.rows[at] - system.n_q, system.cols[at]

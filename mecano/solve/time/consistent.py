@@ -72,7 +72,7 @@ class Consistent:
             alone = np.zeros(system.n, bool)
             alone[self.massless] = True
             alone[: system.n_q] |= system.signals
-            data[:-1][alone[system.rows] | alone[system.cols]] = 0.0
+            data[: system.nnz][alone[system.rows] | alone[system.cols]] = 0.0
         data[system.diagonal[: system.n_q][self.loose]] = self.k
         if compliance is not None:
             compliance.soften_tangent(self.k, data)
@@ -89,8 +89,8 @@ class Consistent:
 
     def _factor(self):
         """Factor the matrix, unless it is the factored one, as after an event that changes forces only."""
-        factored = self.linear.label
-        if isinstance(factored, np.ndarray) and np.array_equal(factored[:-1], self.data[:-1]):
+        factored, n = self.linear.label, self.system.nnz
+        if isinstance(factored, np.ndarray) and np.array_equal(factored[:n], self.data[:n]):
             return
         self._solve(self.data, np.zeros(self.system.n))
         self.linear.label = self.data
@@ -212,7 +212,7 @@ class Consistent:
         """Return the block of the massless unknowns of the assembled tangent, dense."""
         entries, places = self._of_block
         n = len(self.massless)
-        return np.bincount(places, assembly.data[:-1][entries], n * n).reshape(n, n)
+        return np.bincount(places, assembly.data[: self.system.nnz][entries], n * n).reshape(n, n)
 
     @cached_property
     def _of_block(self):
@@ -290,12 +290,12 @@ class Consistent:
         """
         system, n_q = self.system, self.system.n_q
         assembly = system.assemble(s, self.k, 0.0, 1.0, 0.0, 0.0)
-        by_value, residual = assembly.data[:-1].copy(), assembly.residual.copy()
-        by_rate = system.assemble(s, self.k, 0.0, 0.0, 1.0, 0.0).data[:-1]
+        by_value, residual = assembly.data[: system.nnz].copy(), assembly.residual.copy()
+        by_rate = system.assemble(s, self.k, 0.0, 0.0, 1.0, 0.0).data[: system.nnz]
         row, column = (np.append(signals, np.zeros(system.n_l, bool))[i] for i in (system.rows, system.cols))
         has_state = np.append(system.states, np.zeros(system.n_l, bool))[system.cols]
         values = np.where(has_state, by_rate, by_value)
-        data[:-1][row | column] = np.where(column | (system.cols >= n_q), values, 0.0)[row | column]
+        data[: system.nnz][row | column] = np.where(column | (system.cols >= n_q), values, 0.0)[row | column]
         return residual
 
     def apply_compliance(self, s: "State", compliance: "Compliance") -> "State":

@@ -75,7 +75,7 @@ def _moved(system, start, s):
 def _least_change(system, linear, s, phi, weight):
     bare = s.copy()
     bare.z[system.n_q : system.n] = 0.0
-    data = np.zeros(system.nnz + 1)
+    data = np.zeros(system.n_data)
     data[system.diagonal[: system.n_q]] = weight
     system.add_constraints(bare, 1.0, 0.0, data, rates=False)
     data[system.diagonal[system.n_q :]] -= REGULARIZATION

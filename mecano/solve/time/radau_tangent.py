@@ -58,7 +58,7 @@ def weigh(
 ):  # fmt: skip
     """Write the values of the real and of the complex matrix at their places.
 
-    ``parts`` (7, nnz + 1) are K, C, M, and K and C later and before by dt.
+    ``parts`` (7, n_data) are K, C, M, and K and C later and before by dt.
     """
     kind, turned, place = entries
     s2 = s_real + 1j * s_imaginary
@@ -123,7 +123,7 @@ class StageTangent:
         self.system, self.assembly, self.compliance = system, assembly, compliance
         n, n_q, of = system.n, system.n_q, system.numbering
         self._real, self._complex = (factors(n, system.rows, system.cols, dtype) for dtype in (float, complex))
-        self._parts = np.zeros((len(PARTS), system.nnz + 1))
+        self._parts = np.zeros((len(PARTS), system.n_data))
         kind = np.full(n, MOTION)
         kind[n_q:] = np.where(of.of_rates, RATE, POSITION)
         self._weigh = weigh.bind(Entries(kind[system.rows], self._turned(), self._real.place), self._parts)
