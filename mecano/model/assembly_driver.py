@@ -9,6 +9,7 @@ from typing import NamedTuple
 from mecano.jit.entry import Indices, Matrices, Matrix, Records, Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
+from mecano.maths.vector import Vec3, put, vec
 from mecano.model.loop_records import BATCH, SYSTEM
 from mecano.model.state import Instant
 
@@ -70,7 +71,13 @@ def collect(system):
     r_out, scale_out = floats(s.residual, s.n_all), floats(s.scale, s.n_all)
     r_out[:] = 0.0
     scale_out[:] = 0.0
-    for i in range(s.n_slots):
+    for i in range(0, 3 * s.n_vectors, 3):
+        d = slot_dof[i]
+        put(r_out, d, vec(r_out, d) + vec(force, i))
+        x, y, z = vec(a, d)
+        inertia = Vec3(mass[i] * abs(x), mass[i + 1] * abs(y), mass[i + 2] * abs(z))
+        put(scale_out, d, vec(scale_out, d) + (vec(size, i) + inertia))
+    for i in range(3 * s.n_vectors, s.n_slots):
         d = slot_dof[i]
         r_out[d] += force[i]
         scale_out[d] += size[i] + mass[i] * abs(a[d])

@@ -24,7 +24,7 @@ BATCH = fields(
 SYSTEM = fields(
     floats="t k penalty lag cK cC cM",
     words="n_all n_rotations z v a R T phases memory memory_out "
-    "n_states states n_laws laws n_slots force size mass slot_dof residual scale n_data data "
+    "n_states states n_laws laws n_slots n_vectors force size mass slot_dof residual scale n_data data "
     "n_transmitted partition_starts partition_members partition_weights transmitted "
     "outputs energies energy event_values n_constraints constraint_derivatives columns",
 )

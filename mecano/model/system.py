@@ -96,9 +96,9 @@ class System:
         }  # fmt: skip
         self._record_of_tables = record(
             SYSTEM, n_all=self.numbering.n_all, n_rotations=len(self.numbering.rotation_dof), n_laws=len(self.laws),
-            n_states=len(self._state_dofs),
-            n_slots=self.n_slots, n_data=self.n_data, n_transmitted=self.n_transmitted, n_constraints=self.n_l,
-            k=1.0, **{name: array.ctypes.data for name, array in arrays.items()},
+            n_states=len(self._state_dofs), n_slots=self.n_slots, n_vectors=2 * len(self.nodes), n_data=self.n_data,
+            n_transmitted=self.n_transmitted, n_constraints=self.n_l, k=1.0,
+            **{name: array.ctypes.data for name, array in arrays.items()},
         )  # fmt: skip
 
     def record_with(self, **arrays: np.ndarray) -> np.ndarray:
