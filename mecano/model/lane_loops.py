@@ -19,48 +19,57 @@ def groups(b):
 
 
 @kernel
-def element_in(b, group, lane):
-    """Return the number of the element in a lane, negative or at least n for one that is left out."""
-    return LANES * group + lane - b.first_element
+def first_of(b, group):
+    """Return the number of the element in the first lane of a group, negative if it is left out."""
+    return LANES * group - b.first_element
+
+
+@kernel
+def members(b, group):
+    """Return the numbers of the first element of a group and of the one behind its last."""
+    first = first_of(b, group)
+    return max(first, 0), min(first + LANES, b.n)
+
+
+@kernel
+def nearest_in(b, group, lane):
+    """Return the number of the element in a lane, of the nearest one for a lane that is left out."""
+    return min(max(first_of(b, group) + lane, 0), b.n - 1)
 
 
 @kernel
 def gather(b, s, group, dofs):
     """Copy the local unknowns, their rates and the rotations of a group of elements to the work arrays."""
-    n, m = dofs.shape[1], b.n_rotations
-    rots, R = integers(b.rots, (b.n, m)), floats(s.R, (s.n_rotations, 3, 3))
+    n = dofs.shape[1]
     z, v, a = floats(s.z, s.n_all), floats(s.v, s.n_all), floats(s.a, s.n_all)
     q_out, v_out, a_out = floats(b.q, (n, LANES)), floats(b.v, (n, LANES)), floats(b.a, (n, LANES))
-    R_out = floats(b.R, (m, 3, 3, LANES))
     for lane in range(LANES):
-        e = min(max(element_in(b, group, lane), 0), b.n - 1)
+        e = nearest_in(b, group, lane)
         for i in range(n):
             d = dofs[e, i]
             q_out[i, lane] = z[d]
             v_out[i, lane] = v[d]
             a_out[i, lane] = a[d]
-        for r in range(m):
-            for i in range(3):
-                for j in range(3):
-                    R_out[r, i, j, lane] = R[rots[e, r], i, j]
+    gather_matrices(b, floats(s.R, (s.n_rotations, 3, 3)), group)
 
 
 @kernel
-def gather_turns(b, s, group):
-    """Copy the matrices that map rotation increments to material variations to the work array for rotations."""
-    rots, T = integers(b.rots, (b.n, b.n_rotations)), floats(s.T, (s.n_rotations, 3, 3))
-    T_out = floats(b.R, (b.n_rotations, 3, 3, LANES))
+def gather_matrices(b, matrices, group):
+    """Copy the ``matrices`` (s.n_rotations, 3, 3) of the rotations of a group of elements to the work array R."""
+    n = b.n_rotations
+    rots, R_out = integers(b.rots, (b.n, n)), floats(b.R, (n, 3, 3, LANES))
     for lane in range(LANES):
-        e = min(max(element_in(b, group, lane), 0), b.n - 1)
-        for r in range(b.n_rotations):
+        e = nearest_in(b, group, lane)
+        for r in range(n):
+            matrix = matrices[rots[e, r]]
             for i in range(3):
                 for j in range(3):
-                    T_out[r, i, j, lane] = T[rots[e, r], i, j]
+                    R_out[r, i, j, lane] = matrix[i, j]
 
 
 @kernel
 def combine(b, s):
-    """Replace K by the derivatives cK K T + cC C + cM M with respect to the unknowns."""
+    """Replace K by the derivatives cK K T + cC C + cM M with respect to the unknowns; T is in the work array R."""
     n = b.n_local
     K, C, M = lanes(b.K, (n, n)), lanes(b.C, (n, n)), lanes(b.M, (n, n))
     columns, turns = integers(b.columns, b.n_rotations), lanes(b.R, (b.n_rotations, 3, 3))
@@ -76,6 +85,15 @@ def combine(b, s):
             K[i, j] = cK * K[i, j] + cC * C[i, j] + cM * M[i, j]
 
 
+@kernel
+def add_forces(f, slots, lane, force_out, size_out):
+    """Add the forces of the element in a lane and their magnitudes to its slots."""
+    for i in range(slots.shape[0]):
+        slot, force = slots[i], f[i, lane]
+        force_out[slot] += force
+        size_out[slot] += abs(force)
+
+
 def tangent(batch, system):
     """Compute forces, their magnitudes, masses, and the tangent cK K + cC C + cM M."""
     b, s = batch_at(batch), system_at(system)
@@ -83,29 +101,27 @@ def tangent(batch, system):
     dofs, slots, entries = (
         integers(b.dofs, (b.n, n)), integers(b.slots, (b.n, n)), integers(b.entries, (b.n, n, n))
     )  # fmt: skip
-    f = floats(b.f, n * LANES)
+    f = floats(b.f, (n, LANES))
     K, C, M = floats(b.K, (n, n, LANES)), floats(b.C, (n, n, LANES)), floats(b.M, (n, n, LANES))
-    data_out = floats(s.data, s.n_data)
+    T, data_out = floats(s.T, (s.n_rotations, 3, 3)), floats(s.data, s.n_data)
     force_out, size_out, mass_out = floats(s.force, s.n_slots), floats(s.size, s.n_slots), floats(s.mass, s.n_slots)
     for group in range(first, end):
         b.element = group
-        f[:] = 0.0
+        f[:, :] = 0.0
         K[:, :, :] = 0.0
         C[:, :, :] = 0.0
         M[:, :, :] = 0.0
         gather(b, s, group, dofs)
         call(b.function, batch, system)
-        gather_turns(b, s, group)
+        gather_matrices(b, T, group)
         combine(b, s)
-        for lane in range(LANES):
-            e = element_in(b, group, lane)
-            if e < 0 or e >= b.n:
-                continue
+        begin, behind = members(b, group)
+        for e in range(begin, behind):
+            lane = e - first_of(b, group)
+            add_forces(f, slots[e], lane, force_out, size_out)
             for i in range(n):
-                slot, force, row = slots[e, i], f[LANES * i + lane], entries[e, i]
-                force_out[slot] += force
-                size_out[slot] += abs(force)
-                mass_out[slot] += abs(M[i, i, lane])
+                mass_out[slots[e, i]] += abs(M[i, i, lane])
+                row = entries[e, i]
                 for c in range(0, 3 * n_vectors, 3):
                     block = Vec3(K[i, c, lane], K[i, c + 1, lane], K[i, c + 2, lane])
                     put(data_out, row[c], vec(data_out, row[c]) + block)
@@ -118,20 +134,15 @@ def residual(batch, system):
     b, s = batch_at(batch), system_at(system)
     n, (first, end) = b.n_local, groups(b)
     dofs, slots = integers(b.dofs, (b.n, n)), integers(b.slots, (b.n, n))
-    f, force_out, size_out = floats(b.f, n * LANES), floats(s.force, s.n_slots), floats(s.size, s.n_slots)
+    f, force_out, size_out = floats(b.f, (n, LANES)), floats(s.force, s.n_slots), floats(s.size, s.n_slots)
     for group in range(first, end):
         b.element = group
-        f[:] = 0.0
+        f[:, :] = 0.0
         gather(b, s, group, dofs)
         call(b.function, batch, system)
-        for lane in range(LANES):
-            e = element_in(b, group, lane)
-            if e < 0 or e >= b.n:
-                continue
-            for i in range(n):
-                slot, force = slots[e, i], f[LANES * i + lane]
-                force_out[slot] += force
-                size_out[slot] += abs(force)
+        begin, behind = members(b, group)
+        for e in range(begin, behind):
+            add_forces(f, slots[e], e - first_of(b, group), force_out, size_out)
 
 
 @kernel
@@ -140,7 +151,7 @@ def gather_forces(b, s, group):
     slots, force = integers(b.output_slots, (b.n, b.n_forces)), floats(s.transmitted, s.n_transmitted)
     F = floats(b.F, (b.n_forces, LANES))
     for lane in range(LANES):
-        e = min(max(element_in(b, group, lane), 0), b.n - 1)
+        e = nearest_in(b, group, lane)
         for i in range(b.n_forces):
             F[i, lane] = force[slots[e, i]]
 
@@ -159,10 +170,9 @@ def observe(batch, system):
         y[:, :] = 0.0
         energies[:, :] = 0.0
         call(b.function, batch, system)
-        for lane in range(LANES):
-            e = element_in(b, group, lane)
-            if e < 0 or e >= b.n:
-                continue
+        begin, behind = members(b, group)
+        for e in range(begin, behind):
+            lane = e - first_of(b, group)
             b.element = e
             y_out, energies_out = observed(b, s)
             for i in range(b.n_outputs):

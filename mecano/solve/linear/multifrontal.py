@@ -17,8 +17,8 @@ independent of the scaling of rows and columns. This is correct for redundant co
 not.
 
 Fixed order, one thread and no fastmath: the same numbers give the same bits. With fastmath, even the process that
-compiles would give other bits than those that load its code, since functions are inlined differently. Loops are written
-so that they are vectorized nevertheless: elementwise, without sums.
+compiles would give other bits than those that load its code, since functions are inlined differently. Loops compute
+STRIP numbers at once nevertheless (dense_front.py): elementwise, without sums.
 """
 
 from typing import NamedTuple
