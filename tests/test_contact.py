@@ -154,6 +154,25 @@ def test_a_light_ball_leaves_a_heavy_plate():
     assert opens.t == pytest.approx(math.acos(-g / (0.1 * w**2)) / w, rel=(w * 1e-3) ** 2)
 
 
+def test_a_mass_lifts_off_as_slowly_as_a_force_grows():
+    """Its overlap of 2.5e-12 m, as rounding leaves it, shrinks as 17 kN/s t^3/6: in the first step not to nothing."""
+    recorded = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: [0, 0, -{g}]
+        nodes: {{mass: {{position: [0, 0, -2.5e-12]}}}}
+        elements:
+          mass: {{type: point_mass, node: mass, mass: 1}}
+          floor: {{type: contact, nodes: [ground, mass], plane: {{normal: [0, 0, 1], point: [0, 0, 0]}}}}
+        loads:
+          lift: {{type: force, node: mass, direction: [0, 0, 1], value: {{polynomial: [{g} + 1.0e-12, 1.7e4]}}}}
+        time: {{end: 1 ms, step: 5 us}}
+    """)
+    )
+    assert not recorded.event_records
+    assert recorded["nodes/mass/position"][-1, 2] == pytest.approx(1.7e4 * 1e-9 / 6, rel=1e-4)
+
+
 def test_a_ball_on_a_turntable_runs_on_a_circle(verify):
     """Its velocity turns at 2/7 of the rate of the table: 0.875 m about x = -0.375 m."""
     last = [RecordedRun(input_deck("ball_on_turntable", f"time.step={h}"))["nodes/ball/position"] for h in (2e-3, 1e-3)]

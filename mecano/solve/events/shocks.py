@@ -69,13 +69,13 @@ class Shocks:
                 g[candidate.event] = DEPARTING
         return g
 
-    def undecided(self, g0: np.ndarray, s: "State", k: float, h: float) -> np.ndarray:
-        """Return the events (n_events,) bool of contacts that touch without force over a step of size h to ``s``.
+    def undecided(self, g0: np.ndarray, s0: "State", s: "State", k: float) -> np.ndarray:
+        """Return the events (n_events,) bool of contacts that touch without force over a step from ``s0`` to ``s``.
 
         Whether such a contact is open or closed is rounding, so it keeps its phase: an open one whose gap is below the
         tolerance of constraints at both ends of the step (event values ``g0`` and those at ``s``) and whose relative
-        acceleration is rounding; and a closed one whose reaction is rounding, k [N/m] being the mean stiffness of the
-        step.
+        acceleration is rounding; a separating one whose overlap at ``s0`` shrinks, however slowly; and a closed one
+        whose reaction is rounding, k [N/m] being the mean stiffness of the step.
         """
         found, candidates = np.zeros(len(g0), bool), self.impact_candidates.opening
         if not candidates:
@@ -85,9 +85,12 @@ class Shocks:
         found[opens] = np.abs(g[opens]) <= self._no_force(s, k) * self.unit[leads]
         touching = [c for c in candidates if max(-g0[c.event], abs(g[c.event])) <= self.near[c.lead]]
         if touching:
-            second = self._derivatives(s, touching)[:, 2]
+            second, h = self._derivatives(s, touching)[:, 2], s.t - s0.t
             for c in touching:
                 found[c.event] = abs(second[c.lead]) * h * h <= STANDS * self.near[c.lead]
+        separating = [c.event for c in touching if g0[c.event] == DEPARTING and g[c.event] > 0.0]
+        if separating:
+            found[separating] |= g[separating] < self.monitor.values(s0)[separating]
         return found
 
     def pressed(self, s: "State", h: float) -> np.ndarray:

@@ -76,7 +76,7 @@ class Trials:
 
     def _decided(self, run, g0, s):
         """Return the event values ``g0`` with nan for those that rounding decides in a step to ``s``: no event."""
-        return np.where(self.shocks.undecided(g0, s, run.history.k, s.t - run.motion.t), np.nan, g0)
+        return np.where(self.shocks.undecided(g0, run.motion, s, run.history.k), np.nan, g0)
 
     def _event_within(self, run, g0, trial):
         """Return the first stage of a trial at which an event has happened that its end does not show, or None."""
