@@ -275,3 +275,42 @@ def test_isostatic_joints_carry_their_load():
     linkage.values["gravity"][1] = -3.0
     loads = loads_along_the_hinges(RecordedRun(linkage))
     np.testing.assert_allclose(loads, np.tile([-(0.6 + 1.8) * 3.0, -1.4 * 3.0], (len(loads), 1)), rtol=1e-8)
+
+
+def test_planets_share_the_load_at_any_speed():
+    """Three planets between a sun that turns at 150 rad/s and a ring; two are redundant.
+
+    With the ratio 3 of sun and carrier, -3 of planet and carrier, and the inertia J at the carrier, each tooth of the
+    sun carries (M - 3 J_s a)/(3 r) with a = 3 M/J. The centripetal accelerations of 1,100 m/s2 have rounding errors.
+    """
+    rate, angles = 50.0, "{repeat: {i: 0..2}, position: [0.15*cos(2*pi*$i/3), 0.15*sin(2*pi*$i/3), 0]}"
+    planets, seats = (", ".join(f"{name}{i}" for i in range(3)) for name in ("planet", "seat"))
+    gear = "repeat: {i: 0..2}, type: gear_pair, axis_a: [0, 0, 1]"
+    body = "repeat: {i: 0..2}, type: rigid_body, mass: 0.3, inertia: [0.001, 0.001, 0.0011]"
+    run = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: none
+        nodes: {{sun: {{position: [0, 0, 0]}}, carrier: {{position: [0, 0, 0]}}, planet$i: {angles}, seat$i: {angles}}}
+        elements:
+          sun: {{type: rigid_body, node: sun, mass: 1, inertia: [0.01, 0.01, 0.012]}}
+          carrier: {{type: rigid_body, node: carrier, mass: 1, inertia: [0.01, 0.01, 0.016], attached: [{seats}]}}
+          planet$i: {{{body}, node: planet$i}}
+        joints:
+          sun: {{type: hinge, nodes: [ground, sun], axis: [0, 0, 1]}}
+          carrier: {{type: hinge, nodes: [ground, carrier], axis: [0, 0, 1]}}
+          pin$i: {{repeat: {{i: 0..2}}, type: hinge, nodes: [seat$i, planet$i], axis: [0, 0, 1]}}
+          inner$i: {{{gear}, nodes: [carrier, sun, planet$i], radius_a: 0.1, radius_b: 0.05}}
+          outer$i: {{{gear}, nodes: [carrier, planet$i, ground], radius_a: 0.05, radius_b: 0.2}}
+        loads: {{motor: {{type: joint_moment, joint: sun, value: 3}}}}
+        initial:
+          velocities:
+            - {{nodes: [carrier, {planets}, {seats}], angular_velocity: [0, 0, {rate}], about: [0, 0, 0]}}
+            - {{nodes: [sun], angular_velocity: [0, 0, {3 * rate}]}}
+            - {{nodes: [{planets}], angular_velocity: [0, 0, {-4 * rate}], about: own}}
+        time: {{end: 2 ms, step: 1 ms, method: radau}}
+    """)
+    )
+    a = 3 * 3 / (9 * 0.012 + 0.016 + 3 * (0.3 * 0.15**2 + 9 * 0.0011))
+    for i in range(3):
+        np.testing.assert_allclose(run[f"joints/inner{i}/force"], -(3 - 3 * 0.012 * a) / 0.3, rtol=1e-4)

@@ -129,14 +129,15 @@ class Consistent:
         """Return ``change`` and its impulses (n_l,) k*lambda, less k times the rates reached."""
         return self._solve_again(np.zeros(self.system.n_q), -self.k * rate)
 
-    def share(self, impulses: np.ndarray) -> np.ndarray:
-        """Return impulses (n_l,) of the same effect and of least norm, without the rounding errors of the rates.
+    def share(self, reactions: np.ndarray) -> np.ndarray:
+        """Return reactions or impulses (n_l,) of the same effect and of least norm, without the rounding of rates.
 
-        The compliances turn such errors, 1e-16 of the rates, into 1e-4 of the impulses; here all rates are small.
+        The compliances turn errors of 1e-16 of the rates, or second rates, into 1e-4 and more of the reactions; here
+        all rates are small.
         """
         if self.compliance is None:
-            return impulses
-        return impulses + self.exchange(-self.compliance.deflection(impulses))[1]
+            return reactions
+        return reactions + self.exchange(-self.compliance.deflection(reactions))[1]
 
     def project_velocity(self, s: "State") -> None:
         """Change v of ``s`` in place so that the rates of the constraints become zero."""
@@ -236,7 +237,7 @@ class Consistent:
         a, reaction = self._solve_again(top, self.k * gamma)
         s.a[system.n_q :] = 0.0
         s.a[: system.n_q] = np.where(system.signals, s.a[: system.n_q], a)
-        s.z[system.n_q : system.n] = reaction + self.k * gamma
+        s.z[system.n_q : system.n] = self.share(reaction + self.k * gamma)
         if len(system.coupled_multipliers) or len(system.sensed_multipliers):
             self._apply_multipliers(s, np.abs(top).max(initial=0.0))
 
