@@ -73,7 +73,7 @@ def check(law):
 
 
 def carcass(law):
-    """Return the or None if the deck gives no stiffness."""
+    """Return the Carcass, or None if the deck gives no stiffness."""
     return carcass_of(law["fiala"])
 
 

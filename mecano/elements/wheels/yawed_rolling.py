@@ -72,7 +72,7 @@ def check(law):
 
 
 def carcass(law):
-    """Return the or None if the deck gives no stiffness."""
+    """Return the Carcass, or None if the deck gives no stiffness."""
     return carcass_of(law["yawed_rolling"])
 
 
