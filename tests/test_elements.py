@@ -38,4 +38,4 @@ def deck_kinds():
 
 @deck_kind
 def test_a_deck_uses_it(kind, deck_kinds):
-    assert kind.name in deck_kinds
+    assert kind.name in deck_kinds, f"no deck in inputs/ has an element of the type {kind.name}"

@@ -11,24 +11,34 @@ from mecano.schema import Field
 
 def check_declarations(kind: Kind) -> None:
     """Fields, outputs, rows and events are declared, with units and meanings."""
-    assert kind.doc and kind.doc.strip()
+    assert kind.doc and kind.doc.strip(), "'doc' is missing"
     declared: list[Field | Output] = [*kind.fields, *kind.outputs]
-    texts = [text for item in declared for text in (item.name, item.unit, item.doc)]
-    texts += [text for row in kind.multipliers for text in (row.name, row.unit, row.constraint_unit)]
-    texts += [text for event in kind.events for text in (event.name, event.doc)]
-    assert all(text.strip() for text in texts)
-    names = [field.name for field in kind.fields], [output.name for output in kind.outputs]
-    assert all(len(set(group)) == len(group) for group in names)
-    assert bool(kind.multipliers) == ((kind.constraint_derivatives or kind.constraints) is not None)
-    assert bool(kind.outputs) <= (kind.observe is not None)
-    assert bool(kind.memory) == (kind.commit is not None)
-    assert any(not event.command for event in kind.events) == (kind.event_values is not None)
-    assert kind.acts or kind.observe is not None or kind.optional  # or all is in its parts
-    if kind.by_lanes:
-        assert kind.force and kind.observe and len(kind.phases) == 1
-        assert not (kind.multipliers or kind.coupled_multipliers or kind.memory)
+    for item in declared:
+        given = item.name.strip() and item.unit.strip() and item.doc.strip()
+        assert given, f"'{item.name}' needs a name, a unit ('-' for none) and a meaning"
+    for row in kind.multipliers:
+        assert row.name.strip() and row.unit.strip() and row.constraint_unit.strip(), f"{row} needs a name and units"
     for event in kind.events:
-        assert event.before in kind.phases and event.after in kind.phases
+        assert event.name.strip() and event.doc.strip(), f"the event '{event.name}' needs a name and a meaning"
+        assert {event.before, event.after} <= {*kind.phases}, (
+            f"the event '{event.name}' joins phases that 'phases' lacks"
+        )
+    _check_unique([field.name for field in kind.fields], "fields")
+    _check_unique([output.name for output in kind.outputs], "outputs")
+    _check_pair(kind.multipliers, kind.constraint_derivatives or kind.constraints, "'multipliers'", "'constraints'")
+    _check_pair(kind.memory, kind.commit, "'memory'", "'commit'")
+    watched = any(not event.command for event in kind.events)
+    _check_pair(watched, kind.event_values, "'events' without a command", "'event_values'")
+    assert kind.observe or not kind.outputs, "'outputs' need 'observe'"
+    assert kind.acts or kind.observe or kind.optional, "'residual', 'force' or 'parts' with outputs are missing"
+
+
+def _check_unique(names, of):
+    assert len({*names}) == len(names), f"two {of} have the same name: {sorted(names)}"
+
+
+def _check_pair(declared, function, name, of):
+    assert bool(declared) == (function is not None), f"{name} and {of} belong together: one of them is missing"
 
 
 def first_of(name: str) -> str:
@@ -59,8 +69,9 @@ def check_samples(kind: Kind) -> None:
     """Samples pass the check of the kind and reach all its phases."""
     found = samples(kind)
     phases = set().union(*(kind.chosen(sample.values).phases for sample in found))
-    assert {sample.phase for sample in found} == phases | set(kind.phases)
+    reached = {sample.phase for sample in found}
+    assert reached == phases | set(kind.phases), f"'sample' reaches the phases {reached} of {phases | {*kind.phases}}"
     for sample in found:
-        assert kind.check(sample.values, sample.nodes) == []
+        assert kind.check(sample.values, sample.nodes) == [], "'check' rejects a sample"
         for name in set(sample.values) - {field.name for field in kind.fields}:
             assert not kind.section, f"{name} is not a field of {kind.name}"

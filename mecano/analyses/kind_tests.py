@@ -128,10 +128,10 @@ def check_purity(kind: Kind) -> None:
                 return found
 
             for first, second in zip(results(), results(), strict=True):
-                assert first.tobytes() == second.tobytes()
-                assert np.all(np.isfinite(first))
+                assert first.tobytes() == second.tobytes(), f"a second call has another result{_in_phase(sample)}"
+                assert np.all(np.isfinite(first)), f"a result is not finite{_in_phase(sample)}"
             for array, old in zip(inputs, before, strict=True):
-                assert array.tobytes() == old.tobytes()
+                assert array.tobytes() == old.tobytes(), f"an argument has been changed{_in_phase(sample)}"
 
 
 FREE = {  # phases in which constraints do not hold
@@ -160,7 +160,11 @@ def check_constraint_derivatives(kind: Kind) -> None:
         np.testing.assert_allclose(rate[position], rates[position, 0], rtol=1e-7, atol=1e-8)
         np.testing.assert_allclose(second, rates[:, 1], rtol=1e-7, atol=1e-8)
         let_go = not np.any((value, rate, second))
-        assert let_go == lets_go(instance) and (let_go or np.all(rate != 0.0))
+        assert let_go == lets_go(instance), (
+            f"the constraints are {'' if let_go else 'not '}zero in the phase '{sample.phase}'; they are in the phases "
+            f"with these names, and no others: {', '.join(sorted(FREE))}"
+        )
+        assert let_go or np.all(rate != 0.0), f"a constraint has no rate{_in_phase(sample)}"
         _, v, a, _ = state = instance.local(sample.motion)
         np.testing.assert_array_equal(
             instance.constraint_derivatives(sample.motion.t, (state[0], v, 0.0 * a, state[3]))[:, 1], rate
@@ -216,9 +220,19 @@ def check_power(kind: Kind) -> None:
             power += terms.sum() + instance.multipliers @ instance.constraint_derivatives(motion.t, state)[:, 1]
             size += np.abs(terms).sum()
         size += abs(kinetic) + abs(potential)
-        error = abs(power - difference(energy, 1e-3))
-        assert error <= 1e-8 * size, f"{error:.3g} W of {size:.3g} W, phase '{sample.phase}'"
-        assert dissipated >= -1e-12 * size or any(leaves_at_once(instance, motion) for instance in sample.instances)
+        rate = float(difference(energy, 1e-3))
+        assert abs(power - rate) <= 1e-8 * size, (
+            f"f.v = {power + dissipated - given:.6g} W, but d(T + V)/dt = {rate:.6g} W, dissipated = e[2] = "
+            f"{dissipated:.6g} W, given = e[3] = {given:.6g} W{_in_phase(sample)}"
+        )
+        if dissipated < -1e-12 * size:
+            leaves = any(leaves_at_once(instance, motion) for instance in sample.instances)
+            assert leaves, f"dissipated = e[2] = {dissipated:.6g} W < 0{_in_phase(sample)}"
+
+
+def _in_phase(sample):
+    """Return the phase of a sample as the end of a text; "" for a kind without phases."""
+    return f", in the phase '{sample.phase}'" if sample.phase else ""
 
 
 def leaves_at_once(instance: Instance, motion: Motion) -> bool:
@@ -275,8 +289,10 @@ def check_invariance(kind: Kind) -> None:
         np.testing.assert_allclose(works[1][[0, 2, 3]], works[0][[0, 2, 3]], rtol=1e-9, atol=1e-9)
         expected, actual = forces
         expected[0] = expected[0] @ Q.T
-        for one, other in zip(actual, expected, strict=True):
-            np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9 * (1.0 + np.abs(other).max(initial=0.0)))
+        parts = "forces on the nodes", "moments on the nodes", "equations of the scalars", "size of the constraints"
+        for one, other, part in zip(actual, expected, parts, strict=True):
+            bound = 1e-9 * (1.0 + np.abs(other).max(initial=0.0))
+            np.testing.assert_allclose(one, other, rtol=1e-9, atol=bound, err_msg=part + _in_phase(sample))
 
 
 def on_all_nodes(instances: Iterable[Instance], motion: Motion, penalty: float, Q: np.ndarray) -> np.ndarray:

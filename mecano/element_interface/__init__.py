@@ -60,8 +60,8 @@ A kind with ``by_lanes`` has ``force`` and ``observe`` compiled for LANES elemen
 large models faster: each number of ``p``, ``at.q``, ``at.v``, ``at.a``, ``at.R`` and of what is written stands for
 those of all these elements; an integer of ``p`` is the largest of theirs. Conditions then differ from element to
 element: ``select`` chooses for each of them; ``everywhere`` and ``anywhere`` return whether a condition holds for all
-or for any of them, so that a branch may skip what none of them needs. Such a kind has one phase, no multipliers and no
-memory.
+or for any of them, so that a branch may skip what none of them needs. It runs for all where one needs it: what it
+writes for the others must still be chosen by ``select``. Such a kind has one phase, no multipliers and no memory.
 
 A part of a joint may depend on the multipliers of other parts of the same joint (friction driven by reactions). These
 *coupled multipliers* are at the end of q, in the order of ``Part.coupled_to``. The part adds nothing to their rows;

@@ -235,7 +235,11 @@ class Kind(DeckEntry, Mechanics, Events):
     display: Display = Display()
 
     def __post_init__(self):
-        """Declare the record by the fields if it is not given."""
+        """Declare the record by the fields if it is not given; raise ValueError for what lanes cannot have."""
+        if self.by_lanes and (self.force is None or self.observe is None):
+            raise ValueError(f"{self.name}: a kind with 'by_lanes' needs 'force', with tangents by hand, and 'observe'")
+        if self.by_lanes and (len(self.phases) > 1 or self.multipliers or self.coupled_multipliers or self.memory):
+            raise ValueError(f"{self.name}: a kind with 'by_lanes' has one phase, no multipliers and no memory")
         if self.dtype is None:
             own = recorded(self.fields) if self.acts and not self.prepare else {}
             object.__setattr__(self, "dtype", record(**own or {UNUSED: ()}))
