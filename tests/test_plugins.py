@@ -14,9 +14,12 @@ import pytest
 from process import COMMAND, mecano_process
 
 import mecano
+from mecano.analyses.plugin_check import check_lanes
+from mecano.element_interface import Kind
 from mecano.errors import CompilationError
 from mecano.interface import plugins
 from mecano.jit.compilation_error import compilation_errors
+from mecano.jit.kernel import kernel
 
 PAGE = (Path(__file__).parent.parent / "docs" / "plugins.md").read_text(encoding="utf-8")
 SOURCES = dict(re.findall(r"`(my_\w+\.py)`[^`]*?:\n\n```python\n(.*?)```", PAGE, re.DOTALL))
@@ -73,6 +76,7 @@ def test_what_is_wrong_in_a_kind_is_found(folder, old, new, failed):
     (folder / "my_drag.py").write_text(text.replace(old, new))
     code, out, err = call("check-kind", "my_drag.py")
     assert code == 2 and f"FAILED  {failed}" in out and "of my_drag.py failed" in err
+    assert ("e[2]" not in old) or re.search(r"f\.v = \d.* W, but d\(T \+ V\)/dt = 0 W, dissipated = e\[2\] = ", out)
 
 
 @pytest.mark.parametrize(
@@ -251,6 +255,54 @@ def test_a_kernel_with_an_undefined_name_is_named():
     with pytest.raises(CompilationError) as error, compilation_errors():
         njit((types.float64,))(lambda x: called(x))
     assert str(error.value) == "the kernel 'inner' cannot be compiled: name 'undefined' is not defined"
+
+
+def test_mathematics_of_python_for_several_elements_is_named(tmp_path):
+    from numba import njit
+
+    from mecano.jit.lanes import Lanes
+
+    (tmp_path / "bad.py").write_text("import math\ndef inner(x):\n    return math.sqrt(x)\n")
+    names = {}
+    exec(compile((tmp_path / "bad.py").read_text(), tmp_path / "bad.py", "exec"), names)
+    with pytest.raises(CompilationError) as error, compilation_errors():
+        njit((Lanes,))(names["inner"])
+    text = str(error.value)
+    assert text.startswith(f"{tmp_path}/bad.py:3: ") and text.endswith("write those of mecano.maths.dual")
+
+
+def test_mathematics_of_python_in_a_residual_is_named(folder):
+    text = (
+        SOURCES["my_drag.py"]
+        .replace("norm(v), v)", "math.sqrt(dot(v, v)), v)")
+        .replace('"""\n', '"""\nimport math\n', 1)
+    )
+    (folder / "my_drag.py").write_text(text)
+    code, out, _ = call("check-kind", "my_drag.py")
+    assert code == 2 and "write those of mecano.maths.dual" in out
+
+
+def test_a_kind_that_several_elements_cannot_share_is_no_kind():
+    given = {"name": "spring", "section": "elements", "doc": "A spring.", "layout": ("x0", "x1"), "by_lanes": True}
+    with pytest.raises(ValueError, match="spring: a kind with 'by_lanes' needs 'force', with tangents by hand"):
+        Kind(**given, residual=abs, observe=abs)
+    with pytest.raises(ValueError, match="'by_lanes' has one phase, no multipliers and no memory"):
+        Kind(**given, force=abs, observe=abs, memory=("length",))
+
+
+def test_a_branch_that_several_elements_cannot_share_is_found():
+    @kernel
+    def force(p, at, f, K, C, M):
+        if at.q[0] > 0.0:
+            f[0] += at.q[0]
+
+    @kernel
+    def observe(p, at, F, y, e):
+        y[0] = at.q[0]
+
+    kind = Kind(name="wall", doc="A wall.", layout=("x0",), by_lanes=True, force=force, observe=observe)
+    with pytest.raises(AssertionError, match="branch on everywhere"):
+        check_lanes(kind)
 
 
 def test_an_unknown_field_of_a_record_is_named(tmp_path):

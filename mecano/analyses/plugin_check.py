@@ -10,6 +10,9 @@ from mecano.element_interface import Kind
 from mecano.elements.wheels.rolling_contact import law_samples
 from mecano.elements.wheels.slip_law import SlipLaw
 from mecano.elements.wheels.wheel import with_law
+from mecano.errors import CompilationError
+from mecano.jit.compilation_error import PLAIN_MATH
+from mecano.model.loop_code import BY_LANES, calls_of
 
 if TYPE_CHECKING:
     from mecano.elements.plugins import Plugin
@@ -22,16 +25,20 @@ def check_plugin(plugin: "Plugin") -> tuple[str, int]:
         title, tests = _tests(item)
         lines.append(title)
         for name, test in tests:
-            text = _tried(test, plugin.source)
-            failures += bool(text)
-            lines += [f"  {'FAILED' if text else 'passed'}  {name}", *([f"          {text}"] if text else [])]
+            failure = _tried(test, plugin.source)
+            failures += failure is not None
+            lines += [
+                f"  {'passed' if failure is None else 'FAILED'}  {name}",
+                *([f"          {failure}"] * bool(failure)),
+            ]
     return "\n".join(lines), failures
 
 
 def _tests(item):
     """Return the title and [(name, function)] of the tests of a Kind, a SlipLaw or a Term."""
     if isinstance(item, Kind):
-        return f"{item.name} (kind of '{item.section}')", _named(OF_DECK_KINDS, item)
+        compiled = (check_lanes,) if item.by_lanes else ()
+        return f"{item.name} (kind of '{item.section}')", _named((*OF_DECK_KINDS, *compiled), item)
     if isinstance(item, SlipLaw):
         found = _named(OF_SLIP_LAWS, item)
         if item.sample:
@@ -41,19 +48,28 @@ def _tests(item):
     return f"{item.name} (term of a law)", _named(OF_TERMS, item)
 
 
+def check_lanes(kind: Kind) -> None:
+    """Functions can be compiled for several elements at once."""
+    try:
+        for purpose in BY_LANES:
+            calls_of(kind, purpose)
+    except CompilationError as error:
+        raise AssertionError(str(error)) from error
+
+
 def _named(tests, item):
     """Return [(first sentence of the docstring, function without arguments)]."""
     return [(test.__doc__.split("\n")[0].rstrip("."), lambda test=test: test(item)) for test in tests]
 
 
 def _tried(test, path):
-    """Return the failure of a test of the plugin at ``path`` as one line; "" if it passes."""
+    """Return the failure of a test of the plugin at ``path`` as one line, "" without a text; None if it passes."""
     try:
         test()
     except Exception as error:
         text = " ".join(str(error).split())
-        return text if isinstance(error, AssertionError) and text else _described(error, text, path)
-    return ""
+        return text if isinstance(error, AssertionError) else _described(error, text, path)
+    return None
 
 
 def _described(error, text, path):
@@ -64,4 +80,5 @@ def _described(error, text, path):
         (f"line {lines[-1]}: " if lines else "")
         + f"{type(error).__name__}: {text}"
         + (f"; known: {', '.join(known)}" if known else "")
+        + (f"; {PLAIN_MATH}" if "not Dual" in text else "")
     )

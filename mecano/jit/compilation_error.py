@@ -1,5 +1,6 @@
 """Errors of the compiler in the words of mecano."""
 
+import math
 import re
 from contextlib import contextmanager
 from traceback import walk_tb
@@ -13,6 +14,15 @@ COLOUR = re.compile("\x1b\\[[0-9;]*m")
 PLACE = re.compile(r"^During: .* at (\S+) \((\d+)\)$", re.MULTILINE)  # first the innermost one
 CALLED = re.compile(r"^During: resolving callee type: .*<function (?:\S+\.)?(\w+) at", re.MULTILINE)  # the same
 STAGES = ("Failed in", "During:", "File ", "[", "<source")  # beginnings of lines that give no reason
+PLAIN_MATH = "functions of Python's math take plain numbers only: write those of mecano.maths.dual"
+REMEDIES = (  # (what the reason contains, what to write instead)
+    (re.compile(rf"function (?:{'|'.join(vars(math))})>.*signature: >>> \w+\(.*(?:Dual|Lanes)"), PLAIN_MATH),
+    (
+        re.compile(r"bool\(Mask\)"),
+        "the condition differs between the elements that are computed at once: write select(condition, a, b), or "
+        "branch on everywhere(condition) or anywhere(condition), of mecano.maths.dual",
+    ),
+)
 
 
 @contextmanager
@@ -53,4 +63,5 @@ def _in_words(text):
     place, used = PLACE.search(text), CALLED.search(text)
     if reason.startswith("NameError") and used:
         return f"the kernel '{used[1]}' cannot be compiled: {reason.removeprefix('NameError: ')}"
-    return f"{f'{place[1]}:{place[2]}: ' if place else ''}a kernel cannot be compiled: {reason}"
+    remedy = "".join(f"; {instead}" for pattern, instead in REMEDIES if pattern.search(reason))
+    return f"{f'{place[1]}:{place[2]}: ' if place else ''}a kernel cannot be compiled: {reason}{remedy}"
