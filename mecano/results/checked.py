@@ -227,14 +227,14 @@ def checked(path: str | os.PathLike[str]) -> Checked:
             hint = f"; if it is a deck: mecano run {path}" if str(path).endswith((".yaml", ".yml")) else ""
             raise ResultsError(f"{path} is not a results file of mecano: not an HDF5 file{hint}")
         if source.sums is None:
-            _refuse_deadly(path)
+            _refuse_crashing(path)
     except (OSError, ResultsError) as error:
         source.close()
         raise error if isinstance(error, ResultsError) else ResultsError(unreadable(source, error)) from error
     return source
 
 
-def _refuse_deadly(path):
+def _refuse_crashing(path):
     """Raise ResultsError for a file without checksums that crashes HDF5, as found by a child process that reads it."""
     at = os.stat(path)
     version = at.st_dev, at.st_ino, at.st_size, at.st_mtime_ns
