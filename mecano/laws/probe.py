@@ -18,6 +18,12 @@ def curve_at(law, s):
     return tuple(values[0].tolist())
 
 
+def negative_curves(place, curves):
+    """Return an error for each of the ``curves`` {name: checked law, number or None} at ``place`` that is < 0 at 0."""
+    wrong = [name for name, law in curves.items() if law is not None and curve_at(law, 0.0)[0] < 0.0]
+    return [f"'{place}.{name}' must not be negative" for name in wrong]
+
+
 def shape_of_curve(law, low, high):
     """Return arguments (n,), ascending, that resolve a checked law of curves, and (y, dy/ds, d2y/ds2) (n, 3) there.
 

@@ -25,7 +25,7 @@ slip speed.
 
 from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipForces, SlipLaw, carcass_of
 from mecano.jit.kernel import kernel
-from mecano.laws.probe import curve_at
+from mecano.laws.probe import negative_curves
 from mecano.laws.table import curve
 from mecano.maths.dual import at_least, at_most, atan2, select, sqrt
 from mecano.maths.vector import dot, norm
@@ -67,9 +67,7 @@ def check(law):
     """Return errors for negative friction or stiffness."""
     d = law["fiala"]
     names = ("cornering_stiffness", "longitudinal_stiffness", "camber_stiffness", "friction")
-    given = [name for name in names if d[name] is not None]
-    wrong = [name for name in given if curve_at(d[name], 0.0)[0] < 0.0]
-    return [f"'tire_law.fiala.{name}' must not be negative" for name in wrong]
+    return negative_curves("tire_law.fiala", {name: d[name] for name in names})
 
 
 def carcass(law):

@@ -14,7 +14,7 @@ import numpy as np
 from mecano.constraints.ground import in_plane
 from mecano.constraints.joint_frame import unit
 from mecano.jit.kernel import kernel
-from mecano.laws.probe import curve_at
+from mecano.laws.probe import negative_curves
 from mecano.laws.table import curve
 from mecano.maths.dual import at_least, constant
 from mecano.maths.vector import cross, dot, vec
@@ -57,8 +57,7 @@ def check_surface(ground):
     texts = []
     if friction and np.linalg.norm(in_plane(friction["direction"], normal)) < OUT_OF_PLANE:
         texts.append("'ground.friction.direction' is along the normal of the plane; it must lie in the plane")
-    if friction and curve_at(friction["factor"], 0.0)[0] < 0.0:
-        texts.append("'ground.friction.factor' must not be negative")
+    texts += negative_curves("ground.friction", {"factor": friction["factor"]}) if friction else []
     if not motion:
         return texts
     if motion["speed"] is None and motion["rate"] is None:

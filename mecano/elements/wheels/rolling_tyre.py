@@ -32,7 +32,7 @@ from functools import cache
 from mecano.elements.wheels.slip_law import Slip, SlipForces
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import sticking
-from mecano.laws.probe import curve_at
+from mecano.laws.probe import negative_curves
 from mecano.laws.table import curve
 from mecano.maths.dual import at_least, sqrt
 from mecano.maths.vector import dot, norm
@@ -143,5 +143,4 @@ def check_rolling(law):
     if law.get("rolling_resistance") is None:
         return []
     curves = {name: law["rolling_resistance"][name] for name in ("coefficient", "by_speed")}
-    wrong = [name for name, one in curves.items() if curve_at(one, 0.0)[0] < 0.0]
-    return [f"'tire_law.rolling_resistance.{name}' must not be negative" for name in wrong]
+    return negative_curves("tire_law.rolling_resistance", curves)

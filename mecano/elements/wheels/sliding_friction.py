@@ -13,7 +13,7 @@ of the axle over the ground, 1 by default: the paper's mu_0 exp(-kappa u) is fri
 from mecano.elements.wheels.slip_law import SlipForces, SlipLaw
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import sticking
-from mecano.laws.probe import curve_at
+from mecano.laws.probe import negative_curves
 from mecano.laws.table import curve
 from mecano.maths.dual import at_least
 from mecano.maths.vector import ZERO, dot, norm
@@ -44,9 +44,7 @@ def check(law):
     """Return errors for negative friction and for a missing regularization."""
     if law["slip_regularization"] is None:
         return ["'tire_law.slip_regularization' is missing: the slip speed below which friction falls to zero"]
-    if curve_at(law["friction"], 0.0)[0] < 0.0:
-        return ["'tire_law.friction' must not be negative"]
-    return []
+    return negative_curves("tire_law", {"friction": law["friction"]})
 
 
 @kernel

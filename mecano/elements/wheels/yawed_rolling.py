@@ -21,7 +21,7 @@ curve of the slip speed. With v_0 = ``least_speed`` the slip is finite at rest, 
 
 from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipForces, SlipLaw, carcass_of
 from mecano.jit.kernel import kernel
-from mecano.laws.probe import curve_at
+from mecano.laws.probe import negative_curves
 from mecano.laws.table import curve
 from mecano.maths.dual import at_least, atan2, select, sqrt
 from mecano.maths.vector import dot, norm
@@ -66,9 +66,7 @@ def check(law):
     texts = []
     if d["cornering_stiffness"] is None:
         texts.append("'tire_law.yawed_rolling' has no 'cornering_stiffness': give it, or 'smiley_horne', which does")
-    if curve_at(d["friction"], 0.0)[0] < 0.0:
-        texts.append("'tire_law.yawed_rolling.friction' must not be negative")
-    return texts
+    return texts + negative_curves("tire_law.yawed_rolling", {"friction": d["friction"]})
 
 
 def carcass(law):
