@@ -182,7 +182,7 @@ def _is_free(scaled, value, y, largest):
         return False
     r = scaled.K @ y
     if scaled.D.shape[1]:
-        r = r + scaled.D @ scaled.least(r)
+        r = r + scaled.D @ scaled.balancing_multipliers(r)
     return np.linalg.norm(r) <= FREE * size
 
 

@@ -21,10 +21,10 @@ DENSE_ROWS = 1200  # motions up to which multipliers are found by dense least sq
 class SmallMotions:
     """The matrices of a Linearization with rotations times the length scale and signals balanced, split into blocks.
 
-    A signal is counted in its own of the ``units`` (n_q,), and its equation is multiplied by a factor, such that the
-    entries of the equations of all signals are at most and mostly one: gains of 1e5 are no reason to drop an equation.
-        M, C, K (n_q, n_q): of motions; D (n_q, n_l): columns of multipliers; B: holonomic constraints, B y = 0;
-    E, F: constraints on velocities, (value E + F) y = 0.
+    Each signal has one of the ``units`` (n_q,), and its equation a factor, such that the largest entries of the rows
+    and columns of signals are about one: no equation is dropped for a gain of 1e5.
+    M, C, K (n_q, n_q) are those of motions, D (n_q, n_l) the columns of multipliers, B the holonomic constraints,
+    B y = 0, and E, F the constraints on velocities, (value E + F) y = 0.
     """
 
     def __init__(self, lin: "Linearization"):
@@ -61,7 +61,7 @@ class SmallMotions:
         if not (read := np.flatnonzero(signals[: self.n_q] & self._read(matrices[2]))).size:
             return matrices
         D, motions = matrices[2][:, self.n_q :], np.flatnonzero(~signals)
-        parts = _least(D[motions].T.tocsr(), D[read].T.toarray())
+        parts = _least_squares(D[motions].T.tocsr(), D[read].T.toarray())
         at = np.repeat(read, len(motions)), np.tile(motions, len(read))
         rows = sp.csr_matrix((parts.T.ravel(), at), matrices[2].shape)
         M, C, K = ((A - rows @ A).tocsr() for A in matrices)
@@ -93,14 +93,14 @@ class SmallMotions:
         size = abs(value) ** 2 * np.linalg.norm(abs(self.M) @ abs(y))
         size += abs(value) * np.linalg.norm(abs(self.C) @ abs(y)) + np.linalg.norm(abs(self.K) @ abs(y))
         if self.D.shape[1]:
-            mu = self.least(r)
+            mu = self.balancing_multipliers(r)
             r = r + self.D @ mu
             size += np.linalg.norm(abs(self.D) @ abs(mu))
         least = ROUNDED * self.size[2] * float(np.linalg.norm(y))
         gaps = [_relative(self.B, y), _relative(value * self.E + self.F, y)]
         return float(max([np.linalg.norm(r) / max(float(size), least, 1e-300), *gaps]))
 
-    def least(self, r: np.ndarray) -> np.ndarray:
+    def balancing_multipliers(self, r: np.ndarray) -> np.ndarray:
         """Return the multipliers mu that minimize |r + D mu|."""
         if self.D.shape[0] <= DENSE_ROWS:
             return np.linalg.lstsq(self.D.toarray(), -r, rcond=1e-12)[0]
@@ -108,8 +108,8 @@ class SmallMotions:
         return parts[0] + 1j * parts[1]
 
 
-def _least(A, b):
-    """Return the least x (n, m) that minimizes |A x - b|; A is sparse, b (rows, m)."""
+def _least_squares(A, b):
+    """Return the smallest x (n, m) that minimizes |A x - b|; A is sparse, b (rows, m)."""
     if max(A.shape) <= DENSE_ROWS:
         return np.linalg.lstsq(A.toarray(), b, rcond=1e-12)[0]
     return np.array([spla.lsqr(A, column, atol=1e-14, btol=1e-14, iter_lim=2000)[0] for column in b.T]).T
