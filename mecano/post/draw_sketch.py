@@ -50,7 +50,7 @@ def draw_sketch(ax: "Axes", sketch: "Sketch", title: str = "", named: bool = Tru
         ax.set_ylabel(f"{LETTERS[sketch.axes[1]]} [m]")
     else:
         draw_compass(ax, sketch.projection)
-    taken = _name(ax, colours, sketch) if named else 0.0
+    taken = _draw_legend(ax, colours, sketch) if named else 0.0
     ax.set_title(title, loc="left", pad=4 + taken)
     if sketch.in_place:
         if sketch.axes:
@@ -69,7 +69,7 @@ def _colours(sketch):
     return {name: COLOURS[i % len(COLOURS)] for i, name in enumerate(dict.fromkeys(names))}
 
 
-def _name(ax, colours, sketch):
+def _draw_legend(ax, colours, sketch):
     """Draw the legend, and return its height in points."""
     if not 1 < len(colours) <= MOST_NAMES:
         return 0.0

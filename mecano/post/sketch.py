@@ -89,7 +89,7 @@ def sketch(run: "Run") -> Sketch | None:
     if not points.size or not np.ptp(points, axis=0).any():
         return None
     cloud = _cloud(moving)
-    axes, view = _seen(run, moving, cloud)
+    axes, view = _view(run, moving, cloud)
     instants = _instants(run.results.time[rows], cloud)
     drawn = tuple(s.at(instants) for s in moving)
     matrix = np.eye(3)[list(axes)] if view is None else view
@@ -103,7 +103,7 @@ def sketch(run: "Run") -> Sketch | None:
     return Sketch(run.label or run.title, axes, times, drawn, shift, paths, grounds, (axis.path, axis.unit), view)
 
 
-def _seen(run, moving, cloud):
+def _view(run, moving, cloud):
     """Return (axes of the plane of a motion, None), or (no axes, matrix (2, 3) of a view in space)."""
     relative = cloud - 0.5 * (cloud.min(axis=1, keepdims=True) + cloud.max(axis=1, keepdims=True))
     gravity, points = run.deck.get("gravity"), np.concatenate([s.points.reshape(-1, 3) for s in moving])

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from mecano.study.read import Case, Study
 
 STATUSES = COMPLETE, FAILED, STOPPED, WAITING = "complete", "failed", "stopped", "waiting"
-GO_ON = (75, 129, 130, 143, 152)  # exit codes of runs that --resume continues
-WORDS = "was run with other values, or another deck; --force runs the study again, -o NAME makes another one"
+RESUMABLE = (75, 129, 130, 143, 152)  # exit codes of runs that --resume continues
+OTHER_RUN = "was run with other values, or another deck; --force runs the study again, -o NAME makes another one"
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Folder:
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise ResultsError(f"cannot read {self.file(case, '.json')}: {error}") from error
         if run != self._run(case):
-            raise UsageError(f"case {case.number} in {self.path} {WORDS}")
+            raise UsageError(f"case {case.number} in {self.path} {OTHER_RUN}")
         return record
 
     def write(self, case: "Case", record: Record) -> None:

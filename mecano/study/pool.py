@@ -18,7 +18,7 @@ from mecano.jit import thread_pool
 from mecano.process.interrupt import CLOCK, EXIT_CODES, SIGNALS
 from mecano.process.lifeline import popen_options
 from mecano.study.error_location import line_in_study
-from mecano.study.folder import COMPLETE, FAILED, GO_ON, STOPPED, Folder, Record
+from mecano.study.folder import COMPLETE, FAILED, RESUMABLE, STOPPED, Folder, Record
 
 if TYPE_CHECKING:
     from mecano.study.read import Case
@@ -186,7 +186,7 @@ class Pool:
         code, before = one.process.returncode, one.before
         if code == 0:
             status, reason = COMPLETE, ""
-        elif self.asked or (code in GO_ON and not one.killed):
+        elif self.asked or (code in RESUMABLE and not one.killed):
             status, reason = STOPPED, _words(one, code)
         else:
             status, reason = FAILED, line_in_study(_words(one, code), self.folder.study, one.case)
