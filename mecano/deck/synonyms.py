@@ -32,7 +32,13 @@ NOTES = {  # words with the same meaning: (targets, note)
         "a belt, a gear_pair with a 'ratio', or a coupler of the angles of two hinges"
     ),
     "synchronisation, synchronization, differential, transmission, linear relation": ("coupler", ""),
-    "gear, gear train, gear wheel, planetary gear": ("gear_pair rack_and_pinion", ""),
+    "gear, gear train, gear wheel, planetary gear, epicyclic, sun gear, ring gear": ("gear_pair rack_and_pinion", ""),
+    "oldham, oldham coupling": (
+        "prismatic hinge", "two prismatic joints across one another, and a disc between them, join shafts on hinges"
+    ),
+    "swash plate, wobble plate": (
+        "hinge spherical prismatic", "a body on an inclined hinge, which pushes rods on spherical joints"
+    ),
     "gearbox, gear motor, geared motor": (
         "coupler gear_pair joint_moment", "a coupler of two hinges is any gear, with an efficiency by its 'friction'"
     ),
@@ -112,7 +118,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     "spring": ("spring_damper torsion_spring_damper bushing", ""),
     "damper, dashpot, viscous damper": ("spring_damper torsion_spring_damper damper", ""),
     "torsion spring, rotational spring, torsional spring, rotational damper": ("torsion_spring_damper hinge", ""),
-    "bush, rubber mount, silent block, mount, six dof spring": ("bushing", ""),
+    "bush, rubber mount, silent block, mount, vibration isolator, isolator, six dof spring": ("bushing", ""),
     "shock absorber, shock strut, oleo strut, oleopneumatic, landing gear strut, damper strut, two stage strut, "
     "recoil valve": (
         "oleo spring_damper gas_spring oil_damper metering_pin",
