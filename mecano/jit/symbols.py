@@ -142,22 +142,22 @@ def _select(condition, a, b):
 
 
 def _anywhere(condition):
-    return _one_condition(condition, "icmp_unsigned", "!=", 0)
+    return _one_condition(condition, "!=", 0)
 
 
 def _everywhere(condition):
-    return _one_condition(condition, "icmp_unsigned", "==", 2**LANES - 1)
+    return _one_condition(condition, "==", 2**LANES - 1)
 
 
-def _one_condition(condition, instruction, how, bits):
-    """Return the truth value for all elements together."""
+def _one_condition(condition, how, bits):
+    """Return whether the truth values of all elements, as bits of one number, compare with ``bits`` like this."""
     if not isinstance(condition, Condition) or not condition.many:
         return condition
     if condition.builder is None:
         return Condition(None)
     word = ir.IntType(LANES)
     found = condition.builder.bitcast(condition.value, word)
-    return Condition(condition.builder, getattr(condition.builder, instruction)(how, found, word(bits)))
+    return Condition(condition.builder, condition.builder.icmp_unsigned(how, found, word(bits)))
 
 
 CHOICES = {"select": _select, "anywhere": _anywhere, "everywhere": _everywhere}  # functions of conditions, by name
