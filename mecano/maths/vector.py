@@ -193,6 +193,13 @@ def put(out, i, a):
 
 
 @kernel
+def put_matrix(out, A):
+    """out[:, :] = A"""
+    for i in range(3):
+        put(out[i], 0, A[i])
+
+
+@kernel
 def add_mat(out, i, j, s, A):
     """out[i:i+3, j:j+3] += s A"""
     out[i, j] += s * A[0][0]

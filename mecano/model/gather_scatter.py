@@ -10,7 +10,7 @@ from mecano.element_interface import Place
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats, integers, items, lanes
 from mecano.maths.dual import DUAL, Dual
-from mecano.maths.vector import Vec3, mat, put, skew, vec
+from mecano.maths.vector import Vec3, mat, put, put_matrix, skew, vec
 
 SIZE = DUAL.itemsize
 NEVER = -1.0  # number of an event that does not occur
@@ -50,13 +50,6 @@ def gather(dofs, rots, n_vectors, s, q_out, v_out, a_out, R_out):
         a_out[i] = a[d]
     for r in range(rots.shape[0]):
         put_matrix(R_out[r], mat(R[rots[r]]))
-
-
-@kernel
-def put_matrix(out, A):
-    """out[:, :] = A"""
-    for i in range(3):
-        put(out[i], 0, A[i])
 
 
 @kernel
@@ -168,7 +161,7 @@ def gather_duals(b, s):
         v_1[i] = v[i]
         a_1[i] = a[i]
     for r in range(b.n_rotations):
-        put_constant(R_1[r], mat(R[r]))
+        put_matrix(R_1[r], mat(R[r]))
 
 
 @kernel
@@ -214,7 +207,7 @@ def add_column(b, s, j, lag):
     a_1[j].slope = 0.0
     r = rotation_of(j, columns)
     if r >= 0:
-        put_constant(R_1[r], mat(floats(b.R, (b.n_rotations, 3, 3))[r]))
+        put_matrix(R_1[r], mat(floats(b.R, (b.n_rotations, 3, 3))[r]))
 
 
 @kernel
@@ -270,7 +263,7 @@ def gather_motion(b, s):
         q_1[i] = Dual(q[i], v[i])
         v_1[i] = Dual(v[i], a[i])
     for r in range(b.n_rotations):
-        put_constant(R_1[r], mat(R[r]))
+        put_matrix(R_1[r], mat(R[r]))
         put_turned(R_1[r], mat(R[r]), vec(v, columns[r]))
     for i in range(b.n_multipliers):
         g_1[i, 0], g_1[i, 1] = 0.0, 0.0
@@ -374,14 +367,6 @@ def rotation_of(j, columns):
         if columns[r] <= j < columns[r] + 3:
             return r
     return -1
-
-
-@kernel
-def put_constant(R_out, R):
-    """Store a constant rotation."""
-    for i in range(3):
-        for j in range(3):
-            R_out[i, j] = R[i][j]
 
 
 @kernel

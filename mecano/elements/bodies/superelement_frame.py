@@ -20,7 +20,7 @@ from mecano.jit.kernel import kernel
 from mecano.maths.polar import inverse, nearest_rotation
 from mecano.maths.rotation_vector import inverse_coefficients, inverse_tangent
 from mecano.maths.so3 import log
-from mecano.maths.vector import EYE, NO_MATRIX, ZERO, Mat3, Vec3, cross, dot, mat, outer, put, vec
+from mecano.maths.vector import EYE, NO_MATRIX, ZERO, Mat3, Vec3, cross, dot, mat, outer, put, put_matrix, vec
 
 # Rows of the work array (ROWS, n): elastic coordinates, their rates; velocities and accelerations in the axes of the
 # frame, the rates of these velocities; forces on the coordinates, momenta, inertia forces; then variations.
@@ -92,13 +92,6 @@ def configuration(p, laws, q, R, work, turns):
     for j in range(6 * n, work.shape[1]):
         work[U, j] = q[j]
     return R_f, centre, inverse(stiffened(H / n))
-
-
-@kernel
-def put_matrix(out, A):
-    """out[:, :] = A"""
-    for i in range(3):
-        put(out[i], 0, A[i])
 
 
 @kernel

@@ -7,20 +7,10 @@ import numpy as np
 from mecano.jit.entry import Indices, Matrices, Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.maths.so3 import exp, tangent
-from mecano.maths.vector import mat, vec
+from mecano.maths.vector import mat, put_matrix, vec
 from mecano.model.numbering import MASSLESS, ROTATION, SCALAR, SIGNAL, TRANSLATION, Numbering, Unknowns
 from mecano.model.state import Motion, State
 from mecano.solve.time.turning_error import turning_error
-
-
-@kernel
-def put_matrix(A, out):
-    """out[:, :] = A"""
-    for i in range(3):
-        row = A[i]
-        out[i, 0] = row[0]
-        out[i, 1] = row[1]
-        out[i, 2] = row[2]
 
 
 @kernel
@@ -30,7 +20,7 @@ def place_rotations(rotation_dof, n_q, z, R0, R_out):
         d = rotation_dof[r]
         if d < n_q:
             psi = vec(z, d)
-            put_matrix(mat(R0[r]) @ exp(psi), R_out[r])
+            put_matrix(R_out[r], mat(R0[r]) @ exp(psi))
 
 
 @entry
@@ -39,7 +29,7 @@ def tangents(rotation_dof: Indices, n_q: int, z: Vector, T_out: Matrices):
     for r in range(rotation_dof.shape[0]):
         d = rotation_dof[r]
         if d < n_q:
-            put_matrix(tangent(vec(z, d)), T_out[r])
+            put_matrix(T_out[r], tangent(vec(z, d)))
 
 
 @kernel

@@ -3,10 +3,9 @@
 from mecano.jit.entry import Entry, entry
 from mecano.maths.hermite import hermite, quintic
 from mecano.maths.so3 import exp, log, tangent, tangent_inverse, tangent_rate
-from mecano.maths.vector import Vec3, mat, put, vec
+from mecano.maths.vector import Vec3, mat, put, put_matrix, vec
 from mecano.model.numbering import ROTATION, Numbering, Unknowns
 from mecano.model.state import Motion, State
-from mecano.solve.time.increments import put_matrix
 
 
 @entry
@@ -27,7 +26,7 @@ def between_states(u: float, h: float, of: Unknowns, s0: Motion, s1: Motion, s_o
             p1, r1 = hermite(u, h, 0.0, psi[1], s0.v[d + 1], last[1])
             p2, r2 = hermite(u, h, 0.0, psi[2], s0.v[d + 2], last[2])
             between = Vec3(p0, p1, p2)
-            put_matrix(start @ exp(between), s_out.R[r])
+            put_matrix(s_out.R[r], start @ exp(between))
             put(s_out.v, d, tangent(between) @ Vec3(r0, r1, r2))
             put(s_out.z, d, (0.0, 0.0, 0.0))
 
@@ -52,7 +51,7 @@ def between_smooth_states(u: float, h: float, of: Unknowns, s0: Motion, s1: Moti
             p1, r1 = quintic(u, h, 0.0, psi[1], s0.v[d + 1], rate[1], s0.a[d + 1], bend[1])
             p2, r2 = quintic(u, h, 0.0, psi[2], s0.v[d + 2], rate[2], s0.a[d + 2], bend[2])
             between = Vec3(p0, p1, p2)
-            put_matrix(start @ exp(between), s_out.R[r])
+            put_matrix(s_out.R[r], start @ exp(between))
             put(s_out.v, d, tangent(between) @ Vec3(r0, r1, r2))
             put(s_out.z, d, (0.0, 0.0, 0.0))
 

@@ -8,14 +8,13 @@ from mecano.jit.entry import Indices, Matrices, Matrix, Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats
 from mecano.maths.so3 import exp, tangent, tangent_inverse
-from mecano.maths.vector import mat, put, vec
+from mecano.maths.vector import mat, put, put_matrix, vec
 from mecano.model import loops
 from mecano.model.assembly_driver import Loops, System, assemble_residual, constraint_derivatives
 from mecano.model.numbering import ROTATION, Unknowns
 from mecano.model.state import Instant, Motion, RadauHistory, State
 from mecano.solve.diagnostics.scales import SMALL
 from mecano.solve.events.compliance import Compliance, soften
-from mecano.solve.time.increments import put_matrix
 from mecano.solve.time.radau_tableau import NODES, REAL, TO_CUBIC, TO_PARABOLA, A, D
 
 if TYPE_CHECKING:
@@ -99,7 +98,7 @@ def place(D: Matrix, of: Unknowns, h: float, theta: Matrix, reactions: Matrix, s
             d = of.rotation_dof[r]
             if d < n_q:
                 psi = vec(theta[i], d)
-                put_matrix(mat(s0.R[r]) @ exp(psi), stages_out.R[i * n_rotations + r])
+                put_matrix(stages_out.R[i * n_rotations + r], mat(s0.R[r]) @ exp(psi))
                 put(v[i], d, tangent(psi) @ vec(v[i], d))
     for i in range(3):
         for d in range(n_q):
