@@ -11,7 +11,7 @@ from numba.np.numpy_support import from_dtype
 from mecano.jit import memory
 from mecano.jit.aggregates import WORD, array_at
 from mecano.jit.array_object import DATA, SHAPE
-from mecano.jit.lanes import Lanes  # noqa: F401  registers arrays of Lanes
+from mecano.jit.lanes import Lanes, lanes_record
 
 
 def _load(builder, address, kind=WORD):
@@ -24,8 +24,8 @@ def _array(context, builder, of, address, shape):
     return array_at(context, builder, of, builder.inttoptr(address, item.as_pointer()), shape)
 
 
-def _type_of_array(item, shape):
-    return types.Array(item, len(shape) if isinstance(shape, types.BaseTuple) else 1, "C")
+def _type_of_array(item, shape, aligned=True):
+    return types.Array(item, len(shape) if isinstance(shape, types.BaseTuple) else 1, "C", aligned=aligned)
 
 
 def _learn_arrays(function, item):
@@ -48,7 +48,11 @@ _learn_arrays(memory.floats, types.float64)
 _learn_arrays(memory.integers, types.int64)
 type_callable(memory.items)(lambda context: lambda address, shape, dtype: _type_of_array(dtype.dtype, shape))
 lower_builtin(memory.items, types.Any, types.Any, types.Any)(_generate_array)
+type_callable(memory.lanes)(lambda context: lambda address, shape: _type_of_array(Lanes, shape, aligned=False))
 lower_builtin(memory.lanes, types.Any, types.Any)(_generate_array)
+type_callable(memory.lanes_items)(
+    lambda context: lambda address, shape, dtype: _type_of_array(lanes_record(dtype.dtype.dtype), shape, aligned=False)
+)
 lower_builtin(memory.lanes_items, types.Any, types.Any, types.Any)(_generate_array)
 
 

@@ -248,7 +248,8 @@ def _store_dual(array, index, value):
 
 
 IN_PLACE = {operator.add: operator.iadd, operator.sub: operator.isub, operator.mul: operator.imul}
-OPERANDS = (types.BaseNamedTuple, types.Record, type(Lanes), types.Float, types.Integer)
+COMPOSED = (types.BaseNamedTuple, types.Record, type(Lanes))  # types of operands that numba does not know
+OPERANDS = (*COMPOSED, types.Float, types.Integer)
 _known = set()  # functions with methods that have been registered with numba
 methods.Generic.primitive = staticmethod(symbols.primitive)
 
@@ -284,8 +285,8 @@ def _learn(function, named):
     if isinstance(function, methods.Generic):
         lower_builtin(named, types.VarArg(types.Any))(generate)
         return
-    unary = [(kind,) for kind in OPERANDS[:3]]
-    for operands in [*unary, *((a, b) for a in OPERANDS for b in OPERANDS if {a, b} & set(OPERANDS[:3]))]:
+    unary = [(kind,) for kind in COMPOSED]
+    for operands in [*unary, *((a, b) for a in OPERANDS for b in OPERANDS if {a, b} & {*COMPOSED})]:
         lower_builtin(named, *operands)(generate)
 
 

@@ -9,11 +9,10 @@ from numba.core import types
 from numba.core.datamodel.models import PrimitiveModel, RecordModel
 from numba.core.imputils import lower_cast
 from numba.core.typeconv import Conversion
-from numba.extending import register_model, type_callable
+from numba.extending import register_model
 from numba.np.numpy_support import from_dtype
 
-from mecano.jit import memory
-from mecano.jit.memory import LANES
+from mecano.jit.memory import LANES, lanes_dtype
 from mecano.jit.symbols import CONDITIONS, NUMBERS, splat
 
 ALIGNMENT = 8  # B, of stored Lanes
@@ -80,8 +79,8 @@ def _for_all(context, builder, of, to, value):
 
 
 def lanes_record(dtype):
-    """Return the numba type of the record of four elements; its layout is that of memory.lanes_dtype."""
-    stored = memory.lanes_dtype(dtype)
+    """Return the numba type of the record of four elements; its layout is that of ``lanes_dtype``."""
+    stored = lanes_dtype(dtype)
     fields = [(name, {"type": _field(dtype.fields[name][0]), "offset": stored.fields[name][1]}) for name in dtype.names]
     return _LanesRecord(fields, stored.itemsize, False)
 
@@ -91,14 +90,3 @@ def _field(of):
     if of.base.kind == "i":
         return from_dtype(of)
     return types.NestedArray(Lanes, of.shape) if of.shape else Lanes
-
-
-def _array(item, shape):
-    dimensions = len(shape) if isinstance(shape, types.BaseTuple) else 1
-    return types.Array(item, dimensions, "C", aligned=False)
-
-
-type_callable(memory.lanes)(lambda context: lambda address, shape: _array(Lanes, shape))
-type_callable(memory.lanes_items)(
-    lambda context: lambda address, shape, dtype: _array(lanes_record(dtype.dtype.dtype), shape)
-)

@@ -27,7 +27,8 @@ class Symbol:
     def _with(self, instruction, *others):
         if self.builder is None:
             return Symbol(None, many=any_many(others))
-        return Symbol(self.builder, getattr(self.builder, instruction)(*values_of(self.builder, others)))
+        values = values_of(self.builder, others, any_many(others))
+        return Symbol(self.builder, getattr(self.builder, instruction)(*values))
 
     def __add__(self, other):
         return self._with("fadd", self, other) if is_number(other) else NotImplemented
@@ -60,9 +61,10 @@ class Symbol:
         return _call("fabs", (self,))
 
     def _compared(self, how, other):
+        many = any_many((self, other))
         if self.builder is None:
-            return Condition(None, many=any_many((self, other)))
-        return Condition(self.builder, self.builder.fcmp_ordered(how, *values_of(self.builder, (self, other))))
+            return Condition(None, many=many)
+        return Condition(self.builder, self.builder.fcmp_ordered(how, *values_of(self.builder, (self, other), many)))
 
     def __lt__(self, other):
         return self._compared("<", other) if is_number(other) else NotImplemented
@@ -105,12 +107,10 @@ def any_many(values):
     return any(getattr(value, "many", False) for value in values)
 
 
-def values_of(builder, numbers):
-    """Return the values of numbers; if one of them is of LANES elements, all are."""
+def values_of(builder, numbers, many):
+    """Return the values of numbers, all of one element, or of LANES elements if ``many``."""
     values = [value_of(number) for number in numbers]
-    if not any_many(numbers):
-        return values
-    return [value if value.type == NUMBERS else splat(builder, value) for value in values]
+    return [splat(builder, value) if many and value.type == NUMBER else value for value in values]
 
 
 def splat(builder, value):
@@ -133,12 +133,10 @@ def primitive(function, arguments):
 def _select(condition, a, b):
     if not isinstance(condition, Condition):
         return a if condition else b
-    if condition.builder is None:
-        return Symbol(None, many=any_many((condition, a, b)))
-    one, other = values_of(condition.builder, (a, b))
-    if condition.many:
-        one, other = (v if v.type == NUMBERS else splat(condition.builder, v) for v in (one, other))
-    return Symbol(condition.builder, condition.builder.select(condition.value, one, other))
+    builder, many = condition.builder, any_many((condition, a, b))
+    if builder is None:
+        return Symbol(None, many=many)
+    return Symbol(builder, builder.select(condition.value, *values_of(builder, (a, b), many)))
 
 
 def _anywhere(condition):
@@ -164,11 +162,11 @@ CHOICES = {"select": _select, "anywhere": _anywhere, "everywhere": _everywhere} 
 
 
 def _call(name, arguments):
-    builder = next(a.builder for a in arguments if isinstance(a, Symbol))
+    builder, many = next(a.builder for a in arguments if isinstance(a, Symbol)), any_many(arguments)
     if builder is None:
-        return Symbol(None, many=any_many(arguments))
-    values = values_of(builder, arguments)
-    if not any_many(arguments):
+        return Symbol(None, many=many)
+    values = values_of(builder, arguments, many)
+    if not many:
         return Symbol(builder, _call_for_one(builder, name, values))
     if name in ("sqrt", "fabs"):
         return Symbol(builder, builder.call(_function(builder, f"llvm.{name}.v{LANES}f64", NUMBERS, 1), values))
