@@ -93,6 +93,7 @@ def _sum_with(factor):
 
     @kernel
     def rate(p, at):
+        """Return the rate of the sum, a number of the type of q."""
         turns = len(p.mu)
         total = 0.0 * number(at.q[_row(p)])
         for i in range(turns):

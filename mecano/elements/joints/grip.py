@@ -91,6 +91,7 @@ def _holding(force, moment, turns):
 
     @kernel
     def residual(p, at, f):
+        """Add the reactions of a closed grip; of an open one, the multipliers are zero."""
         if at.phase != CLOSED:
             for row in range(force, end):
                 f[row] -= at.q[row]
@@ -108,6 +109,7 @@ def _holding(force, moment, turns):
 
     @kernel
     def constraints(p, at, g):
+        """Write the constraints of a closed grip and their rates."""
         if at.phase != CLOSED:
             return
         Phi, rate = _position(at) - vec(at.m, 0), _rate_of_position(at)

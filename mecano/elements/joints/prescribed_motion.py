@@ -71,6 +71,7 @@ def _prescribed(name, doc, coordinate, constraint, motion_of, motions=("value",)
         return [drive_part(constraint, on, axes, motion, zero, context)]
 
     def kind(motion):
+        """Return the Kind of a joint whose coordinate follows this motion."""
         target = motion.at
 
         @kernel
