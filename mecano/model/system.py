@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -28,6 +28,9 @@ from mecano.model.wiring import IN_PLACE
 if TYPE_CHECKING:
     from mecano.jit.store import Code
     from mecano.model.divided_loops import DividedLoops
+
+
+Made = TypeVar("Made")
 
 
 class System:
@@ -62,6 +65,7 @@ class System:
         self.nnz = len(self.rows)
         self.n_data = self.nnz + 3  # terms of fixed unknowns, three by three, follow the values of the tangent
         self._divided_loops: dict[Callable[..., None], DividedLoops] = {}  # by purpose
+        self._kept: dict[Callable[[System], Any], Any] = {}
         self.laws = model.laws.array()
         self.partition_starts, self.partition_members, self.partition_weights = partition.tables()
         self.n_transmitted = self.n_slots + len(self.partition_starts) - 1
@@ -107,6 +111,12 @@ class System:
         for name, array in arrays.items():
             out[name] = array.ctypes.data
         return out
+
+    def kept(self, make: "Callable[[System], Made]") -> Made:
+        """Return ``make(system)``, which is made once and kept as long as the system."""
+        if make not in self._kept:
+            self._kept[make] = make(self)
+        return self._kept[make]
 
     def codes(self) -> "list[Code]":
         """Return the Codes of all loops of the model, and of the functions that they call."""

@@ -16,7 +16,7 @@ import numpy as np
 from mecano.errors import AssemblyError, Failure
 from mecano.model.numbering import SCALAR
 from mecano.solve.diagnostics.failure import not_finite
-from mecano.solve.diagnostics.scales import mean_diagonal
+from mecano.solve.time.constrained_mass import ConstrainedMass
 from mecano.solve.time.increments import displaced, moved
 from mecano.solve.time.signals import settle_signals
 
@@ -59,23 +59,8 @@ class Consistent:
         bare = s.copy()
         bare.a[:] = 0.0
         bare.z[system.n_q : system.n] = 0.0
-        data = system.assemble(bare, 1.0, 0.0, 0.0, 0.0, 1.0).data
-        diagonal = data[system.diagonal[: system.n_q]]
-        loose = (diagonal <= 0.0) | system.signals  # signals may not be known yet
-        self.k = mean_diagonal(diagonal[~loose], system.numbering.kind[: system.n_q][~loose], length) or 1.0
-        system.add_constraints(bare, self.k, self.k, data)
-        diagonal = data[system.diagonal[: system.n_q]]
-        # neither mass nor constraint: stays at rest; scalars without mass move as their own equations say
-        self.loose = loose & ((diagonal <= 0.0) | system.massless | system.signals)
+        data, self.loose, self.k = system.kept(ConstrainedMass).at(s, length, compliance)
         self.massless = np.flatnonzero(self.loose & (system.numbering.kind[: system.n_q] == SCALAR))
-        if len(self.massless) or system.signals.any():
-            alone = np.zeros(system.n, bool)
-            alone[self.massless] = True
-            alone[: system.n_q] |= system.signals
-            data[: system.nnz][alone[system.rows] | alone[system.cols]] = 0.0
-        data[system.diagonal[: system.n_q][self.loose]] = self.k
-        if compliance is not None:
-            compliance.soften_tangent(self.k, data)
         self.data, self.bare, self.compliance = data, bare, compliance
         self._factor()
 

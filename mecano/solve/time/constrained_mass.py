@@ -1,0 +1,272 @@
+r"""The mass matrix under constraints, in compiled code: the matrix of consistent.py, and solutions with its factors.
+
+.. math:: \begin{bmatrix} M + p B^T B & -k B^T \\ -k B & -k^2 c \end{bmatrix}, \qquad p = k
+
+with the mean k of the masses. It belongs to a *bare* state, without accelerations and multipliers.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mecano.jit.entry import Records, entry
+from mecano.jit.kernel import kernel
+from mecano.jit.memory import call, floats, integers, items
+from mecano.model.assembly import Assembly
+from mecano.model.assembly_driver import add, assemble, assemble_residual, constraint_derivatives, loops_at
+from mecano.model.loop_records import SYSTEM, fields, record
+from mecano.model.loops import constraint_derivatives as of_constraints
+from mecano.model.loops import residual as of_residuals
+from mecano.model.loops import tangent as of_tangents
+from mecano.model.numbering import ROTATION, SCALAR
+from mecano.model.state import Instant, State
+from mecano.solve.events.compliance import NO_ROWS, OF_RELEASED, RELEASED_COMPLIANCE, Compliance, compliances_of_a_step
+from mecano.solve.linear import multifrontal
+from mecano.solve.linear.sparse import ACCEPT_BELOW, LinearSolver
+
+if TYPE_CHECKING:
+    from mecano.model.system import System
+
+# Numbers and addresses; flags of the unknowns: ``signals``, ``massless`` (by their kinds), ``loose`` (at the state)
+MASS = fields(
+    floats="k length",
+    words="n_q n_l n n_all n_rotations nnz n_data system z a T kind rows columns diagonal signals massless loose alone "
+    "n_residuals residuals residual_batches n_tangents tangents tangent_batches "
+    "n_positions positions position_batches n_rates rates rate_batches by_positions plain penalized "
+    "n_constraints constraints constraint_batches derivatives "
+    "n_entries entry_places soft_starts soft_columns soft_base soft_kinds soft_in_tangent deflection "
+    "solve solve_words solve_results substitute substitute_words right solution",
+)
+SECOND = 2  # column of the second rates of the constraints
+
+
+@entry
+def assemble_mass(mass: Records(MASS), s: Instant):
+    """Assemble the matrix at the positions of ``s``, and find k and the unknowns that are ``loose``.
+
+    These have neither mass nor constraint and stay at rest; scalars without mass move as their own equations say.
+    """
+    m = mass[0]
+    bare, system, T = bare_state(m, s, s.v), items(m.system, 1, SYSTEM), floats(m.T, (m.n_rotations, 3, 3))
+    loops = loops_at(m.n_tangents, m.tangents, m.tangent_batches)
+    assemble(loops, system, bare, T, 1.0, 0.0, 0.0, 0.0, 1.0)
+    m.k = mean_mass(m)
+    add(loops_at(m.n_positions, m.positions, m.position_batches), system, bare, T, m.k, m.k, 1.0, 0.0)
+    if m.n_rates:
+        add_rates(m, system, bare, T)
+    hold_loose(m)
+    soften_mass(m)
+
+
+@kernel
+def values_of(m):
+    """Return the values (n_data,) of the matrix."""
+    return floats(items(m.system, 1, SYSTEM)[0].data, m.n_data)
+
+
+@kernel
+def bare_state(m, s, v):
+    """Return ``s`` with velocities ``v`` and without accelerations and multipliers; overwrites the last one."""
+    z, a = floats(m.z, m.n_all), floats(m.a, m.n_all)
+    for i in range(m.n_all):
+        z[i] = 0.0 if m.n_q <= i < m.n else s.z[i]
+    return Instant(s.t, z, v, a, s.R, s.phases, s.memory)
+
+
+@kernel
+def mean_mass(m):
+    """Return the mean of the masses, inertias over the square of the length; mark what has none, and all signals."""
+    data, diagonal, kind = values_of(m), integers(m.diagonal, m.n), integers(m.kind, m.n_all)
+    loose, signals, total, number = integers(m.loose, m.n_q), integers(m.signals, m.n_q), 0.0, 0
+    for i in range(m.n_q):
+        x = data[diagonal[i]]
+        loose[i] = 1 if x <= 0.0 or signals[i] else 0  # signals may not be known yet
+        if not loose[i]:
+            total += x / (m.length * m.length) if kind[i] == ROTATION else x
+            number += 1
+    return total / number if number and total > 0.0 else 1.0
+
+
+@kernel
+def add_rates(m, system, bare, T):
+    """Add the gradients of constraints on velocities by velocities, which take the place of those by positions."""
+    loops, own = loops_at(m.n_rates, m.rates, m.rate_batches), system[0].data
+    add_alone(m, system, loops, bare, T, 0.0, 1.0, 0.0, m.by_positions)
+    add_alone(m, system, loops, bare, T, 0.0, 0.0, 1.0, m.plain)
+    add_alone(m, system, loops, bare, T, m.k, 0.0, 1.0, m.penalized)
+    system[0].data = own
+    data, rows, columns = values_of(m), integers(m.rows, m.nnz), integers(m.columns, m.nnz)
+    by_positions, plain, penalized = (
+        floats(m.by_positions, m.nnz),
+        floats(m.plain, m.nnz),
+        floats(m.penalized, m.nnz),
+    )
+    for i in range(m.nnz):
+        of_motion = plain[i] if rows[i] >= m.n_q else penalized[i] - plain[i]
+        data[i] += by_positions[i] if columns[i] >= m.n_q else of_motion
+
+
+@kernel
+def add_alone(m, system, loops, bare, T, penalty, cK, cC, place):
+    """Write the tangent of these loops alone to the values (n_data,) at ``place``."""
+    system[0].data = place
+    floats(place, m.n_data)[:] = 0.0
+    add(loops, system, bare, T, m.k, penalty, cK, cC)
+
+
+@kernel
+def hold_loose(m):
+    """Hold the unknowns that are loose, apart from all others: rows and columns of k alone."""
+    data, diagonal = values_of(m), integers(m.diagonal, m.n)
+    loose, massless, signals = integers(m.loose, m.n_q), integers(m.massless, m.n_q), integers(m.signals, m.n_q)
+    kind, alone, several = integers(m.kind, m.n_all), integers(m.alone, m.n), 0
+    for i in range(m.n_q):
+        if loose[i] and not (massless[i] or signals[i]) and data[diagonal[i]] > 0.0:
+            loose[i] = 0
+        alone[i] = 1 if signals[i] or (loose[i] and kind[i] == SCALAR) else 0
+        several += alone[i]
+    if several:
+        rows, columns = integers(m.rows, m.nnz), integers(m.columns, m.nnz)
+        for i in range(m.nnz):
+            if alone[rows[i]] or alone[columns[i]]:
+                data[i] = 0.0
+    for i in range(m.n_q):
+        if loose[i]:
+            data[diagonal[i]] = m.k
+
+
+@kernel
+def soften_mass(m):
+    """Add the compliances of redundant constraints, -k^2 c (compliance.py)."""
+    n, data = m.n_entries, values_of(m)
+    base, kinds, in_tangent = floats(m.soft_base, n), integers(m.soft_kinds, n), floats(m.soft_in_tangent, n)
+    places = integers(m.entry_places, n)
+    for i in range(n):
+        c = base[i] * (RELEASED_COMPLIANCE / m.k if kinds[i] == OF_RELEASED else 1.0)
+        data[places[i]] -= m.k * m.k * c * in_tangent[i]
+
+
+@kernel
+def factor_mass(m):
+    """Factor the matrix; return whether the fixed order of elimination suffices."""
+    floats(m.right, m.n)[:] = 0.0
+    call(m.solve, m.solve_words, m.solve_results)
+    return floats(m.solve_results, 3)[2] <= ACCEPT_BELOW
+
+
+@kernel
+def change(m, rates, share):
+    """Return the least change (n,) of positions or velocities with these ``rates`` (n_l,), times a ``share``.
+
+    Behind it stand the impulses over k.
+    """
+    b = floats(m.right, m.n)
+    for i in range(m.n_q):
+        b[i] = 0.0
+    for i in range(m.n_l):
+        b[m.n_q + i] = -m.k * share * rates[i]
+    call(m.substitute, m.substitute_words, 0)
+    return floats(m.solution, m.n)
+
+
+@kernel
+def accelerate(m, s, v, z_out, a_out):
+    """Compute the accelerations and multipliers in ``z_out`` at the positions of ``s`` and velocities ``v``."""
+    bare, system = bare_state(m, s, v), items(m.system, 1, SYSTEM)
+    g, b, x = floats(m.derivatives, (m.n_l, 3)), floats(m.right, m.n), floats(m.solution, m.n)
+    constraint_derivatives(loops_at(m.n_constraints, m.constraints, m.constraint_batches), system, bare, g)
+    assemble_residual(loops_at(m.n_residuals, m.residuals, m.residual_batches), system, bare, 1.0, 0.0)
+    residual, loose, signals = floats(system[0].residual, m.n_q), integers(m.loose, m.n_q), integers(m.signals, m.n_q)
+    for i in range(m.n_q):
+        b[i] = 0.0 if loose[i] else -residual[i]
+    for i in range(m.n_l):
+        b[m.n_q + i] = m.k * g[i, SECOND]
+    call(m.substitute, m.substitute_words, 0)
+    for i in range(m.n_q):
+        a_out[i] = a_out[i] if signals[i] else x[i]
+    for i in range(m.n_q, m.n_all):
+        a_out[i] = 0.0
+    for i in range(m.n_l):
+        z_out[m.n_q + i] = m.k * x[m.n_q + i] + m.k * g[i, SECOND]
+    if m.n_entries:
+        share(m, z_out[m.n_q : m.n])
+
+
+@kernel
+def share(m, reactions):
+    """Change reactions (n_l,) to those of the same effect and of least norm (``Consistent.share``)."""
+    c, starts, columns = (
+        floats(m.soft_base, m.n_entries),
+        integers(m.soft_starts, m.n_l + 1),
+        integers(m.soft_columns, m.n_entries),
+    )
+    deflection = floats(m.deflection, m.n_l)
+    for i in range(m.n_l):
+        deflection[i] = 0.0
+        for j in range(starts[i], starts[i + 1]):
+            deflection[i] += c[j] * reactions[columns[j]]
+    x = change(m, deflection, -1.0)
+    for i in range(m.n_l):
+        reactions[i] += m.k * x[m.n_q + i]
+
+
+class ConstrainedMass:
+    """The arrays of the matrix of a system, and the record MASS that holds their addresses."""
+
+    def __init__(self, system: "System"):
+        of, assembly = system.numbering, Assembly(system)
+        loops = {
+            "residuals": system.loops(of_residuals), "tangents": system.loops(of_tangents),
+            "constraints": system.loops(of_constraints),
+            "positions": system.loops(of_tangents, lambda batch: batch.kind.multipliers and not batch.kind.of_rates),
+            "rates": system.loops(of_tangents, lambda batch: batch.kind.of_rates),
+        }  # fmt: skip
+        arrays = {
+            "system": assembly.record, "z": np.zeros(of.n_all), "a": np.zeros(of.n_all),
+            "T": np.tile(np.eye(3), (len(of.rotation_dof), 1, 1)), "kind": of.kind, "rows": system.rows,
+            "columns": system.cols, "diagonal": system.diagonal, "signals": system.signals.astype(np.int64),
+            "massless": system.massless.astype(np.int64), "loose": np.zeros(of.n_q, np.int64),
+            "alone": np.zeros(of.n, np.int64), "derivatives": np.zeros((of.n_l, 3)), "deflection": np.zeros(of.n_l),
+            "right": np.zeros(of.n), "solution": np.zeros(of.n),
+            "solve_results": np.zeros(len(multifrontal.solve.returns)),
+        }  # fmt: skip
+        n_rates = len(loops["rates"].addresses)
+        arrays |= {name: np.zeros(system.n_data if n_rates else 0) for name in ("by_positions", "plain", "penalized")}
+        for name, (addresses, batches) in loops.items():
+            arrays |= {name: addresses, f"{name[:-1]}_batches": batches}
+        self.data, self.loose = assembly.data, arrays["loose"]
+        self._kept: dict[str, Any] = {"assembly": assembly, **arrays}
+        self.record = record(
+            MASS, n_q=of.n_q, n_l=of.n_l, n=of.n, n_all=of.n_all, n_rotations=len(of.rotation_dof), nnz=system.nnz,
+            n_data=system.n_data, **{f"n_{name}": len(addresses) for name, (addresses, _) in loops.items()},
+            **{name: array.ctypes.data for name, array in arrays.items()},
+        )  # fmt: skip
+        self.use(None)
+
+    def use(self, compliance: Compliance | None) -> None:
+        """Give redundant constraints these compliances, or none (None), from now on."""
+        if self._kept.get("compliance", NO_ROWS) is compliance:
+            return
+        starts, columns, _ = NO_ROWS if compliance is None else compliance.rows
+        places = NO_ROWS[1] if compliance is None else compliance.places
+        arrays = {"soft_starts": starts, "soft_columns": columns, "entry_places": places}
+        values = compliances_of_a_step(compliance)
+        arrays |= {name: values[name] for name in ("soft_base", "soft_kinds", "soft_in_tangent")}
+        self._kept |= {**arrays, "compliance": compliance}
+        self.record["n_entries"] = len(places)
+        for name, array in arrays.items():
+            self.record[name] = array.ctypes.data
+
+    def solve_by(self, linear: LinearSolver) -> None:
+        """Factor and solve by this LinearSolver in compiled code."""
+        new, kept = linear.calls(self.data, self._kept["right"], self._kept["solution"])
+        self._kept |= {"new": new, "kept": kept}
+        for name, packed in (("solve", new), ("substitute", kept)):
+            self.record[name], self.record[f"{name}_words"] = packed.function, packed.words.ctypes.data
+
+    def at(self, s: State, length: float, compliance: Compliance | None) -> tuple[np.ndarray, np.ndarray, float]:
+        """Return the values (n_data,) of the matrix at ``s``, the loose unknowns (n_q,) bool, and k."""
+        self.use(compliance)
+        self.record["length"] = length
+        assemble_mass(self.record, s)
+        return self.data.copy(), self.loose.astype(bool), float(self.record["k"][0])
