@@ -8,7 +8,6 @@ import pytest
 from time_runs import deck as deck_of
 from time_runs import input_deck
 
-from mecano.analyses.dense_output import DenseOutput
 from mecano.analyses.dynamic import run
 from mecano.analyses.recorder import Recorder
 from mecano.results.reader import open_results
@@ -55,7 +54,7 @@ def test_no_saved_value_lies_beyond_those_of_the_steps_around_it(name, tmp_path,
     def compare(accepted, recorder, row, rows):
         around = [row0[0], row]
         if accepted.h and accepted.info.stages:
-            around = DenseOutput(recorder.sampler, accepted, row0[0]).rows
+            around = [row0[0], *recorder.output.stage_rows, row]
         low, high = np.min(around, axis=0), np.max(around, axis=0)
         outside = (((rows < low) | (rows > high)) & ~motions(recorder.sampler)).any(axis=0)
         assert not outside.any(), [

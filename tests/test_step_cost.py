@@ -29,6 +29,16 @@ def test_step_sizes_change_in_compiled_code():
     assert after[0].rejected > 0 and made <= MOST_ADAPTIVE * (after[0].steps - before.steps)
 
 
+def test_radau_steps_in_compiled_code():
+    """An adaptive run by Radau IIA; a hundred steps are few, so its end counts."""
+    prepared = prepare(input_deck("heavy_top", "time.method=radau", "time.adaptive={tolerance: 1.0e-8}"))
+    integrator = integrator_of(prepared)
+    before, after = integrator.to(0.01, integrator.begin(prepared.state, 1e-3)), []
+    made = calls(lambda: after.append(integrator.to(0.4, before)))
+    steps = after[0].steps - before.steps
+    assert steps > 500 and made <= MOST_ADAPTIVE * steps
+
+
 def test_equilibria_are_found_in_compiled_code():
     """Kernels also run as plain Python, a hundred times slower: none of their operators may be called."""
     prepared = prepare(input_deck("princeton_beam"))

@@ -22,13 +22,21 @@ TWO_BARS = """
 """
 
 
+RADAU = "time.method=radau", "output.every=0.00123"
+BY_RADAU = (  # deck and overrides
+    ("four_bar", "time.end=0.5", "time.adaptive={tolerance: 1.0e-6}"), ("wheel_drop", "time.end=0.8"),
+    ("bicycle", "time.end=0.3"), ("position_servo", "time.end=0.3"), ("controlled_double_pendulum", "time.end=0.3"),
+)  # fmt: skip
+
+
 def decks():
     """Events, shocks, memory, adaptive steps, tangents that are kept, constraints that repeat one another."""
     return surviving.decks() | {
         "pendulum": input_deck("pendulum", "time.end=0.5", "output.every=0.00123"),
         "rolling_disc": input_deck("rolling_disc", "time.end=0.3"),
         "two_hinges": deck(TWO_BARS),
-    }
+        "two_hinges, radau": deck(TWO_BARS.replace("time: {", "time: {method: radau, ")),
+    } | {f"{name}, radau": input_deck(name, *RADAU, *more) for name, *more in BY_RADAU}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", decks())

@@ -9,6 +9,7 @@ from mecano.solve.events.events import some_happened
 from mecano.solve.linear import multifrontal
 from mecano.solve.linear.refactorization import LARGER
 from mecano.solve.time import increments
+from mecano.solve.time.constrained_mass import assemble_mass
 from mecano.solve.time.error_bound import bound_error
 from mecano.solve.time.interpolate import between_states
 from mecano.solve.time.output import record_step
@@ -24,11 +25,12 @@ if TYPE_CHECKING:
     from mecano.schema import Values
 
 # The longest first, so that no core waits for them at the end.
+GENERALIZED_ALPHA = attempt, change_step, stride, increments.tangents
 TIME_INTEGRATION = (
-    multifrontal.solve, attempt, change_step, record_step, stride, multifrontal.substitute,
+    multifrontal.solve, record_step, multifrontal.substitute, assemble_mass,
     assembly_driver.add, assembly_driver.assemble, assembly_driver.assemble_residual,
     assembly_driver.constraint_derivatives, assembly_driver.observe, assembly_driver.commit, sampler.fill,
-    increments.move, increments.tangents, count_changes, extremes.update,
+    increments.move, count_changes, extremes.update,
 )  # fmt: skip
 
 EVENTS = assembly_driver.event_values, some_happened, between_states
@@ -36,12 +38,12 @@ EVENTS = assembly_driver.event_values, some_happened, between_states
 
 def radau() -> "tuple[Entry, ...]":
     """Return the functions that Radau IIA needs beside those of the time integration."""
-    from mecano.solve.time import interpolate, radau_stages, radau_tangent  # no ordinary run needs them
+    from mecano.solve.linear.dense_lu import factor_dense, solve_dense  # no ordinary run needs them
+    from mecano.solve.time.radau_output import interpolate_stages, observe_within, sample_stages
+    from mecano.solve.time.radau_step import attempt
+    from mecano.solve.time.radau_stride import stride
 
-    return (
-        radau_tangent.weigh, radau_tangent.split, radau_tangent.join, radau_stages.residual,
-        radau_stages.place, radau_stages.predict, radau_stages.correct, interpolate.between_smooth_states,
-    )  # fmt: skip
+    return attempt, stride, interpolate_stages, sample_stages, observe_within, factor_dense, solve_dense
 
 
 def divided() -> "list[Code]":
@@ -59,10 +61,13 @@ def compile_time_integration(system: "System", time: "Values") -> None:
 
     ``time`` are the checked values of that section of the deck. Everything else is compiled when it is needed.
     """
-    own = radau() if time["method"] == "radau" else (bound_error,) if time["adaptive"] else ()
+    if time["method"] == "radau":
+        own = radau()
+    else:
+        own = (*GENERALIZED_ALPHA, bound_error) if time["adaptive"] else GENERALIZED_ALPHA
     own += EVENTS if system.n_events else ()
     own += (multifrontal.residual,) if system.n_events and system.n >= LARGER else ()  # repeated_steps.py
     further = [] if system.halves is None else divided()
-    codes = [*(entry.code for entry in (*TIME_INTEGRATION, *own)), *system.codes(), *further]
+    codes = [*(entry.code for entry in (*own, *TIME_INTEGRATION)), *system.codes(), *further]
     compile_ahead(codes)
     store.load(codes)

@@ -155,7 +155,7 @@ def circle_warnings(
     ``run``. Circles about a fixed centre are recognized by the ranges of position and velocity during the run, others
     by the accelerations in the last two steps. A ``method`` without coefficients has no such error.
     """
-    if values["adaptive"] or not method.in_compiled_code:
+    if values["adaptive"] or method.order != 2:
         return
     system, h, spins, s = method.system, values["step"], _spins(sampler), run.motion
     if not np.any(_off(method, _rates(spins, extremes) * h) > OFF):

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mecano.analyses.dense_output import DenseOutput
 from mecano.analyses.not_finite import output_not_finite
 from mecano.errors import ConvergenceError, ResultsError
 from mecano.model.output_limits import watched_outputs
@@ -49,6 +48,7 @@ class Recorder:
         times = time["start"], time["end"], 0.0 if every == "step" else every
         ends = [(column, size) for *_, column, size, _ in self.ends]
         self.output = Output(sampler, self.observation, writer.extremes, self.ringing, times, ends)
+        integrator.method.use_output(self.output)
         self._due = clock.monotonic() + INTERVAL
 
     @property
@@ -88,8 +88,6 @@ class Recorder:
         """Write one accepted step: its line in the history, the saved times it covers, its events."""
         t = accepted.run.motion.t
         if accepted.h:
-            if accepted.info.stages:
-                self._save_within(accepted)
             share = accepted.info.error / self.control.allowed(accepted.h)
             code = self.output.record_step(self._workspace, accepted, share)
             again = False
@@ -106,20 +104,6 @@ class Recorder:
                 event.t, event.element, event.name, event.before, event.after, event.impulse,
                 event.unit, event.lost,
             )  # fmt: skip
-
-    def _save_within(self, accepted):
-        """Write the saved times before the end of a step with stages, and add the stages to the extremes."""
-        dense, end = DenseOutput(self.sampler, accepted, self.row), accepted.run.motion.t
-        rows = list(zip(dense.times[1:-1], dense.rows[1:-1], strict=True))
-        while (t := self.output.due(end)) is not None:
-            row = dense.at(t)
-            rows.append((t, row))
-            if not self.output.save(t, row):
-                self.empty()
-                self.output.save(t, row)
-        for t, row in rows:
-            if (i := self.writer.extremes.take(t, row)) >= 0:
-                raise self._not_finite(t, i)
 
     def report(self, run: "RunState") -> None:
         """Pass the contents of the buffers to the writer, at intervals."""

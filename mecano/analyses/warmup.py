@@ -8,7 +8,7 @@ from pathlib import Path
 from pkgutil import walk_packages
 
 from mecano import constraints, elements
-from mecano.analyses.compilation import EVENTS, TIME_INTEGRATION, divided, radau
+from mecano.analyses.compilation import EVENTS, GENERALIZED_ALPHA, TIME_INTEGRATION, divided, radau
 from mecano.analyses.dynamic import run
 from mecano.analyses.prepare import prepare
 from mecano.analyses.static import run as run_static
@@ -86,7 +86,8 @@ def _longer(time):
 
 def _compile(kinds, further=()):
     codes = all_codes(kinds)
-    compile_ahead([*(entry.code for entry in (*TIME_INTEGRATION, *EVENTS, bound_error, *radau())), *codes, *further])
+    entries = *GENERALIZED_ALPHA, *TIME_INTEGRATION, *EVENTS, bound_error, *radau()
+    compile_ahead([*(entry.code for entry in entries), *codes, *further])
     for code in codes:
         store.address(code)
 

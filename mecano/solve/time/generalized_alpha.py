@@ -22,11 +22,10 @@ import numpy as np
 from mecano.errors import Failure
 from mecano.immutable import immutable
 from mecano.model.assembly import Assembly
-from mecano.model.loops import constraint_derivatives, residual, tangent
 from mecano.model.numbering import MASSLESS, RELEASED, ROTATION, SIGNAL
 from mecano.model.state import History, State
 from mecano.solve.diagnostics.scales import Tolerances
-from mecano.solve.events.compliance import NO_ROWS, Compliance, compliances_of_a_step, soften
+from mecano.solve.events.compliance import NO_ROWS, Compliance, soften
 from mecano.solve.linear import multifrontal
 from mecano.solve.linear.newton import (
     CONVERGED,
@@ -46,6 +45,7 @@ from mecano.solve.time.consistent import Consistent, consistent_state
 from mecano.solve.time.contradictions import Contradictions
 from mecano.solve.time.error_bound import ErrorBound, bound_error
 from mecano.solve.time.increments import tangents
+from mecano.solve.time.ordinary_steps import OrdinarySteps
 from mecano.solve.time.repeated_steps import RepeatedSteps
 from mecano.solve.time.step import attempt
 from mecano.solve.time.step_change import change_step
@@ -54,10 +54,14 @@ from mecano.solve.time.workspace import BEGIN, RENEWED, TANGENT, TRIAL, Workspac
 
 if TYPE_CHECKING:
     from mecano.jit.entry import PackedCall
+    from mecano.model.assembly import Observation
     from mecano.model.system import System
+    from mecano.solve.events.shocks import Shocks
     from mecano.solve.linear.sparse import LinearSolver
+    from mecano.solve.time.output import Output
+    from mecano.solve.time.step_control import StepControl
+    from mecano.solve.time.stride_arrays import Recorder
 
-TURN = 0.8  # of it: a step that is planned to turn a body by more would often fail
 Substitution = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
 
 
@@ -110,7 +114,8 @@ class Coefficients:
 class GeneralizedAlpha:
     """The method for one system: coefficients, tolerances, linear solver. Holds no motion."""
 
-    in_compiled_code: Literal[True] = True  # ordinary steps (stride.py)
+    order: Literal[2] = 2
+    turn = 0.8 * MOST_TURN  # rad: a step that is planned to turn a body by more would often fail
 
     def __init__(
         self,
@@ -135,17 +140,9 @@ class GeneralizedAlpha:
         self._kind[self._massless] = MASSLESS
         self.assembly = Assembly(system)
         self.equations, self.increment = self.assembly.residual[: system.n], np.zeros(system.n)
-        self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
         self._no_shift = np.zeros(system.numbering.n_all)
         self._tangents = tangents.bind(system.numbering.rotation_dof, system.numbering.n_q)
-        self.workspace = Workspace(system, self.assembly)
-        loops, batches = system.loops(constraint_derivatives)
-        self.workspace.point_to(
-            n_constraints=len(loops), constraints=loops, constraint_batches=batches,
-            derivatives=np.zeros((5, system.n_l, 3)),
-            gap=np.zeros(system.n_l), added=np.zeros((5, system.numbering.n_all)),
-            nnz=system.nnz, rows=system.rows, columns=system.cols, diagonal=system.diagonal,
-        )  # fmt: skip
+        self.workspace = Workspace(system, self.assembly, added=np.zeros((5, system.numbering.n_all)))
         self.use(compliance)
 
     def use(self, compliance: Compliance | None) -> None:
@@ -161,28 +158,19 @@ class GeneralizedAlpha:
     def _bind(self):
         """Enter the constants of all steps into the workspace of the compiled step."""
         of, c, to = self.system.numbering, self.coefficients, self.tolerances
-        loops, batches = self.system.loops(residual)
-        tangent_loops, tangent_batches = self.system.loops(tangent)
         new, kept = self.linear.calls(self.assembly.data, self.equations, self.increment)
-        starts, columns, values = self._rows
-        entries = NO_ROWS[1] if self.compliance is None else self.compliance.places
-        self._entry_values = np.zeros(len(entries))
         exact_rates = of.of_rates.astype(np.int64)
         exact_rates[self.released] = 0  # constraints on velocities hold exactly at the end of a step, except these
-        self.workspace.point_to(**compliances_of_a_step(self.compliance))
+        self.workspace.use(self.compliance)
         self.workspace.point_to(
             am=c.am, af=c.af, beta=c.beta, gamma=c.gamma, error=c.error, length=self.length, duration=self.duration,
             farthest_fixed=self.workspace.farthest_fixed / self.length,
             force_tolerance=to.force, constraint_tolerance=to.constraint, increment_tolerance=to.increment,
             most=to.max_iterations, most_kept=most_kept(self.system.n),
             n_massless=len(self._massless), massless=self._massless,
-            n_loops=len(loops), loops=loops, batches=batches, n_tangents=len(tangent_loops), tangents=tangent_loops,
-            tangent_batches=tangent_batches, residual=self.assembly.residual, size=self.assembly.size,
-            increment=self.increment, T=self._T, kind=self._kind, rotation_dof=of.rotation_dof,
+            increment=self.increment, kind=self._kind,
             fixed_k=self.k or 0.0, fixed_penalty=-1.0 if self.penalty is None else self.penalty,
-            exact_rates=exact_rates,
-            n_entries=len(entries), soft_starts=starts, soft_columns=columns, soft_values=values, entry_places=entries,
-            entry_values=self._entry_values, solve=new.function, solve_words=new.words,
+            exact_rates=exact_rates, solve=new.function, solve_words=new.words,
             solve_results=np.zeros(len(multifrontal.solve.returns)), substitute=kept.function,
             substitute_words=kept.words,
         )  # fmt: skip
@@ -291,7 +279,16 @@ class GeneralizedAlpha:
         """Return the longest step [s] in which no body turns too far at the velocities of the state ``s``."""
         of = self.system.numbering
         fastest = np.abs(s.v[: of.n_q][of.kind[: of.n_q] == ROTATION]).max(initial=0.0)
-        return TURN * MOST_TURN / fastest if fastest > 0.0 else np.inf
+        return self.turn / fastest if fastest > 0.0 else np.inf
+
+    def ordinary_steps(
+        self, control: "StepControl", shocks: "Shocks", observation: "Observation", recorder: "Recorder | None"
+    ) -> OrdinarySteps:
+        """Return the OrdinarySteps of a time integration."""
+        return OrdinarySteps(self, control, shocks, observation, recorder)
+
+    def use_output(self, output: "Output") -> None:
+        """Do nothing: the ``output`` of steps interpolates between their ends."""
 
     def _weights(self, h):
         """Derivatives of velocities and accelerations by displacements within a step of size h."""
@@ -332,7 +329,7 @@ class GeneralizedAlpha:
         w.put_history(history)
         w.point_to(h=h, k=k, penalty=penalty, cC=cC, cM=cM, usable=self.linear.kept, renewed=False)
         if self.compliance is not None:
-            self._entry_values[:] = self.compliance.in_tangent(k, self.compliance.values)
+            w.array("entry_values")[:] = self.compliance.in_tangent(k, self.compliance.values)
 
     def trial(self, s0: State, history: History, iterations: int) -> Trial:
         """Return the step in the workspace, from ``s0`` with ``history``, as (state, history, StepInfo)."""
@@ -386,8 +383,9 @@ class GeneralizedAlpha:
     def _assemble(self, s, scales):
         """Assemble residual and tangent at ``s``, with the compliance."""
         k, penalty, cC, cM = scales
-        self._tangents(s.z, self._T)
-        self.system.assemble(s, k, penalty, 1.0, cC, cM, self._T, self.assembly)
+        T = self.workspace.array("T")
+        self._tangents(s.z, T)
+        self.system.assemble(s, k, penalty, 1.0, cC, cM, T, self.assembly)
         if self.compliance is not None:
             n_q, n = self.system.n_q, self.system.n
             soften(k, *self._rows, s.z[n_q:n], self.equations[n_q:])

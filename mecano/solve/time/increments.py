@@ -11,6 +11,7 @@ from mecano.maths.vector import mat, put_matrix, vec
 from mecano.model.numbering import MASSLESS, ROTATION, SCALAR, SIGNAL, TRANSLATION, Numbering, Unknowns
 from mecano.model.state import Motion, State
 from mecano.solve.time.turning_error import turning_error
+from mecano.solve.time.workspace import copy_state, state_of, time_of, unknowns_of
 
 
 @kernel
@@ -172,6 +173,17 @@ def move(of: Unknowns, dt: float, s: Motion, s_out: Motion):
     for i in range(of.n_q):
         s_out.z[i] = (0.0 if of.kind[i] == ROTATION else s.z[i]) + (dt * s.v[i] + half * s.a[i])
     place_rotations(of.rotation_dof, of.n_q, s_out.z, s.R, s_out.R)
+
+
+@kernel
+def extrapolate(w, source, dt, target):
+    """Write the state ``source`` of the workspace, moved by dt [s] at its accelerations, to ``target``."""
+    copy_state(w, source, target)
+    s, s_out = state_of(w, source), state_of(w, target)
+    move(unknowns_of(w), dt, s, s_out)
+    time_of(w, target)[0] += dt
+    for i in range(w.n_all):
+        s_out.v[i] += dt * s.a[i]
 
 
 def displaced(s: State, dq: np.ndarray, of: Numbering) -> State:

@@ -3,14 +3,14 @@
 Compiled code collects them in buffers, which Python empties when they are full and now and then.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
-from mecano.jit.memory import floats, integers
+from mecano.jit.memory import call, floats, integers
 from mecano.model.extremes import Extremes, update
 from mecano.model.loop_records import fields, record
 from mecano.model.sampler import Nodes, Observed, Sampler, blend, fill, node_rows
@@ -29,7 +29,9 @@ from mecano.solve.time.workspace import (
 )
 
 if TYPE_CHECKING:
+    from mecano.jit.entry import PackedCall
     from mecano.model.assembly import Observation
+    from mecano.solve.time.step_info import StepInfo
     from mecano.solve.time.time_integration import Accepted
 
 DONE, FULL, NOT_FINITE, ENDED = range(4)
@@ -39,16 +41,20 @@ NUMBERS = 2**15  # in a buffer
 STEP_NUMBERS = 9  # time, size, iterations, error, its share, rejected trials, three norms
 
 OUTPUT = fields(
-    floats="every start end h iterations error share rejected forces constraints increment dissipated given",
+    floats="every start end wanted h iterations error share rejected forces constraints increment dissipated given",
     words="stage code which saved row_size n_rows rows most_rows n_steps steps most_steps row0 row1 between "
     "high high_time low low_time n_outputs outputs energy n_nodes x r rotation first n_pairs pairs n_turned turned "
-    "n_forces columns difference signs swing swing_time largest n_ends end_columns end_sizes",
+    "n_forces columns difference signs swing swing_time largest n_ends end_columns end_sizes "
+    "stages stages_words within within_words stage_rows",
 )
 
 
 @entry
 def record_step(output: Records(OUTPUT), work: Records(STEP)):
     """Record the step from BEGIN to TRIAL, with its outputs and energies; ``code`` reports how far it came.
+
+    A method whose steps have stages compares these with the extremes and interpolates within the step by functions of
+    its own.
 
     FULL: to be called again when the buffers are empty. NOT_FINITE: number ``which`` of the row is not, and nothing was
     recorded. ENDED: an element, number ``which`` of those watched, can go no further.
@@ -57,8 +63,12 @@ def record_step(output: Records(OUTPUT), work: Records(STEP)):
     row0, row = floats(o.row0, o.row_size), floats(o.row1, o.row_size)
     t = time_of(w, TRIAL)[0]
     if o.stage == SAMPLE:
+        o.code, o.which = NOT_FINITE, -1
         sample(o, w, row)
-        o.code, o.which = NOT_FINITE, extend_extremes(o, t, row)
+        if o.stages:
+            call(o.stages, o.stages_words, 0)
+        if o.which < 0:
+            o.which = extend_extremes(o, t, row)
         if o.which >= 0:
             return
         o.stage = ENTER
@@ -129,8 +139,11 @@ def save(o, w, t, row0, row):
         if wanted > t - NEGLIGIBLE_TIME * o.every:
             append(o, wanted, row)
         else:
-            found = floats(o.between, o.row_size)
-            interpolate_row(o, w, wanted, row0, row, found)
+            found, o.wanted = floats(o.between, o.row_size), wanted
+            if o.within:
+                call(o.within, o.within_words, 0)
+            else:
+                interpolate_row(o, w, wanted, row0, row, found)
             extend_extremes(o, wanted, found)
             append(o, wanted, found)
         o.saved = o.saved + 1 if wanted < o.end else -1
@@ -223,7 +236,8 @@ class Output:
             "end_columns": np.array([column for column, _ in ends], np.int64),
             "end_sizes": np.array([size for _, size in ends]),
         }  # fmt: skip
-        self._arrays = arrays
+        self._arrays: dict[str, np.ndarray] = arrays
+        self._enter_stages: Callable[[StepInfo], None] = lambda info: None
         self.record = record(
             OUTPUT, every=every, start=start, end=end, row_size=n, most_rows=most_rows, most_steps=most_steps,
             n_outputs=len(observation.outputs), n_nodes=len(x), first=sampler.node_size, n_pairs=len(sampler.pairs),
@@ -231,10 +245,33 @@ class Output:
             **{name: array.ctypes.data for name, array in arrays.items()},
         )  # fmt: skip
 
+    def use_stages(self, sample: "PackedCall", within: "PackedCall", enter: Callable[["StepInfo"], None]) -> None:
+        """Use the functions of a method whose steps have stages.
+
+        Parameters
+        ----------
+        sample, within : PackedCall
+            Called by ``record_step`` for the rows of the stages, and for the row at the ``wanted`` time.
+        enter : callable
+            Enters the stages of a step that Python made.
+        """
+        self._enter_stages = enter
+        self._arrays |= {"stage_rows": np.zeros((3, len(self.row))), "sample": sample.words, "within": within.words}
+        r = self.record
+        r["stage_rows"] = self._arrays["stage_rows"].ctypes.data
+        r["stages"], r["stages_words"] = sample.function, sample.words.ctypes.data
+        r["within"], r["within_words"] = within.function, within.words.ctypes.data
+
+    @property
+    def stage_rows(self) -> np.ndarray:
+        """The rows (2, n) of the stages before the end of the last step."""
+        return self._arrays["stage_rows"][:2]
+
     def record_step(self, workspace: Workspace, accepted: "Accepted", share: float) -> int:
         """Record an accepted step, which Python made; returns the code of ``record_step``."""
         run, info, r = accepted.run, accepted.info, self.record[0]
         workspace.put_step(accepted.before, run.motion)
+        self._enter_stages(info)
         r["h"], r["iterations"], r["error"], r["share"], r["rejected"] = (
             accepted.h, info.iterations, info.error, share, accepted.rejected,
         )  # fmt: skip
@@ -246,24 +283,6 @@ class Output:
         """Record the step in the workspace, or the rest of it; returns the code of ``record_step``."""
         record_step(self.record, workspace.record)
         return int(self.record["code"][0])
-
-    def due(self, t: float) -> float | None:
-        """Return the next time to be saved if it lies before ``t``, the end of a step; else None."""
-        o = self.record[0]
-        if o["every"] == 0.0 or o["saved"] < 0:
-            return None
-        wanted = min(o["start"] + (o["saved"] + 1) * o["every"], o["end"])
-        return float(wanted) if wanted <= t - NEGLIGIBLE_TIME * o["every"] else None
-
-    def save(self, t: float, row: np.ndarray) -> bool:
-        """Append the row of the time that was due; return whether there was room."""
-        o = self.record[0]
-        if o["n_rows"] == o["most_rows"]:
-            return False
-        line = self.rows[o["n_rows"]]
-        line[0], line[1:] = t, row
-        o["n_rows"], o["saved"] = o["n_rows"] + 1, o["saved"] + 1
-        return True
 
     def outcome(self) -> tuple[int, int]:
         """Return the code of the last step, and the number to which it refers."""

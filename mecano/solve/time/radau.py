@@ -7,6 +7,7 @@ positions and velocities are projected on the constraints, in the metric of the 
 follow from them (Hairer & Wanner 1996, IV.8 and VII.2).
 """
 
+import time as clock
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal
 
@@ -14,33 +15,31 @@ import numpy as np
 
 from mecano.errors import Failure
 from mecano.model.assembly import Assembly
-from mecano.model.numbering import ROTATION
 from mecano.model.state import RadauHistory, State
-from mecano.solve.diagnostics.scales import SIGNALS, SMALL, Tolerances, balance
-from mecano.solve.linear.newton import FAILURES, MESSAGES, NOT_FINITE, SINGULAR, TOO_MANY
-from mecano.solve.linear.rounding import at_rounding
+from mecano.solve.diagnostics.scales import Tolerances, balance
+from mecano.solve.linear.newton import CONVERGED, FAILURES, MESSAGES, PAUSE
 from mecano.solve.time.consistent import Consistent, consistent_state
 from mecano.solve.time.contradictions import Contradictions
-from mecano.solve.time.increments import displaced, largest, moved, reach_of
-from mecano.solve.time.radau_stages import Stages
-from mecano.solve.time.radau_tableau import ERROR, REAL, TO_CUBIC, A
-from mecano.solve.time.radau_tangent import StageTangent
+from mecano.solve.time.increments import displaced, largest
+from mecano.solve.time.radau_output import interpolate_stages, observe_within, sample_stages
+from mecano.solve.time.radau_step import attempt
+from mecano.solve.time.radau_steps import RadauSteps
+from mecano.solve.time.radau_tableau import REAL
+from mecano.solve.time.radau_tangent import tables_of
+from mecano.solve.time.radau_workspace import RadauWorkspace
 from mecano.solve.time.singular_position import LOST, ROUNDED, Amplification, cannot_pass
-from mecano.solve.time.step_control import SUDDEN, StepControl, counted
+from mecano.solve.time.step_control import StepControl
 from mecano.solve.time.step_info import MOST_TURN, PATIENCE, TURNS_TOO_FAR, StepInfo, Trial
-from mecano.solve.time.workspace import Workspace
+from mecano.solve.time.workspace import BEGIN, TRIAL, Workspace
 
 if TYPE_CHECKING:
+    from mecano.model.assembly import Observation
     from mecano.model.system import System
     from mecano.solve.events.compliance import Compliance
+    from mecano.solve.events.shocks import Shocks
     from mecano.solve.linear.sparse import LinearSolver
-
-SHARE = 0.01  # of the allowed error of a step: a correction that leaves less ends Newton's iteration
-LEAST = 1e-17  # of the length scale, or rad: increments are known to more digits than positions
-CAUTION = 8.0  # times the estimate: errors of velocities add up to more than themselves
-TURN = 1.0  # rad in a step: with more, the frozen tangent converges slowly
-SLOW = 0.9  # ratio of two corrections above which the last one is not made, and the tangent is renewed
-MIDDLE = 1  # stage at which it is then evaluated
+    from mecano.solve.time.output import Output
+    from mecano.solve.time.stride_arrays import Recorder
 
 
 class Radau:
@@ -49,7 +48,8 @@ class Radau:
     Has the same methods as GeneralizedAlpha.
     """
 
-    in_compiled_code: Literal[False] = False
+    order: Literal[5] = 5
+    turn = 1.0  # rad in a step: with more, the frozen tangent converges slowly
 
     def __init__(
         self,
@@ -66,18 +66,29 @@ class Radau:
         self.patience = PATIENCE
         # called in a step as often as the program may be late for a signal; may raise
         self.pause: Callable[[], object] = lambda: None
-        of, self.assembly = system.numbering, Assembly(system)
+        self.assembly, self.amplification = Assembly(system), Amplification(system, length)
         self.workspace = Workspace(system, self.assembly)
-        self.workspace.point_to(kind=of.kind.copy(), rotation_dof=of.rotation_dof)  # for the recorder
+        self.own = RadauWorkspace(
+            system, length, violation=self.amplification.violation, tolerance=control.tolerance,
+            constraint_tolerance=self.tolerances.constraint, **tables_of(system),
+        )  # fmt: skip
+        self.own.mass.solve_by(linear)
+        self.workspace.point_to(length=self.length, duration=control.duration, most=self.tolerances.max_iterations)
         self.use(compliance)
 
     def use(self, compliance: "Compliance | None") -> None:
         """Give redundant constraints these compliances, or none (None), from now on."""
-        self.compliance = compliance
-        self.contradictions = Contradictions(self.system, self.length, compliance)
-        self.stages = Stages(self.system, self.assembly, compliance, self.length)
-        self.tangent = StageTangent(self.system, self.assembly, compliance)
-        self.amplification = Amplification(self.system, self.length)
+        self.compliance, system = compliance, self.system
+        self.contradictions = Contradictions(system, self.length, compliance)
+        self.workspace.use(compliance)
+        self.own.mass.use(compliance)
+        places = self.workspace.array("entry_places")
+        entries = np.flatnonzero(places < system.nnz)
+        by_multipliers = len(system.coupled_multipliers) or len(system.sensed_multipliers)
+        self.own.point_to(
+            n_soft=len(entries), soft_entries=entries, soft_places=self.own.factors[0].place[places[entries]],
+            projects=not (by_multipliers or len(self.contradictions.released)),
+        )  # fmt: skip
 
     def start(self, s: State, h: float, consistent: Consistent | None = None) -> tuple[State, RadauHistory]:
         """Return a consistent state and the history for a first step of size h, at the start and after events.
@@ -103,7 +114,7 @@ class Radau:
         """Return the longest step [s] for the velocities of the state ``s``."""
         of = self.system.numbering
         fastest = np.abs(s.v[of.rotation_dof[of.rotation_dof < of.n_q][:, None] + np.arange(3)]).max(initial=0.0)
-        return TURN / fastest if fastest > 0.0 else np.inf
+        return self.turn / fastest if fastest > 0.0 else np.inf
 
     def bounded_error(self, s: State, history: RadauHistory, info: StepInfo) -> float:
         """Return the local error of a step: oscillations need no second estimate, as stages resolve or damp them."""
@@ -114,77 +125,82 @@ class Radau:
 
     def step(self, s0: State, history: RadauHistory, h: float) -> Trial:
         """Make a step of size h from ``s0`` with its ``history``; return (state, history, StepInfo). Pure."""
-        stages = self.stages
-        code, iterations, size, most = SINGULAR, 0, np.inf, self.tolerances.max_iterations
-        goal, reach = self._goal(h), reach_of(s0.z, self.system.numbering, self.length)
-        stages.begin(s0, h, history, self.control.duration, min(goal / self._accuracy(), 1.0))
-        if self.tangent.prepare(moved(s0, 0.5 * h, self.system.numbering), history.k, h):
-            code = TOO_MANY
-        elif not self.tangent.finite:
-            code = NOT_FINITE
-        while code == TOO_MANY and iterations < most:
+        self.prepare(s0, history, h)
+        self._attempt()
+        return self.trial(s0, history)
+
+    def prepare(self, s0: State, history: RadauHistory, h: float) -> None:
+        """Enter a state and its history into the workspace, for steps of size h."""
+        self.workspace.held = None
+        self.workspace.put_state(BEGIN, s0)
+        self.workspace.point_to(h=h, k=history.k)
+        self.own.put_history(history)
+        self.own.mass.use(self.compliance)
+
+    def _attempt(self):
+        """Make the step in the workspace, with looks at signals of the process in between."""
+        r = self.workspace.record
+        r["begun"], r["code"] = False, PAUSE
+        while r["code"][0] == PAUSE:
             self.pause()
-            correction = self.tangent.solve(stages.residuals(history.k))
-            before = stages.increments.copy(), stages.reactions.copy()
-            last, size = size, stages.correct(correction, self.tangent.turn)
-            iterations += 1
-            ratio = size / last if iterations > 1 else 1.0
-            if not size < np.inf:
-                code = NOT_FINITE
-            elif (
-                size < goal or size * ratio < goal * (1.0 - ratio) or at_rounding(size, ratio, ratio != 1.0, reach, 0.0)
-            ):
-                return self._finished(s0, history, h, iterations, size / goal)
-            elif iterations > 1 and (ratio > SLOW or size * ratio ** (most - iterations) > goal):
-                if ratio > SLOW:
-                    (stages.increments[:], stages.reactions[:]), size = before, last
-                if not self.tangent.prepare(stages.states()[MIDDLE], history.k, h):
-                    code = SINGULAR
-        message = MESSAGES[code].format(iterations)
-        info = StepInfo(False, iterations, (0.0, 0.0, size / goal), np.nan, history, message, FAILURES[code])
-        return s0, history, info
+            r["due"] = clock.monotonic() + self.patience
+            attempt(r, self.own.record)
+            self.factored()
 
-    def _goal(self, h):
-        """Return the error of the increments that ends Newton's iteration, relative to the length scale, or rad.
+    def factored(self) -> None:
+        """Note that compiled code has factored other matrices; raise the error of a factorization in Python."""
+        self.linear.solved(None)
+        self.own.raise_error()
 
-        Velocities have this error over h, and accumulate it until the end of the run.
-        """
-        allowed = self.control.allowed(h)
-        if allowed == np.inf:
-            return self.tolerances.constraint
-        return max(SHARE * allowed * h / self.control.duration, LEAST)
+    def ordinary_steps(
+        self, control: StepControl, shocks: "Shocks", observation: "Observation", recorder: "Recorder | None"
+    ) -> RadauSteps:
+        """Return the RadauSteps of a time integration."""
+        return RadauSteps(self, shocks, observation, recorder)
 
-    def _accuracy(self):
-        """Return the relative error of signals without a rate, to which Newton's iteration solves their equations."""
-        return min(SHARE * self.control.tolerance, SIGNALS)
+    def use_output(self, output: "Output") -> None:
+        """Let the ``output`` of steps interpolate between the stages."""
+        own = output.record, self.workspace.record, self.own.record
+        sample, within = (entry.call_from_compiled_code(*own) for entry in (sample_stages, interpolate_stages))
+        output.use_stages(sample, within, self._enter_stages)
 
-    def _finished(self, s0, history, h, iterations, increment):
-        """Return the step whose stages have converged."""
-        stages, k = self.stages, history.k
-        within = stages.states()
-        error = self._error(s0, k, h)
-        work = h * A @ np.array([self.system.observe(s).powers for s in within])
-        s, drift, amplified = self._projected(within[2], h, history)
-        of = self.system.numbering
-        turn = np.abs(stages.increments[-1][of.kind[: of.n_q] == ROTATION]).max(initial=0.0)
-        text, failure = TURNS_TOO_FAR if turn > MOST_TURN else "", Failure.NOT_CONVERGED
+    def _enter_stages(self, info):
+        """Enter the stages of a step that Python made, whose ends are in the workspace, for its output."""
+        self.own.put_stages(info.stages, info.work)
+        observe_within(self.workspace.record, self.own.record)
+
+    def trial(self, s0: State, history: RadauHistory) -> Trial:
+        """Return the step in the workspace, from ``s0`` with ``history``, as (state, history, StepInfo)."""
+        w, r = self.workspace.record[0], self.own.record[0]
+        code, iterations, increment = int(w["code"]), int(r["iterations"]), float(r["size"] / r["goal"])
+        if code != CONVERGED:
+            text, norms = MESSAGES[code].format(iterations), (0.0, 0.0, increment)
+            return s0, history, StepInfo(False, iterations, norms, np.nan, history, text, FAILURES[code])
+        h, stages = float(w["h"]), tuple(self.own.stage(i, s0) for i in range(3))
+        if r["projected"]:
+            s = self.workspace.state(TRIAL, s0.phases, s0.memory)
+            drift, amplified = float(r["drift"]), float(r["amplified"])
+        else:
+            s, drift, amplified = self._projected(stages[-1], h, history)
+        text, failure = TURNS_TOO_FAR if w["turn"] > MOST_TURN else "", Failure.NOT_CONVERGED
         if not text:
-            text, failure = self.contradictions.at_the_end(s, h, np.zeros(of.n_l)), Failure.CONTRADICTION
+            text, failure = self.contradictions.at_the_end(s, h, np.zeros(self.system.n_l)), Failure.CONTRADICTION
         norms = 0.0, drift, increment
         if text:
             return s, history, StepInfo(False, iterations, norms, np.nan, history, text, failure)
         least = min(amplified, history.least_amplified)
-        new = RadauHistory(s.a, h, stages.velocities.copy(), stages.reactions.copy(), 1, k, amplified, least)
+        own, error = self.own, float(r["error"])
+        new = RadauHistory(s.a, h, own.velocities.copy(), own.reactions.copy(), 1, history.k, amplified, least)
         info = StepInfo(
-            True, iterations, norms, error, history, plain=error,
-            stages=tuple(within[:2]), work=work,
+            True, iterations, norms, error, history, plain=error, stages=stages[:2], work=own.work.copy(),
         )  # fmt: skip
         return s, new, info
 
     def _projected(self, stage, h, history):
         """Return the last ``stage`` projected on the constraints, the way there, and the amplification there.
 
-        The state has its accelerations and multipliers. Near a singular position it is the stage itself.
+        The state has its accelerations and multipliers. Near a singular position it is the stage itself. So ends a step
+        in which friction acts by reactions, or for which the fixed order of elimination does not suffice.
         """
         of, n_q = self.system.numbering, self.system.n_q
         consistent = Consistent(self.system, self.linear, stage, self.length, self.compliance)
@@ -194,34 +210,10 @@ class Radau:
             raise cannot_pass(self.amplification.dependent(consistent), stage.t, h)
         if now > max(before, ROUNDED):
             return displaced(stage, np.zeros(n_q), of), 0.0, amplified
-        change = consistent.change(-self.stages.gap(stage))
+        gap = self.system.constraint_derivatives(stage)[:, 0]
+        gap[of.of_rates] = 0.0
+        change = consistent.change(-gap)
         s = displaced(stage, change, of)
         consistent.project_velocity(s)
         consistent.accelerate(s)
         return s, largest(change, of.kind, n_q, self.length), amplified
-
-    def _error(self, s0, k, h):
-        r"""Return the local error of a step.
-
-        Hairer and Wanner's embedded formula (IV.8, 8.19) is of order 3; its error, of order 4 in h, times
-        :math:`(\omega h)^2` estimates that of order 6. omega follows from the accelerations in the step.
-        """
-        stages, of = self.stages, self.system.numbering
-        V = stages.velocities - stages.velocities[0]
-        x = s0.v[: of.n_q] + ERROR @ stages.increments / h
-        e = self.tangent.solve_real(stages.residual_at(s0, x, -ERROR @ V[1:] / h - REAL / h * x, k))
-        cubic, states = (TO_CUBIC @ V)[1:], self.system.states
-        error = _error_of_order_six(*(largest(c, of.kind, of.n_q, self.length) for c in (e, *cubic)))
-        if states.any():
-            sizes, duration = stages.sizes[states], self.control.duration
-            begun = np.maximum(duration * np.abs(V[:, states]).max(axis=0), SMALL)  # at rest before
-            e, *cubic = np.abs([e[: of.n_q], *cubic])[:, states] / np.where(sizes > SMALL, sizes, begun)
-            worst = max(map(_error_of_order_six, e, *cubic))
-            error = max(error, worst * counted(1.0, SUDDEN, duration, h) ** 2)
-        return error
-
-
-def _error_of_order_six(e, first, second, third):
-    """Return the error estimate from that of order 3 and the coefficients of the velocities in the step."""
-    fast = 6.0 * third / (first + 2.0 * second) if third else 0.0
-    return CAUTION * e * min(fast, 1.0)

@@ -23,6 +23,8 @@ _real, _complex = int(np.argmin(np.abs(_values.imag))), int(np.argmax(_values.im
 REAL, COMPLEX = float(_values[_real].real), complex(_values[_complex])
 FROM_REAL, FROM_COMPLEX = _vectors[:, _real].real, _vectors[:, _complex]  # eigenvectors, (3,) each
 TO_REAL, TO_COMPLEX = np.linalg.inv(_vectors)[_real].real.copy(), np.linalg.inv(_vectors)[_complex]
+TO_BOTH = np.stack([TO_COMPLEX.real, TO_COMPLEX.imag], axis=1)  # (3, 2)
+FROM_BOTH = np.stack([FROM_REAL, 2.0 * FROM_COMPLEX.real, -2.0 * FROM_COMPLEX.imag], axis=1)  # (3, 3)
 
 
 def to_coefficients(times: np.ndarray | Sequence[float]) -> np.ndarray:

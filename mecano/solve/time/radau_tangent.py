@@ -12,57 +12,97 @@ s is an eigenvalue of the method over the step size: the stages decouple into on
 & Wanner 1996, IV.8).
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.jit.entry import Indices, Matrix, Table, Vector, entry
 from mecano.jit.kernel import kernel
-from mecano.solve.time.increments import moved
-from mecano.solve.time.radau_tableau import COMPLEX, FROM_COMPLEX, FROM_REAL, REAL, TO_COMPLEX, TO_REAL
+from mecano.jit.memory import call, floats, integers
+from mecano.model.assembly_driver import assemble, loops_at
+from mecano.solve.linear.newton import NOT_FINITE, SINGULAR, STALE
+from mecano.solve.time.increments import extrapolate
+from mecano.solve.time.radau_stages import place
+from mecano.solve.time.radau_workspace import stage_of
+from mecano.solve.time.workspace import BEGIN, RENEWED, TANGENT, copy_to_state, state_of, system_of
 
 if TYPE_CHECKING:
-    from mecano.model.assembly import Assembly
-    from mecano.model.state import State
     from mecano.model.system import System
-    from mecano.solve.events.compliance import Compliance
 
 DIFFERENCE = 0.02  # of a step, for the rates of the gradients of the constraints
 MOTION, POSITION, RATE = range(3)  # equations of motion, constraints on positions, constraints on velocities
 NEXT, LAST = (1, 2, 0), (2, 0, 1)  # components after and before each in the cycle of x, y, z
-TO_BOTH = np.stack([TO_COMPLEX.real, TO_COMPLEX.imag], axis=1)
-FROM_BOTH = np.stack([FROM_REAL, 2.0 * FROM_COMPLEX.real, -2.0 * FROM_COMPLEX.imag], axis=1)
-PARTS = K, C, M, K_LATER, C_LATER, K_BEFORE, C_BEFORE = range(7)
+K, C, M, K_LATER, C_LATER, K_BEFORE, C_BEFORE = range(7)
+N_PARTS = 7
+MIDDLE = 1  # stage at which a tangent is renewed
+
+
+@kernel
+def renew(w, r):
+    """Evaluate and factor the tangent in the middle of the step; return STALE, or NOT_FINITE or SINGULAR.
+
+    That is half a step along the motion at the beginning, or, once increments are known, at the second stage.
+    """
+    if r.iterations:
+        place(w, r)
+        copy_to_state(w, stage_of(w, r, MIDDLE), TANGENT)
+    else:
+        extrapolate(w, BEGIN, 0.5 * w.h, TANGENT)
+    s, turn, dt = state_of(w, TANGENT), floats(r.turn, w.n_all), DIFFERENCE * w.h
+    for i in range(w.n_all):
+        turn[i] = s.z[i]
+    differentiate(w, r, dt)
+    parts, n = floats(r.parts, (N_PARTS, w.nnz)), 0.0
+    for part in range(N_PARTS):
+        for i in range(w.nnz):
+            n += 0.0 * parts[part, i]
+    if not n == 0.0:
+        return NOT_FINITE
+    weigh(w, r, s.v, dt)
+    soften(w, r)
+    scale(w, r)
+    w.factorizations += 1
+    return STALE if factored(r) or (hold_idle(w, r) and factored(r)) else SINGULAR
+
+
+@kernel
+def differentiate(w, r, dt):
+    """Evaluate K, C, M at TANGENT, and K and C of the constraints dt later and before."""
+    for part in range(3):
+        cK, cC, cM = 1.0 if part == K else 0.0, 1.0 if part == C else 0.0, 1.0 if part == M else 0.0
+        assemble_part(w, r, TANGENT, part, cK, cC, cM)
+    for side in range(2 if w.n_l else 0):
+        extrapolate(w, TANGENT, -dt if side else dt, RENEWED)
+        assemble_part(w, r, RENEWED, K_BEFORE if side else K_LATER, 1.0, 0.0, 0.0)
+        if r.has_rates:
+            assemble_part(w, r, RENEWED, C_BEFORE if side else C_LATER, 0.0, 1.0, 0.0)
+
+
+@kernel
+def assemble_part(w, r, which, part, cK, cC, cM):
+    """Assemble the tangent of these weights at one of the states."""
+    system, T = system_of(w), floats(w.T, (w.n_rotations, 3, 3))
+    loops = loops_at(w.n_tangents, w.tangents, w.tangent_batches)
+    assemble(loops, system, state_of(w, which), T, w.k, 0.0, cK, cC, cM)
+    data, out = floats(system[0].data, w.nnz), floats(r.parts + 8 * part * w.nnz, w.nnz)
+    for i in range(w.nnz):
+        out[i] = data[i]
 
 
 @kernel
 def spun(data, turned, i, omega):
-    """Return entry i of the matrix of ``data`` times W = hat(omega)/2, with the tables of ``_turned``."""
+    """Return entry i of the matrix of ``data`` times W = hat(omega)/2, with the tables of ``turned``."""
     if turned[i, 0] < 0:
         return 0.0
     return 0.5 * (data[turned[i, 0]] * omega[turned[i, 2]] - data[turned[i, 1]] * omega[turned[i, 3]])
 
 
-class Entries(NamedTuple):
-    """Row, rotation and place of each entry of the tangent."""
-
-    kind: Indices  # (nnz,) MOTION, POSITION or RATE: of its row
-    turned: Table  # (nnz, 4) for rotations (``_turned``)
-    place: Indices  # (nnz,) in the matrices
-
-
-@entry
-def weigh(
-    entries: Entries, parts: Matrix, omega: Vector, dt: float, s: float, s_real: float, s_imaginary: float,
-    real_out: Vector, complex_out: Matrix,
-):  # fmt: skip
-    """Write the values of the real and of the complex matrix at their places.
-
-    ``parts`` (7, n_data) are K, C, M, and K and C later and before by dt.
-    """
-    kind, turned, place = entries
-    s2 = s_real + 1j * s_imaginary
-    for i in range(kind.shape[0]):
+@kernel
+def weigh(w, r, omega, dt):
+    """Write the values of the real and of the complex matrix at their places, from the parts."""
+    kind, turned, places = integers(r.entry_kinds, w.nnz), integers(r.turned, (w.nnz, 4)), integers(r.places, w.nnz)
+    parts, s = floats(r.parts, (N_PARTS, w.nnz)), r.real / w.h
+    s2 = (r.complex_real + 1j * r.complex_imaginary) / w.h
+    for i in range(w.nnz):
         if kind[i] == MOTION:
             c0 = parts[K, i] + spun(parts[C], turned, i, omega)
             c1 = parts[C, i] + spun(parts[M], turned, i, omega)
@@ -85,135 +125,126 @@ def weigh(
                 )
                 c0 = (later - before + parts[K_LATER, i] - parts[K_BEFORE, i]) / (2.0 * dt)
             x, y = c2 + (c1 + c0 / s) / s, c2 + (c1 + c0 / s2) / s2
-        real_out[place[i]] = x
-        complex_out[place[i], 0] = y.real
-        complex_out[place[i], 1] = y.imag
+        put_pair(r, places[i], x, y)
 
 
-@entry
-def split(
-    to_real: Vector, to_complex: Matrix, real_scale: Vector, complex_scale: Matrix, F: Matrix,
-    real_out: Vector, complex_out: Matrix,
-):  # fmt: skip
-    """Transform and scale the residuals F (3, n) to the right-hand sides of the real and the complex system."""
-    for j in range(F.shape[1]):
+@kernel
+def put_pair(r, place, x, y):
+    """Write an entry of the real and of the complex matrix."""
+    floats(r.real_values + 8 * place, 1)[0] = x
+    out = floats(r.complex_values + 16 * place, 2)
+    out[0], out[1] = y.real, y.imag
+
+
+@kernel
+def soften(w, r):
+    """Add the compliances -k^2 c, which count as accelerations of the real system."""
+    entries, places = integers(r.soft_entries, r.n_soft), integers(r.soft_places, r.n_soft)
+    c, in_tangent = floats(w.soft_values, w.n_entries), floats(w.soft_in_tangent, w.n_entries)
+    s = r.complex_real + 1j * r.complex_imaginary
+    ratio = (r.real / s) * (r.real / s)
+    for i in range(r.n_soft):
+        value = -w.k * w.k * c[entries[i]] * in_tangent[entries[i]]
+        floats(r.real_values + 8 * places[i], 1)[0] += value
+        out = floats(r.complex_values + 16 * places[i], 2)
+        out[0] += ratio.real * value
+        out[1] += ratio.imag * value
+
+
+@kernel
+def scale(w, r):
+    """Set the factors of the rows of both systems: 1, and h^2 over that of the eigenvalue for constraints."""
+    real, other = floats(r.real_scale, w.n), floats(r.complex_scale, (w.n, 2))
+    s = (r.complex_real + 1j * r.complex_imaginary) / w.h
+    t = 1.0 / (s * s)
+    for i in range(w.n_q, w.n):
+        real[i] = (w.h / r.real) * (w.h / r.real)
+        other[i, 0], other[i, 1] = t.real, t.imag
+
+
+@kernel
+def factored(r):
+    """Factor both matrices; return whether they are regular."""
+    call(r.factor_real, r.factor_real_words, 0)
+    if integers(r.real_outcome, 1)[0] != 0:
+        return False
+    call(r.factor_complex, r.factor_complex_words, 0)
+    return integers(r.complex_outcome, 1)[0] == 0
+
+
+@kernel
+def hold_idle(w, r):
+    """Let unknowns that nothing resists or moves, with rows and columns of zeros, keep their values; return if any.
+
+    Such is the rotation of a node without inertia on which no moment acts.
+    """
+    rows, columns, places = integers(w.rows, w.nnz), integers(w.columns, w.nnz), integers(r.places, w.nnz)
+    touched, residual, found = floats(r.scratch, w.n), floats(w.residual, w.n), False
+    touched[:] = 0.0
+    for i in range(w.nnz):
+        x = abs(floats(r.real_values + 8 * places[i], 1)[0])
+        touched[rows[i]] += x
+        touched[columns[i]] += x
+    diagonal = integers(w.diagonal, w.n)
+    for i in range(w.n):
+        if touched[i] == 0.0 and residual[i] == 0.0:
+            put_pair(r, places[diagonal[i]], 1.0, 1.0 + 0.0j)
+            found = True
+    return found
+
+
+@kernel
+def solve(w, r):
+    """Solve for the corrections (3, n) of increments and multipliers of the stages, from their residuals F (3, n)."""
+    F, real, other = floats(r.F, (3, w.n)), floats(r.real_right, w.n), floats(r.complex_right, (w.n, 2))
+    to_real, to_both = floats(r.to_real, 3), floats(r.to_both, (3, 2))
+    scale, scale2 = floats(r.real_scale, w.n), floats(r.complex_scale, (w.n, 2))
+    for j in range(w.n):
         f0, f1, f2 = F[0, j], F[1, j], F[2, j]
-        real_out[j] = real_scale[j] * (to_real[0] * f0 + to_real[1] * f1 + to_real[2] * f2)
-        x = to_complex[0, 0] * f0 + to_complex[1, 0] * f1 + to_complex[2, 0] * f2
-        y = to_complex[0, 1] * f0 + to_complex[1, 1] * f1 + to_complex[2, 1] * f2
-        p, q = complex_scale[j, 0], complex_scale[j, 1]
-        complex_out[j, 0], complex_out[j, 1] = p * x - q * y, p * y + q * x
-
-
-@entry
-def join(from_both: Matrix, n_q: int, k: float, real: Vector, other: Matrix, correction_out: Matrix):
-    """Transform the solutions of the real and the complex system to the corrections (3, n) of the stages."""
+        real[j] = scale[j] * (to_real[0] * f0 + to_real[1] * f1 + to_real[2] * f2)
+        x = to_both[0, 0] * f0 + to_both[1, 0] * f1 + to_both[2, 0] * f2
+        y = to_both[0, 1] * f0 + to_both[1, 1] * f1 + to_both[2, 1] * f2
+        p, q = scale2[j, 0], scale2[j, 1]
+        other[j, 0], other[j, 1] = p * x - q * y, p * y + q * x
+    call(r.solve_real, r.solve_real_words, 0)
+    call(r.solve_complex, r.solve_complex_words, 0)
+    out, from_both = floats(r.correction, (3, w.n)), floats(r.from_both, (3, 3))
     for i in range(3):
-        for j in range(real.shape[0]):
+        for j in range(w.n):
             x = from_both[i, 0] * real[j] + from_both[i, 1] * other[j, 0] + from_both[i, 2] * other[j, 1]
-            correction_out[i, j] = k * x if j >= n_q else x
+            out[i, j] = w.k * x if j >= w.n_q else x
 
 
-class StageTangent:
-    """The tangent of the stages in the middle of a step, and its factors."""
+@kernel
+def solve_real(w, r, f):
+    """Return the solution (n,) for the residual f (n,) of the real system; multipliers over k."""
+    b, scale = floats(r.real_right, w.n), floats(r.real_scale, w.n)
+    for i in range(w.n):
+        b[i] = scale[i] * f[i]
+    call(r.solve_real, r.solve_real_words, 0)
+    return b
 
-    def __init__(self, system: "System", assembly: "Assembly", compliance: "Compliance | None" = None):
-        from mecano.solve.linear.lu import factors  # no ordinary run needs it (docs/architecture.md, Start)
 
-        self.system, self.assembly, self.compliance = system, assembly, compliance
-        n, n_q, of = system.n, system.n_q, system.numbering
-        self._real, self._complex = (factors(n, system.rows, system.cols, dtype) for dtype in (float, complex))
-        self._parts = np.zeros((len(PARTS), system.n_data))
-        kind = np.full(n, MOTION)
-        kind[n_q:] = np.where(of.of_rates, RATE, POSITION)
-        self._weigh = weigh.bind(Entries(kind[system.rows], self._turned(), self._real.place), self._parts)
-        self._out = self._real.values, self._complex.values.view(float).reshape(-1, 2)
-        self._real_scale, self._complex_scale = np.ones(n), np.ones((n, 2)) * [1.0, 0.0]
-        self._b, self._c, self._correction = np.zeros(n), np.zeros(n, complex), np.zeros((3, n))
-        self._right_hand_sides = self._b, self._c.view(float).reshape(-1, 2)
-        if compliance is not None:
-            self._soft = compliance.places < system.nnz
-            self._soft_place = self._real.place[compliance.places[self._soft]]
+def tables_of(system: "System") -> dict[str, np.ndarray]:
+    """Return what the tangent needs to know of each entry: fields of RADAU."""
+    kind = np.full(system.n, MOTION)
+    kind[system.n_q :] = np.where(system.numbering.of_rates, RATE, POSITION)
+    return {"entry_kinds": kind[system.rows], "turned": _turned(system)}
 
-    def _turned(self):
-        """Return (nnz, 4): in the row of an entry of a rotation, the entries of its two other columns; their unknowns.
 
-        The first is -1 for an entry of another column.
-        """
-        system, of = self.system, self.system.numbering
-        first = np.full(system.n, -1)
-        for d in of.rotation_dof[of.rotation_dof < of.n_q]:
-            first[d : d + 3] = d
-        start = first[system.cols]
-        component = np.where(start >= 0, system.cols - start, 0)
-        code = system.rows * system.n + system.cols
-        later, before = start + np.take(NEXT, component), start + np.take(LAST, component)
-        places = [np.searchsorted(code, system.rows * system.n + of_other) for of_other in (later, before)]
-        found = np.stack([*places, before, later], axis=1)
-        found[start < 0] = -1
-        return found
+def _turned(system: "System") -> np.ndarray:
+    """Return (nnz, 4): in the row of an entry of a rotation, the entries of its two other columns; their unknowns.
 
-    def prepare(self, s: "State", k: float, h: float) -> bool:
-        """Evaluate and factor the tangent at the state ``s`` within a step of size h; return whether it is regular.
-
-        ``s.z`` holds the rotation increments since the beginning of the step, afterwards also ``turn`` (n_all,).
-        """
-        of, dt = self.system.numbering, DIFFERENCE * h
-        self.k, self.turn, real, other = k, s.z.copy(), REAL / h, COMPLEX / h
-        for part, weights in zip((K, C, M), np.eye(3), strict=True):
-            self._assemble(part, s, *weights)
-        if self.system.n_l:
-            for part, sign in ((K_LATER, 1.0), (K_BEFORE, -1.0)):
-                near = moved(s, sign * dt, of)
-                self._assemble(part, near, 1.0, 0.0, 0.0)
-                if of.of_rates.any():
-                    self._assemble(part + 1, near, 0.0, 1.0, 0.0)
-        self._weigh(s.v, dt, real, other.real, other.imag, *self._out)
-        if self.compliance is not None:
-            self._soften(real, other)
-        n_q = self.system.n_q
-        self._real_scale[n_q:], self._complex_scale[n_q:] = real**-2, ((other**-2).real, (other**-2).imag)
-        return self._factored() or (self._hold_idle() and self._factored())
-
-    def _factored(self):
-        return self._real.factor() and self._complex.factor()
-
-    def _hold_idle(self):
-        """Let unknowns that nothing resists or moves, with rows and columns of zeros, keep their values; return if any.
-
-        Such is the rotation of a node without inertia on which no moment acts.
-        """
-        system, of = self.system, self._real
-        size = np.abs(of.values[of.place])
-        touched = np.bincount(system.rows, size, system.n) + np.bincount(system.cols, size, system.n)
-        idle = np.flatnonzero((touched == 0.0) & (self.assembly.residual[: system.n] == 0.0))
-        places = of.place[system.diagonal[idle]]
-        of.values[places] = self._complex.values[places] = 1.0
-        return len(idle) > 0
-
-    @property
-    def finite(self) -> bool:
-        """True if all values of the last tangent are finite."""
-        return bool(np.isfinite(self._parts).all())
-
-    def _assemble(self, part, s, cK, cC, cM):
-        self._parts[part] = self.system.assemble(s, self.k, 0.0, cK, cC, cM, into=self.assembly).data
-
-    def _soften(self, real, other):
-        """Add the compliances, which count as accelerations of the real system."""
-        values = self.compliance.in_tangent(self.k, self.compliance.values)[self._soft]
-        np.add.at(self._real.values, self._soft_place, values)
-        np.add.at(self._complex.values, self._soft_place, (real / other) ** 2 * values)
-
-    def solve(self, F: np.ndarray) -> np.ndarray:
-        """Return the corrections (3, n) of increments and multipliers of the stages for their residuals F (3, n)."""
-        split(TO_REAL, TO_BOTH, self._real_scale, self._complex_scale, F, *self._right_hand_sides)
-        join(FROM_BOTH, self.system.n_q, self.k, self._real.solve(self._b), self._solved(), self._correction)
-        return self._correction
-
-    def _solved(self):
-        return self._complex.solve(self._c).view(float).reshape(-1, 2)
-
-    def solve_real(self, f: np.ndarray) -> np.ndarray:
-        """Return the solution (n,) for the residual f (n,) of the real system; multipliers over k."""
-        return self._real.solve(self._real_scale * f)
+    The first is -1 for an entry of another column.
+    """
+    of, first = system.numbering, np.full(system.n, -1)
+    for d in of.rotation_dof[of.rotation_dof < of.n_q]:
+        first[d : d + 3] = d
+    start = first[system.cols]
+    component = np.where(start >= 0, system.cols - start, 0)
+    code = system.rows * system.n + system.cols
+    later, before = start + np.take(NEXT, component), start + np.take(LAST, component)
+    places = [np.searchsorted(code, system.rows * system.n + of_other) for of_other in (later, before)]
+    found = np.stack([*places, before, later], axis=1)
+    found[start < 0] = -1
+    return found

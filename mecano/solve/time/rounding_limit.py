@@ -53,7 +53,7 @@ class RoundingLimit:
 
     def _too_tight(self, run, rejected, trials):
         """Return the error of a tolerance for which so many of the last ``trials`` were ``rejected``."""
-        other = "time.method: radau, whose steps are much longer; " if self.method.in_compiled_code else ""
+        other = "time.method: radau, whose steps are much longer; " if self.method.order == 2 else ""
         allowed = f"an error of {self.control.allowed(run.h):.2g} of the length scale in a step of {run.h:.3g} s"
         return ConvergenceError(
             f"at t = {run.motion.t:.9g} s the tolerance of {self.control.tolerance:.3g} cannot be met: it allows "

@@ -36,16 +36,16 @@ class Amplification:
     def __init__(self, system: "System", length: float):
         self.system, self.length = system, length
         signs = np.cos(np.arange(system.n_l) ** 2)  # of both signs, in no order: no dependence is without a part of it
-        self._violation = signs * constraint_scale(system, length)
+        self.violation = signs * constraint_scale(system, length)
 
     def at(self, consistent: "Consistent") -> float:
         """Return the amplification, 1 to 50 at usual positions and at least 1, for a factored ``Consistent``."""
         of = self.system.numbering
-        return max(largest(consistent.change(self._violation), of.kind, of.n_q, self.length), 1.0)
+        return max(largest(consistent.change(self.violation), of.kind, of.n_q, self.length), 1.0)
 
     def dependent(self, consistent: "Consistent") -> "list[EquationName]":
         """Return the names of the constraints that become dependent at a factored ``Consistent``, the most first."""
-        share, of = np.abs(consistent.exchange(self._violation)[1]), self.system.numbering
+        share, of = np.abs(consistent.exchange(self.violation)[1]), self.system.numbering
         order = [i for i in np.argsort(-share, kind="stable") if share[i] >= TAKE_PART * share.max(initial=0.0)]
         return [of.name[of.n_q + i] for i in order]
 

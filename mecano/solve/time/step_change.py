@@ -22,7 +22,7 @@ from mecano.model.state import Instant
 from mecano.solve.events.compliance import OF_RATES, OF_RELEASED, RELEASED_COMPLIANCE
 from mecano.solve.linear.newton import CONVERGED, OTHERWISE, soften_tangent
 from mecano.solve.linear.sparse import ACCEPT_BELOW
-from mecano.solve.time.increments import largest_change, move
+from mecano.solve.time.increments import extrapolate, largest_change
 from mecano.solve.time.stiff_members import follow_stiff_members, moves
 from mecano.solve.time.workspace import (
     BEGIN,
@@ -36,8 +36,6 @@ from mecano.solve.time.workspace import (
     history_of,
     state_of,
     system_of,
-    time_of,
-    unknowns_of,
 )
 
 DIFFERENCE = 0.02  # of a step, for differences along the motion
@@ -116,16 +114,12 @@ def refer(w):
 @kernel
 def differentiate_constraints(w):
     """Evaluate the constraints at BEGIN, along the motion at constant accelerations, and with v + omega x omega'."""
-    s, s_moved, of = state_of(w, BEGIN), state_of(w, TRIAL), unknowns_of(w)
+    s, s_moved, rotation_dof = state_of(w, BEGIN), state_of(w, TRIAL), integers(w.rotation_dof, w.n_rotations)
     for row in range(4 if w.n_l else 0):
         dt = row * DIFFERENCE * w.h if row < TURNING else 0.0
-        copy_state(w, BEGIN, TRIAL)
-        move(of, dt, s, s_moved)
-        time_of(w, TRIAL)[0] += dt
-        for i in range(w.n_all):
-            s_moved.v[i] += dt * s.a[i]
+        extrapolate(w, BEGIN, dt, TRIAL)
         for r in range(w.n_rotations if row == TURNING else 0):
-            d = of.rotation_dof[r]
+            d = rotation_dof[r]
             turned = cross(vec(s.v, d), vec(s.a, d))
             for i in range(3):
                 s_moved.v[d + i] += turned[i]

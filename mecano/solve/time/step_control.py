@@ -40,15 +40,23 @@ def factor(error, share):
 
 
 @kernel
+def factor_of_order(error, share, order):
+    """Return ``factor`` for a method of which the sum of the local errors falls as h to the power ``order``."""
+    if order == 2 or not 0.0 < error < math.inf or share == math.inf:
+        return factor(error, share)
+    return SAFETY * (share / error) ** (1.0 / order)
+
+
+@kernel
 def eased(change, share, iterations):
     """Return the ``change`` of the step size, reduced after many Newton iterations, but not for fixed steps."""
     return min(change, EASE) if iterations >= LABORIOUS and share < math.inf else change
 
 
 @kernel
-def planned(error, share, h, minimum, maximum, iterations):
-    """Return the next step size after an accepted step of size h, whose error was allowed a ``share``."""
-    return resized(eased(factor(error, share), share, iterations), h, minimum, maximum)
+def planned(change, share, h, minimum, maximum, iterations):
+    """Return the next step size after an accepted step, whose error allows a ``change`` and was allowed a ``share``."""
+    return resized(eased(change, share, iterations), h, minimum, maximum)
 
 
 @kernel
@@ -88,10 +96,7 @@ class StepControl:
 
     def _change(self, error, h):
         """Return the change of the step size for which the ``error`` becomes its share of the tolerance."""
-        share = self.allowed(h)
-        if not 0.0 < error < math.inf or share == math.inf:
-            return factor(error, share)
-        return factor(error, share) if self.order == 2 else SAFETY * (share / error) ** (1.0 / self.order)
+        return factor_of_order(error, self.allowed(h), self.order)
 
     def allowed(self, h: float) -> float:
         """Return the share of the tolerance of a step of size h."""
@@ -116,8 +121,9 @@ class StepControl:
 
     def after(self, error: float, h: float, iterations: int = 0) -> float:
         """Return the next step size after an accepted step of size h with so many Newton iterations."""
-        change = eased(self._change(error, h), self.allowed(h), iterations)
-        return resized(change, h, self.minimum, self.maximum)
+        share = self.allowed(h)
+        change = factor_of_order(error, share, self.order)
+        return planned(change, share, h, self.minimum, self.maximum, iterations)
 
     def retry(self, error: float, h: float) -> float:
         """Return the step size to try after a rejected step of size h."""

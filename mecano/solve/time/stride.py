@@ -16,7 +16,6 @@ from mecano.model.state import Instant
 from mecano.solve.events.events import some_happened
 from mecano.solve.linear.newton import CONVERGED, DIVERGES, PAUSE, TOO_MANY
 from mecano.solve.time.error_bound import BOUND
-from mecano.solve.time.generalized_alpha import TURN
 from mecano.solve.time.output import DONE, FULL, OUTPUT
 from mecano.solve.time.step_control import FORGOTTEN, HOLD, allowed, counted, factor, planned, retried
 from mecano.solve.time.step_info import MOST_TURN
@@ -42,7 +41,7 @@ ADVANCED, AGAIN = 5, 6  # it goes on, with the next phase or with another trial
 READY, STEPPING, RECORDING = range(3)  # phases of a step
 
 STRIDE = fields(
-    floats="until tolerance duration minimum maximum planned dissipated given power_dissipated power_given",
+    floats="until tolerance duration minimum maximum turn planned dissipated given power_dissipated power_given",
     words="phase steps done most rejected iterations in_vain rejections of_rejected renewed_tangents "
     "attempt attempt_words records record record_words bound bound_error bound_error_words "
     "n_events n_event_batches events event_batches before_values n_departing departing "
@@ -118,7 +117,7 @@ def tried(m, w, o):
         if w.h <= m.minimum or not reject(m, w, plain, share):
             return REPEAT if m.rejections else DECIDE
         return AGAIN
-    if happens(m, w):
+    if happens(m, w, state_of(w, TRIAL)):
         return REPEAT if m.rejections else DECIDE
     accept(m, w, o, error, share)
     return ADVANCED
@@ -169,10 +168,9 @@ def begin(m, w):
 
 
 @kernel
-def evaluate_events(m, w, which, out):
-    """Write the values of all events at BEGIN or TRIAL."""
-    loops = loops_at(m.n_event_batches, m.events, m.event_batches)
-    event_values(loops, system_of(w), state_of(w, which), out)
+def evaluate_events(m, w, s, out):
+    """Write the values of all events at a state."""
+    event_values(loops_at(m.n_event_batches, m.events, m.event_batches), system_of(w), s, out)
 
 
 @kernel
@@ -181,7 +179,7 @@ def departs(m, w):
     if not m.n_events:
         return False
     values, own = floats(m.before_values, m.n_events), integers(m.departing, m.n_departing)
-    evaluate_events(m, w, BEGIN, values)
+    evaluate_events(m, w, state_of(w, BEGIN), values)
     for i in range(m.n_departing):
         if values[own[i]] >= 0.0:
             return True
@@ -189,12 +187,12 @@ def departs(m, w):
 
 
 @kernel
-def happens(m, w):
-    """Return whether an event happened in the step."""
+def happens(m, w, s):
+    """Return whether an event happened from BEGIN to the state ``s``."""
     if not m.n_events:
         return False
     values = floats(m.before_values, 2 * m.n_events)
-    evaluate_events(m, w, TRIAL, values[m.n_events :])
+    evaluate_events(m, w, s, values[m.n_events :])
     return some_happened(values[: m.n_events], values[m.n_events :])
 
 
@@ -222,21 +220,27 @@ def is_probe(m, w, error, share):
 def accept(m, w, o, error, share):
     """Commit memories, observe the outputs, add the work by the trapezoidal rule, plan the next step."""
     take(m, w)
-    energy = floats(observation_of(m)[0].energy, 4)
+    energy, report = floats(observation_of(m)[0].energy, 4), floats(w.report, 8)
     m.dissipated += 0.5 * w.h * (m.power_dissipated + energy[2])
     m.given += 0.5 * w.h * (m.power_given + energy[3])
-    m.power_dissipated, m.power_given = energy[2], energy[3]
-    report = floats(w.report, 8)
     iterations = m.in_vain + int(report[0])
-    m.steps, m.done, m.iterations = m.steps + 1, m.done + 1, m.iterations + iterations + m.of_rejected
-    m.rejected += m.rejections
-    o.h, o.iterations, o.error, o.share, o.rejected = w.h, float(iterations), error, error / share, float(m.rejections)
     o.forces, o.constraints, o.increment = report[1], report[2], report[3]
-    o.dissipated, o.given = m.dissipated, m.given
-    plan(m, w, error, share)
+    count(m, w, o, iterations, error, share)
+    plan(m, w, factor(error, share), share, iterations)
     m.phase = RECORDING
     if not m.records:
         move_on(m, w)
+
+
+@kernel
+def count(m, w, o, iterations, error, share):
+    """Count an accepted step with its iterations and rejected trials, and enter it into the output."""
+    energy = floats(observation_of(m)[0].energy, 4)
+    m.power_dissipated, m.power_given = energy[2], energy[3]
+    m.steps, m.done, m.iterations = m.steps + 1, m.done + 1, m.iterations + iterations + m.of_rejected
+    m.rejected += m.rejections
+    o.h, o.iterations, o.error, o.share, o.rejected = w.h, float(iterations), error, error / share, float(m.rejections)
+    o.dissipated, o.given = m.dissipated, m.given
 
 
 @kernel
@@ -257,24 +261,23 @@ def take(m, w):
 
 
 @kernel
-def plan(m, w, error, share):
+def plan(m, w, change, share, iterations):
     """Plan the size of the next step; it grows only as far as no body turns too far in it."""
-    iterations = m.in_vain + int(floats(w.report, 8)[0])
-    wanted = planned(error, share, w.h, m.minimum, m.maximum, iterations)
+    wanted = planned(change, share, w.h, m.minimum, m.maximum, iterations)
     if wanted > w.h:
-        longest = longest_step(w)
+        longest = longest_step(m, w)
         wanted = min(wanted, longest) if longest >= HOLD * w.h else w.h
     m.planned = wanted
 
 
 @kernel
-def longest_step(w):
+def longest_step(m, w):
     """Return the longest step [s] in which no body turns too far at the velocities of TRIAL."""
     v, kind, fastest = state_of(w, TRIAL).v, integers(w.kind, w.n_all), 0.0
     for i in range(w.n_q):
         if kind[i] == ROTATION:
             fastest = max(fastest, abs(v[i]))
-    return TURN * MOST_TURN / fastest if fastest > 0.0 else np.inf
+    return m.turn / fastest if fastest > 0.0 else np.inf
 
 
 @kernel

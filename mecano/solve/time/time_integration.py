@@ -18,17 +18,19 @@ from mecano.solve.events.location import look_ahead
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.binding import refuse_binding
 from mecano.solve.time.consistent import consistent_state
-from mecano.solve.time.ordinary_steps import OrdinarySteps, Recorder
 from mecano.solve.time.rounding_limit import RoundingLimit
 from mecano.solve.time.run_state import Method, RunState
 from mecano.solve.time.signals import solve_signals
 from mecano.solve.time.step_control import HOLD, StepControl
 from mecano.solve.time.stride import PROBE
+from mecano.solve.time.stride_arrays import Recorder
 from mecano.solve.time.trials import NEGLIGIBLE_TIME, Trials
 
 if TYPE_CHECKING:
     from mecano.model.state import State
     from mecano.model.system import System
+    from mecano.solve.time.ordinary_steps import OrdinarySteps
+    from mecano.solve.time.radau_steps import RadauSteps
     from mecano.solve.time.step_info import StepInfo, Trial
 
 LEAST_ULPS = 1e4  # spacings of floating-point numbers of time in a step: a shorter step has too much rounding
@@ -78,7 +80,7 @@ class TimeIntegrator:
     cuts: list[tuple[float, float]] = field(
         init=False, default_factory=list
     )  # (time, step size) of trials that failed and were cut
-    _ordinary_steps: OrdinarySteps | None = field(init=False, default=None)
+    _ordinary_steps: "OrdinarySteps | RadauSteps | None" = field(init=False, default=None)
     _before: RunState = field(init=False)  # at the beginning of the step
 
     def __post_init__(self):
@@ -183,12 +185,11 @@ class TimeIntegrator:
 
     def ordinary(self, run: RunState, stop: float) -> "tuple[RunState, Trial | None, bool]":
         """Make ordinary steps towards ``stop`` (``OrdinarySteps.advance``), one at a time if there are observers."""
-        if not self.method.in_compiled_code or self.monitor.captures:
+        if self.monitor.captures:
             return run, None, True
         if self._ordinary_steps is None:
-            self._ordinary_steps = OrdinarySteps(
-                self.system, self.method, self.control, self.shocks, self.observation, self.recorder
-            )
+            given = self.control, self.shocks, self.observation, self.recorder
+            self._ordinary_steps = self.method.ordinary_steps(*given)
         if not self.observers:
             return self._ordinary_steps.advance(run, stop, MOST_STEPS)
         new, trial, decide = self._ordinary_steps.advance(run, stop, 1)

@@ -93,12 +93,14 @@ class Trials:
         _, history, info = trial
         if not info.ok:
             return self._smaller(info, run.motion, h, cuts)
-        info.error = self.judged(trial, h)
+        if self.control.accept(info.plain, h):
+            return None
+        info.error = self.bounded(trial, h)
         if self.control.accept(info.error, h):
             return None
         if h <= self.control.minimum:
             share = info.error / self.control.allowed(h)
-            rounded = self.method.in_compiled_code and below_rounding(info.error, run.motion, self.method)
+            rounded = self.method.order == 2 and below_rounding(info.error, run.motion, self.method)
             raise failure.minimum_step(self.system, run.history.a, history.a, share, run.motion.t, h, rounded)
         return self.control.retry(info.plain, h)  # the bounded one falls only once steps resolve oscillations
 

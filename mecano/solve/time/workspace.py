@@ -14,9 +14,12 @@ import numpy as np
 
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
+from mecano.maths.vector import mat, put_matrix
+from mecano.model import loops
 from mecano.model.loop_records import SYSTEM, fields, record
 from mecano.model.numbering import TRANSLATION, Unknowns
 from mecano.model.state import History, Instant, State
+from mecano.solve.events.compliance import NO_ROWS, Compliance, compliances_of_a_step
 
 if TYPE_CHECKING:
     from mecano.model.assembly import Assembly
@@ -73,6 +76,19 @@ def copy_state(w, source, target):
     written = floats(w.states + 8 * target * w.state_size, w.state_size)
     for i in range(w.state_size):
         written[i] = read[i]
+
+
+@kernel
+def copy_to_state(w, s, target):
+    """Copy the motion of an Instant to the place of one of the states."""
+    out = state_of(w, target)
+    time_of(w, target)[0] = s.t
+    for i in range(w.n_all):
+        out.z[i], out.v[i], out.a[i] = s.z[i], s.v[i], s.a[i]
+    for i in range(w.n_rotations):
+        put_matrix(out.R[i], mat(s.R[i]))
+    for i in range(w.n_memory):
+        out.memory[i] = s.memory[i]
 
 
 @kernel
@@ -137,7 +153,22 @@ class Workspace:
             now=self._kept["now"].ctypes.data, system=assembly.record.ctypes.data,
             **{name: getattr(self, name).ctypes.data for name in own},
         )  # fmt: skip
-        self.point_to(**fixed)
+        self.point_to(
+            residual=assembly.residual, size=assembly.size, kind=of.kind.copy(), rotation_dof=of.rotation_dof,
+            T=np.tile(np.eye(3), (n_rotations, 1, 1)), exact_rates=of.of_rates.astype(np.int64),
+            derivatives=np.zeros((5, of.n_l, 3)), gap=np.zeros(of.n_l),
+            nnz=system.nnz, rows=system.rows, columns=system.cols, diagonal=system.diagonal,
+            **_loops_of(system), **fixed,
+        )  # fmt: skip
+
+    def use(self, compliance: Compliance | None) -> None:
+        """Give redundant constraints these compliances, or none (None), from now on."""
+        starts, columns, values = NO_ROWS if compliance is None else compliance.rows
+        places = NO_ROWS[1] if compliance is None else compliance.places
+        self.point_to(
+            n_entries=len(places), soft_starts=starts, soft_columns=columns, soft_values=values, entry_places=places,
+            entry_values=np.zeros(len(places)), **compliances_of_a_step(compliance),
+        )  # fmt: skip
 
     def point_to(self, **values: Any) -> None:
         """Set fields of the record: numbers, and addresses of arrays, which are kept."""
@@ -146,6 +177,10 @@ class Workspace:
                 self._kept[name] = value
                 value = value.ctypes.data
             self.record[name] = value
+
+    def array(self, name: str) -> np.ndarray:
+        """Return the array to which a field points."""
+        return self._kept[name]
 
     def parts(self, which: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Return z, v, a, R, memory of one of the states: views."""
@@ -207,6 +242,19 @@ class Workspace:
             v_shift, float(r["stiffness"]), tangent if r[f"{now}has"] else None, int(r[f"{now}age"]),
             float(r[f"{now}drift"]), float(r["h"] if now else r["taken"]),
         )  # fmt: skip
+
+
+def _loops_of(system):
+    """Return the fields of STEP with the loops of a system."""
+    found = {}
+    for name, batches, purpose in (
+        ("loops", "batches", loops.residual),
+        ("tangents", "tangent_batches", loops.tangent),
+        ("constraints", "constraint_batches", loops.constraint_derivatives),
+    ):
+        addresses, records = system.loops(purpose)
+        found |= {f"n_{name}": len(addresses), name: addresses, batches: records}
+    return found
 
 
 CLOCK = ctypes.cast(ctypes.CDLL(None).clock_gettime, ctypes.c_void_p).value

@@ -1,0 +1,137 @@
+"""The arrays of a compiled loop over steps (stride.py, radau_stride.py), and what Python does between its calls."""
+
+import time as clock
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from mecano.model import loops
+from mecano.model.loop_records import record
+from mecano.solve.time.output import FULL, OUTPUT, Output, record_step
+from mecano.solve.time.run_state import RunState
+from mecano.solve.time.step_info import StepInfo
+from mecano.solve.time.stride import READY, RECORDED, STRIDE
+from mecano.solve.time.workspace import BEGIN, Workspace
+
+if TYPE_CHECKING:
+    from mecano.jit.entry import PackedCall
+    from mecano.model.assembly import Observation
+    from mecano.model.state import History, RadauHistory
+    from mecano.model.system import System
+    from mecano.solve.events.shocks import Shocks
+    from mecano.solve.time.contradictions import Contradictions
+    from mecano.solve.time.step_control import StepControl
+    from mecano.solve.time.time_integration import Accepted
+
+
+class Recorder(Protocol):
+    """Receives the steps of a time integration (analyses/recorder.py)."""
+
+    output: Output  # the buffers for the steps of compiled code
+
+    def __call__(self, accepted: "Accepted") -> None:
+        """Take a step that Python made."""
+
+    def restarted(self, run: RunState, passing: bool = False) -> None:
+        """Begin the next step with ``run``, whose forces may have jumped; it may be ``passing``, left at once."""
+
+    def empty(self, again: bool = False) -> None:
+        """Empty full buffers, possibly ``again`` in one step."""
+
+    def refuse(self, t: float) -> None:
+        """Raise an error where the run cannot go on from the last step, to the time ``t`` [s]."""
+
+
+class StrideArrays:
+    """The record STRIDE of a time integration, and the arrays to which it points.
+
+    Parameters
+    ----------
+    system, control, shocks :
+        Those of the TimeIntegrator.
+    workspace : Workspace
+        That of the method.
+    turn : float
+        Largest angle [rad] by which a body may turn in a step that grows.
+    attempt : PackedCall
+        A trial of a step.
+    observation : Observation
+        Written at the end of each step.
+    recorder : Recorder or None
+    """
+
+    def __init__(
+        self,
+        system: "System",
+        control: "StepControl",
+        shocks: "Shocks",
+        workspace: "Workspace",
+        turn: float,
+        attempt: "PackedCall",
+        observation: "Observation",
+        recorder: Recorder | None,
+    ):
+        self.recorder, self.workspace = recorder, workspace
+        self.output = record(OUTPUT) if recorder is None else recorder.output.record
+        departing = np.array([c.event for c in shocks.impact_candidates if c.opened >= 0], np.int64)
+        values = np.zeros((2, system.n_events))
+        found = {
+            "events": system.loops(loops.event_values), "observed": system.loops(loops.observe),
+            "committed": system.loops(loops.commit),
+        }  # fmt: skip
+        calls = {"attempt": attempt}
+        if recorder is not None:
+            calls["record"] = record_step.call_from_compiled_code(self.output, workspace.record)
+        self._kept: tuple = departing, values, observation, found, calls  # their addresses stand in the record
+        addresses = {"departing": departing, "before_values": values, "observation": observation.record}
+        addresses |= {name: addressed for name, (addressed, _) in found.items()}
+        addresses |= {f"{name[:-1] if name[-1] == 's' else name}_batches": b for name, (_, b) in found.items()}
+        addresses |= {f"{name}_words": packed.words for name, packed in calls.items()}
+        self.record = record(
+            STRIDE, tolerance=control.tolerance, duration=control.duration, minimum=control.minimum,
+            maximum=control.maximum, turn=turn, records=recorder is not None, n_departing=len(departing),
+            n_events=values.shape[1], n_event_batches=len(found["events"][0]),
+            n_observed=len(found["observed"][0]), n_committed=len(found["committed"][0]),
+            **{name: packed.function for name, packed in calls.items()},
+            **{name: array.ctypes.data for name, array in addresses.items()},
+        )  # fmt: skip
+
+    def put_run(self, run: RunState, contradictions: "Contradictions") -> None:
+        """Enter what is counted in a run, and its planned step."""
+        r = self.record[0]
+        r["phase"], r["planned"], r["steps"], r["iterations"] = READY, run.h, run.steps, run.iterations
+        r["rejected"] = run.rejected
+        r["dissipated"], r["given"] = run.dissipated, run.given
+        r["power_dissipated"], r["power_given"] = run.powers
+        r["checks_gaps"] = contradictions.possible
+        r["share_of_gap"] = contradictions.share_of_gap.ctypes.data
+
+    def run(self, before: RunState, history: "History | RadauHistory") -> RunState:
+        """Return the RunState at BEGIN with this history, after steps from the one ``before``."""
+        r, s = self.record[0], before.motion
+        return RunState(
+            motion=self.workspace.state(BEGIN, s.phases, None if len(s.memory) else s.memory),
+            history=history, h=float(r["planned"]),
+            steps=int(r["steps"]), rejected=int(r["rejected"]), iterations=int(r["iterations"]),
+            dissipated=float(r["dissipated"]), given=float(r["given"]),
+            powers=(float(r["power_dissipated"]), float(r["power_given"])), compliance=before.compliance,
+        )  # fmt: skip
+
+    def steps(self, stride: "Callable[[], int]", patience: float) -> int:
+        """Step on by ``stride``, and empty the buffers of the output as often as they are full; return its code."""
+        full_at = -1
+        self.workspace.record["due"] = clock.monotonic() + patience
+        while (code := stride()) == RECORDED:
+            assert self.recorder is not None, "steps are recorded only for a recorder"
+            if self.output["code"][0] != FULL:
+                self.recorder.refuse(float(self.workspace.states[BEGIN, -1]))
+            self.recorder.empty(again=full_at == self.record["done"][0])
+            full_at = int(self.record["done"][0])
+        return code
+
+    def last(self, run: RunState) -> tuple[StepInfo, float]:
+        """Return StepInfo and size of the last step, made from ``run``."""
+        o = self.output[0]
+        norms, error = (float(o["forces"]), float(o["constraints"]), float(o["increment"])), float(o["error"])
+        return StepInfo(True, int(o["iterations"]), norms, error, run.history, plain=error), float(o["h"])
