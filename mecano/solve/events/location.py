@@ -5,6 +5,7 @@ two trial steps, interpolated, crosses zero. Two repetitions do where the event 
 the motion leaves behind at the beginning of the step is sought later (``look_ahead``).
 """
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
@@ -232,7 +233,7 @@ def _share(newest, opposite, older):
     By inverse quadratic interpolation where it is monotonic, else by bisection.
     """
     (a, f_a), (b, f_b), (c, f_c) = newest[:2], opposite[:2], older[:2]
-    if not np.isfinite([f_a, f_b, f_c]).all() or f_c == f_b:
+    if not all(map(math.isfinite, (f_a, f_b, f_c))) or f_c == f_b:
         return 0.5
     x, f = (a - b) / (c - b), (f_a - f_b) / (f_c - f_b)
     if f * f >= x or (1.0 - f) ** 2 >= 1.0 - x:
