@@ -1,5 +1,7 @@
 """Records by which the compiled loops over elements find the arrays of a batch and of the system."""
 
+from typing import Any
+
 import numpy as np
 
 from mecano.jit.kernel import kernel
@@ -36,6 +38,26 @@ def record(dtype, **values):
     for name, value in values.items():
         out[name] = value
     return out
+
+
+class Pointers:
+    """A record (1,) of numbers and of addresses of arrays, which live as long as it."""
+
+    def __init__(self, dtype: np.dtype):
+        self.record = np.zeros(1, dtype)
+        self._arrays: dict[str, np.ndarray] = {}
+
+    def point_to(self, **values: Any) -> None:
+        """Set fields: numbers, and arrays in the place of their addresses."""
+        for name, value in values.items():
+            if type(value) is np.ndarray:
+                self._arrays[name] = value
+                value = value.ctypes.data
+            self.record[name] = value
+
+    def array(self, name: str) -> np.ndarray:
+        """Return the array to which a field points."""
+        return self._arrays[name]
 
 
 @kernel

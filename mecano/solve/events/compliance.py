@@ -130,18 +130,29 @@ OF_POSITIONS, OF_RATES, OF_RELEASED = range(3)  # kinds of the entries of compli
 NO_ROWS = np.zeros(1, np.int64), np.zeros(0, np.int64), np.zeros(0)
 
 
-def compliances_of_a_step(compliance: Compliance | None) -> dict[str, Any]:
-    """Return the numbers and arrays with which compiled code sets the compliances for a step size, as a dict.
-
-    ``compliance`` is a Compliance or None.
-    """
+def compliance_fields(compliance: Compliance | None) -> dict[str, Any]:
+    """Return the numbers and arrays by which compiled code finds a Compliance, or none, as a dict of fields."""
     if compliance is None:
-        none = {"soft_base": NO_ROWS[2], "soft_kinds": NO_ROWS[1], "soft_in_tangent": NO_ROWS[2]}
-        return none | {"largest_penalty": np.inf, "largest_penalty_share": np.inf}
+        starts, columns, values = NO_ROWS
+        none = {"entry_places": columns, "soft_base": values, "soft_kinds": columns, "soft_in_tangent": values}
+        return none | {"n_entries": 0, "soft_starts": starts, "soft_columns": columns}
     kinds = np.where(compliance.released_entries, OF_RELEASED, np.where(compliance.of_rates, OF_RATES, OF_POSITIONS))
+    starts, columns, _ = compliance.rows
     return {
-        "soft_base": compliance.matrix.values, "soft_kinds": kinds, "soft_in_tangent": compliance.in_tangent_share,
-        "largest_penalty": compliance.largest_penalty(np.inf),
+        "n_entries": len(compliance.places), "entry_places": compliance.places, "soft_starts": starts,
+        "soft_columns": columns, "soft_base": compliance.matrix.values, "soft_kinds": kinds,
+        "soft_in_tangent": compliance.in_tangent_share,
+    }  # fmt: skip
+
+
+def compliances_of_a_step(compliance: Compliance | None) -> dict[str, Any]:
+    """Return ``compliance_fields``, and those with which compiled code sets the compliances for a step size."""
+    found = compliance_fields(compliance)
+    found["entry_values"] = np.zeros(found["n_entries"])
+    if compliance is None:
+        return found | {"soft_values": NO_ROWS[2], "largest_penalty": np.inf, "largest_penalty_share": np.inf}
+    return found | {
+        "soft_values": compliance.values, "largest_penalty": compliance.largest_penalty(np.inf),
         "largest_penalty_share": 1.0 / RELEASED_COMPLIANCE if len(compliance.released) else np.inf,
     }  # fmt: skip
 

@@ -5,7 +5,7 @@ r"""The mass matrix under constraints, in compiled code: the matrix of consisten
 with the mean k of the masses. It belongs to a *bare* state, without accelerations and multipliers.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,13 +14,13 @@ from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
 from mecano.model.assembly import Assembly
 from mecano.model.assembly_driver import add, assemble, assemble_residual, constraint_derivatives, loops_at
-from mecano.model.loop_records import SYSTEM, fields, record
+from mecano.model.loop_records import SYSTEM, Pointers, fields
 from mecano.model.loops import constraint_derivatives as of_constraints
 from mecano.model.loops import residual as of_residuals
 from mecano.model.loops import tangent as of_tangents
 from mecano.model.numbering import ROTATION, SCALAR
 from mecano.model.state import Instant, State
-from mecano.solve.events.compliance import NO_ROWS, OF_RELEASED, RELEASED_COMPLIANCE, Compliance, compliances_of_a_step
+from mecano.solve.events.compliance import OF_RELEASED, RELEASED_COMPLIANCE, Compliance, compliance_fields
 from mecano.solve.linear import multifrontal
 from mecano.solve.linear.sparse import ACCEPT_BELOW, LinearSolver
 
@@ -210,63 +210,46 @@ def share(m, reactions):
         reactions[i] += m.k * x[m.n_q + i]
 
 
-class ConstrainedMass:
+class ConstrainedMass(Pointers):
     """The arrays of the matrix of a system, and the record MASS that holds their addresses."""
 
     def __init__(self, system: "System"):
-        of, assembly = system.numbering, Assembly(system)
-        loops = {
+        super().__init__(MASS)
+        of, self.assembly, self._compliance = system.numbering, Assembly(system), None
+        self.point_to(
+            n_q=of.n_q, n_l=of.n_l, n=of.n, n_all=of.n_all, n_rotations=len(of.rotation_dof), nnz=system.nnz,
+            n_data=system.n_data, system=self.assembly.record, z=np.zeros(of.n_all), a=np.zeros(of.n_all),
+            T=np.tile(np.eye(3), (len(of.rotation_dof), 1, 1)), kind=of.kind, rows=system.rows, columns=system.cols,
+            diagonal=system.diagonal, signals=system.signals.astype(np.int64),
+            massless=system.massless.astype(np.int64), loose=np.zeros(of.n_q, np.int64), alone=np.zeros(of.n, np.int64),
+            derivatives=np.zeros((of.n_l, 3)), deflection=np.zeros(of.n_l), right=np.zeros(of.n),
+            solution=np.zeros(of.n), solve_results=np.zeros(len(multifrontal.solve.returns)),
+            **compliance_fields(None),
+        )  # fmt: skip
+        for name, (loops, batches) in {
             "residuals": system.loops(of_residuals), "tangents": system.loops(of_tangents),
             "constraints": system.loops(of_constraints),
             "positions": system.loops(of_tangents, lambda batch: batch.kind.multipliers and not batch.kind.of_rates),
             "rates": system.loops(of_tangents, lambda batch: batch.kind.of_rates),
-        }  # fmt: skip
-        arrays = {
-            "system": assembly.record, "z": np.zeros(of.n_all), "a": np.zeros(of.n_all),
-            "T": np.tile(np.eye(3), (len(of.rotation_dof), 1, 1)), "kind": of.kind, "rows": system.rows,
-            "columns": system.cols, "diagonal": system.diagonal, "signals": system.signals.astype(np.int64),
-            "massless": system.massless.astype(np.int64), "loose": np.zeros(of.n_q, np.int64),
-            "alone": np.zeros(of.n, np.int64), "derivatives": np.zeros((of.n_l, 3)), "deflection": np.zeros(of.n_l),
-            "right": np.zeros(of.n), "solution": np.zeros(of.n),
-            "solve_results": np.zeros(len(multifrontal.solve.returns)),
-        }  # fmt: skip
-        n_rates = len(loops["rates"].addresses)
-        arrays |= {name: np.zeros(system.n_data if n_rates else 0) for name in ("by_positions", "plain", "penalized")}
-        for name, (addresses, batches) in loops.items():
-            arrays |= {name: addresses, f"{name[:-1]}_batches": batches}
-        self.data, self.loose = assembly.data, arrays["loose"]
-        self._kept: dict[str, Any] = {"assembly": assembly, **arrays}
-        self.record = record(
-            MASS, n_q=of.n_q, n_l=of.n_l, n=of.n, n_all=of.n_all, n_rotations=len(of.rotation_dof), nnz=system.nnz,
-            n_data=system.n_data, **{f"n_{name}": len(addresses) for name, (addresses, _) in loops.items()},
-            **{name: array.ctypes.data for name, array in arrays.items()},
-        )  # fmt: skip
-        self.use(None)
+        }.items():  # fmt: skip
+            self.point_to(**{f"n_{name}": len(loops), name: loops, f"{name[:-1]}_batches": batches})
+        n = system.n_data if of.of_rates.any() else 0
+        self.point_to(by_positions=np.zeros(n), plain=np.zeros(n), penalized=np.zeros(n))
 
     def use(self, compliance: Compliance | None) -> None:
         """Give redundant constraints these compliances, or none (None), from now on."""
-        if self._kept.get("compliance", NO_ROWS) is compliance:
-            return
-        starts, columns, _ = NO_ROWS if compliance is None else compliance.rows
-        places = NO_ROWS[1] if compliance is None else compliance.places
-        arrays = {"soft_starts": starts, "soft_columns": columns, "entry_places": places}
-        values = compliances_of_a_step(compliance)
-        arrays |= {name: values[name] for name in ("soft_base", "soft_kinds", "soft_in_tangent")}
-        self._kept |= {**arrays, "compliance": compliance}
-        self.record["n_entries"] = len(places)
-        for name, array in arrays.items():
-            self.record[name] = array.ctypes.data
+        if compliance is not self._compliance:
+            self._compliance = compliance
+            self.point_to(**compliance_fields(compliance))
 
     def solve_by(self, linear: LinearSolver) -> None:
         """Factor and solve by this LinearSolver in compiled code."""
-        new, kept = linear.calls(self.data, self._kept["right"], self._kept["solution"])
-        self._kept |= {"new": new, "kept": kept}
-        for name, packed in (("solve", new), ("substitute", kept)):
-            self.record[name], self.record[f"{name}_words"] = packed.function, packed.words.ctypes.data
+        self._calls = new, kept = linear.calls(self.assembly.data, self.array("right"), self.array("solution"))
+        self.point_to(solve=new.function, solve_words=new.words, substitute=kept.function, substitute_words=kept.words)
 
     def at(self, s: State, length: float, compliance: Compliance | None) -> tuple[np.ndarray, np.ndarray, float]:
         """Return the values (n_data,) of the matrix at ``s``, the loose unknowns (n_q,) bool, and k."""
         self.use(compliance)
         self.record["length"] = length
         assemble_mass(self.record, s)
-        return self.data.copy(), self.loose.astype(bool), float(self.record["k"][0])
+        return self.assembly.data.copy(), self.array("loose").astype(bool), float(self.record["k"][0])

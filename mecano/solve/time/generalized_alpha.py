@@ -25,7 +25,7 @@ from mecano.model.assembly import Assembly
 from mecano.model.numbering import MASSLESS, RELEASED, ROTATION, SIGNAL
 from mecano.model.state import History, State
 from mecano.solve.diagnostics.scales import Tolerances
-from mecano.solve.events.compliance import NO_ROWS, Compliance, soften
+from mecano.solve.events.compliance import NO_ROWS, Compliance, compliances_of_a_step, soften
 from mecano.solve.linear import multifrontal
 from mecano.solve.linear.newton import (
     CONVERGED,
@@ -161,7 +161,7 @@ class GeneralizedAlpha:
         new, kept = self.linear.calls(self.assembly.data, self.equations, self.increment)
         exact_rates = of.of_rates.astype(np.int64)
         exact_rates[self.released] = 0  # constraints on velocities hold exactly at the end of a step, except these
-        self.workspace.use(self.compliance)
+        self.workspace.point_to(**compliances_of_a_step(self.compliance))
         self.workspace.point_to(
             am=c.am, af=c.af, beta=c.beta, gamma=c.gamma, error=c.error, length=self.length, duration=self.duration,
             farthest_fixed=self.workspace.farthest_fixed / self.length,

@@ -17,6 +17,7 @@ from mecano.errors import Failure
 from mecano.model.assembly import Assembly
 from mecano.model.state import RadauHistory, State
 from mecano.solve.diagnostics.scales import Tolerances, balance
+from mecano.solve.events.compliance import compliances_of_a_step
 from mecano.solve.linear.newton import CONVERGED, FAILURES, MESSAGES, PAUSE
 from mecano.solve.time.consistent import Consistent, consistent_state
 from mecano.solve.time.contradictions import Contradictions
@@ -68,11 +69,11 @@ class Radau:
         self.pause: Callable[[], object] = lambda: None
         self.assembly, self.amplification = Assembly(system), Amplification(system, length)
         self.workspace = Workspace(system, self.assembly)
-        self.own = RadauWorkspace(
+        self.stages = RadauWorkspace(
             system, length, violation=self.amplification.violation, tolerance=control.tolerance,
             constraint_tolerance=self.tolerances.constraint, **tables_of(system),
         )  # fmt: skip
-        self.own.mass.solve_by(linear)
+        self.stages.mass.solve_by(linear)
         self.workspace.point_to(length=self.length, duration=control.duration, most=self.tolerances.max_iterations)
         self.use(compliance)
 
@@ -80,13 +81,13 @@ class Radau:
         """Give redundant constraints these compliances, or none (None), from now on."""
         self.compliance, system = compliance, self.system
         self.contradictions = Contradictions(system, self.length, compliance)
-        self.workspace.use(compliance)
-        self.own.mass.use(compliance)
+        self.workspace.point_to(**compliances_of_a_step(compliance))
+        self.stages.mass.use(compliance)
         places = self.workspace.array("entry_places")
         entries = np.flatnonzero(places < system.nnz)
         by_multipliers = len(system.coupled_multipliers) or len(system.sensed_multipliers)
-        self.own.point_to(
-            n_soft=len(entries), soft_entries=entries, soft_places=self.own.factors[0].place[places[entries]],
+        self.stages.point_to(
+            n_soft=len(entries), soft_entries=entries, soft_places=self.stages.factors[0].place[places[entries]],
             projects=not (by_multipliers or len(self.contradictions.released)),
         )  # fmt: skip
 
@@ -134,8 +135,8 @@ class Radau:
         self.workspace.held = None
         self.workspace.put_state(BEGIN, s0)
         self.workspace.point_to(h=h, k=history.k)
-        self.own.put_history(history)
-        self.own.mass.use(self.compliance)
+        self.stages.put_history(history)
+        self.stages.mass.use(self.compliance)
 
     def _attempt(self):
         """Make the step in the workspace, with looks at signals of the process in between."""
@@ -144,13 +145,13 @@ class Radau:
         while r["code"][0] == PAUSE:
             self.pause()
             r["due"] = clock.monotonic() + self.patience
-            attempt(r, self.own.record)
+            attempt(r, self.stages.record)
             self.factored()
 
     def factored(self) -> None:
         """Note that compiled code has factored other matrices; raise the error of a factorization in Python."""
         self.linear.solved(None)
-        self.own.raise_error()
+        self.stages.raise_error()
 
     def ordinary_steps(
         self, control: StepControl, shocks: "Shocks", observation: "Observation", recorder: "Recorder | None"
@@ -160,23 +161,23 @@ class Radau:
 
     def use_output(self, output: "Output") -> None:
         """Let the ``output`` of steps interpolate between the stages."""
-        own = output.record, self.workspace.record, self.own.record
+        own = output.record, self.workspace.record, self.stages.record
         sample, within = (entry.call_from_compiled_code(*own) for entry in (sample_stages, interpolate_stages))
         output.use_stages(sample, within, self._enter_stages)
 
     def _enter_stages(self, info):
         """Enter the stages of a step that Python made, whose ends are in the workspace, for its output."""
-        self.own.put_stages(info.stages, info.work)
-        observe_within(self.workspace.record, self.own.record)
+        self.stages.put_stages(info.stages, info.work)
+        observe_within(self.workspace.record, self.stages.record)
 
     def trial(self, s0: State, history: RadauHistory) -> Trial:
         """Return the step in the workspace, from ``s0`` with ``history``, as (state, history, StepInfo)."""
-        w, r = self.workspace.record[0], self.own.record[0]
+        w, r = self.workspace.record[0], self.stages.record[0]
         code, iterations, increment = int(w["code"]), int(r["iterations"]), float(r["size"] / r["goal"])
         if code != CONVERGED:
             text, norms = MESSAGES[code].format(iterations), (0.0, 0.0, increment)
             return s0, history, StepInfo(False, iterations, norms, np.nan, history, text, FAILURES[code])
-        h, stages = float(w["h"]), tuple(self.own.stage(i, s0) for i in range(3))
+        h, stages = float(w["h"]), tuple(self.stages.stage(i, s0) for i in range(3))
         if r["projected"]:
             s = self.workspace.state(TRIAL, s0.phases, s0.memory)
             drift, amplified = float(r["drift"]), float(r["amplified"])
@@ -189,7 +190,7 @@ class Radau:
         if text:
             return s, history, StepInfo(False, iterations, norms, np.nan, history, text, failure)
         least = min(amplified, history.least_amplified)
-        own, error = self.own, float(r["error"])
+        own, error = self.stages, float(r["error"])
         new = RadauHistory(s.a, h, own.velocities.copy(), own.reactions.copy(), 1, history.k, amplified, least)
         info = StepInfo(
             True, iterations, norms, error, history, plain=error, stages=stages[:2], work=own.work.copy(),

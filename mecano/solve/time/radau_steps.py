@@ -21,29 +21,29 @@ class RadauSteps:
     """Ordinary steps of Radau IIA, in compiled code; parameters as those of OrdinarySteps."""
 
     def __init__(self, method: "Radau", shocks: "Shocks", observation: "Observation", recorder: Recorder | None = None):
-        self.method, self.workspace, self.own = method, method.workspace, method.own
-        packed = attempt.call_from_compiled_code(self.workspace.record, self.own.record)
+        self.method, self.workspace, self.stages = method, method.workspace, method.stages
+        packed = attempt.call_from_compiled_code(self.workspace.record, self.stages.record)
         self.arrays = StrideArrays(
             method.system, method.control, shocks, self.workspace, method.turn, packed, observation, recorder
         )
         self.record = self.arrays.record
-        self._stride = stride.bind(self.record, self.workspace.record, self.own.record, self.arrays.output)
+        self._stride = stride.bind(self.record, self.workspace.record, self.stages.record, self.arrays.output)
 
     def advance(self, run: RunState, stop: float, most: int) -> "tuple[RunState, Trial | None, bool]":
         """Make at most ``most`` steps towards ``stop`` [s]; return as ``OrdinarySteps.advance``."""
-        if not self.own.record["projects"][0] or stop - run.motion.t < STRETCH * run.h:
+        if not self.stages.record["projects"][0] or stop - run.motion.t < STRETCH * run.h:
             return run, None, True
         history = run.history
         assert isinstance(history, RadauHistory), "a run has the history of its method"
         if self.workspace.held is not run:
             self.method.prepare(run.motion, history, run.h)
             self.arrays.put_run(run, self.method.contradictions)
-        self.own.mass.use(self.method.compliance)
+        self.stages.mass.use(self.method.compliance)
         r = self.record[0]
         r["until"], r["most"], r["done"] = stop, most, 0
         code = self.arrays.steps(self._make_steps, self.method.patience)
         if r["done"]:
-            history = self.own.history(self.workspace.parts(BEGIN)[2].copy(), history.k)
+            history = self.stages.history(self.workspace.parts(BEGIN)[2].copy(), history.k)
             run = self.arrays.run(run, history)
         self.workspace.held = run
         if code == DECIDE:
@@ -61,5 +61,5 @@ class RadauSteps:
     def last(self, run: RunState) -> tuple[StepInfo, float]:
         """Return StepInfo and size of the last step, made from ``run``."""
         info, h = self.arrays.last(run)
-        info.stages, info.work = tuple(self.own.stage(i, run.motion) for i in range(2)), self.own.work.copy()
+        info.stages, info.work = tuple(self.stages.stage(i, run.motion) for i in range(2)), self.stages.work.copy()
         return info, h

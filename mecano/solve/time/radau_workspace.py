@@ -7,7 +7,7 @@ import numpy as np
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats
 from mecano.model.assembly import Observation
-from mecano.model.loop_records import fields, record
+from mecano.model.loop_records import Pointers, fields
 from mecano.model.loops import observe
 from mecano.model.numbering import ROTATION
 from mecano.model.state import Instant, RadauHistory, State
@@ -78,7 +78,7 @@ def weight(to_coefficients, x, j):
     return total
 
 
-class RadauWorkspace:
+class RadauWorkspace(Pointers):
     """The arrays of steps of Radau IIA of one system, and the record RADAU that holds their addresses.
 
     Parameters
@@ -93,6 +93,7 @@ class RadauWorkspace:
     def __init__(self, system: "System", length: float, **fixed: Any):
         from mecano.solve.linear.lu import factors  # no ordinary run needs it (docs/architecture.md, Start)
 
+        super().__init__(RADAU)
         of, n, n_q, n_l = system.numbering, system.n, system.n_q, system.n_l
         self.factors = [factors(n, system.rows, system.cols, kind) for kind in (float, complex)]
         self.mass, self.observation = system.kept(ConstrainedMass), Observation(system)
@@ -103,11 +104,10 @@ class RadauWorkspace:
         self.work, self.energies = np.zeros((3, 2)), np.zeros((3, 4))
         own = "velocities reactions last_velocities last_reactions t R z v a work energies"
         loops, batches = system.loops(observe)
-        self._kept: dict[str, Any] = {}  # what the record points to
-        self.record = record(RADAU, n_observed=len(loops), has_rates=of.of_rates.any(), real=REAL)
-        self.record["complex_real"], self.record["complex_imaginary"] = COMPLEX.real, COMPLEX.imag
         self.point_to(
-            **{name: getattr(self, name) for name in own.split()}, observed=loops, observed_batches=batches,
+            n_observed=len(loops), has_rates=of.of_rates.any(), real=REAL, complex_real=COMPLEX.real,
+            complex_imaginary=COMPLEX.imag, observed=loops, observed_batches=batches,
+            **{name: getattr(self, name) for name in own.split()},
             nodes=NODES, A=A, D=D, to_error=ERROR, to_cubic=TO_CUBIC, to_parabola=TO_PARABOLA, to_real=TO_REAL,
             to_both=TO_BOTH, from_both=FROM_BOTH, increments=np.zeros((3, n_q)), rates=np.zeros((3, n_q)),
             scratch=np.zeros(max(3 * n_q, n)), kept_increments=np.zeros((3, n_q)), kept_reactions=np.zeros((3, n_l)),
@@ -123,14 +123,6 @@ class RadauWorkspace:
                 f"factor_{name}": matrix.factor.function, f"factor_{name}_words": matrix.factor.words,
                 f"solve_{name}": matrix.solve.function, f"solve_{name}_words": matrix.solve.words,
             })  # fmt: skip
-
-    def point_to(self, **values: Any) -> None:
-        """Set fields of the record: numbers, and addresses of arrays, which are kept."""
-        for name, value in values.items():
-            if type(value) is np.ndarray:
-                self._kept[name] = value
-                value = value.ctypes.data
-            self.record[name] = value
 
     def put_history(self, history: RadauHistory) -> None:
         """Enter the history with which a step begins."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from mecano.model import loops
-from mecano.model.loop_records import record
+from mecano.model.loop_records import Pointers, record
 from mecano.solve.time.output import FULL, OUTPUT, Output, record_step
 from mecano.solve.time.run_state import RunState
 from mecano.solve.time.step_info import StepInfo
@@ -43,7 +43,7 @@ class Recorder(Protocol):
         """Raise an error where the run cannot go on from the last step, to the time ``t`` [s]."""
 
 
-class StrideArrays:
+class StrideArrays(Pointers):
     """The record STRIDE of a time integration, and the arrays to which it points.
 
     Parameters
@@ -72,30 +72,28 @@ class StrideArrays:
         observation: "Observation",
         recorder: Recorder | None,
     ):
+        super().__init__(STRIDE)
         self.recorder, self.workspace = recorder, workspace
         self.output = record(OUTPUT) if recorder is None else recorder.output.record
         departing = np.array([c.event for c in shocks.impact_candidates if c.opened >= 0], np.int64)
-        values = np.zeros((2, system.n_events))
-        found = {
-            "events": system.loops(loops.event_values), "observed": system.loops(loops.observe),
-            "committed": system.loops(loops.commit),
-        }  # fmt: skip
-        calls = {"attempt": attempt}
-        if recorder is not None:
-            calls["record"] = record_step.call_from_compiled_code(self.output, workspace.record)
-        self._kept: tuple = departing, values, observation, found, calls  # their addresses stand in the record
-        addresses = {"departing": departing, "before_values": values, "observation": observation.record}
-        addresses |= {name: addressed for name, (addressed, _) in found.items()}
-        addresses |= {f"{name[:-1] if name[-1] == 's' else name}_batches": b for name, (_, b) in found.items()}
-        addresses |= {f"{name}_words": packed.words for name, packed in calls.items()}
-        self.record = record(
-            STRIDE, tolerance=control.tolerance, duration=control.duration, minimum=control.minimum,
-            maximum=control.maximum, turn=turn, records=recorder is not None, n_departing=len(departing),
-            n_events=values.shape[1], n_event_batches=len(found["events"][0]),
-            n_observed=len(found["observed"][0]), n_committed=len(found["committed"][0]),
-            **{name: packed.function for name, packed in calls.items()},
-            **{name: array.ctypes.data for name, array in addresses.items()},
+        self._kept = observation, attempt  # with arrays whose addresses stand in the record
+        self.point_to(
+            tolerance=control.tolerance, duration=control.duration, minimum=control.minimum, maximum=control.maximum,
+            turn=turn, attempt=attempt.function, attempt_words=attempt.words, observation=observation.record,
+            n_departing=len(departing), departing=departing, n_events=system.n_events,
+            before_values=np.zeros((2, system.n_events)),
         )  # fmt: skip
+        for name, own, purpose in (
+            ("event_batches", "events", loops.event_values),
+            ("observed", "observed", loops.observe),
+            ("committed", "committed", loops.commit),
+        ):
+            addresses, batches = system.loops(purpose)
+            prefix = own.removesuffix("s")
+            self.point_to(**{f"n_{name}": len(addresses), own: addresses, f"{prefix}_batches": batches})
+        if recorder is not None:
+            self._record = record_step.call_from_compiled_code(self.output, workspace.record)
+            self.point_to(records=True, record=self._record.function, record_words=self._record.words)
 
     def put_run(self, run: RunState, contradictions: "Contradictions") -> None:
         """Enter what is counted in a run, and its planned step."""

@@ -16,10 +16,9 @@ from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
 from mecano.maths.vector import mat, put_matrix
 from mecano.model import loops
-from mecano.model.loop_records import SYSTEM, fields, record
+from mecano.model.loop_records import SYSTEM, Pointers, fields
 from mecano.model.numbering import TRANSLATION, Unknowns
 from mecano.model.state import History, Instant, State
-from mecano.solve.events.compliance import NO_ROWS, Compliance, compliances_of_a_step
 
 if TYPE_CHECKING:
     from mecano.model.assembly import Assembly
@@ -122,7 +121,7 @@ def is_due(w):
     return now[0] + 1e-9 * now[1] >= w.due
 
 
-class Workspace:
+class Workspace(Pointers):
     """The arrays of steps of one system, and the record STEP that holds their addresses.
 
     Parameters
@@ -136,6 +135,7 @@ class Workspace:
 
     def __init__(self, system: "System", assembly: "Assembly", **fixed: Any):
         of = system.numbering
+        super().__init__(STEP)
         self.system, self._shapes = system, (of.n_all, len(of.rotation_dof))
         state = system.initial_state()
         n_all, n_rotations, n_memory = of.n_all, len(of.rotation_dof), len(state.memory)
@@ -146,41 +146,16 @@ class Workspace:
         self.guess, self.v_shift, self.report = np.zeros((2, of.n)), np.zeros(n_all), np.zeros(8)
         own = ("states", "phases", "history", "guess", "v_shift", "report")
         self.held: RunState | None = None  # from which compiled code can step on without anything being entered
-        self._kept = {"now": np.zeros(2, np.int64), "assembly": assembly}  # what the record points to
-        self.record = record(
-            STEP, n_q=of.n_q, n_l=of.n_l, n=of.n, n_all=n_all, n_rotations=n_rotations, n_memory=n_memory,
+        self.assembly = assembly  # which holds the arrays of the record SYSTEM
+        self.point_to(
+            n_q=of.n_q, n_l=of.n_l, n=of.n, n_all=n_all, n_rotations=n_rotations, n_memory=n_memory,
             n_phases=len(state.phases), state_size=self.states.shape[1], clock=CLOCK, clock_id=time.CLOCK_MONOTONIC,
-            now=self._kept["now"].ctypes.data, system=assembly.record.ctypes.data,
-            **{name: getattr(self, name).ctypes.data for name in own},
-        )  # fmt: skip
-        self.point_to(
-            residual=assembly.residual, size=assembly.size, kind=of.kind.copy(), rotation_dof=of.rotation_dof,
-            T=np.tile(np.eye(3), (n_rotations, 1, 1)), exact_rates=of.of_rates.astype(np.int64),
-            derivatives=np.zeros((5, of.n_l, 3)), gap=np.zeros(of.n_l),
+            now=np.zeros(2, np.int64), system=assembly.record, residual=assembly.residual, size=assembly.size,
+            kind=of.kind.copy(), rotation_dof=of.rotation_dof, T=np.tile(np.eye(3), (n_rotations, 1, 1)),
+            exact_rates=of.of_rates.astype(np.int64), derivatives=np.zeros((5, of.n_l, 3)), gap=np.zeros(of.n_l),
             nnz=system.nnz, rows=system.rows, columns=system.cols, diagonal=system.diagonal,
-            **_loops_of(system), **fixed,
+            **{name: getattr(self, name) for name in own}, **_loops_of(system), **fixed,
         )  # fmt: skip
-
-    def use(self, compliance: Compliance | None) -> None:
-        """Give redundant constraints these compliances, or none (None), from now on."""
-        starts, columns, values = NO_ROWS if compliance is None else compliance.rows
-        places = NO_ROWS[1] if compliance is None else compliance.places
-        self.point_to(
-            n_entries=len(places), soft_starts=starts, soft_columns=columns, soft_values=values, entry_places=places,
-            entry_values=np.zeros(len(places)), **compliances_of_a_step(compliance),
-        )  # fmt: skip
-
-    def point_to(self, **values: Any) -> None:
-        """Set fields of the record: numbers, and addresses of arrays, which are kept."""
-        for name, value in values.items():
-            if type(value) is np.ndarray:
-                self._kept[name] = value
-                value = value.ctypes.data
-            self.record[name] = value
-
-    def array(self, name: str) -> np.ndarray:
-        """Return the array to which a field points."""
-        return self._kept[name]
 
     def parts(self, which: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Return z, v, a, R, memory of one of the states: views."""
@@ -244,7 +219,7 @@ class Workspace:
         )  # fmt: skip
 
 
-def _loops_of(system):
+def _loops_of(system: "System") -> dict[str, Any]:
     """Return the fields of STEP with the loops of a system."""
     found = {}
     for name, batches, purpose in (
