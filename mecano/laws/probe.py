@@ -12,10 +12,15 @@ JUMP = 1e-6  # of a value, a derivative or a second derivative, in SI units: sma
 
 def curve_at(law, s):
     """Return (y, dy/ds, d2y/ds2) of a checked law of curves, or of a number, at s."""
+    return tuple(curve_values(law, np.array([float(s)]))[0].tolist())
+
+
+def curve_values(law, s):
+    """Return (y, dy/ds, d2y/ds2) (n, 3) of a checked law of curves, or of a number, at s (n,)."""
     table = LawTable()
-    start, values = table.add(law), np.zeros((1, 3))
-    _evaluate(table.array(), start, np.array([float(s)]), values)
-    return tuple(values[0].tolist())
+    start, values = table.add(law), np.zeros((len(s), 3))
+    _evaluate(table.array(), start, s, values)
+    return values
 
 
 def negative_curves(place, curves):
@@ -31,10 +36,7 @@ def shape_of_curve(law, low, high):
     """
     places = [TERMS[name].shape(values, low, high) for name, values in terms_of(law)]
     s = distinct(np.concatenate([np.zeros(0), *places]))
-    table = LawTable()
-    start, values = table.add(law), np.zeros((len(s), 3))
-    _evaluate(table.array(), start, s, values)
-    return s, values
+    return s, curve_values(law, s)
 
 
 def jumps(law, s):

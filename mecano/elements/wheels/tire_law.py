@@ -23,7 +23,7 @@ from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.elements.wheels.smiley_horne import SMILEY_HORNE
 from mecano.jit.kernel import kernel
 from mecano.laws.contact_force import contact_force
-from mecano.laws.probe import curve_at
+from mecano.laws.probe import curve_at, curve_values
 from mecano.maths.vector import dot, norm
 from mecano.schema import CURVE, NUMBER, Field, not_negative, positive
 
@@ -102,12 +102,13 @@ def check_tire_law(law):
 def _softening(law):
     """Return errors for a radial force that is negative (pulls) within the range of validity of the law."""
     valid = law.get("valid_deformation")
-    for w in np.linspace(0.0, min(valid or law["radius"], law["radius"]), PROBES)[1:]:
-        force = curve_at(law["radial"], w)[0]
-        if force < 0.0:
-            hint = "" if valid else " unless 'valid_deformation' limits the range of the law"
-            return [f"'tire_law.radial' falls to {force:.4g} N at a deformation of {w:.4g} m; it must not pull{hint}"]
-    return []
+    w = np.linspace(0.0, min(valid or law["radius"], law["radius"]), PROBES)[1:]
+    force = curve_values(law["radial"], w)[:, 0]
+    if not (force < 0.0).any():
+        return []
+    first, hint = np.argmax(force < 0.0), "" if valid else " unless 'valid_deformation' limits the range of the law"
+    fall = f"falls to {force[first]:.4g} N at a deformation of {w[first]:.4g} m"
+    return [f"'tire_law.radial' {fall}; it must not pull{hint}"]
 
 
 @kernel
