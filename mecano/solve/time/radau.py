@@ -22,7 +22,7 @@ from mecano.solve.linear.newton import CONVERGED, FAILURES, MESSAGES, PAUSE
 from mecano.solve.time.consistent import Consistent, consistent_state
 from mecano.solve.time.contradictions import Contradictions
 from mecano.solve.time.increments import displaced, largest
-from mecano.solve.time.radau_output import interpolate_stages, observe_within, sample_stages
+from mecano.solve.time.radau_output import interpolate_stages, sample_stages
 from mecano.solve.time.radau_step import attempt
 from mecano.solve.time.radau_steps import RadauSteps
 from mecano.solve.time.radau_tableau import REAL
@@ -166,9 +166,8 @@ class Radau:
         output.use_stages(sample, within, self._enter_stages)
 
     def _enter_stages(self, info):
-        """Enter the stages of a step that Python made, whose ends are in the workspace, for its output."""
-        self.stages.put_stages(info.stages, info.work)
-        observe_within(self.workspace.record, self.stages.record)
+        """Enter the stages of a step that Python made, for its output."""
+        self.stages.put(info.stages, [self.system.observe(s) for s in info.stages], info.work)
 
     def trial(self, s0: State, history: RadauHistory) -> Trial:
         """Return the step in the workspace, from ``s0`` with ``history``, as (state, history, StepInfo)."""

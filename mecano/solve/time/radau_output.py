@@ -14,18 +14,11 @@ from mecano.model.sampler import QUATERNION, Observed, fill
 from mecano.model.state import Instant
 from mecano.solve.time.interpolate import between_smooth_states
 from mecano.solve.time.output import OUTPUT, extend_extremes, nodes_of
-from mecano.solve.time.radau_step import observe_stages
 from mecano.solve.time.radau_workspace import RADAU, row_of, stage_of, weight
 from mecano.solve.time.workspace import BEGIN, BETWEEN, STEP, TRIAL, copy_state, state_of, system_of, unknowns_of
 
 WITHIN = 2  # stages before the end
 MOTION = 2  # row of ``stage_rows`` for an interpolated motion
-
-
-@entry
-def observe_within(work: Records(STEP), radau: Records(RADAU)):
-    """Write outputs and energies of the stages before the end of a step."""
-    observe_stages(work[0], radau[0], WITHIN)
 
 
 @entry

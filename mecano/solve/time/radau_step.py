@@ -146,21 +146,21 @@ def complete(w, r):
         for d in range(w.n_q):
             v[1 + i, d] = s.v[d]
     r.error = error_of(w, r)
-    observe_stages(w, r, 3)
+    observe_stages(w, r)
     add_work(w, r)
     copy_to_state(w, end, TRIAL)
     r.projected = 1 if r.projects and projected(w, r, items(r.mass, 1, MASS)[0]) else 0
 
 
 @kernel
-def observe_stages(w, r, n):
-    """Write outputs and energies of the first n stages."""
+def observe_stages(w, r):
+    """Write outputs and energies of the stages."""
     observation, system = items(r.observation, 1, SYSTEM), system_of(w)
     residuals, observed = (
         loops_at(w.n_loops, w.loops, w.batches),
         loops_at(r.n_observed, r.observed, r.observed_batches),
     )
-    for i in range(n):
+    for i in range(3):
         s = stage_of(w, r, i)
         assemble_residual(residuals, system, s, 1.0, 0.0)
         observation[0].outputs, observation[0].energy = r.outputs + 8 * i * r.n_outputs, r.energies + 32 * i

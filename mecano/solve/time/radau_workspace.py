@@ -150,8 +150,9 @@ class RadauWorkspace(Pointers):
         z, v, a, R = (values[i].copy() for values in (self.z, self.v, self.a, self.R))
         return State(float(self.t[i]), z, v, a, R, s0.phases, s0.memory)
 
-    def put_stages(self, stages: "Sequence[State]", work: np.ndarray) -> None:
-        """Enter the first stages of a step, and its work (3, 2)."""
-        for i, s in enumerate(stages):
+    def put(self, stages: "Sequence[State]", observed: "Sequence[Observation]", work: np.ndarray) -> None:
+        """Enter the stages of a step before its end, with their Observations, and its work (3, 2)."""
+        for i, (s, observation) in enumerate(zip(stages, observed, strict=True)):
             self.t[i], self.z[i], self.v[i], self.a[i], self.R[i] = s.t, s.z, s.v, s.a, s.R
+            self.array("outputs")[i], self.energies[i] = observation.outputs, observation.energy
         self.work[:] = work
