@@ -5,6 +5,7 @@ import pytest
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
+from mecano.solve.linear import factors
 from mecano.solve.linear.dense_front import NULL_PIVOT
 from mecano.solve.linear.ordering import Pattern, analyse
 from mecano.solve.linear.scaled_superlu import ScaledSuperLU
@@ -436,6 +437,56 @@ def test_a_null_vector_is_found_whether_or_not_the_residual_excites_it(b):
     singular = ScaledSuperLU(3, np.arange(3), np.arange(3), np.array([2.0, 0.0, 3.0]), 1e-13)
     found = np.abs(singular.driven_null_vector(np.array(b)))
     np.testing.assert_allclose(found, [0.0, 1.0, 0.0], rtol=0, atol=1e-12)
+
+
+def of_saddle_point(kind, rng):
+    """Pattern of a chain of constrained nodes, with unsymmetric random values of the kind."""
+    problem = chain(4)
+    pattern = Pattern(problem.n, problem.rows, problem.cols, problem.groups)
+    values = problem.data * (1.0 + 0.2 * rng.standard_normal(len(problem.data)))
+    return pattern, values * np.exp(0.3j) if kind is complex else values
+
+
+def with_null_pivots(kind, rng, n=400):
+    """Pattern of equations each for the next unknown alone, with random values of the kind."""
+    values = rng.uniform(1.0, 2.0, n) + (1j * rng.standard_normal(n) if kind is complex else 0.0)
+    return Pattern(n, np.arange(n), np.roll(np.arange(n), -1), np.arange(n)), values
+
+
+@pytest.mark.parametrize("kind", [float, complex])
+@pytest.mark.parametrize("case", [of_saddle_point, with_null_pivots])
+def test_real_and_complex_factors_solve(kind, case):
+    """By the multifrontal solver, and by SuperLU where a pivot in its order is zero."""
+    rng = np.random.default_rng(3)
+    pattern, values = case(kind, rng)
+    b = rng.standard_normal(pattern.n) + (1j * rng.standard_normal(pattern.n) if kind is complex else 0.0)
+    found = factors.Factors(pattern, kind)
+    found.values[:] = values
+    factors.factor(found.record)
+    found.right[:] = b
+    factors.solve(found.record)
+    matrix = sp.csr_matrix((values, (pattern.rows, pattern.cols)))
+    assert found.outcome[0] == 0 and found.record["kept"][0] == (case is of_saddle_point)
+    np.testing.assert_allclose(matrix @ found.right, b, atol=1e-10 * np.abs(b).max())
+
+
+@pytest.mark.parametrize("values", [[0.0, 1.0], [np.nan, 1.0]])
+def test_factors_of_a_singular_matrix_have_an_outcome(values):
+    found = factors.Factors(Pattern(2, np.array([0, 1]), np.array([0, 1]), np.array([0, 1])), float)
+    found.values[:] = values
+    factors.factor(found.record)
+    assert found.outcome[0] != 0 and found.error is None
+
+
+def test_what_python_raises_in_a_factorization_is_kept(monkeypatch):
+    def full(*arguments):
+        raise MemoryError
+
+    found = factors.Factors(*with_null_pivots(float, np.random.default_rng(3))[:1], float)
+    found.values[:] = 1.0
+    monkeypatch.setattr("mecano.solve.linear.scaled_superlu.ScaledSuperLU", full)
+    factors.factor(found.record)
+    assert found.outcome[0] != 0 and isinstance(found.error, MemoryError)
 
 
 def test_entry_given_twice_is_refused():

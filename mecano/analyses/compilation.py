@@ -38,12 +38,12 @@ EVENTS = assembly_driver.event_values, some_happened, between_states
 
 def radau() -> "tuple[Entry, ...]":
     """Return the functions that Radau IIA needs beside those of the time integration."""
-    from mecano.solve.linear.dense_lu import factor_dense, solve_dense  # no ordinary run needs them
+    from mecano.solve.linear.factors import factor, solve  # no ordinary run needs them
     from mecano.solve.time.radau_output import interpolate_stages, sample_stages
     from mecano.solve.time.radau_step import attempt
     from mecano.solve.time.radau_stride import stride
 
-    return attempt, stride, interpolate_stages, sample_stages, factor_dense, solve_dense
+    return attempt, stride, interpolate_stages, sample_stages, factor, solve
 
 
 def divided() -> "list[Code]":

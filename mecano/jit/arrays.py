@@ -96,22 +96,6 @@ def _call_at(function, first, second):
 
 
 @intrinsic
-def _call_with(typing_context, function, addresses):
-    def generate(context, builder, signature, arguments):
-        given = cgutils.unpack_tuple(builder, arguments[1])
-        kind = ir.FunctionType(ir.VoidType(), [WORD] * len(given))
-        builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), given)
-        return context.get_dummy_value()
-
-    return types.void(types.int64, addresses), generate
-
-
-@overload(memory.call_with)
-def _call_with_at(function, addresses):
-    return lambda function, addresses: _call_with(function, addresses)
-
-
-@intrinsic
 def _call_for_int(typing_context, function, argument):
     def generate(context, builder, signature, arguments):
         kind = ir.FunctionType(ir.IntType(32), [WORD])

@@ -59,11 +59,6 @@ def call(function, first, second):
     raise RuntimeError("available in compiled code only")
 
 
-def call_with(function, addresses):
-    """Call the C function of several addresses (a tuple) at the address ``function``."""
-    raise RuntimeError("available in compiled code only")
-
-
 def call_for_int(function, argument):
     """Call the C function of one address at the address ``function``, and return its int."""
     raise RuntimeError("available in compiled code only")

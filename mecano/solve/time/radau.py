@@ -87,7 +87,7 @@ class Radau:
         entries = np.flatnonzero(places < system.nnz)
         by_multipliers = len(system.coupled_multipliers) or len(system.sensed_multipliers)
         self.stages.point_to(
-            n_soft=len(entries), soft_entries=entries, soft_places=self.stages.factors[0].place[places[entries]],
+            n_soft=len(entries), soft_entries=entries, soft_places=places[entries],
             projects=not (by_multipliers or len(self.contradictions.released)),
         )  # fmt: skip
 

@@ -10,7 +10,7 @@ from mecano.model.loop_records import SYSTEM
 from mecano.model.numbering import ROTATION, STATE, TRANSLATION
 from mecano.model.state import Motion
 from mecano.solve.diagnostics.scales import SIGNALS, SMALL
-from mecano.solve.linear.newton import CONVERGED, NOT_FINITE, PAUSE, STALE, TOO_MANY
+from mecano.solve.linear.newton import CONVERGED, DIVERGES, NOT_FINITE, PAUSE, STALE, TOO_MANY
 from mecano.solve.linear.rounding import at_rounding
 from mecano.solve.time.constrained_mass import MASS, accelerate, assemble_mass, change, factor_mass
 from mecano.solve.time.increments import largest, move
@@ -36,6 +36,7 @@ SHARE = 0.01  # of the allowed error of a step: a correction that leaves less en
 LEAST = 1e-17  # of the length scale, or rad: increments are known to more digits than positions
 CAUTION = 8.0  # times the estimate: errors of velocities add up to more than themselves
 SLOW = 0.9  # ratio of two corrections above which the last one is not made, and the tangent is renewed
+MOST_MOVED = 1e6  # length scales, or rad, in one correction: iterations that go so far do not come back
 END = 2  # the last stage
 
 
@@ -111,13 +112,15 @@ def iterate(w, r):
 
 @kernel
 def judge(w, r, last):
-    """Return CONVERGED or NOT_FINITE for the present correction and the ``last`` one, or -1 to continue.
+    """Return CONVERGED, NOT_FINITE or DIVERGES for the present correction and the ``last`` one, or -1 to continue.
 
     A correction that grows is undone, and the next tangent evaluated at the stages.
     """
     ratio = r.size / last if r.iterations > 1 else 1.0
     if not r.size < np.inf:
         return NOT_FINITE
+    if r.size > MOST_MOVED:
+        return DIVERGES
     if r.size < r.goal or r.size * ratio < r.goal * (1.0 - ratio):
         return CONVERGED
     if at_rounding(r.size, ratio, ratio != 1.0, r.reach, 0.0):

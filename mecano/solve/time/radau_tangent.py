@@ -12,7 +12,7 @@ s is an eigenvalue of the method over the step size: the stages decouple into on
 & Wanner 1996, IV.8).
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -59,6 +59,7 @@ def renew(w, r):
         return NOT_FINITE
     weigh(w, r, s.v, dt)
     soften(w, r)
+    add_constraints(w, r)
     scale(w, r)
     w.factorizations += 1
     return STALE if factored(r) or (hold_idle(w, r) and factored(r)) else SINGULAR
@@ -98,8 +99,8 @@ def spun(data, turned, i, omega):
 
 @kernel
 def weigh(w, r, omega, dt):
-    """Write the values of the real and of the complex matrix at their places, from the parts."""
-    kind, turned, places = integers(r.entry_kinds, w.nnz), integers(r.turned, (w.nnz, 4)), integers(r.places, w.nnz)
+    """Write the values of the real and of the complex matrix from the parts."""
+    kind, turned = integers(r.entry_kinds, w.nnz), integers(r.turned, (w.nnz, 4))
     parts, s = floats(r.parts, (N_PARTS, w.nnz)), r.real / w.h
     s2 = (r.complex_real + 1j * r.complex_imaginary) / w.h
     for i in range(w.nnz):
@@ -125,7 +126,7 @@ def weigh(w, r, omega, dt):
                 )
                 c0 = (later - before + parts[K_LATER, i] - parts[K_BEFORE, i]) / (2.0 * dt)
             x, y = c2 + (c1 + c0 / s) / s, c2 + (c1 + c0 / s2) / s2
-        put_pair(r, places[i], x, y)
+        put_pair(r, i, x, y)
 
 
 @kernel
@@ -149,6 +150,43 @@ def soften(w, r):
         out = floats(r.complex_values + 16 * places[i], 2)
         out[0] += ratio.real * value
         out[1] += ratio.imag * value
+
+
+@kernel
+def gradient(w, r, entry):
+    """Return the gradient of a constraint of which this is an entry of the tangent."""
+    part = C if integers(r.entry_kinds, w.nnz)[entry] == RATE else K
+    return -floats(r.parts + 8 * part * w.nnz, w.nnz)[entry] / w.k
+
+
+@kernel
+def add_constraints(w, r):
+    """Subtract from the rows of unknowns without mass those of the constraints, times their gradients.
+
+    So these rows have pivots where nothing but constraints holds a node, and the order of elimination can be fixed, as
+    by the penalty of generalized-alpha; the solution stays the same.
+    """
+    sums, real, other = (
+        integers(r.sums, (r.n_sums, 3)),
+        floats(r.real_values, w.nnz),
+        floats(r.complex_values, (w.nnz, 2)),
+    )
+    for i in range(r.n_sums):
+        to, source, B = sums[i, 0], sums[i, 1], gradient(w, r, sums[i, 2])
+        real[to] -= B * real[source]
+        other[to, 0] -= B * other[source, 0]
+        other[to, 1] -= B * other[source, 1]
+
+
+@kernel
+def add_right_sides(w, r, real, other):
+    """Do the same to the right-hand sides (n,) and (n, 2)."""
+    sums = integers(r.right_sums, (r.n_right_sums, 3))
+    for i in range(r.n_right_sums):
+        to, source, B = sums[i, 0], sums[i, 1], gradient(w, r, sums[i, 2])
+        real[to] -= B * real[source]
+        other[to, 0] -= B * other[source, 0]
+        other[to, 1] -= B * other[source, 1]
 
 
 @kernel
@@ -178,17 +216,17 @@ def hold_idle(w, r):
 
     Such is the rotation of a node without inertia on which no moment acts.
     """
-    rows, columns, places = integers(w.rows, w.nnz), integers(w.columns, w.nnz), integers(r.places, w.nnz)
+    rows, columns, values = integers(w.rows, w.nnz), integers(w.columns, w.nnz), floats(r.real_values, w.nnz)
     touched, residual, found = floats(r.scratch, w.n), floats(w.residual, w.n), False
     touched[:] = 0.0
     for i in range(w.nnz):
-        x = abs(floats(r.real_values + 8 * places[i], 1)[0])
+        x = abs(values[i])
         touched[rows[i]] += x
         touched[columns[i]] += x
     diagonal = integers(w.diagonal, w.n)
     for i in range(w.n):
         if touched[i] == 0.0 and residual[i] == 0.0:
-            put_pair(r, places[diagonal[i]], 1.0, 1.0 + 0.0j)
+            put_pair(r, diagonal[i], 1.0, 1.0 + 0.0j)
             found = True
     return found
 
@@ -206,6 +244,7 @@ def solve(w, r):
         y = to_both[0, 1] * f0 + to_both[1, 1] * f1 + to_both[2, 1] * f2
         p, q = scale2[j, 0], scale2[j, 1]
         other[j, 0], other[j, 1] = p * x - q * y, p * y + q * x
+    add_right_sides(w, r, real, other)
     call(r.solve_real, r.solve_real_words, 0)
     call(r.solve_complex, r.solve_complex_words, 0)
     out, from_both = floats(r.correction, (3, w.n)), floats(r.from_both, (3, 3))
@@ -221,15 +260,42 @@ def solve_real(w, r, f):
     b, scale = floats(r.real_right, w.n), floats(r.real_scale, w.n)
     for i in range(w.n):
         b[i] = scale[i] * f[i]
+    add_right_sides(w, r, b, floats(r.complex_right, (w.n, 2)))
     call(r.solve_real, r.solve_real_words, 0)
     return b
 
 
-def tables_of(system: "System") -> dict[str, np.ndarray]:
+def tables_of(system: "System") -> dict[str, Any]:
     """Return what the tangent needs to know of each entry: fields of RADAU."""
     kind = np.full(system.n, MOTION)
     kind[system.n_q :] = np.where(system.numbering.of_rates, RATE, POSITION)
-    return {"entry_kinds": kind[system.rows], "turned": _turned(system)}
+    sums, right_sums = _sums(system)
+    return {
+        "entry_kinds": kind[system.rows], "turned": _turned(system), "sums": sums, "n_sums": len(sums),
+        "right_sums": right_sums, "n_right_sums": len(right_sums),
+    }  # fmt: skip
+
+
+def _sums(system):
+    """Return which rows of constraints are added to rows of unknowns without mass, and how (``add_constraints``).
+
+    (n, 3) entry changed, entry of the constraint in the same column, entry of its gradient by the unknown; and (m, 3)
+    row of the unknown, row of the constraint, the same entry.
+    """
+    n, n_q = system.n, system.n_q
+    mass = system.assemble(system.initial_state(), 1.0, 0.0, 0.0, 0.0, 1.0).data[system.diagonal[:n_q]]
+    without = np.append((mass == 0.0) & ~system.signals, np.zeros(system.n_l, bool))
+    gradients = np.flatnonzero((system.rows >= n_q) & without[system.cols])
+    starts, code = np.searchsorted(system.rows, np.arange(n + 1)), system.rows * n + system.cols
+    constraint = system.rows[gradients]
+    number = (starts[1:] - starts[:-1])[constraint]
+    pair = np.repeat(np.arange(len(gradients)), number)
+    sources = starts[constraint][pair] + np.arange(len(pair)) - np.repeat(np.cumsum(number) - number, number)
+    wanted = system.cols[gradients][pair] * n + system.cols[sources]
+    places = np.minimum(np.searchsorted(code, wanted), len(code) - 1)
+    found = code[places] == wanted
+    sums = np.stack([places[found], sources[found], gradients[pair][found]], axis=1)
+    return sums, np.stack([system.cols[gradients], constraint, gradients], axis=1)
 
 
 def _turned(system: "System") -> np.ndarray:

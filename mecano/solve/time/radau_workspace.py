@@ -11,6 +11,8 @@ from mecano.model.loop_records import Pointers, fields
 from mecano.model.loops import observe
 from mecano.model.numbering import ROTATION
 from mecano.model.state import Instant, RadauHistory, State
+from mecano.solve.linear.factors import Factors
+from mecano.solve.linear.ordering import Pattern
 from mecano.solve.time.constrained_mass import ConstrainedMass
 from mecano.solve.time.radau_tableau import (
     COMPLEX,
@@ -39,7 +41,8 @@ RADAU = fields(
     words="known iterations has_rates projects projected "
     "nodes A D to_error to_cubic to_parabola to_real to_both from_both "
     "velocities reactions last_velocities last_reactions increments rates scratch kept_increments kept_reactions "
-    "t z v a R F sizes turn parts entry_kinds turned places real_values complex_values n_soft soft_entries soft_places "
+    "t z v a R F sizes turn parts entry_kinds turned real_values complex_values "
+    "n_soft soft_entries soft_places n_sums sums n_right_sums right_sums "
     "real_scale complex_scale real_right complex_right correction "
     "factor_real factor_real_words real_outcome solve_real solve_real_words "
     "factor_complex factor_complex_words complex_outcome solve_complex solve_complex_words "
@@ -91,11 +94,10 @@ class RadauWorkspace(Pointers):
     """
 
     def __init__(self, system: "System", length: float, **fixed: Any):
-        from mecano.solve.linear.lu import factors  # no ordinary run needs it (docs/architecture.md, Start)
-
         super().__init__(RADAU)
         of, n, n_q, n_l = system.numbering, system.n, system.n_q, system.n_l
-        self.factors = [factors(n, system.rows, system.cols, kind) for kind in (float, complex)]
+        pattern = Pattern(n, system.rows, system.cols, of.group)
+        self.factors = [Factors(pattern, kind) for kind in (float, complex)]
         self.mass, self.observation = system.kept(ConstrainedMass), Observation(system)
         self.velocities, self.reactions = np.zeros((4, n_q)), np.zeros((3, n_l))
         self.last_velocities, self.last_reactions = np.zeros((4, n_q)), np.zeros((3, n_l))
@@ -115,7 +117,7 @@ class RadauWorkspace(Pointers):
             turn=np.zeros(of.n_all), parts=np.zeros((7, system.nnz)), correction=np.zeros((3, n)),
             real_scale=np.ones(n), complex_scale=np.ones((n, 2)) * [1.0, 0.0], n_outputs=system.n_outputs,
             outputs=np.zeros((3, system.n_outputs)),
-            observation=self.observation.record, mass=self.mass.record, places=self.factors[0].place, **fixed,
+            observation=self.observation.record, mass=self.mass.record, **fixed,
         )  # fmt: skip
         for name, matrix in zip(("real", "complex"), self.factors, strict=True):
             self.point_to(**{
