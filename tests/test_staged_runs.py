@@ -8,7 +8,9 @@ from click.testing import CliRunner
 from time_runs import INPUTS, deck
 
 import mecano
+from mecano.analyses.modal import operating_point
 from mecano.cli import commands
+from mecano.deck.read import read_deck
 from mecano.errors import DeckError
 
 FALLING = """
@@ -56,6 +58,73 @@ def test_two_stages_are_one_run(name, cut, end, tolerance, tmp_path):
         np.testing.assert_allclose(
             staged[path].values[-1], whole[path].values[-1], rtol=scale, atol=scale, err_msg=path
         )
+
+
+TURNING = """
+mecano: 1
+gravity: none
+nodes: {first: {position: [0, 0, 0]}, second: {position: [0.27, 0, 0]}, disc: {position: [0, 1, 0]}}
+elements:
+  first: {type: rigid_body, node: first, mass: 1, inertia: [0.01, 0.01, 0.02]}
+  second: {type: rigid_body, node: second, mass: 1, inertia: [0.01, 0.01, 0.02]}
+  disc: {type: rigid_body, node: disc, mass: 1, inertia: [0.01, 0.01, 0.02]}
+  coil: {type: torsion_spring_damper, nodes: [second, disc], axis: [0, 0, 1], law: {spring: {stiffness: 0.02}}}
+joints:
+  pivot: {type: hinge, nodes: [ground, first], axis: [0, 0, 1]}
+  pinion: {type: hinge, nodes: [ground, second], axis: [0, 0, 1]}
+  spindle: {type: hinge, nodes: [ground, disc], axis: [0, 0, 1]}
+  teeth: {type: gear_pair, nodes: [ground, first, second], axis_a: [0, 0, 1], radius_a: 0.1, radius_b: 0.17}
+initial:
+  velocities:
+    - {nodes: [first], angular_velocity: [0, 0, 60]}
+    - {nodes: [second], angular_velocity: [0, 0, =-600/17]}
+time: {end: 1, step: 1 ms}
+output: {every: 0.25}
+"""
+
+
+def turned(t):
+    """Angles [rad] of the gear ``second`` and of the disc, by M = k (disc - second) between inertias J and 0.02."""
+    ratio, k = 1.7, 0.02
+    J, rate = 0.02 + ratio**2 * 0.02, -600 / 17
+    w = np.sqrt(k * (1 / J + 1 / 0.02))
+    mean, relative = rate * J / (J + 0.02) * t, rate / w * np.sin(w * t)
+    return mean + relative * 0.02 / (J + 0.02), mean - relative * J / (J + 0.02)
+
+
+def test_turns_between_saved_times_are_counted(tmp_path):
+    """The gears turn by 15 rad from row to row; their ratio is not whole, and the spring feels each turn."""
+    solved(tmp_path, "s", TURNING, **{"time.end": 0.5})
+    second = re.sub(r"\ninitial:.*\n(?: +.*\n)*", "\ninitial: {from: s.h5}\n", TURNING)
+    staged = solved(tmp_path, "t", second, **{"time.start": 0.5})
+    gear, disc = turned(staged.time)
+    np.testing.assert_allclose(staged["pivot.angle"].values, -1.7 * gear, rtol=1e-6)
+    np.testing.assert_allclose(staged["pinion.angle"].values, gear, rtol=1e-6)
+    np.testing.assert_allclose(staged["coil.moment"].values, 0.02 * (disc - gear), rtol=1e-6)
+    assert not any("too far apart" in text for text in staged.warnings)
+
+
+def test_saved_times_too_far_apart_to_count_turns_are_reported(tmp_path):
+    """A disc that a motor turns twice from one row to the next: it is at rest in both."""
+    text = """
+    mecano: 1
+    gravity: none
+    nodes: {disc: {position: [0, 0, 0]}}
+    elements: {disc: {type: rigid_body, node: disc, mass: 1, inertia: [0.01, 0.01, 0.02]}}
+    joints:
+      spindle: {type: hinge, nodes: [ground, disc], axis: [0, 0, 1]}
+      motor: {type: prescribed_angle, nodes: [ground, disc], axis: [0, 0, 1], value: "4*(pi*time - sin(2*pi*time)/2)"}
+    time: {end: 1, step: 5 ms}
+    output: {every: 1}
+    """
+    once = solved(tmp_path, "s", text)
+    np.testing.assert_allclose(once["spindle.angle"].values, [0, 4 * np.pi], atol=1e-9)
+    staged = solved(tmp_path, "t", text + "\n    initial: {from: s.h5}\n", **{"time.start": 1, "time.end": 1.1})
+    said = [text for text in staged.warnings if "too far apart" in text]
+    assert len(said) == 1 and "wrong joints/spindle/angle by -2;" in said[0]
+    for at_rest in (False, True):
+        point = operating_point(read_deck(tmp_path / "s.yaml"), f"{tmp_path}/s.h5:1", at_rest)
+        assert "wrong joints/spindle/angle by -2;" in " ".join(point.warnings)
 
 
 def test_a_cut_cable_stays_cut(tmp_path):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.analyses.replay import gaps_at_start, replayed, scalars_in
+from mecano.analyses.replay import MOST, gaps_at_start, miscounted, replayed, scalars_in
 from mecano.errors import DeckError, Problem, ResultsError, name_list
 
 if TYPE_CHECKING:
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from mecano.model.system import System
     from mecano.results.reader import Results
 
-MOST = 8  # names in a text
 ROUNDING = 1e-9  # of the time: largest difference of a saved time from the requested one
 
 
@@ -81,10 +80,11 @@ def _begun(
         raise ResultsError(f"{results.path} has no node of this deck")
     scalars, missing = scalars_in(system, results)
     found = replayed(system, state, results, row, nodes, scalars, near)
+    turns = list(miscounted(system, found, results, row))
     moves = np.arange(len(found.v)) < system.n_q
     memory, anew = _without_past(system, found.memory)
     found = replace(found, v=np.where(moves, found.v, 0.0), t=state.t, memory=memory)
-    return found, list(_remarks(results, row, name, system, nodes, missing, anew))
+    return found, [*_remarks(results, row, name, system, nodes, missing, anew), *turns]
 
 
 def _without_past(system: "System", memory: np.ndarray) -> tuple[np.ndarray, list[str]]:

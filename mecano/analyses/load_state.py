@@ -7,7 +7,7 @@ import numpy as np
 from mecano.analyses.carry_over import saved_time
 from mecano.analyses.equilibria import loaded, rest
 from mecano.analyses.prepare import Prepared, integrator_of
-from mecano.analyses.replay import gaps_at_start, replayed, scalars_in
+from mecano.analyses.replay import gaps_at_start, miscounted, replayed, scalars_in
 from mecano.errors import ResultsError, UsageError
 from mecano.results.checked import blaming
 from mecano.results.reader import Results, open_results
@@ -25,19 +25,19 @@ def parse(text: str) -> tuple[str, float | None]:
     return path, time
 
 
-def state_at(prepared: Prepared, text: str) -> "tuple[Prepared, State, Assemble | None, str]":
-    """Return (Prepared, State, assemble, words) of the saved time nearest to that of ``text``, "results.h5:time".
+def state_at(prepared: Prepared, text: str) -> "tuple[Prepared, State, Assemble | None, str, tuple[str, ...]]":
+    """Return (Prepared, State, assemble, words, warnings) of the saved time nearest to ``text``, "results.h5:time".
 
     The Prepared is the model there, with the redundant constraints of its phases. Velocities, accelerations and
     reactions are made consistent; elements are in the phases implied by the state and the events. ``assemble`` replaces
     that of the system for the load factor of a static result, otherwise it is None. Raises UsageError, and ResultsError
     if the results do not belong to the deck or lack some of its unknowns.
     """
-    state, factor, words = _saved(prepared, text)
+    state, factor, words, warnings = _saved(prepared, text)
     if factor is None:
         prepared = prepared.at(state)
-        return prepared, _moving(prepared, state), None, words
-    return prepared, *_resting(prepared, state, factor), words
+        return prepared, _moving(prepared, state), None, words, warnings
+    return prepared, *_resting(prepared, state, factor), words, warnings
 
 
 def rest_at(prepared: Prepared, text: str) -> "tuple[Prepared, State, str, tuple[str, ...]]":
@@ -45,30 +45,31 @@ def rest_at(prepared: Prepared, text: str) -> "tuple[Prepared, State, str, tuple
 
     Raises the errors of ``state_at`` and ``rest``.
     """
-    state, factor, words = _saved(prepared, text)
+    state, factor, words, warnings = _saved(prepared, text)
     if factor is not None:
         raise UsageError("in results of a static analysis the model is at rest already: omit --at-rest")
     prepared = prepared.at(state)
-    state, warnings = rest(prepared, _moving(prepared, state))
-    return prepared, state, f"equilibrium at rest near {words}", warnings
+    state, found = rest(prepared, _moving(prepared, state))
+    return prepared, state, f"equilibrium at rest near {words}", (*warnings, *found)
 
 
-def _saved(prepared: Prepared, text: str) -> "tuple[State, float | None, str]":
-    """Return (State, load factor, words) of a saved time; the load factor of a dynamic run is None."""
+def _saved(prepared: Prepared, text: str) -> "tuple[State, float | None, str, tuple[str, ...]]":
+    """Return (State, load factor, words, warnings) of a saved time; the load factor of a dynamic run is None."""
     path, time = parse(text)
     with blaming(path), open_results(path) as results:
         if not len(results.time):
             raise ResultsError(f"{path}: no saved times yet")
         row = len(results.time) - 1 if time is None else int(np.argmin(np.abs(results.time - time)))
         state = _placed(prepared, results, row)
+        warnings = tuple(miscounted(prepared.system, state, results, row))
         axis = results.axis
         words = f"{path} at {axis.path} {results.time[row]:.6g} {axis.unit}".rstrip()
         if "static/load_factor" not in results.series:
             state.t = float(results.time[row])
-            return state, None, words
+            return state, None, words, warnings
         factor = results["static/load_factor"].values[row]
         state.t = float(results.time[row]) if results.axis.unit == "s" else state.t
-    return state, factor, words
+    return state, factor, words, warnings
 
 
 def _placed(prepared: Prepared, results: Results, row: int) -> "State":

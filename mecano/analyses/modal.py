@@ -73,8 +73,9 @@ def _operating_point(deck: "Deck", at: str | None, at_rest: bool) -> OperatingPo
         prepared, state, text, reported = rest_at(begun, at)
         return OperatingPoint(prepared, state, None, text, (*startup_warnings(prepared, begun=begun), *reported, *held))
     if at is not None:
-        prepared, state, assemble, text = state_at(begun, at)
-        return OperatingPoint(prepared, state, assemble, text, (*startup_warnings(prepared, begun=begun), *held))
+        prepared, state, assemble, text, reported = state_at(begun, at)
+        reported = (*startup_warnings(prepared, begun=begun), *reported, *held)
+        return OperatingPoint(prepared, state, assemble, text, reported)
     if deck.values["static"]:
         result = follow(prepared)
         reported = (*startup_warnings(prepared), *result.warnings, *held)

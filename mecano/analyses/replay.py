@@ -1,14 +1,17 @@
 """The state of a model at a saved time of a results file: its saved rows and events are replayed from the first.
 
 Memory (angles over many turns, the places at which latches hold) and phases follow from the rows and events before
-the time; positions, rotations, velocities and scalars are those of its row.
+the time; positions, rotations, velocities and scalars are those of its row. Between two rows each node spins with the
+mean of its angular velocities there, so that turns are counted that are faster than the rows.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from mecano.errors import name_list
+from mecano.model.sampler import Sampler, StaticSample
 from mecano.solve.events.events import EventMonitor
 from mecano.solve.events.impact_candidates import ImpactCandidates
 from mecano.solve.events.shocks import touching_gaps
@@ -22,6 +25,8 @@ if TYPE_CHECKING:
 
 Scalar: TypeAlias = tuple[int, np.ndarray, np.ndarray]  # index in z, values and rates (n_rows,) in the results
 COLUMNS = ("position", "rotation", "velocity", "angular_velocity")
+MOST = 8  # names in a text
+TURN = 1.0  # [rad] by which a node turns between two places that are replayed; counting needs less than half a turn
 
 
 def replayed(
@@ -45,13 +50,15 @@ def replayed(
         Gaps up to which contacts touch at the start, see ``gaps_at_start``; they are open unless an event closed them.
     """
     rows = range(row + 1) if any(b.kind.memory for b in system.batches) else sorted({0, row})
-    traces = {name: [results.find(f"nodes/{name}/{c}").values for c in COLUMNS] for _, name in nodes}
+    traces = [[results.find(f"nodes/{name}/{c}").values for c in COLUMNS] for _, name in nodes]
     monitor, state = EventMonitor(system), state.copy()
     touching = ImpactCandidates(system).touching(near)
     events = [event for event in results.events if event.time <= results.time[row]]
     for r in rows:
-        for i, name in nodes:
-            _place_node(system, state, i, *(values[r] for values in traces[name]))
+        if r - 1 in rows:
+            _spin(system, state, results.time, r, nodes, traces)
+        for (i, _), trace in zip(nodes, traces, strict=True):
+            _place_node(system, state, i, *(values[r] for values in trace))
         for place, value, rate in scalars:
             state.z[place], state.v[place] = value[r], rate[r]
         state.t = float(results.time[r])
@@ -61,6 +68,52 @@ def replayed(
             event = events.pop(0)
             state = monitor.entered(state, event.element, event.name, event.before, event.after)
     return state
+
+
+def _spin(system, state, times, row, nodes, traces):
+    """Let the nodes turn from the row before ``row`` towards it, in steps below TURN, which the memory follows."""
+    dt = times[row] - times[row - 1]
+    spins = np.array([0.5 * dt * (omega[row - 1] + omega[row]) for *_, omega in traces]).reshape(-1, 3)
+    steps = int(np.ceil(np.linalg.norm(spins, axis=1).max(initial=0.0) / TURN))
+    if steps < 2:
+        return
+    from scipy.spatial.transform import Rotation  # slow to import, and rarely needed
+
+    of, at = system.numbering, [i for i, _ in nodes]
+    turning, places = of.rotation[at], of.x[at][:, None] + np.arange(3)
+    before, after = (Rotation.from_quat([np.roll(q[r], -1) for _, q, *_ in traces]) for r in (row - 1, row))
+    rest = (after * before.inv() * Rotation.from_rotvec(spins).inv()).as_rotvec()
+    spin, correct = (Rotation.from_rotvec(turn / steps).as_matrix() for turn in (spins, rest))
+    shift = np.array([x[row] - x[row - 1] for x, *_ in traces]) / steps
+    spun, corrected, R = np.eye(3), np.eye(3), before.as_matrix()
+    for k in range(1, steps):
+        spun, corrected = spin @ spun, correct @ corrected
+        state.R[turning] = corrected @ spun @ R
+        state.z[places] += shift
+        state.t = float(times[row - 1] + k / steps * dt)
+        state.memory = system.commit(solve_signals(system, state))
+
+
+def miscounted(system: "System", state: "State", results: "Results", row: int) -> Iterator[str]:
+    """Yield a warning if turns of a replayed ``state`` are not those of the angles in the row of the results.
+
+    Rows do not tell the turns between them if the mean of the rates at both is wrong by more than half a turn.
+    """
+    wrong = [f"{path} by {turns:+d}" for path, turns in _turns_too_many(system, state, results, row) if turns]
+    if wrong:
+        yield (
+            f"the saved times of {results.path} are too far apart to count the turns before {results.time[row]:.6g} s: "
+            f"wrong {name_list(wrong, MOST)}; save more often there ('output.every')"
+        )
+
+
+def _turns_too_many(system, state, results, row):
+    sampler = Sampler(system)
+    outputs = sampler.take(StaticSample(state), system.observe(state))
+    for column in sampler.columns:
+        if column.unit == "rad" and column.rate and column.path in results.series:
+            beyond = outputs[column.start] - results[column.path].values[row]
+            yield column.path, round(beyond / (2.0 * np.pi)) if np.isfinite(beyond) else 0
 
 
 def gaps_at_start(deck: "Deck", system: "System", length: float) -> np.ndarray:
