@@ -331,6 +331,30 @@ def test_quasi_static_over_time():
     np.testing.assert_allclose(-reaction, truss_force(z), atol=1e-9)
 
 
+def test_prescribed_angles_turn_many_times_between_two_equilibria(tmp_path):
+    """A motor turns a gear four times within each of two steps; a spring on the other gear feels all turns."""
+    geared = """
+    mecano: 1
+    gravity: none
+    nodes: {pinion: {position: [0, 0, 0]}, wheel: {position: [0.27, 0, 0]}}
+    elements:
+      coil: {type: torsion_spring_damper, nodes: [ground, wheel], axis: [0, 0, 1], law: {spring: {stiffness: 0.5}}}
+    joints:
+      shaft: {type: hinge, nodes: [ground, pinion], axis: [0, 0, 1]}
+      axle: {type: hinge, nodes: [ground, wheel], axis: [0, 0, 1]}
+      teeth: {type: gear_pair, nodes: [ground, pinion, wheel], axis_a: [0, 0, 1], radius_a: 0.1, radius_b: 0.17}
+      motor: {type: prescribed_angle, nodes: [ground, pinion], axis: [0, 0, 1], value: {linear: {slope: =16*pi}}}
+    static: {over: time, end: 1, steps: 2}
+    """
+    run(deck(geared), tmp_path / "geared.h5")
+    with open_results(tmp_path / "geared.h5") as results:
+        turned = 16 * np.pi * results.time
+        assert {0.5, 1.0} <= set(results.time)
+        np.testing.assert_allclose(results["joints/shaft/angle"].values, turned, atol=1e-9)
+        np.testing.assert_allclose(results["elements/coil/moment"].values, -0.5 * turned / 1.7, atol=1e-9)
+        np.testing.assert_allclose(results["joints/motor/moment"].values, 0.5 * turned / 1.7**2, atol=1e-9)
+
+
 def test_loads_that_ramp_over_time_start_from_their_value_at_the_start():
     loads = "loads: {a: {type: couple, nodes: [ground, pin], axis: [0, 1, 0], value: {linear: {slope: 2, offset: 1}}}}"
     path = Path(arm("static: {over: time, start: 1, end: 3, steps: 4}", gravity=0.0, more=loads))

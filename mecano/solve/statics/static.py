@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from mecano.element_interface import BY_COMMAND
 from mecano.errors import Failure
 from mecano.model.assembly import Assembly
 from mecano.model.numbering import ROTATION
@@ -80,6 +81,7 @@ class Statics:
         self.assembly, self._increment = Assembly(system), np.zeros(system.n)
         self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
         self._rotations = np.flatnonzero(system.numbering.kind[: system.n_q] == ROTATION)
+        self._angles = _prescribed_angles(system)
 
     def scales(self, s: "State") -> tuple[float, float]:
         """Return k and penalty of the constraints [N/m] at ``s``: as given, or the mean stiffness of the tangent."""
@@ -248,7 +250,14 @@ class Statics:
         if ok and np.abs(s.z[self._rotations]).max(initial=0.0) > MOST_TURN:
             ok, failure = False, Failure.NOT_CONVERGED
             message = f"a body turns by more than {MOST_TURN} rad in one step"
+        if ok and np.abs(self._angles_at(s) - self._angles_at(s0)).max(initial=0.0) > MOST_TURN:
+            ok, failure = False, Failure.NOT_CONVERGED
+            message = f"a prescribed angle changes by more than {MOST_TURN} rad in one step"
         return Status(ok, result.iterations, result.norms, change, first, message, (), failure)
+
+    def _angles_at(self, s):
+        """Return the prescribed angles [rad] at the time of ``s``, whose whole turns its rotations do not tell."""
+        return self.system.observe(s).outputs[self._angles] if len(self._angles) else self._angles
 
     def displacement(self, s: "State", s0: "State") -> np.ndarray:
         """Return the displacements (n_q,) from ``s0``, to which the rotation increments of ``s`` are relative."""
@@ -277,3 +286,10 @@ class Statics:
         """Return ``s`` with committed memories, as an accepted point."""
         s.memory = self.system.commit(s)
         return s
+
+
+def _prescribed_angles(system):
+    """Return the indices (n,) of the angles that joints prescribe among the outputs of the system."""
+    places = np.arange(system.n_outputs)
+    found = [b.outputs(places)[:, 0] for b in system.batches if b.kind.turns == BY_COMMAND]
+    return np.concatenate([np.zeros(0, np.int64), *found])
