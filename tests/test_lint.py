@@ -325,6 +325,32 @@ def test_a_ground_that_moves_by_a_wave_of_time():
     assert "ground 'belt': 'motion.speed' oscillates at 30 Hz" in found.message
 
 
+@pytest.mark.parametrize(
+    ("start", "nodes", "axis", "hinge"),
+    [
+        (3.1, "[ground, arm]", "[0, 0, 1]", None),
+        (3.5, "[ground, arm]", "[0, 0, 1]", -2.78319),  # 3.5 - 2 pi
+        (3.5, "[arm, ground]", "[0, 0, 1]", 2.78319),
+        (3.5, "[ground, arm]", "[0, 0, -1]", 2.78319),
+        (-10, "[arm, ground]", "[0, 0, -1]", 2.56637),  # 4 pi - 10, and the other sense twice
+    ],
+)
+def test_a_motor_begins_at_another_turn_than_its_hinge(start, nodes, axis, hinge):
+    text = f"""
+    mecano: 1
+    gravity: none
+    time: {{end: 1, step: 0.01}}
+    nodes: {{arm: {{position: [0, 0, 0]}}}}
+    elements: {{body: {{type: rigid_body, node: arm, mass: 2, inertia: [1, 1, 1]}}}}
+    joints:
+      shaft: {{type: hinge, nodes: [ground, arm], axis: [0, 0, 1]}}
+      motor: {{type: prescribed_angle, nodes: {nodes}, axis: {axis}, value: {{linear: {{slope: 1, offset: {start}}}}}}}
+    """
+    begins = f"test.yaml:9:3: prescribed_angle 'motor' begins at {start} rad, but hinge 'shaft' at {hinge} rad: "
+    found = warned(text)
+    assert len(found) == (hinge is not None) and all(one.startswith(begins) for one in found)
+
+
 @pytest.mark.parametrize(("x", "far"), [(9e4, False), (1e6, True)])
 def test_a_mechanism_far_from_the_origin(x, far):
     text = HEAD.replace("position: [0, 0, 0]", f"position: [{x}, 0, 0]").replace("[1, 0, 0]", f"[{x + 1}, 0, 0]")

@@ -122,6 +122,9 @@ def test_saved_times_too_far_apart_to_count_turns_are_reported(tmp_path):
     staged = solved(tmp_path, "t", text + "\n    initial: {from: s.h5}\n", **{"time.start": 1, "time.end": 1.1})
     said = [text for text in staged.warnings if "too far apart" in text]
     assert len(said) == 1 and "wrong joints/spindle/angle by -2;" in said[0]
+    solved(tmp_path, "s2", text, **{"output.every": 0.05})
+    staged = solved(tmp_path, "t2", text + "\n    initial: {from: s2.h5}\n", **{"time.start": 1, "time.end": 1.1})
+    assert not [text for text in staged.warnings if "too far apart" in text or "begins at" in text]
     for at_rest in (False, True):
         point = operating_point(read_deck(tmp_path / "s.yaml"), f"{tmp_path}/s.h5:1", at_rest)
         assert "wrong joints/spindle/angle by -2;" in " ".join(point.warnings)

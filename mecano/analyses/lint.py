@@ -9,7 +9,7 @@ from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.deck.limits import AUTOMATIC
 from mecano.deck.physics import element_nodes
 from mecano.deck.units import UnitError, alike, factor_of
-from mecano.element_interface import NodeAtStart, nothing
+from mecano.element_interface import BY_COMMAND, FREELY, NodeAtStart, nothing
 from mecano.elements import KINDS
 from mecano.errors import Problem, name_list
 from mecano.laws.probe import curve_at
@@ -35,7 +35,8 @@ def suspicious_model(deck: "Deck", system: "System", s: "State", length: float) 
     placed = [*_far(deck, system, s, length), *_one_point(deck, system)]
     firsts = [*_first(strained, "elements"), *_first(massless, "nodes"), *_first(suspicious, "elements")]
     units = [*_other_units(deck, system.model), *_unlike(deck, system.model)]
-    return [*firsts, *_first(units, "formulas"), *placed]
+    turned = _first([*_turned(deck, system, s)], "joints")
+    return [*firsts, *_first(units, "formulas"), *placed, *turned]
 
 
 def _other_units(deck, model):
@@ -96,6 +97,35 @@ def _far(deck, system, s, length):
             "and accelerations; place the origin near the mechanism"
         )
         yield Problem(text, deck.mark("nodes", system.nodes[i].name))
+
+
+def _turned(deck, system, s):
+    """Yield warnings about motors that begin at an angle which differs by turns from that of their hinge."""
+    motors, hinges = (_angles(deck, system, s, turns) for turns in (BY_COMMAND, FREELY))
+    of_pair = {frozenset(deck.values["joints"][name]["nodes"]): name for name in hinges}
+    for name, wanted in motors.items():
+        d = deck.values["joints"][name]
+        if (hinge := of_pair.get(frozenset(d["nodes"]))) is None:
+            continue
+        other = deck.values["joints"][hinge]
+        sense = np.sign(np.dot(d["axis"], other["axis"])) * (1.0 if d["nodes"] == other["nodes"] else -1.0)
+        if round((wanted - sense * hinges[hinge]) / (2.0 * np.pi)):
+            text = f"{title_of(d['type'], name)} begins at {wanted:.6g} rad, but {title_of(other['type'], hinge)} at "
+            text += f"{hinges[hinge]:.6g} rad: positions do not tell whole turns. Springs, gears and stops count from "
+            text += "the latter; let the motor begin within half a turn of the angle in the deck, which is zero"
+            yield Problem(text, deck.mark("joints", name))
+
+
+def _angles(deck, system, s, turns):
+    """Return {name: angle [rad]} of the joints of kinds that declare ``turns``."""
+    kinds = [b for b in system.batches if b.kind.turns == turns]
+    outputs = system.observe(s).outputs if kinds else None
+    found = {}
+    for b in kinds:
+        column = [output.name for output in b.kind.outputs].index("angle")
+        for (path, _), y in zip(b.paths, b.outputs(outputs), strict=True):
+            found[path.partition("/")[2]] = float(y[column])
+    return found
 
 
 def _one_point(deck, system):
