@@ -166,6 +166,10 @@ SIGNAL = """
             "as the sample_and_hold 'held' does",
         ),
         ("motion: {type: delay, input: sign(time - 1), time: 0.1}", "as 'sign' does"),
+        (
+            "motion: {type: curve, input: time, law: {step: {time: 0.5, rise: 0, from: 1, to: 2}}}",
+            "as the curve 'motion' does",
+        ),
     ],
 )
 def test_a_set_point_must_not_jump(signals, message):
@@ -173,6 +177,21 @@ def test_a_set_point_must_not_jump(signals, message):
     with pytest.raises(DeckError) as error:
         deck(SIGNAL.replace("SIGNALS", signals))
     assert message in error.value.problems[0].message
+
+
+JUMP = "{step: {time: 0.5, rise: 0, from: 1, to: 2}}"
+
+
+@pytest.mark.parametrize("motion", ["motion", JUMP])
+def test_a_law_of_a_set_point_must_not_jump(motion):
+    """It is refused by name and in place; with a rise it is accepted."""
+    text = SIGNAL.replace("signals: {SIGNALS}", f"laws: {{motion: {JUMP}}}")
+    text = text.replace("natural_length: motion", f"natural_length: {motion}")
+    assert deck(text.replace("rise: 0", "rise: 0.1"))
+    with pytest.raises(DeckError) as error:
+        deck(text)
+    (problem,) = error.value.problems
+    assert "'s': a set point must not jump, as this law does at 0.5 s" in problem.message and problem.mark.line == 7
 
 
 def test_a_bushing_has_formulas_or_laws_as_set_points():

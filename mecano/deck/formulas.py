@@ -41,11 +41,14 @@ def drive(node: Node, field: Field, scope: Scope) -> Law | Reference | str | Inv
             checked = _noted(found, node, scope)
             of_time = field.type == MOTION and checked is not INVALID
             return Reference(checked, "laws", "motion", node, scope.subject) if of_time else checked
-    return law_or_name(node, replace(field, type=replace(field.type, name="curve"), argument="s"), scope)
+    law = law_or_name(node, replace(field, type=replace(field.type, name="curve"), argument="s"), scope)
+    if not isinstance(law, Reference):
+        note_continuous(law, node, field.type.options, scope)
+    return law
 
 
-def note_continuous(found: Formula | Invalid, node: Node, options: tuple[str, ...], scope: Scope) -> None:
-    """Note a Formula whose value must not jump: that of a field with these ``options`` of its type."""
+def note_continuous(found: Formula | Law | Invalid, node: Node, options: tuple[str, ...], scope: Scope) -> None:
+    """Note a Formula or a law whose value must not jump: that of a field with these ``options`` of its type."""
     if found is not INVALID and options == CONTINUOUS_DRIVE.options:
         scope.continuous.append((found, node, scope.subject))
 
@@ -145,23 +148,36 @@ def check_continuous(values: Values, scope: Scope) -> None:
     """Note errors for set points that jump, in the checked ``values`` of a deck: their energy would be unknown."""
     for found, node, subject in scope.continuous:
         scope.subject = subject
-        if name := _jump(found, values["signals"], scope.kinds, set()):
-            text = f"a set point must not jump, as {name} does"
-            scope.refuse(node, text, "pass it through a 'lag' with the time constant of the actuator")
+        if isinstance(found, Formula):
+            what = _jump(found, values["signals"], scope.kinds, set())
+            remedy = "pass it through a 'lag' with the time constant of the actuator"
+        else:
+            what = _jump_of_law(found)
+            remedy = "give it the time that the actuator takes, such as the 'rise' of a step"
+        if what:
+            scope.refuse(node, f"a set point must not jump, as {what}", remedy)
+
+
+def _jump_of_law(law):
+    """Return a clause on the first jump of a law of time, or ""."""
+    from mecano.laws.probe import places_of_jumps  # compiled, and needed for few decks
+
+    places = places_of_jumps(law)
+    return f"this law does at {places[0]:g} s" if places else ""
 
 
 def _jump(found, signals, kinds, seen):
-    """Return a name for what makes a Formula jump, or ""."""
+    """Return a clause on what makes a Formula jump, or ""."""
     if any(code == SIGN for code, _ in found.program):
-        return "'sign'"
+        return "'sign' does"
     for name in (name.removeprefix("signals.") for name in found.references):
         if name in seen or name not in signals:
             continue
         seen.add(name)
         d = signals[name]
         kind = kinds[d["type"]]
-        if kind.jumps:
-            return f"the {kind.name} {quoted(name)}"
+        if kind.jumps(d):
+            return f"the {kind.name} {quoted(name)} does"
         inputs = () if kind.smooths(d) else kind.chosen(d).read(d)
         if jump := next(filter(None, (_jump(read_formula(text), signals, kinds, seen) for text in inputs)), ""):
             return jump

@@ -1,7 +1,7 @@
 """Resolution of references: nodes must exist; laws, grounds and tire laws replace their names."""
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from mecano.deck.containers import singular, wrong_name
 from mecano.deck.formulas import note_continuous
@@ -45,11 +45,12 @@ def resolve(values: Values, scope: "Scope") -> None:
             more = values["signals"] if reference.wanted == "drive" else members if of_line else ()
             _unknown(reference, [*known, *more], values, scope)
             continue
-        found = known[reference.name]
+        found: Any = known[reference.name]
         if reference.section == "laws":
             if reference.wanted == "drive" and reference.name in values["signals"]:
                 scope.refuse(reference.node, f"{quoted(reference.name)} is both a law and a signal")
             _check_terms(reference, found, scope)
+            note_continuous(found, reference.node, reference.options, scope)
         _put(reference, found)
         if reference.section == "joints":
             _check_joint(reference, found, scope)

@@ -78,7 +78,7 @@ class Scope:
     references: list[Reference] = field(default_factory=list)
     lines: list[list[str]] = field(default_factory=list)  # names of nodes and members
     formulas: "list[tuple[Formula, Node, str]]" = field(default_factory=list)  # with their subjects, all that are read
-    continuous: "list[tuple[Formula, Node, str]]" = field(default_factory=list)  # the same of those that must not jump
+    continuous: "list[tuple[Any, Node, str]]" = field(default_factory=list)  # Formulas, laws without jumps
     files: dict[str, str] = field(default_factory=dict)  # name of a file read -> SHA-256
     tables: dict[Any, Any] = field(default_factory=dict)  # name of a file read -> points, or reduced matrices
     beside: str = ""  # folder, relative to that of the deck, of the current file; files named in it are relative to it

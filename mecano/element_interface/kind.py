@@ -136,7 +136,8 @@ class Mechanics:
     massless: tuple[str, ...] = ()  # massless scalars, whose rates follow from their own equations alone
     states: tuple[str, ...] = ()  # names of the scalars whose rates are determined by their equations
     of_signals: bool = False  # its scalars are signals
-    jumps: bool = False  # the value of a signal may jump although its inputs do not
+    jumps: Callable = never
+    """deck values of a signal -> True if its value may jump although its inputs do not"""
     smooths: Callable = never
     """deck values of a signal -> True if its value does not jump with its inputs"""
     like: Callable = never

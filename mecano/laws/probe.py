@@ -47,6 +47,11 @@ def jumps(law, s):
     return np.abs(after - before) > JUMP + continuous
 
 
+def places_of_jumps(law):
+    """Return the arguments, ascending, at which the value of a checked law of curves jumps."""
+    return [s for s in breakpoints(law) if jumps(law, s)[0]]
+
+
 def corners(law):
     """Return the arguments, ascending, at which a checked law of curves jumps or has a corner."""
     return [s for s in breakpoints(law) if jumps(law, s)[:2].any()]

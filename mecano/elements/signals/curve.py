@@ -8,6 +8,7 @@ of the signal, as those of ``max`` and ``abs``.
 
 from mecano.constraints.along_coordinate.signal import signal_of_input
 from mecano.jit.kernel import kernel
+from mecano.laws.probe import places_of_jumps
 from mecano.laws.table import breakpoints, curve
 from mecano.laws.term import VALUE as VALUE_UNIT
 from mecano.maths.dual import number
@@ -39,6 +40,7 @@ CURVE = signal_of_input(
     "curve",
     __doc__,
     Field("law", CURVE_LAW, VALUE_UNIT, "c, the value as a function of the input, both in SI units"),
+    jumps=lambda d: bool(places_of_jumps(d["law"])),
     residual=residual,
     times=times,
     sample=sample,

@@ -41,7 +41,7 @@ SAMPLE_AND_HOLD = signal_of_input(
     "sample_and_hold",
     __doc__,
     Field("period", NUMBER, "s", "T, time between two samples", check=positive),
-    jumps=True,
+    jumps=lambda d: True,
     like=lambda d: d["input"],
     memory=("held", "next", "started"),
     residual=residual,

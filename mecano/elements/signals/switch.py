@@ -54,7 +54,7 @@ SWITCH = signal_of_input(
     Field("lower", NUMBER, "-", "level below which it becomes low again; 'upper' when absent", None),
     Field("high", FORMULA, "-", "value when it is high", "1"),
     Field("low", FORMULA, "-", "value when it is low", "0"),
-    jumps=True,
+    jumps=lambda d: True,
     dtype=record(upper=(), lower=()),
     inputs=("input", "high", "low"),
     phases=("low", "high"),
