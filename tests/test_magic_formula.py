@@ -144,6 +144,7 @@ def test_a_slow_sweep_of_the_slip_angle():
     for found, i, share in ((Mx, 2, 1.0), (My, 3, V_x / V), (Mz, 4, V_x / V)):
         np.testing.assert_allclose(found[later], (share * expected[i])[later], atol=1e-3 * np.abs(expected[i]).max())
     np.testing.assert_allclose(tire["slip_angle"].ravel(), alpha, atol=1e-4)
+    np.testing.assert_allclose(recorded["elements/tire/slip_ratio"].ravel()[later], (kappa * V / V_x)[later], atol=1e-5)
     drag = (My - 0.4 * np.gradient(omega, recorded.time)) / 0.301  # rolling resistance and the spin, over the height
     settled = recorded.time > 0.5
     np.testing.assert_allclose(tire["longitudinal_force"].ravel()[settled], drag[settled], rtol=1e-3)

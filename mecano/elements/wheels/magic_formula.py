@@ -23,7 +23,7 @@ exchanged with the rolling.
 import math
 
 from mecano.elements.wheels.magic_equations import Slips, atan, formula, rolling_radius
-from mecano.elements.wheels.slip_law import Carcass, SlipForces, SlipLaw
+from mecano.elements.wheels.slip_law import Carcass, Slip, SlipForces, SlipLaw
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, at_most, atan2, sqrt, value
 from mecano.maths.vector import dot
@@ -183,6 +183,14 @@ def forces(p, laws, k):
 
 
 @kernel
+def at_effective_radius(p, k):
+    """Return the Slip of a rim of the effective rolling radius, on which the formula is based."""
+    R_e = rolling_radius(p, at_least(k.N, LEAST_LOAD * p.FNOMIN), k.spin)
+    ahead = ((R_e - (p.radius - at_least(k.w, 0.0))) * k.spin) * k.t
+    return Slip(k.N, k.w, k.grip, k.v - ahead, k.v_0 - ahead, k.u, k.omega, k.spin, k.lean, k.t, k.l, k.n, k.curvature)
+
+
+@kernel
 def _ramp(x):
     """Return 3 x^2 - 2 x^3 between 0 and 1, constant beyond."""
     x = at_most(at_least(x, 0.0), 1.0)
@@ -236,5 +244,5 @@ EXAMPLE = {  # plausible values, with all terms of the formula nonzero
 
 MAGIC_FORMULA = SlipLaw(
     "magic_formula", __doc__, mapping(*FIELDS), forces, RECORD, prepare, check, limits, carcass, completed, sample,
-    passive=False,
+    seen=at_effective_radius, passive=False,
 )  # fmt: skip

@@ -109,6 +109,8 @@ class SlipLaw:
     """rng -> [values of the field] for a wheel of 12 m radius under about 10 kN, for the generic tests"""
     slip: Callable = unchanged
     """kernel (record, Slip) -> Slip that ``forces`` receives and that is output: that of the rim at another radius"""
+    seen: Callable = unchanged
+    """kernel (record, Slip that ``forces`` receives) -> Slip that is output: that on which ``forces`` are based"""
     passive: bool = True
     """True if the force never drives the slip: lost = -F.v, given = M.omega"""
 

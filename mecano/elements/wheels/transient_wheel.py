@@ -91,7 +91,7 @@ def damping(p, slip):
 
 def compiled(law):
     """Return ``residual`` and ``observe`` of a wheel with a SlipLaw."""
-    forces, slip = law.forces, law.slip
+    forces, slip, seen = law.forces, law.slip, law.seen
 
     @kernel
     def residual(p, at, f):
@@ -114,7 +114,8 @@ def compiled(law):
         """Write outputs and energies."""
         k = rolling(p, at, at.phase == CONTACT)
         k = with_slip(k, slip(p, k.slip))
-        put_rolling(p, at, k, forces(p, at.laws, carried(at, k.slip)), y, e)
+        ground = forces(p, at.laws, carried(at, k.slip))
+        put_rolling(p, at, with_slip(k, seen(p, k.slip)), ground, y, e)
         x1, y1 = at.v[X], at.v[Y]
         y[BEHIND], y[BEHIND + 1], y[BEHIND + 2], y[BEHIND + 3] = at.q[X], at.q[Y], x1, y1
         c_t, c_l = damping(p, k.slip)

@@ -59,7 +59,7 @@ from mecano.jit.kernel import kernel
 
 def compiled(law):
     """Return ``residual`` and ``observe`` of a wheel with a SlipLaw."""
-    forces, slip = law.forces, law.slip
+    forces, slip, seen = law.forces, law.slip, law.seen
 
     @kernel
     def residual(p, at, f):
@@ -75,7 +75,7 @@ def compiled(law):
         """Write outputs and energies."""
         k = rolling(p, at, at.phase == CONTACT)
         k = with_slip(k, slip(p, k.slip))
-        put_rolling(p, at, k, forces(p, at.laws, k.slip), y, e)
+        put_rolling(p, at, with_slip(k, seen(p, k.slip)), forces(p, at.laws, k.slip), y, e)
 
     return residual, observe
 

@@ -90,7 +90,7 @@ def _rolling(p, at, touching):
 
 def compiled(law):
     """Return ``residual`` and ``observe`` of a wheel with a SlipLaw."""
-    forces, slip = law.forces, law.slip
+    forces, slip, seen = law.forces, law.slip, law.seen
 
     @kernel
     def residual(p, at, f):
@@ -111,7 +111,7 @@ def compiled(law):
         k, _ = _rolling(p, at, at.phase == CONTACT)
         k = with_slip(k, slip(p, k.slip))
         ground = forces(p, at.laws, k.slip)
-        if put_rolling(p, at, k, ground, y, e):
+        if put_rolling(p, at, with_slip(k, seen(p, k.slip)), ground, y, e):
             e[3] = ground.given
 
     return residual, observe
