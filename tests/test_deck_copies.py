@@ -58,6 +58,15 @@ time: {end: 1, step: 0.1}
 """
 
 
+def test_a_circle_of_parameters_is_refused_once_where_it_is_defined():
+    """The copies that use the parameters do not repeat it."""
+    circle = "parameters depend on one another in a circle"
+    (text,) = problems_of(CHAIN.replace("pitch: 250 mm", "pitch: $gap, gap: $pitch + 1"))
+    assert text == f"2:31 parameter 'pitch': {circle}: pitch -> gap -> pitch"
+    (text,) = problems_of(LEG.replace("length: 1.0", "length: $half"))
+    assert text == f"10:26 parameter 'length': {circle}: length -> half -> length"
+
+
 def test_repeat():
     values = read_fake(CHAIN).values
     assert {name: node["position"][0] for name, node in values["nodes"].items()} == {

@@ -23,6 +23,11 @@ class Refused(Exception):
 class Circle(ExpressionError):
     """Error for a parameter whose value depends on itself."""
 
+    def __init__(self, names: list[str], node: "Node"):
+        """``names``: from the parameter with the value ``node`` back to itself."""
+        super().__init__(f"parameters depend on one another in a circle: {' -> '.join(names)}", 0)
+        self.name, self.node = names[0], node
+
 
 class Parameters:
     """Named numbers and words, evaluated on demand."""
@@ -73,24 +78,23 @@ class Parameters:
             raise ExpressionError(f"unknown parameter '{name}'", column, (name, self.names()))
         self.used.add(name)
         if name in self._open:
-            circle = [*self._open[self._open.index(name) :], name]
-            raise Circle(f"parameters depend on one another in a circle: {' -> '.join(circle)}", column)
+            raise Circle([*self._open[self._open.index(name) :], name], self.nodes[name])
         if self.word(name) and not _reads_as_number(self.nodes[name].value):
             raise ExpressionError(f"parameter '{name}' is the word '{self.nodes[name].value}', not a number", column)
-        self._work_out(name, column)
+        self._work_out(name)
         value = self.values[name]
         if value is None:
             raise Refused
         return value
 
-    def _work_out(self, name, column):
+    def _work_out(self, name):
         """Evaluate ``name`` after everything it depends on, without recursion: chains may have any length."""
         chain = {name: None}  # each needs the next one
         while chain:
             last = next(reversed(chain))
             needed = next((other for other in self._needed(last) if other not in self.values), None)
             if needed in chain or needed in self._open:
-                self._refuse_circle([*self._open, *chain], needed, column)
+                self._refuse_circle([*self._open, *chain], needed)
             if needed is not None:
                 chain[needed] = None
                 continue
@@ -105,11 +109,11 @@ class Parameters:
             return []
         return [other for other in names_in(value, self) if other in self.nodes and not self.word(other)]
 
-    def _refuse_circle(self, path, name, column):
-        """Raise Circle where ``path`` returns to ``name``; those that lead into it have no value either."""
+    def _refuse_circle(self, path, name):
+        """Raise Circle where ``path`` returns to ``name``; it is refused once, and none of them has a value."""
         first = path.index(name)
-        self.values |= dict.fromkeys([other for other in path[:first] if other not in self._open])
-        raise Circle(f"parameters depend on one another in a circle: {' -> '.join([*path[first:], name])}", column)
+        self.values |= dict.fromkeys([other for other in path if other not in self._open])
+        raise Circle([*path[first:], name], self.nodes[name])
 
     def _worked_out(self, name):
         value = self.nodes[name].value

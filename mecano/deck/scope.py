@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from mecano.deck.compose import Given, Node
 from mecano.deck.expressions import ExpressionError, evaluate, is_evaluated, is_expression, names_in
-from mecano.deck.parameters import Parameters, Refused
+from mecano.deck.parameters import Circle, Parameters, Refused
 from mecano.deck.similar_names import similar
 from mecano.deck.source import Source
 from mecano.deck.units import is_quantity
@@ -184,7 +184,13 @@ class Scope:
         return ""
 
     def refuse_expression(self, node: Node, error: ExpressionError) -> Invalid:
-        """Report an error of an expression, with names similar to an unknown one."""
+        """Report an error of an expression, with names similar to an unknown one; that of a circle at its parameter."""
+        if isinstance(error, Circle):
+            user, self.subject = self.subject, f"parameter '{error.name}'"
+            try:
+                return self.refuse(error.node, error.message)
+            finally:
+                self.subject = user
         hint = ""
         if error.near:
             hint = self.suggest(*error.near) if error.near[1] else "the deck has no 'parameters'"
