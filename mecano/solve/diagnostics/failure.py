@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from mecano.errors import AssemblyError, ConvergenceError, Failure, NonFiniteError, name_list
-from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, TRANSLATION
+from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR, SIGNAL, TRANSLATION
 from mecano.solve.diagnostics.scales import ANGULAR_SHARE, TINY, length_scale
 
 if TYPE_CHECKING:
@@ -180,7 +180,7 @@ def minimum_step(
     ``before`` and ``after`` (n_all,) are the algorithmic accelerations that the estimate compares. ``rounded``: the
     local error is less than the rounding of positions.
     """
-    worst = int(np.argmax(np.abs(after - before)[: system.n_q]))
+    worst = _changing_most(system, (after - before)[: system.n_q])
     where = system.numbering.name[worst].motion
     what, smaller = "", "a smaller time.adaptive.minimum_step; a larger time.adaptive.tolerance; "
     if rounded:
@@ -193,6 +193,17 @@ def minimum_step(
         "position"
     )
     return of_equations(failed, system, [worst])
+
+
+def _changing_most(system, change):
+    """Return the number of the unknown whose ``change`` (n_q,) of acceleration counts most, as in the estimate.
+
+    Signals, whose accelerations have other units, count only where nothing else changes.
+    """
+    kind = system.numbering.kind[: system.n_q]
+    relative = np.abs(change) / np.where(kind == ROTATION, 1.0, length_scale(system.nodes))
+    moving = np.where(kind >= SIGNAL, 0.0, relative)
+    return int(np.argmax(moving if moving.any() else relative))
 
 
 def binds(system: "System", i: int, t: float) -> ConvergenceError:

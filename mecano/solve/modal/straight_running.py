@@ -148,9 +148,9 @@ class Straight:
         at = steady.tangent(s)
         text = f"no straight steady running with the velocity {np.round(self.V, 9).tolist()} m/s was found"
         tries = (
-            "what to try: initial positions nearer to it; a velocity along the road, which is flat at the start; a "
-            "force that balances the drag; wheels in balance about their axles (inertias are given in the axes of the "
-            "node)"
+            "what to try: initial positions nearer to it; a velocity along the road, which is flat at the start, in "
+            "the forward direction of the wheels; a force that balances the drag; wheels in balance about their axles "
+            "(inertias are given in the axes of the node)"
         )
         if not arrived:
             assembly = steady.system.assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0)
