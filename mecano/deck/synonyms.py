@@ -176,6 +176,12 @@ NOTES = {  # words with the same meaning: (targets, note)
     "reaction wheel, momentum wheel, control moment gyro, cmg, flywheel, gyroscope": (
         "rigid_body hinge joint_moment", "a rotor on a hinge; a joint_moment is its motor, whose value is a signal"
     ),
+    "slip ratio, slip angle": ("wheel transient_wheel", "outputs of every wheel with a tyre law: tyre.slip_angle"),
+    "yaw rate, lateral acceleration, sideslip, sideslip angle": (
+        "signals",
+        "formulas of the motion of the body: chassis.angular_velocity.z; chassis.velocity.magnitude times it, in a "
+        "steady turn (docs/tyres.md, A car)",
+    ),
     "attitude, yaw, heading, pitch, euler, quaternion, attitude control": (
         "signals orientation held_rotation",
         "angles that signals read: those of joints, or of the line between two nodes of the body, "
@@ -258,7 +264,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     "aircraft tyre, aircraft tire, smiley, horne, tire size, tyre size, inflation pressure": (
         "smiley_horne yawed_rolling", "docs/tyres.md, 'An aircraft tyre by size and pressure'"
     ),
-    "tyre, tire, pneumatic, pacejka, brush": (
+    "tyre, tire, pneumatic, pacejka, brush, tir, tir file": (
         "wheel transient_wheel flexible_wheel adhesive_wheel tire_laws fiala magic_formula yawed_rolling", "",
     ),
     "treadmill, test rig, dynamometer, ship, moving deck, carrier": (
@@ -290,6 +296,15 @@ NOTES = {  # words with the same meaning: (targets, note)
     "function, time series, spline, curve": ("laws formula table polynomial", ""),
     "ramp up, smooth step": ("step ramp", ""),
     "harmonic, excitation, vibration, sinusoidal": ("sine prescribed_position", ""),
+    "chirp, swept sine, sine sweep, frequency sweep": (
+        "signals formula prescribed_position",
+        "a formula of the time, sin(2*pi*turns) with turns: 1*time + 3*time**2/2 (docs/signals.md, Prescribed motions)",
+    ),
+    "frequency response, transmissibility, bode, bode plot, gain and phase": (
+        "signals study",
+        "run a swept sine, or a study over the frequency of a sine, and compare amplitudes of input and output; "
+        "resonances are those of `mecano modes`",
+    ),
     "noise, stochastic": ("random", ""),
     "sensor, probe, request, measure": (
         "output formula",
