@@ -276,6 +276,7 @@ class TestSimulation:
             with s.results() as until_now:
                 assert until_now["hinge.angle"].values[-1] == angle and until_now.status == "running"
             assert s["pin.position.x"] == position[0] and position.shape == (3,)
+            assert s["hinge.force.magnitude"] == pytest.approx(np.linalg.norm(s["hinge.force"]), rel=1e-15)
             with pytest.raises(UnknownNameError, match="did you mean|similar|no output"):
                 _ = s["hinge.angel"]
             assert "hinge.angle" in s and "hinge.angel" not in s and s.names("*.angle") == ["joints/hinge/angle"]

@@ -165,6 +165,13 @@ def test_names_people_write(finished, name, path, component):
     assert np.array_equal(trace.values, expected) and np.array_equal(trace.time, samples.time_of(np.arange(40)))
 
 
+def test_the_magnitude_of_a_vector(finished):
+    with open_results(finished) as results:
+        trace, position = results["axle.position.magnitude"], results["axle.position"]
+        assert (trace.path, trace.unit) == ("nodes/axle/position.magnitude", "m") and trace.components == ()
+        np.testing.assert_allclose(trace.values, np.hypot(np.hypot(*position.values.T[:2]), position.values.T[2]))
+
+
 def test_the_solver_history_has_names_too(finished):
     with open_results(finished) as results:
         for name in ("solver.step_size", "solver/step_size"):
@@ -184,6 +191,7 @@ def test_the_solver_history_has_names_too(finished):
         ("axle.positon.z", "did you mean axle.position"),
         ("axle.position.q", "no component 'q' in 'axle.position.q': there are x, y, z"),
         ("axle.position.3", "no component '3'"),
+        ("axle.positon.magnitude", "no output 'axle.positon' in this file; did you mean axle.position"),
         ("wheel.radial_force.x", "no output 'wheel.radial_force.x'"),
         ("qqqqqq", "no output 'qqqqqq' in this file; `mecano info` lists them"),
         ("axle", "no output 'axle' in this file, but axle.position, axle.rotation"),

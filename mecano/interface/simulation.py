@@ -14,6 +14,7 @@ from mecano.interface.results import Results
 from mecano.interface.solving import interruptible, resuming
 from mecano.process.interrupt import Interruption
 from mecano.results.lookup import ByName, Lookup
+from mecano.results.recorded import MAGNITUDE
 
 
 class Simulation(ByName):
@@ -112,6 +113,8 @@ class Simulation(ByName):
 
     def __getitem__(self, name: str) -> float | np.ndarray:
         """Return the current value of an output, named by any ending of its path. Raises UnknownNameError."""
+        if name.endswith(MAGNITUDE):
+            return float(np.linalg.norm(self[name.removesuffix(MAGNITUDE)]))
         row = self._started.recorder.row
         series, component = self._lookup.find(name)
         start = self._starts[series.path]

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.post.plans import ON_GROUND, Plan, pictures_of
-from mecano.post.quantity import DERIVED, MAGNITUDE, find, largest, peak_of, time_of
+from mecano.post.quantity import DERIVED, find, largest, peak_of, time_of
 from mecano.post.sheet import Curve, Panel
+from mecano.results.recorded import MAGNITUDE
 
 if TYPE_CHECKING:
     from mecano.post.runs import Run

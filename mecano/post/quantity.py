@@ -21,12 +21,12 @@ import numpy as np
 from mecano.deck.wording import suggestion
 from mecano.errors import UsageError
 from mecano.post import recovered
+from mecano.results.recorded import MAGNITUDE
 
 if TYPE_CHECKING:
     from mecano.post.sheet import Peak
     from mecano.results.reader import Results
 
-MAGNITUDE = ".magnitude"
 SAVED, STEPS = "saved times", "accepted steps"
 
 
@@ -132,8 +132,6 @@ def _found(results, name):
         return [q for path in paths for q in _components(results.find(path))]
     if inner := recovered.named(results, name):
         return _recovered(results, *inner)
-    if name.endswith(MAGNITUDE):
-        return [_magnitude(results.find(name.removesuffix(MAGNITUDE)))]
     stem, _, last = name.replace("/", ".").rpartition(".")
     if last in DERIVED:
         return [_derived(results, stem, last)]
@@ -181,11 +179,6 @@ def _recovered(results, path, doc, values, component):
     columns["magnitude"] = np.linalg.norm(values, axis=1)
     wanted = [component] if component else ["x", "y", "z"]
     return [Quantity(f"{path}.{c}", "m", doc, SAVED, results.time, columns[c]) for c in wanted]
-
-
-def _magnitude(trace):
-    lengths = np.sqrt(np.sum(trace.values.reshape(len(trace.time), -1) ** 2, axis=1))
-    return Quantity(trace.path + MAGNITUDE, trace.unit, f"magnitude: {trace.doc}", SAVED, trace.time, lengths)
 
 
 def _derived(results, stem, name):

@@ -20,7 +20,7 @@ from mecano.results.lookup import ByName, Extremes, Lookup
 from mecano.results.opened_file import OpenedFile
 from mecano.results.provenance import began, lives, read_displays
 from mecano.results.reason import parted
-from mecano.results.recorded import Event, Extreme, Trace
+from mecano.results.recorded import MAGNITUDE, Event, Extreme, Trace
 from mecano.results.run_attributes import ENDS, read_attributes
 
 if TYPE_CHECKING:
@@ -141,15 +141,18 @@ class Results(ByName):
     def find(self, name: str, rows: slice = slice(None)) -> Trace:
         """Return the Trace of a series, named by any ending of its path: ``wheel.radial_force``, ``axle.position.z``.
 
-        ``rows`` is a slice of the saved times. ``solver.step_size`` is a column of the solver history, over the ends
-        of all accepted steps.
+        ``axle.position.magnitude`` is the length of a vector. ``rows`` is a slice of the saved times.
+        ``solver.step_size`` is a column of the solver history, over the ends of all accepted steps.
 
         Raises
         ------
         ResultsError
             No series, or more than one, has that name; the message lists similar names.
         """
-        head, _, column = name.replace("/", ".").partition(".")
+        dotted = name.replace("/", ".")
+        if dotted.endswith(MAGNITUDE):
+            return self.find(dotted.removesuffix(MAGNITUDE), rows).magnitude
+        head, _, column = dotted.partition(".")
         if head == "solver" and column in self.step_columns:
             unit, doc = self.step_columns[column]
             return Trace(f"solver/{column}", unit, doc, (), self.steps["time"], self.steps[column])

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+MAGNITUDE = ".magnitude"  # of a vector, in the place of a component
+
 
 @dataclass(frozen=True)
 class Trace:
@@ -37,6 +39,12 @@ class Trace:
     def __getitem__(self, index):
         """Return values by index, as ``values[index]``."""
         return self.values[index]
+
+    @property
+    def magnitude(self) -> "Trace":
+        """The lengths of the vectors, a Trace of numbers."""
+        lengths = np.linalg.norm(self.values.reshape(len(self.time), -1), axis=1)
+        return Trace(self.path + MAGNITUDE, self.unit, f"magnitude: {self.doc}", (), self.time, lengths)
 
 
 @dataclass(frozen=True)

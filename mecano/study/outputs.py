@@ -13,6 +13,7 @@ from mecano.deck.wording import quoted, suggestion
 from mecano.errors import UnknownNameError
 from mecano.model.sampler import Sampler
 from mecano.results.lookup import Lookup
+from mecano.results.recorded import MAGNITUDE
 
 if TYPE_CHECKING:
     from mecano.analyses.prepare import Prepared
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from mecano.results.reader import Results
     from mecano.results.study_file import Bounds
 
-MAGNITUDE = ".magnitude"
 EVENT_UNITS = {"first": "s", "last": "s", "count": "-", "impulse": "N s or N m s", "energy_lost": "J"}
 ONLY_IN_PLOTS = {
     "compression_force": ("force", "use {}, whose minimum (take: min) is the largest compression"),
@@ -82,15 +82,14 @@ class Output:
         return found[0 if self.take == "first" else -1].time, results.axis.unit
 
     def _of_series(self, series, results):
-        trace = results.find(series.removesuffix(MAGNITUDE))
-        values = trace.values.reshape(len(trace.time), -1)
-        values = np.linalg.norm(values, axis=1) if series.endswith(MAGNITUDE) else values[:, 0]
+        trace = results.find(series)
+        values = trace.values
         if self.take == "final":
             return values[-1], trace.unit
         if self.take == "mean":
             span = trace.time[-1] - trace.time[0]
             return np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(trace.time)) / span, trace.unit
-        extreme = None if series.endswith(MAGNITUDE) else results.extremes.get(trace.path)
+        extreme = results.extremes.get(trace.path)
         if self.take == "largest":
             ends = np.array((extreme.maximum, extreme.minimum)) if extreme else values
             return ends[np.argmax(np.abs(ends))], trace.unit
