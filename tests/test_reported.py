@@ -96,6 +96,30 @@ def test_initial_velocities_that_cannot_be_are_reported(name, nodes, motion, rep
     assert changes == ([reported] if reported else [])
 
 
+SLIDER = b"""
+mecano: 1
+gravity: none
+nodes: {block: {position: [0, 0, 0]}, link: {position: [0, 0, 0]}}
+elements:
+  block: {type: rigid_body, node: block, mass: 1, inertia: [1, 1, 1]}
+  link: {type: rigid_body, node: link, mass: 1, inertia: [1, 1, 1], center_of_mass: [0, 0, 1]}
+joints:
+  rail: {type: prismatic, nodes: [ground, block], axis: [1, 0, 0]}
+  pin: {type: hinge, nodes: [block, link], axis: [0, 1, 0]}
+initial: {velocities: [{nodes: [block], velocity: [1, 0, 1]}]}
+time: {end: 1, step: 0.01}
+"""
+
+
+def test_check_says_that_initial_velocities_cannot_be():
+    """On the ground, and on a rail that keeps a block from rising; the link shares its position, and moves along."""
+    violated = "warning the initial velocities violate the constraints"
+    said = check("initial.velocities=[{nodes: [pin], velocity: [0, 0, 1]}]")
+    assert violated in said and "node 'pin' from [0, 0, 1] to [0, 0, 0] m/s" in said and "at start" not in said
+    said = flowing(summary(deck_of_bytes(SLIDER, "slider.yaml")))
+    assert violated in said and "node 'block' from [1, 0, 1] to [1, 0, 0] m/s" in said and "at start" not in said
+
+
 def test_what_a_drive_sets_in_motion_is_listed(tmp_path):
     """The end of a crank of 50 mm at 50 rad/s moves at 2.5 m/s; this is no warning."""
     crank = "the constraints set in motion what the deck leaves at rest: node 'crank_pin' by 2.5 m/s; "

@@ -42,14 +42,20 @@ def changed_velocities(deck: "Deck", system: "System", given: "State", start: "S
         change = np.linalg.norm((reached - asked)[rows], axis=1)
         if change.max(initial=0.0) > max(NOTICED * speed, least):
             i = rows[int(np.argmax(change))]
-            was, is_ = (", ".join(f"{c + 0.0:.4g}" for c in vector) for vector in (asked[i], reached[i]))
+            was, is_ = (_shown(vector, speed) for vector in (asked[i], reached[i]))
             return [
                 "the initial velocities violate the constraints and were replaced by the nearest admissible ones "
-                f"(momenta kept): node '{system.nodes[i].name}' from [{was}] to [{is_}] {unit}. Nodes that are not "
+                f"(momenta kept): node '{system.nodes[i].name}' from {was} to {is_} {unit}. Nodes that are not "
                 "named, including those attached to a body, have no velocity: name all nodes that move, with 'about' "
                 "for a rotation"
             ]
     return []
+
+
+def _shown(vector, size):
+    """Return a vector as text, with zero in the place of components that are rounding errors beside ``size``."""
+    rounded = np.where(np.abs(vector) <= ROUNDING * size, 0.0, vector)
+    return "[" + ", ".join(f"{component + 0.0:.4g}" for component in rounded) + "]"
 
 
 def _turning(system):
@@ -70,11 +76,14 @@ def set_in_motion(deck: "Deck", system: "System", given: "State", start: "State"
 
     Arguments as in ``changed_velocities``. A drive whose rate is not zero at the start moves what it drives.
     """
-    quiet = asked_velocities(deck, system)[2] | [node.internal for node in system.nodes]
+    of, named = system.numbering, asked_velocities(deck, system)[2]
+    quiet = np.array([node.internal for node in system.nodes])
     found = []
-    for before, now, unit in zip(_rates(system, given), _rates(system, start), ("m/s", "rad/s"), strict=True):
+    for first, before, now, unit in zip(
+        (of.x, of.r), _rates(system, given), _rates(system, start), ("m/s", "rad/s"), strict=True
+    ):
         change, fastest = np.linalg.norm(now - before, axis=1), np.linalg.norm(now, axis=1).max(initial=0.0)
-        moved = (change > NOTICED * fastest) & ~quiet
+        moved = (change > NOTICED * fastest) & ~quiet & ~np.isin(first, first[named])  # others share its unknowns
         found += [f"node '{system.nodes[i].name}' by {change[i]:.4g} {unit}" for i in np.argsort(-change) if moved[i]]
         quiet |= moved
     return name_list(found, MOST_NAMED, "; ")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.analyses.initial_state import describe
-from mecano.analyses.initial_velocities import NOTICED, set_in_motion
+from mecano.analyses.initial_velocities import NOTICED, changed_velocities, set_in_motion
 from mecano.analyses.memory_estimate import in_words, memory_of_run
 from mecano.analyses.prepare import Prepared, amount_warnings, mass_of, prepare, warnings_of
 from mecano.deck.run_size import saved_times, steps
@@ -194,27 +194,36 @@ def _amounts(prepared):
         yield from _start(prepared)
     if values["initial"]["steady"]:
         yield f"initial          {describe(prepared.deck)}, computed when the run starts"
-    elif moved := _set_in_motion(prepared):
-        yield from _labelled("at start", f"the constraints set in motion what the deck leaves at rest: {moved}")
+    elif start := _consistent_start(prepared):
+        yield from _velocities(prepared, start)
     for text in amount_warnings(prepared):
         yield from _labelled("warning", text)
 
 
-def _set_in_motion(prepared):
-    """Return as text what the constraints set in motion at the start; "" if no velocities satisfy them there.
+def _consistent_start(prepared):
+    """Return the State at the start with velocities that satisfy the constraints; None if there are none.
 
     Where the velocities of the deck satisfy them, there is nothing to compute, or to compile.
     """
     start = prepared.state.copy()
     rates = np.abs(prepared.system.constraint_derivatives(start)[:, 1])
     if rates.max(initial=0.0) <= NOTICED * np.abs(start.v).max():
-        return ""
+        return start
     try:
         consistent = Consistent(prepared.system, prepared.linear, start, prepared.length, prepared.compliance)
     except AssemblyError:
-        return ""
+        return None
     consistent.project_velocity(start)
-    return set_in_motion(prepared.deck, prepared.system, prepared.state, start)
+    return start
+
+
+def _velocities(prepared, start):
+    """Yield the lines on the velocities of the deck that the constraints change in the State ``start``."""
+    states = prepared.deck, prepared.system, prepared.state, start
+    for text in changed_velocities(*states, prepared.length):
+        yield from _labelled("warning", text)
+    if moved := set_in_motion(*states):
+        yield from _labelled("at start", f"the constraints set in motion what the deck leaves at rest: {moved}")
 
 
 def _labelled(label, text):
