@@ -501,6 +501,19 @@ def test_configurations_say_their_times_where_others_were_asked_for(runs):
     assert titles == ["t = 0.5 s", "t = 0.5 s, saved nearest to 0.51 s", "t = 2 s, saved nearest to 9 s"]
 
 
+@pytest.mark.parametrize(("gravity", "upward"), [([0, 0, -9.81], 2), ([0, -9.81, 0], 1)])
+@pytest.mark.parametrize("depth", [0.0, 0.3])
+def test_configurations_of_a_plane_mechanism_are_seen_from_the_side(gravity, upward, depth):
+    """The vertical is that of the gravity in both views."""
+    points = np.zeros((1, 3, 3))
+    points[0, 1, 0], points[0, 2, upward], points[0, 2, 3 - upward] = 2.0, 1.0, depth
+    matrix = configurations._matrix(SimpleNamespace(deck={"gravity": gravity}), [Shape(BODY, "bar", points)])
+    if not depth:
+        np.testing.assert_array_equal(matrix, np.eye(3)[[0, upward]])
+    assert matrix[1, upward] > 0.9 and matrix[0, upward] == pytest.approx(0.0, abs=1e-15)
+    np.testing.assert_allclose(matrix @ matrix.T, np.eye(2), atol=1e-15)
+
+
 def test_configurations_that_travel_far_are_drawn_about_their_middle():
     """A square of size 1 that goes three sizes away keeps its size in the picture; half a size away it is there."""
     square = np.array([[0.0, 0.0], [1.0, 1.0]])

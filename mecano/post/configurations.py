@@ -1,4 +1,4 @@
-"""Configurations of the mechanism at several times, side by side: lines in space, seen along one direction."""
+"""Configurations of the mechanism at several times, side by side: lines seen along one direction."""
 
 import math
 from collections.abc import Sequence
@@ -12,8 +12,10 @@ from mecano.errors import UsageError
 from mecano.post.draw_sketch import draw_compass, draw_patch, hull
 from mecano.post.figure import plain_figure
 from mecano.post.ground import ground_patch
-from mecano.post.shapes import BODY, CABLE, JOINT, MASS, SUPPORT, Motion, shapes
+from mecano.post.shapes import BODY, CABLE, JOINT, MASS, SUPPORT, Motion, shapes, vertical
+from mecano.post.sketch import FLAT, plane_axes
 from mecano.post.style import GREY, INK, PALE, SETTINGS
+from mecano.post.view_direction import direction, projection
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -26,12 +28,6 @@ TALLEST = 1.4  # height over width of a view
 MARGIN = 0.06  # of the size of what is shown
 SUPPORT_SIZE = 7
 FAR = 2.0  # sizes: a mechanism that travels farther is drawn about its own centre at each time
-
-
-def view(up: int = 2) -> np.ndarray:
-    """Return the matrix (2, 3) that projects inertial positions into the picture; ``up`` is the vertical axis."""
-    ca, sa, ce, se = math.cos(AZIMUTH), math.sin(AZIMUTH), math.cos(ELEVATION), math.sin(ELEVATION)
-    return np.roll([[-sa, ca, 0.0], [-se * ca, -se * sa, ce]], up - 2, axis=1)
 
 
 def times_of(text: str) -> list[float]:
@@ -52,11 +48,11 @@ def configurations_figure(run: "Run", times: Sequence[float], title: str) -> "Fi
     shown = [shape for shape in shapes(Motion(run, rows)) if shape.style not in (MASS, JOINT, SUPPORT)]
     if not shown:
         raise UsageError("--at: nothing in these results is drawn as a line")
-    projection = view()
-    lines = [(shape, shape.points @ projection.T) for shape in shown]
+    matrix = _matrix(run, shown)
+    lines = [(shape, shape.points @ matrix.T) for shape in shown]
     fixed = [name for name, node in run.deck.get("nodes", {}).items() if node.get("fixed")]
-    supports = [run.results.find(f"nodes/{name}/position").values[rows] @ projection.T for name in fixed]
-    patches = [_patches(run, shown, projection, i) for i in range(len(rows))]
+    supports = [run.results.find(f"nodes/{name}/position").values[rows] @ matrix.T for name in fixed]
+    patches = [_patches(run, shown, matrix, i) for i in range(len(rows))]
     shift, low, high = _frame(np.concatenate([*(points for _, points in lines), *zip(*patches, strict=True)], axis=1))
     room = MARGIN * (high - low).max()
     with matplotlib.rc_context(SETTINGS):
@@ -77,16 +73,30 @@ def configurations_figure(run: "Run", times: Sequence[float], title: str) -> "Fi
             ax.set_xlim(low[0] - room, high[0] + room)
             ax.set_ylim(low[1] - room, high[1] + room)
             ax.set_aspect("equal")
-            draw_compass(ax, projection)
+            draw_compass(ax, matrix)
             ax.set_title(_named(saved[row], times[i]), color=INK, fontsize=10)
     return figure
 
 
-def _patches(run, shown, projection, i):
+def _matrix(run, shown):
+    """Return the matrix (2, 3) that projects positions: from the side if all lie in a plane and none on a ground."""
+    points, gravity = np.concatenate([shape.points.reshape(-1, 3) for shape in shown]), run.deck.get("gravity")
+    extents = np.ptp(points, axis=0)
+    if extents.min() <= FLAT * extents.max() and not _grounds(run):
+        return np.eye(3)[list(plane_axes(points, gravity))]
+    up = vertical(gravity)
+    return projection(direction(AZIMUTH, ELEVATION, up), up)
+
+
+def _grounds(run):
+    """Return the names of the grounds of a run on which something rolls or stands."""
+    return dict.fromkeys(d["ground"] for d in run.deck.get("elements", {}).values() if "ground" in d)
+
+
+def _patches(run, shown, matrix, i):
     """Return the outlines (k, 2) of all grounds around the configuration ``i``."""
     points = np.concatenate([shape.points[i] for shape in shown])
-    names = dict.fromkeys(d["ground"] for d in run.deck.get("elements", {}).values() if "ground" in d)
-    return [ground_patch(run.deck, run.deck["grounds"][name], points) @ projection.T for name in names]
+    return [ground_patch(run.deck, run.deck["grounds"][name], points) @ matrix.T for name in _grounds(run)]
 
 
 def _frame(points):

@@ -100,9 +100,11 @@ def draw_patch(ax: "Axes", outline: np.ndarray) -> None:
 
 
 def draw_compass(ax: "Axes", projection: np.ndarray) -> None:
-    """Draw the inertial axes in the corner of a view in space, which has no coordinates of its own."""
+    """Draw the inertial axes in the corner of a view that has no coordinates of its own."""
     ax.set_axis_off()
     for letter, end in zip(LETTERS, projection.T, strict=True):
+        if not end.any():  # along the line of sight
+            continue
         ax.annotate(letter, (0.0, 0.0), xycoords="axes fraction", xytext=(20 + 22 * end[0], 20 + 22 * end[1]),
                     textcoords="offset points", ha="center", va="center", fontsize=8, color=GREY)  # fmt: skip
         ax.annotate("", (0.0, 0.0), xycoords="axes fraction", xytext=(20, 20), textcoords="offset points")

@@ -1,5 +1,6 @@
 """A view of the mechanism at several instants: from the side, or from where it is seen best."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -111,14 +112,14 @@ def _view(run, moving, cloud):
     extents = np.ptp(relative.reshape(-1, 3), axis=0)
     # a wheel by itself is seen from the side, whichever way it leans
     if len(wheels) < 2 and (extents.min() <= FLAT * extents.max() or not extents.any()):
-        return _axes(points, gravity), None
+        return plane_axes(points, gravity), None
     if not extents.any() or np.count_nonzero(extents > FLAT * extents.max()) < 2:
-        return _axes(points, gravity), None
+        return plane_axes(points, gravity), None
     up = vertical(gravity)
     return (), projection(eye(relative[:: max(1, len(relative) // INSTANTS)], wheels, up), up)
 
 
-def _axes(points, gravity):
+def plane_axes(points: np.ndarray, gravity: Sequence[float] | None) -> tuple[int, ...]:
     """Return the two inertial axes of largest extent of points (n, 3), the vertical one second if included."""
     up = 2 if gravity is None or not any(gravity) else int(np.argmax(np.abs(gravity)))
     extent = np.ptp(points, axis=0)
