@@ -96,6 +96,36 @@ def test_initial_velocities_that_cannot_be_are_reported(name, nodes, motion, rep
     assert changes == ([reported] if reported else [])
 
 
+SUNK = """
+    mecano: 1
+    gravity: [0, 0, -10]
+    nodes: {hub: {position: [0, 0, 0.35]}, body: {position: [0, 0, 1]}}
+    elements:
+      rim: {type: rigid_body, node: hub, mass: 10, inertia: [1, 1, 1]}
+      body: {type: rigid_body, node: body, mass: 100, inertia: [1, 1, 1]}
+      coil: {type: spring_damper, nodes: [hub, body], law: {spring: STIFFNESS}}
+      tire: {type: wheel, node: hub, axis: [0, 1, 0], tire_law: rubber, ground: road}
+    joints:
+      upright: {type: held_rotation, nodes: [ground, body]}
+      guide: {type: prismatic, nodes: [body, hub], axis: [0, 0, 1]}
+    tire_laws: {rubber: {radius: 0.4, radial: {linear: {slope: 6.0e3}}, friction: 0, slip_regularization: 0.1}}
+    grounds: {road: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}}}
+    initial: {steady: {velocity: [5, 0, 0]}}
+    time: {end: 1, step: 0.01}
+"""
+
+
+@pytest.mark.parametrize(("stiffness", "said"), [("1.0e6", []), ("4.0e3", ["moves by 0.125 m"])])
+def test_steady_running_that_needs_another_shape_names_a_node_of_the_deck(stiffness, said):
+    """On a stiff spring wheel and body sink together, by 133 mm; on a soft one the body sinks by 250 mm more.
+
+    The node that holds the rotation, which stays, is none of the deck.
+    """
+    found = operating_point(deck(SUNK.replace("STIFFNESS", stiffness))).warnings
+    shapes = [text for text in found if "another shape" in text]
+    assert len(shapes) == len(said) and all(part in text for part, text in zip(said, shapes, strict=True))
+
+
 SLIDER = b"""
 mecano: 1
 gravity: none

@@ -254,6 +254,10 @@ class Steady:
 
 
 def reshaping(system: "System", before: "State", after: "State") -> np.ndarray:
-    """Return the displacements (n_nodes,) [m] of all nodes between two states, the mean translation removed."""
+    """Return the displacements (n_nodes,) [m] of all nodes between two states, the mean translation removed.
+
+    Nodes that are not part of the deck, such as those of the ground, count as undisplaced.
+    """
     shift = (after.z - before.z)[system.numbering.x[:, None] + np.arange(3)]
-    return np.linalg.norm(shift - shift.mean(axis=0), axis=1)
+    own = ~np.array([node.internal for node in system.nodes])
+    return np.where(own, np.linalg.norm(shift - shift[own].mean(axis=0), axis=1), 0.0)
