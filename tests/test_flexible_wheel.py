@@ -211,7 +211,8 @@ def test_errors_in_lateral_laws():
     grows = {"stiffness": [1e5, 0, 0, 1e4], "damping": [-10.0, 0, 0, 10.0]}
     singular = {"stiffness": [1e5, 0, 0, 0], "damping": [10.0, 0, 0, 10.0]}
     assert "'tire_law.lateral' is missing" in check_lateral(None)[0]
-    assert "one of" in check_lateral(none)[0]
+    assert check_lateral(none)[0].endswith("one of " + ", ".join(f"'{name}'" for name in FORMS))
+    assert check_lateral({**none, "matrices": grows, "string": singular})[0].endswith("; it has 'matrices', 'string'")
     assert "grow in the air" in check_lateral({**none, "matrices": grows})[0]
     assert "singular" in check_lateral({**none, "matrices": singular})[0]
 

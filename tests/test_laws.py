@@ -285,7 +285,8 @@ WRONG = [
     ("metering_pin", {**OIL, "points": [[0, 1e-4], [1, 0]]}, "must have orifice areas greater than zero"),
     ("stop", {"stiffness": 1.0, "lower": -math.inf, "upper": math.inf, "damping": 0.0}, "at least one of 'lower'"),
     ("stop", {"stiffness": 1.0, "lower": 1.0, "upper": 0.0, "damping": 0.0}, "'lower' must be less than 'upper'"),
-    ("dead_band", {"stiffness": 1.0, "lower": 1.0, "upper": 1.0}, "'lower' must be less than 'upper'"),
+    ("dead_band", {"stiffness": 1.0, "lower": 1.0, "upper": 0.5}, "'lower' must be less than 'upper'"),
+    ("dead_band", {"stiffness": 1.0, "lower": 1.0, "upper": 1.0}, "without free play this is a 'spring'"),
 ]
 
 

@@ -44,6 +44,13 @@ def lower_below_upper(values):
     return [] if values["lower"] < values["upper"] else ["'lower' must be less than 'upper'"]
 
 
+def some_play(values):
+    """Check that the free play has a width."""
+    if values["lower"] == values["upper"]:
+        return ["'lower' must be less than 'upper': without free play this is a 'spring'"]
+    return lower_below_upper(values)
+
+
 def some_stop(values):
     """Check that there is at least one stop, and that two stops are in order."""
     if math.isinf(values["lower"]) and math.isinf(values["upper"]):
@@ -89,6 +96,6 @@ DEAD_BAND = Term(
     pack=pack_stop,
     evaluate=stop,
     integral=stop_energy,
-    check=lower_below_upper,
+    check=some_play,
     stops=corners,
 )

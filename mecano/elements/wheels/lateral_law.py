@@ -249,8 +249,10 @@ def check_lateral(law):
     """Return errors in a lateral law; None if the tyre law has none."""
     if law is None:
         return ["'tire_law.lateral' is missing: the lateral law of the patch"]
-    if sum(bool(law[name]) for name in FORMS) != 1:
-        return ["'tire_law.lateral' must be one of " + ", ".join(f"'{name}'" for name in FORMS)]
+    given = [name for name in FORMS if law[name]]
+    if len(given) != 1:
+        forms, both = (", ".join(f"'{name}'" for name in names) for names in (FORMS, given))
+        return [f"'tire_law.lateral' must have exactly one of {forms}" + (f"; it has {both}" if given else "")]
     if law["string"] or law["straight_tangent"]:
         return []
     A0, A1 = matrices(law)
