@@ -19,6 +19,7 @@ MARK_ROOM = 0.012  # of the width of the axes: marks of one kind are not closer 
 LINE_ROOM = 0.01  # the same of lines
 MANY = 8  # events from which on lines that are close are left out
 MOST_LINES, RUG, RUG_ROOM = 24, 0.04, 0.003  # events from which on they are short lines at the axis: height, room
+MOST_MARKS = 24  # of one kind: more of them make a band over the axes, and only the first is drawn
 SIZE = 4.5  # points
 
 
@@ -45,7 +46,10 @@ class EventLegend:
 
 
 def draw_events(ax: "Axes", marks: Iterable[EventMark], factor: float, styles: "CurveStyles") -> None:
-    """Draw lines and marks at the times over ``factor``; short lines at the axis for many events or several runs."""
+    """Draw lines and marks at the times over ``factor``; short lines at the axis for many events or several runs.
+
+    An event that occurs throughout, as a stop in a limit cycle does, is marked where it occurs first.
+    """
     low, high = ax.get_xlim()
     for run in dict.fromkeys(mark.run for mark in marks):
         own = [mark for mark in marks if mark.run == run and low <= mark.time / factor <= high]
@@ -60,6 +64,7 @@ def draw_events(ax: "Axes", marks: Iterable[EventMark], factor: float, styles: "
         for marker in dict.fromkeys(mark.marker for mark in own):
             alike = [mark for mark in own if mark.marker == marker]
             times = [mark.time / factor for mark in thinned(alike, MARK_ROOM * (high - low) * factor)]
+            times = times if len(times) <= MOST_MARKS else times[:1]
             ax.plot(times, [1.0] * len(times), marker, transform=ax.get_xaxis_transform(), color=colour,
                     markersize=SIZE, markeredgewidth=0.5, clip_on=False, zorder=5)  # fmt: skip
 
