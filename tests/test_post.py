@@ -321,6 +321,8 @@ def test_very_many_events_leave_the_panel_free(tmp_path):
     drawn = figure.sheet_figure(wheels, "title")
     upright = upright_lines(drawn.axes[0])
     assert 150 < len(upright) < 200 and max(max(line.get_ydata()) for line in upright) < 0.1
+    marker = drawn.legends[0].legend_handles[-1].get_marker()
+    assert [list(line.get_xdata()) for line in drawn.axes[0].lines if line.get_marker() == marker] == [[0.01]]
 
 
 def test_lines_that_are_covered_are_wider(runs):
@@ -649,6 +651,7 @@ def test_places_of_pictures(path, tmp_path):
         ("m", 1.7e-6, 1e-6, "µm"),
         ("m", 1.7e-9, 1e-9, "nm"),
         ("s", 5e-5, 1e-6, "µs"),
+        ("m/s", 1.7e-3, 1e-3, "mm/s"),
         ("rad/s", 3e5, 1e3, "10³ rad/s"),
         ("J", 3e-7, 1e-9, "10⁻⁹ J"),
         ("-", 0.5, 1.0, ""),

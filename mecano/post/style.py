@@ -56,7 +56,7 @@ SETTINGS: dict[Any, Any] = {  # rcParams of matplotlib
 }
 
 LARGE = {"N": "kM", "N m": "kM", "J": "kM", "W": "kM", "Pa": "kM"}
-SMALL = {"m": "nµm", "s": "nµm"}
+SMALL = {"m": "nµm", "s": "nµm", "m/s": "µm"}
 FACTORS = {"k": 1e3, "M": 1e6, "m": 1e-3, "µ": 1e-6, "n": 1e-9}
 
 
