@@ -26,13 +26,14 @@ from mecano.cli import commands
 from mecano.deck.format import deck_error_text
 from mecano.deck.read import read_deck
 from mecano.elements import KINDS
-from mecano.errors import DeckError, ResultsError, UsageError
+from mecano.errors import DeckError, ResultsError, UnknownNameError, UsageError
 from mecano.jit import store
 from mecano.post.pictures import post
 from mecano.post.report_page import page_of
 from mecano.post.study_outputs import displayed_outputs
 from mecano.post.study_plots import study_figure
 from mecano.post.study_report import study_report
+from mecano.post.study_requests import requested_figures
 from mecano.post.study_statistics import statistics
 from mecano.results.study_file import Column, StudyTable, within
 from mecano.results.study_file import read_study as read_table
@@ -514,6 +515,53 @@ def test_dots_are_joined_only_along_one_parameter(values, joined):
     over_a, over_b = study_figure(StudyTable("", "", "", tuple(columns))).axes
     assert [line.get_linestyle() for line in over_a.lines] == (["-"] * values if joined else ["None"])
     assert [line.get_linestyle() for line in over_b.lines] == ["None"]
+
+
+SPEEDS, ANGLES = np.repeat([10.0, 20.0, 30.0], 2), np.tile([-0.1, 0.1], 3)
+COLUMNS = (
+    Column("case", "status", "", "", np.array(["complete"] * 6)),
+    Column("parameters", "parameters.speed", "m/s", "", SPEEDS),
+    Column("parameters", "parameters.steer", "rad", "", ANGLES),
+    Column("outputs", "load", "N", "", 1e4 + 100.0 * SPEEDS),
+    Column("outputs", "lateral", "m/s2", "", SPEEDS * ANGLES),
+)
+
+
+def test_an_output_over_another():
+    """A series for each of the two angles, along which the speeds are joined."""
+    [(name, figure)] = requested_figures(StudyTable("Cases", "", "", COLUMNS), ["load:lateral"])
+    (ax,) = figure.axes
+    assert name == "load-lateral" and (ax.get_xlabel(), ax.get_ylabel()) == ("lateral [m/s2]", "load [kN]")
+    assert [line.get_label() for line in ax.lines] == ["-0.1", "0.1"]
+    for line, sign in zip(ax.lines, (-1.0, 1.0), strict=True):
+        x, y = line.get_data()
+        np.testing.assert_allclose(sorted(sign * x), [1.0, 2.0, 3.0])
+        np.testing.assert_allclose(y, 10.0 + np.abs(x), rtol=1e-12)  # 100 N per m/s are 1 kN per m/s2
+        assert line.get_linestyle() == "-"
+
+
+def test_outputs_over_a_varied_value():
+    """A panel for each; the name of a value is any end of its path."""
+    [(name, figure)] = requested_figures(StudyTable("Cases", "", "", COLUMNS), ["load,lateral:speed"])
+    assert name == "load_lateral-speed" and figure.axes[-1].get_xlabel() == "speed [m/s]"
+    assert [ax.get_ylabel() for ax in figure.axes] == ["load [kN]", "lateral [m/s2]"]
+    alone = StudyTable("", "", "", (*COLUMNS[:2], COLUMNS[3]))
+    [(_, figure)] = requested_figures(alone, ["load:parameters.speed"])
+    assert [line.get_linestyle() for line in figure.axes[0].lines] == ["-"]
+
+
+@pytest.mark.parametrize(
+    ("plot", "said"),
+    [
+        ("load", "the cases of a study have no time; write Y:X"),
+        ("load:speeed", "no output or varied value 'speeed'; did you mean 'speed'?"),
+        ("load:lateral:speed", "cannot be understood"),
+    ],
+)
+def test_plots_of_a_study_that_cannot_be(plot, said):
+    with pytest.raises((UnknownNameError, UsageError)) as error:
+        list(requested_figures(StudyTable("", "", "", COLUMNS), [plot]))
+    assert said in str(error.value)
 
 
 def test_statistics_and_rank_correlations_of_unnamed_cases():

@@ -14,7 +14,7 @@ from mecano.commands import BELOW, plugins, show
     "plots",
     multiple=True,
     metavar="Y[,Y2][:X]",
-    help="Plot outputs over another one, or over time; may be repeated.",
+    help="Plot outputs over another one, or over time; of a study, columns of its table. May be repeated.",
 )
 @click.option("--spectrum", "spectra", multiple=True, metavar="Y[,Y2]", help="Plot amplitudes over the frequency.")
 @click.option("--at", metavar="T1,T2,...", help="Draw the mechanism in space at the saved times nearest to these [s].")

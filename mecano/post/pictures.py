@@ -17,6 +17,7 @@ from mecano.post.runs import Run, opened_runs
 from mecano.post.sheets import default_sheets, overview
 from mecano.post.spectrum import spectrum_sheet
 from mecano.post.study_plots import draw_study
+from mecano.post.study_requests import requested_figures
 from mecano.results import modes_file, study_file, sweep_file
 from mecano.results.checked import format_of
 from mecano.results.whole_file import make_folder, refuse_foreign, write_csv
@@ -45,8 +46,8 @@ def post(
 ) -> Iterator[Path]:
     """Draw pictures of results files, with several runs in one picture, and yield the Path of each file written.
 
-    Files of modes, sweeps and studies are drawn one by one; ``plots``, ``spectra``, ``columns``, ``title`` and ``at``
-    are for results of runs only.
+    Files of modes, sweeps and studies are drawn one by one; ``spectra``, ``columns``, ``title`` and ``at`` are for
+    results of runs only, ``plots`` also for studies, whose outputs and varied values they show over one another.
 
     Parameters
     ----------
@@ -80,9 +81,14 @@ def post(
     """
     others = [path for path in paths if format_of(path) in ALONE]
     if others:
-        of_runs = {"--plot": plots, "--spectrum": spectra, "--at": at, "--csv": columns, "--title": title}
+        of_runs = {"--spectrum": spectra, "--at": at, "--csv": columns, "--title": title}
+        if any(format_of(path) != study_file.FORMAT for path in others):
+            of_runs["--plot"] = plots
         _refuse_with_others(others, len(paths), [option for option, value in of_runs.items() if value])
-        yield from _alone(paths, output, kind, below, force)
+        if plots:
+            yield from _of_studies(paths, plots, output, kind, below, force)
+        else:
+            yield from _alone(paths, output, kind, below, force)
         return
     if below is not None:
         raise UsageError("--below: only for files of `mecano modes --sweep`")
@@ -103,7 +109,7 @@ def _of_runs(runs, pictures, times, output, kind, columns, title, force):
     """Draw pictures and configurations; yield the Path of each file."""
     title = title or " | ".join(dict.fromkeys(run.title for run in runs))
     names = [sheet.name for sheet, _ in pictures] + ["configurations"] * (len(runs) if times else 0)
-    targets = _targets(names, output, kind, runs)
+    targets = _targets(names, output, kind, runs[0].results.path, _stem(runs))
     for target in targets:
         refuse_foreign(target, force)
     for run, target in zip(runs if times else [], targets[len(pictures) :], strict=True):
@@ -147,6 +153,18 @@ def _alone(paths, output, kind, below, force):
             yield ALONE[format_of(path)](path, target, kind)
 
 
+def _of_studies(paths, plots, output, kind, below, force):
+    """Draw columns of the tables of studies over one another, and yield the Path of each picture."""
+    if below is not None:
+        raise UsageError("--below: only for files of `mecano modes --sweep`")
+    for path in paths:
+        figures = list(requested_figures(study_file.read_study(path), plots))
+        targets = _targets([name for name, _ in figures], output, kind, Path(path), Path(path).stem)
+        for (_, figure), target in zip(figures, targets, strict=True):
+            refuse_foreign(target, force)
+            yield _save(figure, target)
+
+
 def _named(output, kind):
     """Return the Path of a picture with this name or, without an ending, prefix; None if there is none."""
     if not output or Path(output).suffix[1:] in FORMATS:
@@ -173,8 +191,8 @@ def _default_pictures(runs):
     return [(overview(sheets), draw_overview), *((sheet, sheet_figure) for sheet in sheets)]
 
 
-def _targets(names, output, kind, runs):
-    """Return the Path of each picture."""
+def _targets(names, output, kind, first, stem):
+    """Return the Path of each picture with the ends ``names``, beside the file ``first`` or by ``output``."""
     whole = Path(output) if output else None
     if whole is not None and whole.suffix[1:] in FORMATS and not os.path.isdir(whole):
         if len(names) > 1:
@@ -182,11 +200,10 @@ def _targets(names, output, kind, runs):
         return [whole]
     if whole is not None:
         _refuse_other_formats(whole)
-    first = runs[0].results.path
     if whole is None:
-        prefix = first.with_name(_stem(runs))
+        prefix = first.with_name(stem)
     else:
-        prefix = whole / _stem(runs) if os.path.isdir(whole) or str(output).endswith(("/", os.sep)) else whole
+        prefix = whole / stem if os.path.isdir(whole) or str(output).endswith(("/", os.sep)) else whole
     targets = []
     counts: dict[str, int] = {}
     for name in names:
