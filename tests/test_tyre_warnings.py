@@ -60,6 +60,21 @@ def test_a_wheel_that_starts_backward_or_deep_is_warned_of():
         assert any("it starts backward" in said for said in warnings)
 
 
+@pytest.mark.parametrize(
+    ("axis", "said"),
+    [
+        ([0, 1, 0], None),
+        ([0, -1, 0], "it starts backward, at 15 m/s against its forward direction [-1, 0, 0]"),
+        ([1, 0, 0], "it starts sideward, at 15 m/s across its forward direction [0, -1, 0]"),
+    ],
+)
+def test_a_wheel_that_is_to_run_astray_is_warned_of_before_steady_running_is_solved(axis, said):
+    """The velocity of steady running counts, although the nodes of the deck are at rest."""
+    speed = "parameters.speed=15"
+    warnings = warnings_of(prepare(input_deck("caster_shimmy", speed, f"elements.tire.axis={axis}")))
+    assert [said in text for text in warnings] == ([True] if said else [])
+
+
 @pytest.mark.parametrize(("law", "one_way"), [(STRING, True), (MORELAND % (500.0, 2e-3, KAP), False)])
 def test_a_law_for_rolling_forward_is_named(law, one_way):
     (said,) = (text for text in warnings_of(prepare(towed(law, angle=np.pi))) if "it starts backward" in text)

@@ -153,23 +153,32 @@ def _natural_length(d, positions, t):
 
 
 def _suspicious(deck, system, s):
-    """Yield the warnings of the kinds about the state at the start."""
+    """Yield the warnings of the kinds about the state at the start, for steady running with its velocity."""
+    ahead = _to_come(deck, system, s)
     at, gravity = {node.name: i for i, node in enumerate(system.nodes)}, system.context.gravity
     ground = NodeAtStart(np.eye(3), np.zeros(3), np.eye(3), np.zeros(3), lambda: np.diag([np.inf] * 3), gravity)
     for name, d in deck.values["elements"].items():
         kind = KINDS[d["type"]]
         if kind.suspicious is not nothing:
-            nodes = [node_at_start(system, s, at[node]) if node in at else ground for node in element_nodes(kind, d)]
+            names = element_nodes(kind, d)
+            nodes = [node_at_start(system, s, at[node], ahead) if node in at else ground for node in names]
             for text in kind.suspicious(d, nodes):
                 yield Problem(f"{d['type']} '{name}': {text}", deck.mark("elements", name))
 
 
-def node_at_start(system: "System", s: "State", i: int) -> NodeAtStart:
-    """Return the NodeAtStart of the node ``i`` at the state ``s``."""
+def _to_come(deck, system, s):
+    """Return the velocity (3,) [m/s] of straight steady running that the state ``s`` does not have yet, or zero."""
+    velocity = np.array((deck.values["initial"]["steady"] or {}).get("velocity") or (0.0, 0.0, 0.0))
+    mean = s.v[system.numbering.x[:, None] + np.arange(3)].mean(axis=0)
+    return velocity if mean @ velocity < 0.5 * velocity @ velocity else np.zeros(3)
+
+
+def node_at_start(system: "System", s: "State", i: int, ahead: np.ndarray | float = 0.0) -> NodeAtStart:
+    """Return the NodeAtStart of the node ``i`` at the state ``s``; ``ahead`` (3,) is added to its velocity."""
     of = system.numbering
     x = slice(of.x[i], of.x[i] + 3)
     inertia = partial(_inertia, system, s, i)
-    return NodeAtStart(system.nodes[i].R, s.z[x], s.R[of.rotation[i]], s.v[x], inertia, system.context.gravity)
+    return NodeAtStart(system.nodes[i].R, s.z[x], s.R[of.rotation[i]], s.v[x] + ahead, inertia, system.context.gravity)
 
 
 def _inertia(system, s, i):

@@ -1,4 +1,4 @@
-"""Warnings about wheels with a tyre law at the start: backward rolling, and tyres that start deep in the ground."""
+"""Warnings about wheels with a tyre law at the start: backward or sideward motion, tyres deep in the ground."""
 
 from types import SimpleNamespace
 
@@ -10,6 +10,7 @@ from mecano.constraints.joint_frame import unit
 from mecano.laws.probe import curve_at
 
 BACKWARD = 1.0  # m/s: slower motions have no direction of their own
+SIDEWARD = 5.0  # times the speed ahead or back: an angle of drift of 79 degrees
 DEEP = 0.2  # of the radius; tyres stand at 0.05 to 0.12
 
 
@@ -17,7 +18,7 @@ def start_warnings(d, nodes):
     """Return warnings about the motion and the deformation of a wheel at the start, from its deck values and node."""
     (node,) = nodes
     axis, ground = node.R @ node.orientation.T @ unit(d["axis"]), d["ground"]
-    backward = () if ground.get("motion") else _backward(d, unit(ground["plane"]["normal"]), axis, node.v)
+    backward = () if ground.get("motion") else _astray(d, unit(ground["plane"]["normal"]), axis, node.v)
     return [*backward, *_deep(d, *rim_above(ground, d["tire_law"]["radius"], node.x, axis))]
 
 
@@ -31,13 +32,18 @@ def start_warnings_on_body(d, nodes):
     record = SimpleNamespace(**carried_record(d, places))
     g = contact_at_start(record, places, axis, *place_at_start(d, places))
     above = g.r - d["tire_law"]["radius"]
-    return [*_backward(d, np.array(g.n), axis, hub.v - body.v), *_deep(d, above, above * g.q)]
+    return [*_astray(d, np.array(g.n), axis, hub.v - body.v), *_deep(d, above, above * g.q)]
 
 
-def _backward(d, normal, axis, velocity):
-    """Yield a warning about a wheel that moves mainly against its driving direction t = a x n/|a x n|."""
+def _astray(d, normal, axis, velocity):
+    """Yield a warning about a wheel that moves mainly against or across its driving direction t = a x n/|a x n|."""
     ahead = unit(np.cross(axis, normal))
     along, across = velocity @ ahead, velocity @ np.cross(normal, ahead)
+    if abs(across) > max(BACKWARD, SIDEWARD * abs(along)):
+        yield (
+            f"it starts sideward, at {abs(across):.4g} m/s across its forward direction {_vector(ahead)}, which is "
+            "'axis' x normal of the ground: it slides"
+        )
     if along > -max(BACKWARD, abs(across)):
         return
     turned = "[" + ", ".join(f"{-component + 0.0:g}" for component in d["axis"]) + "]"
