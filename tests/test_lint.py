@@ -143,7 +143,16 @@ def test_what_is_never_used():
     assert parameters == ["parameter 'other' is not used", "parameter 'spare' is not used"]
     used = "parameters: {n: 2, m: 0.1}\nnodes: {p$i: {repeat: {i: 1..$n}, position: [$i, $m, 0]}}\nelements:\n"
     used += "  w$i: {repeat: {i: 1..$n}, type: point_mass, node: p$i, mass: 1}\n"
-    assert warned("mecano: 1\ngravity: none\ntime: {end: 1, step: 0.1}\n" + used) == []
+    begin = "mecano: 1\ngravity: none\ntime: {end: 1, step: 0.1}\n" + used
+    assert warned(begin) == []
+    part = "{nodes: {end: {position: [0, 0, 0]}}, elements: {end: {type: point_mass, node: end, mass: 1}}}"
+    templates = f"templates:\n  part: {part}\n"
+    outer = "  outer: {place: {inner: {template: part}}}\n"
+    assert warned(begin + templates + outer + "place: {one: {template: outer}}\n") == []
+    spare = [
+        f"{at(begin + templates + outer, f'{name}: {{')}template '{name}' is not placed" for name in ("part", "outer")
+    ]
+    assert warned(begin + templates + outer) == spare
 
 
 def test_what_an_included_file_has_need_not_be_used(tmp_path):

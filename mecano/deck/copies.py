@@ -76,6 +76,7 @@ class Copies:
             if entries or section in value:
                 key, node = root.value.get(section, (root, root))
                 value[section] = (key, Node(entries, node.source, node.line, node.column))
+        self.scope.unplaced = self.templates.unplaced(root)
         return Node(value, root.source, root.line, root.column)
 
     def sections(self, body: Node, level: Level) -> dict[str, Entries]:

@@ -18,6 +18,7 @@ from mecano.errors import Problem, name_list
 
 if TYPE_CHECKING:
     from mecano.deck.compose import Node
+    from mecano.errors import Mark
     from mecano.schema import Values
 
 PUSHES = "it pushes away from its zero instead of back to it; is this intended, as in a snap-through?"
@@ -55,6 +56,11 @@ def suspicious(
         *unsampled(values, kinds), *past_triggers(values, kinds),
     ]  # fmt: skip
     return [Problem(text, _place(root, path).mark) for path, text in found] + list(_unused(root, used))
+
+
+def unplaced(templates: "Mapping[str, Mark]") -> list[Problem]:
+    """Return warnings on templates, {name: mark}, of which the deck places no copy."""
+    return [Problem(f"template {quoted(name)} is not placed", mark) for name, mark in templates.items()]
 
 
 def _place(root, path):

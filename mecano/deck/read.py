@@ -10,7 +10,7 @@ from mecano.deck.compose import Node, compose
 from mecano.deck.deck import Deck
 from mecano.deck.expanded_sections import EXPANDED_SECTIONS
 from mecano.deck.include import Inclusion
-from mecano.deck.lint import suspicious
+from mecano.deck.lint import suspicious, unplaced
 from mecano.deck.overrides import overridden
 from mecano.deck.sections import SECTIONS
 from mecano.deck.source import Source, Unreadable, decoded, read_source
@@ -81,7 +81,7 @@ def deck_of(
     root = written_out(root, sections, scope)
     root = overridden(root, [text for text in overrides if text not in first], sections, problems)
     values = checked_values(root, sections, scope)
-    warnings = tuple(suspicious(values, root, scope.used_names(), kinds))
+    warnings = (*suspicious(values, root, scope.used_names(), kinds), *unplaced(scope.unplaced))
     keys = {section: _keys(root, section) for section in ("nodes", "initial", *ELEMENT_SECTIONS)}
     formulas = {found.text: node.mark for found, node, _ in reversed(scope.formulas)}
     return Deck(source.file, source.text, digest, values, tuple(overrides), scope.files, warnings, keys, formulas)

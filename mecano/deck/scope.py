@@ -13,7 +13,7 @@ from mecano.deck.similar_names import similar
 from mecano.deck.source import Source
 from mecano.deck.units import is_quantity
 from mecano.deck.wording import as_list, corrected, found, how_to_write, quoted, suggestion, unit_text
-from mecano.errors import DeckError, Problem
+from mecano.errors import DeckError, Mark, Problem
 from mecano.schema import SECTION_OF, Field
 
 if TYPE_CHECKING:
@@ -85,6 +85,7 @@ class Scope:
     defaults: dict[int, Checked] = field(default_factory=dict)  # id of a Field -> checked default
     own_names: dict[int, Collection[str]] = field(default_factory=dict)
     """id of a Node with a name that its template does not define -> names that the template defines in that section"""
+    unplaced: dict[str, Mark] = field(default_factory=dict)  # name of a template without a copy -> its place
     misplaced: set[str] = field(default_factory=set)  # names of sections that are written inside others
     subject: str = ""  # "hinge 'knee'"
     path: list[str] = field(default_factory=list)  # keys between the subject and the current value

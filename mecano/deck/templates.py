@@ -15,6 +15,7 @@ from mecano.schema import ORIENTATION, POSITION, TEXT, Field, Type, Values, mapp
 if TYPE_CHECKING:
     from mecano.deck.compose import Node
     from mecano.deck.scope import Invalid, Scope
+    from mecano.errors import Mark
 
 DEEPEST = 12  # templates inside templates
 ZERO = (0.0, 0.0, 0.0)
@@ -56,6 +57,7 @@ class Templates:
         self.sections, self.scope = ["parameters", "place", *sections], scope
         self.bodies = self._declared(root)
         self._open: list[str] = []  # names of the templates being placed
+        self._placed: set[str] = set()
 
     def _declared(self, root):
         """Return {name: node}, each a mapping of sections; also of a misspelt section, which is refused elsewhere."""
@@ -87,10 +89,17 @@ class Templates:
     def being_placed(self, name: str) -> Iterator[None]:
         """Mark a template as being placed, so that it is not placed inside itself."""
         self._open.append(name)
+        self._placed.add(name)
         try:
             yield
         finally:
             self._open.pop()
+
+    def unplaced(self, root: "Node") -> "dict[str, Mark]":
+        """Return {name: mark} of the templates of the deck ``root`` itself, not of included files, without a copy."""
+        keys = {name: root.value["templates"][1].value[name][0] for name in self.bodies if "templates" in root.value}
+        own = {name: key for name, key in keys.items() if key.source.file == root.source.file}
+        return {name: key.mark for name, key in own.items() if name not in self._placed}
 
     def body(self, name: str, node: "Node") -> "Node | None":
         """Return the template with a name used at ``node``, or None if it cannot be placed."""
