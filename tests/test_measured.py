@@ -12,7 +12,7 @@ from mecano.jit import store
 from mecano.jit.ahead import compile_ahead
 from mecano.model import loops
 from mecano.model.loop_code import codes_of
-from mecano.model.quantity_names import measurable
+from mecano.model.measured_outputs import measurable
 from mecano.model.signal_units import signal_units
 
 SWINGING = """

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.deck.examples import example_lines
-from mecano.model.quantity_names import measurable
+from mecano.model.measured_outputs import measurable
 from mecano.schema import Field, Type
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from mecano.element_interface import SECTIONS
 from mecano.elements.signals.formula import FORMULA
 from mecano.laws.formula import NUMBER as NUMBER_STEP
 from mecano.laws.formula import SIGN, Formula, FormulaError, difference_of, read_formula
-from mecano.model.quantity_names import UnknownQuantity, meaning
+from mecano.model.quantity_names import UnknownQuantity, resolve
 from mecano.schema import CONTINUOUS_DRIVE, MOTION, NUMBER, Field, Values
 
 
@@ -131,7 +131,7 @@ def check_formulas(values: Values, scope: Scope) -> None:
             if wrong.intersection(name.split(".")):
                 continue  # its outputs depend on what an unknown name should refer to
             try:
-                meaning(name, entries, values["nodes"])
+                resolve(name, entries, values["nodes"])
             except UnknownQuantity as error:
                 exact = found.text == node.value
                 scope.refuse_at(node, ExpressionError(error.message, column if exact else 0), _meant(error, scope))

@@ -37,7 +37,8 @@ from mecano.laws.formula import (
     TIME,
     read_formula,
 )
-from mecano.model.quantity_names import meaning, measured_outputs, quantities
+from mecano.model.measured_outputs import measured_outputs, quantities
+from mecano.model.quantity_names import resolve
 from mecano.model.sampler import NODE_OUTPUTS
 from mecano.model.unit_products import product_unit
 from mecano.model.wiring import text_of
@@ -187,7 +188,7 @@ class _Units:
         return self._of_quantity(formula.references[int(x)]) if code == INPUT else ANY
 
     def _of_quantity(self, name):
-        section, owner, what = meaning(name, self.entries, self.nodes)
+        section, owner, what = resolve(name, self.entries, self.nodes)
         if section == "nodes":
             return OF_NODES[what.partition(".")[0]]
         if section == "signals":

@@ -5,15 +5,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.constraints.output_sensor import output_sensor
-from mecano.element_interface import OwnOutput
+from mecano.constraints.sensors import NODE_SENSORS, SENSORS
+from mecano.element_interface import OwnOutput, Part
 from mecano.elements.signals.formula import FORMULA
 from mecano.laws.formula import read_formula
 from mecano.model.instance import Instance
+from mecano.model.measured_outputs import AXES, MAGNITUDE, index_of, magnitude_of
 from mecano.model.model import Model, title_of
-from mecano.model.quantity_names import MAGNITUDE, index_of, magnitude_of, meaning, sensor_of_node, sensor_of_output
+from mecano.model.quantity_names import resolve
 
 if TYPE_CHECKING:
-    from mecano.element_interface import Context, Part
+    from collections.abc import Sequence
+
+    from mecano.element_interface import Context, Kind
+    from mecano.model.mesh import Frame
+    from mecano.schema import Values
 
 IN_PLACE = "formulas/"  # section of the formulas that are written in place
 DIVISION = "\N{DIVISION SLASH}"  # in the name of a formula, since / separates groups of the results file
@@ -87,17 +93,17 @@ class _Wiring:
             return self.sources[name]
         if name.endswith(MAGNITUDE):
             return self.source(magnitude_of(name.removesuffix(MAGNITUDE)))
-        section, owner, what = meaning(name, self.entries, self.nodes)
+        section, owner, what = resolve(name, self.entries, self.nodes)
         nodes: tuple[int, ...]
         part: Part | None
         if section == "nodes":
-            title, part, nodes = f"node '{owner}'", sensor_of_node(what), (self.nodes[owner],)
+            title, part, nodes = f"node '{owner}'", _sensor_of_node(what), (self.nodes[owner],)
         else:
             element = self.elements[section, owner]
             nodes = tuple(self.nodes[node] for node in element.nodes)
             frames = [(np.asarray(self.model.nodes[i].x, float), self.model.nodes[i].R) for i in nodes]
             title = title_of(element.kind.name, owner)
-            part = sensor_of_output(element.kind, what, element.values, frames, self.context)
+            part = _sensor_of_output(element.kind, what, element.values, frames, self.context)
         if part is None:
             self.sources[name] = self._of_observed(f"{title}: {what}", f"{section}/{owner}", what)
             return self.sources[name]
@@ -124,3 +130,26 @@ class _Wiring:
         path = f"sensors/{item.path}/{index}"
         self.instances.append(Instance(title, path, kind, item.nodes, record, 0, coupled, reads=item.reads, senses=i))
         return len(self.instances) - 1
+
+
+def _sensor_of_node(what: str) -> Part:
+    """Return the Part of the sensor of a component of the motion of a node: position.z."""
+    quantity, _, axis = what.partition(".")
+    values = {"direction": np.eye(3)[AXES.index(axis)]}
+    if quantity == "position":
+        values |= {"origin": np.zeros(3), "zero": 0.0}
+    return Part(NODE_SENSORS[quantity], (0,), values)
+
+
+def _sensor_of_output(
+    kind: "Kind", output: str, values: "Values", frames: "Sequence[Frame]", context: "Context"
+) -> Part | None:
+    """Return the Part of the sensor of a coordinate of an element or of its rate, at ``frames`` [(x, R)], or None."""
+    for name in (output, *(o.name for o in kind.outputs if o.rate == output)):
+        if name in kind.measures:
+            return _sensor_of_coordinate(kind.measures[name](values, frames, context), int(name != output))
+    return None
+
+
+def _sensor_of_coordinate(found, which):
+    return Part(SENSORS[found.coordinate][which], found.nodes, {**found.axes, "zero": found.zero})
