@@ -16,7 +16,9 @@ from mecano.analyses.dynamic import resume, run
 from mecano.cli import main
 from mecano.errors import ResultsError
 from mecano.post.info import info
-from mecano.results import checked, global_heap, layout
+from mecano.results import global_heap, layout, trial_reading
+from mecano.results.checked import Checked
+from mecano.results.opening import format_of
 
 TRIALS = 15
 
@@ -55,17 +57,20 @@ def endless(*_):
 
 @pytest.mark.parametrize(
     "reading, reported",
-    [(lambda path: os.kill(os.getpid(), signal.SIGKILL), "ends by SIGKILL"), (checked._read_quietly, "does not end")],
+    [
+        (lambda path: os.kill(os.getpid(), signal.SIGKILL), "ends by SIGKILL"),
+        (trial_reading._read_quietly, "does not end"),
+    ],
 )
 def test_a_file_without_sums_at_which_hdf5_would_crash_or_hang_is_refused(tmp_path, monkeypatch, reading, reported):
     run(decks()["bouncing_ball"], tmp_path / "r.h5")
     data = (tmp_path / "r.h5").read_bytes()
     (tmp_path / "r.h5").write_bytes(data[:-100])
     assert "complete" in info(tmp_path / "r.h5")  # it lacks the sums only
-    monkeypatch.setattr(checked, "_ends", {})
-    monkeypatch.setattr(checked, "PATIENCE", 0.1)
-    monkeypatch.setattr(checked, "_read_item", endless)
-    monkeypatch.setattr(checked, "_read_quietly", reading)
+    monkeypatch.setattr(trial_reading, "_ends", {})
+    monkeypatch.setattr(trial_reading, "PATIENCE", 0.1)
+    monkeypatch.setattr(trial_reading, "_read_item", endless)
+    monkeypatch.setattr(trial_reading, "_read_quietly", reading)
     with pytest.raises(ResultsError, match=f"sums at its end.* are missing, and reading it {reported}"):
         info(tmp_path / "r.h5")
 
@@ -79,15 +84,15 @@ def test_texts_that_the_library_would_read_for_ever_are_refused(tmp_path):
     data = bytearray(path.read_bytes())
     heap = data.index(b"GCOL")
     size = int.from_bytes(data[heap + 8 : heap + 16], "little")
-    assert checked.format_of(path) == "mecano modes"
+    assert format_of(path) == "mecano modes"
     data[heap + 16 : heap + size] = bytes(size - 16)
     path.write_bytes(data)
-    source = checked.Checked(path)
+    source = Checked(path)
     source.seek(heap)
     with pytest.raises(OSError, match=f"the texts from byte {heap} on cannot be read"):
         source.readinto(bytearray(8))
     source.close()
-    assert checked.format_of(path) == ""
+    assert format_of(path) == ""
 
 
 def _set_attribute(name, value):

@@ -16,9 +16,9 @@ from calls import calls
 from mecano.errors import ResultsError, UnknownNameError
 from mecano.jit import store
 from mecano.results import empty_file
-from mecano.results.checked import cut_short
 from mecano.results.layout import Layout, Series
 from mecano.results.lookup import Lookup, similar_outputs
+from mecano.results.opening import cut_short
 from mecano.results.provenance import Source, lives, threads
 from mecano.results.reader import open_results
 from mecano.results.state import load_state, save_state

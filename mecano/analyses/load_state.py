@@ -9,7 +9,7 @@ from mecano.analyses.equilibria import loaded, rest
 from mecano.analyses.prepare import Prepared, integrator_of
 from mecano.analyses.replay import gaps_at_start, miscounted, replayed, scalars_in
 from mecano.errors import ResultsError, UsageError
-from mecano.results.checked import blaming
+from mecano.results.opening import errors_as_damage
 from mecano.results.reader import Results, open_results
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def rest_at(prepared: Prepared, text: str) -> "tuple[Prepared, State, str, tuple
 def _saved(prepared: Prepared, text: str) -> "tuple[State, float | None, str, tuple[str, ...]]":
     """Return (State, load factor, words, warnings) of a saved time; the load factor of a dynamic run is None."""
     path, time = parse(text)
-    with blaming(path), open_results(path) as results:
+    with errors_as_damage(path), open_results(path) as results:
         if not len(results.time):
             raise ResultsError(f"{path}: no saved times yet")
         row = len(results.time) - 1 if time is None else int(np.argmin(np.abs(results.time - time)))

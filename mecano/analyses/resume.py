@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mecano.errors import ResultsError, UsageError, name_list
-from mecano.results.checked import blaming
 from mecano.results.layout import FORMAT_VERSION, Layout
+from mecano.results.opening import errors_as_damage
 from mecano.results.provenance import plugins, provenance, to_json
 from mecano.results.reader import open_results
 
@@ -47,7 +47,7 @@ class InterruptedRun:
     def __init__(self, path: str | os.PathLike[str], deck: "Deck"):
         self.path, self.results = path, open_results(path)
         try:
-            with blaming(path):
+            with errors_as_damage(path):
                 self._check(deck)
                 self.complete, self.checkpoint = self.results.status == "complete", self.results.checkpoint
                 self.automatic, self.model = self.results.automatic, self.results.model

@@ -1,5 +1,6 @@
 """Commands about results files."""
 
+from contextlib import contextmanager
 from pathlib import Path
 
 import click
@@ -59,17 +60,24 @@ def post(
 
     Pictures, pages and tables of mecano are replaced; films and files from elsewhere only with --force.
     """
-    from mecano.results.checked import blaming, cut_short
-
     _refuse_names(results, plots)
     if page or report:
         _refuse_strays(results, at=at, output=output, format=kind != "png", csv=columns, below=below)
     if page and spectra and not report:
         raise click.UsageError("--spectrum: the page of --animate has plots over time only")
+    with _reading(*results):
+        _post(results, plots, spectra, at, output, kind, columns, title, below, page, report, force)
+
+
+@contextmanager
+def _reading(*results):
+    """Warn of results files that are cut short; attribute unexpected errors in the block to damage of files."""
+    from mecano.results.opening import cut_short, errors_as_damage
+
     for warning in cut_short(results):
         click.echo(f"mecano: {warning}", err=True)
-    with blaming(*results):
-        _post(results, plots, spectra, at, output, kind, columns, title, below, page, report, force)
+    with errors_as_damage(*results):
+        yield
 
 
 def _refuse_names(results, plots):
@@ -138,11 +146,8 @@ def export(results: str, output: str | None, series: tuple[str, ...], vtk: bool,
     Without -o, columns are written to a file .csv beside RESULTS. Names as in `mecano post --plot`.
     """
     from mecano.post.export import export as write
-    from mecano.results.checked import blaming, cut_short
 
-    for warning in cut_short([results]):
-        click.echo(f"mecano: {warning}", err=True)
-    with blaming(results):
+    with _reading(results):
         click.echo(write(results, output, series=series, vtk=vtk, force=force))
 
 
@@ -156,11 +161,8 @@ def export(results: str, output: str | None, series: tuple[str, ...], vtk: bool,
 def info(results: str, pattern: str | None, events: bool) -> None:
     """Summarize a results file and its run: status, steps, events, extremes."""
     from mecano.post.info import info as text
-    from mecano.results.checked import blaming, cut_short
 
-    for warning in cut_short([results]):
-        click.echo(f"mecano: {warning}", err=True)
-    with blaming(results):
+    with _reading(results):
         show(text(results, pattern, events))
 
 

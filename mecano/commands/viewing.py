@@ -45,10 +45,10 @@ def _is_results(file):
 def _refuse_missing(file, wait):
     """Raise ResultsError before anything is served, unless the file is yet to come."""
     if not wait:
-        from mecano.results.checked import blaming
+        from mecano.results.opening import errors_as_damage
         from mecano.results.reader import open_results
 
-        with blaming(file), open_results(file):
+        with errors_as_damage(file), open_results(file):
             pass
 
 

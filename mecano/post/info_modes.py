@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 import h5py
 
 from mecano.results import modes_file
-from mecano.results.checked import format_of, open_checked
 from mecano.results.modes_file import read_modes
+from mecano.results.opening import format_of, open_checked
 
 if TYPE_CHECKING:
     import os

@@ -16,7 +16,7 @@ from mecano.errors import ResultsError, UsageError
 from mecano.post.campbell import campbell_figure
 from mecano.post.figure import plain_figure, save
 from mecano.post.style import COLOURS, DASHES, GREY, INK, SETTINGS, note_below, with_unit
-from mecano.results.checked import open_checked
+from mecano.results.opening import open_checked
 from mecano.results.sweep_file import SweepFile, read_sweep
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from mecano.post.spectrum import spectrum_sheet
 from mecano.post.study_plots import draw_study
 from mecano.post.study_requests import requested_figures
 from mecano.results import modes_file, study_file, sweep_file
-from mecano.results.checked import format_of
+from mecano.results.opening import format_of
 from mecano.results.whole_file import make_folder, refuse_foreign, write_csv
 
 if TYPE_CHECKING:

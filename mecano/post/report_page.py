@@ -15,7 +15,7 @@ from mecano.post.report import Picture, Report, Table, report_of
 from mecano.post.runs import opened_runs
 from mecano.post.study_report import study_report
 from mecano.results import study_file
-from mecano.results.checked import format_of
+from mecano.results.opening import format_of
 from mecano.results.whole_file import atomic_file, make_folder
 
 if TYPE_CHECKING:

@@ -11,9 +11,9 @@ import numpy as np
 
 from mecano.element_interface import Display
 from mecano.errors import ResultsError
-from mecano.results.checked import open_checked
 from mecano.results.disk import atomic_hdf5_file
 from mecano.results.file_names import refuse_existing
+from mecano.results.opening import open_checked
 from mecano.results.provenance import Source, read_displays
 from mecano.results.table import describe
 from mecano.results.whole_file import put_source

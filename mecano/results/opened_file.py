@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import h5py
 
 from mecano.errors import ResultsError
-from mecano.results.checked import UNREADABLE, checked, unreadable
+from mecano.results.opening import UNREADABLE, open_source, unreadable
 from mecano.results.readable_rows import rows_within
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ class OpenedFile:
 def _open_patiently(path):
     """Return (Checked, h5py.File) of a path, with retries, as a writer may be active. Raises ResultsError."""
     for attempt in range(_ATTEMPTS):
-        source = checked(path)
+        source = open_source(path)
         try:
             return source, h5py.File(source, "r")
         except UNREADABLE as error:

@@ -11,8 +11,8 @@ import h5py
 import numpy as np
 
 from mecano.errors import ResultsError
-from mecano.results.checked import open_checked
 from mecano.results.disk import atomic_hdf5_file
+from mecano.results.opening import open_checked
 from mecano.results.provenance import provenance
 from mecano.results.table import describe
 from mecano.results.whole_file import atomic_file

@@ -10,9 +10,9 @@ import h5py
 import numpy as np
 
 from mecano.errors import ResultsError
-from mecano.results.checked import open_checked
 from mecano.results.disk import atomic_hdf5_file
 from mecano.results.file_names import refuse_existing
+from mecano.results.opening import open_checked
 from mecano.results.table import describe
 from mecano.results.whole_file import exists, put_source, refuse_other_than_file, write_csv
 

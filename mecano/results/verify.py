@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import h5py
 
 from mecano.errors import ResultsError, name_list
-from mecano.results.checked import blaming, checked, format_of, open_checked
 from mecano.results.checksums import Seal
 from mecano.results.layout import FORMAT
+from mecano.results.opening import errors_as_damage, format_of, open_checked, open_source
 from mecano.results.reader import open_results
 from mecano.results.table import event_sum
 
@@ -32,9 +32,9 @@ def verify(path: "str | os.PathLike[str]") -> str:
     checksums are lost, those in the last checkpoint of a run show whether the rows before it have changed. Raises
     ResultsError if bytes or checksums have changed or are missing.
     """
-    source = checked(path)
+    source = open_source(path)
     try:
-        with blaming(path):
+        with errors_as_damage(path):
             problem = _changed(source)
             if problem:
                 raise ResultsError(problem)

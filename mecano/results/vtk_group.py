@@ -12,8 +12,8 @@ import h5py
 import numpy as np
 
 from mecano.errors import ResultsError
-from mecano.results.checked import checked
 from mecano.results.disk import atomic_hdf5_file
+from mecano.results.opening import open_source
 from mecano.results.table import describe, name_axes
 
 if TYPE_CHECKING:
@@ -121,7 +121,7 @@ def add_grids(path: "str | os.PathLike[str]", grids: Iterable[Grid], times: np.n
 
 def _refuse_damaged(path):
     """Raise ResultsError for a file with changed bytes, which would be given valid checksums when rewritten."""
-    source = checked(path)
+    source = open_source(path)
     try:
         if source.sums is not None and len(source.changed()):
             raise ResultsError(f"{path} is damaged: nothing is added to it; mecano verify names the data affected")

@@ -24,9 +24,9 @@ import h5py
 from mecano.analyses.checkpoint_writer import CheckpointWriter
 from mecano.analyses.dynamic import run
 from mecano.deck.read import read_deck
-from mecano.results.checked import open_checked
 from mecano.results.disk import Disk
 from mecano.results.live_checksums import LiveChecksums
+from mecano.results.opening import open_checked
 
 ROOT = Path(__file__).resolve().parents[2]
 INPUTS, DOCS = ROOT / "inputs", ROOT / "docs"
