@@ -23,13 +23,20 @@ def record(**fields: Shape) -> np.dtype:
 
 
 def recorded(fields: "Iterable[Field]") -> dict[str, Shape]:
-    """Return {name: shape} of the fields that a record can hold: numbers, vectors and laws that are always given."""
-    return {f.name: RECORDED[f.type.name] for f in fields if f.type.name in RECORDED and f.default is not None}
+    """Return {name: shape} of the fields that a record can hold: laws; numbers and vectors that are always given."""
+    return {
+        f.name: RECORDED[f.type.name]
+        for f in fields
+        if f.type.name in LAWS or (f.type.name in RECORDED and f.default is not None)
+    }
 
 
 def recorded_values(
     names: Iterable[str], fields: "Iterable[Field]", values: "Values", context: "Context"
 ) -> dict[str, Any]:
-    """Return the values of a record with these names from those of the ``fields``; of a law, its start in the table."""
+    """Return the values of a record with these names from those of the ``fields``; of a law, its start in the table.
+
+    A law that is absent starts at 0, where the law is zero.
+    """
     laws = [f.name for f in fields if f.type.name in LAWS]
     return {name: context.laws.add(values[name]) if name in laws else values[name] for name in names}

@@ -45,22 +45,6 @@ FIELDS = (
     Field("least_speed", NUMBER, "m/s", "v_0, speed below which the slip no longer grows as 1/speed", 0.1, positive),
     *CARCASS_FIELDS,
 )  # fmt: skip
-RECORD = {"cornering": "i", "longitudinal": "i", "camber": "i", "mu": "i", "half_length": (), "least_speed": ()}
-
-
-def prepare(law, context):
-    """Return the values of RECORD."""
-    d, add = law["fiala"], context.laws.add
-    cornering = add(d["cornering_stiffness"])
-    along = d["longitudinal_stiffness"]
-    return {
-        "cornering": cornering,
-        "longitudinal": cornering if along is None else add(along),
-        "camber": add(d["camber_stiffness"]),
-        "mu": add(d["friction"]),
-        "half_length": 0.5 * d["contact_length"],
-        "least_speed": d["least_speed"],
-    }
 
 
 def check(law):
@@ -82,14 +66,15 @@ def forces(p, laws, k):
     rolling = dot(k.t, k.u) - dot(k.t, k.v_0)
     V = sqrt(rolling * rolling + p.least_speed * p.least_speed)
     load = at_least(k.N, 0.0)
-    G_t, G_s = -curve(laws, p.longitudinal, load) * v_t / V, -curve(laws, p.cornering, load) * v_l / V
+    along = p.longitudinal_stiffness if p.longitudinal_stiffness > 0 else p.cornering_stiffness
+    G_t, G_s = -curve(laws, along, load) * v_t / V, -curve(laws, p.cornering_stiffness, load) * v_l / V
     camber, ahead = atan2(k.lean, sqrt(1.0 - k.lean * k.lean)), rolling / V
-    G_l = G_s - curve(laws, p.camber, load) * camber * (ahead * ahead)
-    sliding = at_least(k.grip * at_least(curve(laws, p.mu, norm(k.v_0)), 0.0) * load, LEAST_FORCE)
+    G_l = G_s - curve(laws, p.camber_stiffness, load) * camber * (ahead * ahead)
+    sliding = at_least(k.grip * at_least(curve(laws, p.friction, norm(k.v_0)), 0.0) * load, LEAST_FORCE)
     x = sqrt(G_t * G_t + G_l * G_l) / (3.0 * sliding)
     y = at_most(x, 1.0)
     share = select(x < 1.0, 1.0 - y + y * y / 3.0, 1.0 / (3.0 * at_least(x, 1.0)))
-    turn = -p.half_length / 3.0 * (1.0 - y) * (1.0 - y) * (1.0 - y) * G_s * ahead
+    turn = -0.5 * p.contact_length / 3.0 * (1.0 - y) * (1.0 - y) * (1.0 - y) * G_s * ahead
     F_t, F_l = share * G_t, share * G_l
     power = F_t * v_t + F_l * v_l
     lost = at_least(-power, 0.0)
@@ -107,6 +92,4 @@ def sample(rng):
     ]
 
 
-FIALA = SlipLaw(
-    "fiala", __doc__, mapping(*FIELDS), forces, RECORD, prepare, check, carcass=carcass, sample=sample, passive=False
-)
+FIALA = SlipLaw("fiala", __doc__, mapping(*FIELDS), forces, check=check, carcass=carcass, sample=sample, passive=False)

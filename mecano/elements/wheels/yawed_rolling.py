@@ -44,20 +44,6 @@ FIELDS = (
     Field("least_speed", NUMBER, "m/s", "v_0, speed below which the slip no longer grows as 1/speed", 0.1, positive),
     *CARCASS_FIELDS,
 )  # fmt: skip
-RECORD = {"cornering": "i", "longitudinal": "i", "mu": "i", "contact_share": (), "least_speed": ()}
-
-
-def prepare(law, context):
-    """Return the values of RECORD."""
-    d, add = law["yawed_rolling"], context.laws.add
-    cornering, along = add(d["cornering_stiffness"]), d["longitudinal_stiffness"]
-    return {
-        "cornering": cornering,
-        "longitudinal": cornering if along is None else add(along),
-        "mu": add(d["friction"]),
-        "contact_share": d["contact_share"],
-        "least_speed": d["least_speed"],
-    }
 
 
 def check(law):
@@ -81,9 +67,10 @@ def forces(p, laws, k):
     rolling = dot(k.t, k.u) - dot(k.t, k.v_0)
     V = sqrt(rolling * rolling + p.least_speed * p.least_speed)
     w = at_least(k.w, LEAST_DEPTH * p.radius)
-    G_t = -at_least(curve(laws, p.longitudinal, w), 0.0) * v_t / V
-    G_l = -at_least(curve(laws, p.cornering, w), 0.0) * atan2(v_l, V)
-    limit = at_least(k.grip * at_least(curve(laws, p.mu, norm(k.v_0)), 0.0) * at_least(k.N, 0.0), LEAST_FORCE)
+    along = p.longitudinal_stiffness if p.longitudinal_stiffness > 0 else p.cornering_stiffness
+    G_t = -at_least(curve(laws, along, w), 0.0) * v_t / V
+    G_l = -at_least(curve(laws, p.cornering_stiffness, w), 0.0) * atan2(v_l, V)
+    limit = at_least(k.grip * at_least(curve(laws, p.friction, norm(k.v_0)), 0.0) * at_least(k.N, 0.0), LEAST_FORCE)
     phi = sqrt(G_t * G_t + G_l * G_l) / limit
     used = select(phi < FULL, 1.0 - 4.0 / 27.0 * phi * phi, 1.0 / at_least(phi, FULL))
     F_t, F_l = used * G_t, used * G_l
@@ -110,6 +97,4 @@ def sample(rng):
     ]
 
 
-YAWED_ROLLING = SlipLaw(
-    "yawed_rolling", __doc__, mapping(*FIELDS), forces, RECORD, prepare, check, carcass=carcass, sample=sample
-)
+YAWED_ROLLING = SlipLaw("yawed_rolling", __doc__, mapping(*FIELDS), forces, check=check, carcass=carcass, sample=sample)
