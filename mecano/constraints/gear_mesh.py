@@ -50,12 +50,12 @@ def _coupling(p, at):
     h_1, h_2 = p.travel[0], p.travel[1]
     turns, angles = _turned(p, at.m, at.R)
     Phi = (h_1 * turns[0] + h_2 * turns[1]) + (h_1 * angles[0] + h_2 * angles[1])
-    Phi = Phi + slide(at.q, at.v, A, tau)[0] - p.offset
+    Phi = Phi + slide(at, tau)[0] - p.offset
     c_1, b_1 = twist_gradient(Q_1, vec(p.mu_1[2], 0), vec(p.xi_1[2], 0))
     c_2, b_2 = twist_gradient(Q_2, vec(p.mu_2[2], 0), vec(p.xi_2[2], 0))
-    back, b_0, along = slide_gradient(at.q, A, tau)
+    back, (_, b_0), along = slide_gradient(at, tau)
     b_0 = b_0 + (h_1 * c_1 + h_2 * c_2)
-    return (Q_1, Q_2), Phi, ((0, back), (3, b_0), (6, along), (9, h_1 * b_1), (12, h_2 * b_2))
+    return (Q_1, Q_2), Phi, (back, (3, b_0), along, (9, h_1 * b_1), (12, h_2 * b_2))
 
 
 @kernel
@@ -77,7 +77,7 @@ def force(p, at, f, K, C, M):
     g = add_constraint(f, K, MULTIPLIER, at.k, at.penalty, Phi, at.q[MULTIPLIER], gradient)
     add_blocks(K, 3, 9, p.travel[0] * g, twist_curvature(Q_1, vec(p.mu_1[2], 0), vec(p.xi_1[2], 0)))
     add_blocks(K, 3, 12, p.travel[1] * g, twist_curvature(Q_2, vec(p.mu_2[2], 0), vec(p.xi_2[2], 0)))
-    add_slide_curvature(K, g, at.q, mat(at.R[0]), vec(p.tangent, 0))
+    add_slide_curvature(K, g, at, vec(p.tangent, 0))
 
 
 @kernel

@@ -13,12 +13,12 @@ accompanied by the moment :math:`-h` times that force about :math:`\mu_3`.
 from mecano.constraints.augmented_lagrangian import add_reaction
 from mecano.constraints.body_fixed import relative_rotation, wrap
 from mecano.constraints.coordinates.coordinate import rate_of
-from mecano.constraints.coordinates.slide import slide_gradient
+from mecano.constraints.coordinates.slide import slide, slide_gradient
 from mecano.constraints.coordinates.twist import twist, twist_gradient
 from mecano.constraints.joint_frame import triad
 from mecano.element_interface import Kind, Row, record
 from mecano.jit.kernel import kernel
-from mecano.maths.vector import dot, mat, vec
+from mecano.maths.vector import mat, vec
 
 RECORD = record(mu=(3, 3), xi=(3, 3), sigma=3, offset=(), travel=())
 MULTIPLIER = 12
@@ -27,21 +27,19 @@ MULTIPLIER = 12
 @kernel
 def _coupling(p, at):
     """Return the constraint [m] and its gradient."""
-    A, sigma, mu, xi, h = mat(at.R[0]), vec(p.sigma, 0), mat(p.mu), mat(p.xi), p.travel
-    Q = relative_rotation(A, mat(at.R[1]))
-    s = dot(sigma, A.T @ (vec(at.q, 6) - vec(at.q, 0))) - p.offset
-    b_0, b_R, b_1 = slide_gradient(at.q, A, sigma)
+    sigma, mu, xi, h = vec(p.sigma, 0), mat(p.mu), mat(p.xi), p.travel
+    Q, s = relative_rotation(mat(at.R[0]), mat(at.R[1])), slide(at, sigma)[0] - p.offset
+    back, (_, b_R), along = slide_gradient(at, sigma)
     turn_0, turn_1 = twist_gradient(Q, mu[2], xi[2])
-    return -h * wrap(twist(Q, mu, xi) - s / h), ((0, b_0), (3, b_R - h * turn_0), (6, b_1), (9, -h * turn_1))
+    return -h * wrap(twist(Q, mu, xi) - s / h), (back, (3, b_R - h * turn_0), along, (9, -h * turn_1))
 
 
 @kernel
 def slide_travel(p, at):
     """Return the constraint [m] with its gradient, and the mean travel of sliding and rolling [m] with its gradient."""
-    A, sigma = mat(at.R[0]), vec(p.sigma, 0)
-    Phi, gradient = _coupling(p, at)
-    along = dot(sigma, A.T @ (vec(at.q, 6) - vec(at.q, 0))) - p.offset
-    b_0, b_R, b_1 = slide_gradient(at.q, A, sigma)
+    sigma = vec(p.sigma, 0)
+    (Phi, gradient), along = _coupling(p, at), slide(at, sigma)[0] - p.offset
+    (_, b_0), (_, b_R), (_, b_1) = slide_gradient(at, sigma)
     turn_0, turn_1 = 0.5 * (b_R - gradient[1][1]), -0.5 * gradient[3][1]
     mean = ((0, 0.5 * b_0), (3, 0.5 * b_R + turn_0), (6, 0.5 * b_1), (9, turn_1))
     return (Phi, gradient), (along - 0.5 * Phi, mean)

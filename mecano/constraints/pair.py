@@ -8,7 +8,6 @@ holds; where its deck gives a law for one of them (``compliance``), the law repl
 
 import numpy as np
 
-from mecano.constraints.body_fixed import relative_rotation
 from mecano.constraints.coordinates.slide import slide
 from mecano.constraints.coordinates.tilt import tilted
 from mecano.constraints.coordinates.twist import turned
@@ -27,7 +26,7 @@ from mecano.element_interface import Part, record
 from mecano.jit.kernel import kernel
 from mecano.laws.table import law_force
 from mecano.maths.dual import constant, number, select
-from mecano.maths.vector import Vec3, mat, put, vec
+from mecano.maths.vector import Vec3, mat, put
 from mecano.schema import DIRECTION, LAW, Field, mapping
 
 HELD_BY = {
@@ -135,43 +134,42 @@ def _elastic(axis, place, law, context, natural=0.0):
 
 
 @kernel
-def held(p, laws, q, i, coordinate, rate):
+def held(p, at, i, coordinate, rate):
     """Return the reaction on b along the axis with index i in ``AXES``, from its multiplier or law; 0 if it is free."""
     if p.row[i] >= 0.0:
-        return constant(0.0, coordinate) + number(q[int(p.row[i])])
-    return -law_force(laws, int(p.law[i]), coordinate, rate)
+        return constant(0.0, coordinate) + number(at.q[int(p.row[i])])
+    return -law_force(at.laws, int(p.law[i]), coordinate, rate)
 
 
 @kernel
-def pair_force(p, laws, q, v, R):
+def pair_force(p, at):
     """Return the force of a on b [N] along mu_1, mu_2, mu_3, for a pair with the local unknowns x0, R0, x1, R1."""
-    A, mu = mat(R[0]), mat(p.mu)
-    s_1, v_1 = slide(q, v, A, mu[0])
-    s_2, v_2 = slide(q, v, A, mu[1])
-    s_3, v_3 = slide(q, v, A, mu[2])
-    F_1, F_2 = held(p, laws, q, 3, s_1 - p.start[0], v_1), held(p, laws, q, 4, s_2 - p.start[1], v_2)
-    return Vec3(F_1, F_2, held(p, laws, q, 5, s_3 - p.start[2], v_3))
+    mu = mat(p.mu)
+    s_1, v_1 = slide(at, mu[0])
+    s_2, v_2 = slide(at, mu[1])
+    s_3, v_3 = slide(at, mu[2])
+    F_1, F_2 = held(p, at, 3, s_1 - p.start[0], v_1), held(p, at, 4, s_2 - p.start[1], v_2)
+    return Vec3(F_1, F_2, held(p, at, 5, s_3 - p.start[2], v_3))
 
 
 @kernel
-def pair_moment(p, laws, q, v, R):
+def pair_moment(p, at):
     """Return the moment of a on b at node b [N m] about mu_1, mu_2, mu_3."""
-    mu, xi, omega_0, omega_1 = mat(p.mu), mat(p.xi), vec(v, 3), vec(v, 9)
-    A = relative_rotation(mat(R[0]), mat(R[1]))
-    tilt_2, rate_2 = tilted(mu[0], xi[2], A, omega_0, omega_1)
+    mu, xi = mat(p.mu), mat(p.xi)
+    tilt_2, rate_2 = tilted(at, mu[0], xi[2])
     # the constraint about_1 is mu_2 . xi_3 = 0; its law acts on the angle -mu_2 . xi_3 about mu_1
-    tilt_1, rate_1 = tilted(-mu[1], xi[2], A, omega_0, omega_1)
-    angle, rate = turned(mat(R[0]), omega_0, mu, mat(R[1]), omega_1, xi)
-    M_1 = held(p, laws, q, 1, tilt_1, rate_1)
+    tilt_1, rate_1 = tilted(at, -mu[1], xi[2])
+    angle, rate = turned(p, at)
+    M_1 = held(p, at, 1, tilt_1, rate_1)
     M_1 = select(p.row[1] >= 0.0, -M_1, M_1)
-    return Vec3(M_1, held(p, laws, q, 0, tilt_2, rate_2), held(p, laws, q, 2, angle, rate))
+    return Vec3(M_1, held(p, at, 0, tilt_2, rate_2), held(p, at, 2, angle, rate))
 
 
 @kernel
-def put_reactions(p, laws, q, v, R, y, i):
+def put_reactions(p, at, F, y, i):
     """Write force and moment of a on b, along and about mu_1, mu_2, mu_3, starting at y[i]."""
-    put(y, i, pair_force(p, laws, q, v, R))
-    put(y, i + 3, pair_moment(p, laws, q, v, R))
+    put(y, i, pair_force(p, at))
+    put(y, i + 3, pair_moment(p, at))
 
 
 def axis_place(d, nodes, context):

@@ -13,7 +13,7 @@ from mecano.constraints.coordinates.twist import TWIST, turned
 from mecano.element_interface import Measured, Output
 from mecano.immutable import immutable
 from mecano.jit.kernel import kernel
-from mecano.maths.vector import mat, vec
+from mecano.maths.vector import vec
 
 OVER_TURNS = "rotation of b relative to a about the axis since the start, over any turns"
 
@@ -41,21 +41,15 @@ def angle_outputs(doc, end=""):
 
 
 @kernel
-def angle_in_turn(p, v, R):
-    """Return the angle about the axis, in (-pi, pi] [rad], and its rate [rad/s]."""
-    return turned(mat(R[0]), vec(v, 3), mat(p.mu), mat(R[1]), vec(v, 9), mat(p.xi))
-
-
-@kernel
 def _put_turning(p, at, F, y, i):
-    angle, y[i + 1] = angle_in_turn(p, at.v, at.R)
+    angle, y[i + 1] = turned(p, at)
     y[i] = follow(at.m[0], angle)
 
 
 @kernel
 def put_sliding(p, at, F, y, i):
     """Write the outputs of ``SLIDING``."""
-    along, y[i + 1] = slide(at.q, at.v, mat(at.R[0]), vec(p.mu[2], 0))
+    along, y[i + 1] = slide(at, vec(p.mu[2], 0))
     y[i] = along - p.start[2]
 
 
@@ -63,14 +57,14 @@ def put_sliding(p, at, F, y, i):
 def put_translation(p, at, F, y, i):
     """Write the outputs of ``translation``."""
     for j in range(3):
-        along, y[i + 3 + j] = slide(at.q, at.v, mat(at.R[0]), vec(p.mu[j], 0))
+        along, y[i + 3 + j] = slide(at, vec(p.mu[j], 0))
         y[i + j] = along - p.start[j]
 
 
 @kernel
 def _follow_turning(p, at, m_out):
     """Continue the angle over whole turns."""
-    m_out[0] = follow(at.m[0], angle_in_turn(p, at.v, at.R)[0])
+    m_out[0] = follow(at.m[0], turned(p, at)[0])
 
 
 TURNING = Outputs(

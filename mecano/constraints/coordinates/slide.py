@@ -11,36 +11,31 @@ from mecano.maths.vector import add_mat, cross, dot, mat, skew, vec
 
 
 @kernel
-def slide(q, v, A, mu):
+def slide(at, mu):
     """Return s [m] and its rate [m/s]."""
-    d, e = A.T @ (vec(q, 6) - vec(q, 0)), A.T @ (vec(v, 6) - vec(v, 0))
+    A, v = mat(at.R[0]), at.v
+    d, e = A.T @ (vec(at.q, 6) - vec(at.q, 0)), A.T @ (vec(v, 6) - vec(v, 0))
     return dot(mu, d), dot(mu, e) + dot(cross(vec(v, 3), mu), d)
 
 
 @kernel
-def slide_rates(q, v, a, R_0, mu):
-    """Return s [m] and its first two rates, from velocities and accelerations; R_0: rotation of the first node."""
-    d, d_rate, d_second = vec(q, 6) - vec(q, 0), vec(v, 6) - vec(v, 0), vec(a, 6) - vec(a, 0)
-    return product_rates(carried(R_0, vec(v, 3), vec(a, 3), mu), (d, d_rate, d_second))
-
-
-@kernel
-def slide_gradient(q, A, mu):
-    """Return the gradients of s (and of its rate by the velocities) at the local indices 0, 3, 6."""
+def slide_gradient(at, mu):
+    """Return the gradient of s by blocks of the local unknowns."""
+    A = mat(at.R[0])
     normal = A @ mu
-    return -normal, cross(mu, A.T @ (vec(q, 6) - vec(q, 0))), normal
+    return (0, -normal), (3, cross(mu, A.T @ (vec(at.q, 6) - vec(at.q, 0)))), (6, normal)
 
 
 @kernel
-def add_slide_curvature(K, g, q, A, mu):
-    """Add g times the derivative of the gradients of s to K."""
-    hat_mu = skew(mu)
+def add_slide_curvature(K, g, at, mu):
+    """Add g times the derivative of the gradient of s to K."""
+    A, hat_mu = mat(at.R[0]), skew(mu)
     turn, arm = A @ hat_mu, hat_mu @ A.T
     add_mat(K, 6, 3, -g, turn)
     add_mat(K, 0, 3, g, turn)
     add_mat(K, 3, 6, g, arm)
     add_mat(K, 3, 0, -g, arm)
-    add_mat(K, 3, 3, g, hat_mu @ skew(A.T @ (vec(q, 6) - vec(q, 0))))
+    add_mat(K, 3, 3, g, hat_mu @ skew(A.T @ (vec(at.q, 6) - vec(at.q, 0))))
 
 
 @kernel
@@ -50,18 +45,19 @@ def _value(p, at):
 
 @kernel
 def _gradient(p, at):
-    b_0, b_R, b_1 = slide_gradient(at.q, mat(at.R[0]), vec(p.mu, 0))
-    return (0, b_0), (3, b_R), (6, b_1)
+    return slide_gradient(at, vec(p.mu, 0))
 
 
 @kernel
 def _add_curvature(p, at, g, K):
-    add_slide_curvature(K, g, at.q, mat(at.R[0]), vec(p.mu, 0))
+    add_slide_curvature(K, g, at, vec(p.mu, 0))
 
 
 @kernel
 def _rates(p, at):
-    _, rate, second = slide_rates(at.q, at.v, at.a, mat(at.R[0]), vec(p.mu, 0))
+    mu = carried(mat(at.R[0]), vec(at.v, 3), vec(at.a, 3), vec(p.mu, 0))
+    d, d_rate, d_second = vec(at.q, 6) - vec(at.q, 0), vec(at.v, 6) - vec(at.v, 0), vec(at.a, 6) - vec(at.a, 0)
+    _, rate, second = product_rates(mu, (d, d_rate, d_second))
     return rate, second
 
 

@@ -20,9 +20,10 @@ from mecano.maths.vector import dot, mat, vec
 
 
 @kernel
-def tilted(mu, xi, A, omega_0, omega_1):
-    """Return c and its rate [1/s]; A = R_0^T R_1, material angular velocities."""
-    return dot(mu, A @ xi), turning_rate(product_gradient(A, mu, xi), omega_0, omega_1)
+def tilted(at, mu, xi):
+    """Return c and its rate [1/s] for two nodes with the local unknowns x0, R0, x1, R1."""
+    A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
+    return dot(mu, A @ xi), turning_rate(product_gradient(A, mu, xi), vec(at.v, 3), vec(at.v, 9))
 
 
 @kernel

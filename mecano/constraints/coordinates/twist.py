@@ -10,7 +10,7 @@ alignment, up to :math:`\xi_3 = -\mu_3`. With :math:`g = (\mu_3 + \xi_3)/(1 + \m
 :math:`\dot\theta = g \cdot (\omega_1 - \omega_0)`. The derivative of g does not vanish even where the axes are aligned.
 """
 
-from mecano.constraints.body_fixed import add_blocks, carried, follow, product_rates, relative_rotation, turning_rate
+from mecano.constraints.body_fixed import add_blocks, carried, product_rates, relative_rotation, turning_rate
 from mecano.constraints.coordinates.coordinate import Coordinate
 from mecano.constraints.joint_frame import triad
 from mecano.jit.kernel import kernel
@@ -53,29 +53,10 @@ def twist_curvature(A, mu_3, xi_3):
 
 
 @kernel
-def turning_rates(mu_3, xi_3, first, second):
-    """Return both rates of the angle; each node is given as (R, omega, alpha), the latter two material."""
-    mu, xi = carried(first[0], first[1], first[2], mu_3), carried(second[0], second[1], second[2], xi_3)
-    spin = second[0] @ second[1] - first[0] @ first[1]
-    spin_rate = second[0] @ second[2] - first[0] @ first[2]
-    cosine, cosine_rate, _ = product_rates(mu, xi)
-    G = (mu[0] + xi[0]) / (1.0 + cosine)
-    G_rate = (mu[1] + xi[1] - cosine_rate * G) / (1.0 + cosine)
-    return dot(G, spin), dot(G_rate, spin) + dot(G, spin_rate)
-
-
-@kernel
-def turned(R_0, omega_0, mu, R_1, omega_1, xi):
-    """Return the angle [rad] and its rate [rad/s] from rotations and material angular velocities."""
-    A = relative_rotation(R_0, R_1)
-    return twist(A, mu, xi), turning_rate(twist_gradient(A, mu[2], xi[2]), omega_0, omega_1)
-
-
-@kernel
-def followed(p, m, v, R):
-    """Return the angle [rad], continued over whole turns from the memory, and its rate [rad/s]."""
-    angle, rate = turned(mat(R[0]), vec(v, 0), mat(p.mu), mat(R[1]), vec(v, 3), mat(p.xi))
-    return follow(m[0], angle), rate
+def turned(p, at):
+    """Return the angle [rad] and its rate [rad/s] of two nodes with the local unknowns x0, R0, x1, R1."""
+    A, mu, xi = relative_rotation(mat(at.R[0]), mat(at.R[1])), mat(p.mu), mat(p.xi)
+    return twist(A, mu, xi), turning_rate(twist_gradient(A, mu[2], xi[2]), vec(at.v, 3), vec(at.v, 9))
 
 
 @kernel
@@ -98,8 +79,14 @@ def _add_curvature(p, at, g, K):
 
 @kernel
 def _rates(p, at):
-    first, second = (mat(at.R[0]), vec(at.v, 0), vec(at.a, 0)), (mat(at.R[1]), vec(at.v, 3), vec(at.a, 3))
-    return turning_rates(vec(p.mu[2], 0), vec(p.xi[2], 0), first, second)
+    A, omega_0, alpha_0 = mat(at.R[0]), vec(at.v, 0), vec(at.a, 0)
+    B, omega_1, alpha_1 = mat(at.R[1]), vec(at.v, 3), vec(at.a, 3)
+    mu, xi = carried(A, omega_0, alpha_0, vec(p.mu[2], 0)), carried(B, omega_1, alpha_1, vec(p.xi[2], 0))
+    spin, spin_rate = B @ omega_1 - A @ omega_0, B @ alpha_1 - A @ alpha_0
+    cosine, cosine_rate, _ = product_rates(mu, xi)
+    G = (mu[0] + xi[0]) / (1.0 + cosine)
+    G_rate = (mu[1] + xi[1] - cosine_rate * G) / (1.0 + cosine)
+    return dot(G, spin), dot(G_rate, spin) + dot(G, spin_rate)
 
 
 def _sample(rng):

@@ -31,8 +31,8 @@ def _put_shared(p, at, F, y, i):
 def _put_held(p, at, F, y, i):
     """Write the reactions where every axis is held by a part of its own."""
     axes = mat(at.R[0]) @ mat(p.mu).T
-    put(y, i, axes @ pair_force(p, at.laws, at.q, at.v, at.R))
-    put(y, i + 3, axes @ pair_moment(p, at.laws, at.q, at.v, at.R))
+    put(y, i, axes @ pair_force(p, at))
+    put(y, i + 3, axes @ pair_moment(p, at))
 
 
 def _place(d, nodes, context):

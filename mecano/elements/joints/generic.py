@@ -17,7 +17,6 @@ from dataclasses import replace
 from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.constraints.along_coordinate.hold import motion_values
 from mecano.constraints.along_coordinate.measure import REACTIONS, put_translation, translation
-from mecano.constraints.body_fixed import relative_rotation
 from mecano.constraints.coordinates.tilt import tilted
 from mecano.constraints.coordinates.twist import turned
 from mecano.constraints.joint_frame import NODES, not_across, not_flipped
@@ -40,7 +39,7 @@ from mecano.jit.kernel import kernel
 from mecano.laws.formula import evaluate_formula
 from mecano.laws.table import evaluate_curve
 from mecano.maths.dual import number, value
-from mecano.maths.vector import mat, vec
+from mecano.maths.vector import mat
 from mecano.schema import DIRECTION, MOTION, Field, choice, list_of, mapping
 
 RECORD = record(drive=6, row=6, law=6, **AXES_FIELDS)
@@ -71,13 +70,11 @@ def _observed(rate_of):
     @kernel
     def observe(p, at, F, y, e):
         """Write motion along and about the axes, reactions, power of the drives."""
-        A, mu, xi = mat(at.R[0]), mat(p.mu), mat(p.xi)
+        mu, xi = mat(p.mu), mat(p.xi)
         put_translation(p, at, F, y, 0)
-        relative = relative_rotation(A, mat(at.R[1]))
-        y[6] = -tilted(mu[1], xi[2], relative, vec(at.v, 3), vec(at.v, 9))[0]
-        y[7] = tilted(mu[0], xi[2], relative, vec(at.v, 3), vec(at.v, 9))[0]
-        y[8], y[9] = turned(A, vec(at.v, 3), mu, mat(at.R[1]), vec(at.v, 9), xi)
-        put_reactions(p, at.laws, at.q, at.v, at.R, y, 10)
+        y[6], y[7] = -tilted(at, mu[1], xi[2])[0], tilted(at, mu[0], xi[2])[0]
+        y[8], y[9] = turned(p, at)
+        put_reactions(p, at, F, y, 10)
         for i in range(6):
             rate = rate_of(p, at, i)
             if rate != 0.0:

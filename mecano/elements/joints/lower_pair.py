@@ -30,14 +30,8 @@ from mecano.immutable import immutable
 from mecano.jit.kernel import kernel
 from mecano.schema import Field
 
-
-@kernel
-def _put_all_held(p, at, F, y, i):
-    """Write the reactions where every axis is held by a part of its own."""
-    put_reactions(p, at.laws, at.q, at.v, at.R, y, i)
-
-
-ALL_HELD = Outputs(REACTIONS, _put_all_held)
+ALL_HELD = Outputs(REACTIONS, put_reactions)
+"""Reactions of a joint each of whose axes is held by a part of its own."""
 
 
 @immutable

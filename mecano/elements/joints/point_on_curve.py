@@ -58,9 +58,8 @@ STILL = 1e-12  # of the speed along the curve: a slower node has no direction of
 @kernel
 def _distance(p, at, X, i):
     """Return the constraint along axis i [m] at the place X of the curve, and its gradient by the nodes."""
-    A, axis = mat(at.R[0]), vec(p.axes[i], 0)
-    b_0, b_R, b_1 = slide_gradient(at.q, A, axis)
-    return slide(at.q, at.v, A, axis)[0] - X[i], ((0, b_0), (3, b_R), (6, b_1))
+    axis = vec(p.axes[i], 0)
+    return slide(at, axis)[0] - X[i], slide_gradient(at, axis)
 
 
 @kernel

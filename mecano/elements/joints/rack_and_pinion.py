@@ -23,7 +23,7 @@ from mecano.constraints.geared_slide import GEARED_SLIDE, slide_travel
 from mecano.constraints.joint_frame import triad
 from mecano.element_interface import Display, Kind, Output
 from mecano.jit.kernel import kernel
-from mecano.maths.vector import mat, vec
+from mecano.maths.vector import vec
 from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field, positive
 
 PERPENDICULAR = 1e-6  # cosine up to which axis and rack are perpendicular
@@ -32,8 +32,8 @@ PERPENDICULAR = 1e-6  # cosine up to which axis and rack are perpendicular
 @kernel
 def _put_motion(p, at, y):
     """Write rolling and sliding; the sliding determines the turn."""
-    angle, y[1] = turned(mat(at.R[0]), vec(at.v, 3), mat(p.mu), mat(at.R[1]), vec(at.v, 9), mat(p.xi))
-    along, y[3] = slide(at.q, at.v, mat(at.R[0]), vec(p.sigma, 0))
+    angle, y[1] = turned(p, at)
+    along, y[3] = slide(at, vec(p.sigma, 0))
     y[2] = along - p.offset
     y[0] = follow((along - p.offset) / p.travel, angle)
 

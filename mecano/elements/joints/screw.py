@@ -17,16 +17,10 @@ a ``latch`` and ``stops`` act at given displacements (docs/shocks.md).
 
 import math
 
-from mecano.constraints.along_coordinate.measure import (
-    REACTIONS,
-    SLIDING,
-    TURNING,
-    Outputs,
-    angle_in_turn,
-    put_sliding,
-)  # fmt: skip
+from mecano.constraints.along_coordinate.measure import REACTIONS, SLIDING, TURNING, Outputs, put_sliding
 from mecano.constraints.body_fixed import follow
 from mecano.constraints.coordinates.slide import slide
+from mecano.constraints.coordinates.twist import turned
 from mecano.constraints.geared_slide import GEARED_SLIDE
 from mecano.constraints.joint_options import SLIDE_ENDS, TURNING_LAW, Option
 from mecano.constraints.joint_samples import SLIDE_STOPPED, SPRUNG, two_places
@@ -38,7 +32,7 @@ from mecano.element_interface import Display, Part, record
 from mecano.elements.joints.lower_pair import LowerPair, rigid_pair
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
-from mecano.maths.vector import mat, put, vec
+from mecano.maths.vector import put, vec
 from mecano.schema import DIRECTION, NUMBER, Field
 
 HELD = "about_2", "about_1", "along_1", "along_2"
@@ -47,9 +41,9 @@ HELD = "about_2", "about_1", "along_1", "along_2"
 @kernel
 def _put_motion(p, at, F, y, i):
     """Write rotation and sliding; the sliding determines the number of turns of the angle."""
-    angle, y[i + 1] = angle_in_turn(p, at.v, at.R)
+    angle, y[i + 1] = turned(p, at)
     put_sliding(p, at, F, y, i + 2)
-    along = slide(at.q, at.v, mat(at.R[0]), vec(p.mu[2], 0))[0]
+    along = slide(at, vec(p.mu[2], 0))[0]
     y[i] = follow((along - p.start[2]) / p.travel, angle)
 
 

@@ -51,10 +51,10 @@ PERPENDICULAR = 1e-6  # cosine up to which the pins are perpendicular
 
 
 @kernel
-def _angles(p, v, R):
+def _angles(p, at):
     """Return angle and rate of the cross about the pin of a, and of b about its pin relative to the cross."""
     mu, xi = mat(p.mu), mat(p.xi)
-    A, omega_a, omega_b = relative_rotation(mat(R[0]), mat(R[1])), vec(v, 3), vec(v, 9)
+    A, omega_a, omega_b = relative_rotation(mat(at.R[0]), mat(at.R[1])), vec(at.v, 3), vec(at.v, 9)
     back = A.T
     first_rate = turning_rate(pin_gradient(A, mu, xi[2]), omega_a, omega_b)
     second_rate = turning_rate(pin_gradient(back, xi, mu[2]), omega_b, omega_a)
@@ -65,22 +65,22 @@ def _angles(p, v, R):
 @kernel
 def observe(p, at, F, y, e):
     """Write both angles and the reactions."""
-    _put_angles(p, at.m, at.v, at.R, y)
+    _put_angles(p, at, y)
     put(y, 4, -vec(F, 6))
     y[7] = number(at.q[12])
 
 
 @kernel
-def _put_angles(p, m, v, R, y):
-    first, y[1], second, y[3] = _angles(p, v, R)
-    y[0] = follow(m[0], first)
-    y[2] = follow(m[1], second)
+def _put_angles(p, at, y):
+    first, y[1], second, y[3] = _angles(p, at)
+    y[0] = follow(at.m[0], first)
+    y[2] = follow(at.m[1], second)
 
 
 @kernel
 def observe_with_friction(p, at, F, y, e):
     """Write both angles and the reactions, if three multipliers hold the position."""
-    _put_angles(p, at.m, at.v, at.R, y)
+    _put_angles(p, at, y)
     put(y, 4, vec(at.q, 13))
     y[7] = number(at.q[12])
 
@@ -88,17 +88,16 @@ def observe_with_friction(p, at, F, y, e):
 @kernel
 def observe_elastic(p, at, F, y, e):
     """Write both angles and the reactions, if laws hold some axes."""
-    _put_angles(p, at.m, at.v, at.R, y)
-    put(y, 4, mat(at.R[0]) @ (mat(p.mu).T @ pair_force(p, at.laws, at.q, at.v, at.R)))
-    A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
-    tilt, rate = tilted(vec(p.mu[2], 0), vec(p.xi[2], 0), A, vec(at.v, 3), vec(at.v, 9))
-    y[7] = held(p, at.laws, at.q, 0, tilt, rate)
+    _put_angles(p, at, y)
+    put(y, 4, mat(at.R[0]) @ (mat(p.mu).T @ pair_force(p, at)))
+    tilt, rate = tilted(at, vec(p.mu[2], 0), vec(p.xi[2], 0))
+    y[7] = held(p, at, 0, tilt, rate)
 
 
 @kernel
 def commit(p, at, m_out):
     """Continue both angles over whole turns."""
-    first, _, second, _ = _angles(p, at.v, at.R)
+    first, _, second, _ = _angles(p, at)
     m_out[0] = follow(at.m[0], first)
     m_out[1] = follow(at.m[1], second)
 

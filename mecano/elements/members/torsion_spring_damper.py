@@ -17,9 +17,18 @@ from dataclasses import replace
 
 from mecano.constraints.activation import SHIFT, since_activation, with_activation
 from mecano.constraints.along_coordinate.demand import on_demand, with_rate
-from mecano.constraints.along_coordinate.law import SET_POINT, extension, law_kind, law_values, report, set_point_of_law
+from mecano.constraints.along_coordinate.law import (
+    SET_POINT,
+    counted,
+    extension,
+    law_kind,
+    law_values,
+    report,
+    set_point_of_law,
+)
 from mecano.constraints.along_coordinate.measure import OVER_TURNS, angle_outputs
-from mecano.constraints.coordinates.twist import TWIST, followed
+from mecano.constraints.coordinates.coordinate import rate_of
+from mecano.constraints.coordinates.twist import TWIST
 from mecano.constraints.joint_frame import NODES, triad
 from mecano.constraints.of_coordinates import TWIST_LAW
 from mecano.constraints.release import with_release
@@ -27,6 +36,8 @@ from mecano.constraints.stop_phases import EVENTS, PHASES
 from mecano.element_interface import Display, Kind, Measured, Output
 from mecano.jit.kernel import kernel
 from mecano.schema import CONTINUOUS_DRIVE, DIRECTION, LAW, Field
+
+angle, along = counted(TWIST), TWIST.gradient
 
 
 def prepare(d, nodes, context):
@@ -67,10 +78,9 @@ def _kind(set_point):
 
     @kernel
     def observe(p, at, F, y, e):
-        angle, rate = followed(p, at.m, at.v, at.R)
-        report(p, at, set_point(p, at), angle, rate, y, 2, e)
-        y[0] = angle
-        y[1] = rate
+        theta, rate = angle(p, at), rate_of(along(p, at), at.v)
+        y[0], y[1] = theta, rate
+        report(p, at, set_point(p, at), theta, rate, y, 2, e)
 
     return Kind(
         name="torsion_spring_damper",
@@ -110,8 +120,8 @@ def _stress_free(set_point):
 
     @kernel
     def commit(p, at, m_out):
-        angle, _ = followed(p, at.m, at.v, at.R)
-        m_out[0], m_out[1] = angle, extension(p, set_point(p, at), angle)
+        theta = angle(p, at)
+        m_out[0], m_out[1] = theta, extension(p, set_point(p, at), theta)
 
     return replace(_kind(since_activation(set_point, 1)), memory=("angle", SHIFT), commit=commit)
 
