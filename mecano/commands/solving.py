@@ -6,7 +6,7 @@ import click
 
 from mecano.commands import BELOW, overrides, plugins, show
 from mecano.commands.viewing import live as shown
-from mecano.process.interrupt import Interruption, again, seconds
+from mecano.process.interrupt import Interruption, resume_command, seconds
 from mecano.solve.modal import SOLVERS
 
 
@@ -51,7 +51,7 @@ def run(
     """
     if resume and force:
         raise click.UsageError("--resume continues a results file, --force replaces it")
-    interruption = Interruption(seconds(limit) if limit else None, again())
+    interruption = Interruption(seconds(limit) if limit else None, resume_command())
     interruption.listen()
     from mecano.deck.read import read_deck
     from mecano.interface.run_with_progress import run_with_progress

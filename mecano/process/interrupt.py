@@ -189,7 +189,7 @@ def _unraisable(lost):
         sys.__unraisablehook__(lost)
 
 
-def again() -> str:
+def resume_command() -> str:
     """Return the command that resumes the command of this process."""
     words = [word for word in sys.argv[1:] if word not in ("--force", "--resume")]
     return shlex.join(["mecano", *words, "--resume"])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 from mecano.analyses.progress import COMPILING, StudyProgress
 from mecano.errors import BeyondLimitsError, IncompleteStudyError, UsageError
 from mecano.process.interrupt import Interruption, Stopped
-from mecano.process.interrupt import again as this_command
+from mecano.process.interrupt import resume_command as this_command
 from mecano.process.lifeline import popen_options
 from mecano.study.folder import COMPLETE, FAILED, Folder, Record
 from mecano.study.pool import PROGRAM, Ended, Limits, Pool
