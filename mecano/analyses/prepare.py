@@ -23,7 +23,7 @@ from mecano.solve.diagnostics.scales import Tolerances, length_scale
 from mecano.solve.events.compliance import Compliance, compliance
 from mecano.solve.linear.sparse import LinearSolver, pattern_of
 from mecano.solve.time.generalized_alpha import Coefficients, GeneralizedAlpha
-from mecano.solve.time.initial import assemble_start, most_off
+from mecano.solve.time.initial_assembly import assemble_start, most_off
 from mecano.solve.time.signals import refuse_circles
 from mecano.solve.time.step_control import StepControl
 from mecano.solve.time.time_integration import Accepted, TimeIntegrator
