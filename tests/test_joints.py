@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from mecano.constraints.joint_frame import triad
+from mecano.constraints.triads import triad
 from mecano.element_interface import Place
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable

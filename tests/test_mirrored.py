@@ -11,7 +11,7 @@ from instances import KINDS
 
 from mecano.analyses.kind_tests import energies, force_on_nodes, lets_go, set_reactions
 from mecano.analyses.kind_trial import GRAVITY, Motion, expand, samples, seed_of, turned_values
-from mecano.constraints.joint_frame import triad
+from mecano.constraints.triads import triad
 
 MIRROR, SHIFT = np.eye(3) - 2.0 * np.outer([0.6, -0.48, 0.64], [0.6, -0.48, 0.64]), np.array([0.3, -0.8, 0.5])
 S = np.diag([1.0, -1.0, 1.0])

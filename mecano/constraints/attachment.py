@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.constraints.joint_frame import ANGLE, turn_between
+from mecano.constraints.joint_nodes import ANGLE, turn_between
 from mecano.constraints.pair import pair_parts
 from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.element_interface import Part

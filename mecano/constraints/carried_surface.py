@@ -19,8 +19,8 @@ phi is zero for an upright wheel. The contact is single inside a drum if rho > r
 
 from typing import NamedTuple
 
-from mecano.constraints.joint_frame import unit
 from mecano.constraints.touching import check_given, named_surface, surface_point
+from mecano.constraints.triads import unit
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, cos, implicit, sin, value
 from mecano.maths.surface import LEAST_Q, disc_contact

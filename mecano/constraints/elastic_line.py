@@ -1,8 +1,7 @@
 r"""Record, strain, inertia and outputs shared by bars and cables (equations in elements/members/cable.py)."""
 
-import numpy as np
-
 from mecano.constraints.along_coordinate.demand import is_formula, law_of
+from mecano.constraints.joint_nodes import distance
 from mecano.constraints.line import SHORTEST
 from mecano.element_interface import Output
 from mecano.jit.kernel import kernel
@@ -107,8 +106,3 @@ def axial_stiffness(d):
 def prestrain(d):
     """Return the strain of the pretension."""
     return d["pretension"] / axial_stiffness(d)
-
-
-def distance(nodes):
-    """Return the initial distance [m] of two nodes (x, R)."""
-    return float(np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0])))

@@ -18,7 +18,7 @@ from mecano.constraints.body_fixed import add_blocks, relative_rotation, whole_t
 from mecano.constraints.coordinates.coordinate import rate_of
 from mecano.constraints.coordinates.slide import add_slide_curvature, slide, slide_gradient
 from mecano.constraints.coordinates.twist import twist, twist_curvature, twist_gradient
-from mecano.constraints.joint_frame import triad
+from mecano.constraints.triads import triad
 from mecano.element_interface import Kind, Row, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from mecano.constraints.joint_frame import unit
+from mecano.constraints.triads import unit
 from mecano.element_interface import Context, Output
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import corners, curve_at, jumps

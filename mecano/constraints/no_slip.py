@@ -9,7 +9,7 @@ Cardona, Geradin & Doan 1991).
 import numpy as np
 
 from mecano.constraints.ground import normal_and_level
-from mecano.constraints.joint_frame import unit
+from mecano.constraints.triads import unit
 from mecano.jit.kernel import kernel
 from mecano.maths.force_at_point import add_force
 from mecano.maths.surface import directions, disc_contact

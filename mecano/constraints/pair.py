@@ -11,7 +11,6 @@ import numpy as np
 from mecano.constraints.coordinates.slide import slide
 from mecano.constraints.coordinates.tilt import tilted
 from mecano.constraints.coordinates.twist import turned
-from mecano.constraints.joint_frame import triad
 from mecano.constraints.of_coordinates import (
     BOTH,
     IN_PLANE,
@@ -22,6 +21,7 @@ from mecano.constraints.of_coordinates import (
     TWIST_LAW,
     law_part,
 )
+from mecano.constraints.triads import triad
 from mecano.element_interface import Part, record
 from mecano.jit.kernel import kernel
 from mecano.laws.table import law_force

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mecano.constraints.ground import in_plane
-from mecano.constraints.joint_frame import unit
+from mecano.constraints.triads import unit
 from mecano.laws.probe import shape_of_curve
 
 ROUNDING = 1e-6  # of 1: a wheel of exactly the radius of curvature is accepted

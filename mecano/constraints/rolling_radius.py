@@ -10,7 +10,7 @@ import numpy as np
 
 from mecano.constraints.augmented_lagrangian import deactivate
 from mecano.constraints.ground import GROUND_RECORD, normal_and_level, touch
-from mecano.constraints.joint_frame import unit
+from mecano.constraints.triads import unit
 from mecano.element_interface import Kind, Row, record
 from mecano.jit.kernel import kernel
 from mecano.maths.force_at_point import add_force, add_multiplier_column, add_position_tangent

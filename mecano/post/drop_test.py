@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mecano.constraints.joint_frame import triad
+from mecano.constraints.triads import triad
 from mecano.post.panels import with_peaks
 from mecano.post.quantity import SAVED, Quantity, find, time_of
 from mecano.post.runs import Run

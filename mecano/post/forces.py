@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.constraints.joint_frame import triad
+from mecano.constraints.triads import triad
 
 if TYPE_CHECKING:
     from mecano.post.shapes import Motion

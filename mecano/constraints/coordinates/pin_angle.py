@@ -6,7 +6,7 @@ the gradient :math:`(u \nabla w - w \nabla u)/(u^2 + w^2)`: the rotation of the 
 
 from mecano.constraints.body_fixed import product_gradient, relative_rotation
 from mecano.constraints.coordinates.coordinate import Coordinate
-from mecano.constraints.joint_frame import triad
+from mecano.constraints.triads import triad
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import atan2
 from mecano.maths.vector import dot, mat, vec

@@ -12,7 +12,7 @@ alignment, up to :math:`\xi_3 = -\mu_3`. With :math:`g = (\mu_3 + \xi_3)/(1 + \m
 
 from mecano.constraints.body_fixed import add_blocks, carried, product_rates, relative_rotation, turning_rate
 from mecano.constraints.coordinates.coordinate import Coordinate
-from mecano.constraints.joint_frame import triad
+from mecano.constraints.triads import triad
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import atan2
 from mecano.maths.vector import cross, dot, mat, outer, skew, vec

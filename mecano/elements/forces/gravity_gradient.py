@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.constraints.joint_frame import triad
+from mecano.constraints.triads import triad
 from mecano.element_interface import Display, Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.maths.inertia import inertia_matrix

@@ -15,7 +15,7 @@ from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
-from mecano.constraints.joint_frame import at_one_place
+from mecano.constraints.joint_nodes import check_apart
 from mecano.element_interface import Kind, Output, nothing, record
 from mecano.jit.kernel import kernel
 from mecano.schema import DRIVE, NODE_PAIR, Field, joint_with
@@ -107,5 +107,5 @@ JOINT_FORCE = _load(
 LINE_FORCE = _load(
     "line_force", "Force along the line between two nodes, such as that of a hydraulic cylinder", DISTANCE,
     Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
-    _along_line, at_one_place, _line_sample,
+    _along_line, check_apart, _line_sample,
 )  # fmt: skip

@@ -14,7 +14,7 @@ The tangents of the follower force and of the dead moment are not symmetric: the
 from dataclasses import dataclass
 
 from mecano.constraints.along_coordinate.demand import law_of, on_demand
-from mecano.constraints.joint_frame import unit
+from mecano.constraints.triads import unit
 from mecano.element_interface import Display, Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, dot, mat, put, vec

@@ -16,8 +16,8 @@ from dataclasses import replace
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import is_formula, law_of, of_input, of_law, on_demand
-from mecano.constraints.joint_frame import unit
 from mecano.constraints.line_of_nodes import LINE_FIELD, check_line, sample_line
+from mecano.constraints.triads import unit
 from mecano.element_interface import Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, cross, dot, mat, vec

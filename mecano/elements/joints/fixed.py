@@ -9,7 +9,7 @@ import numpy as np
 
 from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.measure import Outputs
-from mecano.constraints.joint_frame import not_at_one_place, not_parallel, one_position, one_rotation
+from mecano.constraints.joint_nodes import check_one_place, check_one_rotation, one_position, one_rotation
 from mecano.constraints.joint_samples import ORIENTATIONS, SPRUNG
 from mecano.constraints.pair import AXES, axis_place, pair_force, pair_moment
 from mecano.constraints.release import SAMPLE
@@ -73,7 +73,7 @@ FIXED = sharing_pair(
         (),
         _put_shared,
         ("force", "moment"),
-        lambda d, nodes: not_at_one_place(d, nodes) + not_parallel(d, nodes),
+        lambda d, nodes: check_one_place(d, nodes) + check_one_rotation(d, nodes),
     ),
     sample,
 )

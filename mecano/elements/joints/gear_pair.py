@@ -36,7 +36,7 @@ from mecano.constraints.body_fixed import relative_rotation, turning_rate
 from mecano.constraints.coordinates.twist import twist_gradient
 from mecano.constraints.gear_mesh import GEAR_MESH, gear_angles, gear_travel
 from mecano.constraints.gear_teeth import Mesh, with_teeth
-from mecano.constraints.joint_frame import triad
+from mecano.constraints.triads import triad
 from mecano.element_interface import Display, Kind, Output
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec

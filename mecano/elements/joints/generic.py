@@ -19,7 +19,7 @@ from mecano.constraints.along_coordinate.hold import motion_values
 from mecano.constraints.along_coordinate.measure import REACTIONS, put_translation, translation
 from mecano.constraints.coordinates.tilt import tilted
 from mecano.constraints.coordinates.twist import turned
-from mecano.constraints.joint_frame import NODES, not_across, not_flipped
+from mecano.constraints.joint_nodes import NODES, check_axis_1
 from mecano.constraints.joint_samples import SPRUNG, two_places
 from mecano.constraints.of_coordinates import BOTH, DRIVEN_SLIDE, RELATIVE_ANGLE, drive_part
 from mecano.constraints.pair import (
@@ -34,6 +34,7 @@ from mecano.constraints.pair import (
     pair_record,
     put_reactions,
 )  # fmt: skip
+from mecano.constraints.triads import not_flipped
 from mecano.element_interface import Display, Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.laws.formula import evaluate_formula
@@ -120,7 +121,7 @@ def parts(d, nodes, context):
 
 def check(d, nodes):
     """Check that no axis is given twice, and that at least one is not free."""
-    texts = not_across(d, nodes)
+    texts = check_axis_1(d, nodes)
     laws = {
         name: {axis for axis, law in (d[name] or {}).items() if law is not None} for name in ("compliance", "driven")
     }

@@ -3,7 +3,7 @@
 With ground as the first node, the second one can only translate; the moment of the joint is the reaction.
 """
 
-from mecano.constraints.joint_frame import not_parallel, one_rotation
+from mecano.constraints.joint_nodes import check_one_rotation, one_rotation
 from mecano.constraints.joint_samples import two_parallel
 from mecano.element_interface import Display, Kind, Output
 from mecano.jit.kernel import kernel
@@ -31,7 +31,7 @@ HELD_ROTATION = Kind(
     fields=(Field("nodes", NODE_PAIR, "-", "nodes a and b, usually [ground, the node that must not rotate]"),),
     outputs=(Output("moment", "N m", "moment of a on b, inertial axes", (3,)),),
     shares=one_rotation,
-    check=not_parallel,
+    check=check_one_rotation,
     observe=observe,
     hidden={"moment": "use a 'generic' joint with free: [along_1, along_2, along_axis]"},
     sample=sample,

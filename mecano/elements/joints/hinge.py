@@ -24,11 +24,12 @@ from mecano.constraints.along_coordinate.friction import LENGTH, radius
 from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.measure import TURNING
 from mecano.constraints.hinge_friction import HINGE_FRICTION, hinge_friction_record
-from mecano.constraints.joint_frame import not_at_one_place, one_position, triad, turned_onto
+from mecano.constraints.joint_nodes import check_one_place, one_position
 from mecano.constraints.joint_options import ANGLE_ENDS, TURNING_LAW, friction_option
 from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING, rotation
 from mecano.constraints.pair import triads_together
 from mecano.constraints.release import SAMPLE
+from mecano.constraints.triads import triad, turned_onto
 from mecano.element_interface import Display
 from mecano.elements.joints.lower_pair import LowerPair, Shared, sharing_pair
 from mecano.jit.kernel import kernel
@@ -89,6 +90,6 @@ HINGE = sharing_pair(
         fields=(AXIS_B,),
         place=_place,
     ),
-    Shared(one_position, ("about_2", "about_1"), _put_reactions, ("force",), not_at_one_place),
+    Shared(one_position, ("about_2", "about_1"), _put_reactions, ("force",), check_one_place),
     sample,
 )

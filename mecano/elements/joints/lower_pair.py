@@ -12,7 +12,7 @@ from itertools import chain
 import numpy as np
 
 from mecano.constraints.along_coordinate.measure import REACTIONS, Outputs
-from mecano.constraints.joint_frame import NODES, not_across, not_flipped
+from mecano.constraints.joint_nodes import NODES, check_axis_1
 from mecano.constraints.pair import (
     AXES_RECORD,
     AXIS_1,
@@ -25,6 +25,7 @@ from mecano.constraints.pair import (
     put_reactions,
 )  # fmt: skip
 from mecano.constraints.release import FIRST_ROW, RELEASE, check_release, releasable
+from mecano.constraints.triads import not_flipped
 from mecano.element_interface import FREELY, Display, Kind
 from mecano.immutable import immutable
 from mecano.jit.kernel import kernel
@@ -107,7 +108,7 @@ def rigid_pair(name, doc, pair, sample=None):
         return pair_parts(p, pair.held, None, context) + pair.parts(d, p, context)
 
     def check(d, nodes):
-        return not_across(d, nodes) + [text for option in pair.options for text in option.check(d)]
+        return check_axis_1(d, nodes) + [text for option in pair.options for text in option.check(d)]
 
     def measured(of):
         return lambda d, nodes, context: of(pair.place(d, nodes, context))

@@ -12,7 +12,7 @@ step before the impact.
 import numpy as np
 
 from mecano.constraints.augmented_lagrangian import add_reaction
-from mecano.constraints.joint_frame import unit
+from mecano.constraints.triads import unit
 from mecano.element_interface import CONTACT, Event, Kind, Output, Row, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, vec

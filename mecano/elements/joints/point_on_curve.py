@@ -31,7 +31,7 @@ import numpy as np
 from mecano.constraints.augmented_lagrangian import add_reaction
 from mecano.constraints.coordinates.coordinate import rate_of
 from mecano.constraints.coordinates.slide import slide, slide_gradient
-from mecano.constraints.joint_frame import triad
+from mecano.constraints.triads import triad
 from mecano.element_interface import Display, Kind, Output, Row, record
 from mecano.elements.joints.guiding_curve import (
     CURVE_RECORD,

@@ -13,10 +13,11 @@ from mecano.constraints.body_fixed import follow
 from mecano.constraints.coordinates.displacement import DISPLACEMENT
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.coordinates.twist import TWIST
-from mecano.constraints.joint_frame import ENDS, NODES, at_one_place, triad
+from mecano.constraints.joint_nodes import ENDS, NODES, check_apart, distance
 from mecano.constraints.joint_samples import two_places
 from mecano.constraints.of_coordinates import DISTANCE as DRIVEN_DISTANCE
 from mecano.constraints.of_coordinates import HELD_COORDINATE, RELATIVE_ANGLE, drive_part
+from mecano.constraints.triads import triad
 from mecano.element_interface import BY_COMMAND, Display, Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.schema import DIRECTION, MOTION, NODE, Field
@@ -102,14 +103,14 @@ def _angle(d, nodes):
 def _length(d, nodes):
     if d["length"] is not None:
         return {}, d["length"], 0.0
-    return {}, d["value"], np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
+    return {}, d["value"], distance(nodes)
 
 
 def _check_length(d, nodes):
     """Check that there is one law, and an initial direction."""
     if (d["length"] is None) == (d["value"] is None):
         return ["needs either 'value', the change of the distance, or 'length', the distance itself"]
-    return at_one_place(d, nodes)
+    return check_apart(d, nodes)
 
 
 def _sine(amplitude, frequency, offset):

@@ -18,7 +18,7 @@ from mecano.constraints.along_coordinate.friction import LENGTH
 from mecano.constraints.along_coordinate.hold import RELEASE_PHASES
 from mecano.constraints.along_coordinate.measure import SLIDING
 from mecano.constraints.guide_friction import KEYED_FRICTION, keyed_record
-from mecano.constraints.joint_frame import not_parallel, one_rotation
+from mecano.constraints.joint_nodes import check_one_rotation, one_rotation
 from mecano.constraints.joint_options import SLIDE_ENDS, SLIDING_LAW, friction_option
 from mecano.constraints.joint_samples import RUBBING, SLIDE_STOPPED, SPRUNG, STICKING, two_parallel
 from mecano.constraints.release import SAMPLE
@@ -67,6 +67,6 @@ PRISMATIC = sharing_pair(
         motions=(SLIDING,),
         options=(SLIDING_LAW, SLIDE_ENDS, friction_option(KEYED_FRICTION, keyed_record, LENGTH, KEY_RADIUS)),
     ),
-    Shared(one_rotation, ("along_1", "along_2"), _put_reactions, ("moment",), not_parallel),
+    Shared(one_rotation, ("along_1", "along_2"), _put_reactions, ("moment",), check_one_rotation),
     sample,
 )

@@ -20,7 +20,7 @@ from mecano.constraints.coordinates.slide import slide
 from mecano.constraints.coordinates.twist import turned
 from mecano.constraints.gear_teeth import Mesh, with_teeth
 from mecano.constraints.geared_slide import GEARED_SLIDE, slide_travel
-from mecano.constraints.joint_frame import triad
+from mecano.constraints.triads import triad
 from mecano.element_interface import Display, Kind, Output
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import vec

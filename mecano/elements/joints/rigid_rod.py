@@ -1,8 +1,6 @@
 r"""Rigid rod: two nodes keep their distance, :math:`|x_b - x_a| = L`; both ends rotate freely."""
 
-import numpy as np
-
-from mecano.constraints.joint_frame import ENDS, at_one_place
+from mecano.constraints.joint_nodes import ENDS, check_apart, distance
 from mecano.constraints.of_coordinates import DISTANCE
 from mecano.element_interface import Display, Kind, Output, Part
 from mecano.jit.kernel import kernel
@@ -19,8 +17,7 @@ def observe(p, at, F, y, e):
 
 def parts(d, nodes, context):
     """Return the Part of one distance."""
-    initial = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
-    return [Part(DISTANCE, (0, 1), {"offset": initial if d["length"] is None else d["length"], "law": 0})]
+    return [Part(DISTANCE, (0, 1), {"offset": distance(nodes) if d["length"] is None else d["length"], "law": 0})]
 
 
 def sample(rng):
@@ -43,7 +40,7 @@ RIGID_ROD = Kind(
         Output("length", "m", "distance of the nodes"),
     ),
     parts=parts,
-    check=at_one_place,
+    check=check_apart,
     observe=observe,
     sample=sample,
 )

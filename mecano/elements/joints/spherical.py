@@ -9,7 +9,7 @@ import numpy as np
 
 from mecano.constraints.along_coordinate.friction import check_friction, friction_fields, radius
 from mecano.constraints.ball_friction import BALL_FRICTION, ball_friction_record
-from mecano.constraints.joint_frame import NODES, not_at_one_place, one_position
+from mecano.constraints.joint_nodes import NODES, check_one_place, one_position
 from mecano.constraints.joint_samples import FALLING, one_place
 from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.element_interface import Display, Kind, Output, Part, nothing
@@ -44,7 +44,7 @@ def variant(d):
 
 def check(d, nodes):
     """Check that the nodes coincide initially, and that friction is not negative."""
-    return not_at_one_place(d, nodes) + check_friction(d)
+    return check_one_place(d, nodes) + check_friction(d)
 
 
 def sample(rng):

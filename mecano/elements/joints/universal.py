@@ -23,7 +23,7 @@ from mecano.constraints.along_coordinate.measure import angle_outputs
 from mecano.constraints.body_fixed import follow, relative_rotation, turning_rate
 from mecano.constraints.coordinates.pin_angle import pin_angle, pin_gradient
 from mecano.constraints.coordinates.tilt import tilted
-from mecano.constraints.joint_frame import NODES, not_at_one_place, one_position, triad
+from mecano.constraints.joint_nodes import NODES, check_one_place, one_position
 from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING, one_place
 from mecano.constraints.of_coordinates import ORTHOGONAL, PIN_LAW, TILT_LAW, law_part
 from mecano.constraints.pair import (
@@ -37,6 +37,7 @@ from mecano.constraints.pair import (
 )
 from mecano.constraints.pin_friction import PIN_FRICTION, pin_friction_record
 from mecano.constraints.rigid_offset import RIGID_OFFSET
+from mecano.constraints.triads import triad
 from mecano.element_interface import Display, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
@@ -168,7 +169,7 @@ def variant(d):
 def check(d, nodes):
     """Check that the nodes coincide initially and that the pins are perpendicular."""
     cosine = triad(d["axis_a"])[2] @ triad(d["axis_b"])[2]
-    texts = not_at_one_place(d, nodes) + check_friction(d)
+    texts = check_one_place(d, nodes) + check_friction(d)
     if abs(cosine) > PERPENDICULAR:
         degrees = np.degrees(np.arccos(cosine))
         texts.append(f"'axis_a' and 'axis_b' must be perpendicular; they are {degrees:.6g} degrees apart")

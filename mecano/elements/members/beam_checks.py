@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from mecano.constraints.joint_frame import norm
+from mecano.constraints.triads import norm
 from mecano.elements.members.beam_line import check_line
 from mecano.elements.members.cross_section import constants
 from mecano.elements.members.heated_beam import check_heating

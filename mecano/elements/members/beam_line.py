@@ -7,7 +7,8 @@ from functools import cache
 
 import numpy as np
 
-from mecano.constraints.joint_frame import PLACE, at_one_place, cross, norm, triad
+from mecano.constraints.joint_nodes import PLACE, check_apart
+from mecano.constraints.triads import cross, norm, triad
 from mecano.maths.so3 import log, tangent_inverse
 from mecano.maths.vector import mat, vec
 
@@ -85,7 +86,7 @@ def _section_axes(axis, up):
 
 def check_line(d, nodes, is_round):
     """Return errors that prevent the values from being a beam."""
-    if texts := at_one_place(d, nodes):
+    if texts := check_apart(d, nodes):
         return texts
     (x_1, _), (x_2, _) = nodes
     if d["via"] is not None and min(norm(np.subtract(d["via"], x)) for x in (x_1, x_2)) <= PLACE:

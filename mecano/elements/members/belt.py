@@ -33,9 +33,9 @@ from mecano.constraints.along_coordinate.trigger import check_trigger, trigger_o
 from mecano.constraints.belt_span import BELT_END, BELT_SPAN, CLOSEST, check_tangent, span_kind, span_record
 from mecano.constraints.creeping_span import CREEPING_END, CREEPING_SPAN
 from mecano.constraints.elastic_line import AXIAL_STIFFNESS, DAMPING
-from mecano.constraints.joint_frame import triad
 from mecano.constraints.joint_samples import rotation
 from mecano.constraints.release import check_release, elastic_release
+from mecano.constraints.triads import triad
 from mecano.element_interface import Display, Kind, OwnOutput, Part
 from mecano.schema import BOOLEAN, DIRECTION, NODES, NUMBER, NUMBERS, Field, not_negative
 

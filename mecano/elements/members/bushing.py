@@ -27,10 +27,11 @@ import numpy as np
 
 from mecano.constraints.activation import SHIFT, with_activation
 from mecano.constraints.along_coordinate.demand import as_formula, check_alike, is_formula
-from mecano.constraints.joint_frame import not_across, triad
+from mecano.constraints.joint_nodes import check_axis_1
 from mecano.constraints.joint_samples import two_places
 from mecano.constraints.pair import AXES, AXIS_1, law_fields, law_outputs, law_parts, triads_together
 from mecano.constraints.release import with_release
+from mecano.constraints.triads import triad
 from mecano.element_interface import Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve
@@ -180,7 +181,7 @@ def _set_points(d):
 
 def check(d, nodes):
     """Check that stiffness is symmetric, that neither matrix generates energy, and that some property is given."""
-    texts = [] if d["axis"] is None else not_across(d, nodes)
+    texts = [] if d["axis"] is None else check_axis_1(d, nodes)
     if d["axis"] is None and d["axis_1"] is not None:
         texts.append("'axis_1' is given without 'axis'")
     if all(d[name] is None for name in ("stiffness", "damping", "laws")):

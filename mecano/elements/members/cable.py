@@ -43,7 +43,6 @@ from mecano.constraints.elastic_line import (
     STRAINS,
     add_line_inertia,
     add_strain_energy,
-    distance,
     line_inertia,
     line_record,
     prestrain,
@@ -52,7 +51,7 @@ from mecano.constraints.elastic_line import (
     put_no_push,
     strained,
 )
-from mecano.constraints.joint_frame import at_one_place
+from mecano.constraints.joint_nodes import check_apart, distance
 from mecano.constraints.joint_samples import at_distance
 from mecano.constraints.line import add_line_force, line
 from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, TAUT, put_line_events
@@ -146,7 +145,7 @@ def prepare_wound(d, nodes, context):
 
 def check(d, nodes):
     """Check that the line has a direction and an initial natural length, and exactly one axial stiffness."""
-    texts = at_one_place(d, nodes)
+    texts = check_apart(d, nodes)
     if (d["axial_stiffness"] is None) == (d["E"] is None):
         texts.append("give either 'axial_stiffness' or 'E' with 'area'")
     elif d["E"] is not None and d["area"] is None:

@@ -28,7 +28,7 @@ import numpy as np
 
 from mecano.constraints.along_coordinate.law import LAW_RECORD, STILL, extension, law_values, report
 from mecano.constraints.coordinates.distance import DISTANCE
-from mecano.constraints.joint_frame import at_one_place
+from mecano.constraints.joint_nodes import check_apart, distance
 from mecano.constraints.joint_samples import at_distance
 from mecano.constraints.line import add_line_force, line
 from mecano.constraints.stop_phases import EVENTS, FAR, PHASES, put_stop_events
@@ -132,8 +132,7 @@ def prepare(d, nodes, context):
 
 def extended(d, nodes):
     """Return the length at the stroke zero [m]."""
-    given = d["extended_length"]
-    return np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0])) if given is None else given
+    return distance(nodes) if d["extended_length"] is None else d["extended_length"]
 
 
 def _chambers(gas, second):
@@ -148,7 +147,7 @@ def _chambers(gas, second):
 
 def check(d, nodes):
     """Check that the line has a direction, the orifices are open, and the second chamber has the higher pressure."""
-    texts, gas, second = at_one_place(d, nodes), d["gas"], d["second_gas"]
+    texts, gas, second = check_apart(d, nodes), d["gas"], d["second_gas"]
     if second is not None and second["pressure"] <= gas["pressure"]:
         texts.append("'second_gas.pressure' must be higher than 'gas.pressure': its separator opens under compression")
     return texts + [text for name in ("orifice", "rebound_orifice") for text in _closed(name, d["oil"][name])]

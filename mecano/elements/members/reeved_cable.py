@@ -43,7 +43,6 @@ from mecano.constraints.along_coordinate.demand import is_formula, law_of
 from mecano.constraints.belt_span import CLOSEST, INCLINATION, check_tangent, span_record
 from mecano.constraints.capstan import CAPSTAN, capstan, friction_field
 from mecano.constraints.elastic_line import AXIAL_STIFFNESS, DAMPING, STRAINS, add_strain_energy
-from mecano.constraints.joint_frame import triad
 from mecano.constraints.joint_samples import rotation
 from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, TAUT, put_line_events
 from mecano.constraints.reeved_path import (
@@ -59,6 +58,7 @@ from mecano.constraints.reeved_path import (
     strain_by,
 )
 from mecano.constraints.release import SAMPLE, check_release, detached, elastic_release
+from mecano.constraints.triads import triad
 from mecano.element_interface import Display, Kind, Output, Part, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at

@@ -13,13 +13,11 @@ it has no force, and its elastic energy is lost.
 
 from dataclasses import replace
 
-import numpy as np
-
 from mecano.constraints.activation import SHIFT, since_activation, with_activation
 from mecano.constraints.along_coordinate.demand import is_formula, on_demand, with_rate
 from mecano.constraints.along_coordinate.law import LAW_RECORD, extension, law_values, report, set_point_of_law
 from mecano.constraints.coordinates.distance import DISTANCE
-from mecano.constraints.joint_frame import at_one_place
+from mecano.constraints.joint_nodes import check_apart, distance
 from mecano.constraints.joint_samples import at_distance
 from mecano.constraints.line import add_line_force, line
 from mecano.constraints.release import with_release
@@ -71,14 +69,13 @@ def _functions(set_point):
 
 def prepare(d, nodes, context):
     """Return the record of one spring; the natural length defaults to the initial distance."""
-    distance = np.linalg.norm(np.subtract(nodes[1][0], nodes[0][0]))
-    natural = d["natural_length"]
-    return law_values({}, d["law"], distance if natural is None else natural, context)
+    natural = distance(nodes) if d["natural_length"] is None else d["natural_length"]
+    return law_values({}, d["law"], natural, context)
 
 
 def check(d, nodes):
     """Check that the line has an initial direction, and that the natural length is not negative at the start."""
-    texts, natural = at_one_place(d, nodes), d["natural_length"]
+    texts, natural = check_apart(d, nodes), d["natural_length"]
     if natural is None or is_formula(natural):
         return texts
     error = not_negative(curve_at(natural, 0.0)[0])

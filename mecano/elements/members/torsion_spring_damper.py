@@ -29,10 +29,11 @@ from mecano.constraints.along_coordinate.law import (
 from mecano.constraints.along_coordinate.measure import OVER_TURNS, angle_outputs
 from mecano.constraints.coordinates.coordinate import rate_of
 from mecano.constraints.coordinates.twist import TWIST
-from mecano.constraints.joint_frame import NODES, triad
+from mecano.constraints.joint_nodes import NODES
 from mecano.constraints.of_coordinates import TWIST_LAW
 from mecano.constraints.release import with_release
 from mecano.constraints.stop_phases import EVENTS, PHASES
+from mecano.constraints.triads import triad
 from mecano.element_interface import Display, Kind, Measured, Output
 from mecano.jit.kernel import kernel
 from mecano.schema import CONTINUOUS_DRIVE, DIRECTION, LAW, Field

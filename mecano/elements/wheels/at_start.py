@@ -6,7 +6,7 @@ import numpy as np
 
 from mecano.constraints.carried_surface import carried_record, contact_at_start, place_at_start
 from mecano.constraints.ground import rim_above
-from mecano.constraints.joint_frame import unit
+from mecano.constraints.triads import unit
 from mecano.laws.probe import curve_at
 
 BACKWARD = 1.0  # m/s: slower motions have no direction of their own

@@ -12,12 +12,12 @@ exact one (``rigid_wheel``) falls over below v^2 = g r/3. A, C are the moments o
 
 import numpy as np
 
-from mecano.constraints.disc import FIELDS, OUTPUTS, WHEEL_DISPLAY, Wheel, carried_axis, check_touching, put_outputs
 from mecano.constraints.ground import check_axle, ends, on_the_slope, slope_below
-from mecano.constraints.joint_frame import unit
 from mecano.constraints.no_slip import add_slip_reactions, leaning, on_a_plane, put_slip
 from mecano.constraints.of_coordinates import HELD_COORDINATE
 from mecano.constraints.rolling import ROWS
+from mecano.constraints.triads import unit
+from mecano.constraints.wheels import FIELDS, OUTPUTS, WHEEL_DISPLAY, Wheel, carried_axis, check_touching, put_outputs
 from mecano.element_interface import Kind, Part, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mecano.constraints.ground import in_plane
-from mecano.constraints.joint_frame import unit
+from mecano.constraints.triads import unit
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import negative_curves
 from mecano.laws.table import curve

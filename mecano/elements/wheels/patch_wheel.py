@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.constraints.disc import Wheel
 from mecano.constraints.ground import GROUND_RECORD, ends, touch
 from mecano.constraints.tire_patch import Y, add_patch_force
+from mecano.constraints.wheels import Wheel
 from mecano.element_interface import Kind, Output, record
 from mecano.elements.wheels.at_start import start_warnings
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD, surface_at

@@ -24,7 +24,6 @@ The node is that of the wheel body: its rotation spins with the wheel. The wheel
 
 import math
 
-from mecano.constraints.disc import FIELDS, OUTPUTS, WHEEL_DISPLAY, Wheel, check_touching, disc_record, put_outputs
 from mecano.constraints.ground import (
     GROUND_RECORD,
     MOST_BENDS,
@@ -43,6 +42,7 @@ from mecano.constraints.ground import (
 from mecano.constraints.of_coordinates import LEVEL_AXIS
 from mecano.constraints.rolling import ROLLING
 from mecano.constraints.rolling_radius import ROLLING_RADIUS
+from mecano.constraints.wheels import FIELDS, OUTPUTS, WHEEL_DISPLAY, Wheel, check_touching, disc_record, put_outputs
 from mecano.element_interface import CONTACT as SHOCK
 from mecano.element_interface import Event, Kind, Part, record
 from mecano.jit.kernel import kernel

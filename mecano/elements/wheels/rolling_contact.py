@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.constraints.disc import Wheel
 from mecano.constraints.ground import ends, touch
+from mecano.constraints.wheels import Wheel
 from mecano.element_interface import Kind, Output, record
 from mecano.elements.wheels.ground_surface import Surface, surface_at
 from mecano.elements.wheels.slip_law import Slip, default_values

@@ -10,10 +10,10 @@ force on the blade along l. Nothing keeps the node on the ground, and the blade 
 
 import numpy as np
 
-from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import LEAN, check_axle, ends, lean_of, slope_below
-from mecano.constraints.joint_frame import unit
 from mecano.constraints.no_slip import add_slip_reactions, on_a_plane, put_slip
+from mecano.constraints.triads import unit
+from mecano.constraints.wheels import carried_axis
 from mecano.element_interface import Display, Kind, Output, Row, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.constraints.disc import CONTACT_OUTPUTS, PLACED, WHEEL_DISPLAY, carried_axis, put_contact
 from mecano.constraints.ground import check_axle, check_ground, prepare_ground, rim_above, slope_below, too_low
+from mecano.constraints.wheels import CONTACT_OUTPUTS, PLACED, WHEEL_DISPLAY, carried_axis, put_contact
 from mecano.element_interface import Event, Output
 from mecano.elements.wheels.ground_surface import check_surface, prepare_surface
 from mecano.elements.wheels.tire_law import check_tire_law, prepare_radial
@@ -49,7 +49,7 @@ class Grip(NamedTuple):
 def put_tire(p, at, wheel, grip, y, e):
     """Write OUTPUTS, and to ``e`` the energies of radial force and friction; return True if the ground pushes.
 
-    ``wheel`` is a Wheel (disc.py), ``grip`` the Grip of the phase "contact".
+    ``wheel`` is a Wheel (constraints/wheels.py), ``grip`` the Grip of the phase "contact".
     """
     g, laws, contact = wheel.g, at.laws, at.phase == CONTACT
     # an accepted step that ends at the lift-off is within the tolerance of w = 0, on either side

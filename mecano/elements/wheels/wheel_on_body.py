@@ -31,10 +31,10 @@ from mecano.constraints.carried_surface import (
     place_at_start,
     touch_carried,
 )
-from mecano.constraints.disc import carried_axis
 from mecano.constraints.ground import LEAST_Q, too_low
-from mecano.constraints.joint_frame import unit
 from mecano.constraints.touching import named_surface
+from mecano.constraints.triads import unit
+from mecano.constraints.wheels import carried_axis
 from mecano.element_interface import Display
 from mecano.elements.wheels.at_start import start_warnings_on_body
 from mecano.elements.wheels.ground_surface import Surface

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mecano.constraints.ground import LEAN, lean_of, prepare_ground, too_low
-from mecano.constraints.joint_frame import unit
+from mecano.constraints.triads import unit
 from mecano.element_interface import Display, Output
 from mecano.jit.kernel import kernel
 from mecano.maths.surface import directions
