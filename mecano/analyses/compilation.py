@@ -57,7 +57,7 @@ def divided() -> "list[Code]":
 
 
 def compile_time_integration(system: "System", time: "Values") -> None:
-    """Load the time integration and the loops of ``system``; compile on all cores what no store has.
+    """Load the time integration and the loops of ``system``; compile on all cores those that no store has.
 
     ``time`` are the checked values of that section of the deck. Everything else is compiled when it is needed.
     """

@@ -58,7 +58,7 @@ class Prepared:
     displacement: float  # [m] largest correction of the deck's positions by the assembly
     analysis: Analysis  # redundant constraints and mechanisms
     compliance: Compliance | None  # of redundant constraints
-    carried: tuple[str, ...] = ()  # on what was carried over from another run
+    carried: tuple[str, ...] = ()  # values carried over from another run
     off: str = ""  # the constraint that the deck's positions violate most, if the assembly moved them
 
     @cached_property

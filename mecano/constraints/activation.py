@@ -47,9 +47,9 @@ def with_activation(kind, what, forces, stress_free=None, free=STRESS_FREE):
     """Return the ``kind`` of an elastic element, the ``what``, with the field ``activate``.
 
     Before the activation it has no force, energy or power, and its outputs with the indices ``forces`` are zero. If
-    these are None, its own functions are so in any additional phase. ``stress_free``, if it may be activated so, is
-    (the kind like it whose set points are shifted by the last of its memory, the indices of its outputs that are zero
-    before); ``free`` is the option of the deck.
+    ``forces`` is None, the functions of the kind ensure this in any additional phase. If the element may be activated
+    stress-free, ``stress_free`` is (its kind with set points that are shifted by the last number of its memory, the
+    indices of the outputs that are zero before the activation), and ``free`` the field of the deck for this option.
     """
     families, activated_once = {False: (kind, forces), True: stress_free}, cache(activated)
     given = activate_field(what, *([free] if stress_free else []))

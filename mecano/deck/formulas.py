@@ -129,7 +129,7 @@ def check_formulas(values: Values, scope: Scope) -> None:
         scope.subject = subject
         for name, column in zip(found.references, found.columns, strict=True):
             if wrong.intersection(name.split(".")):
-                continue  # its outputs depend on what an unknown name should refer to
+                continue  # its outputs depend on the meaning of an unknown name
             try:
                 resolve(name, entries, values["nodes"])
             except UnknownQuantity as error:

@@ -22,7 +22,7 @@ def within(name: str, node: "Node", scope: "Scope") -> str | None:
 
 
 def source_of(name: str, node: "Node", scope: "Scope") -> Source | None:
-    """Return the Source of a file in the folder of the deck or below it; None after reporting what is wrong with it."""
+    """Return the Source of a file in the folder of the deck or below it; None after reporting an error."""
     path = within(name, node, scope)
     if path is None:
         return None

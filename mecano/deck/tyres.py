@@ -1,4 +1,4 @@
-"""Complete the tyre laws of a deck by files, by the size of aircraft tyres, and by what their slip laws provide."""
+"""Complete the tyre laws of a deck by files, by the size of aircraft tyres, and by values of their slip laws."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING

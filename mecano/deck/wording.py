@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from mecano.schema import Field
 
 NUMERIC = ("number", "integer", "curve", "drive", "either")  # types whose values may be numbers
-SLIPS = (  # what engineers type, what is read
+SLIPS = (  # as typed, as read
     (re.compile(r"[,;]\s*$"), ""), (re.compile("[−–]"), "-"),
     (re.compile(r"(?<=[0-9])[ _'’](?=[0-9]{3}(?![0-9]))"), ""),
     (re.compile(r"(?<=[0-9]),(?=[0-9]{3}(?:,[0-9]{3})*\.)"), ""), (re.compile("(?<=[0-9]),(?=[0-9])"), "."),

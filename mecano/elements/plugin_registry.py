@@ -1,4 +1,4 @@
-"""Registration of what a plugin defines at its top level: each Kind of a deck section, SlipLaw and Term."""
+"""Registration of each Kind of a deck section, SlipLaw and Term that a plugin defines at its top level."""
 
 from mecano.element_interface import SECTIONS, Kind
 from mecano.elements import KINDS

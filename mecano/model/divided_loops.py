@@ -81,7 +81,7 @@ class DividedLoops:
     system : System
         Its ``halves`` are not None.
     loops : list of (Batch, Calls)
-        Batches, and the addresses of their loops and of what these call.
+        Batches, and the addresses of their loops and of the callees of these.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Calls of the functions of a kind for one gathered element: what is compiled for each kind.
+"""Calls of the functions of a kind for one gathered element, which are compiled for each kind.
 
 There is one C function per kind and purpose, of the addresses of the batch record (BATCH) and of the system record
 (SYSTEM); ``element`` of the batch is the number of the element. The loops of loops.py call it between gathering the

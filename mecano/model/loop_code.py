@@ -51,13 +51,13 @@ class Calls(NamedTuple):
 
 
 def calls_of(kind: Kind, purpose: Callable[..., None]) -> Calls | None:
-    """Return the addresses of the loop of a purpose and of what it calls, or None if the kind has no such function."""
+    """Return the addresses of the loop of a purpose and of its callees, or None if the kind has no such function."""
     found = codes_of(kind, purpose)
     return None if found is None else Calls(*(0 if code is None else _address(code) for code in found))
 
 
 def codes_of(kind: Kind, purpose: Callable[..., None]) -> Codes | None:
-    """Return the code of the loop of a purpose and of what it calls, or None if the kind has no such function."""
+    """Return the code of the loop of a purpose and of its callees, or None if the kind has no such function."""
     loop, template, name = _of(kind, purpose)
     function, parameters = getattr(kind, name), kind.dtype
     if function is None and purpose is loops.event_values and kind.events:
@@ -72,7 +72,7 @@ def codes_of(kind: Kind, purpose: Callable[..., None]) -> Codes | None:
 
 
 def all_codes(kinds: Iterable[Kind]) -> list[Code]:
-    """Return the Codes of the loops of all purposes for some kinds, and of what they call."""
+    """Return the Codes of the loops of all purposes for some kinds, and of their callees."""
     found = [codes_of(kind, purpose) for kind in kinds for purpose in PURPOSES]
     return [code for codes in found if codes is not None for code in codes if code is not None]
 

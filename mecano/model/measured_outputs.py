@@ -20,7 +20,7 @@ def measurable(kind: Kind) -> list[Output]:
 
 
 def measured_outputs(kind: Kind, d: Values) -> list[tuple[Output, str]]:
-    """Return [(Output, suffix of its name)] of what signals can measure of an element with these deck values."""
+    """Return [(Output, suffix of its name)] of the outputs that signals can read of an element with these values."""
     options = [(part, label) for field, part, label in kind.optional if _is_given(d[field], label.removeprefix("_"))]
     return [(output, label) for one, label in [(kind.chosen(d), ""), *options] for output in measurable(one)]
 
@@ -37,7 +37,7 @@ def components(output: Output, label: str = "") -> list[str]:
 
 
 def quantities(output: Output, label: str = "") -> list[str]:
-    """Return the names of what a formula can read of an output: its components, and the magnitude of a vector."""
+    """Return the names in formulas of the numbers of an output: its components, and the magnitude of a vector."""
     return components(output, label) + [f"{output.name}{label}{MAGNITUDE}"] * (output.shape == (3,))
 
 

@@ -15,7 +15,7 @@ from mecano.model.measured_outputs import AXES, MAGNITUDE, measured_outputs, qua
 from mecano.schema import Values
 
 Entries: TypeAlias = Mapping[tuple[str, str], tuple[Kind, Values]]  # (section, name) -> kind and deck values
-OF_NODES = {  # quantities of nodes that signals cannot measure: what to read instead
+OF_NODES = {  # quantities of nodes that signals cannot measure: quantities to read instead
     "rotation": "read the angle of a joint, or compute an angle from the positions of two nodes of the body: "
     "atan2(nose.position.y - body.position.y, nose.position.x - body.position.x)",
     "acceleration": "read the 'washout' of a component of the velocity, with the gain 1/time_constant",
@@ -24,7 +24,7 @@ RATES = ("rate", "speed", "velocity", "derivative", "dot")  # names that an outp
 
 
 class UnknownQuantity(Exception):
-    """A name in a formula is unknown or ambiguous; ``word``: the part at fault, ``known``: what it may have meant."""
+    """A name in a formula is unknown or ambiguous; ``word``: the part at fault, ``known``: possible names."""
 
     def __init__(self, message: str, word: str = "", known: Iterable[str] = ()):
         super().__init__(message)

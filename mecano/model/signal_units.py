@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from mecano.schema import Field
 
 UNKNOWN = VALUE.unit
-ANY = ""  # unit of a number: that of what it is added to or compared with
+ANY = ""  # unit of a number, which takes that of a sum or comparison
 LIKE = (ADD, SUBTRACT, MIN, MAX, HYPOT)  # of two numbers of one unit
 OWN = dict.fromkeys((SIN, COS, TAN, TANH, SIGN, EXP, LOG), "-") | dict.fromkeys((ASIN, ACOS, ATAN, ATAN2), "rad")
 OF_NO_QUANTITY = (UNKNOWN, "-", "s", "1/s", "1/s2")
@@ -113,7 +113,7 @@ class _Units:
         self.entries = {(e.kind.section, e.name): (e.kind, e.values) for e in model.elements}
         self.found: dict[str, str] = {}  # units by signal
         self.unlike: dict[str, list[tuple[str, str]]] = {}  # pairs of units that a formula adds or compares
-        self.used: dict[str, str] = {}  # units by signal, of fields whose value it is, and of what it is compared with
+        self.used: dict[str, str] = {}  # units by signal, of fields whose value it is, and of its comparisons
         for element in model.elements:
             for field, text in _drives(element.kind.fields, element.values):
                 self._use(text, field.unit)

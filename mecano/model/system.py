@@ -34,7 +34,7 @@ Made = TypeVar("Made")
 
 
 class System:
-    """Equations of a model; built once, and not changed by solvers: what they compute stands in values of its own."""
+    """Equations of a model; built once, and not changed by solvers, whose results are separate objects."""
 
     def __init__(self, model: Model):
         model = with_ground(divided(model))

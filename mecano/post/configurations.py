@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 AZIMUTH, ELEVATION = math.radians(-72.0), math.radians(24.0)  # of the eye
 COLUMNS, WIDTH = 3, 3.6  # of the picture; inches of each view
 TALLEST = 1.4  # height over width of a view
-MARGIN = 0.06  # of the size of what is shown
+MARGIN = 0.06  # of the size of the picture's content
 SUPPORT_SIZE = 7
 FAR = 2.0  # sizes: a mechanism that travels farther is drawn about its own centre at each time
 

@@ -20,7 +20,7 @@ PREFERRED = np.array([1e-6, 0.0, 1e-6])  # of axes along which a mechanism has n
 def outlines(motion: "AnyMotion", d: "Values") -> list[np.ndarray]:
     """Return lines [(instants, n, 3)] of the contact with the deck values ``d`` in a Motion (shapes.py).
 
-    What is drawn at an instant does not depend on the other instants.
+    The lines at an instant do not depend on the other instants.
     """
     if d["nodes"][1] not in motion.nodes:
         return []
@@ -33,7 +33,7 @@ def outlines(motion: "AnyMotion", d: "Values") -> list[np.ndarray]:
 
 
 def surface_outlines(motion: "AnyMotion", d: "Values", radius: float) -> list[np.ndarray]:
-    """Return lines [(instants, n, 3)] of the surface in the deck values ``d``; ``radius`` [m] of what touches it."""
+    """Return lines [(instants, n, 3)] of the surface in the deck values ``d``; ``radius`` [m]: of b."""
     (a, b), (name, surface), places = d["nodes"], named_surface(d), _places(motion)
     middle, (main, across, along) = _directions(d, places)
     if name == "revolution":

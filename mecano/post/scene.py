@@ -58,7 +58,7 @@ class Scene:
         Numbers of the saved times.
     times : (n,) array
     axis : (str, str)
-        What the times are, and their unit.
+        Name and unit of the times: they may be load factors.
     shapes : list of Shape
     kinds : list of str
         Of each shape the kind of its element or joint; "" for a node.

@@ -20,7 +20,7 @@ PITCH = 1.25  # spacing side by side, in widths
 PATHS = 12  # most paths of points shown
 STILL = 1e-3  # of the size of the picture: a point that moves less has no path
 ALIKE = 0.99  # two extents that differ by less count as equal
-FLAT = 1e-3  # of the size: what extends less along an axis is in a plane
+FLAT = 1e-3  # of the size: a mechanism that extends less along an axis is plane
 
 
 @dataclass(frozen=True)

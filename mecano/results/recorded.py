@@ -1,4 +1,4 @@
-"""What a results file has recorded: series over time, events, extremes."""
+"""Contents of a results file: series over time, events, extremes."""
 
 from dataclasses import dataclass
 

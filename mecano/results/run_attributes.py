@@ -1,4 +1,4 @@
-"""The attributes of the group ``run`` of a results file: read, and checked for what other programs may have changed."""
+"""The attributes of the group ``run`` of a results file: read, and checked for changes by other programs."""
 
 import json
 from collections.abc import Callable
@@ -18,7 +18,7 @@ ENDS = ("complete", "stopped", "failed", "running")  # stored as run/status
 
 
 def read_attributes(group: "h5py.Group", reading: "Callable[[str], AbstractContextManager[None]]") -> dict[str, Any]:
-    """Return {name: text or number} of the attributes of a group; ``reading(place)`` reports what is damaged.
+    """Return {name: text or number} of the attributes of a group; ``reading(place)`` reports damage.
 
     Those in ``TYPES`` must be present, with these types.
     """

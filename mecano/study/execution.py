@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from mecano.analyses.progress import COMPILING, StudyProgress
 from mecano.errors import BeyondLimitsError, IncompleteStudyError, UsageError
-from mecano.process.interrupt import Interruption, Stopped
-from mecano.process.interrupt import resume_command as this_command
+from mecano.process.interrupt import Interruption, Stopped, resume_command
 from mecano.process.lifeline import popen_options
 from mecano.study.folder import COMPLETE, FAILED, Folder, Record
 from mecano.study.pool import PROGRAM, Ended, Limits, Pool
@@ -30,7 +29,7 @@ class Due(NamedTuple):
 
 
 def due(folder: Folder, *, resume: bool = False, failed: bool = False, force: bool = False) -> Due:
-    """Return what is Due: all cases of a new study, the incomplete cases of one that has begun.
+    """Return the Due cases: all cases of a new study, the incomplete cases of one that has begun.
 
     Failed cases are included only with ``failed``; these and, with ``force``, all cases start again. Raises UsageError
     if cases have been run and none of ``resume``, ``failed`` and ``force`` is given.
@@ -87,7 +86,7 @@ def execute(
     *,
     quiet: bool = False,
 ) -> Table:
-    """Delete the cases that run again, compile what the Deck needs, run the cases, write and return the Table.
+    """Delete the cases that run again, compile the code that the Deck needs, run the cases, write and return the Table.
 
     Parameters
     ----------
@@ -113,7 +112,7 @@ def execute(
     if cases:
         _compile_first(deck, progress.note)
     interruption.raise_if_asked("before the cases started")
-    table = _with_table(folder, units, cases, run_cases, progress, interruption.again or this_command())
+    table = _with_table(folder, units, cases, run_cases, progress, interruption.again or resume_command())
     progress.done(len(cases))
     return table
 

@@ -84,7 +84,7 @@ def _ratio(p, i):
 
 @kernel
 def _share(p, i):
-    """Return the derivative of the mean rate, of coordinate 1 and of what the others make of it, by that of i."""
+    """Return the derivative of the mean rate by the rate of coordinate i."""
     return 0.5 if i == 0 else -0.5 * p.ratios[i]
 
 

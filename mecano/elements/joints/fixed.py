@@ -1,6 +1,6 @@
 r"""Fixed joint: two nodes share position and rotation (Boolean identification: no equation).
 
-With ``compliance`` laws hold b along and about the axes that a carries; what has no law is held by a multiplier each.
+With ``compliance`` laws hold b along and about the axes that a carries; axes without a law have a multiplier each.
 :math:`\mu_3` is ``axis``, :math:`\mu_1` is ``axis_1`` or the inertial axis most perpendicular to it. For stiffness that
 couples the axes see ``bushing``. With ``release`` it holds b by multipliers until then.
 """

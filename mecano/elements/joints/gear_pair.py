@@ -164,4 +164,4 @@ _PAIR = Kind(
     sample=sample,
 )  # fmt: skip
 GEAR_PAIR = with_teeth(_PAIR, Mesh(GEAR_MESH, gear_travel, driver=0), _put_motion, "radius_a")
-del _PAIR  # its record lacks what `commit` reads: it is not among the kinds that `mecano warmup` compiles
+del _PAIR  # its record lacks the axes that `commit` reads: `mecano warmup` must not compile it

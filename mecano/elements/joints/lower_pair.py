@@ -1,8 +1,8 @@
 """Lower pairs: joints of two nodes that hold some of the six axes of pair.py and leave the others free.
 
-A joint is a row of a table: the axes that it holds, what it measures, its options. What both nodes may share (one
-position, or one rotation) they share, without a multiplier; friction and compliance need the reactions along all held
-axes, and then each of them is held by a part of its own.
+A joint is a row of a table: the axes that it holds, the motions that it measures, its options. Where both nodes can
+share one position or one rotation, they do, without a multiplier. Friction and compliance need the reactions along all
+held axes: then each axis is held by a part of its own.
 """
 
 from collections.abc import Callable
@@ -43,7 +43,7 @@ class Shared:
     held: tuple  # axes that are left to be held by constraints
     put_reactions: Callable  # (p, at, F, y, i): write the reactions, starting at y[i]
     hidden: tuple  # outputs of these that depend on the forces F
-    check: Callable  # (deck values, nodes) -> texts: what keeps them from sharing it
+    check: Callable  # (deck values, nodes) -> texts: errors of nodes that cannot share them
 
 
 @immutable
@@ -80,7 +80,7 @@ class LowerPair:
         return any(d[name] for name in given)
 
     def observe(self, put):
-        """Return the ``observe`` of a joint whose reactions ``put`` writes, after what is free."""
+        """Return the ``observe`` of a joint: its free motions, then the reactions, which ``put`` writes."""
         for motion in reversed(self.motions):
             put = _one_after_another(motion.put, motion.size, put)
 
@@ -147,7 +147,7 @@ def lower_pair(name, doc, pair, sample):
 
 
 def sharing_pair(name, doc, pair, shared, sample):
-    """Return the Kind of a lower pair whose nodes share what they may: else its axes are all held by parts."""
+    """Return the Kind of a lower pair whose nodes share unknowns, unless an option needs the reactions of all axes."""
     given = lower_pair(f"{name}_held", doc, pair, sample)
     apart = replace(given, check=lambda d, nodes: shared.check(d, nodes) + given.check(d, nodes))
     released = _released(apart, pair)

@@ -52,7 +52,7 @@ class Constants:
 
     @cached_property
     def records(self):
-        """Records of elements of this section, by what they depend on (beam.py)."""
+        """Records of elements of this section, by the values on which they depend (beam.py)."""
         return {}
 
 

@@ -24,7 +24,7 @@ cable. The cable has no mass. With ``friction`` on the pulleys each span has its
 
 With ``activate`` it carries no force before, and the energy that it has then is given. Its natural length is that at
 the start; with ``stress_free`` it has its ``pretension`` on the path at that instant, from which its natural length
-follows, and only what is paid out from then on is added. Its arcs are followed from the start in both cases. Before
+follows, and only the payout from then on is added. Its arcs are followed from the start in both cases. Before
 the activation its nodes may be anywhere; where no path is possible, its outputs are zero.
 
 The length is exact for parallel axes and pulleys in one plane, and small inclinations of a span to the planes of its

@@ -55,7 +55,7 @@ def _astray(d, normal, axis, velocity):
 
 
 def _one_way(law):
-    """Return what a tyre law that holds for rolling forward only gets wrong in reverse."""
+    """Return a clause on the error in reverse of a tyre law that holds for rolling forward only; "" for others."""
     if any((law.get("lateral") or {}).get(form) for form in ("string", "matrices")):
         return ", and the lateral force grows until the patch slides, as 'tire_law.lateral' holds for rolling forward"
     return ""

@@ -34,7 +34,7 @@ In the air F = M = 0, so y and psi decay; where A1 is singular they do so in the
 T A0 in place of A1 (in laws with a contact length T A0).
 
 The law states its energies: it stores that of the symmetric part of A0 and dissipates that of the part of A1, made
-symmetric, that is not negative. What is left of its power, of the antisymmetric parts, of stiffness that depends on
+symmetric, that is not negative. The rest of its power, of the antisymmetric parts, of stiffness that depends on
 load or speed and of rolling with a contact length, is exchanged with the rolling: given to the wheel, or taken where
 negative. Where psi is the slip angle only K y^2/2 is stored, D dy/dt^2 dissipated, and nothing exchanged.
 

@@ -1,4 +1,4 @@
-"""What wheels with a flexible patch share: load in the patch, deck fields, outputs, energies, events and warnings.
+"""Wheels with a flexible patch: load in the patch, deck fields, outputs, energies, events and warnings of all of them.
 
 The load is the radial force and that of the lateral law. The friction F in the ground is left to the kind of wheel: its
 patch slips, or it is held.

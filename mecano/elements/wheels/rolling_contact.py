@@ -1,4 +1,4 @@
-"""What wheels with a slip law share: kinematics of the contact, outputs, events, samples.
+"""Wheels with a slip law: kinematics of the contact, outputs, events and samples of all of them.
 
 Their kinds have one variant for each slip law, in which the functions of that law are compiled.
 """

@@ -227,7 +227,7 @@ def rolling_stiffnesses(d, creep_length):
 
 
 def text_under_load(d):
-    """Return what the tyre is under its load, for the summary of a model."""
+    """Return as text deflection, stiffnesses and lengths of the tyre under its load, for the summary of a model."""
     return (
         f"under {d['load']:.4g} N its deflection is {d['deflection']:.4g} m, {d['deflection'] / d['diameter']:.3g} of "
         f"the diameter; cornering stiffness {d['cornering_stiffness']:.4g} N/rad, relaxation length "

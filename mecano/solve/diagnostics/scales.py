@@ -120,7 +120,7 @@ def norms(
     states that reactions are shared (compliance.py), is measured as the force by which they deviate.
 
     The equation y - c = 0 of a signal is measured by its value in z, up to the rounding of the loudest signal; that of
-    one with a rate, in v, by what its residual makes of it in a run.
+    a signal with a rate, in v, by the change of the signal that its residual causes in a run.
     """
     length, k, stiffness, duration, kind = scales.length, scales.k, scales.stiffness, scales.duration, of.kind
     force = moment = scalar = distance = angle = shared = signal = 0.0

@@ -143,7 +143,7 @@ def _along_surfaces(W, u, bounds, start):
 def within_disc(A: np.ndarray, c: np.ndarray, radius: float) -> np.ndarray:
     """Return the x (2,) with |x| <= radius that minimizes x A x/2 + c x; A (2, 2) symmetric, positive semidefinite.
 
-    On the edge A x + c = -s x with s >= 0: what is left of the sliding is opposite to x.
+    On the edge A x + c = -s x with s >= 0: the remaining velocity of sliding is opposite to x.
     """
     if radius <= 0.0 or not c.any():
         return np.zeros(2)

@@ -33,7 +33,7 @@ MOST_STEPS = 60
 MOST_EVALUATIONS = 20  # of an event value along the interpolated motion
 
 
-P = TypeVar("P", bound=tuple)  # a point of a search: x, the value there, and what else belongs to it
+P = TypeVar("P", bound=tuple)  # a point of a search: x, the value there, and further items
 
 
 class Located(NamedTuple):

@@ -136,7 +136,7 @@ class Parts:
     Parameters
     ----------
     analysis : Analysis
-        Of a pattern with parts (ordering.py): the halves, then what is between them.
+        Of a pattern with parts (ordering.py): the halves, then the equations between them.
     tolerance, lu :
         Those of the LinearSolver.
 

@@ -54,7 +54,7 @@ UNDERFLOW = 1e-290  # below it rounding is absolute
 
 
 class Factor(NamedTuple):
-    """A factorization: its pattern (Analysis of ordering.py), the values, and what is known of the pivots."""
+    """A factorization: its pattern (Analysis of ordering.py), the values, and sizes and inverses of the pivots."""
 
     order: Indices
     fronts: Table

@@ -34,7 +34,7 @@ from mecano.solve.time.workspace import (
 
 TINY = 1e-300
 SLOW = 0.1  # a kept factor is used again as long as the residual falls by more than this
-SHARE = 0.001  # of the tolerances is met with an old tangent: what it leaves is not squared by the last iteration
+SHARE = 0.001  # of the tolerances is met with an old tangent, whose last iteration does not square the error
 MOST_ROUNDING = 10.0  # times the estimated rounding, which a residual may be if the corrections are rounding
 OVERSHOT = 0.5  # share of the work of the residual that may remain with the opposite sign
 MOST_HALVINGS = 8  # of one correction

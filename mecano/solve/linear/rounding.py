@@ -1,4 +1,4 @@
-r"""Rounding: where Newton's method cannot go further.
+r"""Rounding errors at which Newton's method has converged.
 
 A coordinate x is known to :math:`\epsilon |x|`, and so a residual to :math:`\epsilon |S|\,|x|` with the tangent S. In
 short steps S is that of the masses, :math:`M/(\beta h^2)`: the rounding of a constraint alone may be a force above the

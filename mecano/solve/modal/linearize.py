@@ -155,7 +155,7 @@ def _changes(near, far, n_q):
     """Return the norms of the changes of M, C and K from ``near`` to ``far``, the border of constraints included.
 
     Two transverse axes that turn with a shaft hold the same motions at any angle: of the rows of constraints, and of
-    the columns of multipliers, only what is outside the span of those before counts.
+    the columns of multipliers, only the part outside the span of those before counts.
     """
     M, C, K = (B - A for A, B in zip(near, far, strict=True))
     held = _outside(sp.hstack([near[1][n_q:, :n_q], near[2][n_q:, :n_q]]), sp.hstack([C[n_q:, :n_q], K[n_q:, :n_q]]))

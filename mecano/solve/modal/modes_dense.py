@@ -72,7 +72,7 @@ def _workless(D, B, Z):
 
 
 def _without_signals(scaled):
-    r"""Return (kept (n_q,) bool, [M, C, K] of what is kept, function (values, shapes (m, kept)) -> shapes (m, n_q)).
+    r"""Return (kept (n_q,) bool, their [M, C, K], function (values, shapes (m, kept)) -> shapes (m, n_q)).
 
     Signals whose rates act on nothing are eliminated: :math:`s = -K_{ss}^{-1} (K_{sy} + \lambda C_{sy} + \lambda^2
     M_{sy})\, y`.
@@ -120,7 +120,7 @@ def _undamped(M, K):
     """Return the squares (m,) of the circular frequencies, ascending, and the shapes (n, m) of K y = square M y.
 
     Rounding disturbs all squares by that of the largest one, more than a slow motion has on members that are much
-    lighter than what they carry. The slow ones are found again from M y = (K + shift M) y/(square + shift), where that
+    lighter than their loads. The slow ones are found again from M y = (K + shift M) y/(square + shift), where that
     matrix is positive definite: they are the largest there, and disturbed by the rounding of the shift.
     """
     squares, vectors = la.eigh(K, M)

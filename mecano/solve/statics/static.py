@@ -39,7 +39,7 @@ LEAN, LEANS, FARTHEST_LEAN = 1e-7, 8, 0.3  # drag over the mean stiffness; steps
 TOLERANCES = Tolerances(force=1e-9, constraint=1e-11, increment=1e-8)
 
 
-Step: TypeAlias = "tuple[State, Held | None]"  # the beginning of a step, and what restrains velocities there
+Step: TypeAlias = "tuple[State, Held | None]"  # the beginning of a step, and the constraints on velocities there
 
 
 @dataclass(slots=True)
@@ -138,7 +138,7 @@ class Statics:
     def norms(self, s: "State", k: float) -> tuple[float, float]:
         """Return the norms (forces, constraints) of the assembled residual over their tolerances."""
         of, to = self.system.numbering, self.tolerances
-        # without a step, of which rounding could be a large force, what only rounding moves is at rest
+        # no step is left whose rounding could be a large force: states that only rounding moves are at rest
         limits = Limits(to.force, to.constraint, 1.0, np.inf, reach_of(s.z, of, self.length))
         scales = Scales(self.length, k, k, 1.0, 0.0)
         return norms(self.assembly.residual, self.assembly.size, of, s, scales, limits)[:2]

@@ -36,7 +36,7 @@ LEAST_DAMPING = 1e-12  # of the largest: a rate with less is not determined by i
 FAST = 1e-4  # of a step: a scalar without inertia that settles within this time counts as algebraic
 SETTLING = 3  # rounds in which values and rates of massless unknowns are fitted to one another
 RUBBING = 20  # iterations on the friction at most
-DEPENDENT = 1e-10  # of what elimination made of a diagonal: a constraint that repeats others
+DEPENDENT = 1e-10  # of a diagonal, after elimination: a constraint that repeats others
 ROUNDING = 1e-12  # of the largest multiplier, value or rate: an iteration on them has converged
 
 

@@ -1,16 +1,16 @@
-r"""Local error of a step, with oscillations bounded by their amplitude, and spins by what holds their axes.
+r"""Local error of a step; that of oscillations is bounded by their amplitude, that of spins by the constraints.
 
 The errors of a run of the duration T in such steps add up to :math:`\tau^2 \Delta a`, :math:`\tau^2` = Ce h T. Of a
 mode of circular frequency omega this may be too much: it can be off by no more than its amplitude,
-:math:`a/\omega^2`. Both are alike at :math:`\omega_c^3 = 1/(Ce h^2 T)`, and what is counted is
+:math:`a/\omega^2`. Both are alike at :math:`\omega_c^3 = 1/(Ce h^2 T)`, and the error counted is
 
 .. math:: \tau^2 |P^2 \Delta a| + |P (1 - P) a| / \omega_c^2, \qquad P = \omega_c^2 (K + \omega_c^2 M)^{-1} M
 
 along the constraints (modal_filter.py); but all of :math:`\Delta a` where the motion is unstable (docs/theory.md, 2.2).
 Where the constraints allow no part of it, as in a prescribed motion, the errors do not add up.
 
-The error of bodies that spin (turning_error.py) is a change of the angular velocities. The constraints undo what would
-violate them: with no stiffness in P, what remains is its part along the constraints, projected with the masses.
+The error of bodies that spin (turning_error.py) is a change of the angular velocities. The constraints undo the part
+that would violate them: the rest is the projection along the constraints with the masses, P without stiffness.
 """
 
 from typing import TYPE_CHECKING

@@ -42,7 +42,7 @@ DIFFERENCE = 0.02  # of a step, for differences along the motion
 JUMP = 10.0  # ratio of two such differences from which on one includes a jump; of t^2, t^3 from rest it is 3 and 7
 METRIC = 1e-3  # of a step: for steps so much shorter the tangent is that of the masses, where there are any
 TOO_FAST = 0.1  # of the accelerations lost to the filter: below, its error is all that it would bring
-MOST = 0.1  # of what the filter leaves out, unexplained by a slow motion: beyond, members vibrate
+MOST = 0.1  # of the accelerations outside the filter that no slow motion explains: beyond, members vibrate
 HERE, NEXT, AFTER, TURNING, ALGORITHMIC = range(5)  # rows of ``derivatives``
 
 
@@ -179,7 +179,7 @@ def close_velocity_gap(w):
 
 @kernel
 def assemble_scaled(w, h, as_given):
-    """Assemble the matrix for steps of size h, whose rows of constraints are scaled by what it is without them.
+    """Assemble the matrix for steps of size h; its rows of constraints are scaled by the matrix without them.
 
     ``as_given``: by k and penalty of the deck, if it has them; they suit no matrix that masses dominate.
     """
@@ -282,7 +282,7 @@ def shift_velocities(w):
 
 @kernel
 def shift_accelerations(w, longer):
-    """Move the algorithmic accelerations along their slope; what a longer step may not resolve is left in ``added``."""
+    """Move the algorithmic accelerations along their slope; ``added``: the part that a longer step may not resolve."""
     a, slope, _ = history_of(w, BEGIN)
     true, more, kind = state_of(w, BEGIN).a, floats(w.added, w.n_all), integers(w.kind, w.n_all)
     for i in range(w.n_all):

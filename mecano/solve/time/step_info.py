@@ -28,7 +28,7 @@ class StepInfo:
     iterations: int
     norms: tuple[float, ...]  # force, constraint, increment over their tolerances
     error: float  # local error, relative to the length scale (or rad); nan if not ok
-    began: History | RadauHistory  # what the step began with
+    began: History | RadauHistory  # at the beginning of the step
     message: str = ""
     failure: Failure = Failure.NOT_CONVERGED  # where not ok
     lag: float = 0.0  # local error of massless unknowns, which relax
