@@ -281,7 +281,7 @@ def check_invariance(kind: Kind) -> None:
                 instance.multipliers = 0.0 * instance.multipliers  # rows without forces
         for twin, original in zip(twins, sample.instances, strict=True):
             twin.scalars = original.scalars
-        set_reactions(twins, there, on_all_nodes(sample.instances, here, 0.0, Q))
+        set_reactions(twins, there, on_all_nodes(sample.instances, here, Q))
         forces, works = [], []
         for instances, motion in ((sample.instances, here), (twins, there)):
             forces.append(force_on_nodes(instances, motion))
@@ -295,10 +295,10 @@ def check_invariance(kind: Kind) -> None:
             np.testing.assert_allclose(one, other, rtol=1e-9, atol=bound, err_msg=part + _in_phase(sample))
 
 
-def on_all_nodes(instances: Iterable[Instance], motion: Motion, penalty: float, Q: np.ndarray) -> np.ndarray:
-    """Return forces, rotated by Q, and moments of the constraints on all nodes as one vector."""
+def on_all_nodes(instances: Iterable[Instance], motion: Motion, Q: np.ndarray) -> np.ndarray:
+    """Return forces, rotated by Q, and moments of the multipliers on all nodes as one vector."""
     held = [instance for instance in instances if instance.kind.multipliers]
-    force, moment, _, _ = force_on_nodes(held, motion, penalty)
+    force, moment, _, _ = force_on_nodes(held, motion, 0.0)
     return np.concatenate([force @ Q.T, moment]).ravel()
 
 
@@ -310,7 +310,7 @@ def set_reactions(instances: Iterable[Instance], motion: Motion, wanted: np.ndar
     def exerted(multipliers):
         for instance, part in zip(held, np.split(multipliers, np.cumsum(sizes)[:-1]), strict=True):
             instance.multipliers = part
-        return on_all_nodes(held, motion, 0.0, np.eye(3))
+        return on_all_nodes(held, motion, np.eye(3))
 
     if held:
         without = exerted(np.zeros(sum(sizes)))  # a kind with constraints may exert forces besides

@@ -21,13 +21,13 @@ from dataclasses import replace
 from mecano.constraints.belt_span import BELT_END, BELT_SPAN, RECORD, between_pulleys, tangent_direction, to_a_point
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.line_phases import RELAXING, TAUT, put_line_events
-from mecano.element_interface import Output, record
+from mecano.element_interface import Output, with_fields
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select
 from mecano.maths.vector import cross, dot, mat, norm, vec
 
 CREEP = Output("creep", "m", "length by which creep has stretched the span since the start")
-CREEPING_RECORD = record(EA=(), **{name: RECORD[name].shape for name in RECORD.names})
+CREEPING_RECORD = with_fields(RECORD, EA=())
 
 
 @kernel

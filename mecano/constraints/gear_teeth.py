@@ -10,7 +10,7 @@ from mecano.constraints.coordinates.coordinate import rate_of
 from mecano.constraints.elastic_teeth import TEETH, check_teeth, elastic_teeth, teeth_values
 from mecano.constraints.stop_phases import PHASES as ELASTIC_PHASES
 from mecano.constraints.tooth_friction import FRICTION, friction_values, tooth_friction, tooth_friction_kind
-from mecano.element_interface import Event, Kind, Output, Part, record
+from mecano.element_interface import Event, Kind, Output, Part, with_fields
 from mecano.jit.kernel import kernel
 from mecano.schema import NUMBER, Field, not_negative, share
 
@@ -55,8 +55,7 @@ def with_teeth(kind, mesh, put_motion, radius):
     ``kind`` has the layout of the constraint of the mesh, ``prepare`` its values, and four outputs, which
     ``put_motion(p, at, y)`` writes, before the force of the teeth. ``radius`` names the field of the pitch radius.
     """
-    shapes = {name: mesh.held.dtype[name].shape for name in mesh.held.dtype.names}
-    dtype = record(**VALUES, **shapes)
+    dtype = with_fields(mesh.held.dtype, **VALUES)
     flanks, friction = backlash_kind(mesh), tooth_friction_kind(mesh, dtype)
     flank_friction = replace(friction, name=f"{mesh.held.name}_flank_friction", phases=STOP_PHASES)
     nodes = tuple(range(1 + max(int(slot[1:]) for slot in mesh.held.layout)))

@@ -1,6 +1,6 @@
 """Constraints and laws of single coordinates, from which joints are composed: each is a use of a coordinate."""
 
-from mecano.constraints.along_coordinate.demand import is_formula
+from mecano.constraints.along_coordinate.demand import is_formula, reads_of
 from mecano.constraints.along_coordinate.hold import BY_FORMULA, drive_kind, hold_kind, motion_values, release_kind
 from mecano.constraints.along_coordinate.law import law_kind, law_kind_of_signal, law_values
 from mecano.constraints.along_coordinate.stops import latch_kind, releasable_latch_kind, stop_kind
@@ -65,8 +65,8 @@ BOTH = (0, 1)
 
 def law_part(kind, axes, law, natural, context, zero=0.0, on=BOTH, label=""):
     """Return the Part of a law along the coordinate of ``kind``; the other arguments are those of ``law_values``."""
-    values, by_signal = law_values(axes, law, natural, context, zero), is_formula(natural)
-    return Part(OF_SIGNAL[kind] if by_signal else kind, on, values, label=label, reads=(natural,) if by_signal else ())
+    values, chosen = law_values(axes, law, natural, context, zero), OF_SIGNAL[kind] if is_formula(natural) else kind
+    return Part(chosen, on, values, label=label, reads=reads_of(natural))
 
 
 def drive_part(kind, on, axes, value, offset, context):

@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 
 from mecano.constraints.along_coordinate.signal import SIGNAL
-from mecano.element_interface import Kind, Row
+from mecano.element_interface import Kind, Row, with_fields
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import give_back, take_items
 from mecano.maths.dual import number
@@ -40,9 +40,10 @@ def output_sensor(kind, n_multipliers):
         give_back(y)
 
     return Kind(
-        name=f"sensor_of_{kind.name}", doc=f"Sensor of an output of {kind.name}.", dtype=_with_index(kind.dtype),
-        layout=kind.layout, inputs=(*kind.scalars, *kind.inputs), phases=kind.phases, memory=kind.memory,
-        commit=kind.commit, kept=kind.kept, residual=residual, senses=kind, **SIGNAL,
+        name=f"sensor_of_{kind.name}", doc=f"Sensor of an output of {kind.name}.",
+        dtype=with_fields(kind.dtype, sensed="i"), layout=kind.layout, inputs=(*kind.scalars, *kind.inputs),
+        phases=kind.phases, memory=kind.memory, commit=kind.commit, kept=kind.kept, residual=residual, senses=kind,
+        **SIGNAL,
         coupled_multipliers=tuple(Row(f"multiplier {i + 1}", "-", "-") for i in range(n_multipliers)),
     )  # fmt: skip
 
@@ -58,7 +59,3 @@ def _idle(observe, phase, outputs):
                 y[i] = 0.0
 
     return observe_idle
-
-
-def _with_index(dtype):
-    return np.dtype([*((name, dtype.fields[name][0]) for name in dtype.names), ("sensed", "i8")], align=True)

@@ -61,20 +61,14 @@ def constraints(p, at, out):
         out[0, 0], out[0, 1] = g.r - p.radius, dot(g.n, u) / g.q
 
 
-def ground_below(rng, wave=True):
-    """Return the values of GROUND_RECORD for a ground about 8 m from the origin, and a direction in its plane."""
-    normal, level = normal_and_level(rng)
-    return {"point": -8.0 * normal, "normal": normal, "direction": level if wave else 0.0 * level, "height": 0}, level
-
-
 def leaning_discs(rng):
-    """Return samples: leaning discs above a plane, in contact and in the air."""
+    """Return samples: leaning discs above a plane about 8 m from the origin, in contact and in the air."""
     found = []
     for phase in ("contact", "air"):
-        ground, level = ground_below(rng)
-        axis = unit(level + rng.uniform(-0.5, 0.5) * ground["normal"])
-        values = {"axis": axis, "radius": 7.0, **ground}
-        found.append((values, [(rng.normal(size=3), np.eye(3))], phase))
+        normal, level = normal_and_level(rng)
+        axis = unit(level + rng.uniform(-0.5, 0.5) * normal)
+        ground = {"point": -8.0 * normal, "normal": normal, "direction": level, "height": 0}
+        found.append(({"axis": axis, "radius": 7.0, **ground}, [(rng.normal(size=3), np.eye(3))], phase))
     return found
 
 

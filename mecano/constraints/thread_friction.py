@@ -22,11 +22,10 @@ from mecano.constraints.gear_teeth import Mesh
 from mecano.constraints.geared_slide import GEARED_SLIDE, MULTIPLIER, slide_travel
 from mecano.constraints.of_coordinates import BOTH
 from mecano.constraints.tooth_friction import friction_values, tooth_friction, tooth_friction_kind
-from mecano.element_interface import Part, record
+from mecano.element_interface import Part, with_fields
 from mecano.jit.kernel import kernel
 
 THREAD = Mesh(GEARED_SLIDE, slide_travel, driver=1)
-AXES = {name: GEARED_SLIDE.dtype[name].shape for name in GEARED_SLIDE.dtype.names}
 
 
 @kernel
@@ -40,7 +39,7 @@ def observe(p, at, F, y, e):
 
 
 THREAD_FRICTION = replace(
-    tooth_friction_kind(THREAD, record(loss=2, regularization=(), **AXES)),
+    tooth_friction_kind(THREAD, with_fields(GEARED_SLIDE.dtype, loss=2, regularization=())),
     name="thread_friction", doc=__doc__, outputs=(FRICTION_FORCE, FRICTION_MOMENT, POWER), observe=observe,
 )  # fmt: skip
 

@@ -38,17 +38,17 @@ def _line_and_caret(mark):
     return [f"    {line}", "    " + " " * (column - begin) + "^"]
 
 
-def deck_error_text(error: "DeckError", limit: int = MAX_PRINTED) -> str:
-    """Return at most ``limit`` problems of a DeckError, sorted by position, and their number; copies count once."""
+def deck_error_text(error: "DeckError") -> str:
+    """Return the first problems of a DeckError, sorted by position, and the number of all; copies count once."""
     copies: dict[tuple[tuple[str, int, int], str], list[Problem]] = {}
     for problem in sorted(error.problems, key=_place):
         copies.setdefault((_place(problem), problem.message.partition(": ")[2] or problem.message), []).append(problem)
-    parts = [problem_text(same[0], len(same) - 1) for same in list(copies.values())[:limit]]
+    parts = [problem_text(same[0], len(same) - 1) for same in list(copies.values())[:MAX_PRINTED]]
     count = len(copies)
     total = "1 error" if count == 1 else f"{count} errors"
     fixed = "this error is" if count == 1 else "these errors are"
     further = f"; {error.unchecked} once {fixed} fixed" if error.unchecked else ""
-    parts.append((total if count <= limit else f"and {count - limit} more; {total}") + further)
+    parts.append((total if count <= MAX_PRINTED else f"and {count - MAX_PRINTED} more; {total}") + further)
     return "\n".join(parts)
 
 

@@ -97,12 +97,12 @@ from mecano.element_interface.kind import (
     Part,
     nothing,
 )
-from mecano.element_interface.records import UNUSED, record, recorded, recorded_values
+from mecano.element_interface.records import UNUSED, record, recorded, recorded_values, with_fields
 
 __all__ = [
     "BY_COMMAND", "CONTACT", "FREELY", "GRIP", "LOCK", "RELEASES", "SECTIONS", "UNUSED", "WAITS", "Context", "Display",
     "Event", "Kind", "Measured", "NodeAtStart", "Output", "OwnOutput", "Part", "Place", "Row", "nothing", "record",
-    "recorded", "recorded_values",
+    "recorded", "recorded_values", "with_fields",
 ]  # fmt: skip
 
 

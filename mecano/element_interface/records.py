@@ -22,6 +22,15 @@ def record(**fields: Shape) -> np.dtype:
     )
 
 
+def with_fields(dtype: np.dtype, **fields: Shape) -> np.dtype:
+    """Return the dtype of a record with further ``fields``, named as in ``record``.
+
+    They precede those of ``dtype``: numba does not distinguish a record from another one with the same leading fields.
+    """
+    parts = [(name, of.fields[name][0]) for of in (record(**fields), dtype) for name in of.names or () if of.fields]
+    return np.dtype(parts, align=True)
+
+
 def recorded(fields: "Iterable[Field]") -> dict[str, Shape]:
     """Return {name: shape} of the fields that a record can hold: laws; numbers and vectors that are always given."""
     return {

@@ -29,9 +29,9 @@ def nodes_inside(d: "Values") -> list[str]:
     return file.get("interior_names") or [] if isinstance(file, dict) else []
 
 
-def recover(results: "Results", name: str, d: "Values", rows: slice = slice(None)) -> Inner:
-    """Return the Inner of the superelement ``name`` with deck values ``d`` at the saved times number ``rows``."""
-    return recovered(d, lambda output: results.find(f"elements/{name}/{output}").values[rows])
+def recover(results: "Results", name: str, d: "Values") -> Inner:
+    """Return the Inner of the superelement ``name`` with deck values ``d`` at all saved times."""
+    return recovered(d, lambda output: results.find(f"elements/{name}/{output}").values)
 
 
 def recovered(d: "Values", value: Callable[[str], np.ndarray]) -> Inner:

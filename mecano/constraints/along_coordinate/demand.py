@@ -38,6 +38,11 @@ def is_formula(value):
     return isinstance(value, str)
 
 
+def reads_of(value):
+    """Return ``Part.reads`` of a checked value of the type DRIVE: the formula, or nothing for a law."""
+    return (value,) if is_formula(value) else ()
+
+
 def law_of(value, context):
     """Return the start, in the table of laws, of a checked value of the type DRIVE; 0 for a formula."""
     return 0 if is_formula(value) else context.laws.add(value)
@@ -58,11 +63,19 @@ def check_alike(name, values):
     return []
 
 
-def on_demand(make, field, i, of_law=of_law, of_input=of_input):
-    """Return the Kind ``make(demand)`` for a function of time, whose variant reads a formula in the deck's ``field``.
+def by_law_and_signal(make, field, i, of_law=of_law, of_input=of_input):
+    """Return the Kinds ``make(demand)`` for a function of time, and for a formula, their input named ``field``.
 
     ``i``: local index of the input, which follows the slots and the scalars. ``of_law`` and ``of_input(i)`` are the
     demands of both.
     """
-    by_law, by_signal = make(of_law), replace(make(of_input(i)), inputs=(field,))
+    return make(of_law), replace(make(of_input(i)), inputs=(field,))
+
+
+def on_demand(make, field, *demands):
+    """Return the Kind for a function of time, whose variant reads a formula in the deck's ``field``.
+
+    The arguments are those of ``by_law_and_signal``.
+    """
+    by_law, by_signal = by_law_and_signal(make, field, *demands)
     return replace(by_law, variant=lambda d: by_signal if is_formula(d[field]) else by_law)

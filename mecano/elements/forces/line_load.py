@@ -9,11 +9,11 @@ or fixed in each node if the load ``follows`` them. Displacements converge with 
 elements; the twist and the rotation by a moment are exact.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from mecano.constraints.along_coordinate.demand import is_formula, law_of, of_input, of_law, on_demand
+from mecano.constraints.along_coordinate.demand import by_law_and_signal, is_formula, law_of, on_demand, reads_of
 from mecano.constraints.line_of_nodes import LINE_FIELD, check_line, lengths, sample_line
 from mecano.constraints.triads import unit
 from mecano.element_interface import Kind, Output, Part, record
@@ -66,7 +66,7 @@ def _share(name, layout, components):
             observe=observe, sample=lambda rng: [({"load": rng.normal(size=3), "law": 0}, 1, "")],
         )  # fmt: skip
 
-    return kind(of_law), replace(kind(of_input(3 * len(layout))), inputs=("value",))
+    return by_law_and_signal(kind, "value", 3 * len(layout))
 
 
 def prepare(d, nodes, context):
@@ -96,8 +96,8 @@ class _Quantity:
         half = 0.5 * lengths(nodes)
         share = np.append(half, 0.0) + np.append(0.0, half)
         direction = unit(d["direction"])
-        kinds, by_signal = self.following if d["follows"] else self.dead, is_formula(d["value"])
-        kind, law, reads = kinds[by_signal], law_of(d["value"], context), (d["value"],) if by_signal else ()
+        kind = (self.following if d["follows"] else self.dead)[is_formula(d["value"])]
+        law, reads = law_of(d["value"], context), reads_of(d["value"])
         turned = [R.T @ direction if d["follows"] else direction for _, R in nodes]
         return [Part(kind, (i,), {"load": share[i] * turned[i], "law": law}, reads=reads) for i in range(len(nodes))]
 

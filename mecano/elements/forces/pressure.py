@@ -11,11 +11,9 @@ pressure that is constant on a closed line, or between fixed ends, has the poten
 Displacements converge with the square of the length of the elements.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
-from mecano.constraints.along_coordinate.demand import is_formula, law_of, of_input, of_law, on_demand
+from mecano.constraints.along_coordinate.demand import by_law_and_signal, is_formula, law_of, on_demand, reads_of
 from mecano.constraints.line_of_nodes import LINE_FIELD, check_line, sample_line
 from mecano.constraints.triads import unit
 from mecano.element_interface import Kind, Output, Part, record
@@ -62,7 +60,7 @@ def _segments(rng):
     return [(values, 2, "")]
 
 
-SEGMENTS = _segment(of_law), replace(_segment(of_input(3 * len(LAYOUT))), inputs=("value",))
+SEGMENTS = by_law_and_signal(_segment, "value", 3 * len(LAYOUT))
 
 
 def prepare(d, nodes, context):
@@ -80,14 +78,13 @@ def _across(d, nodes):
 
 def parts(d, nodes, context):
     """Return the Parts: the pressed segments."""
-    by_signal = is_formula(d["value"])
-    reads = (d["value"],) if by_signal else ()
+    kind, reads = SEGMENTS[is_formula(d["value"])], reads_of(d["value"])
     shared = {"half_width": 0.5 * d["width"], "law": law_of(d["value"], context)}
     found = []
     for i, b in enumerate(_across(d, nodes)):
         in_nodes = [nodes[j][1].T @ b / np.linalg.norm(b) for j in (i, i + 1)]
         values = {"across_0": in_nodes[0], "across_1": in_nodes[1], **shared}
-        found.append(Part(SEGMENTS[by_signal], (i, i + 1), values, reads=reads))
+        found.append(Part(kind, (i, i + 1), values, reads=reads))
     return found
 
 

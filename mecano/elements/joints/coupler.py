@@ -37,7 +37,7 @@ from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
 from mecano.constraints.joint_samples import two_places
 from mecano.constraints.tooth_friction import friction_field, friction_values, tooth_friction
-from mecano.element_interface import Display, Kind, Output, Part, Place, Row, record
+from mecano.element_interface import Display, Kind, Output, Part, Place, Row, record, with_fields
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.schema import NUMBER, Field, joint_with, list_of, not_zero, positive
@@ -220,9 +220,8 @@ def _prepare_lossy(d, nodes, context):
 
 def _lossy(kind):
     """Return the variant with friction of a ``kind``: a part for the relation, and one for the friction."""
-    shapes = {name: kind.dtype[name].shape for name in kind.dtype.names}
     alike = {"layout": kind.layout, "memory": kind.memory, "commit": kind.commit,
-             "dtype": record(loss=2, regularization=(), **shapes)}  # fmt: skip
+             "dtype": with_fields(kind.dtype, loss=2, regularization=())}  # fmt: skip
     held = Kind(
         name="coupler_relation", doc=__doc__, multipliers=kind.multipliers, residual=residual, constraints=constraints,
         **alike,

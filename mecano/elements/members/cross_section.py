@@ -107,9 +107,9 @@ def _homogeneous(d, area, I2, I3, torsion, shear, **fibres):
     return Constants(C, d["density"] * area, J, np.zeros(3), E, G, **fibres)
 
 
-def _annulus(d, outer, inner):
-    """Return Constants of a round section with two radii."""
-    _, _, nu = _moduli(d)
+def _annulus(d, inner):
+    """Return Constants of a round section with this inner radius."""
+    outer, (_, _, nu) = 0.5 * d["diameter"], _moduli(d)
     m2 = (inner / outer) ** 2
     area, second = np.pi * (outer**2 - inner**2), 0.25 * np.pi * (outer**4 - inner**4)
     square = (1.0 + m2) ** 2
@@ -119,12 +119,12 @@ def _annulus(d, outer, inner):
 
 def circle(d):
     """Return Constants of a solid round section."""
-    return _annulus(d, 0.5 * d["diameter"], 0.0)
+    return _annulus(d, 0.0)
 
 
 def tube(d):
     """Return Constants of a hollow round section."""
-    return _annulus(d, 0.5 * d["diameter"], 0.5 * d["diameter"] - d["thickness"])
+    return _annulus(d, 0.5 * d["diameter"] - d["thickness"])
 
 
 def rectangle(d):

@@ -15,7 +15,7 @@ a signal: a ``lag`` whose input is the illumination of the beam makes it depend 
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import check_alike, law_of
-from mecano.element_interface import record
+from mecano.element_interface import with_fields
 from mecano.elements.members.beam_elastic import add_elastic, add_free_derivative
 from mecano.elements.members.beam_inertia import add_inertia
 from mecano.jit.kernel import kernel
@@ -58,10 +58,7 @@ def check_heating(d):
 
 def thermal_record(dtype):
     """Return the dtype of the record of a beam with the curves of its heating."""
-    own = record(length=(), strain="i", curvature_2="i", curvature_3="i")
-    return np.dtype(
-        [(name, dtype[name]) for name in dtype.names] + [(name, own[name]) for name in own.names], align=True
-    )
+    return with_fields(dtype, length=(), **dict.fromkeys(CURVES, "i"))
 
 
 def thermal_values(d, values, context):

@@ -210,14 +210,6 @@ def sample(rng):
     return [(one, 2, "between"), *((two, at_distance(rng, length), phase) for phase, length in lengths)]
 
 
-def _length(d, nodes, context):
-    return Measured(DISTANCE, (0, 1), {})
-
-
-def _extension(d, nodes, context):
-    return Measured(DISTANCE, (0, 1), {}, extended(d, nodes))
-
-
 GAS_FIELDS = (
     Field("pressure", NUMBER, "Pa", "absolute pressure p_1 of the extended strut", check=positive),
     Field("volume", NUMBER, "m3", "volume V_1 of the gas in the extended strut", check=positive),
@@ -292,5 +284,8 @@ OLEO = Kind(
     observe=observe,
     event_values=event_values,
     sample=sample,
-    measures={"length": _length, "extension": _extension},
+    measures={
+        "length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {}),
+        "extension": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {}, extended(d, nodes)),
+    },
 )  # fmt: skip

@@ -39,7 +39,7 @@ from functools import cache
 import numpy as np
 
 from mecano.constraints.activation import is_stress_free, with_activation
-from mecano.constraints.along_coordinate.demand import is_formula, law_of
+from mecano.constraints.along_coordinate.demand import is_formula, law_of, reads_of
 from mecano.constraints.belt_span import CLOSEST, INCLINATION, check_tangent, span_record
 from mecano.constraints.capstan import CAPSTAN, capstan, friction_field
 from mecano.constraints.elastic_line import AXIAL_STIFFNESS, DAMPING, STRAINS, add_strain_energy
@@ -168,10 +168,9 @@ def parts(d, nodes, context):
     """Return the Part of the friction, if there is any."""
     if d["friction"] is None:
         return []
-    by_signal = is_formula(d["payout"])
-    kind = capstan(len(nodes) - 2, by_signal, REEVED_CABLE.chosen(d).phases, is_stress_free(d))
-    values, reads = {**prepare(d, nodes, context), **d["friction"]}, (d["payout"],) if by_signal else ()
-    return [Part(kind, tuple(range(len(nodes))), values, reads=reads)]
+    kind = capstan(len(nodes) - 2, is_formula(d["payout"]), REEVED_CABLE.chosen(d).phases, is_stress_free(d))
+    values = {**prepare(d, nodes, context), **d["friction"]}
+    return [Part(kind, tuple(range(len(nodes))), values, reads=reads_of(d["payout"]))]
 
 
 def check(d, nodes):

@@ -130,11 +130,6 @@ class SlipLaw:
         return " ".join(self.doc.strip().split("\n\n")[0].split()).rstrip(".")
 
 
-def given_law(values, laws):
-    """Return the one of ``laws`` ({name: SlipLaw}) that the values of a tyre law contain, or None."""
-    return next((law for law in laws.values() if values.get(law.name) is not None), None)
-
-
 def default_values(fields, values):
     """Return ``values`` completed by the defaults of missing fields, for samples."""
     return {**{field.name: field.default for field in fields if not field.required}, **values}

@@ -18,8 +18,7 @@ from mecano.elements.wheels.lateral_law import LATERAL_TYPE
 from mecano.elements.wheels.rolling_tyre import FIELDS as ROLLING_FIELDS
 from mecano.elements.wheels.rolling_tyre import check_rolling, is_given, rolling_law
 from mecano.elements.wheels.sliding_friction import FIELDS as FRICTION_FIELDS
-from mecano.elements.wheels.slip_law import given_law
-from mecano.elements.wheels.slip_laws import SLIP_LAWS
+from mecano.elements.wheels.slip_laws import SLIP_LAWS, given_law
 from mecano.elements.wheels.smiley_horne import SMILEY_HORNE
 from mecano.jit.kernel import kernel
 from mecano.laws.contact_force import contact_force
@@ -72,7 +71,7 @@ def register(law):
 
 def slip_law_of(values):
     """Return the SlipLaw of the values of a tyre law, with its rolling radius and resistance if there are any."""
-    law = given_law(values, SLIP_LAWS)
+    law = given_law(values)
     return rolling_law(law) if is_given(values) else law
 
 

@@ -41,8 +41,8 @@ from mecano.elements.wheels.rolling_contact import (
 )
 from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
 from mecano.elements.wheels.rolling_tyre import with_rolling
-from mecano.elements.wheels.slip_law import Slip, given_law
-from mecano.elements.wheels.slip_laws import SLIP_LAWS
+from mecano.elements.wheels.slip_law import Slip
+from mecano.elements.wheels.slip_laws import SLIP_LAWS, given_law
 from mecano.elements.wheels.tire_law import slip_law_of
 from mecano.elements.wheels.tire_wheel import (
     AIR,
@@ -132,7 +132,7 @@ def check(d, nodes):
     texts, law = check_wheel(d, nodes), slip_law_of(d["tire_law"])
     if texts:
         return texts
-    name = given_law(d["tire_law"], SLIP_LAWS).name
+    name = given_law(d["tire_law"]).name
     if law.carcass is None:
         known = ", ".join(name for name, other in SLIP_LAWS.items() if other.carcass)
         return [f"'tire_law.{name}' has no carcass, which a transient_wheel needs; laws with a carcass: {known}"]
