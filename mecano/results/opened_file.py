@@ -11,7 +11,6 @@ import h5py
 
 from mecano.errors import ResultsError
 from mecano.results.opening import UNREADABLE, open_source, unreadable
-from mecano.results.readable_rows import rows_within
 
 if TYPE_CHECKING:
     import os
@@ -67,7 +66,7 @@ class OpenedFile:
         with self.reading(name):
             dataset = self.h5[name]
             rows = max(min(rows, len(dataset)), 0)
-            return rows_within(dataset, rows, self.source.size) if self.source.missing else rows
+            return _rows_within(dataset, rows, self.source.size) if self.source.missing else rows
 
     def text(self, name: str) -> str:
         """Return a text."""
@@ -98,3 +97,23 @@ def _open_patiently(path):
             if attempt == _ATTEMPTS - 1 or source.missing or source.damaged:
                 raise ResultsError(unreadable(source, error)) from error
             clocks.sleep(0.01 * (1 + attempt))
+
+
+def _rows_within(dataset, rows, size):
+    """Return how many of the first ``rows`` rows of a chunked dataset lie in the first ``size`` bytes of the file."""
+    height = dataset.chunks[0]
+    for start in range(0, rows, height):
+        if not _chunks_within(dataset, start, size):
+            return start
+    return rows
+
+
+def _chunks_within(dataset, row, size):
+    starts: list[tuple[int, ...]] = [(row,)]
+    if dataset.ndim > 1:
+        starts = [(row, column) for column in range(0, dataset.shape[1], dataset.chunks[1])]
+    try:
+        chunks = [dataset.id.get_chunk_info_by_coord(start) for start in starts]
+    except (OSError, RuntimeError, ValueError):
+        return False
+    return all(c.byte_offset is not None and c.byte_offset + c.size <= size for c in chunks)

@@ -117,6 +117,15 @@ LATERAL_RECORD = {
 FORMS = "matrices", "moreland", "relaxation", "string", "straight_tangent"
 
 
+class Course(NamedTuple):
+    """Motion of a wheel over the ground, as a lateral law reads it."""
+
+    speed: float  # u of the axle [m/s]
+    forward: float  # its component along t, negative in reverse [m/s]
+    turning: float  # rate omega_n about n [rad/s]
+    rolled: float  # dy/dt of a patch without lateral slip [m/s]
+
+
 class Lateral(NamedTuple):
     """Forces of a lateral law."""
 
@@ -127,20 +136,21 @@ class Lateral(NamedTuple):
 
 
 @kernel
-def lateral_law(p, laws, q, v, rolled, N, u, forward, turning):
-    """Return the Lateral for (y, psi, bow) = ``q``, their rates ``v``, normal force [N], speed u [m/s], turning rate.
+def lateral_law(p, at, N, course):
+    """Return the Lateral of a wheel with the local unknowns y, psi, bow for the normal force N [N] and the Course.
 
-    ``rolled`` [m/s] is dy/dt of a patch without lateral slip: it replaces dy/dt in the law of a string, whose contact
-    line is laid down by rolling. In reverse, where ``forward`` [m/s] is negative, other laws turn psi over.
+    ``rolled`` replaces dy/dt in the law of a string, whose contact line is laid down by rolling. In reverse other laws
+    turn psi over.
     """
+    q, v, laws, u, forward = vec(at.q, Y), vec(at.v, Y), at.laws, course.speed, course.forward
     k = curve(laws, p.stiffness_by_load, N) * curve(laws, p.stiffness_by_speed, u)
     d = curve(laws, p.damping_by_load, N) * curve(laws, p.damping_by_speed, u)
     if p.pace != NO_PACE:  # its rates are those of rolling, no damping
         d = k
     g0, g1 = pace(p, u)
     b, lays = p.aligning, 1.0 if p.pace == OF_STRING else 0.0
-    rates = Vec3(v[0] + lays * (rolled - v[0]), v[1], v[2])
-    still, moved = mat(p.A0) @ q, mat(p.A1) @ rates + turning * vec(p.turning, 0)
+    rates = Vec3(v[0] + lays * (course.rolled - v[0]), v[1], v[2])
+    still, moved = mat(p.A0) @ q, mat(p.A1) @ rates + course.turning * vec(p.turning, 0)
     change = p.reverses * (forward * sticking(LEAST_FORWARD, abs(forward)) - 1.0)  # 0 forward, -2 in reverse
     still = still + change * p.A0[1, 0] * q[0] * ABOUT_N
     moved = moved + change * p.A1[1, 0] * rates[0] * ABOUT_N

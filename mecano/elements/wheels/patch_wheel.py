@@ -18,6 +18,7 @@ from mecano.elements.wheels.ground_surface import SURFACE_RECORD, surface_at
 from mecano.elements.wheels.lateral_law import (
     FORMS,
     LATERAL_RECORD,
+    Course,
     Lateral,
     check_lateral,
     lateral_law,
@@ -110,9 +111,8 @@ def load_of(p, at, k):
     u, (t, l) = v - dot(k.g.n, v) * k.g.n, directions(k.a, k.g)
     grip = surface_at(p, at, k.g.n, vec(at.q, 0) + k.rho).grip
     slip = Slip(N, w, grip, k.v_C, k.v_0, u, k.omega, dot(k.omega, k.a), k.g.s, t, l, k.g.n, 0.0)
-    turning = dot(k.g.n, k.omega)
-    law = lateral_law(p, at.laws, vec(at.q, Y), vec(at.v, Y), k.rolled, N, norm(u), dot(t, u), turning)
-    return Load(radial, N, damping, slip, law)
+    course = Course(norm(u), dot(t, u), dot(k.g.n, k.omega), k.rolled)
+    return Load(radial, N, damping, slip, lateral_law(p, at, N, course))
 
 
 @kernel
