@@ -13,7 +13,7 @@ from mecano.constraints.body_fixed import relative_rotation
 from mecano.element_interface import Kind, Output, Row, record
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import friction
-from mecano.maths.vector import add_vec, dot, mat, norm, vec
+from mecano.maths.vector import add_vec, dot, norm, vec
 
 RECORD = record(radius=(), **FRICTION_RECORD)
 COUPLED = 6
@@ -22,7 +22,7 @@ COUPLED = 6
 @kernel
 def _sliding(p, at):
     """Return the angular velocity w of b relative to a, the friction moment on b against it, both in axes of a; |F|."""
-    w = relative_rotation(mat(at.R[0]), mat(at.R[1])) @ vec(at.v, 3) - vec(at.v, 0)
+    w = relative_rotation(at) @ vec(at.v, 3) - vec(at.v, 0)
     N, r = norm(vec(at.q, COUPLED)), p.radius
     return w, N * r * r * friction(at.laws, p.coefficient, p.regularization, r * norm(w)) * w, N
 
@@ -32,7 +32,7 @@ def residual(p, at, f):
     """Add opposite moments to both nodes."""
     _, moment, _ = _sliding(p, at)
     add_vec(f, 0, -1.0, moment)
-    add_vec(f, 3, 1.0, relative_rotation(mat(at.R[0]), mat(at.R[1])).T @ moment)
+    add_vec(f, 3, 1.0, relative_rotation(at).T @ moment)
 
 
 @kernel

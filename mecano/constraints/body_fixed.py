@@ -12,7 +12,7 @@ import math
 
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import value
-from mecano.maths.vector import add_mat, cross, dot, skew
+from mecano.maths.vector import add_mat, cross, dot, mat, skew
 
 
 @kernel
@@ -74,9 +74,9 @@ def follow(previous, angle):
 
 
 @kernel
-def relative_rotation(R_0, R_1):
-    """Return R_0^T R_1."""
-    return R_0.T @ R_1
+def relative_rotation(at):
+    """Return R_0^T R_1 of the first two rotations of an element."""
+    return mat(at.R[0]).T @ mat(at.R[1])
 
 
 @kernel

@@ -28,7 +28,7 @@ MULTIPLIER = 12
 def _coupling(p, at):
     """Return the constraint [m] and its gradient."""
     sigma, mu, xi, h = vec(p.sigma, 0), mat(p.mu), mat(p.xi), p.travel
-    Q, s = relative_rotation(mat(at.R[0]), mat(at.R[1])), slide(at, sigma)[0] - p.offset
+    Q, s = relative_rotation(at), slide(at, sigma)[0] - p.offset
     back, (_, b_R), along = slide_gradient(at, sigma)
     turn_0, turn_1 = twist_gradient(Q, mu[2], xi[2])
     return -h * wrap(twist(Q, mu, xi) - s / h), (back, (3, b_R - h * turn_0), along, (9, -h * turn_1))

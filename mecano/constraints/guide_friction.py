@@ -35,7 +35,7 @@ from mecano.element_interface import Kind, Row, record
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import friction
 from mecano.maths.dual import sqrt
-from mecano.maths.vector import mat, vec
+from mecano.maths.vector import vec
 
 slide_along = SLIDE.gradient
 ROUND_RECORD = record(mu=3, xi=3, radius=(), **FRICTION_RECORD)
@@ -50,7 +50,7 @@ def _keyed_load(p, at, rate):
 
 @kernel
 def _turn_along(p, at):
-    b_0, b_1 = twist_gradient(relative_rotation(mat(at.R[0]), mat(at.R[1])), vec(p.mu, 0), vec(p.xi, 0))
+    b_0, b_1 = twist_gradient(relative_rotation(at), vec(p.mu, 0), vec(p.xi, 0))
     return (3, b_0), (9, b_1)
 
 

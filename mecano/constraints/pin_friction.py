@@ -34,8 +34,7 @@ ROWS = (
 @kernel
 def _load(p, at, rate):
     """Return M [N m] at this rate of the angle, and N [N]."""
-    R_0, mu = mat(at.R[0]), mat(p.mu)
-    pin, F = relative_rotation(R_0, mat(at.R[1])) @ vec(p.xi, 0), R_0.T @ vec(at.q, FORCE)
+    mu, pin, F = mat(p.mu), relative_rotation(at) @ vec(p.xi, 0), mat(at.R[0]).T @ vec(at.q, FORCE)
     couple = at.q[COUPLE]
     m_1, m_2 = couple * dot(mu[0], pin), couple * dot(mu[1], pin)
     N = pads(dot(mu[0], F), dot(mu[1], F), m_1, m_2, p.inverse_length)

@@ -32,12 +32,12 @@ def pin_gradient(A, mu, xi):
 
 @kernel
 def _value(p, at):
-    return pin_angle(relative_rotation(mat(at.R[0]), mat(at.R[1])), mat(p.mu), vec(p.xi, 0))
+    return pin_angle(relative_rotation(at), mat(p.mu), vec(p.xi, 0))
 
 
 @kernel
 def _gradient(p, at):
-    b_0, b_1 = pin_gradient(relative_rotation(mat(at.R[0]), mat(at.R[1])), mat(p.mu), vec(p.xi, 0))
+    b_0, b_1 = pin_gradient(relative_rotation(at), mat(p.mu), vec(p.xi, 0))
     return (0, b_0), (3, b_1)
 
 

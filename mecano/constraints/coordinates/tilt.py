@@ -22,24 +22,24 @@ from mecano.maths.vector import dot, mat, vec
 @kernel
 def tilted(at, mu, xi):
     """Return c and its rate [1/s] for two nodes with the local unknowns x0, R0, x1, R1."""
-    A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
+    A = relative_rotation(at)
     return dot(mu, A @ xi), turning_rate(product_gradient(A, mu, xi), vec(at.v, 3), vec(at.v, 9))
 
 
 @kernel
 def _value(p, at):
-    return dot(vec(p.mu, 0), relative_rotation(mat(at.R[0]), mat(at.R[1])) @ vec(p.xi, 0))
+    return dot(vec(p.mu, 0), relative_rotation(at) @ vec(p.xi, 0))
 
 
 @kernel
 def _gradient(p, at):
-    b_0, b_1 = product_gradient(relative_rotation(mat(at.R[0]), mat(at.R[1])), vec(p.mu, 0), vec(p.xi, 0))
+    b_0, b_1 = product_gradient(relative_rotation(at), vec(p.mu, 0), vec(p.xi, 0))
     return (0, b_0), (3, b_1)
 
 
 @kernel
 def _add_curvature(p, at, g, K):
-    A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
+    A = relative_rotation(at)
     add_blocks(K, 0, 3, g, product_curvature(A, vec(p.mu, 0), vec(p.xi, 0)))
 
 

@@ -55,25 +55,25 @@ def twist_curvature(A, mu_3, xi_3):
 @kernel
 def turned(p, at):
     """Return the angle [rad] and its rate [rad/s] of two nodes with the local unknowns x0, R0, x1, R1."""
-    A, mu, xi = relative_rotation(mat(at.R[0]), mat(at.R[1])), mat(p.mu), mat(p.xi)
+    A, mu, xi = relative_rotation(at), mat(p.mu), mat(p.xi)
     return twist(A, mu, xi), turning_rate(twist_gradient(A, mu[2], xi[2]), vec(at.v, 3), vec(at.v, 9))
 
 
 @kernel
 def _value(p, at):
-    return twist(relative_rotation(mat(at.R[0]), mat(at.R[1])), mat(p.mu), mat(p.xi))
+    return twist(relative_rotation(at), mat(p.mu), mat(p.xi))
 
 
 @kernel
 def _gradient(p, at):
-    A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
+    A = relative_rotation(at)
     b_0, b_1 = twist_gradient(A, vec(p.mu[2], 0), vec(p.xi[2], 0))
     return (0, b_0), (3, b_1)
 
 
 @kernel
 def _add_curvature(p, at, g, K):
-    A = relative_rotation(mat(at.R[0]), mat(at.R[1]))
+    A = relative_rotation(at)
     add_blocks(K, 0, 3, g, twist_curvature(A, vec(p.mu[2], 0), vec(p.xi[2], 0)))
 
 

@@ -32,14 +32,12 @@ from itertools import product
 import numpy as np
 
 from mecano.constraints.along_coordinate.measure import angle_outputs
-from mecano.constraints.body_fixed import relative_rotation, turning_rate
-from mecano.constraints.coordinates.twist import twist_gradient
-from mecano.constraints.gear_mesh import GEAR_MESH, gear_angles, gear_travel
+from mecano.constraints.gear_mesh import GEAR_MESH, gear, gear_travel
 from mecano.constraints.gear_teeth import Mesh, with_teeth
 from mecano.constraints.triads import triad
 from mecano.element_interface import Display, Kind, Output
 from mecano.jit.kernel import kernel
-from mecano.maths.vector import mat, vec
+from mecano.maths.vector import dot, vec
 from mecano.schema import DIRECTION, NODE, NUMBER, Field, Type, not_zero, positive
 
 PARALLEL = 1e-6  # sine of the angle up to which two axes are parallel
@@ -48,17 +46,12 @@ TRIPLE = Type("nodes", f"a list of 3 {NODE.name} names", (3,))
 
 
 @kernel
-def _rate(R, v, i, j, mu, xi):
-    Q = relative_rotation(mat(R[0]), mat(R[i]))
-    return turning_rate(twist_gradient(Q, vec(mu[2], 0), vec(xi[2], 0)), vec(v, 3), vec(v, j))
-
-
-@kernel
 def _put_motion(p, at, y):
     """Write angles and rates."""
-    y[0], y[2] = gear_angles(p, at.m, at.R)
-    y[1] = _rate(at.R, at.v, 1, 9, p.mu_1, p.xi_1)
-    y[3] = _rate(at.R, at.v, 2, 12, p.mu_2, p.xi_2)
+    for i in range(2):
+        now = gear(p, at, i)
+        y[2 * i] = now.turns + now.angle
+        y[2 * i + 1] = dot(now.by_carrier, vec(at.v, 3)) + dot(now.by_gear, vec(at.v, 9 + 3 * i))
 
 
 def _axes(d):
@@ -86,7 +79,7 @@ def _touching(d, nodes):
 def prepare(d, nodes, context):
     """Return axes of the gears in the carrier and in the gears, travels, tangent and its constant."""
     (mu_a, mu_b), (carrier, a, b) = _axes(d), nodes
-    axes = {"mu_1": mu_a @ carrier[1], "xi_1": mu_a @ a[1], "mu_2": mu_b @ carrier[1], "xi_2": mu_b @ b[1]}
+    axes = {"mu": (mu_a @ carrier[1], mu_b @ carrier[1]), "xi": (mu_a @ a[1], mu_b @ b[1])}
     if d["ratio"] is not None:
         return {**axes, "travel": (d["radius_a"], -d["radius_a"] * d["ratio"]), "tangent": np.zeros(3), "offset": 0.0}
     e_a, e_b, _ = _touching(d, nodes)

@@ -55,7 +55,7 @@ PERPENDICULAR = 1e-6  # cosine up to which the pins are perpendicular
 def _angles(p, at):
     """Return angle and rate of the cross about the pin of a, and of b about its pin relative to the cross."""
     mu, xi = mat(p.mu), mat(p.xi)
-    A, omega_a, omega_b = relative_rotation(mat(at.R[0]), mat(at.R[1])), vec(at.v, 3), vec(at.v, 9)
+    A, omega_a, omega_b = relative_rotation(at), vec(at.v, 3), vec(at.v, 9)
     back = A.T
     first_rate = turning_rate(pin_gradient(A, mu, xi[2]), omega_a, omega_b)
     second_rate = turning_rate(pin_gradient(back, xi, mu[2]), omega_b, omega_a)
