@@ -6,7 +6,7 @@ from scipy.integrate import quad
 from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.kind_trial import samples
-from mecano.analyses.modal import sticking
+from mecano.analyses.modal import sticking_warnings
 from mecano.deck.build import build, set_velocities
 from mecano.elements.joints.coupler import COUPLER
 from mecano.errors import DeckError
@@ -205,7 +205,7 @@ def test_modes_of_a_coupler_that_sticks_are_warned_of(speed, sticks):
     system = System(build(checked))
     start = system.initial_state(0.0)
     set_velocities(checked, system, start)
-    warnings = list(sticking(checked, system, start))
+    warnings = list(sticking_warnings(checked, system, start))
     assert len(warnings) == sticks and all("coupler 'drive': regularized friction acts" in one for one in warnings)
 
 

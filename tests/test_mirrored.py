@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from instances import KINDS
 
-from mecano.analyses.kind_tests import energies, force_on_nodes, lets_go, set_reactions
+from mecano.analyses.kind_tests import energies, force_on_nodes, is_inactive, set_reactions
 from mecano.analyses.kind_trial import GRAVITY, Motion, expand, samples, seed_of, turned_values
 from mecano.constraints.triads import triad
 
@@ -127,7 +127,7 @@ def twin_of(kind, sample):
     values = mirrored(kind, sample.values, flipped)
     twins = expand(kind, values, nodes, sample.phase, MIRROR @ GRAVITY, seed_of("unused"))
     for twin, original in zip(twins, sample.instances, strict=True):
-        if lets_go(original):
+        if is_inactive(original):
             original.multipliers = 0.0 * original.multipliers
         names = [*original.kind.scalars, *original.kind.inputs]
         original.scalars[:, [name == "set_point" for name in names]] = 0.0  # of an axis that is not known here

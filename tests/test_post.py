@@ -27,7 +27,7 @@ from mecano.post.configurations import configurations_figure
 from mecano.post.curve_styles import CurveStyles
 from mecano.post.draw_events import EventLegend
 from mecano.post.event_marks import EventMark, event_marks
-from mecano.post.extremes import telling
+from mecano.post.extremes import notable
 from mecano.post.info import info
 from mecano.post.panels import planned_panels, worth_showing
 from mecano.post.pictures import post
@@ -725,7 +725,7 @@ class TestInfo:
             "formulas/time - (0.3)/value": (-0.3, 14.7, "SI"),
         }
         extremes = {path: Extreme(high, 1.0, low, 2.0, unit) for path, (low, high, unit) in values.items()}
-        assert [name for name, _ in telling(extremes)] == ["joints.j.f", "a.f", "a.u", "a.bad"]
+        assert [name for name, _ in notable(extremes)] == ["joints.j.f", "a.f", "a.u", "a.bad"]
 
     def test_names(self, tmp_path):
         path = every_kind.write(tmp_path / "all.h5", kinds=KINDS)

@@ -19,7 +19,7 @@ from mecano.results import empty_file
 from mecano.results.layout import Layout, Series
 from mecano.results.lookup import Lookup, similar_outputs
 from mecano.results.opening import cut_short
-from mecano.results.provenance import Source, lives, threads
+from mecano.results.provenance import Source, is_running, threads
 from mecano.results.reader import open_results
 from mecano.results.state import load_state, save_state
 from mecano.results.study_file import StudyTable, write_study
@@ -506,9 +506,9 @@ def test_the_reader_needs_no_compiler():
 
 def test_a_killed_process_does_not_live_though_nobody_has_taken_note():
     process = subprocess.Popen(["sleep", "60"])
-    assert lives(process.pid)
+    assert is_running(process.pid)
     process.kill()
     os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)  # dead, and still listed
-    assert not lives(process.pid)
+    assert not is_running(process.pid)
     process.wait()
-    assert not lives(process.pid)
+    assert not is_running(process.pid)

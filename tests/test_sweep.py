@@ -23,7 +23,7 @@ from mecano.analyses import sweep as sweeps
 from mecano.analyses.modal import operating_point
 from mecano.analyses.sweep import sweep, sweep_into
 from mecano.analyses.sweep_axis import Axis
-from mecano.analyses.sweep_text import _numbers, known
+from mecano.analyses.sweep_text import _numbers, known_digits
 from mecano.errors import ConvergenceError, DeckError, ResultsError, UsageError
 from mecano.post.loci import _mark, real_range, shown_modes, sweep_figure
 from mecano.post.pictures import post
@@ -273,15 +273,15 @@ def test_how_well_a_critical_value_is_known(speeds, count):
     assert len(locus.critical) == count
     for c, exact in zip(locus.critical[::-1], (6.024262015388837, 4.292382536341), strict=False):
         assert abs(c.place - exact) < max(c.error, 5e-12) and c.error < 1e-9
-        reported = known(c.place, c.error)
+        reported = known_digits(c.place, c.error)
         unit = 10.0 ** -len(reported.partition(".")[2])
         assert abs(float(reported) - exact) < 0.5 * unit + c.error and 2.0 * c.error < unit < 1e-8
 
 
 def test_digits_that_hold():
-    assert known(6.02426201447, 1.1e-9) == "6.02426201" and known(6.02426201447, 1e-13) == "6.0242620145"
-    assert known(126.7200000, 2e-3) == "126.72" and known(-0.0456789, 4e-5) == "-0.0457"
-    assert known(3.14, 7.0) == "3" and known(0.0, 1e-3) == "0" and known(2.5, 0.0) == "2.5"
+    assert known_digits(6.02426201447, 1.1e-9) == "6.02426201" and known_digits(6.02426201447, 1e-13) == "6.0242620145"
+    assert known_digits(126.7200000, 2e-3) == "126.72" and known_digits(-0.0456789, 4e-5) == "-0.0457"
+    assert known_digits(3.14, 7.0) == "3" and known_digits(0.0, 1e-3) == "0" and known_digits(2.5, 0.0) == "2.5"
 
 
 def test_disc_that_stays_upright(tmp_path, verify):

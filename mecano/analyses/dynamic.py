@@ -25,7 +25,7 @@ from mecano.analyses.diagnostics import (
 )
 from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.initial_velocities import set_in_motion
-from mecano.analyses.prepare import chosen, integrator_of, model_facts, prepare, startup_warnings
+from mecano.analyses.prepare import chosen_values, integrator_of, model_facts, prepare, startup_warnings
 from mecano.analyses.recorder import Recorder
 from mecano.analyses.source import source_of
 from mecano.errors import ConvergenceError, MecanoError, NonFiniteError, ResultsError
@@ -118,7 +118,7 @@ def _from_the_start(deck, path, force, supervision):
         start = call_interruptibly(integrator.begin, prepared.state, deck.values["time"]["step"])
     unstable = call_interruptibly(lambda: list(instability_warnings(prepared, start)))
     notes = [*startup_warnings(prepared, start), *found, *unstable]
-    automatic, model = chosen(prepared, integrator, start), model_facts(prepared)
+    automatic, model = chosen_values(prepared, integrator, start), model_facts(prepared)
     if moved := set_in_motion(deck, prepared.system, prepared.state, start.motion):
         model["set_in_motion"] = moved
     source = source_of(deck, automatic=automatic, model=model, warnings=notes)

@@ -16,7 +16,7 @@ from mecano.solve.statics.arc_length import ArcLength, Target
 from mecano.solve.statics.continuation import Follower, Observer, Point, Steps
 from mecano.solve.statics.loading import Clock, LoadFactor, Loading
 from mecano.solve.statics.relaxation import Relaxation
-from mecano.solve.statics.stability import floats, freedom
+from mecano.solve.statics.stability import freedom_text, is_floating
 from mecano.solve.statics.static import CLOSED, Statics
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def start_in_words(prepared: Prepared) -> Iterator[str]:
     for factor, words in ((0.0, "without loads"), (1.0, "under all loads, held in place")):
         stability = follower.stability(s, factor)
         if np.isfinite(statics.assembly.residual).all():
-            text = freedom(prepared.system, s, stability, prepared.length)
+            text = freedom_text(prepared.system, s, stability, prepared.length)
         else:
             text = f"forces are not finite: {worst_equations(prepared.system, statics.assembly).strip()}"
         yield f"the start {words}: {text}"
@@ -139,9 +139,9 @@ def _stability_warnings(prepared, follower, point):
     """
     yield from follower.losses
     yield from follower.departures
-    if not point.stability.stable and not floats(prepared.system, point.state, point.stability):
+    if not point.stability.stable and not is_floating(prepared.system, point.state, point.stability):
         loading, unstable = follower.statics.loading, point.stability.unstable > 0
-        text = freedom(prepared.system, point.state, point.stability, prepared.length)
+        text = freedom_text(prepared.system, point.state, point.stability, prepared.length)
         state = "unstable" if unstable else "neutral: it may lie anywhere along a free motion"
         yield f"the equilibrium at {loading.name} {point.parameter:.6g}{loading.unit} is {state}; {text}"
 

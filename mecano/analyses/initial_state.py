@@ -86,9 +86,9 @@ def describe(deck: "Deck") -> str:
 
 def _reshaped(prepared, before):
     """Yield a warning about the node that moved most from its position in the deck, the mean translation removed."""
-    from mecano.solve.modal.steady import NOTICEABLE, reshaping
+    from mecano.solve.modal.steady import NOTICEABLE, change_of_shape
 
-    size = reshaping(prepared.system, before, prepared.state)
+    size = change_of_shape(prepared.system, before, prepared.state)
     i = int(np.argmax(size))
     if size[i] > NOTICEABLE * prepared.length:
         name = prepared.system.nodes[i].name

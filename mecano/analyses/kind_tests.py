@@ -139,7 +139,7 @@ FREE = {  # phases in which constraints do not hold
 }  # fmt: skip
 
 
-def lets_go(instance: Instance) -> bool:
+def is_inactive(instance: Instance) -> bool:
     """Return whether the constraints are inactive in the phase of an instance."""
     return instance.kind.phases[instance.phase] in FREE
 
@@ -160,7 +160,7 @@ def check_constraint_derivatives(kind: Kind) -> None:
         np.testing.assert_allclose(rate[position], rates[position, 0], rtol=1e-7, atol=1e-8)
         np.testing.assert_allclose(second, rates[:, 1], rtol=1e-7, atol=1e-8)
         let_go = not np.any((value, rate, second))
-        assert let_go == lets_go(instance), (
+        assert let_go == is_inactive(instance), (
             f"the constraints are {'' if let_go else 'not '}zero in the phase '{sample.phase}'; they are in the phases "
             f"with these names, and no others: {', '.join(sorted(FREE))}"
         )
@@ -181,7 +181,7 @@ def check_multiplier_rows(kind: Kind) -> None:
         value, rate, _ = instance.constraint_derivatives(t, state).T
         f = instance.residual(t, state, K_SCALE, 0.0)
         held = -K_SCALE * np.where(value != 0.0, value, rate)
-        expected = -instance.multipliers if lets_go(instance) else held
+        expected = -instance.multipliers if is_inactive(instance) else held
         np.testing.assert_allclose(f[-n:], expected, rtol=1e-12, atol=1e-14)
 
 
@@ -277,7 +277,7 @@ def check_invariance(kind: Kind) -> None:
         twins = expand(kind, values, nodes, sample.phase, Q @ GRAVITY, seed_of("unused"))
         here, there = sample.motion, sample.motion.moved(Q, shift)
         for instance in sample.instances:
-            if lets_go(instance):
+            if is_inactive(instance):
                 instance.multipliers = 0.0 * instance.multipliers  # rows without forces
         for twin, original in zip(twins, sample.instances, strict=True):
             twin.scalars = original.scalars

@@ -22,15 +22,15 @@ def memory_of_run(prepared: "Prepared") -> float:
     """Return the peak resident memory [B] of a run of a Prepared model, accurate to about 25 %."""
     system = prepared.system
     scipy = SCIPY if len(system.nodes) > SMALL or prepared.analysis.redundant else 0.0
-    return PROGRAM + scipy + SERIES * series(system) + prepared.linear.nbytes
+    return PROGRAM + scipy + SERIES * count_series(system) + prepared.linear.nbytes
 
 
-def series(system: "System") -> int:
+def count_series(system: "System") -> int:
     """Return the number of series in the results file of a System."""
     nodes = sum(not node.internal for node in system.nodes)
     return nodes * len(NODE_OUTPUTS) + sum(len(b.paths) * len(b.kind.outputs) for b in system.batches) + len(ENERGIES)
 
 
-def in_words(number: float) -> str:
+def memory_text(number: float) -> str:
     """Return an amount of memory [B] in two digits, in MB or GB."""
     return f"{number / 1e9:.2g} GB" if number >= 1e9 else f"{float(f'{number / 1e6:.2g}'):.0f} MB"

@@ -25,7 +25,7 @@ from mecano.results.modes_file import write_modes
 from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.modal.linearize import RESTING, Assemble, Linearization, linearize
 from mecano.solve.modal.modes import CONVERGED, Modes, solve
-from mecano.solve.statics.stability import words
+from mecano.solve.statics.stability import motion_text
 from mecano.solve.time.increments import displaced
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ def _held(deck):
         )
 
 
-def unbalanced(base: OperatingPoint, w: np.ndarray) -> Iterator[str]:
+def imbalance_warnings(base: OperatingPoint, w: np.ndarray) -> Iterator[str]:
     """Yield a warning if a start at rest in axes with the angular velocity ``w`` (3,) is not an equilibrium there.
 
     A body accelerates relative to them, by more than rounding. Bodies may turn in place, as the pylon of a rotor does
@@ -188,14 +188,14 @@ def _find(
     """Do as ``modes``, with the lock on the file held."""
     base = operating_point(deck, at, at_rest)
     prepared, system = base.prepared, base.prepared.system
-    turning = turning_of(system, base.state, frame)
+    turning = angular_velocity_of(system, base.state, frame)
     lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
     found = call_interruptibly(solve, lin, number, method)
     reported = [
         *base.warnings,
-        *unbalanced(base, turning),
-        *sticking(deck, system, base.state),
-        *doubts(lin.variation, found.residuals),
+        *imbalance_warnings(base, turning),
+        *sticking_warnings(deck, system, base.state),
+        *accuracy_warnings(lin.variation, found.residuals),
     ]
     if path is not None:
         inner = inner_motions(deck, system, base.state, found.shapes)
@@ -206,7 +206,7 @@ def _find(
     return "\n".join([*lines, *(f"mecano: {text}" for text in reported)]), found, base
 
 
-def turning_of(system: "System", s: "State", frame: str) -> np.ndarray:
+def angular_velocity_of(system: "System", s: "State", frame: str) -> np.ndarray:
     """Return the angular velocity (3,) [rad/s] of the axes ``frame``. Raises UsageError."""
     names = [node.name for node in system.nodes]
     if frame == "inertial":
@@ -225,7 +225,7 @@ def turning_of(system: "System", s: "State", frame: str) -> np.ndarray:
     return turning
 
 
-def sticking(deck: "Deck", system: "System", s: "State") -> Iterator[str]:
+def sticking_warnings(deck: "Deck", system: "System", s: "State") -> Iterator[str]:
     """Yield a warning about joints whose friction is in its regularized range, where it acts as a viscous damper."""
     first = {joint.name: joint.nodes[:2] for joint in system.model.elements if joint.kind.section == "joints"}
     stuck = [  # a coupler has no nodes of its own: its friction opposes the rate of its first coordinate
@@ -254,7 +254,7 @@ def _sliding(system, s, pair, friction):
     return max(float(v), radius * float(omega))
 
 
-def doubts(variation: float, residuals: np.ndarray | Sequence[float]) -> Iterator[str]:
+def accuracy_warnings(variation: float, residuals: np.ndarray | Sequence[float]) -> Iterator[str]:
     """Yield warnings about variable matrices, and about modes that do not satisfy the equations."""
     if variation > CONSTANT:
         yield (
@@ -290,7 +290,7 @@ def largest_motions(system: "System", s: "State", lin: Linearization, value: com
     divergence may need no inertia: its motions are compared as displacements.
     """
     M = lin.M if value.imag or value == 0.0 else None
-    return words(system, s, shape.real, float(lin.root.max(initial=1.0)), inertial=True, most=2, M=M)
+    return motion_text(system, s, shape.real, float(lin.root.max(initial=1.0)), inertial=True, most=2, M=M)
 
 
 def contents(

@@ -261,7 +261,7 @@ def _read_by_signals(system, group):
     ]
 
 
-def chosen(prepared: Prepared, integrator: TimeIntegrator, start: "RunState") -> dict[str, float]:
+def chosen_values(prepared: Prepared, integrator: TimeIntegrator, start: "RunState") -> dict[str, float]:
     """Return the values chosen where the deck says "automatic", by name, for the results file."""
     method, control = integrator.method, integrator.control
     return {

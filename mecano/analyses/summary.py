@@ -8,7 +8,7 @@ import numpy as np
 
 from mecano.analyses.initial_state import describe
 from mecano.analyses.initial_velocities import NOTICED, changed_velocities, set_in_motion
-from mecano.analyses.memory_estimate import in_words, memory_of_run
+from mecano.analyses.memory_estimate import memory_of_run, memory_text
 from mecano.analyses.prepare import Prepared, amount_warnings, mass_of, prepare, warnings_of
 from mecano.deck.run_size import saved_times, steps
 from mecano.element_interface import SECTIONS
@@ -49,7 +49,7 @@ def summary_of(prepared: Prepared, every: bool = False) -> str:
         _gravity(values["gravity"]),
         f"unknowns         {system.n}: {system.n_q} degrees of freedom, {system.n_l} multipliers",
         f"length scale     {prepared.length:.6g} m",
-        f"memory           about {in_words(memory_of_run(prepared))} in a run",
+        f"memory           about {memory_text(memory_of_run(prepared))} in a run",
         *(_statics(prepared) if values["static"] else _amounts(prepared)),
         *(line for text in _tyres(values["tire_laws"]) for line in _labelled("tyre", text)),
         *(line for text in prepared.carried for line in _labelled("start", text)),

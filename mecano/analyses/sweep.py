@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from mecano.analyses.modal import doubts, largest_motions, operating_point, turning_of, unbalanced
+from mecano.analyses.modal import (
+    accuracy_warnings,
+    angular_velocity_of,
+    imbalance_warnings,
+    largest_motions,
+    operating_point,
+)
 from mecano.analyses.source import source_of
 from mecano.analyses.sweep_axis import NUMBER, Axis
 from mecano.analyses.sweep_contents import contents
@@ -20,7 +26,7 @@ from mecano.process.interrupt import call_interruptibly
 from mecano.results.file_names import refuse_existing, refuse_other_ending
 from mecano.results.lock import locked
 from mecano.results.sweep_file import refuse_tables, write_sweep, write_tables
-from mecano.solve.modal.critical import Critical, critical, end_of
+from mecano.solve.modal.critical import Critical, branch_end, critical
 from mecano.solve.modal.families import FAMILIES, families, running_axes
 from mecano.solve.modal.linearize import linearize
 from mecano.solve.modal.modes import solve
@@ -129,13 +135,13 @@ class Case:
         """Return (Spectrum, function of a mode that describes its motion, variation) of a state."""
         base = operating_point(self.deck(settings))
         prepared, system = base.prepared, base.prepared.system
-        turning = turning_of(system, base.state, self.frame)
+        turning = angular_velocity_of(system, base.state, self.frame)
         lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
         found = call_interruptibly(solve, lin, self.number, self.method)
         self.about = base.words.partition(" at [")[0]
         self.variation = max(self.variation, lin.variation)
         self.residuals[settings] = float(found.residuals[found.values != 0.0].max(initial=0.0))
-        for text in (*base.warnings, *unbalanced(base, turning)):
+        for text in (*base.warnings, *imbalance_warnings(base, turning)):
             self.warn(text, settings)
 
         def motion(value, shape):
@@ -143,7 +149,7 @@ class Case:
 
         whirl, omega = None, np.zeros(3)
         if self.rotor:
-            omega = turning_of(system, base.state, self.rotor)
+            omega = angular_velocity_of(system, base.state, self.rotor)
             found, whirl = whirling(found, lin, system.numbering, omega)
         of = families(lin, system.numbering.kind[: system.n_q], running_axes(system, base.state), found.shapes)
         speed = float(np.linalg.norm(omega))
@@ -188,7 +194,7 @@ def sweep(
         raise case.error
     states = {(*other, (first.path, float(value))) for other in others for value in first.values}
     residuals = [case.residuals[state] for state in states if state in case.residuals]
-    warnings = [*case.counted_warnings(states), *doubts(case.variation, residuals)]
+    warnings = [*case.counted_warnings(states), *accuracy_warnings(case.variation, residuals)]
     return Sweep(axes, found, warnings, case.about, deck, rotor, tuple(orders) if rotor else ())
 
 
@@ -286,7 +292,7 @@ def _criticals(axis, rows, spectra, spectrum_at):
     for branch, row in enumerate(rows):
         known, grows = (row[:-1] >= 0) & (row[1:] >= 0), growing(row, spectra)
         for i in np.flatnonzero(known & np.diff(grows)).tolist():
-            left, right = (end_of(spectra, axis.values, row, j) for j in (i, i + 1))
+            left, right = (branch_end(spectra, axis.values, row, j) for j in (i, i + 1))
             at, cause = None, "the mode could not be followed from one to the other"
             try:
                 at = critical(noted, left, right, branch)

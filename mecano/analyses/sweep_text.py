@@ -117,7 +117,7 @@ def _critical(name, locus):
             about = f"critical {name} about {c.place:.{INSTANT_DIGITS}g}"
             yield f"{about}: {grows}, for an instant only: the states there are not steady"
         else:
-            yield f"critical {name} {known(c.place, c.error)}: {grows}"
+            yield f"critical {name} {known_digits(c.place, c.error)}: {grows}"
     yield from locus.unrefined
 
 
@@ -135,7 +135,7 @@ def _resonances(sweep, locus):
     yield from (row.rstrip() for row in _aligned(rows))
 
 
-def known(value: float, error: float) -> str:
+def known_digits(value: float, error: float) -> str:
     """Return a value with its correct digits, at most 11: half a unit of the last digit is at least the ``error``."""
     if not (value and error):
         return f"{value:.{MOST_DIGITS}g}"

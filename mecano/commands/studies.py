@@ -141,14 +141,14 @@ def _runner(executor, scheduler):
 
 def _finish(table, plot):
     """Print a summary of the study, and draw it if ``plot``. Raises the errors of ``execution.judge``."""
-    from mecano.study.execution import judge
+    from mecano.study.execution import require_success
 
     show(table.summary())
     if plot:
         from mecano.post.study_plots import draw_study
 
         show(str(draw_study(table.folder.table)))
-    judge(table)
+    require_success(table)
 
 
 @click.command(short_help="Compile ahead of the first run.")

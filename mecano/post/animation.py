@@ -23,7 +23,7 @@ from mecano.post.runs import Run, opened_runs
 from mecano.post.scene import scene_of
 from mecano.post.sheet import Panel
 from mecano.post.sheets import default_sheets, overview
-from mecano.post.verdict import sound, verdict
+from mecano.post.verdict import is_sound, verdict
 from mecano.results.whole_file import atomic_file, make_folder
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def page_data(run: Run, plots: Sequence[str] = (), title: str | None = None) -> 
     """Return the data of a page for a run, as plain data. Raises as ``animate``."""
     scene, results = scene_of(run, MOST_FRAMES), run.results
     return {
-        "title": title or run.title, "status": verdict(results), "sound": sound(results), **_motion(scene),
+        "title": title or run.title, "status": verdict(results), "sound": is_sound(results), **_motion(scene),
         "plots": [_plot(panel, scene.rows) for panel in _panels(run, plots)],
         "events": [{"time": mark.time, "element": mark.element, "name": mark.text} for mark in event_marks([run])],
     }  # fmt: skip

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 ROUNDING = 1e-10  # of the largest value of the same unit: smaller extremes are rounding errors
 
 
-def telling(extremes: "Mapping[str, Extreme]") -> "list[tuple[str, Extreme]]":
+def notable(extremes: "Mapping[str, Extreme]") -> "list[tuple[str, Extreme]]":
     """Return (name, Extreme) of all outputs, without nodes, formulas, zeros and rounding errors.
 
     Formulas are those written in place, such as the condition of a release, which results hold as differences. Joints

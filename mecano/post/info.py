@@ -12,7 +12,7 @@ import numpy as np
 from mecano.element_interface import Display
 from mecano.errors import UnknownNameError, name_list
 from mecano.post.event_groups import groups
-from mecano.post.extremes import named, telling
+from mecano.post.extremes import named, notable
 from mecano.post.info_modes import info_other, is_other
 from mecano.post.runs import Run
 from mecano.post.verdict import verdict
@@ -249,7 +249,7 @@ def _names(results, pattern):
 
 def _extremes(results, paths=None, most=MOST_EXTREMES):
     """Return the table of extremes of ``paths``, or of the run as a whole."""
-    rows = telling(results.extremes)
+    rows = notable(results.extremes)
     if paths is not None:
         chosen = set(paths)
         rows = [(named(x), e) for x, e in results.extremes.items() if x in chosen or x.rpartition(".")[0] in chosen]

@@ -10,12 +10,12 @@ import yaml
 
 from mecano.element_interface import SECTIONS
 from mecano.errors import ResultsError
-from mecano.post.extremes import telling
+from mecano.post.extremes import notable
 from mecano.post.figure import overview_figure, sheet_figure
 from mecano.post.info import count, facts, one_line
 from mecano.post.pictures import asked_sheets
 from mecano.post.sheets import default_sheets, overview
-from mecano.post.verdict import sound, verdict
+from mecano.post.verdict import is_sound, verdict
 from mecano.results.energy_balance import EXCHANGED, scale_of_balance
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def report_of(run: "Run", title: str | None = None, plots: Sequence[str] = (), s
     )  # fmt: skip
     reason = results.end.strip()
     kept = tuple(section for section in sections if section.parts)
-    return Report(title or run.title, verdict(results), sound(results), reason, kept)
+    return Report(title or run.title, verdict(results), is_sound(results), reason, kept)
 
 
 def number(value: float) -> str:
@@ -193,7 +193,7 @@ def _extremes(results):
     """Yield the table of extremes over all accepted steps."""
     found = [
         (name, e.unit.strip("-"), *map(number, (e.minimum, e.minimum_time, e.maximum, e.maximum_time)))
-        for name, e in telling(results.extremes)
+        for name, e in notable(results.extremes)
     ]
     at = f"at [{results.axis.unit}]" if results.axis.unit else "at"
     if found:

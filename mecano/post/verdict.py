@@ -8,7 +8,7 @@ if TYPE_CHECKING:
 WARNED = "with warnings"
 
 
-def sound(results: "Results") -> bool:
+def is_sound(results: "Results") -> bool:
     """Return whether the run is complete or running, without warnings."""
     return results.status in ("complete", "running") and not results.warnings
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from mecano.errors import ResultsError, UsageError
 from mecano.results.disk import SIGNATURE
-from mecano.results.provenance import lives
+from mecano.results.provenance import is_running
 from mecano.results.whole_file import exists, hidden_name, refuse_other_than_file
 
 _EXISTS = "{} exists already; give another name, or --force (in Python force=True) to replace it"
@@ -40,7 +40,7 @@ def remove_abandoned(path: Path) -> None:
     """Remove hidden files left by runs that were killed before the results file ``path`` appeared."""
     for hidden in path.parent.glob(f"{glob.escape(hidden_name(path))}.*.part"):
         process = hidden.name.split(".")[-2]
-        if process.isdecimal() and not lives(int(process)):
+        if process.isdecimal() and not is_running(int(process)):
             hidden.unlink(missing_ok=True)
 
 

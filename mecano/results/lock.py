@@ -16,7 +16,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from mecano.errors import ResultsError
-from mecano.results.provenance import lives, start_ticks
+from mecano.results.provenance import is_running, start_ticks
 from mecano.results.whole_file import hidden_name, refuse_other_than_file
 
 try:
@@ -147,7 +147,7 @@ def _state(reported):
     if reported["space"] != own["space"]:
         return ELSEWHERE  # in another container, which has process numbers of its own
     process = int(reported["process"])
-    return HERE if lives(process) and start_ticks(process) == reported["ticks"] else GONE
+    return HERE if is_running(process) and start_ticks(process) == reported["ticks"] else GONE
 
 
 def _restarted(before, now):

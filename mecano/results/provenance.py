@@ -103,7 +103,7 @@ def provenance() -> dict[str, str | int]:
     }
 
 
-def lives(process: int) -> bool:
+def is_running(process: int) -> bool:
     """Return whether a process of that number runs on this machine; a zombie does not."""
     try:
         os.kill(process, 0)
@@ -114,7 +114,7 @@ def lives(process: int) -> bool:
     return _listed(process)[:1] not in (["Z"], ["X"])
 
 
-def began(process: int) -> float:
+def start_time(process: int) -> float:
     """Return the start time of a process [s since 1970], or 0 if the system does not provide it."""
     try:
         ticks = start_ticks(process)

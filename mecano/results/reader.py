@@ -18,8 +18,8 @@ from mecano.results.checkpoints import latest
 from mecano.results.layout import EVENT_NUMBERS, EVENT_TEXTS, EXTREMES, FORMAT, FORMAT_VERSION, Layout, Series
 from mecano.results.lookup import ByName, Extremes, Lookup
 from mecano.results.opened_file import OpenedFile
-from mecano.results.provenance import began, lives, read_displays
-from mecano.results.reason import parted
+from mecano.results.provenance import is_running, read_displays, start_time
+from mecano.results.reason import split_reason
 from mecano.results.recorded import MAGNITUDE, Event, Extreme, Trace
 from mecano.results.run_attributes import ENDS, read_attributes
 
@@ -329,14 +329,14 @@ class Results(ByName):
     @property
     def _ended(self):
         stored = self._file.text("run/reason")
-        return parted(stored) if self._status == "complete" else (stored, [])
+        return split_reason(stored) if self._status == "complete" else (stored, [])
 
     @property
     def _writer_lives(self):
         process = self._run_attributes["process"]
         with self._file.reading("run/started"):
             started = datetime.fromisoformat(self._run_attributes["started"]).timestamp()
-        return lives(process) and began(process) < started + _CLOCKS  # otherwise the number was reused
+        return is_running(process) and start_time(process) < started + _CLOCKS  # otherwise the number was reused
 
 
 def _plain(value):

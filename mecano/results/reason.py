@@ -11,7 +11,7 @@ def with_warnings(reason: str, warnings: Iterable[str]) -> str:
     return SEPARATOR.join([reason, *(text.replace("\n", " ") for text in warnings)])
 
 
-def parted(stored: str) -> tuple[str, list[str]]:
+def split_reason(stored: str) -> tuple[str, list[str]]:
     """Return (reason, list of warnings) of the stored text of a complete run.
 
     Older files do not separate several warnings, which are one text then.

@@ -16,7 +16,7 @@ from uuid import uuid4
 from mecano.errors import UsageError
 from mecano.process.lifeline import popen_options
 from mecano.study.folder import STOPPED, Folder, Record
-from mecano.study.pool import END_BY, LOOK, PROGRAM, Ended, Limits, case_words, gist
+from mecano.study.pool import END_BY, LOOK, PROGRAM, Ended, Limits, case_words, reason_in
 
 if TYPE_CHECKING:
     import os
@@ -147,7 +147,7 @@ def run_case(words: Sequence[str], file: "str | os.PathLike[str]", stop: str) ->
     said = _said(process, asked)
     content = _content(file)
     if content == before:
-        raise RuntimeError(gist(said) or f"exit code {process.returncode}")
+        raise RuntimeError(reason_in(said) or f"exit code {process.returncode}")
     return Record(**json.loads(content)["ended"])
 
 

@@ -163,7 +163,7 @@ def collect(folder: Folder, units: Mapping[str, str]) -> Table:
     return table
 
 
-def judge(table: Table) -> None:
+def require_success(table: Table) -> None:
     """Raise IncompleteStudyError unless all cases of a Table are complete, BeyondLimitsError unless all pass."""
     if table.incomplete:
         raise IncompleteStudyError(f"not all cases are complete: {table.incomplete}; see {table.folder.path}/table.csv")

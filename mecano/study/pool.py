@@ -234,11 +234,11 @@ def _words(one, code):
         return f"ended by {signal.Signals(-code).name}"
     with open(one.log, encoding="utf-8", errors="replace") as stream:
         stream.seek(one.said)
-        said = gist(stream.read())
+        said = reason_in(stream.read())
     return said or (f"ended by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}")
 
 
-def gist(said: str) -> str:
+def reason_in(said: str) -> str:
     """Return the line of the output of a process that gives the reason of its end, or ""."""
     lines = [line.strip() for line in said.splitlines() if line.strip()]
     line = lines[-1 if lines[0].startswith("Traceback") else 0] if lines else ""

@@ -41,7 +41,7 @@ def no_step(
     ``assembly`` is the one of the last iteration.
     """
     force, constraint, increment = info.norms
-    worst = unresisted(system, assembly) if info.failure is Failure.SINGULAR else ""
+    worst = undetermined(system, assembly) if info.failure is Failure.SINGULAR else ""
     rows = [] if worst else worst_rows(system, assembly)
     if rows:
         worst = f"worst equations:\n{worst_equations(system, assembly)}"
@@ -56,7 +56,7 @@ def no_step(
 
 def of_equations(error: Failed, system: "System", rows: Iterable[int]) -> Failed:
     """Return the ``error`` with the places of the equations ``rows`` of motion, and the elements that act there."""
-    error.elements = tuple(dict.fromkeys(title for i in rows for title in titles(system, i)))
+    error.elements = tuple(dict.fromkeys(title for i in rows for title in acting_elements(system, i)))
     error.places = tuple(dict.fromkeys(system.numbering.name[i].place for i in rows if i < system.n_q))
     return error
 
@@ -71,7 +71,7 @@ def not_finite(system: "System", data: np.ndarray, t: float) -> NonFiniteError:
     """Return the error for non-finite values ``data`` of the matrix of masses and constraints at ``t``."""
     rows = np.unique(system.rows[~np.isfinite(data[: len(system.rows)])])
     places = {system.numbering.name[i].place: i for i in rows[::-1]}
-    lines = [f"  {system.numbering.name[i]}{acting(system, i)}" for i in list(places.values())[::-1][:REPORTED]]
+    lines = [f"  {system.numbering.name[i]}{acting_clause(system, i)}" for i in list(places.values())[::-1][:REPORTED]]
     text = "\n".join([f"at t = {t:.9g} s masses or constraints are not finite:", *lines])
     return NonFiniteError(f"{text}\nwhat to try: {TRY[Failure.NOT_FINITE]}")
 
@@ -92,7 +92,7 @@ def with_sources(error: NonFiniteError, system: "System", s: "State") -> NonFini
     return named
 
 
-def unresisted(system: "System", assembly: "Assembly") -> str:
+def undetermined(system: "System", assembly: "Assembly") -> str:
     """Return as text the motions and reactions that the singular tangent of an assembly leaves undetermined.
 
     They form the null vector of the tangent excited by the residual, a line for each node, joint or element; "" if
@@ -114,7 +114,7 @@ def unresisted(system: "System", assembly: "Assembly") -> str:
     for i in np.argsort(-x, kind="stable"):
         if x[i] >= MOVES * x.max():
             places.setdefault(of.name[i].place, i)
-    lines = (f"  {of.name[i].motion}{acting(system, i)}" for i in list(places.values())[:REPORTED])
+    lines = (f"  {of.name[i].motion}{acting_clause(system, i)}" for i in list(places.values())[:REPORTED])
     return "nothing resists:\n" + "\n".join(lines)
 
 
@@ -135,7 +135,7 @@ def worst_equations(system: "System", assembly: "Assembly") -> str:
     """Return the names and residuals of the worst equations of an assembly, with the elements acting in them."""
     of, r = system.numbering, np.abs(assembly.residual)
     return "\n".join(
-        f"  {of.name[i]}: residual {r[i]:.3g}{UNITS.get(of.kind[i], '')}{acting(system, i)}"
+        f"  {of.name[i]}: residual {r[i]:.3g}{UNITS.get(of.kind[i], '')}{acting_clause(system, i)}"
         for i in worst_rows(system, assembly)
     )
 
@@ -150,7 +150,7 @@ def _scales(system, size):
     return scales
 
 
-def titles(system: "System", i: int) -> list[str]:
+def acting_elements(system: "System", i: int) -> list[str]:
     """Return the titles of the elements that act on the unknown ``i``; empty for a constraint."""
     if i >= system.n_q:
         return []
@@ -164,9 +164,9 @@ def titles(system: "System", i: int) -> list[str]:
     return list(found)
 
 
-def acting(system: "System", i: int) -> str:
+def acting_clause(system: "System", i: int) -> str:
     """Return a clause naming the elements that act on the unknown ``i``; "" for a constraint."""
-    names = titles(system, i)
+    names = acting_elements(system, i)
     if not names:
         return ""
     return f"; on it act {name_list(names, NAMED)}"
@@ -188,7 +188,7 @@ def minimum_step(
         smaller = "a larger time.adaptive.tolerance; time.method: radau; "
     failed = ConvergenceError(
         f"at t = {t:.9g} s a step of {h:.3g} s, the smallest allowed, has {error:.3g} times the allowed error{what}\n"
-        f"the acceleration changes most in {where}{acting(system, worst)}\n"
+        f"the acceleration changes most in {where}{acting_clause(system, worst)}\n"
         f"what to try: {smaller}laws without jumps near this state; a fixed step, if the mechanism passes a singular "
         "position"
     )
@@ -206,7 +206,7 @@ def _changing_most(system, change):
     return int(np.argmax(moving if moving.any() else relative))
 
 
-def binds(system: "System", i: int, t: float) -> ConvergenceError:
+def friction_binds(system: "System", i: int, t: float) -> ConvergenceError:
     """Return the error of a joint or contact whose friction binds at ``t`` [s], by the number ``i`` of a reaction."""
     place = system.numbering.name[i].place
     error = ConvergenceError(

@@ -93,8 +93,8 @@ class EventApplication:
     def _report_friction(self, t, shock):
         """Add a warning for each joint whose friction lacks an impulse for the first time."""
         for found in joint_friction.missing_friction(self.system, shock) if shock.event_records else ():
-            if not any(one.startswith(joint_friction.start(found[0])) for one in self.warnings):
-                self.warnings.append(joint_friction.text(t, shock, *found))
+            if not any(one.startswith(joint_friction.warning_start(found[0])) for one in self.warnings):
+                self.warnings.append(joint_friction.omission_warning(t, shock, *found))
 
     def _guard(self, run, hit, event_records):
         """Capture elastic events if one of the events ``hit`` repeats at one instant.

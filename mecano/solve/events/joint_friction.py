@@ -40,16 +40,16 @@ def _is_friction(output: Output):
     return output.name.startswith(FRICTION) and not output.shape
 
 
-def text(t: float, shock: "Shock", title: str, impulse: float, unit: str) -> str:
+def omission_warning(t: float, shock: "Shock", title: str, impulse: float, unit: str) -> str:
     """Return the warning on the friction of a joint that the first ``shock`` which it misses leaves out, at ``t``."""
     event = max(shock.event_records, key=lambda one: abs(one.impulse))
     return (
-        f"{start(title)}: at t = {t:.4g} s ({event.element} {event.name}, {event.impulse:.3g} {event.unit}) the "
-        f"impulses of its reactions would brake it by {impulse:.3g} {unit}; where this matters, give the contact or "
-        "stop a law, so that the shock takes time"
+        f"{warning_start(title)}: at t = {t:.4g} s ({event.element} {event.name}, {event.impulse:.3g} {event.unit}) "
+        f"the impulses of its reactions would brake it by {impulse:.3g} {unit}; where this matters, give the contact "
+        "or stop a law, so that the shock takes time"
     )
 
 
-def start(title: str) -> str:
+def warning_start(title: str) -> str:
     """Return the beginning of the warning on this joint."""
     return f"the friction of {title} has no impulse in shocks"

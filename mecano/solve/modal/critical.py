@@ -27,7 +27,7 @@ SURE = 3.0  # error bound in standard deviations of the scatter
 End: TypeAlias = tuple[float, complex, np.ndarray]  # of a branch: place, eigenvalue, shape (n_q,)
 
 
-def end_of(spectra: Sequence[Spectrum | None], places: np.ndarray, row: np.ndarray, i: int) -> End:
+def branch_end(spectra: Sequence[Spectrum | None], places: np.ndarray, row: np.ndarray, i: int) -> End:
     """Return the End of a branch at the place number i; ``row`` (n,): indices of the branch in the ``spectra``."""
     spectrum = spectra[i]
     assert spectrum is not None, "a branch ends where a state was found"

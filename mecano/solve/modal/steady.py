@@ -113,7 +113,7 @@ class Steady:
 
     def reshaped(self, start: "State", s: "State") -> float:
         """Return the largest displacement [m] of a node from ``start`` to ``s``, the mean translation removed."""
-        return float(reshaping(self.system, start, s).max(initial=0.0))
+        return float(change_of_shape(self.system, start, s).max(initial=0.0))
 
     def correct(self, s: "State") -> "tuple[State, bool]":
         """Return (state, whether Newton's method converged) near ``s``, by full steps.
@@ -253,7 +253,7 @@ class Steady:
         return float(diagonal[diagonal > 0].mean()) if np.any(diagonal > 0) else 1.0
 
 
-def reshaping(system: "System", before: "State", after: "State") -> np.ndarray:
+def change_of_shape(system: "System", before: "State", after: "State") -> np.ndarray:
     """Return the displacements (n_nodes,) [m] of all nodes between two states, the mean translation removed.
 
     Nodes that are not part of the deck, such as those of the ground, count as undisplaced.

@@ -21,7 +21,7 @@ import scipy.linalg as la
 
 from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError
 from mecano.maths.vector import skew
-from mecano.solve.modal.critical import Trace, end_of
+from mecano.solve.modal.critical import Trace, branch_end
 
 if TYPE_CHECKING:
     from mecano.model.numbering import Numbering
@@ -119,7 +119,7 @@ def resonances(
     for branch, row in enumerate(rows):
         known = np.flatnonzero(row >= 0)
         for i, j in zip(known[:-1], known[1:], strict=True):
-            ends = [end_of(spectra, places, row, k) for k in (i, j)]
+            ends = [branch_end(spectra, places, row, k) for k in (i, j)]
             for order in orders:
                 both = [(abs(end[1].imag), order * spectra[k].speed) for end, k in zip(ends, (i, j), strict=True)]
                 if _no_crossing(*both):

@@ -24,7 +24,7 @@ from mecano.solve.linear.iteration import SINGULAR, Iterated, iterate
 from mecano.solve.statics.closing import apply_events
 from mecano.solve.statics.continuation import SHRINK, Follower, Point
 from mecano.solve.statics.loading import LoadFactor
-from mecano.solve.statics.stability import freedom
+from mecano.solve.statics.stability import freedom_text
 from mecano.solve.statics.static import CLOSED, PHASE_CHANGES, Statics, Status
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ class ArcLength:
                 return point, reason
             ds = min(ds * min(max(np.sqrt(WANTED / max(point.iterations, 1)), 0.5), 1.5), LONGEST * first)
         why = f"{self.most} steps were made, as many as static.maximum_steps allows"
-        free = freedom(follower.statics.system, point.state, point.stability, follower.statics.length)
+        free = freedom_text(follower.statics.system, point.state, point.stability, follower.statics.length)
         raise ConvergenceError(f"{self._stopped(point)}: {why}\nthere: {free}\nwhat to try: {self.more_steps}")
 
     def missed(self, point: Point) -> Iterator[str]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from mecano.errors import ConvergenceError, Failure, NonFiniteError
 from mecano.solve.diagnostics.failure import of_equations, worst_equations
-from mecano.solve.statics.stability import Judge, Stability, freedom, words
+from mecano.solve.statics.stability import Judge, Stability, freedom_text, motion_text
 from mecano.solve.statics.static import Statics, Status
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ class Follower:
             critical = last.parameter + (point.parameter - last.parameter) * before / (before - after)
         if critical is not None:
             text += f", near {critical:.6g},"
-        motion = words(self.statics.system, point.state, point.stability.shape, self.statics.length)
+        motion = motion_text(self.statics.system, point.state, point.stability.shape, self.statics.length)
         self.losses.append(f"{text} the equilibrium becomes unstable: {motion}")
 
     def find(self, s0: "State", p: float) -> "tuple[State, Status]":
@@ -188,7 +188,7 @@ class Follower:
         if found.failure is Failure.NOT_FINITE:
             return of_equations(NonFiniteError(head + equations), system, bad)
         stability = self.stability(last, last_p)
-        free = f"at {of.name} {last_p:.6g}{of.unit}: {freedom(system, last, stability, statics.length)}"
+        free = f"at {of.name} {last_p:.6g}{of.unit}: {freedom_text(system, last, stability, statics.length)}"
         if stability.neutral > 0 and found.failure is Failure.SINGULAR:
             hint = f"a joint or spring that holds this motion; {hint}"
         return ConvergenceError(f"{head}{free}\n{equations}\nwhat to try: {hint}{of.hint}")

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, NoReturn
 import numpy as np
 
 from mecano.errors import ConvergenceError
-from mecano.solve.diagnostics.failure import acting
+from mecano.solve.diagnostics.failure import acting_clause
 from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.statics.continuation import SHRINK, Follower, Point
-from mecano.solve.statics.stability import Stability, freedom, words
+from mecano.solve.statics.stability import Stability, freedom_text, motion_text
 from mecano.solve.time.increments import displaced, reach_of
 
 if TYPE_CHECKING:
@@ -133,7 +133,8 @@ class Relaxation:
             moved, s = statics.displacement(new, s), new
             if self._stands_still(statics, s, found.change, drag * size / force):
                 return s
-        found.message = f"it still moves after {MOST_CREEPS} steps: {words(statics.system, s, moved, statics.length)}"
+        motion = motion_text(statics.system, s, moved, statics.length)
+        found.message = f"it still moves after {MOST_CREEPS} steps: {motion}"
         raise follower.failure(self.end, found, s, self.end, self.hint)
 
     def _stands_still(self, statics, s, change, drag):
@@ -167,7 +168,7 @@ class Relaxation:
         """Return the text on an unstable equilibrium that is left."""
         statics = follower.statics
         shape = stability.shape
-        motion = "" if shape is None else f": {words(statics.system, s, shape, statics.length)}"
+        motion = "" if shape is None else f": {motion_text(statics.system, s, shape, statics.length)}"
         return f"an unstable equilibrium was found and left on the way{motion}"
 
     def _refuse(
@@ -176,10 +177,10 @@ class Relaxation:
         """Raise ConvergenceError for a search that ended at the unstable equilibrium ``s``, which becomes a Point."""
         statics, system = follower.statics, follower.statics.system
         self._accepted(follower, s, found, work)
-        motion = freedom(system, s, stability, statics.length)
+        motion = freedom_text(system, s, stability, statics.length)
         if stability.shape is not None:
             most = int(np.argmax(np.abs(stability.shape) * np.sqrt(statics.weight)))
-            motion += acting(system, most)
+            motion += acting_clause(system, most)
         at = f"{statics.loading.name} {self.end:.6g}{statics.loading.unit}"
         raise ConvergenceError(
             f"no stable equilibrium was found at {at}, only one with {motion}\n"

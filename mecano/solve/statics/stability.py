@@ -176,11 +176,11 @@ def scaled(shape: np.ndarray, root: np.ndarray) -> np.ndarray:
     return shape / (shape[np.argmax(size)] * root[np.argmax(size)])
 
 
-def freedom(system: "System", s: "State", stability: Stability, length: float) -> str:
+def freedom_text(system: "System", s: "State", stability: Stability, length: float) -> str:
     """Return as text the number of unstable or neutral directions of a state, and its softest motion."""
     if stability.shape is None:
         return "no singularity of the tangent was detected there"
-    motion = words(system, s, stability.shape, length)
+    motion = motion_text(system, s, stability.shape, length)
     if stability.unstable > 0:
         return f"{stability.unstable} unstable direction(s); the most unstable motion: {motion}"
     if stability.neutral > 0:
@@ -191,7 +191,7 @@ def freedom(system: "System", s: "State", stability: Stability, length: float) -
 FREE = 1e-9  # of the sum of its terms: a smaller force in a rigid motion of the model is rounding
 
 
-def floats(system: "System", s: "State", stability: Stability) -> bool:
+def is_floating(system: "System", s: "State", stability: Stability) -> bool:
     """Return whether the neutral directions at ``s`` are the six rigid motions of the model, such as a satellite."""
     if stability.unstable > 0 or stability.neutral != 6:
         return False
@@ -215,7 +215,7 @@ STILL = 1e-9  # of the largest component: smaller motions of nodes count as zero
 MASSLESS = 1e-12  # of the largest inertia, times the square of the largest component: no kinetic energy
 
 
-def words(
+def motion_text(
     system: "System",
     s: "State",
     shape: np.ndarray,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.errors import AssemblyError
-from mecano.solve.diagnostics.failure import binds
+from mecano.solve.diagnostics.failure import friction_binds
 from mecano.solve.time.consistent import Consistent
 
 if TYPE_CHECKING:
@@ -33,4 +33,4 @@ def refuse_binding(method: "Method", s: "State") -> None:
     binding = np.flatnonzero((values.real <= 0.0) & (np.abs(values.imag) <= REAL * np.abs(values)))
     if len(binding):
         worst = np.argmax(np.abs(vectors[:, binding[np.argmin(values[binding].real)]]))
-        raise binds(system, system.n_q + system.coupled_multipliers[worst], s.t)
+        raise friction_binds(system, system.n_q + system.coupled_multipliers[worst], s.t)
