@@ -6,6 +6,8 @@ from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve, terms_of
 from mecano.maths.dual import number
 
+LAW = (("linear", {"slope": 0.5, "offset": 3.0}),)  # of samples
+
 
 @kernel
 def of_law(p, at):
@@ -63,19 +65,28 @@ def check_alike(name, values):
     return []
 
 
-def by_law_and_signal(make, field, i, of_law=of_law, of_input=of_input):
-    """Return the Kinds ``make(demand)`` for a function of time, and for a formula, their input named ``field``.
+def by_law_and_signal(kind, functions, field, i, of_law=of_law, of_input=of_input):
+    """Return the ``kind`` for a demand that is a function of time, and for a formula, its input named ``field``.
 
-    ``i``: local index of the input, which follows the slots and the scalars. ``of_law`` and ``of_input(i)`` are the
-    demands of both.
+    ``functions(demand)`` are fields of the Kind that depend on the demand, a compiled function (p, at) -> its value:
+    {name: value}. ``i`` is the local index of the input, which follows the slots and the scalars; ``of_law`` and
+    ``of_input(i)`` are the demands of both.
     """
-    return make(of_law), replace(make(of_input(i)), inputs=(field,))
+    return replace(kind, **functions(of_law)), replace(kind, inputs=(field,), **functions(of_input(i)))
 
 
-def on_demand(make, field, *demands):
-    """Return the Kind for a function of time, whose variant reads a formula in the deck's ``field``.
+def on_demand(kind, functions, field, *demands):
+    """Return the ``kind`` for a function of time, whose variant reads a formula in the deck's ``field``.
 
-    The arguments are those of ``by_law_and_signal``.
+    Samples that do not give the field are those of a law and of a formula. The arguments are those of
+    ``by_law_and_signal``.
     """
-    by_law, by_signal = by_law_and_signal(make, field, *demands)
-    return replace(by_law, variant=lambda d: by_signal if is_formula(d[field]) else by_law)
+    by_law, by_signal = by_law_and_signal(kind, functions, field, *demands)
+    others = replace(kind, fields=tuple(one for one in kind.fields if one.name != field))
+
+    def sample(rng):
+        given = others.samples(rng)
+        values = {True: [{}], False: [{field: LAW}, {field: "command"}]}
+        return [({**d, **one}, nodes, phase) for d, nodes, phase in given for one in values[field in d]]
+
+    return replace(by_law, sample=sample, variant=lambda d: by_signal if is_formula(d[field]) else by_law)

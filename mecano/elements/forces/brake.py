@@ -132,7 +132,7 @@ def _functions(demand):
         y[0], y[1], y[2], y[3], y[4] = tau, bound.B, rate, tau * rate, bound.slip
         e[2] = tau * rate
 
-    return residual, observe
+    return {"residual": residual, "observe": observe}
 
 
 def prepare(d, nodes, context):
@@ -247,9 +247,8 @@ OUTPUTS = (
 )
 
 
-def _kind(demand):
-    residual, observe = _functions(demand)
-    return Kind(
+BRAKE = on_demand(
+    Kind(
         name="brake",
         section="loads",
         doc=__doc__,
@@ -259,10 +258,7 @@ def _kind(demand):
         outputs=OUTPUTS,
         prepare=prepare,
         check=check,
-        residual=residual,
-        observe=observe,
         sample=sample,
-    )
-
-
-BRAKE = on_demand(_kind, "torque", 9)
+    ),
+    _functions, "torque", 9,
+)  # fmt: skip

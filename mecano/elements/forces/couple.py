@@ -35,7 +35,7 @@ def _functions(demand):
         y[0], y[1], y[2] = size, rate, size * rate
         e[3] = size * rate
 
-    return residual, observe
+    return {"residual": residual, "observe": observe}
 
 
 def prepare(d, nodes, context):
@@ -44,15 +44,8 @@ def prepare(d, nodes, context):
     return {"law": law_of(d["value"], context), "axis": nodes[0][1].T @ axis / np.linalg.norm(axis)}
 
 
-def sample(rng):
-    """Return a decreasing curve about a random axis."""
-    value = (("exponential", {"start": 5.0, "limit": 2.0, "rate": 0.3, "origin": -9.0}),)
-    return [({"axis": rng.normal(size=3), "value": value}, 2, "") for value in (value, "torque")]
-
-
-def _kind(demand):
-    residual, observe = _functions(demand)
-    return Kind(
+COUPLE = on_demand(
+    Kind(
         name="couple", section="loads", doc=__doc__, dtype=RECORD, layout=("R0", "R1"),
         fields=(
             Field("nodes", NODE_PAIR, "-", "nodes a (in which the axis is fixed) and b; either may be ground"),
@@ -67,8 +60,7 @@ def _kind(demand):
             Output("rate", "rad/s", "angular velocity of b relative to a about the axis"),
             Output("power", "W", "power given to both nodes"),
         ),
-        prepare=prepare, residual=residual, observe=observe, sample=sample,
-    )  # fmt: skip
-
-
-COUPLE = on_demand(_kind, "value", 6)
+        prepare=prepare,
+    ),
+    _functions, "value", 6,
+)  # fmt: skip

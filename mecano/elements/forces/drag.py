@@ -41,7 +41,7 @@ def _functions(speed):
         y[3] = lost
         e[2], e[3] = lost, dot(D, w)
 
-    return residual, observe
+    return {"residual": residual, "observe": observe}
 
 
 def prepare(d, nodes, context):
@@ -61,16 +61,13 @@ def check(d, nodes):
 
 
 def sample(rng):
-    """Return a body in a gust, in a stream of a signal, and in a fluid at rest."""
-    gust = (("sine", {"amplitude": 3.0, "frequency": 0.2, "phase": 0.4, "offset": 5.0}),)
+    """Return a body in a stream, and in a fluid at rest."""
     body = {"area": 2.0, "coefficient": 1.3}
-    stream = {**body, "direction": rng.normal(size=3)}
-    return [*(({**stream, "speed": speed}, 1, "") for speed in (gust, "command")), ({**body, "density": 1e3}, 1, "")]
+    return [({**body, "direction": rng.normal(size=3)}, 1, ""), ({**body, "density": 1e3, "speed": None}, 1, "")]
 
 
-def _kind(speed):
-    residual, observe = _functions(speed)
-    return Kind(
+DRAG = on_demand(
+    Kind(
         name="drag",
         section="loads",
         doc=__doc__,
@@ -94,10 +91,7 @@ def _kind(speed):
         ),
         prepare=prepare,
         check=check,
-        residual=residual,
-        observe=observe,
         sample=sample,
-    )  # fmt: skip
-
-
-DRAG = on_demand(_kind, "speed", 3)
+    ),
+    _functions, "speed", 3,
+)  # fmt: skip

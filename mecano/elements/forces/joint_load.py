@@ -10,6 +10,8 @@ with the power :math:`P\, \dot c` supplied by the surroundings. c is the angle o
 measures the angle.
 """
 
+from functools import partial
+
 from mecano.constraints.along_coordinate.demand import law_of, on_demand
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.coordinates.distance import DISTANCE
@@ -24,7 +26,7 @@ EQUATIONS = __doc__.partition("\n\n")[2]
 
 
 def _functions(coordinate, demand):
-    """Return ``residual`` and ``observe`` of a load along a coordinate."""
+    """Return ``residual`` and ``observe`` of a load P along a coordinate: f = -P dc/dq, power P dc/dt."""
     gradient = coordinate.gradient
 
     @kernel
@@ -37,32 +39,24 @@ def _functions(coordinate, demand):
         y[0], y[1], y[2] = size, rate, size * rate
         e[3] = size * rate
 
-    return residual, observe
+    return {"residual": residual, "observe": observe}
 
 
-def _load(name, what, coordinate, field, prepare, check, sample):
+def _load(name, what, coordinate, field, prepare, check, sample=None):
     """Return the Kind of a load along a coordinate of the nodes that the ``field`` names."""
     quantity, unit = coordinate.load
-    rate_unit = f"{coordinate.unit}/s"
-
-    def kind(demand):
-        """Return the Kind whose force Q [N] or moment [N m] is ``demand`` (p, at) -> Q: f = -Q dq/dx, power Q dq/dt."""
-        residual, observe = _functions(coordinate, demand)
-        return Kind(
-            name=name, section="loads", doc=f"{what}.\n\n{EQUATIONS}",
-            dtype=record(**coordinate.axes, law="i"), layout=coordinate.layout,
-            fields=(
-                field, Field("value", DRIVE, unit, f"{quantity}: a function of time [s], or a formula of signals"),
-            ),
-            outputs=(
-                Output(quantity, unit, f"{quantity} along the coordinate"),
-                Output("rate", rate_unit, "rate of the coordinate"),
-                Output("power", "W", "power given to the nodes"),
-            ),
-            prepare=prepare, check=check, residual=residual, observe=observe, sample=sample,
-        )  # fmt: skip
-
-    return on_demand(kind, "value", 3 * len(coordinate.layout))
+    kind = Kind(
+        name=name, section="loads", doc=f"{what}.\n\n{EQUATIONS}", dtype=record(**coordinate.axes, law="i"),
+        layout=coordinate.layout,
+        fields=(field, Field("value", DRIVE, unit, f"{quantity}: a function of time [s], or a formula of signals")),
+        outputs=(
+            Output(quantity, unit, f"{quantity} along the coordinate"),
+            Output("rate", f"{coordinate.unit}/s", "rate of the coordinate"),
+            Output("power", "W", "power given to the nodes"),
+        ),
+        prepare=prepare, check=check, sample=sample,
+    )  # fmt: skip
+    return on_demand(kind, partial(_functions, coordinate), "value", 3 * len(coordinate.layout))
 
 
 def _along_joint(output):
@@ -80,14 +74,8 @@ def _along_line(d, nodes, context):
 
 
 def _sample(rng):
-    """Return loads along a cylindrical joint, by a law and by a signal."""
-    joint = {"type": "cylindrical", "axis": rng.normal(size=3), "axis_1": None}
-    law = (("linear", {"slope": 2.0, "offset": 0.5}),)
-    return [({"joint": joint, "value": value}, 2, "") for value in (law, "command")]
-
-
-def _line_sample(rng):
-    return [({"value": d["value"]}, nodes, phase) for d, nodes, phase in _sample(rng)]
+    """Return a load along a cylindrical joint."""
+    return [({"joint": {"type": "cylindrical", "axis": rng.normal(size=3), "axis_1": None}}, 2, "")]
 
 
 def _joint(output, kinds):
@@ -107,5 +95,5 @@ JOINT_FORCE = _load(
 LINE_FORCE = _load(
     "line_force", "Force along the line between two nodes, such as that of a hydraulic cylinder", DISTANCE,
     Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
-    _along_line, check_apart, _line_sample,
+    _along_line, check_apart,
 )  # fmt: skip

@@ -50,9 +50,7 @@ def _share(name, layout, components):
     components(p, at) are those of the load per unit of the law, in the axes of the velocity of the first slot.
     """
 
-    def kind(demand):
-        """Return the Kind for a compiled ``demand`` (p, at) -> value of the load."""
-
+    def functions(demand):
         @kernel
         def residual(p, at, f):
             add_vec(f, 0, -demand(p, at), components(p, at))
@@ -61,12 +59,23 @@ def _share(name, layout, components):
         def observe(p, at, F, y, e):
             e[3] = demand(p, at) * dot(components(p, at), vec(at.v, 0))
 
-        return Kind(
-            name=name, doc="Share of a node in a load along a line.", dtype=RECORD, layout=layout, residual=residual,
-            observe=observe, sample=lambda rng: [({"load": rng.normal(size=3), "law": 0}, 1, "")],
-        )  # fmt: skip
+        return {"residual": residual, "observe": observe}
 
-    return by_law_and_signal(kind, "value", 3 * len(layout))
+    kind = Kind(
+        name=name, doc="Share of a node in a load along a line.", dtype=RECORD, layout=layout,
+        sample=lambda rng: [({"load": rng.normal(size=3), "law": 0}, 1, "")],
+    )  # fmt: skip
+    return by_law_and_signal(kind, functions, "value", 3 * len(layout))
+
+
+def _of_line(demand):
+    """Return ``observe`` of a load along a line."""
+
+    @kernel
+    def observe(p, at, F, y, e):
+        y[0], y[1] = demand(p, at), p.length * demand(p, at)
+
+    return {"observe": observe}
 
 
 def prepare(d, nodes, context):
@@ -75,11 +84,9 @@ def prepare(d, nodes, context):
 
 
 def sample(rng):
-    """Return a growing load on three nodes, dead and following."""
-    law = (("linear", {"slope": 0.5, "offset": 3.0}),)
-    values = {"line": ["a", "b", "c"], "direction": rng.normal(size=3), "value": law}
-    loads, nodes = (values, {**values, "value": "command"}), sample_line(rng)
-    return [({**d, "follows": follows}, nodes, "") for d in loads for follows in (False, True)]
+    """Return loads on three nodes, dead and following."""
+    values, nodes = {"line": ["a", "b", "c"], "direction": rng.normal(size=3)}, sample_line(rng)
+    return [({**values, "follows": follows}, nodes, "") for follows in (False, True)]
 
 
 @dataclass(frozen=True)
@@ -103,15 +110,8 @@ class _Quantity:
 
     def kind(self, kind_name):
         """Return the kind of load of this quantity."""
-        return on_demand(lambda demand: self._by(kind_name, demand), "value", 0)
-
-    def _by(self, kind_name, demand):
-        @kernel
-        def observe(p, at, F, y, e):
-            y[0], y[1] = demand(p, at), p.length * demand(p, at)
-
         per = f"{self.name} per length"
-        return Kind(
+        kind = Kind(
             name=kind_name,
             section="loads",
             doc=f"{self.name.capitalize()} per length along a line of nodes, such as those of a beam.\n\n{EQUATIONS}",
@@ -129,9 +129,9 @@ class _Quantity:
             prepare=prepare,
             parts=self.parts,
             check=check_line,
-            observe=observe,
             sample=sample,
         )
+        return on_demand(kind, _of_line, "value", 0)
 
 
 LINE_LOAD = _Quantity(

@@ -12,6 +12,7 @@ The tangents of the follower force and of the dead moment are not symmetric: the
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 from mecano.constraints.along_coordinate.demand import law_of, on_demand
 from mecano.constraints.triads import unit
@@ -65,7 +66,7 @@ def _functions(directions, demand):
         y[3] = size * dot(own, vec(at.v, 0))
         e[3] = y[3]
 
-    return residual, observe
+    return {"residual": residual, "observe": observe}
 
 
 def prepare(d, nodes, context):
@@ -79,19 +80,6 @@ def prepare_follower(d, nodes, context):
     return {**values, "direction": nodes[0][1].T @ values["direction"]}
 
 
-def sample(rng):
-    """Return a growing sine and a smooth step, in random directions."""
-    sine = (
-        ("sine", {"amplitude": 2.0, "frequency": 0.3, "phase": 0.4, "offset": 0.0}),
-        ("linear", {"slope": 0.5, "offset": rng.uniform(3, 4)}),
-    )
-    step = (
-        ("step", {"time": -5.0, "rise": 10.0, "from": 1.0, "to": 3.0}),
-        ("constant", {"value": rng.uniform(1, 2)}),
-    )
-    return [({"direction": rng.normal(size=3), "value": value}, 1, "") for value in (sine, step, "thrust")]
-
-
 @dataclass(frozen=True)
 class _Quantity:
     """A quantity, force or moment, that a load applies."""
@@ -101,14 +89,10 @@ class _Quantity:
 
     def kind(self, name, layout, follows, directions):
         """Return a kind of load of this quantity with these ``directions`` (``_functions``)."""
-        n = 3 * len(layout)
-        return on_demand(lambda demand: self._by(name, layout, follows, *_functions(directions, demand)), "value", n)
-
-    def _by(self, name, layout, follows, residual, observe):
         carries = " and that carries its direction" if follows else ""
         given = "direction at the start, inertial" if follows else "direction, inertial"
         what = "that follows its node" if follows else "with a fixed direction"
-        return Kind(
+        kind = Kind(
             name=name,
             section="loads",
             doc=f"{self.name.capitalize()} at a node, a function of time or a signal, {what}.\n\n{EQUATIONS}",
@@ -125,10 +109,8 @@ class _Quantity:
                 Output("power", "W", "power given to the node"),
             ),
             prepare=prepare_follower if follows else prepare,
-            residual=residual,
-            observe=observe,
-            sample=sample,
         )
+        return on_demand(kind, partial(_functions, directions), "value", 3 * len(layout))
 
 
 _FORCE, _MOMENT = _Quantity("force", "N"), _Quantity("moment", "N m")

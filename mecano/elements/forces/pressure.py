@@ -34,8 +34,8 @@ def _forces(p, at, pressure):
     return cross(mat(at.R[0]) @ vec(p.across_0, 0), along), cross(mat(at.R[1]) @ vec(p.across_1, 0), along)
 
 
-def _segment(demand):
-    """Return the Kind of the pressure on a segment."""
+def _of_segment(demand):
+    """Return ``residual`` and ``observe`` of the pressure on a segment."""
 
     @kernel
     def residual(p, at, f):
@@ -48,19 +48,31 @@ def _segment(demand):
         first, second = _forces(p, at, demand(p, at))
         e[3] = dot(first, vec(at.v, 0)) + dot(second, vec(at.v, 6))
 
-    return Kind(
-        name="pressed_segment", doc="Pressure on one side of a segment between two nodes.", dtype=RECORD,
-        layout=LAYOUT, residual=residual, observe=observe, sample=_segments,
-    )  # fmt: skip
+    return {"residual": residual, "observe": observe}
 
 
-def _segments(rng):
+def _of_line(demand):
+    """Return ``observe`` of the pressure on a line."""
+
+    @kernel
+    def observe(p, at, F, y, e):
+        y[0] = demand(p, at)
+        y[1] = p.width * y[0]
+
+    return {"observe": observe}
+
+
+def _sample_segment(rng):
     """Return a segment in a random place."""
     values = {"across_0": rng.normal(size=3), "across_1": rng.normal(size=3), "half_width": 0.4, "law": 0}
     return [(values, 2, "")]
 
 
-SEGMENTS = by_law_and_signal(_segment, "value", 3 * len(LAYOUT))
+SEGMENTS = by_law_and_signal(
+    Kind(name="pressed_segment", doc="Pressure on one side of a segment between two nodes.", dtype=RECORD,
+         layout=LAYOUT, sample=_sample_segment),
+    _of_segment, "value", 3 * len(LAYOUT),
+)  # fmt: skip
 
 
 def prepare(d, nodes, context):
@@ -99,20 +111,12 @@ def check(d, nodes):
 
 
 def sample(rng):
-    """Return a growing pressure on three nodes."""
-    law = (("linear", {"slope": 0.5, "offset": 3.0}),)
-    values = {"line": ["a", "b", "c"], "across": rng.normal(size=3), "width": 0.8, "value": law}
-    nodes = sample_line(rng)
-    return [(d, nodes, "") for d in (values, {**values, "value": "command"})]
+    """Return a pressure on three nodes."""
+    return [({"line": ["a", "b", "c"], "across": rng.normal(size=3), "width": 0.8}, sample_line(rng), "")]
 
 
-def _kind(demand):
-    @kernel
-    def observe(p, at, F, y, e):
-        y[0] = demand(p, at)
-        y[1] = p.width * y[0]
-
-    return Kind(
+PRESSURE = on_demand(
+    Kind(
         name="pressure",
         section="loads",
         doc=__doc__,
@@ -130,9 +134,9 @@ def _kind(demand):
         prepare=prepare,
         parts=parts,
         check=check,
-        observe=observe,
         sample=sample,
-    )
-
-
-PRESSURE = on_demand(_kind, "value", 0)
+    ),
+    _of_line,
+    "value",
+    0,
+)

@@ -115,8 +115,14 @@ def _functions(natural):
     return residual, observe, event_values
 
 
+def _bar_functions(natural):
+    """Return the functions of a bar, which has no events."""
+    residual, observe, _ = _functions(natural)
+    return {"residual": residual, "observe": observe}
+
+
 def _cable_functions(natural):
-    """Return the functions of a cable: those of a bar, and outputs that say whether it is taut."""
+    """Return the functions of a cable: those of a bar, events, and outputs that say whether it is taut."""
     residual, put, event_values = _functions(natural)
 
     @kernel
@@ -260,9 +266,8 @@ OUTPUTS = (
 DRAWN = Display("cable", axial="tension")
 
 
-def _bar(natural):
-    residual, observe, _ = _functions(natural)
-    return Kind(
+BAR = on_demand(
+    Kind(
         name="bar",
         section="elements",
         doc="Bar: an elastic line between two nodes that pulls and pushes.\n\n" + __doc__,
@@ -274,16 +279,17 @@ def _bar(natural):
         prepare=line_record,
         check=check,
         strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
-        residual=residual,
         inertia=line_inertia,
-        observe=observe,
         measures=MEASURES,
         sample=sample_bar,
-    )
+    ),
+    _bar_functions, "natural_length", INPUT, _of_time, with_rate,
+)  # fmt: skip
 
 
-def _cable(natural):
-    return Kind(
+def _cable(functions):
+    """Return the Kind of a cable with these ``functions`` of its natural length, and with a release."""
+    kind = Kind(
         name="cable",
         section="elements",
         doc="Cable: an elastic line between two nodes that carries tension only.\n\n" + __doc__,
@@ -300,27 +306,24 @@ def _cable(natural):
         sample=sample_cable,
         measures=MEASURES,
         inertia=line_inertia,
-        **_cable_functions(natural),
     )
+    return with_release(on_demand(kind, functions, "natural_length", INPUT, _of_time, with_rate), "cable", None)
 
 
 def _stress_free(natural):
-    """Return the Kind of a cable that is activated stress-free."""
+    """Return the functions, the memory and the record of a cable that is activated stress-free."""
 
     @kernel
     def commit(p, at, m_out):
         m_out[0] = line(at.q, at.v)[0] / (1.0 + p.prestrain) - natural(p, at)[0]
 
-    return replace(
-        _cable(since_activation(natural, 0)), dtype=record(**LINE_RECORD, prestrain=()), prepare=prepare_stress_free,
-        memory=(SHIFT,), commit=commit,
-    )  # fmt: skip
+    return {
+        **_cable_functions(since_activation(natural, 0)), "memory": (SHIFT,), "commit": commit,
+        "dtype": record(**LINE_RECORD, prestrain=()), "prepare": prepare_stress_free,
+    }  # fmt: skip
 
 
-BAR, _GIVEN, _HOOKED = (
-    on_demand(make, "natural_length", INPUT, _of_time, with_rate) for make in (_bar, _cable, _stress_free)
-)
-_GIVEN, _HOOKED = (with_release(kind, "cable", None) for kind in (_GIVEN, _HOOKED))
+_GIVEN, _HOOKED = _cable(_cable_functions), _cable(_stress_free)
 WOUND_CABLE = replace(
     _GIVEN,
     name="wound_cable",

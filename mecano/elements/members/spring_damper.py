@@ -11,8 +11,6 @@ has no force before, and with ``stress_free`` its extension counts from then on.
 it has no force, and its elastic energy is lost.
 """
 
-from dataclasses import replace
-
 from mecano.constraints.activation import SHIFT, since_activation, with_activation
 from mecano.constraints.along_coordinate.demand import is_formula, on_demand, with_rate
 from mecano.constraints.along_coordinate.law import LAW_RECORD, extension, law_values, report, set_point_of_law
@@ -64,7 +62,7 @@ def _functions(set_point):
     def event_values(p, at, g):
         put_stop_events(g, p.low, p.high, extension(p, set_point(p, at), line(at.q, at.v)[0]))
 
-    return residual, observe, event_values
+    return {"residual": residual, "observe": observe, "event_values": event_values}
 
 
 def prepare(d, nodes, context):
@@ -100,18 +98,18 @@ def sample(rng):
 
 
 def _stress_free(set_point):
-    """Return the Kind of a spring whose extension counts from its activation."""
+    """Return the functions and the memory of a spring whose extension counts from its activation."""
 
     @kernel
     def commit(p, at, m_out):
         m_out[0] = extension(p, set_point(p, at), line(at.q, at.v)[0])
 
-    return replace(_kind(since_activation(set_point, 0)), memory=(SHIFT,), commit=commit)
+    return {**_functions(since_activation(set_point, 0)), "memory": (SHIFT,), "commit": commit}
 
 
-def _kind(set_point):
-    residual, observe, event_values = _functions(set_point)
-    return Kind(
+def _spring(functions):
+    """Return the Kind of a spring with these ``functions`` of its set point, and with a release."""
+    kind = Kind(
         name="spring_damper",
         section="elements",
         doc=__doc__,
@@ -138,18 +136,12 @@ def _kind(set_point):
         prepare=prepare,
         check=check,
         strains=(-0.5, 0.5),
-        residual=residual,
-        observe=observe,
-        event_values=event_values,
         sample=sample,
         measures={
             "length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {}),
         },
     )  # fmt: skip
+    return with_release(on_demand(kind, functions, "natural_length", 6, set_point_of_law, with_rate), "spring", (3,))
 
 
-_GIVEN, _SHIFTED = (
-    with_release(on_demand(make, "natural_length", 6, set_point_of_law, with_rate), "spring", (3,))
-    for make in (_kind, _stress_free)
-)
-SPRING_DAMPER = with_activation(_GIVEN, "spring", (3,), (_SHIFTED, (1, 3, 4, 5)))
+SPRING_DAMPER = with_activation(_spring(_functions), "spring", (3,), (_spring(_stress_free), (1, 3, 4, 5)))

@@ -13,8 +13,6 @@ whose power :math:`-M\dot\theta_0` is given by the surroundings. With ``activate
 elastic energy is lost.
 """
 
-from dataclasses import replace
-
 from mecano.constraints.activation import SHIFT, since_activation, with_activation
 from mecano.constraints.along_coordinate.demand import on_demand, with_rate
 from mecano.constraints.along_coordinate.law import (
@@ -74,7 +72,8 @@ def _angle(d, nodes, context):
     return Measured(TWIST, (0, 1), {"mu": p["mu"], "xi": p["xi"]})
 
 
-def _kind(set_point):
+def _functions(set_point):
+    """Return the functions of a spring with this ``set_point`` (p, at) -> natural angle and its rate."""
     law = law_kind(TWIST_LAW.name, TWIST_LAW.doc, TWIST, set_point)
 
     @kernel
@@ -83,12 +82,28 @@ def _kind(set_point):
         y[0], y[1] = theta, rate
         report(p, at, set_point(p, at), theta, rate, y, 2, e)
 
-    return Kind(
+    return {"residual": law.residual, "observe": observe, "event_values": law.event_values, "commit": law.commit}
+
+
+def _stress_free(set_point):
+    """Return the functions and the memory of a spring whose law takes the angle since its activation."""
+
+    @kernel
+    def commit(p, at, m_out):
+        theta = angle(p, at)
+        m_out[0], m_out[1] = theta, extension(p, set_point(p, at), theta)
+
+    return {**_functions(since_activation(set_point, 1)), "memory": ("angle", SHIFT), "commit": commit}
+
+
+def _spring(functions):
+    """Return the Kind of a spring with these ``functions`` of its set point, and with a release."""
+    kind = Kind(
         name="torsion_spring_damper",
         section="elements",
         doc=__doc__,
         display=Display("nothing", pictures=("torsion_springs",)),
-        dtype=law.dtype,
+        dtype=TWIST_LAW.dtype,
         layout=("R0", "R1"),
         fields=(
             NODES,
@@ -107,28 +122,10 @@ def _kind(set_point):
         events=EVENTS,
         memory=("angle",),
         prepare=prepare,
-        residual=law.residual,
-        observe=observe,
-        event_values=law.event_values,
-        commit=law.commit,
         sample=sample,
         measures={"angle": _angle},
     )  # fmt: skip
+    return with_release(on_demand(kind, functions, "natural_angle", 6, set_point_of_law, with_rate), "spring", (2,))
 
 
-def _stress_free(set_point):
-    """Return the Kind of a spring whose law takes the angle since its activation."""
-
-    @kernel
-    def commit(p, at, m_out):
-        theta = angle(p, at)
-        m_out[0], m_out[1] = theta, extension(p, set_point(p, at), theta)
-
-    return replace(_kind(since_activation(set_point, 1)), memory=("angle", SHIFT), commit=commit)
-
-
-_GIVEN, _SHIFTED = (
-    with_release(on_demand(make, "natural_angle", 6, set_point_of_law, with_rate), "spring", (2,))
-    for make in (_kind, _stress_free)
-)
-TORSION_SPRING_DAMPER = with_activation(_GIVEN, "spring", (2,), (_SHIFTED, (2,)))
+TORSION_SPRING_DAMPER = with_activation(_spring(_functions), "spring", (2,), (_spring(_stress_free), (2,)))
