@@ -64,7 +64,6 @@ from mecano.laws.table import evaluate_curve, terms_of
 from mecano.maths.dual import select
 from mecano.schema import BOOLEAN, CONTINUOUS_DRIVE, CURVE, NODE_PAIR, NUMBER, Field, choice, not_negative, positive
 
-RECORD = record(**LINE_RECORD)
 INPUT = 6  # local index of a natural length that is a signal
 
 
@@ -230,7 +229,6 @@ def sample_cable(rng):
     ]
 
 
-MEASURES = {"length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {})}
 FIELDS = (
     Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
     Field("axial_stiffness", NUMBER, "N", "EA: force per strain; or give E and area", None, positive),
@@ -263,51 +261,46 @@ OUTPUTS = (
     Output("stress", "Pa", "axial force over area"),
 )
 
-DRAWN = Display("cable", axial="tension")
+
+def _of_length(kind, functions):
+    """Return the ``kind`` with these ``functions`` of its natural length, a law of time or a formula of signals."""
+    return on_demand(kind, functions, "natural_length", INPUT, _of_time, with_rate)
 
 
-BAR = on_demand(
-    Kind(
-        name="bar",
-        section="elements",
-        doc="Bar: an elastic line between two nodes that pulls and pushes.\n\n" + __doc__,
-        display=DRAWN,
-        dtype=RECORD,
-        layout=("x0", "x1"),
-        fields=FIELDS,
-        outputs=OUTPUTS,
-        prepare=line_record,
-        check=check,
-        strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
-        inertia=line_inertia,
-        measures=MEASURES,
-        sample=sample_bar,
-    ),
-    _bar_functions, "natural_length", INPUT, _of_time, with_rate,
-)  # fmt: skip
+_BAR = Kind(
+    name="bar",
+    section="elements",
+    doc="Bar: an elastic line between two nodes that pulls and pushes.\n\n" + __doc__,
+    display=Display("cable", axial="tension"),
+    dtype=record(**LINE_RECORD),
+    layout=("x0", "x1"),
+    fields=FIELDS,
+    outputs=OUTPUTS,
+    prepare=line_record,
+    check=check,
+    strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
+    inertia=line_inertia,
+    measures={"length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {})},
+    sample=sample_bar,
+)
+_TENSION_ONLY = replace(
+    _BAR,
+    name="cable",
+    doc="Cable: an elastic line between two nodes that carries tension only.\n\n" + __doc__,
+    fields=(*FIELDS, *WINDER_FIELDS),
+    outputs=(*OUTPUTS, Output("state", "-", "0 relaxing, slack or released, 1 taut, 2 paying out")),
+    phases=PHASES,
+    events=EVENTS,
+    check=check_cable,
+    strains=(-np.inf, STRAIN_OF_STEEL),  # it may be slack
+    sample=sample_cable,
+)
+BAR = _of_length(_BAR, _bar_functions)
 
 
 def _cable(functions):
     """Return the Kind of a cable with these ``functions`` of its natural length, and with a release."""
-    kind = Kind(
-        name="cable",
-        section="elements",
-        doc="Cable: an elastic line between two nodes that carries tension only.\n\n" + __doc__,
-        display=DRAWN,
-        dtype=RECORD,
-        layout=("x0", "x1"),
-        fields=(*FIELDS, *WINDER_FIELDS),
-        outputs=(*OUTPUTS, Output("state", "-", "0 relaxing, slack or released, 1 taut, 2 paying out")),
-        phases=PHASES,
-        events=EVENTS,
-        prepare=line_record,
-        check=check_cable,
-        strains=(-np.inf, STRAIN_OF_STEEL),  # it may be slack
-        sample=sample_cable,
-        measures=MEASURES,
-        inertia=line_inertia,
-    )
-    return with_release(on_demand(kind, functions, "natural_length", INPUT, _of_time, with_rate), "cable", None)
+    return with_release(_of_length(_TENSION_ONLY, functions), "cable", None)
 
 
 def _stress_free(natural):
