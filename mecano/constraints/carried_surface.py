@@ -19,7 +19,7 @@ phi is zero for an upright wheel. The contact is single inside a drum if rho > r
 
 from typing import NamedTuple
 
-from mecano.constraints.touching import check_given, named_surface, surface_point
+from mecano.constraints.touching import named_surface, surface_point
 from mecano.constraints.triads import unit
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, cos, implicit, sin, value
@@ -128,8 +128,3 @@ def place_at_start(d, nodes):
 def contact_at_start(p, nodes, axis, origin, main):
     """Return the Contact at the start, ``p`` with CARRIED_RECORD; ``axis`` (3,) of the wheel, inertial."""
     return touch_carried(p, *(Vec3(*map(float, one)) for one in (nodes[1][0], axis, origin, main)))
-
-
-def check_carried(d):
-    """Return errors for none or two surfaces, and for a surface on the ground without a place."""
-    return check_given(d, SURFACES)

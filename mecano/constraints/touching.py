@@ -205,8 +205,9 @@ def gap_at_start(d, nodes):
     return p["side"] * (away - p["distance"]) - p["radius"], away
 
 
-def check_given(d, surfaces=SURFACES):
-    """Return errors for none or several of the ``surfaces``, and for a surface of the ground without a place."""
+def check_one_surface(d):
+    """Return errors for none or several surfaces, and for a surface of the ground without a place."""
+    surfaces = [name for name in SURFACES if name in d]
     if sum(d[name] is not None for name in surfaces) != 1:
         return [f"give exactly one of {', '.join(map(repr, surfaces))}"]
     name, values = named_surface(d)

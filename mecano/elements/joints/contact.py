@@ -32,7 +32,7 @@ from mecano.constraints.along_coordinate.trigger import trigger_of
 from mecano.constraints.contact_functions import elastic, observed_rigid, observed_rubbing, rigid, rubbing, rubs
 from mecano.constraints.contact_samples import samples
 from mecano.constraints.release import COMMAND, SAMPLE, with_release
-from mecano.constraints.touching import BALL, FIELDS, ROUNDING, check_given
+from mecano.constraints.touching import BALL, FIELDS, ROUNDING, check_one_surface
 from mecano.constraints.touching_ellipsoid import ELLIPSOID, ELLIPSOIDS
 from mecano.constraints.touching_revolution import REVOLUTIONS
 from mecano.constraints.touching_rods import ROD, RODS
@@ -86,7 +86,7 @@ def variant_in_time(d):
 def check(d, nodes):
     """Return errors in the surface, in the law, and for values that have no effect on this contact."""
     shapes = SHAPES[_shapes(d)]
-    texts = check_given(d) or _check_shape_of_b(d) or shapes.check(d, nodes)
+    texts = check_one_surface(d) or _check_shape_of_b(d) or shapes.check(d, nodes)
     if d["law"] is None:
         texts += ["'damping' needs 'law': a rigid contact has none"] if d["damping"] else []
         texts += check_friction(d)

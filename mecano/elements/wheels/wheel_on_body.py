@@ -26,13 +26,12 @@ from mecano.constraints.carried_surface import (
     CARRIED_RECORD,
     FIELDS,
     carried_record,
-    check_carried,
     contact_at_start,
     place_at_start,
     touch_carried,
 )
 from mecano.constraints.ground import LEAST_Q, too_low
-from mecano.constraints.touching import named_surface
+from mecano.constraints.touching import check_one_surface, named_surface
 from mecano.constraints.triads import unit
 from mecano.constraints.wheels import carried_axis
 from mecano.element_interface import Display
@@ -127,7 +126,7 @@ def event_values(p, at, g):
 
 def check(d, nodes):
     """Return errors in the surface and the tyre law, for a wheel that lies flat or starts too far in the surface."""
-    texts = check_carried(d)
+    texts = check_one_surface(d)
     return texts + check_tire_law(d["tire_law"]) + ([] if texts else _check_place(d, nodes))
 
 
