@@ -3,8 +3,9 @@
 Positions come from the file, the connectivity from the resolved deck.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -171,14 +172,9 @@ def _mass(motion, name, d):
     return [Shape(MASS, name, motion.position(node)[:, None], (node,))] if node in motion.nodes else []
 
 
-def _rod(motion, name, d):
-    """Return the line of any element between two nodes."""
-    return _line(motion, name, d, ROD)
-
-
 def _beam(motion, name, d):
     """Return the line through all nodes of a member."""
-    return _line(motion, name, {"nodes": divided_nodes(name, d)}, ROD)
+    return _line(ROD, motion, name, {"nodes": divided_nodes(name, d)})
 
 
 def _superelement(motion, name, d):
@@ -199,19 +195,12 @@ def _superelement(motion, name, d):
     ]
 
 
-def _cable(motion, name, d):
-    return _line(motion, name, d, CABLE)
-
-
 def _belt(motion, name, d):
     return [Shape(CABLE, name, points) for points in belt_lines(motion, d)]
 
 
-def _spring(motion, name, d):
-    return _line(motion, name, d, SPRING)
-
-
-def _line(motion, name, d, style):
+def _line(style, motion, name, d):
+    """Return the line of any element between two nodes."""
     nodes = [node for node in d.get("nodes", ()) if node in motion.nodes]
     if len(nodes) < 2:
         return []
@@ -310,8 +299,9 @@ def _flattened(points, ground):
 
 BEAM, SUPERELEMENT = "beam", "superelement"
 BENDING = (BEAM, SUPERELEMENT)
-SHAPES = {
-    "line": _rod, "cable": _cable, "belt": _belt, BEAM: _beam, SUPERELEMENT: _superelement, "spring": _spring,
+SHAPES: dict[str, Callable[[AnyMotion, str, "Values"], list[Shape]]] = {
+    "line": partial(_line, ROD), "cable": partial(_line, CABLE), "spring": partial(_line, SPRING),
+    "belt": _belt, BEAM: _beam, SUPERELEMENT: _superelement,
     "body": _body, "mass": _mass, "wheel": _wheel, "wheel_on_body": _wheel_on_body, "curve": _curve,
     "contact": _contact, "gears": _gears, "joint": _joint,
     "nothing": lambda motion, name, d: [],
