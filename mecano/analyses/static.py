@@ -47,7 +47,7 @@ PATH = (
 REMEDY = "laws that stay finite near this state"
 
 
-class Recorder:
+class EquilibriumRecorder:
     """Observer that writes every equilibrium as a saved time, with its iterations and residuals."""
 
     def __init__(self, system: System, over_time: bool):
@@ -146,7 +146,7 @@ def _follow(
     """Do as ``run``, with the lock on the file held."""
     values, prepared = deck.values["static"], prepare(deck)
     over_time = values["over"] == "time"
-    recorder, notes = Recorder(prepared.system, over_time), startup_warnings(prepared)
+    recorder, notes = EquilibriumRecorder(prepared.system, over_time), startup_warnings(prepared)
     automatic, model = {"length_scale": prepared.length}, model_facts(prepared)
     source = source_of(deck, automatic=automatic, model=model, warnings=notes)
     axis = AXES["arc_length" if values["method"] == "arc_length" else values["over"]]
