@@ -4,7 +4,7 @@ Their kinds have one variant for each slip law, in which the functions of that l
 """
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -12,16 +12,29 @@ import numpy as np
 from mecano.constraints.ground import ends, touch
 from mecano.constraints.wheels import Wheel
 from mecano.element_interface import Kind, Output, record
+from mecano.elements.wheels.at_start import start_warnings
 from mecano.elements.wheels.ground_surface import Surface, surface_at
 from mecano.elements.wheels.slip_law import Slip, default_values
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, radial_force, slip_law_of
-from mecano.elements.wheels.tire_wheel import CONTACT, EVENTS, PHASES, Grip, large_wheel, put_tire, range_of_law
+from mecano.elements.wheels.tire_wheel import (
+    CONTACT,
+    EVENTS,
+    FIELDS,
+    PHASES,
+    TYRE_DISPLAY,
+    Grip,
+    large_wheel,
+    put_tire,
+    range_of_law,
+)
+from mecano.elements.wheels.tire_wheel import OUTPUTS as TIRE_OUTPUTS
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import atan2, select, sqrt
 from mecano.maths.surface import Contact, directions
 from mecano.maths.vector import add_vec, cross, dot, mat, put, vec
 
 OUTPUTS = (
+    *TIRE_OUTPUTS,
     Output(
         "slip_moment", "N m", "moment of the slip law on the wheel: overturning about t, along l, aligning about n",
         (3,),
@@ -29,7 +42,7 @@ OUTPUTS = (
     Output("slip_ratio", "-", "minus slip velocity along t over the speed of the axle: -1 for a locked wheel"),
     Output("slip_angle", "rad", "arc tangent of slip velocity along l over the speed of the axle"),
 )  # fmt: skip
-FIRST = 18  # index of the first of these outputs, after those of tire_wheel.py
+FIRST = 18  # index of the first value of these outputs, after those of tire_wheel.py
 SLOW = 0.1  # [m/s] speed of the axle below which slip ratio and angle are reduced
 
 
@@ -149,6 +162,16 @@ def wheel_with(law, compiled, own_record, prepare, **fields):
         observe=observe,
         **fields,
     )
+
+
+wheel_on_ground = partial(
+    wheel_with,
+    display=TYRE_DISPLAY,
+    layout=("x0", "R0"),
+    fields=FIELDS,
+    suspicious=start_warnings,
+    event_values=event_values,
+)
 
 
 def by_slip_law(make, first):

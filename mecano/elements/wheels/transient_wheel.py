@@ -26,33 +26,23 @@ import numpy as np
 
 from mecano.constraints.ground import GROUND_RECORD
 from mecano.element_interface import Output
-from mecano.elements.wheels.at_start import start_warnings
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import (
     FIRST,
+    OUTPUTS,
     add_ground,
     by_slip_law,
-    event_values,
     law_samples,
     put_rolling,
     rolling,
-    wheel_with,
+    wheel_on_ground,
     with_slip,
 )
-from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
 from mecano.elements.wheels.rolling_tyre import with_rolling
 from mecano.elements.wheels.slip_law import Slip
 from mecano.elements.wheels.slip_laws import SLIP_LAWS, given_law
 from mecano.elements.wheels.tire_law import slip_law_of
-from mecano.elements.wheels.tire_wheel import (
-    AIR,
-    CONTACT,
-    FIELDS,
-    OUTPUTS,
-    TYRE_DISPLAY,
-    check_wheel,
-    prepare_wheel,
-)  # fmt: skip
+from mecano.elements.wheels.tire_wheel import AIR, CONTACT, check_wheel, prepare_wheel
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select, sqrt
 from mecano.maths.vector import dot
@@ -162,21 +152,16 @@ def prepare(d, nodes, context):
 
 
 with_law = partial(
-    wheel_with,
+    wheel_on_ground,
     compiled=compiled,
     own_record={**CARCASS_RECORD, **GROUND_RECORD, **SURFACE_RECORD},
     prepare=prepare,
     name="transient_wheel",
     doc=__doc__,
-    display=TYRE_DISPLAY,
-    layout=("x0", "R0"),
     scalars=SCALARS,
     massless=SCALARS,
-    fields=FIELDS,
-    outputs=(*OUTPUTS, *ROLLING_OUTPUTS, *CARCASS_OUTPUTS),
+    outputs=(*OUTPUTS, *CARCASS_OUTPUTS),
     check=check,
-    suspicious=start_warnings,
-    event_values=event_values,
     sample=sample,
 )
 TRANSIENT_WHEEL = by_slip_law(with_law, SLIP_LAWS["fiala"])

@@ -29,31 +29,20 @@ of the wheel.
 from functools import partial
 
 from mecano.constraints.ground import GROUND_RECORD
-from mecano.elements.wheels.at_start import start_warnings
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
-from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
 from mecano.elements.wheels.rolling_contact import (
+    OUTPUTS,
     add_ground,
     by_slip_law,
-    event_values,
     law_samples,
     put_rolling,
     rolling,
-    wheel_with,
+    wheel_on_ground,
     with_slip,
 )
 from mecano.elements.wheels.rolling_tyre import with_rolling
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
-from mecano.elements.wheels.tire_wheel import (
-    AIR,
-    CONTACT,
-    FIELDS,
-    OUTPUTS,
-    TYRE_DISPLAY,
-    check_wheel,
-    large_wheel,
-    prepare_wheel,
-)  # fmt: skip
+from mecano.elements.wheels.tire_wheel import AIR, CONTACT, check_wheel, large_wheel, prepare_wheel
 from mecano.jit.kernel import kernel
 
 
@@ -94,19 +83,14 @@ def sample(rng):
 
 
 with_law = partial(
-    wheel_with,
+    wheel_on_ground,
     compiled=compiled,
     own_record={**GROUND_RECORD, **SURFACE_RECORD},
     prepare=prepare_wheel,
     name="wheel",
     doc=__doc__,
-    display=TYRE_DISPLAY,
-    layout=("x0", "R0"),
-    fields=FIELDS,
-    outputs=(*OUTPUTS, *ROLLING_OUTPUTS),
+    outputs=OUTPUTS,
     check=check_wheel,
-    suspicious=start_warnings,
-    event_values=event_values,
     sample=sample,
 )
 WHEEL = by_slip_law(with_law, SLIP_LAWS["friction"])

@@ -37,8 +37,8 @@ from mecano.constraints.wheels import carried_axis
 from mecano.element_interface import Display
 from mecano.elements.wheels.at_start import start_warnings_on_body
 from mecano.elements.wheels.ground_surface import Surface
-from mecano.elements.wheels.rolling_contact import OUTPUTS as ROLLING_OUTPUTS
 from mecano.elements.wheels.rolling_contact import (
+    OUTPUTS,
     add_ground,
     by_slip_law,
     law_samples,
@@ -50,13 +50,7 @@ from mecano.elements.wheels.rolling_contact import (
 from mecano.elements.wheels.rolling_tyre import with_rolling
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
 from mecano.elements.wheels.tire_law import check_tire_law, prepare_radial
-from mecano.elements.wheels.tire_wheel import (
-    AIR,
-    CONTACT,
-    OUTPUTS,
-    deepest,
-    large_wheel,
-)
+from mecano.elements.wheels.tire_wheel import AIR, CONTACT, deepest, large_wheel
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import constant
 from mecano.maths.surface import directions
@@ -195,7 +189,7 @@ with_law = partial(
         *FIELDS,
         Field("tire_law", TIRE_LAW, "-", "law of the tyre: radius, forces, friction"),
     ),
-    outputs=(*OUTPUTS, *ROLLING_OUTPUTS),
+    outputs=OUTPUTS,
     check=check,
     suspicious=start_warnings_on_body,
     event_values=event_values,
