@@ -3,15 +3,7 @@
 import math
 from dataclasses import replace
 
-from mecano.deck.limits import (
-    AUTOMATIC,
-    above_rounding,
-    at_least_one,
-    distinct,
-    not_empty,
-    resolvable,
-    spectral_radius,
-)  # fmt: skip
+from mecano.deck.limits import AUTOMATIC, above_rounding, at_least_one, distinct, not_empty, resolvable, spectral_radius
 from mecano.deck.static_section import INITIAL_STATIC_FIELDS, SCALE_FIELDS, STATIC_FIELDS, check_static
 from mecano.elements.members.cross_section import check_section
 from mecano.schema import (

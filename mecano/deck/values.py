@@ -12,15 +12,7 @@ from typing import Any
 from mecano.deck.compose import Given, Node
 from mecano.deck.scalar import number as number_in
 from mecano.deck.scope import INVALID, Invalid, Reference, Scope
-from mecano.deck.units import (
-    UnitError,
-    converted,
-    go_together,
-    is_quantity,
-    same_dimension,
-    unit_of,
-    written_in_si,
-)
+from mecano.deck.units import UnitError, converted, go_together, is_quantity, same_dimension, unit_of, written_in_si
 from mecano.deck.wording import quoted
 from mecano.schema import LINE, NODE, NUMBER, NUMBERS, SECTION_OF, Field, Type
 

@@ -21,16 +21,7 @@ from mecano.solve.events.compliance import soften
 from mecano.solve.linear.rounding import ROUNDING, at_rounding
 from mecano.solve.linear.sparse import ACCEPT_BELOW
 from mecano.solve.time.increments import correct, tangents
-from mecano.solve.time.workspace import (
-    BEGIN,
-    RENEWED,
-    TRIAL,
-    copy_state,
-    is_due,
-    state_of,
-    system_of,
-    unknowns_of,
-)
+from mecano.solve.time.workspace import BEGIN, RENEWED, TRIAL, copy_state, is_due, state_of, system_of, unknowns_of
 
 TINY = 1e-300
 SLOW = 0.1  # a kept factor is used again as long as the residual falls by more than this
