@@ -8,6 +8,7 @@ import matplotlib
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from mecano.errors import ResultsError
 from mecano.post.curve_styles import CurveStyles
 from mecano.post.draw_events import EventLegend
 from mecano.post.draw_panel import draw_panel, room_above
@@ -64,7 +65,7 @@ def overview_figure(sheet: Sheet, title: str, facts: str) -> Figure:
 def save(figure: Figure, target: Path | IO[bytes], kind: str = "") -> None:
     """Write a figure to a path, whose extension is the default of ``kind``, or to a stream; it can be saved only once.
 
-    The same figure gives the same bytes. Raises OSError.
+    The same figure gives the same bytes. Raises ResultsError if the path cannot be written.
     """
     kind = kind or (target.suffix[1:] if isinstance(target, Path) else "")
     with matplotlib.rc_context(SETTINGS):
@@ -72,7 +73,10 @@ def save(figure: Figure, target: Path | IO[bytes], kind: str = "") -> None:
             engine.execute(figure)
     with matplotlib.rc_context(SETTINGS | {"figure.constrained_layout.use": False}):
         figure.set_layout_engine()  # none, as savefig would draw everything again to compute the layout
-        figure.savefig(target, format=kind, metadata=METADATA[kind])
+        try:
+            figure.savefig(target, format=kind, metadata=METADATA[kind])
+        except OSError as error:
+            raise ResultsError(f"cannot write {target}: {error.strerror}") from error
 
 
 def _room(sheet, styles, cells, width):

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from mecano.deck.unit_of import parameters_of, unit_of
-from mecano.errors import ResultsError, UsageError
+from mecano.errors import UsageError
 from mecano.post.campbell import campbell_figure
 from mecano.post.figure import plain_figure, save
 from mecano.post.style import COLOURS, DASHES, GREY, INK, SETTINGS, note_below, with_unit
@@ -53,10 +53,7 @@ def draw_sweep(
     file = read_sweep(path)
     target = Path(output) if output else file.path.with_suffix(f".{kind}")
     figure = sweep_figure(file, below)
-    try:
-        save(figure, target)
-    except OSError as error:
-        raise ResultsError(f"cannot write {target}: {error.strerror}") from error
+    save(figure, target)
     return target
 
 

@@ -91,10 +91,7 @@ def draw_modes(
     if not len(file.values):
         raise ResultsError(f"{path}: {NO_SHAPES}")
     target = Path(output) if output else file.path.with_suffix(f".{kind}")
-    try:
-        save(_figure(file, mode_sketches(file)), target)
-    except OSError as error:
-        raise ResultsError(f"cannot write {target}: {error.strerror}") from error
+    save(_figure(file, mode_sketches(file)), target)
     return target
 
 

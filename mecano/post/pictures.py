@@ -221,10 +221,7 @@ def _stem(runs):
 
 def _save(figure, path):
     make_folder(path.parent)
-    try:
-        save(figure, path)
-    except OSError as error:
-        raise ResultsError(f"cannot write {path}: {error.strerror}") from error
+    save(figure, path)
     return path
 
 

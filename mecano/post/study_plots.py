@@ -35,10 +35,7 @@ def draw_study(
     figure = study_figure(table)
     if figure is None:
         raise ResultsError(f"there is nothing to draw in {path}: it has no outputs, or nothing is varied")
-    try:
-        save(figure, target)
-    except OSError as error:
-        raise ResultsError(f"cannot write {target}: {error.strerror}") from error
+    save(figure, target)
     return target
 
 
