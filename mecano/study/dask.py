@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from mecano.study.read import Case
 
 PATIENCE = 10  # s until a scheduler must answer
-ASK = 1.0  # s between two checks of a worker for the end of the study
+CHECK = 1.0  # s between two checks of a worker for the end of the study
 MISSING = "--executor dask needs Dask, which is not installed: pip install mecano[dask]"
 AT_ONCE = 2  # signals that end the study without waiting for its cases
 
@@ -76,7 +76,7 @@ class Tasks:
     def __init__(self, folder: Folder, limits: Limits, ended: Ended, client: "Client"):
         self.folder, self.ended, self.client = folder, ended, client
         self.words = case_words(folder, limits)
-        self.asked: list[int] = []  # received signals that end the study
+        self.received: list[int] = []  # signals that end the study
 
     def run(self, cases: "Sequence[Case]") -> int | None:
         """Run all cases to their ends, or until a signal ends them; return the number of the signal, or None."""
@@ -86,13 +86,13 @@ class Tasks:
         done: queue.SimpleQueue[Future] = queue.SimpleQueue()  # tasks that have ended
         futures = {self._submit(case, stop.name, done): case for case in cases}
         with self._listening():
-            while futures and self.client.status == "running" and len(self.asked) < AT_ONCE:
-                if self.asked and not stop.is_set():
+            while futures and self.client.status == "running" and len(self.received) < AT_ONCE:
+                if self.received and not stop.is_set():
                     stop.set()
                 self._take(done, futures)
-            if self.asked and not stop.is_set():
+            if self.received and not stop.is_set():
                 stop.set()
-        return self.asked[0] if self.asked else None
+        return self.received[0] if self.received else None
 
     def _submit(self, case, stop, done):
         file = self.folder.file(case, ".json").absolute()
@@ -121,7 +121,7 @@ class Tasks:
     @contextmanager
     def _listening(self):
         """Record signals within this block."""
-        handlers = {number: signal.signal(number, lambda number, _: self.asked.append(number)) for number in END_BY}
+        handlers = {number: signal.signal(number, lambda number, _: self.received.append(number)) for number in END_BY}
         try:
             yield
         finally:
@@ -137,27 +137,27 @@ def run_case(words: Sequence[str], file: "str | os.PathLike[str]", stop: str) ->
     """
     from distributed import Event
 
-    asked, before = Event(stop), _content(file)
-    if asked.is_set():
+    stop_event, before = Event(stop), _content(file)
+    if stop_event.is_set():
         return None
     process = subprocess.Popen(
         [*PROGRAM, *words], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
         process_group=0, **popen_options(),
     )  # fmt: skip
-    said = _said(process, asked)
+    errors = _error_output(process, stop_event)
     content = _content(file)
     if content == before:
-        raise RuntimeError(reason_in(said) or f"exit code {process.returncode}")
+        raise RuntimeError(reason_in(errors) or f"exit code {process.returncode}")
     return Record(**json.loads(content)["ended"])
 
 
-def _said(process, asked):
+def _error_output(process, stop_event):
     """Wait until a process ends, and terminate it once the Event is set; return its error output."""
     while True:
         try:
-            return process.communicate(timeout=ASK)[1]
+            return process.communicate(timeout=CHECK)[1]
         except subprocess.TimeoutExpired:
-            if asked.is_set():
+            if stop_event.is_set():
                 process.terminate()
 
 

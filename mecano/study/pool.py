@@ -69,7 +69,7 @@ class Running:
     process: subprocess.Popen
     before: Record
     log: Path
-    said: int  # B in the log before this process
+    log_start: int  # B in the log before this process
     memory: int = 0  # B, peak
     begun: float = field(default_factory=time.monotonic)
     killed: str = ""  # reason, if it was killed
@@ -90,24 +90,24 @@ class Pool:
     def __init__(self, folder: Folder, jobs: int, limits: Limits, ended: Ended = lambda case, record: None):
         self.folder, self.jobs, self.limits, self.ended = folder, jobs, limits, ended
         self.running: list[Running] = []
-        self.asked: list[int] = []  # received signals that end the study
+        self.received: list[int] = []  # signals that end the study
         self._forwarded = 0
 
     def run(self, cases: "Sequence[Case]") -> int | None:
         """Run all cases to their ends, or until a signal ends them; return the number of the signal, or None."""
         waiting = list(reversed(cases))
-        with self._listening() as bell:
+        with self._listening() as wakeup:
             try:
-                self._run(waiting, bell)
+                self._run(waiting, wakeup)
             finally:
                 self._end()
-        return self.asked[0] if self.asked else None
+        return self.received[0] if self.received else None
 
-    def _run(self, waiting, bell):
-        while (waiting and not self.asked) or self.running:
-            while waiting and not self.asked and len(self.running) < self.jobs:
+    def _run(self, waiting, wakeup):
+        while (waiting and not self.received) or self.running:
+            while waiting and not self.received and len(self.running) < self.jobs:
                 self.running.append(self._start(waiting.pop()))
-            _rest(bell)
+            _wait(wakeup)
             self._forward()
             self._watch()
             self._gather()
@@ -128,36 +128,36 @@ class Pool:
         before, child = folder.record(case), popen_options()
         child["env"] = {thread_pool.VARIABLE: "1", **child["env"], **ONE_THREAD}
         with open(log, "ab") as stream:
-            said = stream.tell()
+            log_start = stream.tell()
             process = subprocess.Popen(
                 [*PROGRAM, *words], stdin=subprocess.DEVNULL, stdout=stream, stderr=stream, process_group=0, **child
             )
-        return Running(case, process, before, log, said)
+        return Running(case, process, before, log, log_start)
 
     @contextmanager
     def _listening(self):
         """Provide within this block a file descriptor that becomes readable on signals and ends of processes."""
-        bell, rope = os.pipe()
-        os.set_blocking(bell, False)
-        os.set_blocking(rope, False)
-        handlers = {number: signal.signal(number, self._ask) for number in END_BY}
+        wakeup, writing_end = os.pipe()
+        os.set_blocking(wakeup, False)
+        os.set_blocking(writing_end, False)
+        handlers = {number: signal.signal(number, self._receive) for number in END_BY}
         handlers[signal.SIGCHLD] = signal.signal(signal.SIGCHLD, lambda *_: None)
-        fd = signal.set_wakeup_fd(rope, warn_on_full_buffer=False)
+        fd = signal.set_wakeup_fd(writing_end, warn_on_full_buffer=False)
         try:
-            yield bell
+            yield wakeup
         finally:
             signal.set_wakeup_fd(fd)
             for number, handler in handlers.items():
                 signal.signal(number, handler)
-            os.close(bell)
-            os.close(rope)
+            os.close(wakeup)
+            os.close(writing_end)
 
-    def _ask(self, number, frame):
-        self.asked.append(number)
+    def _receive(self, number, frame):
+        self.received.append(number)
 
     def _forward(self):
         """Forward received signals to the processes, which are in process groups of their own."""
-        for number in self.asked[self._forwarded :]:
+        for number in self.received[self._forwarded :]:
             for one in self.running:
                 os.kill(one.process.pid, number)  # Popen.send_signal would wait for it first
             self._forwarded += 1
@@ -186,21 +186,21 @@ class Pool:
         code, before = one.process.returncode, one.before
         if code == 0:
             status, reason = COMPLETE, ""
-        elif self.asked or (code in RESUMABLE and not one.killed):
-            status, reason = STOPPED, _words(one, code)
+        elif self.received or (code in RESUMABLE and not one.killed):
+            status, reason = STOPPED, _reason(one, code)
         else:
-            status, reason = FAILED, line_in_study(_words(one, code), self.folder.study, one.case)
+            status, reason = FAILED, line_in_study(_reason(one, code), self.folder.study, one.case)
         return Record(
             status, code, before.processor_time + used.ru_utime + used.ru_stime,
             before.wall_time + time.monotonic() - one.begun, max(before.memory, one.memory), reason,
         )  # fmt: skip
 
 
-def _rest(bell):
+def _wait(wakeup):
     """Wait until a process ends, a signal arrives, or some time has passed."""
-    select.select([bell], [], [], LOOK)
+    select.select([wakeup], [], [], LOOK)
     try:
-        os.read(bell, 4096)
+        os.read(wakeup, 4096)
     except BlockingIOError:
         pass
 
@@ -226,20 +226,20 @@ def _memory(number):
     return 1024 * int(found[1]) if found else 0
 
 
-def _words(one, code):
+def _reason(one, code):
     """Return the reason why a case ended on one line: its message, or the signal."""
     if one.killed:
         return one.killed
     if code < 0 and -code not in EXIT_CODES:
         return f"ended by {signal.Signals(-code).name}"
     with open(one.log, encoding="utf-8", errors="replace") as stream:
-        stream.seek(one.said)
-        said = reason_in(stream.read())
-    return said or (f"ended by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}")
+        stream.seek(one.log_start)
+        reason = reason_in(stream.read())
+    return reason or (f"ended by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}")
 
 
-def reason_in(said: str) -> str:
+def reason_in(output: str) -> str:
     """Return the line of the output of a process that gives the reason of its end, or ""."""
-    lines = [line.strip() for line in said.splitlines() if line.strip()]
+    lines = [line.strip() for line in output.splitlines() if line.strip()]
     line = lines[-1 if lines[0].startswith("Traceback") else 0] if lines else ""
     return line.removeprefix("mecano: ").partition("; continue with: ")[0][:LONGEST_REASON]
