@@ -6,6 +6,7 @@ from mecano.elements import KINDS
 from mecano.model.sampler import ENERGIES, NODE_OUTPUTS
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
+from mecano.results.recorded import Event
 from mecano.results.writer import Writer
 
 WAVE = 0.4
@@ -93,5 +94,5 @@ def write(path, overrides=(), events=((0.5, "touch_down"), (0.9, "lift_off")), k
             if i:
                 writer.append_step(t, np.array([0.05, 1.0 + i % 3, 0.1, 0.5, i % 2, 0.1, 0.2, 0.3]))
         for t, name in events:
-            writer.append_event(t, "wheel 'one_wheel'", name, "air", "contact")
+            writer.append_event(Event(t, "wheel 'one_wheel'", name, "air", "contact"))
     return path

@@ -4,6 +4,7 @@ import numpy as np
 
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
+from mecano.results.recorded import Event
 from mecano.results.writer import Writer
 
 LAYOUT = Layout(
@@ -44,7 +45,7 @@ def append(writer, index):
     writer.extremes.take(time, row)
     writer.append(time, row)
     writer.append_step(time, STEP + index)
-    writer.append_event(time, f"wheel {index}", "touch-down", "airborne", "rolling")
+    writer.append_event(Event(time, f"wheel {index}", "touch-down", "airborne", "rolling"))
 
 
 def create(path, **options):

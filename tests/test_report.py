@@ -18,6 +18,7 @@ from mecano.post.runs import open_runs
 from mecano.post.style import COLOURS, GREY, INK, LIMIT
 from mecano.results.layout import Layout, Series
 from mecano.results.provenance import Source
+from mecano.results.recorded import Event
 from mecano.results.writer import Writer
 
 KIND = {"spring_damper": KINDS["spring_damper"]}
@@ -165,8 +166,8 @@ def test_events_have_impulses_only_where_there_are_shocks(report, tmp_path):
     layout = Layout([Series("energy/kinetic", "J", "kinetic energy")])
     with Writer.create(tmp_path / "shock.h5", layout, Source("mecano: 1\n", {})) as writer:
         writer.append(0.0, [1.0])
-        writer.append_event(0.25, "hinge 'a'", "locks", "free", "locked", -1.5, "N m s", 2.0)
-        writer.append_event(0.5, "wheel 'b'", "lift_off", "contact", "air")
+        writer.append_event(Event(0.25, "hinge 'a'", "locks", "free", "locked", "N m s", -1.5, 2.0))
+        writer.append_event(Event(0.5, "wheel 'b'", "lift_off", "contact", "air"))
     shocks = report_of(open_runs([tmp_path / "shock.h5"])[0])
     assert rows(shocks, "Events") == [
         ("0.25", "hinge 'a'", "locks", "free to locked", "-1.5 N m s", "2"),

@@ -21,6 +21,7 @@ from mecano.results.lookup import Lookup, similar_outputs
 from mecano.results.opening import cut_short
 from mecano.results.provenance import Source, is_running, threads
 from mecano.results.reader import open_results
+from mecano.results.recorded import Event
 from mecano.results.state import load_state, save_state
 from mecano.results.study_file import StudyTable, write_study
 from mecano.results.writer import Writer
@@ -329,7 +330,7 @@ def test_nothing_is_written_after_the_end(finished, tmp_path):
 
 def test_long_texts_are_cut_between_letters(tmp_path):
     with samples.create(tmp_path / "r.h5") as writer:
-        writer.append_event(1.0, "ü" * 100, "n", "b", "a")
+        writer.append_event(Event(1.0, "ü" * 100, "n", "b", "a"))
         writer.close("failed", "ä" * 5000)
     with open_results(tmp_path / "r.h5") as results:
         assert results.events[0].element == "ü" * 32 and results.reason == "ä" * 4000

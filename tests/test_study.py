@@ -35,6 +35,7 @@ from mecano.post.study_plots import study_figure
 from mecano.post.study_report import study_report
 from mecano.post.study_requests import requested_figures
 from mecano.post.study_statistics import statistics
+from mecano.results.recorded import Event
 from mecano.results.study_file import Column, StudyTable, within
 from mecano.results.study_file import read_study as read_table
 from mecano.study import dask, slurm
@@ -457,7 +458,7 @@ def test_the_unit_of_an_impulse_is_that_of_the_cases_that_have_one(folder):
     for case, impulses in zip(found.cases, ((2.0, -3.0), ()), strict=True):
         with results_samples.create(runs.file(case, ".h5")) as writer:
             for impulse in impulses:
-                writer.append_event(0.1, "ball", "closes", "open", "closed", impulse, "N s", 1.0)
+                writer.append_event(Event(0.1, "ball", "closes", "open", "closed", "N s", impulse, 1.0))
         table.take(case, Record(COMPLETE, 0))
     np.testing.assert_equal(table.numbers, {1: {"hit": 3.0}, 2: {"hit": np.nan}})
     assert table.units == {"hit": "N s"}

@@ -12,6 +12,7 @@ from mecano.post.info import info, one_line
 from mecano.post.report_page import write_report
 from mecano.post.runs import open_runs
 from mecano.results.provenance import Source
+from mecano.results.recorded import Event
 from mecano.results.writer import Writer
 
 KIND = {name: KINDS[name] for name in ("hinge", "wheel", "spring_damper", "force")}
@@ -53,7 +54,7 @@ def written(path, warnings, status, reason):
         for t in every_kind.TIMES:
             writer.extremes.take(t, every_kind.row(declared, t))
             writer.append(t, every_kind.row(declared, t))
-        writer.append_event(0.5, "wheel 'one_wheel'", "touch_down", "air", "contact")
+        writer.append_event(Event(0.5, "wheel 'one_wheel'", "touch_down", "air", "contact"))
         writer.close(status, reason)
     return path
 

@@ -10,6 +10,7 @@ import numpy as np
 from mecano.analyses.not_finite import output_not_finite
 from mecano.errors import ConvergenceError, ResultsError
 from mecano.model.output_limits import watched_outputs
+from mecano.results.recorded import Event
 from mecano.solve.time.output import ENDED, FULL, NOT_FINITE, Output
 from mecano.solve.time.unresolved_oscillation import OscillationMonitor
 
@@ -99,11 +100,8 @@ class Recorder:
         self._append(accepted.event_records)
 
     def _append(self, events):
-        for event in events:
-            self.writer.append_event(
-                event.t, event.element, event.name, event.before, event.after, event.impulse,
-                event.unit, event.lost,
-            )  # fmt: skip
+        for e in events:
+            self.writer.append_event(Event(e.t, e.element, e.name, e.before, e.after, e.unit, e.impulse, e.lost))
 
     def report(self, run: "RunState") -> None:
         """Pass the contents of the buffers to the writer, at intervals."""

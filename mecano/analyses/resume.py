@@ -114,8 +114,8 @@ class InterruptedRun:
             done += rows.nbytes
             more = max(size / done - 1.0, 0.0)
             interruption.check(what, more * (time.monotonic() - begun), (1.0 + more) * writer.closing_time)
-        for e in self.results.events[: rows_before[2]]:
-            writer.append_event(e.time, e.element, e.name, e.before, e.after, e.impulse, e.impulse_unit, e.energy_lost)
+        for event in self.results.events[: rows_before[2]]:
+            writer.append_event(event)
         writer.resume_at(checkpoint)
         self.close()
 

@@ -16,6 +16,7 @@ from mecano.results.file_names import refuse_existing
 from mecano.results.layout import Layout, Series
 from mecano.results.lock import locked
 from mecano.results.reason import with_warnings
+from mecano.results.recorded import Event
 from mecano.results.whole_file import exists
 from mecano.results.writer import Writer
 
@@ -72,9 +73,7 @@ class EquilibriumRecorder:
         if point.step:
             self.writer.append_step(point.place, np.array([point.step, point.iterations, point.rejected, *point.norms]))
         for event in point.event_records:
-            self.writer.append_event(
-                point.place, event.element, event.name, event.before, event.after
-            )  # fmt: skip
+            self.writer.append_event(Event(point.place, event.element, event.name, event.before, event.after))
 
 
 def _outputs_of_loads(system):

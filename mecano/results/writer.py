@@ -24,6 +24,7 @@ from mecano.results.empty_file import CHANGING, RUNNING, TEXT_LENGTHS, empty_fil
 from mecano.results.file_names import give_name, refuse_existing, remove_abandoned
 from mecano.results.layout import EXTREMES, Layout
 from mecano.results.provenance import Source, provenance
+from mecano.results.recorded import Event
 from mecano.results.table import EventTable, NumberTable, chunk_shape
 from mecano.results.whole_file import hidden_name
 
@@ -165,22 +166,10 @@ class Writer:
         if self._unsafe >= UNSAFE or clocks.monotonic() >= self._due:
             self.flush()
 
-    def append_event(
-        self,
-        time: float,
-        element: str,
-        name: str,
-        before: str = "",
-        after: str = "",
-        impulse: float = 0.0,
-        unit: str = "",
-        lost: float = 0.0,
-    ) -> None:
-        """Append an event: time [s], element, joint or load, name, phases before and after.
-
-        A shock also has an impulse, with its unit, and the energy lost [J].
-        """
-        self._events.add(time, (element, name, before, after, unit), (impulse, lost))
+    def append_event(self, event: Event) -> None:
+        """Append an Event."""
+        texts = event.element, event.name, event.before, event.after, event.impulse_unit
+        self._events.add(event.time, texts, (event.impulse, event.energy_lost))
 
     def flush(self) -> int:
         """Write all appended data to the file, and return the number of acknowledged saved times.
