@@ -141,11 +141,22 @@ def modes(
     """
     of_sweeps = {"--csv": columns, "--below": below, "--campbell": rotor, "--order": orders}
     _refuse_unfit(sweeps, at, at_rest, of_sweeps)
+    stem = os.path.splitext(os.path.basename(deck))[0]
+    options = {"frame": frame, "method": solver, "force": force}
     if sweeps:
-        turning = {"rotor": rotor or "", "orders": orders or (1.0,)}
-        _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, below, columns, quiet, force, turning)
+        path, campbell = output or f"{stem}_sweep.h5", {"rotor": rotor or "", "orders": orders or (1.0,)}
+        _sweep(path, deck, overrides, sweeps, quiet, number=number, columns=columns, **options, **campbell)
+        if plot:
+            from mecano.post.loci import draw_sweep
+
+            show(str(draw_sweep(path, below=below)))
     else:
-        _modes_about(deck, overrides, at, at_rest, number, frame, solver, output, plot, quiet, force)
+        path = output or f"{stem}_modes{_of_state(at, at_rest)}.h5"
+        found = _modes_about(path, deck, overrides, quiet, number=number or 10, at=at, at_rest=at_rest, **options)
+        if plot:
+            from mecano.post.mode_shapes import NO_SHAPES, draw_modes
+
+            show(str(draw_modes(path)) if len(found.values) else NO_SHAPES)
 
 
 def _refuse_unfit(sweeps, at, at_rest, of_sweeps):
@@ -165,22 +176,17 @@ def _refuse_unfit(sweeps, at, at_rest, of_sweeps):
         raise click.BadParameter("belongs to --at RESULTS.h5:TIME", param_hint="--at-rest")
 
 
-def _modes_about(deck, overrides, at, at_rest, number, frame, solver, output, plot, quiet, force):
+def _modes_about(path, deck, overrides, quiet, **options):
+    """Write the modes about one state to ``path``, print their table, and return the Modes."""
     from mecano.analyses.modal import modes as find
     from mecano.analyses.progress import SweepProgress
     from mecano.deck.read import read_deck
 
     checked = read_deck(deck, overrides)
-    path = output or f"{os.path.splitext(os.path.basename(deck))[0]}_modes{_of_state(at, at_rest)}.h5"
     with SweepProgress(quiet, path).announcing_compiling():
-        text, found, _ = find(
-            checked, path, at=at, at_rest=at_rest, number=number or 10, frame=frame, method=solver, force=force
-        )
+        text, found, _ = find(checked, path, **options)
     show(text)
-    if plot:
-        from mecano.post.mode_shapes import NO_SHAPES, draw_modes
-
-        show(str(draw_modes(path)) if len(found.values) else NO_SHAPES)
+    return found
 
 
 def _of_state(at, at_rest):
@@ -188,24 +194,17 @@ def _of_state(at, at_rest):
     return "" if at is None else f"{'_at_rest' if at_rest else '_at'}_{os.path.basename(at.rpartition(':')[2])}"
 
 
-def _sweep(deck, sweeps, overrides, number, frame, solver, output, plot, below, columns, quiet, force, turning):
+def _sweep(path, deck, overrides, sweeps, quiet, **options):
+    """Write the modes of a sweep to ``path``, and print its table."""
     from mecano.analyses.progress import SweepProgress
     from mecano.analyses.sweep import sweep_into
 
-    path = output or os.path.splitext(os.path.basename(deck))[0] + "_sweep.h5"
     progress = SweepProgress(quiet, path)
     Interruption().listen()
     with progress.announcing_compiling():
-        text, total = sweep_into(
-            path, deck, overrides, sweeps, number=number, frame=frame, method=solver, columns=columns, force=force,
-            progress=progress, **turning,
-        )  # fmt: skip
+        text, total = sweep_into(path, deck, overrides, sweeps, progress=progress, **options)
     progress.done(total)
     show(text)
-    if plot:
-        from mecano.post.loci import draw_sweep
-
-        show(str(draw_sweep(path, below=below)))
 
 
 @click.command(name="reduce")
