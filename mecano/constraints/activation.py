@@ -32,9 +32,12 @@ def since_activation(set_point, i):
     return shifted
 
 
-def activate_field(what, *options):
-    """Return the field ``activate`` of an elastic element, the ``what``, with these ``options`` besides its trigger."""
-    doc = f"activation of the {what}, which exerts no force before: {{time: ...}} or {{when: ...}}"
+def activate_field(word, *options):
+    """Return the field ``activate`` of an elastic element, with these ``options`` besides its trigger.
+
+    ``word`` is its name in texts: "spring", "cable".
+    """
+    doc = f"activation of the {word}, which exerts no force before: {{time: ...}} or {{when: ...}}"
     return Field("activate", mapping(TIME, WHEN, *options), "-", doc, None)
 
 
@@ -43,8 +46,8 @@ def is_stress_free(d):
     return d["activate"] is not None and d["activate"].get("stress_free", False)
 
 
-def with_activation(kind, what, forces, stress_free=None, free=STRESS_FREE):
-    """Return the ``kind`` of an elastic element, the ``what``, with the field ``activate``.
+def with_activation(kind, word, forces, stress_free=None, free=STRESS_FREE):
+    """Return the ``kind`` of an elastic element with the field ``activate``; ``word`` is its name in texts.
 
     Before the activation it has no force, energy or power, and its outputs with the indices ``forces`` are zero. If
     ``forces`` is None, the functions of the kind ensure this in any additional phase. If the element may be activated
@@ -52,13 +55,13 @@ def with_activation(kind, what, forces, stress_free=None, free=STRESS_FREE):
     indices of the outputs that are zero before the activation), and ``free`` the field of the deck for this option.
     """
     families, activated_once = {False: (kind, forces), True: stress_free}, cache(activated)
-    given = activate_field(what, *([free] if stress_free else []))
+    given = activate_field(word, *([free] if stress_free else []))
 
     def variant(d):
         if d["activate"] is None:
             return kind.chosen(d)
         family, zero = families[is_stress_free(d)]
-        return activated_once(family.chosen(d), what, zero)
+        return activated_once(family.chosen(d), word, zero)
 
     def check(d, nodes):
         return kind.check(d, nodes) + check_trigger("activate", d["activate"])
@@ -69,7 +72,7 @@ def with_activation(kind, what, forces, stress_free=None, free=STRESS_FREE):
     )  # fmt: skip
 
 
-def activated(kind, what, forces):
+def activated(kind, word, forces):
     """Return the ``kind`` with the phase "inactive", its last, in which it begins; see ``with_activation``.
 
     The activation leads to the first of its phases that is not left at once: of a spring beyond a stop, of a contact
@@ -79,7 +82,7 @@ def activated(kind, what, forces):
     engaged = "between" if "between" in phases else phases[0]
     leaving = tuple(k for k, event in enumerate(kind.events) if event.before == engaged)
     begins = tuple(
-        Event("activates", INACTIVE, after, f"the {what} begins to act", changes_energy=True, command=COMMAND, beyond=k)
+        Event("activates", INACTIVE, after, f"the {word} begins to act", changes_energy=True, command=COMMAND, beyond=k)
         for after, k in ((engaged, -1), *((kind.events[k].after, k) for k in leaving))
     )
     return replace(

@@ -20,9 +20,9 @@ EVENT = Event(RELEASES, "held", "free", "the joint is released", command=COMMAND
 RELEASE = Field("release", TRIGGER, "-", "release of the joint: {time: ...} or {when: ...}", None)
 
 
-def elastic_release(what):
-    """Return the field ``release`` of an elastic element, the ``what``."""
-    doc = f"release of the {what}, which carries no force from then on: {{time: ...}} or {{when: ...}}"
+def elastic_release(word):
+    """Return the field ``release`` of an elastic element; ``word``: "spring", "cable", its name in texts."""
+    doc = f"release of the {word}, which carries no force from then on: {{time: ...}} or {{when: ...}}"
     return Field("release", TRIGGER, "-", doc, None)
 
 
@@ -42,14 +42,15 @@ def releasable(kind, parts):
     )  # fmt: skip
 
 
-def cut(kind, what):
-    """Return the ``kind`` of an elastic element, the ``what``, with a release: then it is in the phase "released".
+def cut(kind, word):
+    """Return the ``kind`` of an elastic element that is released into the additional phase "released".
 
-    In this additional phase its forces must vanish, and its ``observe`` must give neither force nor elastic energy.
+    In this phase its forces must vanish, and its ``observe`` must give neither force nor elastic energy. ``word`` is
+    its name in texts.
     """
     phases = kind.phases if kind.events else (ATTACHED_PHASE,)
     releases = tuple(
-        Event(RELEASES, phase, RELEASED_PHASE, f"the {what} is released", changes_energy=True, command=COMMAND)
+        Event(RELEASES, phase, RELEASED_PHASE, f"the {word} is released", changes_energy=True, command=COMMAND)
         for phase in phases
     )
     return replace(
@@ -58,20 +59,20 @@ def cut(kind, what):
     )  # fmt: skip
 
 
-def detached(kind, what, forces):
-    """Return the ``kind`` of an elastic element with a ``residual``, the ``what``, with a release, as ``cut`` does.
+def detached(kind, word, forces):
+    """Return the ``kind`` of an elastic element with a ``residual`` and a release, as ``cut`` does.
 
     Released it has no force, energy or power; ``forces`` are the indices of its outputs that are zero then.
     """
-    return replace(cut(kind, what), idle={**kind.idle, RELEASED_PHASE: forces})
+    return replace(cut(kind, word), idle={**kind.idle, RELEASED_PHASE: forces})
 
 
-def with_release(kind, what, forces):
+def with_release(kind, word, forces):
     """Return the ``kind`` of an elastic element with the field ``release``; the arguments are those of ``detached``.
 
     If ``forces`` are None, its own functions are without force in any additional phase, as ``cut`` requires.
     """
-    released = cache(lambda base: cut(base, what) if forces is None else detached(base, what, forces))
+    released = cache(lambda base: cut(base, word) if forces is None else detached(base, word, forces))
 
     def variant(d):
         return kind.chosen(d) if d["release"] is None else released(kind.chosen(d))
@@ -85,7 +86,7 @@ def with_release(kind, what, forces):
         phases = phase or ATTACHED_PHASE, RELEASED_PHASE
         return [*given, *(({**values, **SAMPLE}, nodes, phase) for phase in phases)]
 
-    return replace(kind, fields=(*kind.fields, elastic_release(what)), variant=variant, check=check, sample=sample)
+    return replace(kind, fields=(*kind.fields, elastic_release(word)), variant=variant, check=check, sample=sample)
 
 
 def check_release(d, options):

@@ -44,7 +44,7 @@ class SmallMotions:
         self.size = [float(abs(A).max()) if A.nnz else 0.0 for A in (self.M, self.C, self.K)]
 
     def _without_rounding(self, K):
-        """Return K without the stiffness of motions if all of it is that of reactions that are rounding."""
+        """Return K without the stiffness of motions if all of it is the geometric stiffness of rounded reactions."""
         own = K[: self.n_q, : self.n_q]
         if not own.nnz or abs(own).max() > NO_STIFFNESS:
             return K

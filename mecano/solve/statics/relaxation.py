@@ -138,7 +138,7 @@ class Relaxation:
         raise follower.failure(self.end, found, s, self.end, self.hint)
 
     def _stands_still(self, statics, s, change, drag):
-        """Return whether a step of creep has moved ``s`` by rounding, and its ``drag`` was not what held it.
+        """Return whether a step of creep has moved ``s`` by no more than rounding, not because of its ``drag``.
 
         ``drag`` is over the tolerated force [1/m].
         """

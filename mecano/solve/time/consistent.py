@@ -294,8 +294,8 @@ class Consistent:
     def without_compliance(self, s: "State") -> "State":
         """Return ``s`` with positions and velocities that satisfy compliant constraints as exactly as all others.
 
-        What locks there is not under stress: it would keep the deflection of the compliances, and with them in series
-        the reactions of this instant.
+        A joint that locks in this state is free of stress. In the deflected state it would keep the deflection and, in
+        series with the compliances, the reactions of this instant.
         """
         gap = self.system.constraint_derivatives(s)[:, 0]
         gap[self.system.numbering.of_rates] = 0.0

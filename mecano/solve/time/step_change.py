@@ -329,9 +329,10 @@ def factor_filter(w):
 
 @kernel
 def add_resolved_part(w):
-    """Add to the accelerations what steps resolve of ``added``, or all of it if nothing in it is too fast.
+    """Add the filtered ``added`` to the accelerations, or all of it if no part is too fast for the steps.
 
-    At a start, what stiff members need to follow a slow motion is added if it is nearly all that the filter leaves out.
+    At a start, the accelerations that stiff members need to follow a slow motion are added, too, if they explain nearly
+    all that the filter leaves out.
     """
     a, x, more = history_of(w, BEGIN)[0], floats(w.increment, w.n), floats(w.added, w.n_all)
     none, resolved = floats(w.added + 8 * w.n_all, w.n_all), floats(w.added + 16 * w.n_all, w.n)
@@ -352,7 +353,7 @@ def add_resolved_part(w):
 
 @kernel
 def left_out(w, part):
-    """Return the largest of ``added`` without a ``part`` (n,) of it, which gets all of unknowns that do not move."""
+    """Return the largest of ``added`` without its ``part`` (n,), into which unknowns that do not move are copied."""
     more, kind = floats(w.added, w.n_all), integers(w.kind, w.n_all)
     for i in range(w.n_q):
         if not moves(w, i):

@@ -27,7 +27,7 @@ def allowed(tolerance, duration, h):
 
 @kernel
 def counted(error, least, duration, h):
-    """Return what counts of an ``error`` of which each step may make ``least`` of the tolerance, or its share of it."""
+    """Return an ``error`` reduced in small steps, such that at least the part ``least`` of the tolerance is allowed."""
     return error * min(h / duration / least, 1.0)
 
 

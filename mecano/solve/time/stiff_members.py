@@ -25,9 +25,9 @@ DIFFERENCE = 0.02  # of a step, for the first rates; the second ones are those o
 
 @kernel
 def follow_stiff_members(w, a):
-    """Solve for minus what stiff members need at their slow velocities, beside accelerations ``a`` (n_all,).
+    """Solve for the accelerations, with the opposite sign, that stiff members need besides ``a`` (n_all,).
 
-    Return whether the forces are finite as far as a step leads.
+    They are those at the slow velocities of the members. Return whether the forces are finite over the step.
     """
     true, rest = state_of(w, BEGIN).v, floats(w.added + 8 * w.n_all, w.n_all)
     v, x, rates = floats(w.added + 24 * w.n_all, w.n), floats(w.increment, w.n), floats(w.added + 32 * w.n_all, w.n)
@@ -55,7 +55,7 @@ def solve_for(w, rates):
 
 @kernel
 def moves(w, i):
-    """Return whether an unknown has inertia or constraints that move it; others move as their own equations say."""
+    """Return whether an unknown has inertia or constraints that move it; others follow from equations of their own."""
     kind = integers(w.kind, w.n_all)[i]
     return kind != MASSLESS and kind < SIGNAL
 

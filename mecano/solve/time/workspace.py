@@ -192,7 +192,7 @@ class Workspace(Pointers):
         r["has"], r["age"], r["drift"] = history.tangent is not None, history.age, history.drift
 
     def put_unchanged(self, history: History) -> None:
-        """Enter the History at BEGIN before its step size was changed, to which another change goes back."""
+        """Enter the History at BEGIN before the change of its step size; a second change starts from it again."""
         n, row, r = self.system.n, self.history[UNCHANGED], self.record
         row[: len(history.a)], row[-2 * n : -n], row[-n:] = history.a, history.slope, history.bend
         r["changed"], r["last_h"], r["last_stiffness"] = True, history.h, history.k
