@@ -151,10 +151,10 @@ def test_nearest_point_of_a_closed_curve_may_be_on_both_sides_of_its_first_point
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e4])
 def test_end_of_a_curve_is_located_to_a_share_of_its_length(size):
     points = [[0, 0, 0], [0.6 * size, 0, 0], [0.6 * size, 0.4 * size, 0]]
-    ((output, limit, _),) = KINDS["point_on_curve"].ends(SPLINE | {"points": points})
+    ((output, limit, _),) = KINDS["point_on_curve"].end_conditions(SPLINE | {"points": points})
     assert (output, limit) == ("overrun", pytest.approx(1e-9 * size))
-    assert KINDS["point_on_curve"].ends(SPLINE | {"points": points, "closed": True}) == []
-    assert KINDS["point_on_curve"].ends(CIRCLE) == []
+    assert KINDS["point_on_curve"].end_conditions(SPLINE | {"points": points, "closed": True}) == []
+    assert KINDS["point_on_curve"].end_conditions(CIRCLE) == []
 
 
 SPAN, SPEED, FORCE, MASS = 20.0, 20.0, 1e4, 785.0  # m, m/s, N, kg/m: the bridge of inputs/moving_load.yaml

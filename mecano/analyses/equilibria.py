@@ -125,10 +125,10 @@ def _follow_path(prepared, statics, path, start, observers, state=None):
 
 def _ended(prepared):
     """Return a function of a State and its Observation: the text on an element at the end of its range, or ""."""
-    if not has_watched_outputs(prepared.deck.values, "ends"):
+    if not has_watched_outputs(prepared.deck.values, "end_conditions"):
         return lambda state, observation: ""
     sampler = Sampler(prepared.system)
-    ends = watched_outputs(prepared.deck.values, sampler, "ends")
+    ends = watched_outputs(prepared.deck.values, sampler, "end_conditions")
     return lambda state, observation: ended(ends, sampler.take(StaticSample(state), observation))
 
 

@@ -30,10 +30,10 @@ FAR = 1e5  # length scales from the origin, where a double pendulum has errors o
 
 def suspicious_model(deck: "Deck", system: "System", s: "State", length: float) -> list[Problem]:
     """Return the warnings (list of Problem) about a model at its start ``s``; ``length`` [m] is its length scale."""
-    strained, suspicious = [*_strained(deck, system, s)], [*_suspicious(deck, system, s)]
+    strained, started = [*_strained(deck, system, s)], [*_start_warnings(deck, system, s)]
     massless = _massless(deck, system, s, length)
     placed = [*_far(deck, system, s, length), *_one_point(deck, system)]
-    firsts = [*_first(strained, "elements"), *_first(massless, "nodes"), *_first(suspicious, "elements")]
+    firsts = [*_first(strained, "elements"), *_first(massless, "nodes"), *_first(started, "elements")]
     units = [*_other_units(deck, system.model), *_unlike(deck, system.model)]
     turned = _first([*_turned(deck, system, s)], "joints")
     return [*firsts, *_first(units, "formulas"), *placed, *turned]
@@ -152,17 +152,17 @@ def _natural_length(d, positions, t):
     return natural if isinstance(natural, float) else curve_at(natural, t)[0]
 
 
-def _suspicious(deck, system, s):
+def _start_warnings(deck, system, s):
     """Yield the warnings of the kinds about the state at the start, for steady running with its velocity."""
     ahead = _to_come(deck, system, s)
     at, gravity = {node.name: i for i, node in enumerate(system.nodes)}, system.context.gravity
     ground = NodeAtStart(np.eye(3), np.zeros(3), np.eye(3), np.zeros(3), lambda: np.diag([np.inf] * 3), gravity)
     for name, d in deck.values["elements"].items():
         kind = KINDS[d["type"]]
-        if kind.suspicious is not nothing:
+        if kind.start_warnings is not nothing:
             names = element_nodes(kind, d)
             nodes = [node_at_start(system, s, at[node], ahead) if node in at else ground for node in names]
-            for text in kind.suspicious(d, nodes):
+            for text in kind.start_warnings(d, nodes):
                 yield Problem(f"{d['type']} '{name}': {text}", deck.mark("elements", name))
 
 

@@ -42,7 +42,7 @@ class Recorder:
         self.observation = integrator.observation
         self.deck, values = prepared.deck, prepared.deck.values
         self.poll = lambda: None
-        self.ends = watched_outputs(values, sampler, "ends")
+        self.ends = watched_outputs(values, sampler, "end_conditions")
         forces = [c for c in sampler.columns if c.unit in FORCES]
         self.ringing = OscillationMonitor(np.array([c.start + i for c in forces for i in range(c.size)], np.int64))
         every, time = values["output"]["every"], values["time"]

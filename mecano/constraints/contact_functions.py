@@ -181,8 +181,8 @@ def rubbing(shapes):
     return residual
 
 
-def rubs(shapes):
-    """Return ``rubs`` of the friction of a rigid contact."""
+def impact_friction(shapes):
+    """Return ``impact_friction`` of the friction of a rigid contact."""
 
     def found(p, at):
         touched = shapes.touch(p, at)

@@ -107,7 +107,7 @@ def too_low(depth, lift, because=""):
     )
 
 
-def ends(d):
+def end_conditions(d):
     """Return the end condition of a wheel that comes to lie flat, where its contact is undefined."""
     return [("lean", math.acos(LEAST_Q), "lies flat: its axis is along the normal of the ground")]
 

@@ -109,12 +109,12 @@ class DeckEntry:
     angle about its 'axis': two between the same nodes must have the same axis"""
     limits: Callable = nothing
     """deck values -> [(output, value, text)]: a warning with the text when |output| exceeds the value in a run"""
-    ends: Callable = nothing
+    end_conditions: Callable = nothing
     """deck values -> [(output, value, text)]: the run fails with the text if |output| exceeds the value"""
     strains: tuple[float, ...] = ()
     """(lowest, highest) strain at the start that needs no warning, relative to 'natural_length' or, without it, to the
     distance of the two nodes in the deck"""
-    suspicious: Callable = nothing
+    start_warnings: Callable = nothing
     """(deck values, [NodeAtStart]) -> [text]: warnings about the state at the start"""
     remedies: Callable = nothing
     """deck values -> [text]: what to try, with actual values, when the solution of the equations fails"""
@@ -140,11 +140,11 @@ class Mechanics:
     """deck values of a signal -> True if its value may jump although its inputs do not"""
     smooths: Callable = never
     """deck values of a signal -> True if its value does not jump with its inputs"""
-    like: Callable = never
+    same_unit_as: Callable = never
     """deck values of a signal -> formula (text) of the same unit as its value; "" if there is none"""
-    seconds: Callable = never
-    """deck values of a signal -> power of seconds by which the unit of its value exceeds that of ``like``: 1.0 of an
-    integral"""
+    power_of_seconds: Callable = never
+    """deck values of a signal -> power of seconds by which the unit of its value exceeds that of ``same_unit_as``:
+    1.0 of an integral"""
     inputs: tuple[str, ...] = ()  # names of the signals that it reads
     multipliers: tuple[Row, ...] = ()
     coupled_multipliers: tuple[Row, ...] = ()  # of other parts of the same owner
@@ -171,7 +171,7 @@ class Mechanics:
     constraints: Callable | None = None
     constraint_derivatives: Callable | None = None
     observe: Callable | None = None
-    rubs: Callable | None = None
+    impact_friction: Callable | None = None
     """(record, Place) -> (coefficient of friction, gradients (2, n_local) of the velocities of sliding along two
     perpendicular directions): friction in impacts of the contact to whose multiplier it is coupled; called from
     Python"""

@@ -22,9 +22,10 @@ def has_watched_outputs(values: Values, what: str) -> bool:
 
 
 def watched_outputs(values: Values, sampler: "Sampler", what: str) -> list[Watched]:
-    """Return the monitored outputs of the elements with the deck values ``values``; ``what`` is "limits" or "ends".
+    """Return the monitored outputs of the elements with the deck values ``values``.
 
-    [(name, deck values of the element, output, its column in the row, value, text)]; of a vector each component is one.
+    ``what`` is "limits" or "end_conditions". The result is a list of
+    (name, deck values of the element, output, its column in the row, value, text); of a vector each component is one.
     """
     columns = {column.path: column for column in sampler.columns}
     return [

@@ -134,8 +134,8 @@ class _Units:
         known = name in self.used
         self.used[name] = UNKNOWN if known else unit
         kind, d = self.entries["signals", name]
-        if not known and kind.like(d) and not kind.seconds(d):
-            self._use(kind.like(d), unit)
+        if not known and kind.same_unit_as(d) and not kind.power_of_seconds(d):
+            self._use(kind.same_unit_as(d), unit)
 
     def of_output(self, element: "Element", output: "Output") -> str:
         """Return the unit of an output of a signal: that of its value or of its input."""
@@ -148,8 +148,8 @@ class _Units:
         if name not in self.found:
             self.found[name] = UNKNOWN
             kind, d = self.entries["signals", name]
-            like = self.of_formula(kind.like(d)) if kind.like(d) else UNKNOWN
-            power = kind.seconds(d)
+            like = self.of_formula(kind.same_unit_as(d)) if kind.same_unit_as(d) else UNKNOWN
+            power = kind.power_of_seconds(d)
             unit = _product((like, 1.0), ("s", power)) if power else like
             self.found[name] = d["unit"] or (self.used.get(name, UNKNOWN) if unit == UNKNOWN else unit)
         return self.found[name]

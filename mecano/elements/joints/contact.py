@@ -29,7 +29,14 @@ from dataclasses import replace
 from mecano.constraints.activation import with_activation
 from mecano.constraints.along_coordinate.friction import check_friction, friction_fields
 from mecano.constraints.along_coordinate.trigger import trigger_of
-from mecano.constraints.contact_functions import elastic, observed_rigid, observed_rubbing, rigid, rubbing, rubs
+from mecano.constraints.contact_functions import (
+    elastic,
+    impact_friction,
+    observed_rigid,
+    observed_rubbing,
+    rigid,
+    rubbing,
+)
 from mecano.constraints.contact_samples import samples
 from mecano.constraints.release import COMMAND, SAMPLE, with_release
 from mecano.constraints.touching import BALL, FIELDS, ROUNDING, check_one_surface
@@ -216,7 +223,8 @@ def _friction_kind(shapes):
     """Return the Kind of the friction of the rigid contacts of two shapes, a part of them."""
     return Kind(
         name=f"{shapes.name}contact_friction", doc="Friction of a rigid contact.", dtype=_record(shapes),
-        layout=ROUGH_LAYOUT, coupled_multipliers=(NORMAL,), residual=rubbing(shapes), rubs=rubs(shapes),
+        layout=ROUGH_LAYOUT, coupled_multipliers=(NORMAL,), residual=rubbing(shapes),
+        impact_friction=impact_friction(shapes),
     )  # fmt: skip
 
 

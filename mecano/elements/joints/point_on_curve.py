@@ -130,7 +130,7 @@ def check(d, nodes):
     return texts
 
 
-def ends(d):
+def end_conditions(d):
     """Return the end condition of an open curve."""
     return [("overrun", ROUNDING * knots(d)[-1], "has reached the end of its curve")] if has_ends(d) else []
 
@@ -187,7 +187,7 @@ POINT_ON_CURVE = Kind(
     start=start,
     variant=variant,
     check=check,
-    ends=ends,
+    end_conditions=end_conditions,
     residual=residual,
     constraints=constraints,
     observe=observe,

@@ -161,7 +161,7 @@ def check(d, nodes):
     return check_line(d, nodes[1:])
 
 
-def ends(d):
+def end_conditions(d):
     """Return the end condition of a slider that reaches the end of the beam."""
     return [("overrun", ROUNDING, "has reached the end of the beam")]
 
@@ -218,7 +218,7 @@ DECLARED = {
     "start": start,
     "variant": variant,
     "check": check,
-    "ends": ends,
+    "end_conditions": end_conditions,
     "residual": residual,
     "constraints": constraints,
     "observe": observe,

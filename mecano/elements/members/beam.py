@@ -24,7 +24,7 @@ from mecano.constraints.along_coordinate.demand import as_formula, is_formula
 from mecano.constraints.elastic_line import STRAIN_OF_STEEL
 from mecano.constraints.joint_samples import rotation
 from mecano.element_interface import Display, Kind, Output, record
-from mecano.elements.members.beam_checks import check, check_mesh, suspicious
+from mecano.elements.members.beam_checks import check, check_mesh, start_warnings
 from mecano.elements.members.beam_elastic import (
     add_elastic,
     bent_line,
@@ -242,7 +242,7 @@ BEAM = Kind(
     prepare=prepare,
     divide=divide,
     check=check,
-    suspicious=suspicious,
+    start_warnings=start_warnings,
     strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
     force=force,
     by_lanes=True,

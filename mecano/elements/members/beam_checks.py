@@ -37,7 +37,7 @@ def _too_slender(d, nodes, section):
     ]
 
 
-def suspicious(d, nodes):
+def start_warnings(d, nodes):
     """Return warnings about a beam that is too slender for its numbers or for its elements."""
     return [*_inaccurate(d, nodes), *_hanging(d, nodes)]
 

@@ -101,7 +101,7 @@ def check(d, nodes):
     return texts
 
 
-def ends(d):
+def end_conditions(d):
     """Return the end conditions of two neighbours that leave no span between them."""
     text = "has no free span left between {!r} and {!r}: they are too close"
     names = [[d["nodes"][k] for k in pair[:2]] for pair in _spans(d)]
@@ -149,6 +149,6 @@ BELT = Kind(
     ),
     parts=parts,
     check=check,
-    ends=ends,
+    end_conditions=end_conditions,
     sample=sample,
 )

@@ -164,7 +164,7 @@ def _areas(area):
     return [] if area is None else [curve_at(area, float(x))[0] for x in [0.0, *corners]]
 
 
-def suspicious(d, nodes):
+def start_warnings(d, nodes):
     """Return warnings about the gas, a strut that starts beyond its full extension, and too large orifices."""
     gas, second, texts = d["gas"], d["second_gas"], []
     full, length = d["extended_length"], float(np.linalg.norm(nodes[1].x - nodes[0].x))
@@ -279,7 +279,7 @@ OLEO = Kind(
     events=EVENTS,
     prepare=prepare,
     check=check,
-    suspicious=suspicious,
+    start_warnings=start_warnings,
     residual=residual,
     observe=observe,
     event_values=event_values,

@@ -230,7 +230,7 @@ def limits(d):
     return [("inclination", INCLINATION, "the length is exact only in the plane of the pulleys")]
 
 
-def ends(d):
+def end_conditions(d):
     """Return the end conditions of a cable that leaves a pulley, and of neighbours that leave no span between them."""
     return [
         ("lift_off", LIFTED, "leaves one of its pulleys, where its arc (wrap_1, ...) falls below zero"),
@@ -323,7 +323,7 @@ _ALWAYS_ACTIVE = Kind(
     check=check,
     variant=variant,
     limits=limits,
-    ends=ends,
+    end_conditions=end_conditions,
     sample=sample,
     **_functions(strain_by(of_law)),
 )

@@ -110,7 +110,7 @@ DELAY = signal_of_input(
     "delay",
     __doc__,
     Field("time", NUMBER, "s", "T, by which the value is late", check=positive),
-    like=lambda d: d["input"],
+    same_unit_as=lambda d: d["input"],
     memory=("count", *(f"{name}_{i}" for i in range(MOST) for name in ("time", "value"))),
     residual=residual,
     commit=commit,

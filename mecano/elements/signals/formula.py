@@ -62,7 +62,7 @@ FORMULA = Kind(
     doc=__doc__,
     dtype=record(program="i"),
     fields=(Field("value", FORMULA_TYPE, "-", "the formula"), UNIT_OF_VALUE),
-    like=lambda d: d["value"],
+    same_unit_as=lambda d: d["value"],
     reads=lambda d: read_formula(d["value"]).references,
     prepare=prepare,
     variant=variant,

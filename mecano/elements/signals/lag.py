@@ -24,7 +24,7 @@ LAG = signal_of_input(
     Field("gain", NUMBER, "-", "g, ratio of the value to a constant input", 1.0),
     INITIAL,
     smooths=lambda d: True,
-    like=lambda d: d["input"] if d["gain"] == 1.0 else "",
+    same_unit_as=lambda d: d["input"] if d["gain"] == 1.0 else "",
     states=("value",),
     start=lambda p: [p["initial"]],
     residual=residual,

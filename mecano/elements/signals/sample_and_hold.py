@@ -42,7 +42,7 @@ SAMPLE_AND_HOLD = signal_of_input(
     __doc__,
     Field("period", NUMBER, "s", "T, time between two samples", check=positive),
     jumps=lambda d: True,
-    like=lambda d: d["input"],
+    same_unit_as=lambda d: d["input"],
     memory=("held", "next", "started"),
     residual=residual,
     commit=commit,

@@ -12,7 +12,7 @@ exact one (``rigid_wheel``) falls over below v^2 = g r/3. A, C are the moments o
 
 import numpy as np
 
-from mecano.constraints.ground import check_axle, ends, on_the_slope, slope_below
+from mecano.constraints.ground import check_axle, end_conditions, on_the_slope, slope_below
 from mecano.constraints.no_slip import add_slip_reactions, leaning, on_a_plane, put_slip
 from mecano.constraints.of_coordinates import HELD_COORDINATE
 from mecano.constraints.rolling import ROWS
@@ -107,7 +107,7 @@ CARDONA_WHEEL = Kind(
     prepare=prepare,
     parts=parts,
     check=check,
-    ends=ends,
+    end_conditions=end_conditions,
     observe=observe,
     sample=sample,
 )

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.constraints.ground import GROUND_RECORD, ends, touch
+from mecano.constraints.ground import GROUND_RECORD, end_conditions, touch
 from mecano.constraints.tire_patch import Y, add_patch_force
 from mecano.constraints.wheels import Wheel
 from mecano.element_interface import Kind, Output, record
@@ -186,7 +186,7 @@ def limits(d):
     return [*found, ("divergence", 1.0, DIVERGENT)] if lateral and twists(lateral) else found
 
 
-def suspicious(d, nodes):
+def start_warnings_of_patch(d, nodes):
     """Return warnings about the motion and deformation at the start, and about the twist of the patch."""
     return [*start_warnings(d, nodes), *_twist_warnings(d, nodes)]
 
@@ -267,9 +267,9 @@ def patch_wheel(name, doc, massless, residual, observe, events=EVENTS, **constra
         start=start,
         check=check,
         limits=limits,
-        suspicious=suspicious,
+        start_warnings=start_warnings_of_patch,
         remedies=remedies,
-        ends=ends,
+        end_conditions=end_conditions,
         residual=residual,
         observe=observe,
         event_values=event_values,

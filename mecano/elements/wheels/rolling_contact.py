@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mecano.constraints.ground import ends, touch
+from mecano.constraints.ground import end_conditions, touch
 from mecano.constraints.wheels import Wheel
 from mecano.element_interface import Kind, Output, record
 from mecano.elements.wheels.at_start import start_warnings
@@ -157,7 +157,7 @@ def wheel_with(law, compiled, own_record, prepare, **fields):
         events=EVENTS,
         prepare=prepare_all,
         limits=limits,
-        ends=ends,
+        end_conditions=end_conditions,
         residual=residual,
         observe=observe,
         **fields,
@@ -169,7 +169,7 @@ wheel_on_ground = partial(
     display=TYRE_DISPLAY,
     layout=("x0", "R0"),
     fields=FIELDS,
-    suspicious=start_warnings,
+    start_warnings=start_warnings,
     event_values=event_values,
 )
 

@@ -10,7 +10,7 @@ force on the blade along l. Nothing keeps the node on the ground, and the blade 
 
 import numpy as np
 
-from mecano.constraints.ground import LEAN, check_axle, ends, lean_of, slope_below
+from mecano.constraints.ground import LEAN, check_axle, end_conditions, lean_of, slope_below
 from mecano.constraints.no_slip import add_slip_reactions, on_a_plane, put_slip
 from mecano.constraints.triads import unit
 from mecano.constraints.wheels import carried_axis
@@ -89,7 +89,7 @@ SKATE = Kind(
     multipliers=(Row("force across the blade", "N", "m/s"),),
     prepare=prepare,
     check=check,
-    ends=ends,
+    end_conditions=end_conditions,
     residual=residual,
     constraints=constraints,
     observe=observe,

@@ -191,7 +191,7 @@ with_law = partial(
     ),
     outputs=OUTPUTS,
     check=check,
-    suspicious=start_warnings_on_body,
+    start_warnings=start_warnings_on_body,
     event_values=event_values,
     sample=sample,
 )

@@ -56,7 +56,7 @@ def rough_contacts(system: "System", s: "State", leads: np.ndarray) -> list[Roug
     """Return the RoughContacts among contacts with the multipliers ``leads`` (n,), at the state before the impact."""
     places, found = {n_lead: i for i, n_lead in enumerate(leads)}, []
     for batch in system.batches:
-        if batch.kind.rubs is None:
+        if batch.kind.impact_friction is None:
             continue
         records = batch.p.view(np.recarray)
         for e, dofs in enumerate(batch.dofs):
@@ -65,7 +65,7 @@ def rough_contacts(system: "System", s: "State", leads: np.ndarray) -> list[Roug
                 at = Place(
                     s.t, 0, 1.0, 0.0, system.laws, np.zeros(0), s.z[dofs], s.v[dofs], s.a[dofs], s.R[batch.rots[e]]
                 )
-                mu, gradients = batch.kind.rubs(records[e], at)
+                mu, gradients = batch.kind.impact_friction(records[e], at)
                 found.append(RoughContact(contact, mu, dofs, gradients))
     return found
 

@@ -27,7 +27,7 @@ def missing_friction(system: "System", shock: "Shock") -> list[tuple[str, float,
     s.z[n_q : system.n] = shock.impulses
     outputs, least = system.observe(s).outputs, NOTED * np.abs(shock.impulses).max(initial=0.0)
     for batch in system.batches:
-        if not batch.kind.coupled_multipliers or batch.kind.rubs is not None:
+        if not batch.kind.coupled_multipliers or batch.kind.impact_friction is not None:
             continue
         at = [i for i, output in enumerate(batch.kind.outputs) if _is_friction(output)]
         for title, row in zip(batch.names, np.abs(batch.outputs(outputs)), strict=True):
