@@ -118,13 +118,14 @@ def check_transfer(d, nodes):
 
 
 @cache
-def _of_size(name, n, m):
+def _of_size(kind, n, m):
+    """Return the ``kind`` with n states and m inputs."""
     states = tuple(f"state_{i}" for i in range(1, n + 1))
-    inputs = tuple(f"input_{i}" for i in range(1, m + 1))
-    outputs = (VALUE, *(replace(STATE, name=state) for state in states))
-    return Kind(
-        **DECLARED[name] | {"scalars": ("value", *states), "states": states, "inputs": inputs, "outputs": outputs}
-    )
+    return replace(
+        kind, variant=None, scalars=("value", *states), states=states,
+        inputs=tuple(f"input_{i}" for i in range(1, m + 1)),
+        outputs=(VALUE, *(replace(STATE, name=state) for state in states)),
+    )  # fmt: skip
 
 
 def sample_space(rng):
@@ -148,40 +149,37 @@ def sample_transfer(rng):
 SHARED = {
     **IN_DECK, "doc": __doc__, "dtype": RECORD, "force": force, "outputs": (VALUE, STATE), "observe": observe,
 }  # fmt: skip
-DECLARED = {
-    "state_space": {
-        **SHARED,
-        "name": "state_space",
-        "fields": (
-            Field("inputs", list_of(FORMULA), "-", "formulas of the inputs u"),
-            Field("A", ROWS, "-", "rows of A"),
-            Field("B", ROWS, "-", "rows of B"),
-            Field("C", NUMBERS, "-", "the row C, one number for each state"),
-            Field("D", NUMBERS, "-", "the row D, one number for each input; zero when absent", None),
-            UNIT_OF_VALUE,
-        ),
-        "prepare": prepare_space,
-        "check": check_space,
-        "reads": lambda d: d["inputs"],
-        "smooths": lambda d: not any(d["D"] or ()),
-        "variant": lambda d: _of_size("state_space", len(d["A"]), len(d["inputs"])),
-        "sample": sample_space,
-    },
-    "transfer_function": {
-        **SHARED,
-        "name": "transfer_function",
-        "smooths": lambda d: len(d["numerator"]) < len(d["denominator"]),
-        "fields": (
-            INPUT,
-            Field("numerator", NUMBERS, "-", "coefficients in ascending powers of s"),
-            Field("denominator", NUMBERS, "-", "coefficients in ascending powers of s"),
-            UNIT_OF_VALUE,
-        ),
-        "prepare": prepare_transfer,
-        "check": check_transfer,
-        "reads": lambda d: [d["input"]],
-        "variant": lambda d: _of_size("transfer_function", len(d["denominator"]) - 1, 1),
-        "sample": sample_transfer,
-    },
-}
-STATE_SPACE, TRANSFER_FUNCTION = (Kind(**declared) for declared in DECLARED.values())
+STATE_SPACE = Kind(
+    name="state_space",
+    fields=(
+        Field("inputs", list_of(FORMULA), "-", "formulas of the inputs u"),
+        Field("A", ROWS, "-", "rows of A"),
+        Field("B", ROWS, "-", "rows of B"),
+        Field("C", NUMBERS, "-", "the row C, one number for each state"),
+        Field("D", NUMBERS, "-", "the row D, one number for each input; zero when absent", None),
+        UNIT_OF_VALUE,
+    ),
+    prepare=prepare_space,
+    check=check_space,
+    reads=lambda d: d["inputs"],
+    smooths=lambda d: not any(d["D"] or ()),
+    variant=lambda d: _of_size(STATE_SPACE, len(d["A"]), len(d["inputs"])),
+    sample=sample_space,
+    **SHARED,
+)
+TRANSFER_FUNCTION = Kind(
+    name="transfer_function",
+    fields=(
+        INPUT,
+        Field("numerator", NUMBERS, "-", "coefficients in ascending powers of s"),
+        Field("denominator", NUMBERS, "-", "coefficients in ascending powers of s"),
+        UNIT_OF_VALUE,
+    ),
+    prepare=prepare_transfer,
+    check=check_transfer,
+    reads=lambda d: [d["input"]],
+    smooths=lambda d: len(d["numerator"]) < len(d["denominator"]),
+    variant=lambda d: _of_size(TRANSFER_FUNCTION, len(d["denominator"]) - 1, 1),
+    sample=sample_transfer,
+    **SHARED,
+)
