@@ -17,6 +17,7 @@ of the frame, that is, their contributions to the centrifugal and Coriolis force
 superelements where these matter (docs/superelements.md).
 """
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -169,22 +170,26 @@ def variant(d):
 
 @cache
 def _of_size(n_nodes, n_modes):
+    """Return the kind with these numbers of nodes and modes."""
+    outputs = _outputs(n_nodes, n_modes)
+    return replace(
+        SUPERELEMENT, variant=None, outputs=outputs, hidden=_hidden(outputs),
+        layout=tuple(f"{slot}{i}" for i in range(n_nodes) for slot in "xR"),
+        scalars=tuple(f"amplitude_{i}" for i in range(1, n_modes + 1)),
+    )  # fmt: skip
+
+
+def _outputs(n_nodes, n_modes, more=""):
+    """Return the outputs with these numbers of nodes and modes; ``more`` ends the descriptions of numbered ones."""
     numbers, modes = range(1, n_nodes + 1), range(1, n_modes + 1)
-    outputs = (
+    return (
         *OUTPUTS,
-        *(Output(f"{name}_{i}", unit, doc.format(i), (3,)) for i in numbers for name, unit, doc in NODE_OUTPUTS),
+        *(Output(f"{name}_{i}", unit, doc.format(i) + more, (3,)) for i in numbers for name, unit, doc in NODE_OUTPUTS),
         *(
-            Output(name.format(i), unit, doc.format(i), rate=rate.format(i))
+            Output(name.format(i), unit, doc.format(i) + more, rate=rate.format(i))
             for i in modes
             for name, unit, doc, rate in MODE_OUTPUTS
         ),
-    )
-    return Kind(
-        **DECLARED,
-        layout=tuple(f"{slot}{i}" for i in range(n_nodes) for slot in "xR"),
-        scalars=tuple(f"amplitude_{i}" for i in modes),
-        outputs=outputs,
-        hidden=_hidden(outputs),
     )
 
 
@@ -227,32 +232,26 @@ OUTPUTS = (
     Output("frame_origin", "m", "mean of the boundary nodes, the origin of the frame, inertial", (3,)),
     Output("frame_rotation", "-", "unit quaternion (w, x, y, z) from the axes of the frame to inertial axes", (4,)),
 )
-DECLARED_OUTPUTS = (
-    *OUTPUTS,
-    *(Output(f"{name}_1", unit, f"{doc.format('1')}; and so on", (3,)) for name, unit, doc in NODE_OUTPUTS),
-    *(
-        Output(name.format(1), unit, f"{doc.format(1)}; and so on", rate=rate.format(1))
-        for name, unit, doc, rate in MODE_OUTPUTS
-    ),
-)
-DECLARED = {
-    "name": "superelement",
-    "section": "elements",
-    "doc": __doc__,
-    "display": Display("superelement"),
-    "dtype": RECORD,
-    "fields": (
+DECLARED = _outputs(1, 1, "; and so on")
+SUPERELEMENT = Kind(
+    name="superelement",
+    section="elements",
+    doc=__doc__,
+    display=Display("superelement"),
+    dtype=RECORD,
+    fields=(
         Field("nodes", NODES, "-", "its boundary nodes, in the order of the matrices"),
         Field("file", REDUCED, "-", "its matrices: a file in the folder of the deck, or its contents"),
         Field("mass_damping", NUMBER, "1/s", "damping per mass, of deformations only", 0.0, not_negative),
         Field("stiffness_damping", NUMBER, "s", "damping per stiffness", 0.0, not_negative),
     ),
-    "flexible": True,
-    "prepare": prepare,
-    "check": check,
-    "force": force,
-    "observe": observe,
-    "sample": sample,
-    "variant": variant,
-}
-SUPERELEMENT = Kind(**DECLARED, outputs=DECLARED_OUTPUTS, hidden=_hidden(DECLARED_OUTPUTS))
+    flexible=True,
+    prepare=prepare,
+    check=check,
+    force=force,
+    observe=observe,
+    sample=sample,
+    variant=variant,
+    outputs=DECLARED,
+    hidden=_hidden(DECLARED),
+)

@@ -17,6 +17,7 @@ the sections: the kink that shear causes at a loaded node is neglected, and so i
 slider itself, up to F L^3/(192 EI) in its middle: both decrease with the size of the elements.
 """
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -174,7 +175,7 @@ def variant(d):
 @cache
 def _of_size(n_nodes):
     layout = tuple(f"{slot}{i}" for i in range(1, n_nodes + 1) for slot in "xR")
-    return Kind(**DECLARED, layout=("x0", *layout))
+    return replace(SLIDER_ON_BEAM, variant=None, layout=("x0", *layout))
 
 
 def sample(rng):
@@ -190,18 +191,18 @@ def sample(rng):
     return found
 
 
-DECLARED = {
-    "name": "slider_on_beam",
-    "section": "joints",
-    "doc": __doc__,
-    "display": Display(pictures=("curves",), force="force"),
-    "dtype": RECORD,
-    "scalars": ("position",),
-    "fields": (
+SLIDER_ON_BEAM = Kind(
+    name="slider_on_beam",
+    section="joints",
+    doc=__doc__,
+    display=Display(pictures=("curves",), force="force"),
+    dtype=RECORD,
+    scalars=("position",),
+    fields=(
         Field("node", NODE, "-", "the slider, free to rotate"),
         Field("line", LINE, "-", "the beam, or its nodes from its start to its end"),
     ),
-    "outputs": (
+    outputs=(
         Output(
             "position", "m", "s, the position on the beam: undeformed length from its first node", rate="position_rate"
         ),
@@ -211,19 +212,18 @@ DECLARED = {
         Output("normal_force", "N", "magnitude of that force, which is normal to the beam"),
         Output("overrun", "m", "how far the slider is beyond the ends of the beam"),
     ),
-    "multipliers": tuple(Row(f"force on the slider along {axis}", "N", "m") for axis in "xyz"),
-    "events": (Event("passes", "", "", "the slider passes from one element of the beam to the next"),),
-    "memory": ("element",),
-    "prepare": prepare,
-    "start": start,
-    "variant": variant,
-    "check": check,
-    "end_conditions": end_conditions,
-    "residual": residual,
-    "constraints": constraints,
-    "observe": observe,
-    "event_values": event_values,
-    "commit": commit,
-    "sample": sample,
-}
-SLIDER_ON_BEAM = Kind(**DECLARED)
+    multipliers=tuple(Row(f"force on the slider along {axis}", "N", "m") for axis in "xyz"),
+    events=(Event("passes", "", "", "the slider passes from one element of the beam to the next"),),
+    memory=("element",),
+    prepare=prepare,
+    start=start,
+    variant=variant,
+    check=check,
+    end_conditions=end_conditions,
+    residual=residual,
+    constraints=constraints,
+    observe=observe,
+    event_values=event_values,
+    commit=commit,
+    sample=sample,
+)
