@@ -131,7 +131,7 @@ def test_modes_about_a_saved_time_include_locked_joints(tmp_path):
     run(checked, tmp_path / "rods.h5")
     for time, locked in ((1.0, 0.0), (1.2, 1.0), (1.6, 1.0)):
         prepared = prepare(checked)
-        _, state, _, _ = state_at(prepared, f"{tmp_path / 'rods.h5'}:{time}")
+        _, state, *_ = state_at(prepared, f"{tmp_path / 'rods.h5'}:{time}")
         (latch,) = (b for b in prepared.system.batches if b.kind.name == "angle_latch")
         assert state.phases[latch.first_phase] == locked
         assert np.abs(prepared.system.constraint_derivatives(state)[:, 0]).max() < 1e-9
