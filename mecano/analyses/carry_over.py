@@ -1,7 +1,8 @@
 """Runs that begin in a saved state of another run: ``initial: {from: stowed.h5:2.0}``.
 
 Nodes, and scalars of elements, of the same names take their motion from the other run; the phases of elements (latches,
-contacts) follow from its events, memory from all its rows (replay.py). What is new keeps the values of the deck.
+contacts) follow from its events, memory from all its rows (replay.py). New nodes and elements keep the values
+of the deck.
 """
 
 import math

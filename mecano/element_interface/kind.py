@@ -229,7 +229,7 @@ class Kind(DeckEntry, Mechanics, Events):
     """A kind of element: everything that the rest of mecano may know about it.
 
     A name, four groups of declarations (``DeckEntry``, ``Mechanics``, ``Events``, and ``Display`` as one value), and
-    the methods that combine them. What a kind does not need keeps its default: most have no events.
+    the methods that combine them. Those that a kind does not need keep their defaults: most kinds have no events.
     """
 
     name: str

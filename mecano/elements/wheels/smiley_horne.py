@@ -20,7 +20,7 @@ moment for small angles, 0.8 h N psi, is the aligning moment of a patch.
 
 A deck names size, pressure and the vertical load of the wheel. When it is read, the fields of the tyre law that it does
 not give are filled in: the radial force, and either the lateral law of a patch (with ``friction``) or the stiffnesses
-of ``yawed_rolling``. What wheels take as constant has the value under this load.
+of ``yawed_rolling``. Values that are constant in wheels are those under this load.
 """
 
 import math
