@@ -135,8 +135,8 @@ def test_what_is_never_used():
     """A parameter that only another one uses is used; what is used in a name or a range is, too."""
     text = HEAD + UNUSED
     places = ["rising: ", "rod: ", "road: ", "tyre: "]
-    whats = ["law 'rising'", "section 'rod'", "ground 'road'", "tire law 'tyre'"]
-    expected = {f"{at(text, place)}{what} is not used" for place, what in zip(places, whats, strict=True)}
+    unused = ["law 'rising'", "section 'rod'", "ground 'road'", "tire law 'tyre'"]
+    expected = {f"{at(text, place)}{what} is not used" for place, what in zip(places, unused, strict=True)}
     said = warned(text)
     assert {line for line in said if "parameter" not in line} == expected
     parameters = [line.partition(": ")[2] for line in said if "parameter" in line]

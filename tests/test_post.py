@@ -164,7 +164,7 @@ def test_single_numbers_keep_their_sign_and_lengths_are_named(shown, runs):
     plan = Plan("torsion_springs", "Moments", (View("moment", ("moment.magnitude",)),))
     (panel,) = planned_panels(plan, runs)[0]
     expected = values(runs[0], "one_torsion_spring_damper.moment")
-    assert expected.min() < 0.0 and panel.label == "moment" and panel.whats == ("moment",)
+    assert expected.min() < 0.0 and panel.label == "moment" and panel.quantities == ("moment",)
     assert np.array_equal(panel.curves[0].y.values, expected)
     lengths = [curve.y for panel in shown["reactions"].panels for curve in panel.curves if "magnitude" in curve.y.path]
     assert lengths and {y.what for y in lengths} <= {"|force|", "|moment|"}
@@ -574,14 +574,14 @@ TEN = tuple("abcdefghij")
 
 
 @pytest.mark.parametrize(
-    "names, whats, labels",
+    "names, quantities, labels",
     [(40, 1, ()), (5, 8, ()), (12, 3, ()), (1, 20, ()), (6, 2, ("a", "b")), (2, 1, TEN), (1, 1, TEN)],
 )
-def test_no_two_curves_look_the_same(runs, names, whats, labels):
+def test_no_two_curves_look_the_same(runs, names, quantities, labels):
     """The smallest curves, without colours of their own, are pale and counted in the legend."""
     (force,) = find(runs[0].results, "one_wheel.normal_force")
     curves = []
-    for run, i, j in np.ndindex(len(labels) or 1, names, whats):
+    for run, i, j in np.ndindex(len(labels) or 1, names, quantities):
         y = replace(force, path=f"elements/e{i}/what_{j}", values=(i + 1.0) * (1.0 + 0.01 * j) * force.values)
         curves.append(Curve(time_of(force), y, run, f"e{i}"))
     panel = Panel("force", tuple(curves))
@@ -591,7 +591,7 @@ def test_no_two_curves_look_the_same(runs, names, whats, labels):
         reported = [(one["color"], str(one["linestyle"])) for one in found if one["color"] != style.PALE]
         assert len(set(reported)) == len(reported) >= min(len(curves), 6)
         pale = {curve.subject for curve, one in zip(curves, found, strict=True) if one["color"] == style.PALE}
-        if whats <= len(style.DASHES):
+        if quantities <= len(style.DASHES):
             assert pale == {f"e{i}" for i in range(len(pale))}
         texts = [handle.get_label() for handle in (*styles.handles(), *styles.legend(panel))]
         assert any(text.endswith("others") for text in texts) == bool(pale)
@@ -777,7 +777,7 @@ def test_a_signal_is_labelled_by_its_name(path):
     ):  # fmt: skip
         sheet = requested_sheet(Request.parse(names), [run])
         assert [panel.label for panel in sheet.panels] == expected
-        assert {what for panel in sheet.panels for what in panel.whats} == {"signal"}
+        assert {what for panel in sheet.panels for what in panel.quantities} == {"signal"}
     sheet = requested_sheet(Request.parse("one_delay:one_curve"), [run])
     [axes] = figure.sheet_figure(sheet, "title").axes
     assert axes.get_xlabel().startswith("one_curve") and axes.get_ylabel().startswith("one_delay")

@@ -28,10 +28,10 @@ class CurveStyles:
     def __init__(self, sheet: Sheet, panel_by_panel: bool = False):
         self.runs = sheet.run_labels
         panels = [panel for panel in sheet.panels if isinstance(panel, Panel)]
-        whats = max((len(panel.whats) for panel in panels), default=1)
-        alone = all(len(panel.subjects) * len(panel.whats) == 1 for panel in panels)
+        count = max((len(panel.quantities) for panel in panels), default=1)
+        alone = all(len(panel.subjects) * len(panel.quantities) == 1 for panel in panels)
         self._legend_runs = self.runs[: len(COLOURS) * (len(DASHES) if alone else 1)]
-        self._sheet = None if panel_by_panel or self.runs else self._largest(panels, sheet.subjects, whats)
+        self._sheet = None if panel_by_panel or self.runs else self._largest(panels, sheet.subjects, count)
         self._owners = None if panel_by_panel else sheet.subjects
         several = len(sheet.subjects) > 1
         self._common = self._sheet if self._sheet is not None and several else ()  # elements of one common legend
@@ -61,26 +61,26 @@ class CurveStyles:
         subjects = self._subjects(panel)
         if curve.subject not in subjects or curve.run >= len(self._legend_runs or [0]):
             return 0, len(DASHES)
-        many = max(len(panel.whats), 1)
-        what = panel.whats.index(curve.y.what) if curve.y.what in panel.whats else 0
+        many = max(len(panel.quantities), 1)
+        quantity = panel.quantities.index(curve.y.what) if curve.y.what in panel.quantities else 0
         subject = subjects.index(curve.subject)
         if self.runs:
-            main, other, others = curve.run, subject * many + what, 1
+            main, other, others = curve.run, subject * many + quantity, 1
         elif len(subjects) > 1:
-            main, other, others = subject, what, many
+            main, other, others = subject, quantity, many
         else:
-            main, other, others = what, 0, 1
+            main, other, others = quantity, 0, 1
         return main % len(COLOURS), other + others * (main // len(COLOURS))
 
     def _subjects(self, panel):
         """Return the elements with a style of their own in a panel."""
         if self._sheet is not None:
             return self._sheet
-        return self._largest([panel], panel.subjects, len(panel.whats))
+        return self._largest([panel], panel.subjects, len(panel.quantities))
 
-    def _largest(self, panels, subjects, whats):
-        """Return the subjects with the largest values, as many as there are styles for ``whats`` quantities each."""
-        rounds = max(1, len(DASHES) // max(whats, 1))
+    def _largest(self, panels, subjects, count):
+        """Return the subjects with the largest values, as many as there are styles for ``count`` quantities each."""
+        rounds = max(1, len(DASHES) // max(count, 1))
         most = rounds if self.runs else min(MOST_STYLED, rounds * len(COLOURS))
         if len(subjects) <= most:
             return subjects
@@ -106,7 +106,7 @@ class CurveStyles:
     def legend(self, panel: Panel) -> list[Line2D]:
         """Return the legend of a panel, without the entries of the legend of the sheet."""
         several = len(panel.subjects) > 1 and self._sheet is None
-        named = len(panel.whats) > 1 or any(curve.reference for curve in panel.curves)
+        named = len(panel.quantities) > 1 or any(curve.reference for curve in panel.curves)
         handles, others = {}, set()
         for equal in self.drawn(panel):
             curve, style = equal[0], self.style(equal[0], panel)

@@ -60,7 +60,7 @@ def _matrices(quaternions):
     return np.moveaxis(np.array(rows), -1, 0)
 
 
-WHATS = {
+MOTIONS = {
     "position": ("position of an inner node, inertial", "positions"),
     "displacement": ("displacement of an inner node relative to the frame, axes of the frame", "displacements"),
 }
@@ -72,13 +72,13 @@ def named(results: "Results", name: str) -> tuple[str, str, np.ndarray, str] | N
     if text.endswith((".x", ".y", ".z", ".magnitude")):
         text, _, component = text.rpartition(".")
     stem, _, what = text.rpartition(".")
-    if what not in WHATS:
+    if what not in MOTIONS:
         return None
     for element, d in results.resolved.get("elements", {}).items():
         node = stem.removeprefix(f"{element}.")
         if node != stem and node in nodes_inside(d):
             found = recover(results, element, d)
-            doc, field = WHATS[what]
+            doc, field = MOTIONS[what]
             return (
                 f"elements/{element}/{node}/{what}",
                 doc,

@@ -93,8 +93,8 @@ def found(run: "Run", name: str) -> list[Quantity]:
 def curve_label(curves: Iterable[Curve], subjects: Sequence[str] | None = None) -> str:
     """Return the label of curves, with the owner if there is only one among ``subjects``, or among the curves."""
     subjects = subjects or tuple(dict.fromkeys(curve.subject for curve in curves))
-    whats = dict.fromkeys(curve.y.whole for curve in curves)
-    text = ", ".join(whats)
+    quantities = dict.fromkeys(curve.y.whole for curve in curves)
+    text = ", ".join(quantities)
     if len(text) > LONGEST_LABEL:
-        text = next(iter(whats)) + ", ..."
+        text = next(iter(quantities)) + ", ..."
     return f"{subjects[0]} {text}" if len(subjects) == 1 and text != subjects[0] else text

@@ -81,7 +81,7 @@ class Panel:
         return tuple(dict.fromkeys(curve.subject for curve in self.curves))
 
     @property
-    def whats(self) -> tuple[str, ...]:
+    def quantities(self) -> tuple[str, ...]:
         """Names of the different quantities except references."""
         return tuple(dict.fromkeys(curve.y.what for curve in self.curves if not curve.reference))
 

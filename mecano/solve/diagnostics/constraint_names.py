@@ -20,21 +20,21 @@ def by_joint(names: Iterable[EquationName], totals: Mapping[str, int], most: int
     for place, own in held.items():
         kind, _, joint = place.partition(" ")
         alike.setdefault((kind, tuple(own), totals.get(place, 0)), []).append(joint)
-    return [_text(kind, whats, total, joints, most) for (kind, whats, total), joints in alike.items()]
+    return [_text(kind, constraints, total, joints, most) for (kind, constraints, total), joints in alike.items()]
 
 
-def _text(kind, whats, total, joints, most):
+def _text(kind, constraints, total, joints, most):
     """Return the text of ``joints`` of one kind, each of which has ``total`` constraints, with the same constraints."""
     each = " each" if len(joints) > 1 else ""
-    of = f" ({len(whats)} of {total} constraints{each})" if total > 1 else ""
-    return f"{kind} {name_list(joints, most)}: {'; '.join(_directions(whats))}{of}"
+    of = f" ({len(constraints)} of {total} constraints{each})" if total > 1 else ""
+    return f"{kind} {name_list(joints, most)}: {'; '.join(_directions(constraints))}{of}"
 
 
-def _directions(whats):
+def _directions(constraints):
     """Yield the constraints of a joint, with the axes of a force or moment in one text: "force x, y"."""
     axes: dict[str, list[str]] = {}
-    for what in whats:
-        sort, _, axis = what.rpartition(" ")
-        axes.setdefault(sort, []).append(axis) if sort and axis in AXES else axes.setdefault(what, [])
+    for name in constraints:
+        sort, _, axis = name.rpartition(" ")
+        axes.setdefault(sort, []).append(axis) if sort and axis in AXES else axes.setdefault(name, [])
     for sort, own in axes.items():
         yield f"{sort} {', '.join(own)}" if own else sort
