@@ -13,7 +13,7 @@ from browser import browser, dom
 from mecano.elements import KINDS
 from mecano.errors import ResultsError, UsageError
 from mecano.post.report import Picture, Table, report_of
-from mecano.post.report_page import write_report
+from mecano.post.report_page import page_of, write_report
 from mecano.post.runs import open_runs
 from mecano.post.style import COLOURS, GREY, INK, LIMIT
 from mecano.results.layout import Layout, Series
@@ -173,6 +173,26 @@ def test_events_have_impulses_only_where_there_are_shocks(report, tmp_path):
         ("0.25", "hinge 'a'", "locks", "free to locked", "-1.5 N m s", "2"),
         ("0.5", "wheel 'b'", "lift off", "contact to air", "", ""),
     ]
+
+
+@pytest.mark.parametrize(("count", "title"), [(40, "All events"), (300, "The first 200 of 300 events")])
+def test_many_events_are_counted_and_listed_in_a_collapsed_block(tmp_path, count, title):
+    layout = Layout([Series("energy/kinetic", "J", "kinetic energy")])
+    with Writer.create(tmp_path / "many.h5", layout, Source("mecano: 1\n", {})) as writer:
+        writer.append(0.0, [1.0])
+        for i in range(count):
+            writer.append_event(0.25 * i, "cylindrical 'strut'", ("opens", "lower_stop")[i % 2], "a", "b")
+    many = report_of(open_runs([tmp_path / "many.h5"])[0])
+    [section] = [section for section in many.sections if section.heading == "Events"]
+    counted, listed = section.parts
+    last = [f"{0.25 * i:.5g}" for i in (count - 2, count - 1)]
+    assert counted.rows == [
+        ("cylindrical 'strut'", "opens", str(count // 2), "0", last[0]),
+        ("cylindrical 'strut'", "lower stop", str(count // 2), "0.25", last[1]),
+    ]
+    assert (listed.title, len(listed.rows)) == (title, min(count, 200))
+    text = page_of(many)
+    assert f"<details><summary>{title}</summary><table>" in text and Structure(text).open == []
 
 
 def test_the_pictures_are_those_of_post(report):

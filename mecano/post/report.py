@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from mecano.post.runs import Run
 
 MOST_EVENTS = 200
+MANY_EVENTS = 30  # more are counted first, and listed in a collapsed block
 MOST_EXTREMES = 400
 LONGEST_LIST = 24  # entries of a list of the deck that are shown
 HEALTH = {
@@ -37,13 +38,14 @@ HEALTH = {
 class Table:
     """Rows of texts; columns with an index of at least ``first_number`` hold numbers.
 
-    ``marked`` cells (row, column) are those beyond a limit.
+    ``marked`` cells (row, column) are those beyond a limit. A table with a ``title`` is in a collapsed block.
     """
 
     columns: tuple[str, ...]
     rows: Sequence[tuple[str, ...]]
     first_number: int = 1
     marked: frozenset[tuple[int, int]] = frozenset()
+    title: str = ""
 
 
 @dataclass(frozen=True)
@@ -167,18 +169,30 @@ def _energy(results):
 
 
 def _events(results):
-    """Yield the parts on events; shocks with impulse and energy lost."""
+    """Yield the parts on events, many of them counted first; shocks with impulse and energy lost."""
     events = results.events
+    many, title = len(events) > MANY_EVENTS, ""
     shown, shocks = events[:MOST_EVENTS], any(event.impulse_unit for event in events)
     losses = shocks or any(event.energy_lost for event in events)
     columns = (f"{results.axis.path} [{results.axis.unit}]", "where", "what", "phase", "impulse", "energy lost [J]")
+    if many:
+        yield _counted(events, results.axis.unit)
+        title = f"The first {len(shown)} of {len(events)} events" if len(shown) < len(events) else "All events"
     if shown:
-        yield Table(columns if losses else columns[:4], [_event(event)[: None if losses else 4] for event in shown], 4)
-    if len(shown) < len(events):
-        yield Text(f"These are the first {len(shown)} of {len(events)}.")
+        rows = [_event(event)[: None if losses else 4] for event in shown]
+        yield Table(columns if losses else columns[:4], rows, 4, title=title)
     if shocks:
         lost = sum(event.energy_lost for event in events if event.impulse_unit)
         yield Text(f"Shocks took {lost:.6g} J in all.")
+
+
+def _counted(events, unit):
+    """Return the Table of events of one element and name: their number, the first and the last."""
+    times: dict[tuple[str, str], list[float]] = {}
+    for event in events:
+        times.setdefault((event.element, event.name.replace("_", " ")), []).append(event.time)
+    rows = [(*key, str(len(own)), number(own[0]), number(own[-1])) for key, own in times.items()]
+    return Table(("where", "what", "number", f"first [{unit}]", f"last [{unit}]"), rows, 2)
 
 
 def _event(event):

@@ -82,12 +82,16 @@ def _anchor(section):
 
 def _part(part):
     if isinstance(part, Table):
-        return _table(part)
+        return _collapsed(part.title, _table(part)) if part.title else _table(part)
     if isinstance(part, Picture):
         return f'<figure><img alt="{escape(part.title)}" src="{_image(part.figure)}"></figure>'
     if part.verbatim:
-        return f"<details><summary>{escape(part.title)}</summary><pre>{escape(part.text)}</pre></details>"
+        return _collapsed(part.title, f"<pre>{escape(part.text)}</pre>")
     return f"<p>{escape(part.text)}</p>"
+
+
+def _collapsed(title, inner):
+    return f"<details><summary>{escape(title)}</summary>{inner}</details>"
 
 
 def _table(table):
