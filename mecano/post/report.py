@@ -29,8 +29,9 @@ MOST_EXTREMES = 400
 LONGEST_LIST = 24  # entries of a list of the deck that are shown
 HEALTH = {
     "step_size": "size of the step", "iterations": "Newton iterations", "rejected": "rejected trials of a step",
-    "error_over_tolerance": "estimated error over its allowed value", "force_residual": "force residual over its scale",
-    "constraint_residual": "constraint residual over its scale",
+    "error_over_tolerance": "estimated error over its allowed value",
+    "force_residual": "force residual over its tolerance",
+    "constraint_residual": "constraint residual over its tolerance",
 }  # fmt: skip
 
 

@@ -69,9 +69,9 @@ STEPS = (
     Series("error_estimate", "", "estimated local error, relative to the length scale or to one radian"),
     Series("error_over_tolerance", "", "estimated local error over its allowed value; 0 for fixed steps"),
     Series("rejected", "", "attempts rejected before this step was accepted"),
-    Series("force_residual", "", "largest residual force over its scale"),
-    Series("constraint_residual", "", "largest residual constraint over its scale"),
-    Series("increment", "", "largest last Newton increment over its scale"),
+    Series("force_residual", "", "largest residual force over its tolerance; above 1, rounding of positions"),
+    Series("constraint_residual", "", "largest residual constraint over its tolerance"),
+    Series("increment", "", "largest last Newton increment over its tolerance"),
 )
 """Usual columns of the solver history."""
 
