@@ -9,7 +9,7 @@ from mecano.post.draw_sketch import hull, zigzag
 from mecano.post.ground import ground_patch
 from mecano.post.runs import open_runs
 from mecano.post.shapes import BODY, JOINT, SPRING, SUPPORT, WHEEL, Shape
-from mecano.post.sketch import _axes, _instants, _shift, sketch
+from mecano.post.sketch import _instants, _shift, plane_axes, sketch
 from mecano.post.view_direction import direction, projection
 
 
@@ -77,10 +77,10 @@ def test_a_tyre_is_flat_on_flat_ground(path):
 
 def test_plane_of_the_largest_extents_with_the_vertical_up():
     box = np.array([[0.0, 0.0, 0.0], [3.0, 2.0, 1.0]])
-    assert _axes(box, [0, 0, -9.81]) == (0, 1)
-    assert _axes(box * (1, 0.1, 1), [0, 0, -9.81]) == (0, 2)
-    assert _axes(box, [-9.81, 0, 0]) == (1, 0)
-    assert _axes(box * (1, 1, 3), None) == (0, 2)
+    assert plane_axes(box, [0, 0, -9.81]) == (0, 1)
+    assert plane_axes(box * (1, 0.1, 1), [0, 0, -9.81]) == (0, 2)
+    assert plane_axes(box, [-9.81, 0, 0]) == (1, 0)
+    assert plane_axes(box * (1, 1, 3), None) == (0, 2)
 
 
 def test_instants_of_a_travelling_mechanism_are_shown_side_by_side():

@@ -157,12 +157,11 @@ def test_an_energy_that_is_not_finite_is_that_of_an_element(tmp_path, monkeypatc
 
 
 def test_an_output_that_is_not_finite_ends_the_run_and_stands_in_no_file(tmp_path, monkeypatch):
-    observe, times = System.observe, []
+    observe = System.observe
 
     def spoiled(system, s, *at):
         found = observe(system, s, *at)
-        times.append(s.t)
-        if len(times) > 20:
+        if s.t > 0.0195:
             found.outputs[column] = np.nan
         return found
 

@@ -181,7 +181,7 @@ def test_many_events_are_counted_and_listed_in_a_collapsed_block(tmp_path, count
     with Writer.create(tmp_path / "many.h5", layout, Source("mecano: 1\n", {})) as writer:
         writer.append(0.0, [1.0])
         for i in range(count):
-            writer.append_event(0.25 * i, "cylindrical 'strut'", ("opens", "lower_stop")[i % 2], "a", "b")
+            writer.append_event(Event(0.25 * i, "cylindrical 'strut'", ("opens", "lower_stop")[i % 2], "a", "b"))
     many = report_of(open_runs([tmp_path / "many.h5"])[0])
     [section] = [section for section in many.sections if section.heading == "Events"]
     counted, listed = section.parts

@@ -10,7 +10,6 @@ import numpy as np
 from mecano.analyses.not_finite import output_not_finite
 from mecano.errors import ConvergenceError, ResultsError
 from mecano.model.output_limits import watched_outputs
-from mecano.results.recorded import Event
 from mecano.solve.time.output import ENDED, FULL, NOT_FINITE, Output
 from mecano.solve.time.unresolved_oscillation import OscillationMonitor
 
@@ -101,6 +100,8 @@ class Recorder:
 
     def _append(self, events):
         for e in events:
+            from mecano.results.recorded import Event  # a run without events needs no more modules
+
             self.writer.append_event(Event(e.t, e.element, e.name, e.before, e.after, e.unit, e.impulse, e.lost))
 
     def report(self, run: "RunState") -> None:

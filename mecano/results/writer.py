@@ -24,11 +24,11 @@ from mecano.results.empty_file import CHANGING, RUNNING, TEXT_LENGTHS, empty_fil
 from mecano.results.file_names import give_name, refuse_existing, remove_abandoned
 from mecano.results.layout import EXTREMES, Layout
 from mecano.results.provenance import Source, provenance
-from mecano.results.recorded import Event
 from mecano.results.table import EventTable, NumberTable, chunk_shape
 from mecano.results.whole_file import hidden_name
 
 if TYPE_CHECKING:
+    from mecano.results.recorded import Event
     from mecano.results.state import SavedState
 
 STATUSES = (RUNNING, "complete", "stopped", "failed")
@@ -166,7 +166,7 @@ class Writer:
         if self._unsafe >= UNSAFE or clocks.monotonic() >= self._due:
             self.flush()
 
-    def append_event(self, event: Event) -> None:
+    def append_event(self, event: "Event") -> None:
         """Append an Event."""
         texts = event.element, event.name, event.before, event.after, event.impulse_unit
         self._events.add(event.time, texts, (event.impulse, event.energy_lost))
