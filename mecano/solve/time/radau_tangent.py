@@ -51,11 +51,7 @@ def renew(w, r):
     for i in range(w.n_all):
         turn[i] = s.z[i]
     differentiate(w, r, dt)
-    parts, n = floats(r.parts, (N_PARTS, w.nnz)), 0.0
-    for part in range(N_PARTS):
-        for i in range(w.nnz):
-            n += 0.0 * parts[part, i]
-    if not n == 0.0:
+    if not is_finite(floats(r.parts, N_PARTS * w.nnz)):
         return NOT_FINITE
     weigh(w, r, s.v, dt)
     soften(w, r)
@@ -63,6 +59,15 @@ def renew(w, r):
     scale(w, r)
     w.factorizations += 1
     return STALE if factored(r) or (hold_idle(w, r) and factored(r)) else SINGULAR
+
+
+@kernel
+def is_finite(values):
+    """Return whether all values are finite numbers."""
+    total = 0.0
+    for i in range(values.shape[0]):
+        total += 0.0 * values[i]
+    return total == 0.0
 
 
 @kernel
