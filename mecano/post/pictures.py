@@ -79,19 +79,15 @@ def post(
     ResultsError
         A file cannot be read, or a picture cannot be written.
     """
-    others = [path for path in paths if format_of(path) in ALONE]
-    if others:
-        of_runs = {"--spectrum": spectra, "--at": at, "--csv": columns, "--title": title}
-        if any(format_of(path) != study_file.FORMAT for path in others):
-            of_runs["--plot"] = plots
-        _refuse_with_others(others, len(paths), [option for option, value in of_runs.items() if value])
-        if plots:
-            yield from _of_studies(paths, plots, output, kind, below, force)
-        else:
-            yield from _alone(paths, output, kind, below, force)
-        return
-    if below is not None:
+    formats = {path: format_of(path) for path in paths}
+    _refuse_together(formats, plots, {"--spectrum": spectra, "--at": at, "--csv": columns, "--title": title})
+    if below is not None and {*formats.values()} != {sweep_file.FORMAT}:
         raise UsageError("--below: only for files of `mecano modes --sweep`")
+    if ALONE.keys() & formats.values():
+        yield from (
+            _of_studies(paths, plots, output, kind, force) if plots else _alone(paths, output, kind, below, force)
+        )
+        return
     with opened_runs(paths) as runs:
         pictures, times = _pictures(runs, plots, spectra, at)
         yield from _of_runs(runs, pictures, times, output, kind, columns, title, force)
@@ -126,19 +122,25 @@ def asked_sheets(plots: Iterable[str], spectra: Iterable[str], runs: Sequence[Ru
     return plotted + [spectrum_sheet(text, runs) for text in spectra]
 
 
-def _refuse_with_others(others, count, options):
-    """Raise UsageError for files of modes, sweeps and studies among ``count`` files, or with ``options`` of runs."""
+def _refuse_together(formats, plots, of_runs):
+    """Raise UsageError for files of modes, sweeps and studies together with others, or with options of runs.
+
+    ``formats``: {path: format}; ``of_runs``: {option: value} of those for runs only; ``plots`` are also for studies.
+    """
+    others = [path for path, format in formats.items() if format in ALONE]
+    if not others:
+        return
     what = f"{others[0]} is a file of modes, of a sweep or of a study"
-    if len(others) < count:
+    if len(others) < len(formats):
         raise UsageError(f"{what}: it is not drawn together with results of runs")
-    if options:
+    if any(formats[path] != study_file.FORMAT for path in others):
+        of_runs = of_runs | {"--plot": plots}
+    if options := [option for option, value in of_runs.items() if value]:
         raise UsageError(f"{what}: {', '.join(options)} for results of runs only")
 
 
 def _alone(paths, output, kind, below, force):
     """Draw files of modes, sweeps and studies, and yield the Path of each picture."""
-    if below is not None and any(format_of(path) != sweep_file.FORMAT for path in paths):
-        raise UsageError("--below: only for files of `mecano modes --sweep`")
     folder = output and (os.path.isdir(output) or str(output).endswith(("/", os.sep)))
     if len(paths) > 1 and output and not folder:
         raise UsageError(f"{output} names one picture, but there will be {len(paths)}: give a folder")
@@ -153,10 +155,8 @@ def _alone(paths, output, kind, below, force):
             yield ALONE[format_of(path)](path, target, kind)
 
 
-def _of_studies(paths, plots, output, kind, below, force):
+def _of_studies(paths, plots, output, kind, force):
     """Draw columns of the tables of studies over one another, and yield the Path of each picture."""
-    if below is not None:
-        raise UsageError("--below: only for files of `mecano modes --sweep`")
     for path in paths:
         figures = list(requested_figures(study_file.read_study(path), plots))
         targets = _targets([name for name, _ in figures], output, kind, Path(path), Path(path).stem)
