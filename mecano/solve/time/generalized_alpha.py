@@ -22,7 +22,7 @@ import numpy as np
 from mecano.errors import Failure
 from mecano.immutable import immutable
 from mecano.model.assembly import Assembly
-from mecano.model.numbering import MASSLESS, RELEASED, ROTATION, SIGNAL
+from mecano.model.numbering import MASSLESS, RELEASED, SIGNAL
 from mecano.model.state import History, State
 from mecano.solve.diagnostics.scales import Tolerances
 from mecano.solve.events.compliance import NO_ROWS, Compliance, compliances_of_a_step, soften
@@ -274,12 +274,6 @@ class GeneralizedAlpha:
         If so, corrections of massless unknowns that overshoot are halved (newton.py).
         """
         self.workspace.record["strict"] = strictly
-
-    def longest(self, s: State) -> float:
-        """Return the longest step [s] in which no body turns too far at the velocities of the state ``s``."""
-        of = self.system.numbering
-        fastest = np.abs(s.v[: of.n_q][of.kind[: of.n_q] == ROTATION]).max(initial=0.0)
-        return self.turn / fastest if fastest > 0.0 else np.inf
 
     def ordinary_steps(
         self, control: "StepControl", shocks: "Shocks", observation: "Observation", recorder: "Recorder | None"

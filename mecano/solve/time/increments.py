@@ -75,6 +75,12 @@ def reach_of(z: np.ndarray, of: Numbering, length: float) -> float:
     return max(np.abs(z[of.kind == TRANSLATION]).max(initial=0.0) / length, 1.0)
 
 
+def longest_step(v: np.ndarray, of: Numbering, turn: float) -> float:
+    """Return the longest step [s] in which no body turns by more than ``turn`` [rad] about an axis at v (n_all,)."""
+    fastest = np.abs(v[: of.n_q][of.kind[: of.n_q] == ROTATION]).max(initial=0.0)
+    return turn / fastest if fastest > 0.0 else np.inf
+
+
 @entry
 def correct(
     of: Unknowns, length: float, dz: Vector, k: float, cC: float, cM: float, R0: Matrices, s_out: Motion

@@ -111,12 +111,6 @@ class Radau:
     def insist(self, strictly: bool) -> None:
         """Do nothing: iterations are judged by their corrections in any case."""
 
-    def longest(self, s: State) -> float:
-        """Return the longest step [s] for the velocities of the state ``s``."""
-        of = self.system.numbering
-        fastest = np.abs(s.v[of.rotation_dof[of.rotation_dof < of.n_q][:, None] + np.arange(3)]).max(initial=0.0)
-        return self.turn / fastest if fastest > 0.0 else np.inf
-
     def bounded_error(self, s: State, history: RadauHistory, info: StepInfo) -> float:
         """Return the local error of a step: oscillations need no second estimate, as stages resolve or damp them."""
         return info.plain

@@ -18,6 +18,7 @@ from mecano.solve.events.location import look_ahead
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.binding import refuse_binding
 from mecano.solve.time.consistent import consistent_state
+from mecano.solve.time.increments import longest_step
 from mecano.solve.time.rounding_limit import RoundingLimit
 from mecano.solve.time.run_state import Method, RunState
 from mecano.solve.time.signals import solve_signals
@@ -226,7 +227,7 @@ class TimeIntegrator:
         if failed:
             planned = min(planned, h)  # what Newton's iteration did not solve would fail again
         if planned > h:
-            longest = self.method.longest(s)
+            longest = longest_step(s.v, self.system.numbering, self.method.turn)
             planned = min(planned, longest) if longest >= HOLD * h else h
         met = abs(s.t - stop) <= max(NEGLIGIBLE_TIME * h, math.ulp(stop))
         if met and h <= SHORT * run.h and stop in self._is_corner:
