@@ -10,8 +10,9 @@ from mecano.analyses.equilibria import follow
 from mecano.analyses.not_finite import output_not_finite
 from mecano.analyses.prepare import model_facts, prepare, startup_warnings
 from mecano.analyses.source import source_of
+from mecano.model.batch import is_scaled
 from mecano.model.sampler import Sampler, StaticSample
-from mecano.model.system import System, is_scaled
+from mecano.model.system import System
 from mecano.results.file_names import refuse_existing
 from mecano.results.layout import Layout, Series
 from mecano.results.lock import locked

@@ -265,3 +265,16 @@ def _table(rows):
 def _three(first):
     """Return the indices (n, 3) from each of ``first`` (n,) on."""
     return first[:, None] + np.arange(3)
+
+
+def is_scaled(batch: Batch) -> bool:
+    """Return whether a load factor multiplies the elements of a batch.
+
+    They are loads, or the parts of loads, whose value is not given by signals, as by a controller.
+    """
+    return batch.paths[0][0].startswith("loads/") and not batch.kind.inputs
+
+
+def acts_by_multipliers(batch: Batch) -> bool:
+    """Return whether multipliers of other parts determine forces of a batch, such as friction."""
+    return bool(batch.kind.coupled_multipliers) and not batch.kind.senses

@@ -11,7 +11,7 @@ from mecano.maths.distinct import distinct
 from mecano.model import assembly_driver, loops
 from mecano.model.assembly import Assembly, Observation
 from mecano.model.assembly_driver import Loops
-from mecano.model.batch import Batch, batches, calling, followers
+from mecano.model.batch import Batch, acts_by_multipliers, batches, calling, followers, is_scaled
 from mecano.model.expansion import expand
 from mecano.model.halves import halves
 from mecano.model.loop_code import all_codes, calls_of
@@ -389,19 +389,6 @@ class System:
     def follow(self, phases: np.ndarray) -> None:
         """Set the parts that share the phases of their owner to its phase, in the ``phases`` of a state, in place."""
         phases[self.followers[:, 0]] = phases[self.followers[:, 1]]
-
-
-def is_scaled(batch: Batch) -> bool:
-    """Return whether a load factor multiplies the elements of a batch.
-
-    They are loads, or the parts of loads, whose value is not given by signals, as by a controller.
-    """
-    return batch.paths[0][0].startswith("loads/") and not batch.kind.inputs
-
-
-def acts_by_multipliers(batch: Batch) -> bool:
-    """Return whether multipliers of other parts determine forces of a batch, such as friction."""
-    return bool(batch.kind.coupled_multipliers) and not batch.kind.senses
 
 
 def _kind_of_scalar(kind, name):
