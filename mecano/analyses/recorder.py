@@ -99,9 +99,11 @@ class Recorder:
         self._append(accepted.event_records)
 
     def _append(self, events):
-        for e in events:
-            from mecano.results.recorded import Event  # a run without events needs no more modules
+        if not events:
+            return
+        from mecano.results.recorded import Event  # not needed by a run without events
 
+        for e in events:
             self.writer.append_event(Event(e.t, e.element, e.name, e.before, e.after, e.unit, e.impulse, e.lost))
 
     def report(self, run: "RunState") -> None:

@@ -51,6 +51,8 @@ def _share(name, layout, components):
     """
 
     def functions(demand):
+        """Return the functions of the kind whose value is ``demand(p, at)``."""
+
         @kernel
         def residual(p, at, f):
             add_vec(f, 0, -demand(p, at), components(p, at))
