@@ -10,7 +10,9 @@ along the constraints (modal_filter.py); but all of :math:`\Delta a` where the m
 Where the constraints allow no part of it, as in a prescribed motion, the errors do not add up.
 
 The error of bodies that spin (turning_error.py) is a change of the angular velocities. The constraints undo the part
-that would violate them: the rest is the projection along the constraints with the masses, P without stiffness.
+that would violate them: the rest is the projection along the constraints with the masses, P without stiffness. The
+tangent of the step is close to that matrix, and is factored already: of hubs of wheels its projection usually leaves so
+little that no other one is needed.
 """
 
 from typing import TYPE_CHECKING
@@ -30,6 +32,7 @@ from mecano.solve.time.modal_filter import (
     keep_masses,
     negative_pivots,
     resolve,
+    resolve_in_step,
 )
 from mecano.solve.time.step_control import FORGOTTEN, counted
 from mecano.solve.time.turning_error import turning_error
@@ -40,13 +43,16 @@ if TYPE_CHECKING:
 
 FREE = 1e6  # times the weight of the masses: beside it any stiffness is negligible
 NOTHING = 1e-8  # of a change of the accelerations: a part along the constraints that may be rounding
-BOUND = fields(floats=f"bounded turning {FLOATS}", words=f"vectors {WORDS}")
+BOUND = fields(floats=f"bounded turning enough {FLOATS}", words=f"vectors {WORDS}")
 NONE, CHANGE, PART, TWICE = range(4)  # rows of ``vectors``, (4, n_all)
 
 
 @entry
 def bound_error(bound: Records(BOUND), work: Records(STEP)):
-    """Write the errors of the step in the workspace: ``bounded`` of its accelerations, ``turning`` of its spins."""
+    """Write the errors of the step in the workspace: ``bounded`` of its accelerations, ``turning`` of its spins.
+
+    Where only that of the spins was larger than ``enough``, that of the accelerations is not bounded.
+    """
     b, w = bound[0], work[0]
     start, s, change = state_of(w, BEGIN), state_of(w, TRIAL), row(w, b, CHANGE)
     began, ended = compared(w.am, start.a, s.a, history_of(w, BEGIN)[0], history_of(w, TRIAL)[0])
@@ -62,12 +68,19 @@ def bound_error(bound: Records(BOUND), work: Records(STEP)):
     summed = w.duration * w.error * w.h
     limit = (summed * w.h) ** (-2.0 / 3.0)
     keep_masses(w, b)
+    if turning > 0.0 and w.usable and w.n > w.n_q:
+        resolve_in_step(w, b, spins, row(w, b, PART))
+        b.turning = min(turning, size(w, b, row(w, b, PART)))
+        if max(plain, b.turning) <= b.enough:
+            return
     if not factor_filter(w, b, FREE * limit):
         return
     stable, part, twice = negative_pivots(w, b), row(w, b, PART), row(w, b, TWICE)
     if turning > 0.0 and w.n > w.n_q:
-        resolve(w, b, twice, part)
+        resolve(w, b, spins, part)
         b.turning = min(turning, size(w, b, part))
+    if max(plain, b.turning) <= b.enough:
+        return
     resolve(w, b, change, part)
     whole = size(w, b, part)
     if whole <= NOTHING * all_of_it:

@@ -254,12 +254,16 @@ class GeneralizedAlpha:
 
         return self.change_step_with(solve, lambda: self.linear.solve_again(self.equations, self.increment))
 
-    def bounded_error(self, s: State, history: History, info: StepInfo) -> float:
-        """Return the local error of the step to ``s`` and ``history`` as error_bound.py bounds it."""
+    def bounded_error(self, s: State, history: History, info: StepInfo, enough: float = 0.0) -> float:
+        """Return the local error of the step to ``s`` and ``history`` as error_bound.py bounds it.
+
+        The oscillations of a step whose error without a bound of them is ``enough`` are not bounded.
+        """
         w = self.workspace
         self._enter(info.began, history.h)
         w.put_state(TRIAL, s)
         w.history[TRIAL, : len(history.a)] = history.a
+        self.error_bound.record["enough"] = enough
         bound_error(self.error_bound.record, w.record)
         return max(float(self.error_bound.record[name][0]) for name in ("bounded", "turning"))
 

@@ -65,6 +65,7 @@ def factor_filter(w, f, cM):
     assemble_at_end(w, f, w.k, w.penalty, 1.0, cM)
     soften_tangent(w, items(f.system, 1, SYSTEM)[0], HARDER * min(w.cM / cM, 1.0))
     floats(f.right, w.n)[:] = 0.0
+    w.factorizations += 1
     call(f.solve, f.solve_words, f.solve_results)
     return floats(f.solve_results, 3)[2] <= ACCEPT_BELOW
 
@@ -72,18 +73,36 @@ def factor_filter(w, f, cM):
 @kernel
 def resolve(w, f, a, part_out):
     """Write the part (n_q,) of the accelerations ``a`` (>= n_q,) that the factored filter passes."""
-    b, masses = floats(f.right, w.n), floats(f.masses, w.nnz)
-    rows, columns = integers(w.rows, w.nnz), integers(w.columns, w.nnz)
-    b[:] = 0.0
+    load_masses(w, f, f.cM, a, floats(f.right, w.n))
+    call(f.substitute, f.substitute_words, 0)
+    copy_motion(w, floats(f.solution, w.n), part_out)
+
+
+@kernel
+def resolve_in_step(w, f, a, part_out):
+    """Write the part (n_q,) of the accelerations ``a`` (>= n_q,) that the tangent of the step passes, as factored."""
+    load_masses(w, f, w.cM, a, floats(w.residual, w.n))
+    call(w.substitute, w.substitute_words, 0)
+    copy_motion(w, floats(w.increment, w.n), part_out)
+
+
+@kernel
+def copy_motion(w, x, out):
+    """Copy the part (n_q,) of a solution that moves."""
+    for i in range(w.n_q):
+        out[i] = x[i]
+
+
+@kernel
+def load_masses(w, f, cM, a, b_out):
+    """Write the right-hand side cM M ``a`` (n,), with the kept masses."""
+    masses, rows, columns = floats(f.masses, w.nnz), integers(w.rows, w.nnz), integers(w.columns, w.nnz)
+    b_out[:] = 0.0
     for i in range(w.nnz):
         if rows[i] < w.n_q and columns[i] < w.n_q:
-            b[rows[i]] += masses[i] * a[columns[i]]
+            b_out[rows[i]] += masses[i] * a[columns[i]]
     for i in range(w.n):
-        b[i] *= f.cM
-    call(f.substitute, f.substitute_words, 0)
-    x = floats(f.solution, w.n)
-    for i in range(w.n_q):
-        part_out[i] = x[i]
+        b_out[i] *= cM
 
 
 @kernel

@@ -112,24 +112,25 @@ def tried(m, w, o):
     plain = max(w.error * w.h * w.h * w.change, w.turning, w.signalled, lag)
     share = allowed(m.tolerance, m.duration, w.h)
     within = plain <= share or w.h < m.minimum
-    error = plain if within and not is_probe(m, w, plain, share) else bounded(m, w, plain)
+    error = plain if within else bounded(m, w, plain, share)
     if not (within or error <= share):
         if w.h <= m.minimum or not reject(m, w, plain, share):
             return REPEAT if m.rejections else DECIDE
         return AGAIN
     if happens(m, w, state_of(w, TRIAL)):
         return REPEAT if m.rejections else DECIDE
-    accept(m, w, o, error, share)
+    accept(m, w, o, bounded(m, w, plain, 0.0) if is_probe(m, w, error, share) else error, share)
     return ADVANCED
 
 
 @kernel
-def bounded(m, w, plain):
+def bounded(m, w, plain, enough):
     """Return the error of a step with oscillations bounded (error_bound.py); ``plain`` is that without a bound."""
     if not m.bound:
         return plain
-    call(m.bound_error, m.bound_error_words, 0)
     found = items(m.bound, 1, BOUND)[0]
+    found.enough = enough
+    call(m.bound_error, m.bound_error_words, 0)
     return max(found.bounded, found.turning, w.signalled, counted(w.lag, FORGOTTEN, m.duration, w.h))
 
 
