@@ -585,3 +585,10 @@ time: {{end: 1, step: 0.1}}
     assert "and 12 more mechanism of 2 degree(s) of freedom" in short and "more" not in long
     assert "and 2 more mechanism(s) of 4 degree(s) of freedom together" in short
     assert short.count("mechanism of") == 4 and long.count("mechanism of") == 6
+
+
+@pytest.mark.parametrize("start, line", [(0.0, "t = 1.53 of 2 s"), (1e6, "t = 1000001.53 of 1000002 s")])
+def test_progress_shows_hundredths_of_a_run_however_late(start, line, capsys):
+    progress = Progress({"start": start, "end": start + 2.0}, quiet=False, path="results.h5")
+    progress(SimpleNamespace(motion=SimpleNamespace(t=start + 1.53), h=1e-3))
+    assert capsys.readouterr().err == f"{line}, step 0.001 s\n"

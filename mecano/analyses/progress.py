@@ -1,5 +1,6 @@
 """Progress of a run: a bar on a terminal, plain lines otherwise."""
 
+import math
 import os
 import shutil
 import sys
@@ -80,6 +81,8 @@ class Progress(Messages):
     def __init__(self, values: "Values", quiet: bool, path: str | os.PathLike[str]):
         super().__init__(quiet, path)
         self.start, self.end, self.tenths = values["start"], values["end"], 0
+        late = max(abs(self.start), abs(self.end)) / (self.end - self.start)
+        self.digits = 4 + int(math.log10(late))  # of times, with which a hundredth of the run is seen
         self.first: tuple[float, float] | None = None  # wall-clock time [s] and share of the run at the first call
 
     def __call__(self, run: "RunState") -> None:
@@ -96,7 +99,7 @@ class Progress(Messages):
             self._say(f"{self._numbers(run, now, share, *self.first)}\n")
 
     def _numbers(self, run, now, share, begun, first):
-        text = f"t = {run.motion.t:.4g} of {self.end:g} s, step {run.h:.2g} s"
+        text = f"t = {run.motion.t:.{self.digits}g} of {self.end:.{self.digits + 2}g} s, step {run.h:.2g} s"
         return f"{text}, {(now - begun) * (1 - share) / (share - first):.0f} s left" if share > first else text
 
     def done(self, run: "RunState") -> None:
