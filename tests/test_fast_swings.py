@@ -7,6 +7,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from time_runs import RecordedRun, deck
 
+import mecano
+from mecano.analyses import dynamic
+
 TOLERANCE = 1e-3
 
 
@@ -128,3 +131,31 @@ def test_what_grows_is_not_called_small(angle, counts_whole):
     method.workspace.point_to(duration=1e5)
     s, history, info = method.step(run.motion, method.restart(run.motion, run.history, 0.02), 0.02)
     assert (method.bounded_error(s, history, info) == info.error) == counts_whole
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-5])
+def test_the_motion_between_long_steps_keeps_to_the_tolerance(tolerance, tmp_path):
+    """A load of 2 kg follows the set point of its stiff spring (24 rad/s), in steps of up to 0.7 s."""
+    stiffness, damping, mass, end = 1150.0, 23.0, 2.0, 15.0
+    following = deck(f"""
+        mecano: 1
+        gravity: none
+        nodes: {{hook: {{position: [0, 0, 0], fixed: true}}, load: {{position: [10, 0, 0]}}}}
+        elements:
+          load: {{type: point_mass, node: load, mass: {mass}}}
+          spring: {{type: spring_damper, nodes: [hook, load], law: {{spring: {stiffness}, damper: {damping}}},
+                    natural_length: {{step: {{time: 1, rise: 10, from: 10, to: 15}}}}}}
+        time: {{end: {end}, step: 0.01, adaptive: {{tolerance: {tolerance}, length_scale: 20}}}}
+        output: {{every: 50 ms}}
+    """)
+    steps = dynamic.run(following, tmp_path / "r.h5").steps
+    saved = mecano.open_results(tmp_path / "r.h5")
+
+    def motion(t, y):
+        s = np.clip((t - 1.0) / 10.0, 0.0, 1.0)
+        natural, rate = 10.0 + 5.0 * s**3 * (10.0 + s * (6.0 * s - 15.0)), 15.0 * (s - s * s) ** 2
+        return y[1], -(stiffness * (y[0] - natural) + damping * (y[1] - rate)) / mass
+
+    exact = solve_ivp(motion, (0.0, end), (10.0, 0.0), "LSODA", saved.time, rtol=1e-10, atol=1e-12, max_step=0.1).y[0]
+    assert steps < 400
+    assert np.abs(saved["nodes/load/position"][:, 0] - exact).max() <= 20.0 * tolerance

@@ -7,7 +7,8 @@ mode of circular frequency omega this may be too much: it can be off by no more 
 .. math:: \tau^2 |P^2 \Delta a| + |P (1 - P) a| / \omega_c^2, \qquad P = \omega_c^2 (K + \omega_c^2 M)^{-1} M
 
 along the constraints (modal_filter.py); but all of :math:`\Delta a` where the motion is unstable (docs/theory.md, 2.2).
-Where the constraints allow no part of it, as in a prescribed motion, the errors do not add up.
+Where the constraints allow no part of it, as in a prescribed motion, the errors do not add up. Those of one step are
+limited to the tolerance in any case: between the ends of steps the motion follows from velocities, which are as wrong.
 
 The error of bodies that spin (turning_error.py) is a change of the angular velocities. The constraints undo the part
 that would violate them: the rest is the projection along the constraints with the masses, P without stiffness. The
@@ -91,7 +92,8 @@ def bound_error(bound: Records(BOUND), work: Records(STEP)):
     oscillation = max(filtered_twice(w, b, began), filtered_twice(w, b, ended))
     resolve(w, b, change, part)
     resolve(w, b, part, twice)
-    b.bounded = plain * min((size(w, b, twice) + oscillation / (limit * summed)) / whole, 1.0)
+    share = min((size(w, b, twice) + oscillation / (limit * summed)) / whole, 1.0)
+    b.bounded = max(plain * share, plain * w.h / w.duration)
 
 
 @kernel
