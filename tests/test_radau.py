@@ -202,6 +202,15 @@ def test_forces_between_steps_stay_within_those_of_the_stages(tmp_path):
                 assert extreme.minimum <= of.min() <= of.max() <= extreme.maximum
 
 
+def test_reactions_that_move_nothing_stay_accurate_between_steps(tmp_path):
+    """The joint of a puck that turns by 1 rad in a step transmits no moment; its weight of 17 N acts 0.1 m above."""
+    run(input_deck("planar_slide", RADAU, "time.adaptive={tolerance: 1.0e-7}"), tmp_path / "r.h5")
+    with open_results(tmp_path / "r.h5") as results:
+        moment, force = (results[f"joints/slope/{name}"] for name in ("moment", "force"))
+    assert np.abs(moment).max() <= 1e-3
+    assert force == pytest.approx(2.0 * 9.81 * np.cos(np.radians(30.0)), rel=1e-9)
+
+
 def test_a_step_that_is_too_long_is_named():
     text = deck(
         "mecano: 1\ngravity: none\nnodes: {a: {position: [0, 0, 0]}}\nelements:\n"

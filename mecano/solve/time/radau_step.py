@@ -9,7 +9,7 @@ from mecano.model.assembly_driver import assemble_residual, constraint_derivativ
 from mecano.model.loop_records import SYSTEM
 from mecano.model.numbering import ROTATION, STATE, TRANSLATION
 from mecano.model.state import Motion
-from mecano.solve.diagnostics.scales import SIGNALS, SMALL
+from mecano.solve.diagnostics.scales import SIGNALS, SMALL, TINY
 from mecano.solve.linear.newton import CONVERGED, DIVERGES, NOT_FINITE, PAUSE, STALE, TOO_MANY
 from mecano.solve.linear.rounding import at_rounding
 from mecano.solve.time.constrained_mass import MASS, accelerate, assemble_mass, change, factor_mass
@@ -36,6 +36,8 @@ SHARE = 0.01  # of the allowed error of a step: a correction that leaves less en
 LEAST = 1e-17  # of the length scale, or rad: increments are known to more digits than positions
 CAUTION = 8.0  # times the estimate: errors of velocities add up to more than themselves
 SLOW = 0.9  # ratio of two corrections above which the last one is not made, and the tangent is renewed
+BALANCED = 1e-5  # of the largest force: resultants at the stages below which reactions are accurate enough
+FALLING = 0.9  # ratio of two such resultants from which on more iterations do not help
 MOST_MOVED = 1e6  # length scales, or rad, in one correction: iterations that go so far do not come back
 END = 2  # the last stage
 
@@ -51,14 +53,14 @@ def attempt(work: Records(STEP), radau: Records(RADAU)):
         w.begun = 1
         begin(w, r)
     w.code = iterate(w, r)
-    if w.code == CONVERGED:
-        complete(w, r)
+    while w.code == CONVERGED and not complete(w, r):
+        w.code = iterate(w, r)
 
 
 @kernel
 def begin(w, r):
     """Predict the stages, and find by which corrections Newton's iteration ends."""
-    r.iterations, r.size, w.stale = 0, np.inf, 1
+    r.iterations, r.size, r.unbalanced, w.stale = 0, np.inf, np.inf, 1
     r.goal, accuracy = accuracies(w, r)
     s0, kind, farthest = state_of(w, BEGIN), integers(w.kind, w.n_all), 0.0
     for i in range(w.n_all):
@@ -136,8 +138,16 @@ def judge(w, r, last):
 
 @kernel
 def complete(w, r):
-    """Compute the stages, the error, the work and the end of the step."""
+    """Compute the stages, the error, the work and the end of the step; return whether no more iterations are due.
+
+    The corrections of the motion do not tell of reactions that the constraints alone balance, and the prediction by a
+    parabola enlarges errors of those.
+    """
     place(w, r)
+    last = r.unbalanced
+    observe_stages(w, r)
+    if BALANCED < r.unbalanced < FALLING * last and r.iterations < w.most:
+        return False
     v, s0, w.turn = floats(r.velocities, (4, w.n_q)), state_of(w, BEGIN), 0.0
     end, kind = stage_of(w, r, END), integers(w.kind, w.n_all)
     for d in range(w.n_q):
@@ -149,15 +159,16 @@ def complete(w, r):
         for d in range(w.n_q):
             v[1 + i, d] = s.v[d]
     r.error = error_of(w, r)
-    observe_stages(w, r)
     add_work(w, r)
     copy_to_state(w, end, TRIAL)
     r.projected = 1 if r.projects and projected(w, r, items(r.mass, 1, MASS)[0]) else 0
+    return True
 
 
 @kernel
 def observe_stages(w, r):
-    """Write outputs and energies of the stages."""
+    """Write outputs and energies of the stages, and the largest of their ``unbalanced`` forces."""
+    r.unbalanced = 0.0
     observation, system = items(r.observation, 1, SYSTEM), system_of(w)
     residuals, observed = (
         loops_at(w.n_loops, w.loops, w.batches),
@@ -166,8 +177,24 @@ def observe_stages(w, r):
     for i in range(3):
         s = stage_of(w, r, i)
         assemble_residual(residuals, system, s, 1.0, 0.0)
+        r.unbalanced = max(r.unbalanced, unbalanced(w))
         observation[0].outputs, observation[0].energy = r.outputs + 8 * i * r.n_outputs, r.energies + 32 * i
         observe(observed, observation, s, floats(system[0].force, system[0].n_slots))
+
+
+@kernel
+def unbalanced(w):
+    """Return the largest resultant force or moment on a node, over the largest force or moment of the assembly."""
+    resultant, size, kind = floats(w.residual, w.n_all), floats(w.size, w.n_all), integers(w.kind, w.n_all)
+    force = moment = 0.0
+    force_size = moment_size = TINY
+    for d in range(w.n_all):
+        x = abs(resultant[d]) if d < w.n_q else 0.0
+        if kind[d] == TRANSLATION:
+            force, force_size = max(force, x), max(force_size, size[d])
+        elif kind[d] == ROTATION:
+            moment, moment_size = max(moment, x), max(moment_size, size[d])
+    return max(force / max(force_size, moment_size / w.length), moment / max(moment_size, force_size * w.length))
 
 
 @kernel
