@@ -24,10 +24,10 @@ ENDS = {  # [s] of decks of many steps, of which a beginning with events is enou
 
 
 def motions(sampler):
-    """Which numbers of a row are positions, velocities, or coordinates with their rates: (n,) bool."""
+    """Which numbers of a row are positions, velocities, coordinates with their rates, or geometric: (n,) bool."""
     found = np.zeros(len(sampler.row), bool)
     found[: sampler.node_size] = True
-    found[sampler.pairs.ravel()] = True
+    found[sampler.pairs.ravel()] = found[sampler.geometric] = True
     found[(sampler.rotations[:, None] + np.arange(4)).ravel()] = True
     return found
 
@@ -101,3 +101,15 @@ def test_the_row_at_the_time_of_an_event_holds_the_values_before_it(every, tmp_p
         of_velocity = results.extremes["nodes/ball/velocity.z"]
     np.testing.assert_allclose([of_velocity.maximum, of_velocity.minimum], [2.0, -4.0], rtol=1e-12)
     np.testing.assert_allclose([of_velocity.maximum_time, of_velocity.minimum_time], 0.5, rtol=1e-12)
+
+
+@pytest.mark.parametrize("method", ["generalized_alpha", "radau"])
+def test_geometric_outputs_are_those_of_the_saved_motion(method, tmp_path):
+    """The length of a rope, also a slack one in free fall, is the distance of its node from the origin."""
+    control = f"time.method={method}", "time.adaptive={tolerance: 1.0e-4}"
+    run(input_deck("cable_snatch", *control), tmp_path / "r.h5")
+    with open_results(tmp_path / "r.h5") as results:
+        within = ~np.isin(results.time, results.steps["time"])
+        length = np.linalg.norm(results["nodes/load/position"].values, axis=1)
+        np.testing.assert_allclose(results["elements/rope/length"].values, length, rtol=1e-12)
+    assert within.sum() > 50

@@ -267,6 +267,24 @@ def _check_rate(sample, instance, first, rate, size):
     np.testing.assert_allclose(outputs(0.0)[rate : rate + size], found, rtol=1e-7, atol=1e-7)
 
 
+def check_geometric_outputs(kind: Kind) -> None:
+    """Outputs that are declared as geometric do not change with velocities, accelerations, reactions and forces."""
+    for sample in samples(kind):
+        for instance in sample.instances:
+            is_geometric = [o.geometric for o in instance.kind.outputs for _ in range(int(np.prod(o.shape, dtype=int)))]
+            if any(is_geometric):
+                first, second = (instance.observe(sample.motion.t, *where)[0] for where in _alike(instance, sample))
+                np.testing.assert_array_equal(first[is_geometric], second[is_geometric])
+
+
+def _alike(instance, sample):
+    """Return two (local state, forces F) that have the same positions, rotations, and scalars."""
+    rng, (q, v, a, R) = seed_of("geometric"), instance.local(sample.motion)
+    n, n_reactions = len(q), len(instance.multipliers) + sum(len(other.multipliers) for other in instance.coupled)
+    changed = q + np.where(np.arange(n) < n - n_reactions, 0.0, rng.normal(size=n))
+    return ((q, v, a, R), rng.normal(size=n)), ((changed, *rng.normal(size=(2, n)), R), rng.normal(size=n))
+
+
 def check_invariance(kind: Kind) -> None:
     """Forces rotate with the whole model, energies do not change."""
     rng = seed_of("turn")
@@ -372,6 +390,7 @@ def _check_sensors(instance, motion, measured, names):
 
 OF_EVERY_KIND = (
     check_declarations, check_samples, check_force, check_tangents, check_power, check_purity,
-    check_constraint_derivatives, check_multiplier_rows, check_output_rates, check_outputs_of_parts, check_measures,
+    check_constraint_derivatives, check_multiplier_rows, check_output_rates, check_geometric_outputs,
+    check_outputs_of_parts, check_measures,
 )  # fmt: skip
 OF_DECK_KINDS = (*OF_EVERY_KIND, check_invariance)

@@ -17,7 +17,7 @@ LINE_RECORD = {
 DAMPING = Field("damping", NUMBER, "s", "tau: viscous over elastic stiffness", 0.0, not_negative)
 AXIAL_STIFFNESS = Field("axial_stiffness", NUMBER, "N", "EA: force per strain", check=positive)
 STRAINS = (
-    Output("natural_length", "m", "length without force"),
+    Output("natural_length", "m", "length without force", geometric=True),
     Output("strain", "-", "extension over natural length"),
     Output("strain_rate", "1/s", "rate of the strain"),
 )

@@ -23,7 +23,12 @@ GROUND_RECORD = {"point": 3, "normal": 3, "direction": 3, "height": "i"}
 
 LEAST_Q = 0.1  # of |n x a|: below it the wheel lies flat, and its contact runs around the rim
 STANDING = 1e-3  # of the radius: a rim no farther from the ground initially is taken as standing on it
-LEAN = Output("lean", "rad", "angle of the wheel's plane from the ground normal at the contact, right-handed about t")
+LEAN = Output(
+    "lean",
+    "rad",
+    "angle of the wheel's plane from the ground normal at the contact, right-handed about t",
+    geometric=True,
+)
 MOST_BENDS = 8
 _ITERATIONS = 50  # 3 to 5 are usual; more only far above a concave part whose radius is smaller than the distance
 _STEP_END = 1e-11  # of the radius; the iteration converges quadratically

@@ -21,14 +21,19 @@ PLACED = (
 FIELDS = (*PLACED, Field("radius", NUMBER, "m", "radius", check=positive))
 WHEEL_DISPLAY = Display("wheel", pictures=("wheels",), force="contact_force", force_at="contact_point")
 CONTACT_OUTPUTS = (
-    Output("height", "m", "height of the centre over the ground, along the normal at the contact"),
-    Output("loaded_radius", "m", "distance from the centre to the contact in the wheel plane; the radius in the air"),
+    Output("height", "m", "height of the centre over the ground, along the normal at the contact", geometric=True),
+    Output(
+        "loaded_radius",
+        "m",
+        "distance from centre to contact in the wheel plane; in the air the radius",
+        geometric=True,
+    ),
     Output("normal_force", "N", "normal force N of the ground on the wheel"),
     Output("longitudinal_force", "N", "force of the ground on the wheel along t = a x n/|a x n|"),
     Output("lateral_force", "N", "force of the ground on the wheel along l = n x t (upright: the axis)"),
     Output("contact_force", "N", "force of the ground on the wheel, inertial", (3,)),
     Output("spin_rate", "rad/s", "angular velocity of the wheel along its axis"),
-    Output("contact_point", "m", "contact, inertial; in the air, the lowest point of the rim", (3,)),
+    Output("contact_point", "m", "contact, inertial; in the air, the lowest point of the rim", (3,), geometric=True),
     LEAN,
 )
 OUTPUTS = (

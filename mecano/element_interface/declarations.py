@@ -16,8 +16,9 @@ WAITS = "waits"  # name of the events after which an element that is due does no
 class Output:
     """An output of each element: unit and meaning; ``shape`` is (3,) for vectors, (4,) for quaternions.
 
-    A coordinate names the output that is its ``rate``: between two steps, both are interpolated by a cubic. All other
-    outputs are interpolated linearly. An angle that ``wraps`` is known within one turn only, in (-pi, pi].
+    Between two steps, an output that is ``geometric``, a function of positions, rotations and time, is that of the
+    interpolated motion. A coordinate that names the output that is its ``rate`` is interpolated by a cubic, as this is,
+    and all other outputs linearly. An angle that ``wraps`` is known within one turn only, in (-pi, pi].
     """
 
     name: str
@@ -26,6 +27,7 @@ class Output:
     shape: tuple[int, ...] = ()
     rate: str = ""
     wraps: bool = False
+    geometric: bool = False
 
 
 @immutable

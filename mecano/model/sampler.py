@@ -30,6 +30,7 @@ class Column:
     shape: tuple[int, ...]
     start: int
     rate: str = ""  # path of the quantity that is its time derivative
+    geometric: bool = False  # follows from positions, rotations and time alone
 
     @property
     def size(self) -> int:
@@ -90,16 +91,14 @@ class Sampler:
         shown = [i for i, node in enumerate(system.nodes) if not node.internal]
         self.nodes = Nodes(*(np.array([table[i] for i in shown], np.int64) for table in (of.x, of.r, of.rotation)))
         for i in shown:
-            self._declare(f"nodes/{system.nodes[i].name}", [(*item, "") for item in NODE_OUTPUTS])
+            self._declare(f"nodes/{system.nodes[i].name}", [(*item, "", False) for item in NODE_OUTPUTS])
         self.node_size = self._size()
         for b in system.batches:
             for path, label in b.paths:
-                outputs = [
-                    (o.name + label, units.get(f"{path}/{o.name}", o.unit), o.doc, o.shape, o.rate and o.rate + label)
-                    for o in b.kind.outputs
-                ]
-                self._declare(path, outputs)
-        self._declare("energy", [(*item, (), "") for item in ENERGIES])
+                self._declare(
+                    path, [_labelled(o, label, units.get(f"{path}/{o.name}", o.unit)) for o in b.kind.outputs]
+                )
+        self._declare("energy", [(*item, (), "", False) for item in ENERGIES])
         self.row = np.zeros(self._size())
         self._fill = fill.bind(self.row, self.nodes)
         starts = {column.path: column.start for column in self.columns}
@@ -108,14 +107,17 @@ class Sampler:
         self.pairs = np.array(pairs, np.int64).reshape(-1, 2)
         turned = [c.start for c in self.columns if c.shape == QUATERNION and c.start >= self.node_size]
         self.rotations = np.array(turned, np.int64)
+        placed = [c.start + i for c in self.columns if c.geometric for i in range(c.size)]
+        self.geometric = np.array(placed, np.int64)
 
     def _size(self):
         return self.columns[-1].start + self.columns[-1].size if self.columns else 0
 
     def _declare(self, path, outputs):
         start = self._size()
-        for name, unit, doc, shape, rate in outputs:
-            self.columns.append(Column(f"{path}/{name}", unit, doc, tuple(shape), start, rate and f"{path}/{rate}"))
+        for name, unit, doc, shape, rate, geometric in outputs:
+            rate = rate and f"{path}/{rate}"
+            self.columns.append(Column(f"{path}/{name}", unit, doc, tuple(shape), start, rate, geometric))
             start += self.columns[-1].size
 
     def take(self, run: Sampled, observation: "Observation") -> np.ndarray:
@@ -123,18 +125,11 @@ class Sampler:
         self._fill(observation, run.motion, run.dissipated, run.given)
         return self.row
 
-    def between(self, state: State, u: float, h: float, row0: np.ndarray, row1: np.ndarray) -> np.ndarray:
-        """Return the row (a new array) at a ``state`` at the fraction u of a step of size h from ``row0`` to ``row1``.
 
-        The motion of the nodes is that of the state (solve/time/interpolate.py). Coordinates and their rates are
-        interpolated from the two rows by a cubic where the step resolves them, everything else linearly: forces
-        evaluated at an interpolated state would satisfy no equation of motion, because a stiff member or a slipping
-        tyre amplifies the smallest error of position or velocity.
-        """
-        row = np.empty_like(row0)
-        blend(u, h, self.node_size, self.pairs, self.rotations, row0, row1, row)
-        node_rows(self.nodes, state, row)
-        return row
+def _labelled(output, label, unit):
+    """Return name, unit, meaning, shape and rate of an Output of one element, and whether it is geometric."""
+    rate = output.rate and output.rate + label
+    return output.name + label, unit or output.unit, output.doc, output.shape, rate, output.geometric
 
 
 @entry

@@ -229,7 +229,7 @@ def _body_like(M, rigid, rng):
 OUTPUTS = (
     Output("strain_energy", "J", "elastic energy"),
     Output("kinetic_energy", "J", "kinetic energy"),
-    Output("frame_origin", "m", "mean of the boundary nodes, the origin of the frame, inertial", (3,)),
+    Output("frame_origin", "m", "mean of the boundary nodes, the origin of the frame, inertial", (3,), geometric=True),
     Output("frame_rotation", "-", "unit quaternion (w, x, y, z) from the axes of the frame to inertial axes", (4,)),
 )
 DECLARED = _outputs(1, 1, "; and so on")

@@ -101,7 +101,7 @@ PLANE_CONTACT = Kind(
         Field("restitution", NUMBER, "-", "ratio of the speeds after and before a shock, 0 to 1", 0.0, share),
     ),
     outputs=(
-        Output("gap", "m", "distance from the plane"),
+        Output("gap", "m", "distance from the plane", geometric=True),
         Output("normal_force", "N", "force of the plane on the node; impulses are recorded with the events"),
         Output("closed", "-", "1 while it touches, 0 else"),
     ),

@@ -37,7 +37,7 @@ RIGID_ROD = Kind(
     ),
     outputs=(
         Output("tension", "N", "force in the rod, positive when it pulls its ends together"),
-        Output("length", "m", "distance of the nodes"),
+        Output("length", "m", "distance of the nodes", geometric=True),
     ),
     parts=parts,
     check=check_apart,

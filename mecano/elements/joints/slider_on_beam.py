@@ -210,7 +210,7 @@ SLIDER_ON_BEAM = Kind(
         Output("speed", "m/s", "speed along the beam"),
         Output("force", "N", "force of the beam on the slider, inertial", (3,)),
         Output("normal_force", "N", "magnitude of that force, which is normal to the beam"),
-        Output("overrun", "m", "how far the slider is beyond the ends of the beam"),
+        Output("overrun", "m", "how far the slider is beyond the ends of the beam", geometric=True),
     ),
     multipliers=tuple(Row(f"force on the slider along {axis}", "N", "m") for axis in "xyz"),
     events=(Event("passes", "", "", "the slider passes from one element of the beam to the next"),),

@@ -255,7 +255,7 @@ WINDER_FIELDS = (
           argument="m/s"),
 )  # fmt: skip
 OUTPUTS = (
-    Output("length", "m", "distance of the nodes"),
+    Output("length", "m", "distance of the nodes", geometric=True),
     *STRAINS,
     Output("tension", "N", "axial force; > 0 pulls the nodes together"),
     Output("stress", "Pa", "axial force over area"),

@@ -266,7 +266,7 @@ OLEO = Kind(
         Output("extension", "m", "length - extended length", rate="rate"),
         Output("rate", "m/s", "rate of the length"),
         Output("force", "N", "axial force; > 0 pulls the nodes together"),
-        Output("stroke", "m", "compression: extended length - length"),
+        Output("stroke", "m", "compression: extended length - length", geometric=True),
         Output("gas_pressure", "Pa", "absolute pressure of the gas"),
         Output("oil_pressure", "Pa", "absolute pressure of the oil in the chamber of the piston; in the rebound "
                "that of a recoil chamber"),

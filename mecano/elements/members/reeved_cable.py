@@ -249,7 +249,7 @@ def variant(d):
 
 @cache
 def _of(n, by_signal, released, stress_free):
-    wraps = (Output(f"wrap_{i}", "rad", f"angle of the arc on pulley {i}") for i in range(1, n + 1))
+    wraps = (Output(f"wrap_{i}", "rad", f"angle of the arc on pulley {i}", geometric=True) for i in range(1, n + 1))
     outputs = (*OUTPUTS, *wraps)
     found = replace(_ALWAYS_ACTIVE, variant=None, outputs=outputs, dtype=record(**path_record(n)), **path_unknowns(n))
     if by_signal:
@@ -298,12 +298,12 @@ FIELDS = (
     elastic_release("cable"),
 )  # fmt: skip
 OUTPUTS = (
-    Output("length", "m", "length of the path: free spans and arcs"),
+    Output("length", "m", "length of the path: free spans and arcs", geometric=True),
     *STRAINS,
     Output("tension", "N", "tension of the whole cable, with friction its mean; zero while it is slack"),
     Output("state", "-", "0 relaxing, slack or released, 1 taut"),
     Output("inclination", "-", "sine of the largest angle of a span to the plane of its pulleys"),
-    Output("lift_off", "rad", "angle by which the cable has left a pulley"),
+    Output("lift_off", "rad", "angle by which the cable has left a pulley", geometric=True),
     Output("closeness", "-", "largest difference of radii over distance of neighbours; 1 where a span vanishes"),
 )
 _ALWAYS_ACTIVE = Kind(
@@ -312,7 +312,7 @@ _ALWAYS_ACTIVE = Kind(
     doc=__doc__,
     display=Display("belt", axial="tension"),
     fields=FIELDS,
-    outputs=(*OUTPUTS, Output("wrap_1", "rad", "angle of the arc on pulley 1; and so on")),
+    outputs=(*OUTPUTS, Output("wrap_1", "rad", "angle of the arc on pulley 1; and so on", geometric=True)),
     phases=PHASES,
     events=EVENTS,
     dtype=record(**path_record(1)),

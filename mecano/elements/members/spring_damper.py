@@ -128,7 +128,7 @@ def _spring(functions):
             Output("extension", "m", "length - natural length", rate="extension_rate"),
             Output("rate", "m/s", "rate of the length"),
             Output("force", "N", "axial force; > 0 pulls the nodes together"),
-            Output("stroke", "m", "compression: natural length - length"),
+            Output("stroke", "m", "compression: natural length - length", geometric=True),
             Output("extension_rate", "m/s", "rate of the extension"),
         ),
         phases=PHASES,

@@ -26,7 +26,7 @@ FIELDS = (*PLACED, Field("tire_law", TIRE_LAW, "-", "law of the tyre: radius, fo
 TYRE_DISPLAY = replace(WHEEL_DISPLAY, pictures=("wheels", "drop_test"))
 OUTPUTS = (
     *CONTACT_OUTPUTS,
-    Output("deformation", "m", "radial deformation w of the tyre; zero in the air"),
+    Output("deformation", "m", "radial deformation w of the tyre; zero in the air", geometric=True),
     Output("radial_force", "N", "radial force F_r in the plane of the wheel"),
     Output("longitudinal_slip", "m/s", "slip velocity v_C along t; in the air, of the lowest point of the rim"),
     Output("lateral_slip", "m/s", "slip velocity v_C along l; in the air, of the lowest point of the rim"),

@@ -10,10 +10,14 @@ import numpy as np
 
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
-from mecano.jit.memory import call, floats, integers
+from mecano.jit.memory import call, floats, integers, items
+from mecano.model import loops
+from mecano.model.assembly import Observation
+from mecano.model.assembly_driver import loops_at, observe
 from mecano.model.extremes import Extremes, update
-from mecano.model.loop_records import fields, record
+from mecano.model.loop_records import SYSTEM, fields, record
 from mecano.model.sampler import Nodes, Observed, Sampler, blend, fill, node_rows
+from mecano.model.state import Instant
 from mecano.solve.time.interpolate import between_states
 from mecano.solve.time.unresolved_oscillation import OscillationMonitor, count_changes
 from mecano.solve.time.workspace import (
@@ -24,13 +28,13 @@ from mecano.solve.time.workspace import (
     Workspace,
     copy_state,
     state_of,
+    system_of,
     time_of,
     unknowns_of,
 )
 
 if TYPE_CHECKING:
     from mecano.jit.entry import PackedCall
-    from mecano.model.assembly import Observation
     from mecano.solve.time.step_info import StepInfo
     from mecano.solve.time.time_integration import Accepted
 
@@ -44,6 +48,7 @@ OUTPUT = fields(
     floats="every start end wanted h iterations error share rejected forces constraints increment dissipated given",
     words="stage code which saved row_size n_rows rows most_rows n_steps steps most_steps row0 row1 between "
     "high high_time low low_time n_outputs outputs energy n_nodes x r rotation first n_pairs pairs n_turned turned "
+    "n_geometric geometric n_observed observed observed_batches observation "
     "n_forces columns difference signs swing swing_time largest n_ends end_columns end_sizes "
     "stages stages_words within within_words stage_rows",
 )
@@ -173,6 +178,19 @@ def interpolate_row(o, w, t, row0, row, out):
     pairs, turned = integers(o.pairs, (o.n_pairs, 2)), integers(o.turned, o.n_turned)
     blend((t - s0.t) / o.h, o.h, o.first, pairs, turned, row0, row, out)
     node_rows(nodes_of(o), s, out)
+    if o.n_geometric:
+        put_geometry(o, w, Instant(t, s.z, s.v, s.a, s.R, s0.phases, s0.memory), out)
+
+
+@kernel
+def put_geometry(o, w, s, out):
+    """Write the geometric outputs at the interpolated motion into the row."""
+    observation, system = items(o.observation, 1, SYSTEM), system_of(w)[0]
+    observed = loops_at(o.n_observed, o.observed, o.observed_batches)
+    observe(observed, observation, s, floats(system.force, system.n_slots))
+    found, geometric = floats(observation[0].outputs, o.n_outputs), integers(o.geometric, o.n_geometric)
+    for i in range(o.n_geometric):
+        out[geometric[i]] = found[geometric[i] - o.first]
 
 
 @kernel
@@ -226,6 +244,8 @@ class Output:
         self.rows, self.steps = np.zeros((most_rows, 1 + n)), np.zeros((most_steps, STEP_NUMBERS))
         self.row = np.zeros(n)  # at the beginning of the next step, behind the events there
         x, r, rotation = sampler.nodes
+        self._within = Observation(sampler.system)
+        observed, observed_batches = sampler.system.loops(loops.observe)
         arrays = {
             "rows": self.rows, "steps": self.steps, "row0": self.row, "row1": np.zeros(n), "between": np.zeros(n),
             "high": extremes.high, "high_time": extremes.high_time, "low": extremes.low, "low_time": extremes.low_time,
@@ -233,6 +253,8 @@ class Output:
             "pairs": sampler.pairs, "turned": sampler.rotations, "columns": ringing.columns,
             "difference": ringing.difference, "signs": ringing.signs, "swing": ringing.swing,
             "swing_time": ringing.time, "largest": ringing.largest,
+            "geometric": sampler.geometric, "observed": observed, "observed_batches": observed_batches,
+            "observation": self._within.record,
             "end_columns": np.array([column for column, _ in ends], np.int64),
             "end_sizes": np.array([size for _, size in ends]),
         }  # fmt: skip
@@ -241,7 +263,8 @@ class Output:
         self.record = record(
             OUTPUT, every=every, start=start, end=end, row_size=n, most_rows=most_rows, most_steps=most_steps,
             n_outputs=len(observation.outputs), n_nodes=len(x), first=sampler.node_size, n_pairs=len(sampler.pairs),
-            n_turned=len(sampler.rotations), n_forces=len(ringing.columns), n_ends=len(ends),
+            n_turned=len(sampler.rotations), n_geometric=len(sampler.geometric), n_observed=len(observed),
+            n_forces=len(ringing.columns), n_ends=len(ends),
             **{name: array.ctypes.data for name, array in arrays.items()},
         )  # fmt: skip
 

@@ -73,6 +73,9 @@ def put_motion(o, w, r, u, out):
     pairs, turned = integers(o.pairs, 2 * o.n_pairs), integers(o.turned, o.n_turned)
     for k in range(2 * o.n_pairs):
         out[pairs[k]] = row[pairs[k]]
+    geometric = integers(o.geometric, o.n_geometric)
+    for k in range(o.n_geometric):
+        out[geometric[k]] = row[geometric[k]]
     for k in range(o.n_turned):
         for i in range(turned[k], turned[k] + QUATERNION[0]):
             out[i] = row[i]
