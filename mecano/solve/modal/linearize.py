@@ -146,9 +146,29 @@ def _variation(system, s, w, rate, assemble, now):
     """
     if rate <= RESTING:
         return 0.0
-    near, far = (_matrices_after(system, s, w, i * PROBE / rate, assemble) for i in (1, 2))
-    changes, sizes = _changes(near, far, system.n_q), [sp.linalg.norm(A) for A in now]
+    counts, n_q = _acting(system, now), system.n_q
+    now, near, far = (
+        [A[counts][:, counts] for A in matrices]
+        for matrices in (now, *(_matrices_after(system, s, w, i * PROBE / rate, assemble) for i in (1, 2)))
+    )
+    changes, sizes = _changes(near, far, int(counts[:n_q].sum())), [sp.linalg.norm(A) for A in now]
     return float(max((x / size for x, size in zip(changes, sizes, strict=True) if size > 0.0), default=0.0)) / PROBE
+
+
+def _acting(system, matrices):
+    """Return (n,) bool: unknowns but for signals that only measure, as an inertial component in turning axes."""
+    counts = np.ones(system.n, bool)
+    read = sum(abs(A) for A in matrices).tocsr()
+    read.setdiag(0.0)
+    read.eliminate_zeros()
+    signals = np.flatnonzero(system.signals)
+    while len(signals):
+        unread = signals[np.asarray(read[counts][:, signals].sum(axis=0)).ravel() == 0.0]
+        if not len(unread):
+            break
+        counts[unread] = False
+        signals = np.setdiff1d(signals, unread)
+    return counts
 
 
 def _changes(near, far, n_q):
