@@ -1,8 +1,8 @@
 """mecano: flexible multibody dynamics by finite elements.
 
-``run``, ``check``, ``modes`` and ``sweep`` are the commands of the same names; ``Deck`` is a deck of plain Python
-objects, ``Simulation`` a run that is advanced step by step, ``open_results`` reads a results file. ``MecanoError`` is
-the base class of their errors.
+``run``, ``check``, ``modes``, ``response`` and ``sweep`` are the commands of the same names; ``Deck`` is a deck of
+plain Python objects, ``Simulation`` a run that is advanced step by step, ``open_results`` reads a results file.
+``MecanoError`` is the base class of their errors.
 """
 
 from importlib import import_module
@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from mecano.errors import DeckError, MecanoError
     from mecano.interface.deck import Deck
     from mecano.interface.plugins import load_plugin
+    from mecano.interface.response import response
     from mecano.interface.results import Results, open_results
     from mecano.interface.simulation import Simulation
     from mecano.interface.solving import check, modes, run, sweep
@@ -22,12 +23,13 @@ _MODULES = {  # imported at the first use of a name, so that `mecano --help` is 
     "Deck": "mecano.interface.deck", "DeckError": "mecano.errors", "MecanoError": "mecano.errors",
     "Results": "mecano.interface.results", "Simulation": "mecano.interface.simulation",
     "check": "mecano.interface.solving", "load_plugin": "mecano.interface.plugins", "modes": "mecano.interface.solving",
-    "open_results": "mecano.interface.results", "run": "mecano.interface.solving", "sweep": "mecano.interface.solving",
+    "open_results": "mecano.interface.results", "response": "mecano.interface.response",
+    "run": "mecano.interface.solving", "sweep": "mecano.interface.solving",
 }  # fmt: skip
 
 __all__ = [
-    "Deck", "DeckError", "MecanoError", "Results", "Simulation", "check", "load_plugin", "modes", "open_results", "run",
-    "sweep",
+    "Deck", "DeckError", "MecanoError", "Results", "Simulation", "check", "load_plugin", "modes", "open_results",
+    "response", "run", "sweep",
 ]  # fmt: skip
 
 

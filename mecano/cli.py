@@ -28,7 +28,8 @@ COMMANDS = {
     "check": "decks.check", "check-kind": "decks.check_kind", "completion": "shell.completion",
     "example": "decks.example", "explain": "decks.explain", "export": "results.export", "info": "results.info",
     "list": "decks.list_", "modes": "solving.modes", "new": "decks.new", "post": "results.post",
-    "reduce": "solving.reduce_", "run": "solving.run", "schema": "decks.schema", "sweep": "studies.sweep",
+    "reduce": "solving.reduce_", "response": "response.response", "run": "solving.run", "schema": "decks.schema",
+    "sweep": "studies.sweep",
     "verify": "results.verify", "view": "viewing.view", "warmup": "studies.warmup",
 }  # fmt: skip
 """The function of each command, of a module of mecano/commands."""
@@ -72,6 +73,7 @@ def commands() -> None:
     mecano run deck.yaml            solve it and write deck.h5
     mecano view deck.yaml           show the model in a browser before it runs
     mecano modes deck.yaml          modes about its start or equilibrium
+    mecano response deck.yaml       transfer functions, linear model
     mecano sweep study.yaml         run a deck many times with varied values
     mecano post deck.h5             draw the standard plots
     mecano export deck.h5           write results as CSV, or for ParaView

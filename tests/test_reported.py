@@ -528,7 +528,7 @@ def test_time_for_compiling_is_separate(monkeypatch, capsys):
 
 def test_friction_at_rest_is_reported_as_a_damper():
     """The joint of the deck swings; at rest its friction is a damper, at 1 rad/s it is beyond its regularization."""
-    at_rest = "joint sticks, and these modes include that damper"
+    at_rest = "joint sticks, and small motions include that damper"
     rest = input_deck("friction_pendulum", "initial.velocities=[]")
     reported = modes(rest, None)[0]
     assert (

@@ -67,7 +67,7 @@ def operating_point(deck: "Deck", at: str | None = None, at_rest: bool = False) 
 
 
 def _operating_point(deck: "Deck", at: str | None, at_rest: bool) -> OperatingPoint:
-    begun, held = prepare(deck), tuple(_held(deck))
+    begun, held = prepare(deck), tuple(held_warnings(deck))
     prepared = begun
     if at is not None and at_rest:
         prepared, state, text, reported = rest_at(begun, at)
@@ -89,7 +89,7 @@ def _operating_point(deck: "Deck", at: str | None, at_rest: bool) -> OperatingPo
     )
 
 
-def _held(deck):
+def held_warnings(deck: "Deck") -> Iterator[str]:
     """Yield a warning about signals whose values small motions do not change."""
     held = [f"{d['type']} '{name}'" for name, d in deck.values["signals"].items() if d["type"] in HELD]
     if held:
@@ -99,11 +99,11 @@ def _held(deck):
         )
 
 
-def imbalance_warnings(base: OperatingPoint, w: np.ndarray) -> Iterator[str]:
+def imbalance_warnings(base: OperatingPoint, w: np.ndarray, what: str = "the modes are those") -> Iterator[str]:
     """Yield a warning if a start at rest in axes with the angular velocity ``w`` (3,) is not an equilibrium there.
 
     A body accelerates relative to them, by more than rounding. Bodies may turn in place, as the pylon of a rotor does
-    as seen from its blades.
+    as seen from its blades. ``what``: words for what was computed.
     """
     system, s = base.prepared.system, base.state
     a = _relative_accelerations(system, s, w) if base.is_start else None
@@ -117,8 +117,8 @@ def imbalance_warnings(base: OperatingPoint, w: np.ndarray) -> Iterator[str]:
             "write 'initial: {steady: {angular_velocity: ..., about: ...}}'" if np.any(w) else "write 'initial: static'"
         )
         yield (
-            "the start is not an equilibrium: the modes are those of this shape, without the forces in the members "
-            f"that its loads cause; for the modes about the equilibrium {remedy}"
+            f"the start is not an equilibrium: {what} of this shape, without the forces in the members that its loads "
+            f"cause; for those about the equilibrium {remedy}"
         )
 
 
@@ -237,7 +237,7 @@ def sticking_warnings(deck: "Deck", system: "System", s: "State") -> Iterator[st
     if stuck:
         yield (
             f"{', '.join(stuck)}: regularized friction acts as a strong viscous damper while the joint sticks, and "
-            "these modes include that damper; for the modes of a sliding joint remove the friction, for those of a "
+            "small motions include that damper; for those of a sliding joint remove the friction, for those of a "
             "sticking joint replace it by a fixed joint"
         )
 
@@ -254,12 +254,17 @@ def _sliding(system, s, pair, friction):
     return max(float(v), radius * float(omega))
 
 
-def accuracy_warnings(variation: float, residuals: np.ndarray | Sequence[float]) -> Iterator[str]:
-    """Yield warnings about variable matrices, and about modes that do not satisfy the equations."""
+def accuracy_warnings(
+    variation: float, residuals: np.ndarray | Sequence[float], what: str = "the modes hold"
+) -> Iterator[str]:
+    """Yield warnings about variable matrices, and about modes that do not satisfy the equations.
+
+    ``what``: words for what was computed.
+    """
     if variation > CONSTANT:
         yield (
             f"the linearized equations are not constant in these axes (they change by {variation:.2g} when the "
-            "fastest body turns by 1 rad): the modes hold for this instant only; see --frame"
+            f"fastest body turns by 1 rad): {what} for this instant only; see --frame"
         )
     worst = float(np.max(residuals, initial=0.0))
     if worst > CONVERGED:

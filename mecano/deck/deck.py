@@ -36,6 +36,8 @@ class Deck:
     """section -> {name: node of the tree that holds the name}"""
     formulas: "dict[str, Mark]" = field(default_factory=dict, repr=False)
     """text of a formula -> Mark of its first place"""
+    motions: tuple[tuple[Any, str | int, str], ...] = field(default=(), repr=False)
+    """(mapping in ``values``, key, formula as written, with names of signals) of prescribed motions"""
 
     @property
     def kinds(self) -> set[str]:

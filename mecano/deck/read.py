@@ -84,7 +84,10 @@ def deck_of(
     warnings = (*suspicious(values, root, scope.used_names(), kinds), *unplaced(scope.unplaced))
     keys = {section: _keys(root, section) for section in ("nodes", "initial", *ELEMENT_SECTIONS)}
     formulas = {found.text: node.mark for found, node, _ in reversed(scope.formulas)}
-    return Deck(source.file, source.text, digest, values, tuple(overrides), scope.files, warnings, keys, formulas)
+    return Deck(
+        source.file, source.text, digest, values, tuple(overrides), scope.files, warnings, keys, formulas,
+        tuple(scope.motions),
+    )  # fmt: skip
 
 
 def _keys(root, section):

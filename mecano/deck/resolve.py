@@ -84,6 +84,7 @@ def _put_motion(reference, signals, scope):
     """Replace a formula, or the name of a signal, by the motion that it prescribes, or note why it prescribes none."""
     try:
         _put(reference, motion_of(reference.name, signals))
+        scope.motions += [(*reference.home, reference.name)] if reference.home else []
     except NotAMotion as error:
         scope.refuse(reference.node, str(error))
 

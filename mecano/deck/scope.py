@@ -79,6 +79,7 @@ class Scope:
     lines: list[list[str]] = field(default_factory=list)  # names of nodes and members
     formulas: "list[tuple[Formula, Node, str]]" = field(default_factory=list)  # with their subjects, all that are read
     continuous: "list[tuple[Any, Node, str]]" = field(default_factory=list)  # Formulas, laws without jumps
+    motions: list[tuple[Any, str | int, str]] = field(default_factory=list)  # (container, key, formula as written)
     files: dict[str, str] = field(default_factory=dict)  # name of a file read -> SHA-256
     tables: dict[Any, Any] = field(default_factory=dict)  # name of a file read -> points, or reduced matrices
     beside: str = ""  # folder, relative to that of the deck, of the current file; files named in it are relative to it

@@ -29,6 +29,7 @@ REAL = 1e-9  # of an eigenvalue: imaginary part up to which it is real
 CONVERGED = 1e-6  # residual up to which a mode is converged
 GROWS = 1e-7  # of an eigenvalue: positive real part above which the mode grows
 GROWING = ("flutter", "divergence")
+FIRST, MOST = 40, 320  # modes of a large model that are computed first, and at most, to find all of a range
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,19 @@ def solve(lin: "Linearization", number: int = 10, method: str = "automatic") -> 
     if found.converged.all():
         return found
     return _nearest_to_zero(scaled, lin, number, found)
+
+
+def poles_up_to(lin: "Linearization", omega: float) -> np.ndarray:
+    """Return the eigenvalues (m,) of a Linearization with moduli up to ``omega`` [1/s], one of each conjugate pair.
+
+    Of a large model those nearest to zero are computed, MOST at most. Raises ConvergenceError if ARPACK fails.
+    """
+    scaled, number = SmallMotions(lin), FIRST
+    while True:
+        values, _, _ = dense(scaled) if lin.n_q <= DENSE else sparse(scaled, number)
+        if lin.n_q <= DENSE or number >= MOST or np.abs(values).max(initial=0.0) > omega or len(values) < number:
+            return values[(values.imag >= 0.0) & (np.abs(values) <= omega)]
+        number *= 2
 
 
 def _found(scaled, lin, number, method):

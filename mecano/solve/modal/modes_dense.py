@@ -170,7 +170,7 @@ def _below(share, A):
 def _pace(M, C, K):
     """Return a rate [1/s] that makes positions and velocities comparable; of filters alone, nothing has inertia."""
     m, c, k = (np.abs(A).max() for A in (M, C, K))
-    return (np.sqrt(k / m) if m else k / c) or 1.0
+    return (np.sqrt(k / m) if m else k / c if c else 0.0) or 1.0
 
 
 def _general(M, C, K):

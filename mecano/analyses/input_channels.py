@@ -1,0 +1,179 @@
+"""Inputs of a response: signals, or functions of time of loads and prescribed motions, to which sinusoids are added."""
+
+from collections.abc import Iterator, Mapping
+from copy import deepcopy
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mecano.analyses.channel_errors import unknown
+from mecano.constraints.along_coordinate.demand import is_formula
+from mecano.deck.build import build
+from mecano.element_interface import SECTIONS
+from mecano.elements import KINDS
+from mecano.errors import UsageError
+from mecano.laws.formula import evaluate_formula, read_formula
+from mecano.laws.table import terms_of
+from mecano.maths.dual import Dual
+from mecano.model.system import System
+from mecano.schema import MOTION
+
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck
+    from mecano.model.state import State
+    from mecano.schema import Field, Values
+    from mecano.solve.modal.linearize import Linearization
+
+SHIFT = 2.0**-10  # [m] or [rad], of a prescribed motion, in which its constraint is linear
+
+
+@dataclass(frozen=True)
+class Input:
+    """An input: a signal of the deck for the response, and the prescribed motions that depend on it."""
+
+    name: str  # as asked for
+    unit: str  # "" if it is the unit of the signal
+    signal: str = ""  # "" for a prescribed motion that is no signal
+    motions: dict[tuple[str, ...], str] = field(default_factory=dict)  # path in the deck -> formula as written
+
+    def columns(self, lin: "Linearization", system: System, s: "State", deck: "Deck") -> np.ndarray:
+        """Return Q0, Q1, Q2 (3, n) of a unit of the input: the forces of what reads it, by powers of its rate.
+
+        All that read the value of a signal see the sinusoid; the equation of the signal itself does not.
+        """
+        Q = np.zeros((3, system.n))
+        if self.signal:
+            at, own = place_of(system, self.signal)
+            for q, A in zip(Q, (lin.K, lin.C, lin.M), strict=True):
+                q -= A[:, [at]].toarray().ravel()
+                q[own] = 0.0
+        for path, text in self.motions.items():
+            slope = slope_of(text, deck.values["signals"], self.signal, s.t) if self.signal else 1.0
+            if slope:
+                moved = System(build(_with(deck, path, _shifted)))
+                Q[0] -= slope / SHIFT * (_residual(moved, s) - _residual(system, s))
+        return Q
+
+
+def place_of(system: System, signal: str) -> tuple[int, np.ndarray]:
+    """Return the index of the value of a signal among the unknowns, and those of all unknowns of the signal."""
+    for b in system.batches:
+        for (path, _), dofs in zip(b.paths, b.dofs, strict=True):
+            if path == f"signals/{signal}":
+                first = 3 * len(b.kind.layout)
+                return int(dofs[first]), dofs[first : first + len(b.kind.scalars)]
+    raise AssertionError(f"there is no signal {signal}")
+
+
+def with_inputs(deck: "Deck", names: tuple[str, ...]) -> "tuple[Deck, list[Input]]":
+    """Return a Deck in which functions of time that are inputs are signals, and the Inputs. Raises UsageError."""
+    found, motions = [], _motions(deck)
+    for number, name in enumerate(names, start=1):
+        signal = name.removeprefix("signals.")
+        if signal in deck.values["signals"]:
+            found.append(Input(name, "", signal, motions))
+        else:
+            deck, one = _of_field(deck, name, f"input_{number}_of_response")
+            found.append(one)
+    return deck, found
+
+
+def _of_field(deck, name, signal):
+    """Return a Deck in which a function of time is the ``signal``, and its Input; ``name``: NAME.FIELD."""
+    known = {".".join(path[1:]): (path, field, value) for path, field, value in _functions_of_time(deck)}
+    known |= {".".join(path): one for path, *_ in known.values() for one in [known[".".join(path[1:])]]}
+    if name not in known:
+        raise unknown("input", name, [*deck.values["signals"], *known], _nothing(deck, known))
+    path, declared, value = known[name]
+    if declared.type == MOTION:
+        return deck, Input(name, declared.unit, "", {path: ""})
+    if len(path) > 3:
+        raise UsageError(f"--input {name}: write this function of time as a signal, and give its name")
+    deck, own = _with(deck, path, lambda value: signal), {"type": "curve", "input": "time", "law": value}
+    if is_formula(value):
+        own = {"type": "formula", "value": value}
+    signals = {**deck.values["signals"], signal: {**own, "unit": None}}
+    return replace(deck, values={**deck.values, "signals": signals}), Input(name, declared.unit, signal)
+
+
+def _nothing(deck, known):
+    """Return a hint for a deck without inputs."""
+    if known or deck.values["signals"]:
+        return ""
+    return "the deck has no signals, loads or prescribed motions; write a force as a load: {type: force, ..., value: 0}"
+
+
+def _functions_of_time(deck) -> "Iterator[tuple[tuple[str, ...], Field, Any]]":
+    """Yield (path, Field, value) of all functions of time, and formulas, that elements, joints and loads take."""
+    for section in SECTIONS:
+        for name, d in deck.values[section].items():
+            for path, declared, value in _drives(KINDS[d["type"]].fields, d):
+                yield (section, name, *path), declared, value
+
+
+def _drives(fields, d):
+    for declared in fields:
+        value = d.get(declared.name)
+        if declared.type.name == "drive" and value is not None:
+            yield (declared.name,), declared, value
+        elif declared.type.name == "mapping" and type(value) is dict:
+            for path, inner, one in _drives(declared.type.options, value):
+                yield (declared.name, *path), inner, one
+
+
+def _motions(deck) -> dict[tuple[str, ...], str]:
+    """Return {path: formula as written} of the prescribed motions that are formulas or signals."""
+    written = {(id(container), key): text for container, key, text in deck.motions}
+    paths = [path for path, declared, _ in _functions_of_time(deck) if declared.type == MOTION]
+    found = {path: written.get((id(_container(deck.values, path)), path[-1])) for path in paths}
+    return {path: text for path, text in found.items() if text is not None}
+
+
+def _container(values, path):
+    """Return the mapping that holds the value at a path."""
+    for key in path[:-1]:
+        values = values[key]
+    return values
+
+
+def slope_of(text: str, signals: "Mapping[str, Values]", signal: str, t: float) -> float:
+    """Return the exact slope of the motion that a formula (text) prescribes by the value of a ``signal`` at ``t`` [s].
+
+    ``signals``: those of the deck; the others in the formula are formulas of the time themselves, or a whole curve.
+    """
+    if text.removeprefix("signals.") == signal:
+        return 1.0
+    if signals.get(text.removeprefix("signals."), {}).get("type") == "curve":
+        return 0.0
+    return _dual(text, signals, signal, t).slope
+
+
+def _dual(text, signals, signal, t):
+    """Return the value of a formula of the time and its slope by the value of a ``signal``."""
+    found = read_formula(text)
+    q = [Dual(0.0, 0.0)]
+    for name in (name.removeprefix("signals.") for name in found.references):
+        one = _dual(signals[name]["value"], signals, signal, t)
+        q.append(Dual(one.value, 1.0) if name == signal else one)
+    return evaluate_formula(np.array(found.numbers), 0, t, q, 0)
+
+
+def _with(deck, path, change):
+    """Return a Deck with a changed value at a path; it shares nothing with ``deck`` that the value is part of."""
+    values = deepcopy(deck.values)
+    container = _container(values, path)
+    container[path[-1]] = change(container[path[-1]])
+    return replace(deck, values=values)
+
+
+def _shifted(value):
+    """Return a prescribed motion that is larger by SHIFT: a formula, a law or a number."""
+    if is_formula(value):
+        return f"({value}) + {SHIFT!r}"
+    return (*terms_of(value), ("constant", {"value": SHIFT}))
+
+
+def _residual(system, s):
+    """Return the residual (n,) of the equations at a state, with the reactions as they are."""
+    return system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0).residual[: system.n].copy()

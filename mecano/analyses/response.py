@@ -1,0 +1,233 @@
+"""Frequency response of a deck from inputs to outputs: computation, file, warnings; export of a state space."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.sparse as sp
+
+from mecano.analyses.input_channels import Input, place_of, with_inputs
+from mecano.analyses.modal import (
+    OperatingPoint,
+    accuracy_warnings,
+    angular_velocity_of,
+    held_warnings,
+    imbalance_warnings,
+    operating_point,
+    sticking_warnings,
+)
+from mecano.analyses.output_channels import Output, with_outputs
+from mecano.analyses.response_text import table
+from mecano.analyses.source import source_of
+from mecano.analyses.state_space_file import linear_model, refuse, write_state_space
+from mecano.errors import UsageError
+from mecano.process.interrupt import call_interruptibly
+from mecano.results.file_names import refuse_existing, refuse_other_ending
+from mecano.results.lock import locked
+from mecano.results.response_file import refuse_table, write_response, write_table
+from mecano.solve.modal.frequency_grid import Peak, Sampled, grid, peaks, refine
+from mecano.solve.modal.frequency_response import Plant, TransferFunction
+from mecano.solve.modal.linearize import linearize
+from mecano.solve.modal.modes import poles_up_to
+
+if TYPE_CHECKING:
+    import os
+
+    from mecano.deck.deck import Deck
+
+SLOW = 1e-4, 1e-3  # of the lowest frequency: where the static gain is read
+STATIC = 1e-3  # relative change between these up to which there is one
+ACCURATE = 1e-8  # backward error above which a warning is given
+BEYOND = 1.1  # of the highest frequency: poles up to there are looked for
+MOST_POINTS = 100_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Question:
+    """What is asked for: names of inputs and outputs, frequencies [Hz], operating point."""
+
+    inputs: Sequence[str]
+    outputs: Sequence[str]
+    low: float
+    high: float
+    number: int = 200
+    linear: bool = False  # equal distances of the frequencies, else equal ratios
+    refined: bool = True  # with points around resonances and located peaks
+    at: str | None = None
+    at_rest: bool = False
+    frame: str = "inertial"
+
+    def check(self) -> None:
+        """Raise UsageError for frequencies out of range, and for no or repeated channels."""
+        for option, value in (("from", self.low), ("to", self.high)):
+            if not (np.isfinite(value) and value > 0.0):
+                raise UsageError(f"--{option} {value:g}: a frequency [Hz] is greater than zero")
+        if self.high < self.low:
+            raise UsageError(f"--to {self.high:g} is less than --from {self.low:g}")
+        if not 1 <= self.number <= MOST_POINTS:
+            raise UsageError(f"--number {self.number}: from 1 to {MOST_POINTS}")
+        for option, names in (("input", self.inputs), ("output", self.outputs)):
+            if not names:
+                raise UsageError(f"--{option} is missing: give one or more")
+            if twice := [name for i, name in enumerate(names) if name in names[:i]]:
+                raise UsageError(f"--{option} {twice[0]} is given twice")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Response:
+    """Transfer functions between inputs and outputs over the frequency."""
+
+    frequency: np.ndarray  # (n,) [Hz], ascending
+    values: np.ndarray  # (n, p, m) complex
+    inputs: tuple[str, ...]  # (m,)
+    outputs: tuple[str, ...]  # (p,)
+    input_units: tuple[str, ...]
+    output_units: tuple[str, ...]
+    static: np.ndarray  # (p, m) limit at low frequency; nan where there is none
+    peaks: list[Peak]
+    about: str
+    warnings: tuple[str, ...] = ()
+    plant: Plant = field(repr=False)
+    base: OperatingPoint = field(repr=False)
+
+
+def response(
+    deck: "Deck",
+    path: "str | os.PathLike[str] | None",
+    question: Question,
+    *,
+    state_space: "str | os.PathLike[str] | None" = None,
+    columns: bool = False,
+    force: bool = False,
+) -> tuple[str, Response]:
+    """Compute a response, write it to ``path`` unless it is None, and return (text of the table, Response).
+
+    ``state_space``: file .npz or .mat for the matrices of the linear model; ``columns``: also write a table beside
+    ``path``, as CSV. Raises UsageError, the errors of ``mecano
+    run``, and, before anything is computed, ResultsError if a file exists.
+    """
+    question.check()
+    if state_space is not None:
+        refuse(state_space, force)
+    if path is not None:
+        refuse_other_ending(path, "--csv writes the numbers as a table")
+    with nullcontext() if path is None else locked(path):
+        if path is not None:
+            refuse_existing(path, force)
+            if columns:
+                refuse_table(path, force)
+        found = _find(deck, question)
+        matrices = None if state_space is None else linear_model(found)
+        if path is not None:
+            write_response(path, found, source_of(deck, warnings=found.warnings), force=force)
+            if columns:
+                write_table(path, found, force)
+    lines = [*table(found), *(f"mecano: {text}" for text in found.warnings)]
+    if state_space is not None and matrices is not None:
+        lines.append(write_state_space(state_space, found, matrices))
+    return "\n".join(lines), found
+
+
+def _find(deck, question):
+    """Return the Response to a Question."""
+    changed, inputs = with_inputs(deck, tuple(question.inputs))
+    changed, outputs = with_outputs(changed, tuple(question.outputs))
+    base = operating_point(changed, question.at, question.at_rest)
+    system, late = base.prepared.system, set(held_warnings(changed))
+    turning = angular_velocity_of(system, base.state, question.frame)
+    plant = _plant(changed, base, inputs, outputs, turning)
+    omegas, values, found, static, error = call_interruptibly(_sampled, plant, question)
+    warnings = [
+        *(text for text in base.warnings if text not in late),
+        *imbalance_warnings(base, turning, "the response is that"),
+        *sticking_warnings(deck, system, base.state),
+        *accuracy_warnings(plant.lin.variation, [], "the response holds"),
+        *_without_effect(plant, inputs, values, question),
+        *_inaccurate(error),
+    ]
+    units = system.signal_units
+    return Response(
+        frequency=omegas / (2.0 * np.pi), values=values, inputs=tuple(one.name for one in inputs),
+        outputs=tuple(one.name for one in outputs),
+        input_units=tuple(one.unit or units[f"signals/{one.signal}/value"] for one in inputs),
+        output_units=tuple(one.unit or units[f"signals/{one.signals[0]}/value"] for one in outputs),
+        static=static, peaks=found, about=base.words, warnings=tuple(warnings), plant=plant, base=base,
+    )  # fmt: skip
+
+
+def _plant(
+    deck: "Deck", base: OperatingPoint, inputs: Sequence[Input], outputs: Sequence[Output], turning: np.ndarray
+) -> Plant:
+    """Return the Plant of the operating point with its inputs and outputs, in axes that turn with ``turning`` (3,)."""
+    prepared, system = base.prepared, base.prepared.system
+    lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
+    columns = np.array([one.columns(lin, system, base.state, deck) for one in inputs])
+    rows = [one.rows(system, turning) for one in outputs]
+    R = [sp.csr_matrix(sp.vstack([row[k] for row in rows])) for k in range(2)]
+    return Plant(lin, [columns[:, k].T.copy() for k in range(3)], R, tuple(_late(deck, system)))
+
+
+def _late(deck, system):
+    """Yield (row, column, transfer function) of the signals that read their input at an earlier time."""
+    for name, d in deck.values["signals"].items():
+        if d["type"] not in LATE:
+            continue
+        own, _ = place_of(system, name)
+        source = next(
+            dofs[1] for b in system.batches for (path, _), dofs in zip(b.paths, b.dofs, strict=True)
+            if path == f"signals/{name}"
+        )  # fmt: skip
+        yield own, int(source), LATE[d["type"]](d)
+
+
+def _delayed(d):
+    return lambda s: np.exp(-s * d["time"])
+
+
+def _held(d):
+    """Return the transfer function of a sampled value that is held for a period."""
+    return lambda s: (1.0 - np.exp(-s * d["period"])) / (s * d["period"]) if s else 1.0
+
+
+LATE = {"delay": _delayed, "sample_and_hold": _held}
+
+
+def _sampled(plant, question):
+    """Return (frequencies (n,) [rad/s], responses (n, p, m), Peaks, static gains (p, m), largest backward error)."""
+    H = TransferFunction(plant)
+    sampled = Sampled(lambda omega: H(1j * omega))
+    base = 2.0 * np.pi * grid(question.low, question.high, question.number, question.linear)
+    found: list[Peak] = []
+    if question.refined and question.number > 1:
+        poles = poles_up_to(plant.lin, BEYOND * base[-1])
+        refine(sampled, base, poles)
+        found = peaks(sampled, poles)
+    else:
+        for omega in base.tolist():
+            sampled.at(omega)
+    omegas, values = sampled.values
+    return omegas, values, found, _static(*(H(1j * share * base[0]) for share in SLOW)), H.error
+
+
+def _static(slowest, slow):
+    """Return the static gains (p, m) from the responses at two low frequencies; nan where they grow to infinity."""
+    slowest, slow = (np.where(np.isfinite(H), H, np.nan) for H in (slowest, slow))
+    settled = np.abs(slow - slowest) <= STATIC * np.abs(slowest)
+    vanishes = np.abs(slowest) < 0.5 * np.abs(slow)
+    return np.where(settled, slowest.real, np.where(vanishes, 0.0, np.nan))
+
+
+def _without_effect(plant, inputs, values, question) -> Iterator[str]:
+    """Yield warnings about inputs that nothing reads, and about pairs without a connection."""
+    for j, one in enumerate(inputs):
+        if not any(q[:, j].any() for q in plant.inputs):
+            yield f"the input {one.name} acts on nothing: no load, joint or signal reads it"
+        elif not values[:, :, j].any():
+            yield f"no output responds to the input {one.name}"
+
+
+def _inaccurate(error):
+    if error > ACCURATE:
+        yield f"the equations are satisfied to {error:.1g} of their terms only: the response may be inaccurate"

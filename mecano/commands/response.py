@@ -1,0 +1,98 @@
+"""The command for responses to sinusoidal inputs, and for linear models."""
+
+import os
+
+import click
+
+from mecano.commands import overrides, plugins, show
+
+
+@click.command(short_help="Compute frequency responses; export a linear model.")
+@click.argument("deck", type=click.Path())
+@click.option(
+    "--input", "inputs", multiple=True, metavar="NAME", required=True,
+    help="A signal, or a function of time of a load or prescribed motion (push.value); may be repeated.",
+)  # fmt: skip
+@click.option(
+    "--output", "outputs", multiple=True, metavar="NAME", required=True,
+    help="An output, as in formulas of signals (body.position.z, strut.force), an acceleration of a node, or a "
+    "formula; may be repeated.",
+)  # fmt: skip
+@click.option("--from", "low", type=float, required=True, metavar="HZ", help="Lowest frequency.")
+@click.option("--to", "high", type=float, required=True, metavar="HZ", help="Highest frequency.")
+@click.option(
+    "--number", type=click.IntRange(1), default=200, show_default=True,
+    help="Frequencies, at equal ratios; more are added around resonances.",
+)  # fmt: skip
+@click.option("--linear", is_flag=True, help="Frequencies at equal distances.")
+@click.option("--unrefined", is_flag=True, help="Add no frequencies around resonances, and locate no peaks.")
+@click.option("--at", metavar="RESULTS.h5:TIME", help="About the saved state nearest to a time; default: the start.")
+@click.option(
+    "--at-rest", is_flag=True,
+    help="About the equilibrium near the state of --at: velocities zero, latches and contacts as they are there.",
+)  # fmt: skip
+@click.option(
+    "--frame", default="inertial", show_default=True, metavar="NODE|WX,WY,WZ|inertial",
+    help="Axes in which motions are measured, turning with a node or with an angular velocity [rad/s].",
+)  # fmt: skip
+@click.option(
+    "--state-space", "matrices", type=click.Path(), metavar="FILE.npz|.mat",
+    help="Also write the linear model: matrices A, B, C, D, names and units of states, inputs and outputs.",
+)  # fmt: skip
+@click.option(
+    "-o", "--output-file", "path", type=click.Path(),
+    help="File; default: the deck's name with _response.h5, in this folder.",
+)  # fmt: skip
+@click.option("--plot", is_flag=True, help="Draw a Bode diagram into a picture beside the file.")
+@click.option("--csv", "columns", is_flag=True, help="Also write magnitudes and phases as a table, beside the file.")
+@click.option("-q", "--quiet", is_flag=True, help="Do not print the progress of compilation.")
+@click.option("--force", is_flag=True, help="Replace existing files.")
+@overrides
+@plugins
+def response(
+    deck: str,
+    inputs: tuple[str, ...],
+    outputs: tuple[str, ...],
+    low: float,
+    high: float,
+    number: int,
+    linear: bool,
+    unrefined: bool,
+    at: str | None,
+    at_rest: bool,
+    frame: str,
+    matrices: str | None,
+    path: str | None,
+    plot: bool,
+    columns: bool,
+    quiet: bool,
+    force: bool,
+    overrides: tuple[str, ...],
+) -> None:
+    """Compute the response of small motions to a small sinusoid of each input.
+
+    The motions are those about the initial state of a deck, its equilibrium, its steady motion, or a saved state, as
+    those of `mecano modes`. The command prints the static gain, the bandwidth and the peaks of each transfer function,
+    and writes all of them to a file and, with --plot, to a picture.
+    """
+    if at_rest and at is None:
+        raise click.BadParameter("belongs to --at RESULTS.h5:TIME", param_hint="--at-rest")
+    from mecano.analyses.progress import SweepProgress
+    from mecano.analyses.response import Question
+    from mecano.analyses.response import response as find
+    from mecano.deck.read import read_deck
+
+    path = path or f"{os.path.splitext(os.path.basename(deck))[0]}_response.h5"
+    question = Question(
+        inputs=inputs, outputs=outputs, low=low, high=high, number=number, linear=linear, refined=not unrefined,
+        at=at, at_rest=at_rest, frame=frame,
+    )  # fmt: skip
+    question.check()
+    checked = read_deck(deck, overrides)
+    with SweepProgress(quiet, path).announcing_compiling():
+        text, _ = find(checked, path, question, state_space=matrices, columns=columns, force=force)
+    show(text)
+    if plot:
+        from mecano.post.bode import draw_response
+
+        show(str(draw_response(path)))
