@@ -369,6 +369,96 @@ output: {every: 10 ms}
     assert np.abs((sine + 1j * cosine) / (0.01 * found.values[0, :, 0]) - 1.0).max() < 1e-4
 
 
+DOOR = f"""
+mecano: 1
+gravity: none
+nodes: {{door: {{position: [0, 0, 0]}}, above: {{position: [0, 0, 2]}}}}
+elements:
+  door: {{type: rigid_body, node: door, mass: 20, inertia: [9, 10, 5], center_of_mass: [0.5, 0, 1], attached: [above]}}
+joints:
+  lower:
+    {{type: hinge, nodes: [ground, door], axis: [0, 0, 1], axis_1: [1, 0, 0], turning_law: {{spring: 90, damper: 3}}}}
+  upper: {{type: hinge, nodes: [ground, above], axis: [0, 0, 1], axis_1: [1, 0, 0]}}
+loads: {{push: {{type: moment, node: door, direction: [0, 0, 1], value: 0}}}}
+{TIME}
+"""
+
+
+def test_redundant_constraints_share_their_reactions():
+    """A door on two hinges: I a'' + c a' + k a = M; both hinges accelerate its centre of mass, m r a'' along y.
+
+    The compliance of redundant constraints, 1e-11 of the length, is seen at 20 Hz; the state space is without it.
+    """
+    outputs = ["lower.angle", "lower.force.y + upper.force.y", "lower.force.y", "upper.moment.x"]
+    found = respond(DOOR, ["push.value"], outputs)
+    s = s_of(found)
+    H = 1.0 / ((5 + 20 * 0.25) * s**2 + 3 * s + 90)
+    assert error(found, H, 20 * 0.5 * s**2 * H) < 3e-7
+    assert state_space_error(found) < 5e-8
+    model = linear_model(found).matrices
+    own = np.array([model.C @ model.motion(one) + model.D for one in s])[:, :2, 0].T
+    assert np.abs(own / [H, 20 * 0.5 * s**2 * H] - 1.0).max() < 1e-12
+
+
+def vehicle(front, rear, relaxation_length):
+    """A vehicle of one track on a level plane, with tyres of these cornering stiffnesses [N/rad], at 20 m/s."""
+    axles = {"front": (1.2, front), "rear": (-1.5, rear)}
+    sections = {
+        "nodes": ["body: {position: [0, 0, 0.3]}"],
+        "elements": [
+            "body: {type: rigid_body, node: body, mass: 1200, inertia: [500, 1500, 1800], attached: [front, rear]}"
+        ],
+        "joints": [
+            "level: {type: planar, nodes: [ground, body], axis: [0, 0, 1]}",
+            "pin: {type: hinge, nodes: [front, front_carrier], axis: [0, 0, 1]}",
+            "steering: {type: prescribed_angle, nodes: [front, front_carrier], axis: [0, 0, 1], value: steer}",
+            "mount: {type: fixed, nodes: [rear, rear_carrier]}",
+        ],
+        "tire_laws": [],
+    }
+    for name, (x, stiffness) in axles.items():
+        sections["nodes"] += [f"{name}{part}: {{position: [{x}, 0, 0.3]}}" for part in ("", "_carrier", "_hub")]
+        sections["elements"] += [
+            f"{name}{part}: {{type: rigid_body, node: {name}{part}, mass: 0.01, inertia: [1.0e-4, 1.0e-4, 1.0e-4]}}"
+            for part in ("_carrier", "_hub")
+        ]
+        sections["elements"] += [
+            f"{name}_tyre: {{type: adhesive_wheel, node: {name}_hub, axis: [0, 1, 0], tire_law: {name}, ground: road}}"
+        ]
+        sections["joints"] += [f"{name}_bearing: {{type: hinge, nodes: [{name}_carrier, {name}_hub], axis: [0, 1, 0]}}"]
+        lateral = f"{{cornering_stiffness: {stiffness}, relaxation_length: {relaxation_length}}}"
+        contact = "radius: 0.32, radial: {linear: {slope: 3.0e5}}, friction: 1, slip_regularization: 0.01"
+        sections["tire_laws"] += [f"{name}: {{{contact}, lateral: {{relaxation: {lateral}}}}}"]
+    text = "".join(f"{name}:\n" + "".join(f"  {line}\n" for line in lines) for name, lines in sections.items())
+    return f"""mecano: 1
+gravity: [0, 0, -9.81]
+{text}grounds: {{road: {{plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}}}}}
+signals: {{steer: 0*time}}
+initial: {{steady: {{velocity: [20, 0, 0]}}}}
+{TIME}
+"""
+
+
+def test_vehicle_in_steady_running():
+    """Yaw rate and lateral acceleration by steering: single-track equations of Riekert & Schunck (1940).
+
+    Forces of the tyres build up over the relaxation length. The wheels have 0.02 kg each; what they turn is neglected.
+    """
+    outputs = ["body.angular_velocity.z", "body.acceleration.y", "steering.angle"]
+    found = respond(vehicle(8e4, 9e4, 0.5), ["steer"], outputs, 0.1, 5.0)
+    s, V, m, a, b = s_of(found), 20.0, 1200.04, 1.2, 1.5
+    inertia = 1800.0 + 0.02 * (a**2 + b**2)
+    front, rear = 8e4 / (1 + 0.5 * s / V), 9e4 / (1 + 0.5 * s / V)
+    sideways, turning = np.array([m * s + (front + rear) / V, m * V + (a * front - b * rear) / V])
+    moved, turned = (a * front - b * rear) / V, inertia * s + (a**2 * front + b**2 * rear) / V
+    D = sideways * turned - turning * moved
+    v, r = (front * turned - a * front * turning) / D, (a * front * sideways - front * moved) / D
+    assert error(found, r, s * v + V * r, 1.0 + 0.0 * s) < 1e-5
+    wheelbase, understeer = a + b, m * (b / 8e4 - a / 9e4) / (a + b)
+    assert found.static[0, 0] == pytest.approx(V / (wheelbase + understeer * V**2), rel=1e-4)
+    assert state_space_error(respond(vehicle(8e4, 9e4, 0.5), ["steer"], outputs[:1], 0.1, 5.0)) < 1e-5
+
+
 class TestCommand:
     """`mecano response` with its files."""
 
@@ -406,7 +496,8 @@ class TestCommand:
         assert file.peaks["magnitude"] == pytest.approx([5.12277], rel=1e-6) and file.static[0, 0] == pytest.approx(1.0)
         table = np.loadtxt("base_excitation_response.csv", delimiter=",", skiprows=1)
         assert table[:, 1] * np.exp(1j * np.radians(table[:, 2])) == pytest.approx(T, rel=1e-11)
-        model = np.load("model.npz")
+        with np.load("model.npz") as arrays:
+            model = dict(arrays)
         H = model["C"] @ np.linalg.solve(s[0] * np.eye(6) - model["A"], model["B"]) + model["D"]
         assert H[0, 0] == pytest.approx(T[0], rel=1e-11)
         assert list(model["states"][[2, 5]]) == ["weight.position.z", "d/dt weight.position.z"]

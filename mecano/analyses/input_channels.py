@@ -33,7 +33,7 @@ class Input:
     """An input: a signal of the deck for the response, and the prescribed motions that depend on it."""
 
     name: str  # as asked for
-    unit: str  # "" if it is the unit of the signal
+    unit: str  # that of the field; of a signal, that of the motion that it prescribes, or ""
     signal: str = ""  # "" for a prescribed motion that is no signal
     motions: dict[tuple[str, ...], str] = field(default_factory=dict)  # path in the deck -> formula as written
 
@@ -72,7 +72,7 @@ def with_inputs(deck: "Deck", names: tuple[str, ...]) -> "tuple[Deck, list[Input
     for number, name in enumerate(names, start=1):
         signal = name.removeprefix("signals.")
         if signal in deck.values["signals"]:
-            found.append(Input(name, "", signal, motions))
+            found.append(Input(name, _unit_of_motion(deck, motions, signal), signal, motions))
         else:
             deck, one = _of_field(deck, name, f"input_{number}_of_response")
             found.append(one)
@@ -128,6 +128,12 @@ def _motions(deck) -> dict[tuple[str, ...], str]:
     paths = [path for path, declared, _ in _functions_of_time(deck) if declared.type == MOTION]
     found = {path: written.get((id(_container(deck.values, path)), path[-1])) for path in paths}
     return {path: text for path, text in found.items() if text is not None}
+
+
+def _unit_of_motion(deck, motions, signal):
+    """Return the unit of the prescribed motion that is a ``signal``, or ""."""
+    units = {path: declared.unit for path, declared, _ in _functions_of_time(deck)} if motions else {}
+    return next((units[path] for path, text in motions.items() if text.removeprefix("signals.") == signal), "")
 
 
 def _container(values, path):

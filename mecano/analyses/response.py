@@ -23,6 +23,7 @@ from mecano.analyses.response_text import table
 from mecano.analyses.source import source_of
 from mecano.analyses.state_space_file import linear_model, refuse, write_state_space
 from mecano.errors import UsageError
+from mecano.model.signal_units import UNKNOWN
 from mecano.process.interrupt import call_interruptibly
 from mecano.results.file_names import refuse_existing, refuse_other_ending
 from mecano.results.lock import locked
@@ -151,10 +152,15 @@ def _find(deck, question):
     return Response(
         frequency=omegas / (2.0 * np.pi), values=values, inputs=tuple(one.name for one in inputs),
         outputs=tuple(one.name for one in outputs),
-        input_units=tuple(one.unit or units[f"signals/{one.signal}/value"] for one in inputs),
+        input_units=tuple(_known(units.get(f"signals/{one.signal}/value"), one.unit) for one in inputs),
         output_units=tuple(one.unit or units[f"signals/{one.signals[0]}/value"] for one in outputs),
         static=static, peaks=found, about=base.words, warnings=tuple(warnings), plant=plant, base=base,
     )  # fmt: skip
+
+
+def _known(of_signal, otherwise):
+    """Return the unit of an input: that of its signal, if it is known."""
+    return of_signal if of_signal and (of_signal != UNKNOWN or not otherwise) else otherwise
 
 
 def _plant(

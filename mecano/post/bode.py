@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SINGLE, PANEL, MAGNITUDE, PHASE = 6.8, 4.6, 2.3, 1.7  # inches: widths of a single panel, of one of two; heights
-COLUMNS = 2
+WIDTHS = 6.8, 4.6, 4.0  # inches, of a panel, by the number of columns
+MAGNITUDE, PHASE = 2.3, 1.7  # inches, heights
 DECADES = 2e2  # ratio of the frequencies up to which 2 and 5 of each decade are named
 PLAIN = 1e-3, 1e4  # numbers that are written without a power of ten
 LINE = 0.2  # inches of the legend
@@ -40,8 +40,8 @@ def draw_response(
 def response_figure(file: ResponseFile) -> "Figure":
     """Return the figure of a ResponseFile: for each unit of transfer functions a panel of magnitudes and of phases."""
     groups = _by_unit(file)
-    columns = min(len(groups), COLUMNS)
-    rows, width = -(-len(groups) // columns), PANEL if columns > 1 else SINGLE
+    columns = 2 if len(groups) == 4 else min(len(groups), len(WIDTHS))
+    rows, width = -(-len(groups) // columns), WIDTHS[columns - 1]
     with matplotlib.rc_context(SETTINGS):
         handles = _handles(file)
         of_legend = legend_columns(handles, width * columns)

@@ -35,7 +35,7 @@ ROUNDED = 1e-14  # of the largest entry of a row, in balanced units: rounding
 NOISE = 1e-12  # of the largest possible entry, in balanced units: an output that does not depend on a state or input
 AT_ONCE = 1e3  # preference of unknowns that are solved for before motions: signals without a state, reactions
 TRIED, NEAR = 4, 100.0  # units of time that are tried; ratio of the mean eigenvalue to one that is near enough
-ZERO = 1e-9  # of the largest eigenvalue: none
+ZERO = 1e-9  # of the largest eigenvalue or stiffness: none
 BALANCED = 10  # rounds of the balance of unknowns and equations
 
 
@@ -128,7 +128,7 @@ def _paced(plant):
     """Return the _Reduced equations of a Plant, with a unit of time that suits their eigenvalues."""
     lin = plant.lin
     stiff, mass = (np.abs(A.diagonal()[: lin.n_q]) for A in (lin.K, lin.M))
-    both = (stiff > 0.0) & (mass > 0.0) & ~lin.signals
+    both = (stiff > ZERO * stiff.max(initial=0.0)) & (mass > 0.0) & ~lin.signals
     rate = float(np.exp(0.5 * np.mean(np.log(stiff[both] / mass[both])))) if both.any() else 1.0
     for _ in range(TRIED):
         found = _reduced(plant, rate)
@@ -302,7 +302,8 @@ def _chosen(N, lin):
     heavy, damped = (np.flatnonzero(A.diagonal()[:n_q]) for A in (lin.M, lin.C))
     positions = _pivots(N, [np.union1d(heavy, damped)], DETERMINED)
     rates = n_q + np.intersect1d(positions, heavy)
-    found = _pivots(N, [positions, rates, n_q + heavy, np.arange(2 * n_q)], DETERMINED)
+    others = np.flatnonzero(~lin.signals[:n_q]), np.arange(2 * n_q)
+    found = _pivots(N, [positions, rates, n_q + heavy, *others], DETERMINED)
     return found if len(found) == N.shape[1] else _pivots(N, [np.arange(2 * n_q)], 0.0)[: N.shape[1]]
 
 
