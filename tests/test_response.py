@@ -369,6 +369,51 @@ output: {every: 10 ms}
     assert np.abs((sine + 1j * cosine) / (0.01 * found.values[0, :, 0]) - 1.0).max() < 1e-4
 
 
+def test_section_forces_of_a_beam():
+    """Those at the clamp balance its reactions; a beam inside it, rotations, nodes between beams."""
+    model = f"""
+mecano: 1
+gravity: [0, 0, -9.81]
+nodes: {{root: {{position: [0, 0, 0]}}, tip: {{position: [1, 0, 0]}}}}
+sections: {{steel: {{type: rectangle, width: 40 mm, height: 20 mm, E: 210 GPa, nu: 0.3, density: 7850, damping: 1 ms}}}}
+elements: {{beam: {{type: beam, nodes: [root, tip], section: steel, up: [0, 0, 1], mesh: 8}}}}
+joints: {{clamp: {{type: fixed, nodes: [ground, root]}}}}
+loads: {{push: {{type: force, node: tip, direction: [0, 0, 1], value: 0}}}}
+initial: static
+{TIME}
+"""
+    outputs = ["beam.1.moment_start.y", "clamp.moment.y", "tip.rotation.y", "beam.4.position.z", "beam.8.strain_energy"]
+    found = respond(model, ["push.value"], outputs, 0.5, 60.0, number=30)
+    stiffness, sag = 210e9 * 0.04 * 0.02**3 / 12, 5e-3
+    assert found.static[:2, 0] == pytest.approx([-1.0, 1.0], abs=sag)
+    assert found.static[2, 0] == pytest.approx(-1 / (2 * stiffness), rel=sag)
+    assert found.static[3, 0] == pytest.approx(0.5**2 * (3 - 0.5) / (6 * stiffness), rel=sag)
+    low = found.frequency < 5.0
+    assert np.abs(found.values[low, 0, 0] / found.values[low, 1, 0] + 1.0).max() < 1e-3
+    assert found.output_units == ("N m", "N m", "rad", "m", "J")
+    assert state_space_error(found) < 1e-7
+
+
+def test_forces_of_superelements():
+    """Those on both sides of a node are opposite, those at a shaft that is held balance its moment."""
+    push = "loads={push: {type: force, node: tip, direction: [0, 1, 0], value: 0}}"
+    outputs = ["s8.force_2.y", "s1.moment_1.z", "motor.moment", "s4.moment_2.z", "s5.moment_1.z"]
+    model = input_deck("superelement_arm", push, "joints.motor.value=0")
+    found = respond(model, ["push.value"], outputs, 0.01, 3.0, number=12, refined=False)
+    assert found.static[:, 0] == pytest.approx([1.0, -10.0, -10.0, 5.0, -5.0], rel=1e-6)
+    tip, root, shaft, left, right = found.values[:, :, 0].T
+    assert np.abs(tip - 1.0).max() < 2e-6
+    assert np.abs(root / shaft - 1.0).max() < 1e-6 and np.abs(left / right + 1.0).max() < 2e-6
+
+
+def test_outputs_of_members_that_are_not_smooth():
+    model = input_deck("flexible_pendulum")
+    with pytest.raises(UsageError, match="write which of its elements is meant, such as rod.1.moment.y"):
+        respond(model, ["hinge.natural_angle"], ["rod.moment.y"])
+    with pytest.raises(UsageError, match="rod.8.stress: it has a corner at this state"):
+        respond(model, ["hinge.natural_angle"], ["rod.8.stress"])
+
+
 DOOR = f"""
 mecano: 1
 gravity: none

@@ -13,15 +13,18 @@ import scipy.sparse as sp
 
 from mecano.analyses.channel_errors import unknown
 from mecano.analyses.input_channels import place_of
+from mecano.analyses.observed_outputs import MemberOutput, NodeOutput, member_output, node_output
 from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
 from mecano.errors import UsageError
 from mecano.laws.formula import FormulaError, read_formula
-from mecano.model.measured_outputs import AXES
+from mecano.model.measured_outputs import AXES, components
+from mecano.model.mesh import inner_names, piece_names
 from mecano.model.quantity_names import UnknownQuantity, resolve
 
 if TYPE_CHECKING:
     from mecano.deck.deck import Deck
+    from mecano.model.state import State
     from mecano.model.system import System
 
 RATES = {"acceleration": ("velocity", "m/s2"), "angular_acceleration": ("angular_velocity", "rad/s2")}
@@ -37,29 +40,45 @@ class Output:
     signals: tuple[str, ...]
     axis: int = 0  # of the acceleration
 
-    def rows(self, system: "System", w: np.ndarray) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-        """Return R0, R1, each (1, n), in axes that turn with ``w`` (3,)."""
-        at = [place_of(system, signal)[0] for signal in self.signals]
+    def rows(self, system: "System", s: "State", w: np.ndarray) -> list[sp.csr_matrix]:
+        """Return R0, R1, R2, each (1, n), in axes that turn with ``w`` (3,)."""
+        at, none = [place_of(system, signal)[0] for signal in self.signals], _row(system.n, [], [])
         if len(at) == 1:
-            return _row(system.n, at, [1.0]), _row(system.n, [], [])
+            return [_row(system.n, at, [1.0]), none, none]
         i, j, k = (self.axis + np.arange(3)) % 3
-        return _row(system.n, [at[k], at[j]], [w[j], -w[k]]), _row(system.n, [at[i]], [1.0])
+        return [_row(system.n, [at[k], at[j]], [w[j], -w[k]]), _row(system.n, [at[i]], [1.0]), none]
 
 
 def _row(n, columns, values):
     return sp.csr_matrix((values, ([0] * len(values), columns)), shape=(1, n))
 
 
-def with_outputs(deck: "Deck", names: Sequence[str]) -> "tuple[Deck, list[Output]]":
-    """Return a Deck with the signals that measure the outputs, and the Outputs. Raises UsageError."""
+def with_outputs(deck: "Deck", names: Sequence[str]) -> "tuple[Deck, list[Output | NodeOutput | MemberOutput]]":
+    """Return a Deck with the signals that measure the outputs, and the outputs. Raises UsageError."""
     entries = {(s, name): (KINDS[d["type"]], d) for s in SECTIONS for name, d in deck.values[s].items()}
-    found, signals = [], dict(deck.values["signals"])
+    members = {piece: d for name, d in deck.values["elements"].items() for piece in piece_names(name, d)}
+    inner = {node for name, d in deck.values["elements"].items() for node in inner_names(name, d)}
+    found: list[Output | NodeOutput | MemberOutput] = []
+    signals, nodes = dict(deck.values["signals"]), deck.values["nodes"]
     for number, name in enumerate(names, start=1):
-        texts, axis, unit = _measured(name, entries, deck.values["nodes"])
-        own = tuple(f"output {number} {i}" for i in range(len(texts)))
-        signals |= {one: {"type": "formula", "value": text, "unit": None} for one, text in zip(own, texts, strict=True)}
-        found.append(Output(name, unit, own, axis))
+        own = node_output(name, {*nodes, *inner}.__contains__, nodes.__contains__)
+        if other := own or member_output(name, lambda name: _hidden(members.get(name))):
+            found.append(other)
+            continue
+        texts, axis, unit = _measured(name, entries, nodes)
+        new = tuple(f"output {number} {i}" for i in range(len(texts)))
+        signals |= {one: {"type": "formula", "value": text, "unit": None} for one, text in zip(new, texts, strict=True)}
+        found.append(Output(name, unit, new, axis))
     return replace(deck, values={**deck.values, "signals": signals}), found
+
+
+def _hidden(d):
+    """Yield (name, unit) of the outputs of a flexible element with these values that formulas cannot read."""
+    if not d or not (kind := KINDS[d["type"]].chosen(d)).flexible:
+        return
+    for output in kind.outputs:
+        if output.name in kind.hidden and len(output.shape) < 2:
+            yield from ((name, output.unit) for name in components(output))
 
 
 def _measured(name, entries, nodes):
@@ -77,14 +96,18 @@ def _measured(name, entries, nodes):
         try:
             resolve(reference, entries, nodes)
         except UnknownQuantity as error:
-            raise _explained(name, error) from None
+            raise _explained(name, error, entries) from None
     if not formula.references:
         raise UsageError(f"--output {name}: it depends on nothing that moves")
     return [name], 0, ""
 
 
-def _explained(name, error):
-    """Return the UsageError for an UnknownQuantity in an output."""
+def _explained(name, error, entries):
+    """Return the UsageError for an UnknownQuantity in an output; of a member with a mesh, its elements have outputs."""
+    owner, _, what = name.removeprefix("elements.").partition(".")
+    _, d = entries.get(("elements", owner), (None, {}))
+    if "." in (piece := piece_names(owner, d)[0]):
+        return UsageError(f"--output {name}: write which of its elements is meant, such as {piece}.{what}")
     message = f"--output {name}: {error.message}"
     near = unknown("output", error.word, error.known) if error.known else None
     return UsageError(f"{message}; {str(near).partition('; ')[2]}" if near else message)

@@ -18,6 +18,7 @@ from mecano.analyses.modal import (
     operating_point,
     sticking_warnings,
 )
+from mecano.analyses.observed_outputs import MemberOutput, NodeOutput
 from mecano.analyses.output_channels import Output, with_outputs
 from mecano.analyses.response_text import table
 from mecano.analyses.source import source_of
@@ -153,9 +154,15 @@ def _find(deck, question):
         frequency=omegas / (2.0 * np.pi), values=values, inputs=tuple(one.name for one in inputs),
         outputs=tuple(one.name for one in outputs),
         input_units=tuple(_known(units.get(f"signals/{one.signal}/value"), one.unit) for one in inputs),
-        output_units=tuple(one.unit or units[f"signals/{one.signals[0]}/value"] for one in outputs),
+        output_units=tuple(_unit_of(one, units) for one in outputs),
         static=static, peaks=found, about=base.words, warnings=tuple(warnings), plant=plant, base=base,
     )  # fmt: skip
+
+
+def _unit_of(output, units):
+    """Return the unit of an output; ``units``: {path: unit} of signals."""
+    measured = isinstance(output, Output) and not output.unit
+    return units[f"signals/{output.signals[0]}/value"] if measured else output.unit
 
 
 def _known(of_signal, otherwise):
@@ -164,14 +171,18 @@ def _known(of_signal, otherwise):
 
 
 def _plant(
-    deck: "Deck", base: OperatingPoint, inputs: Sequence[Input], outputs: Sequence[Output], turning: np.ndarray
+    deck: "Deck",
+    base: OperatingPoint,
+    inputs: Sequence[Input],
+    outputs: Sequence[Output | NodeOutput | MemberOutput],
+    turning: np.ndarray,
 ) -> Plant:
     """Return the Plant of the operating point with its inputs and outputs, in axes that turn with ``turning`` (3,)."""
     prepared, system = base.prepared, base.prepared.system
     lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
     columns = np.array([one.columns(lin, system, base.state, deck) for one in inputs])
-    rows = [one.rows(system, turning) for one in outputs]
-    R = [sp.csr_matrix(sp.vstack([row[k] for row in rows])) for k in range(2)]
+    rows = [one.rows(system, base.state, turning) for one in outputs]
+    R = [sp.csr_matrix(sp.vstack([row[k] for row in rows])) for k in range(3)]
     return Plant(lin, [columns[:, k].T.copy() for k in range(3)], R, tuple(_late(deck, system)))
 
 

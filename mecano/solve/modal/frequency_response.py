@@ -3,7 +3,7 @@ r"""Response of small motions to sinusoidal inputs: the transfer functions of a 
 With s = i omega, the columns Q of the inputs u and the rows R of the outputs z, each a polynomial of s,
 
 .. math::
-   (s^2 M + s C + K)\, y = (Q_0 + s Q_1 + s^2 Q_2)\, u, \qquad z = (R_0 + s R_1)\, y, \qquad H(s) = z/u.
+   (s^2 M + s C + K)\, y = (Q_0 + s Q_1 + s^2 Q_2)\, u, \qquad z = (R_0 + s R_1 + s^2 R_2)\, y, \qquad H(s) = z/u.
 
 y are the motions, signals and multipliers together, so the constraints are in the rows of K and C, and a prescribed
 motion is the right-hand side of its constraint: its rates follow exactly. One sparse factorization for each frequency
@@ -32,7 +32,7 @@ class Plant:
 
     lin: "Linearization"
     inputs: Sequence[np.ndarray]  # Q0, Q1, Q2, each (n, m)
-    outputs: Sequence[sp.csr_matrix]  # R0, R1, each (p, n)
+    outputs: Sequence[sp.csr_matrix]  # R0, R1, R2, each (p, n)
     late: "Sequence[tuple[int, int, Callable[[complex], complex]]]" = ()
     """(row, column, f) of signals that read earlier values: -f(s) is their entry"""
 
@@ -63,12 +63,13 @@ class TransferFunction:
         A smaller part than ROUNDED of that is zero.
         """
         Q0, Q1, Q2 = self.plant.inputs
-        R0, R1 = self.plant.outputs
+        R0, R1, R2 = self.plant.outputs
         found = self._solution(s, Q0 + s * Q1 + s**2 * Q2)
         if found is None:
             return (np.full((R0.shape[0], Q0.shape[1]), np.inf + 0j),) * 2
         y, largest = found
-        H, size = R0 @ y + s * (R1 @ y), abs(R0) @ largest + abs(s) * (abs(R1) @ largest)
+        R, w = R0 + s * R1 + s**2 * R2, abs(s)
+        H, size = R @ y, (abs(R0) + w * abs(R1) + w**2 * abs(R2)) @ largest
         return np.where(np.abs(H) > ROUNDED * size, H, 0.0), size
 
     def _solution(self, s, b):

@@ -92,6 +92,16 @@ def linearize(
     return Linearization(M, C, K, system.n_q, system.numbering.group, root, system.signals, variation, variation * rate)
 
 
+def by_motions(system: "System", s: "State", w: np.ndarray) -> tuple[sp.csr_matrix, ...]:
+    """Return the derivatives of the material unknowns by the motions y, y', y'' in axes that turn with ``w`` (3,).
+
+    They are sparse (n, n): that of displacements and material rotations by y, of velocities by y, of accelerations by
+    y, and of accelerations by y', over the rows of unknowns; the others are that by y.
+    """
+    P, G1, G2, G3 = _blocks(system, s, np.asarray(w, float), np.eye(3))
+    return P, P @ G1, P @ G3, P @ G2
+
+
 def _matrices(system, s, w, Q, assemble):
     """Return M', C', K' in the axes Q, which rotate with w."""
     parts = []

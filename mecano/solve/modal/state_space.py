@@ -113,12 +113,14 @@ def state_space(plant: "Plant") -> StateSpace:
 def _outputs(plant, of):
     """Return (C (p, n), [D[0], D[1], ...]) of the outputs z = C z + sum of D[k] u^(k), without rounding."""
     n_q = plant.lin.n_q
-    R0, R1 = (R[:, :n_q].toarray() * of.units[:n_q] for R in plant.outputs)
-    R1 = of.rate * R1
+    R = [of.rate**k * (one[:, :n_q].toarray() * of.units[:n_q]) for k, one in enumerate(plant.outputs)]
     y, X = of.N[:n_q], [x[:n_q] for x in of.X]
-    C = R0 @ y + R1 @ (y @ of.A)
-    D = [R0 @ x + R1 @ v for x, v in zip([*X, 0.0 * X[0]], [y @ of.B, *X], strict=True)]
-    size = np.abs(R0).sum(axis=1) + np.abs(R1).sum(axis=1) * np.abs(of.A).max(initial=1.0)
+    v, none = y @ of.A, 0.0 * X[0]
+    C = R[0] @ y + R[1] @ v + R[2] @ (v @ of.A)
+    of_inputs = [*X, none, none], [y @ of.B, *X, none], [v @ of.B, y @ of.B, *X]  # of y, y', y'', by rates of u
+    D = [sum(a @ b for a, b in zip(R, parts, strict=True)) for parts in zip(*of_inputs, strict=True)]
+    pace = np.abs(of.A).max(initial=1.0)
+    size = sum(np.abs(one).sum(axis=1) * pace**k for k, one in enumerate(R))
     C[np.abs(C).max(axis=1, initial=0.0) <= NOISE * size] = 0.0
     noise = NOISE * np.outer(size, np.max([np.abs(x).max(axis=0, initial=0.0) for x in (y @ of.B, *X)], axis=0))
     return C, [np.where(np.abs(d) <= noise, 0.0, d) for d in D]
