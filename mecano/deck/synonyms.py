@@ -300,10 +300,11 @@ NOTES = {  # words with the same meaning: (targets, note)
         "signals formula prescribed_position",
         "a formula of the time, sin(2*pi*turns) with turns: 1*time + 3*time**2/2 (docs/signals.md, Prescribed motions)",
     ),
-    "frequency response, transmissibility, bode, bode plot, gain and phase": (
-        "signals study",
-        "run a swept sine, or a study over the frequency of a sine, and compare amplitudes of input and output; "
-        "resonances are those of `mecano modes`",
+    "frequency response, transfer function of a mechanism, transmissibility, receptance, mobility, bode, bode plot, "
+    "gain and phase, bandwidth, linear model, state matrices, pinput, poutput, statemat": (
+        "signals",
+        "`mecano response` finds transfer functions of small motions, and matrices A, B, C, D (docs/response.md); for "
+        "large motions run a swept sine",
     ),
     "noise, stochastic": ("random", ""),
     "sensor, probe, request, measure": (
