@@ -445,6 +445,24 @@ def test_redundant_constraints_share_their_reactions():
     assert np.abs(own / [H, 20 * 0.5 * s**2 * H] - 1.0).max() < 1e-12
 
 
+@pytest.mark.parametrize(
+    ("name", "source", "output", "states"),
+    [
+        ("servo_valve", "u", "mass.position.x", 4),  # pressures of 1e7 Pa beside displacements of 1e-2 m
+        ("crane", "rope.payout", "hook.position.z", 12),
+        ("nose_wheel_steering", "command", "steering.angle", 5),  # a controller, a tyre, a rolling wheel
+        ("controlled_double_pendulum", "shoulder_error", "elbow.position.x", 4),
+        ("bicycle", "rear_axle.natural_angle", "rear_hub.position.y", 10),  # rolls without slip, nothing drives it
+        ("differential", "carrier_bearing.natural_angle", "carrier_bearing.angle", 4),  # nothing is stiff
+    ],
+)
+def test_state_spaces_of_decks(name, source, output, states):
+    """They have as many states as the motions and filters have, and the responses of the sparse equations."""
+    model = linear_model(respond(input_deck(name), [source], [output], 0.1, 50.0, number=20))
+    assert len(model.states) == len(set(model.states)) == states
+    assert model.difference < 1e-6
+
+
 def vehicle(front, rear, relaxation_length):
     """A vehicle of one track on a level plane, with tyres of these cornering stiffnesses [N/rad], at 20 m/s."""
     axles = {"front": (1.2, front), "rear": (-1.5, rear)}

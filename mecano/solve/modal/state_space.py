@@ -21,6 +21,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from mecano.errors import UsageError
+from mecano.solve.diagnostics.scales import NO_STIFFNESS
 from mecano.solve.modal.frequency_response import scale_unread
 from mecano.solve.statics.stability import null_space
 
@@ -35,7 +36,7 @@ ROUNDED = 1e-14  # of the largest entry of a row, in balanced units: rounding
 NOISE = 1e-12  # of the largest possible entry, in balanced units: an output that does not depend on a state or input
 AT_ONCE = 1e3  # preference of unknowns that are solved for before motions: signals without a state, reactions
 TRIED, NEAR = 4, 100.0  # units of time that are tried; ratio of the mean eigenvalue to one that is near enough
-ZERO = 1e-9  # of the largest eigenvalue or stiffness: none
+ZERO = 1e-9  # of the largest eigenvalue, of the unit of time, or of the largest stiffness: none
 BALANCED = 10  # rounds of the balance of unknowns and equations
 
 
@@ -130,12 +131,12 @@ def _paced(plant):
     """Return the _Reduced equations of a Plant, with a unit of time that suits their eigenvalues."""
     lin = plant.lin
     stiff, mass = (np.abs(A.diagonal()[: lin.n_q]) for A in (lin.K, lin.M))
-    both = (stiff > ZERO * stiff.max(initial=0.0)) & (mass > 0.0) & ~lin.signals
+    both = (stiff > max(ZERO * stiff.max(initial=0.0), NO_STIFFNESS)) & (mass > 0.0) & ~lin.signals
     rate = float(np.exp(0.5 * np.mean(np.log(stiff[both] / mass[both])))) if both.any() else 1.0
     for _ in range(TRIED):
         found = _reduced(plant, rate)
         values = np.abs(np.linalg.eigvals(found.A))
-        values = values[values > ZERO * values.max(initial=0.0)]
+        values = values[values > ZERO * max(1.0, values.max(initial=0.0))]
         pace = float(np.exp(np.mean(np.log(values)))) if len(values) else 1.0
         if 1.0 / NEAR < pace < NEAR:
             break
