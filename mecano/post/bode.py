@@ -23,7 +23,8 @@ MAGNITUDE, PHASE = 2.3, 1.7  # inches, heights
 DECADES = 2e2  # ratio of the frequencies up to which 2 and 5 of each decade are named
 PLAIN = 1e-3, 1e4  # numbers that are written without a power of ten
 LINE = 0.2  # inches of the legend
-RANGE = 1e6  # of magnitudes that are shown, below the largest
+RANGE = 1e4  # of magnitudes that are shown, below their median
+FEW = 20  # frequencies up to which each is marked
 ROUND = (30.0, 45.0, 90.0, 180.0, 360.0)  # deg, steps of the axis of the phase
 
 
@@ -97,17 +98,19 @@ def _unit(of_output, of_input):
 
 def _style(file, i, j):
     number = i + j * len(file.outputs)
-    return {"color": COLOURS[number % len(COLOURS)], "linestyle": DASHES[number // len(COLOURS) % len(DASHES)]}
+    dashes, marker = DASHES[number // len(COLOURS) % len(DASHES)], "o" if len(file.frequency) < FEW else ""
+    return {"color": COLOURS[number % len(COLOURS)], "linestyle": dashes, "marker": marker}
 
 
 def _handles(file):
     """Return the entries of the legend; the input is named if there are several."""
-    several = len(file.inputs) > 1
-    return [
-        Line2D([], [], label=f"{output} by {source}" if several else output, **_style(file, i, j))
-        for j, source in enumerate(file.inputs)
-        for i, output in enumerate(file.outputs)
-    ]
+    handles = []
+    for j, source in enumerate(file.inputs):
+        for i, output in enumerate(file.outputs):
+            label = f"{output} by {source}" if len(file.inputs) > 1 else output
+            none = "" if np.any(file.values[:, i, j]) else " (no response)"
+            handles.append(Line2D([], [], label=label + none, **_style(file, i, j)))
+    return handles
 
 
 def _magnitudes(ax: "Axes", file, unit, pairs):
@@ -116,14 +119,14 @@ def _magnitudes(ax: "Axes", file, unit, pairs):
         shown = np.where((size[:, i, j] > 0.0) & np.isfinite(size[:, i, j]), size[:, i, j], np.nan)
         ax.plot(file.frequency, shown, **_style(file, i, j))
     of_pairs = np.array([size[:, i, j] for i, j in pairs])
-    largest = of_pairs[np.isfinite(of_pairs)].max(initial=0.0)
+    seen = of_pairs[np.isfinite(of_pairs) & (of_pairs > 0.0)]
     ax.set_ylabel(f"magnitude [{unit}]" if unit else "magnitude")
-    if largest > 0.0:
+    if len(seen):
         ax.set_yscale("log")
         ax.yaxis.set_major_formatter(FuncFormatter(_plain))
         ax.yaxis.set_minor_formatter(NullFormatter())
-        if ax.get_ylim()[0] < largest / RANGE:
-            ax.set_ylim(bottom=largest / RANGE)
+        if ax.get_ylim()[0] < (lowest := float(np.median(seen)) / RANGE):
+            ax.set_ylim(bottom=lowest)
 
 
 def _phases(ax: "Axes", file, pairs):

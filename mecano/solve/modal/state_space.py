@@ -1,10 +1,10 @@
 r"""State space of a Plant: independent first-order equations, by dense matrices.
 
-The unknowns x = (y, y', reactions) satisfy :math:`E x' = A x + B_0 u + B_1 u' + B_2 u''` with a singular E. Its null
-rows are conditions :math:`0 = A_2 x + \ldots` without rates: they are solved, :math:`x = N z + G_0 u + G_1 u' +
-\ldots`, and the rest has fewer unknowns. This is repeated until E is regular: holonomic constraints take three rounds,
-filters one, motions without inertia up to two. Rates of inputs in the equations are then removed by
-:math:`z = \bar z + E^{-1} B_k u^{(k-1)}`, which leaves
+The unknowns x = (y, y', reactions) satisfy :math:`E x' = A x + B_0 u + B_1 u' + B_2 u''` with a singular E. Dependent
+rows of E give conditions :math:`0 = A_2 x + \ldots` without rates: they are solved for some of the unknowns, chosen by
+pivots, :math:`x = N z + G_0 u + G_1 u' + \ldots`, and fewer unknowns z are left. This is repeated until E is regular:
+holonomic constraints take three rounds, filters one, motions without inertia up to two. Rates of inputs in the
+equations are then removed by :math:`z = \bar z + E^{-1} B_k u^{(k-1)}`, which leaves
 
 .. math::  \dot z = A z + B u, \qquad x = N z + D_0 u + D_1 u' + \ldots
 
