@@ -60,8 +60,8 @@ def linear_model(found: "Response") -> LinearModel:
     difference = _difference(found, model)
     if not difference <= AGREES:
         raise ConvergenceError(
-            f"the state space differs from the response by {difference:.1g}: stiffnesses or masses of the model are "
-            "too far apart for dense matrices"
+            f"the state space differs from the response by {difference:.1g}: the response grows with the frequency, or "
+            "stiffnesses or masses of the model are too far apart for dense matrices"
         )
     system = found.base.prepared.system
     pairs = zip(model.states.tolist(), model.is_rate.tolist(), strict=True)

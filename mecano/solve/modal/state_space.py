@@ -29,14 +29,15 @@ if TYPE_CHECKING:
     from mecano.solve.modal.frequency_response import Plant
 
 SINGULAR = 1e-11  # of the largest singular value: rounding
-IMPROPER = 1e-9  # of the terms of a transfer function: a factor of the rate of the input that is rounding
+IMPROPER = 1e-5  # of the terms of a transfer function: a factor of the rate of the input that is left out
 DEPENDENT = 1e-9  # of normalized rows of constraints
 DETERMINED = 1e-6  # of a motion: least part of it that is left beside the states chosen before
 ROUNDED = 1e-14  # of the largest entry of a row, in balanced units: rounding
 NOISE = 1e-12  # of the largest possible entry, in balanced units: an output that does not depend on a state or input
 AT_ONCE = 1e3  # preference of unknowns that are solved for before motions: signals without a state, reactions
 TRIED, NEAR = 4, 100.0  # units of time that are tried; ratio of the mean eigenvalue to one that is near enough
-ZERO = 1e-9  # of the largest eigenvalue, of the unit of time, or of the largest stiffness: none
+ZERO = 1e-9  # of the largest stiffness: none
+SLOW = 1e-3  # of the largest eigenvalue, and of the unit of time: may be the rounding of a multiple eigenvalue zero
 BALANCED = 10  # rounds of the balance of unknowns and equations
 
 
@@ -104,7 +105,7 @@ def state_space(plant: "Plant") -> StateSpace:
     T = of.N[at]
     A, B = _rounded(np.linalg.solve(T.T, (T @ of.A).T).T), _rounded((T @ of.B).T).T
     C = _rounded(np.linalg.solve(T.T, C.T).T)
-    _refuse_improper(C, B, D)
+    _refuse_improper(A, B, C, D)
     is_rate = at >= n_q
     size = of.units[at % n_q] * np.where(is_rate, of.rate, 1.0)
     A, B = of.rate * A * size[:, None] / size, of.rate * B * size[:, None]
@@ -136,7 +137,7 @@ def _paced(plant):
     for _ in range(TRIED):
         found = _reduced(plant, rate)
         values = np.abs(np.linalg.eigvals(found.A))
-        values = values[values > ZERO * max(1.0, values.max(initial=0.0))]
+        values = values[values > SLOW * max(1.0, values.max(initial=0.0))]
         pace = float(np.exp(np.mean(np.log(values)))) if len(values) else 1.0
         if 1.0 / NEAR < pace < NEAR:
             break
@@ -276,12 +277,15 @@ def _solved(one):
 
 
 def _split(A):
-    """Return (indices of independent columns of A, those of the others, V): the others are the former times V."""
+    """Return (indices of independent columns of A, those of the others, V): the others are the former times V.
+
+    The entries of A are in balanced units.
+    """
     if not A.size:
         return np.zeros(0, int), np.arange(A.shape[1]), np.zeros((0, A.shape[1]))
     _, R, order = la.qr(A, mode="economic", pivoting=True)
     size = np.abs(np.diag(R))
-    rank = int(np.sum(size > SINGULAR * size[0]))
+    rank = int(np.sum(size > SINGULAR * max(size[0], 1.0)))  # balanced entries are about one
     V = la.solve_triangular(R[:rank, :rank], R[:rank, rank:])
     return order[:rank], order[rank:], V
 
@@ -315,9 +319,10 @@ def _rounded(A):
     return np.where(np.abs(A) <= ROUNDED * np.abs(A).max(axis=1, keepdims=True, initial=0.0), 0.0, A)
 
 
-def _refuse_improper(C, B, D):
-    """Raise ImproperError if outputs depend on rates of inputs: D[1], D[2], ..."""
-    terms = np.abs(C) @ np.abs(B) + sum(np.abs(d) for d in D)
+def _refuse_improper(A, B, C, D):
+    """Raise ImproperError if outputs depend on rates of inputs, D[1], D[2], ..., beside their response in general."""
+    states = np.linalg.solve((1.0 + 1.0j) * np.eye(len(A)) - A, B)
+    terms = np.abs(C) @ np.abs(states) + sum(np.abs(d) for d in D)
     wrong = np.any([np.abs(d) > IMPROPER * terms for d in D[1:]], axis=0)
     if wrong.any():
         raise ImproperError(list(zip(*np.nonzero(wrong), strict=True)))
