@@ -161,6 +161,24 @@ def test_what_a_drive_sets_in_motion_is_listed(tmp_path):
     assert "at start" not in summary(input_deck("slider_crank", given))
 
 
+SHAFT = b"""
+mecano: 1
+gravity: none
+nodes: {bearing: {position: [0, 0, 0]}, end: {position: [0.9, 0.3, 0]}}
+elements: {shaft: {type: rigid_body, node: bearing, mass: 1, inertia: [1, 1, 1], attached: [end]}}
+joints:
+  bearing: {type: hinge, nodes: [ground, bearing], axis: [3, 1, 0]}
+  drive: {type: prescribed_angle, nodes: [ground, bearing], axis: [3, 1, 0], value: 10*time}
+time: {end: 1, step: 1 ms}
+"""
+
+
+def test_rounding_is_not_listed_as_motion():
+    """The end of a shaft stays on its axis, but for rounding: only its turning is motion."""
+    said = flowing(summary(deck_of_bytes(SHAFT, "shaft.yaml")))
+    assert "at rest: node 'bearing' by 10 rad/s; node 'end' by 10 rad/s" in said, said
+
+
 ROTOR = b"""
 mecano: 1
 gravity: none

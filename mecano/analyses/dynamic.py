@@ -119,7 +119,7 @@ def _from_the_start(deck, path, force, supervision):
     unstable = call_interruptibly(lambda: list(instability_warnings(prepared, start)))
     notes = [*startup_warnings(prepared, start), *found, *unstable]
     automatic, model = chosen_values(prepared, integrator, start), model_facts(prepared)
-    if moved := set_in_motion(deck, prepared.system, prepared.state, start.motion):
+    if moved := set_in_motion(deck, prepared.system, prepared.state, start.motion, prepared.length):
         model["set_in_motion"] = moved
     source = source_of(deck, automatic=automatic, model=model, warnings=notes)
     postponed = supervision.interruption.postponed()

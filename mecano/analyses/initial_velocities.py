@@ -36,8 +36,7 @@ def changed_velocities(deck: "Deck", system: "System", given: "State", start: "S
         )
     ]  # fmt: skip
     fastest = [np.linalg.norm(np.concatenate([asked, now]), axis=1).max(initial=0.0) for _, asked, now, _ in motions]
-    rounding = ROUNDING * fastest[1] * length, ROUNDING * fastest[0] / length  # of one by the other
-    for (names, asked, reached, unit), speed, least in zip(motions, fastest, rounding, strict=True):
+    for (names, asked, reached, unit), speed, least in zip(motions, fastest, _rounding(fastest, length), strict=True):
         rows = [i for i, node in enumerate(system.nodes) if node.name in names]
         change = np.linalg.norm((reached - asked)[rows], axis=1)
         if change.max(initial=0.0) > max(NOTICED * speed, least):
@@ -50,6 +49,11 @@ def changed_velocities(deck: "Deck", system: "System", given: "State", start: "S
                 "for a rotation"
             ]
     return []
+
+
+def _rounding(fastest, length):
+    """Return the rounding of speeds [m/s] by the fastest turning, and of angular velocities [rad/s] by the former."""
+    return ROUNDING * fastest[1] * length, ROUNDING * fastest[0] / length
 
 
 def _shown(vector, size):
@@ -71,19 +75,23 @@ def _rates(system, s):
     return s.v[of.x[:, None] + three], np.einsum("nij,nj->ni", s.R[of.rotation], s.v[of.r[:, None] + three])
 
 
-def set_in_motion(deck: "Deck", system: "System", given: "State", start: "State") -> str:
+def set_in_motion(deck: "Deck", system: "System", given: "State", start: "State", length: float) -> str:
     """Return as text which nodes, not named in ``initial.velocities``, the constraints set in motion, or "".
 
     Arguments as in ``changed_velocities``. A drive whose rate is not zero at the start moves what it drives.
     """
     of, named = system.numbering, asked_velocities(deck, system)[2]
     quiet = np.array([node.internal for node in system.nodes])
+    motions = [
+        (first, np.linalg.norm(now - before, axis=1), np.linalg.norm(now, axis=1).max(initial=0.0), unit)
+        for first, before, now, unit in zip(
+            (of.x, of.r), _rates(system, given), _rates(system, start), ("m/s", "rad/s"), strict=True
+        )
+    ]
     found = []
-    for first, before, now, unit in zip(
-        (of.x, of.r), _rates(system, given), _rates(system, start), ("m/s", "rad/s"), strict=True
-    ):
-        change, fastest = np.linalg.norm(now - before, axis=1), np.linalg.norm(now, axis=1).max(initial=0.0)
-        moved = (change > NOTICED * fastest) & ~quiet & ~np.isin(first, first[named])  # others share its unknowns
+    for (first, change, fastest, unit), least in zip(motions, _rounding([m[2] for m in motions], length), strict=True):
+        asked = np.isin(first, first[named])  # of a named node, or of one that shares its unknowns
+        moved = (change > max(NOTICED * fastest, least)) & ~quiet & ~asked
         found += [f"node '{system.nodes[i].name}' by {change[i]:.4g} {unit}" for i in np.argsort(-change) if moved[i]]
         quiet |= moved
     return name_list(found, MOST_NAMED, "; ")

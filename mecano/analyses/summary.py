@@ -219,8 +219,8 @@ def _consistent_start(prepared):
 
 def _velocities(prepared, start):
     """Yield the lines on the velocities of the deck that the constraints change in the State ``start``."""
-    states = prepared.deck, prepared.system, prepared.state, start
-    for text in changed_velocities(*states, prepared.length):
+    states = prepared.deck, prepared.system, prepared.state, start, prepared.length
+    for text in changed_velocities(*states):
         yield from _labelled("warning", text)
     if moved := set_in_motion(*states):
         yield from _labelled("at start", f"the constraints set in motion what the deck leaves at rest: {moved}")
