@@ -250,6 +250,14 @@ def test_a_bracket_in_a_name_that_is_not_closed():
     assert first == "4:3 node 'p$(i + 1': what follows a $ in a name is a value or in brackets: p$i, p$(i + 1)"
 
 
+@pytest.mark.parametrize("name", ["p$($i - 1)", "p$(2*($i - 1))"])
+def test_a_name_in_brackets_has_no_dollar(name):
+    """The same error in each copy, which the command line counts as one."""
+    right = name.replace("($i", "(i")
+    found = problems_of(CHAIN.replace("[p$(i - 1), p$i]", f"['{name}', p$i]"))
+    assert len(found) == 3 and len({*found}) == 1 and f"within $( ) names have no $: write '{right}'" in found[0]
+
+
 def test_names_of_copies_must_differ():
     (text,) = problems_of(CHAIN.replace("p$i: {repeat", "p: {repeat"))
     assert text == "4:3 node 'p': all copies would have the name 'p'; put a value of 'repeat' into it, as in 'p$(i)'"

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from mecano.deck.compose import Given, Node, Pair
 from mecano.deck.containers import singular
 from mecano.deck.copied_formulas import filled_in, is_formula
-from mecano.deck.expressions import ExpressionError, has_inserts, inserted
+from mecano.deck.expressions import ExpressionError, check_inserts, has_inserts, inserted
 from mecano.deck.parameters import Parameters, Refused, is_word
 from mecano.deck.placing import Placement, Placing, Word
 from mecano.deck.repeat import VALUE, rows
@@ -160,6 +160,7 @@ class Copies:
         """Evaluate a text with $: a formula, a name with inserts, a parameter that is a word, or an expression."""
         text, scope = node.value, self.scope
         try:
+            check_inserts(text)
             if is_formula(text, scope.parameters):
                 node.value = filled_in(text, scope.parameters)
                 return node

@@ -23,6 +23,7 @@ NAME = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
 WHOLE = re.compile(r"(-?)\$([A-Za-z_][A-Za-z0-9_-]*)")
 INSERT = re.compile(r"\$\(([^()$]*(?:\([^()$]*\)[^()$]*)*)\)|\$([A-Za-z_][A-Za-z0-9_]*)")
 INSERTED = re.compile(r"\$\(|[A-Za-z0-9_)]\$[A-Za-z_]")
+NESTED = re.compile(r"(\$\([^)$]*)\$([A-Za-z_]\w*)")
 UNIT = re.compile(r"[0-9.] ?(?![eE][-+0-9])[A-Za-z°%]")  # 90 deg
 LONGEST_NAME = 200
 OPERATORS: dict[type, Callable[..., float]] = {
@@ -93,6 +94,13 @@ def inserted(text: str, parameters: "Parameters") -> str:
     if sum(map(len, parts)) > LONGEST_NAME:
         raise ExpressionError(f"the name would have more than {LONGEST_NAME} characters")
     return "".join(parts)
+
+
+def check_inserts(text: str) -> None:
+    """Raise an ExpressionError if a name in the brackets of an insert has a $ of its own."""
+    if nested := NESTED.search(text):
+        right = NESTED.sub(r"\1\2", text)
+        raise ExpressionError(f"within $( ) names have no $: write {quoted(right)}", nested.end(1))
 
 
 def inner_text(match: re.Match[str]) -> str:
