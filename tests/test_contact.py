@@ -352,3 +352,30 @@ def test_either_of_two_balls_may_carry_the_surface():
         "elements/hit/normal_force",
     ):
         np.testing.assert_allclose(runs[1][path], runs[0][path], rtol=0, atol=1e-9, err_msg=path)
+
+
+def test_an_elastic_rod_meets_a_wall_once_and_leaves_it_with_its_wave(verify):
+    """The wave runs to the free end and back in 2 L/c, with the force rho c A v on the wall.
+
+    At the impact the rod is not strained: its first force on the wall is rounding, by which the contact must not open.
+    """
+    recorded = RecordedRun(deck("""
+        mecano: 1
+        gravity: none
+        parameters: {EA: 7e6 N, line: 0.27 kg/m}
+        sections: {rod: {type: stiffness, EA: $EA, GA2: $EA, GA3: $EA, GJ: 100, EI2: 100, EI3: 100,
+                         mass_per_length: $line, rotary_inertia: [1.0e-4, 1.0e-4, 1.0e-4]}}
+        nodes: {front: {position: [0.1 mm, 0, 0]}, back: {position: [1000.1 mm, 0, 0]}}
+        elements:
+          rod: {type: beam, nodes: [front, back], section: rod, mesh: 100}
+          wall: {type: contact, nodes: [ground, front], plane: {normal: [1, 0, 0], point: [0, 0, 0]}}
+        initial: {velocities: [{nodes: all, velocity: [-1 m/s, 0, 0]}]}
+        time: {end: 0.52 ms, step: 1 us}
+    """))  # fmt: skip
+    closes, opens = recorded.event_records
+    c, time, force = math.sqrt(7e6 / 0.27), recorded.time, recorded["elements/wall/normal_force"]
+    middle = (time > closes.t + 0.4 / c) & (time < closes.t + 1.6 / c)
+    source = "wave equation"
+    verify(S, "elastic rod on a wall: force [N]", force[middle].mean(), 0.27 * c, source, relative=1e-4)
+    verify(S, "elastic rod on a wall: duration [s]", opens.t - closes.t, 2.0 / c, source, relative=5e-3)
+    assert closes.t == pytest.approx(1e-4, rel=1e-9)

@@ -185,8 +185,12 @@ class ImpactSolution:
         resting: list[ImpactCandidate],
         event_records: Sequence[EventRecord],
         h: float,
+        no_force: np.ndarray,
     ) -> Shock:
-        """Return the Shock from the state ``s`` before it, with steps of h [s] to follow."""
+        """Return the Shock from the state ``s`` before it, with steps of h [s] to follow.
+
+        ``no_force`` (n_l,) [N, N m]: the rounding of reactions.
+        """
         lost = self.rubbed - 0.5 * self.impulses * (self.before + self.after)
         still = self.system.constraint_derivatives(replace(self.all_held, v=np.zeros_like(s.v)))[:, 1]
         new = set(closing)
@@ -194,7 +198,7 @@ class ImpactSolution:
         gone = [c for c in resting if c not in stay]
         end = self.shocks.impact_candidates.in_phase(replace(s, v=self.held.v), stay, "after")
         happened = [*event_records, *(self._met(s.t, c, c in stay, lost) for c in closing if self._meets(c, stay))]
-        leaving = self._leaving([c for c in stay if c in self.uncoupled and c.through == c.after], h)
+        leaving = self._leaving([c for c in stay if c in self.uncoupled and c.through == c.after], h, no_force)
         happened += [_opened(s.t, c) for c in [*gone, *leaving]]
         end = self.shocks.impact_candidates.in_phase(end, [*gone, *leaving], "opened")
         consistent, compliance, redundant = self.consistent, self.compliance, self.redundant
@@ -230,8 +234,8 @@ class ImpactSolution:
             candidate.impulse(self.impulses), candidate.unit, float(lost[candidate.rows].sum()),
         )  # fmt: skip
 
-    def _leaving(self, stay, h):
-        """Return the closed contacts, light ones excepted, that the accelerations separate at once."""
+    def _leaving(self, stay, h, no_force):
+        """Return the closed contacts, light ones excepted, that the accelerations separate by more than rounding."""
         stay = [c for c in stay if not self.light[self.uncoupled[c]]]
         if not stay:
             return []
@@ -243,6 +247,7 @@ class ImpactSolution:
         forces = self._solve(second[of_these], at)
         parting = second[of_these] + self.W[np.ix_(at, at)] @ forces
         least = np.maximum(STILL * np.abs(second[of_these]).max(), STILL * self.shocks.rest[of_these] / h)
+        least = np.maximum(least, np.diag(self.W)[at] * no_force[of_these])
         return [c for c, *of in zip(stay, forces, parting, least, strict=True) if of[0] == 0.0 and of[1] > of[2]]
 
 

@@ -177,7 +177,7 @@ class Shocks:
                 break
             coupled = [c for c in coupled if c not in pulled]
             held, all_held = in_phase(held, pulled, "before"), in_phase(all_held, pulled, "before")
-        return solution.shock(s, closing, resting, event_records, h)
+        return solution.shock(s, closing, resting, event_records, h, self._no_force(s, k) * self.unit)
 
     def _idle(self, s, k):
         """Return the events (n_events,) bool by which closed contacts without a force open."""
