@@ -25,7 +25,7 @@ INTERVAL = 0.2  # s of wall-clock time after which rows go to the writer
 FORCES = ("N", "N m", "Pa")  # units of outputs that are watched for ringing
 REMEDY = (
     "laws that stay finite near this state; a smaller time.step or time.adaptive, if the motion so far is not as "
-    "expected"
+    "expected; a smaller time.rho_inf, if a rotor turns by more than 0.03 rad in a step"
 )
 
 
