@@ -294,6 +294,14 @@ def test_errors(contact, message):
     assert found.startswith("deck.yaml:7:") and message in found
 
 
+@pytest.mark.parametrize(("law", "depth"), [("", 1e-15), (SOFT, 1e-15), (SOFT, 1e-3)])
+def test_a_node_on_or_pressed_into_a_sphere_is_outside_of_it(law, depth):
+    """Also where rounding has put it within: the nodes of a chain that lies on a sprocket."""
+    contact = ", ".join(filter(None, ("sphere: {radius: 1, center: [0, 0, 0]}", law)))
+    text = BALL.format(gx=0, gz=-g, start=f"[0, 0, {1 - depth!r}]", contact=contact, end=1, step=0.01)
+    assert deck_of_bytes(text.replace("\n    ", "\n").strip().encode(), "deck.yaml").values["elements"]
+
+
 IMPACTS = """
     mecano: 1
     gravity: none

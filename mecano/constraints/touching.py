@@ -40,6 +40,7 @@ def _at(name, what):
     return Field(name, POINT, "m", f"{what} at the start, inertial; node a when absent", None)
 
 
+PRESSED = 0.01  # of the radius: a node that is less deep in a surface is pressed into it, not within it
 SURFACES = {
     "plane": mapping(
         Field("normal", DIRECTION, "-", "normal at the start, inertial, towards the ball"), _at("point", "a point")
@@ -226,7 +227,7 @@ def check_side(d, nodes):
         small = d["radius"] < values["radius"]
         return [] if small else [f"'radius' of the ball must be less than the radius of the {name} around it"]
     away = gap_at_start(d, nodes)[1]
-    if away >= values["radius"] or "inside" not in values:
+    if away >= (1.0 - PRESSED) * values["radius"] or "inside" not in values:
         return []
     return [
         f"node b is {away:.3g} m from the middle of the {name}, inside it: move it outside, or write 'inside: true'"
