@@ -260,6 +260,37 @@ def test_a_model_without_mass():
     assert startup_warnings(prepare(deck(text))) == ["nothing in the model has a mass: is this intended?"]
 
 
+@pytest.mark.parametrize(
+    ("rail", "extra", "stands"),
+    [
+        ("[1, 0, 0]", "", False),
+        ("[0, 1, 0]", "", True),
+        ("[0, 1, 0]", ", drive: {type: prescribed_angle, nodes: [ground, crank], axis: [0, 1, 0], value: 0}", False),
+        ("[0, 1, 0]", ", catch: {type: grip, nodes: [ground, slider], close: {time: 1}}", False),
+    ],
+)
+def test_a_mechanism_that_cannot_move(rail, extra, stands):
+    """A slider-crank whose rail is across its plane, unless a motion is prescribed or a joint changes later."""
+    text = f"""
+    mecano: 1
+    gravity: none
+    nodes:
+      {{crank: {{position: [0, 0, 0]}}, pin: {{position: [1, 0, 1]}}, rod: {{position: [1, 0, 1]}},
+       end: {{position: [4, 0, 0]}}, slider: {{position: [4, 0, 0]}}}}
+    elements:
+      crank: {{type: rigid_body, node: crank, mass: 1, inertia: [1, 1, 1], attached: [pin]}}
+      rod: {{type: rigid_body, node: rod, mass: 1, inertia: [1, 1, 1], attached: [end]}}
+      slider: {{type: rigid_body, node: slider, mass: 1, inertia: [1, 1, 1]}}
+    joints:
+      {{a: {{type: hinge, nodes: [ground, crank], axis: [0, 1, 0]}},
+       b: {{type: hinge, nodes: [pin, rod], axis: [0, 1, 0]}},
+       c: {{type: hinge, nodes: [end, slider], axis: [0, 1, 0]}},
+       rail: {{type: prismatic, nodes: [ground, slider], axis: {rail}}}{extra}}}
+    time: {{end: 1, step: 0.01}}
+    """
+    assert any("nothing can move" in line for line in warned(text)) == stands
+
+
 DECKS = [*sorted(INPUTS.glob("*.yaml")), *sorted(STARTERS.glob("*.yaml"))]
 
 

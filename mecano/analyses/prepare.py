@@ -208,7 +208,21 @@ def warnings_of(prepared: Prepared) -> list[str]:
     """Return warnings about legal but suspicious input in deck and assembled model, with line and column."""
     deck = prepared.deck
     problems = [*deck.warnings, *suspicious_model(deck, prepared.system, prepared.state, prepared.length)]
-    return [f"{p.mark}: {p.message}" if p.mark else p.message for p in problems]
+    texts = [f"{p.mark}: {p.message}" if p.mark else p.message for p in problems]
+    if deck.values["time"] and _stands(prepared):
+        texts.append(
+            "nothing can move: the constraints leave no motion, and none is prescribed. Is an axis wrong, or a joint "
+            "too many?"
+        )
+    return texts
+
+
+def _stands(prepared):
+    """Return whether the constraints hold everything in its place, and no event will change them."""
+    joints = prepared.deck.values["joints"].values()
+    driven = any(d["type"].startswith("prescribed_") or d.get("driven") for d in joints)
+    held = prepared.analysis.complete and prepared.analysis.mobility == 0
+    return held and not driven and prepared.system.n_events == 0
 
 
 def amount_warnings(prepared: Prepared) -> list[str]:
