@@ -291,6 +291,21 @@ def test_a_mechanism_that_cannot_move(rail, extra, stands):
     assert any("nothing can move" in line for line in warned(text)) == stands
 
 
+def test_copies_that_are_strained_are_counted():
+    """A chain of springs hung into its rest length: one line, however long it is."""
+    text = """
+    mecano: 1
+    gravity: none
+    nodes: {p$i: {repeat: {i: 0..20}, position: [$i, 0, 0]}}
+    elements:
+      mass$i: {repeat: {i: 0..20}, type: point_mass, node: p$i, mass: 1}
+      coil$i: {repeat: {i: 1..20}, type: spring_damper, nodes: [p$(i - 1), p$i], law: {spring: 9}, natural_length: 0.1}
+    time: {end: 1, step: 0.01}
+    """
+    (said,) = warned(text)
+    assert "spring_damper 'coil1' is strained by 900 %" in said and said.endswith("(and 19 more copies of it)")
+
+
 DECKS = [*sorted(INPUTS.glob("*.yaml")), *sorted(STARTERS.glob("*.yaml"))]
 
 

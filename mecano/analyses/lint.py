@@ -33,7 +33,7 @@ def suspicious_model(deck: "Deck", system: "System", s: "State", length: float) 
     strained, started = [*_strained(deck, system, s)], [*_start_warnings(deck, system, s)]
     massless = _massless(deck, system, s, length)
     placed = [*_far(deck, system, s, length), *_one_point(deck, system)]
-    firsts = [*_first(strained, "elements"), *_first(massless, "nodes"), *_first(started, "elements")]
+    firsts = [*_first(_once(strained), "elements"), *_first(massless, "nodes"), *_first(started, "elements")]
     units = [*_other_units(deck, system.model), *_unlike(deck, system.model)]
     turned = _first([*_turned(deck, system, s)], "joints")
     return [*firsts, *_first(units, "formulas"), *placed, *turned]
@@ -64,6 +64,15 @@ def _first(problems, what):
     if more > 0:
         last = Problem(f"{last.message} (and {more} more {what})", last.mark)
     return [*shown, last] if last else []
+
+
+def _once(problems):
+    """Return the first problem at each place in the deck, and count the others there: they are of copies."""
+    places: dict[str, list[Problem]] = {}
+    for problem in problems:
+        places.setdefault(str(problem.mark), []).append(problem)
+    others = [(first, len(alike)) for first, *alike in places.values()]
+    return [Problem(one.message + (f" (and {n} more copies of it)" if n else ""), one.mark) for one, n in others]
 
 
 def _strained(deck, system, s):
