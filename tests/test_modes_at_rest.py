@@ -116,6 +116,14 @@ def test_where_there_is_no_rest(tmp_path):
         operating_point(static, str(tmp_path / "arm.h5"), at_rest=True)
 
 
+def test_a_driven_mechanism_without_an_equilibrium_is_explained(tmp_path):
+    """The shafts of a differential turn on however large the drag: the error says what they do."""
+    given = read_deck(INPUTS / "differential.yaml")
+    run(given, tmp_path / "r.h5")
+    with pytest.raises(ConvergenceError, match=r"was found at t 1.5 s: it moves by more than 0.3 in a step"):
+        operating_point(given, str(tmp_path / "r.h5"), at_rest=True)
+
+
 def test_at_rest_on_the_command_line(swinging, tmp_path, capsys):
     import click
 

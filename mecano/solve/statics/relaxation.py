@@ -128,6 +128,7 @@ class Relaxation:
                     break
                 drag, work.rejected = drag / SHRINK, work.rejected + 1
                 if drag > STIFFEST * first:
+                    found.message = found.message or f"it moves by more than {MOST_CREEP:g} in a step, however short"
                     raise follower.failure(self.end, found, s, self.end, self.hint)
             work.event_records += found.event_records
             moved, s = statics.displacement(new, s), new
