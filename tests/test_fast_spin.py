@@ -1,12 +1,17 @@
 """A rotor that spins fast in a ring: a gyrocompass against its equation, and the limit of stability of its steps."""
 
 import math
+from contextlib import suppress
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import eigvals
-from time_runs import RecordedRun, deck
+from time_runs import RecordedRun, deck, input_deck
+
+import mecano
+from mecano.analyses import dynamic
+from mecano.errors import MecanoError
 
 S = "Mechanisms"
 EARTH, LATITUDE, SPIN, RATE = 0.2, math.radians(30), 200.0, 0.2  # rad/s, rad
@@ -114,3 +119,14 @@ def spectral_radius(turned, rho, ring):
     new[12, 6], new[13, [7, 11]] = 1, (1, -1)
     roots = eigvals(old, new)
     return np.abs(roots[np.isfinite(roots)]).max()
+
+
+@pytest.mark.parametrize(("rho", "swings"), [(0.8, False), (0.95, True)])
+def test_a_caster_that_is_stable_may_swing_out_by_the_steps_alone(rho, swings, tmp_path):
+    """At 75 m/s in steps of 1 ms, in which the wheel turns by 0.25 rad; eigenvalues: inputs/caster_shimmy.yaml."""
+    values = ("parameters.speed=75", f"time.rho_inf={rho}", "time.end=1.2", "output.every=step")
+    with suppress(MecanoError):
+        dynamic.run(input_deck("caster_shimmy", *values), tmp_path / "r.h5")
+    with mecano.open_results(tmp_path / "r.h5") as results:
+        angle = np.abs(results["caster.angle"].values)
+    assert (angle.max() > 0.1) == swings and (angle[-200:].max() < 1e-5) == (not swings)
