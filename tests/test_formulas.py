@@ -58,7 +58,7 @@ def test_slopes(text):
         ("a1 2", "cannot be understood$", 3),
         ("in + 1", "understood at 'in', which is no name in formulas: give what it means another name", 0),
         ("2*lambda", "understood at 'lambda', which is no name in formulas", 2),
-        ("a if b else c", "numbers, names", 0),
+        ("a if b else c", "numbers, names, .* and functions only; a signal of the type 'switch' selects", 0),
         ("2*sinus(a)", "no function 'sinus'; known: sin, cos", 2),
         ("sin(a, b)", "'sin' has the wrong number of arguments", 0),
         ("max(a)", "'max' has the wrong number of arguments", 0),
@@ -75,6 +75,14 @@ def test_wrong_formulas(text, message, column):
     with pytest.raises(FormulaError, match=message.replace("(", "[(]")) as error:
         read_formula(text)
     assert error.value.column == column
+
+
+def test_no_formula_is_advised_in_place_of_itself():
+    """A text that begins with a quantity is no slip of typing of it."""
+    with pytest.raises(DeckError) as error:
+        deck(CART.replace("SIGNAL", "30 mm - rail.displacement"))
+    (problem,) = error.value.problems
+    assert problem.message.endswith("formulas contain no units, give them to a parameter") and not problem.hint
 
 
 CART = """

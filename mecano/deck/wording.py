@@ -68,9 +68,10 @@ def corrected(text: str) -> str:
     """Return the number or quantity that is meant by a text with slips of typing, or ""."""
     if len(text) > MAX_SHOWN or THOUSANDS_COMMA.fullmatch(text):
         return ""  # 1,000 may be 1000 or 1.000
-    for slip, right in SLIPS:
-        text = slip.sub(right, text)
-    return text if is_quantity(text) or number(text) is not None else ""
+    right = text
+    for slip, instead in SLIPS:
+        right = slip.sub(instead, right)
+    return right if right != text and (is_quantity(right) or number(right) is not None) else ""
 
 
 def as_list(node: "Node", field: "Field") -> str:
