@@ -98,6 +98,21 @@ def test_stiffness_of_a_slender_element_is_that_of_the_cubic_beam():
     np.testing.assert_allclose(np.diag(K), [3e9 / L, 48 / L**3, 60 / L**3, 7 / L, 5 / L, 4 / L], rtol=1e-6)
 
 
+@pytest.mark.parametrize(("diameter", "warned"), [("20 mm", False), ("1.5", False), ("20", True)])
+def test_a_section_in_millimetres_is_reported(diameter, warned):
+    """A rod of 1 m, of radii of gyration of 5 mm, 0.375 m and 5 m."""
+    text = f"""
+    mecano: 1
+    gravity: none
+    nodes: {{a: {{position: [0, 0, 0], fixed: true}}, b: {{position: [1, 0, 0]}}}}
+    sections: {{rod: {{type: circle, diameter: {diameter}, E: 210 GPa, nu: 0.3, density: 7850}}}}
+    elements: {{beam: {{type: beam, nodes: [a, b], section: rod, mesh: 4}}}}
+    static: {{}}
+    """
+    said = [one for one in warnings_of(prepare(deck(text))) if "'beam': it is 0.2 radii of gyration" in one]
+    assert len(said) == warned
+
+
 @pytest.mark.parametrize(("slenderness", "mesh", "digits"), [(1e5, 1, None), (3e5, 1, 5), (3e4, 100, 5), (1e6, 10, 3)])
 def test_slender_beams_keep_the_digits_that_are_stated(slenderness, mesh, digits):
     """Deflection of a cantilever, F L^3/(3 EI); up to a factor of 30, as rounding is random."""

@@ -1,4 +1,4 @@
-"""Errors and warnings about beams: impossible lines, and elements too slender or too long for their numbers."""
+"""Errors and warnings about beams: impossible lines, sections too thick, elements too slender or too long."""
 
 import math
 
@@ -13,6 +13,7 @@ MOST_SLENDER = 1e7  # lengths over radii of gyration: stiffnesses differ by the 
 MOST_ELEMENTS = 10_000
 LOST = 3e-17  # relative error of the deflection, per element and square of the slenderness of the beam (measured)
 INACCURATE = 1e-6  # of the deflection
+STOUT = 0.5  # lengths over radii of gyration: a beam has several, a section in mm makes them a thousandth
 
 
 def check(d, nodes):
@@ -38,8 +39,16 @@ def _too_slender(d, nodes, section):
 
 
 def start_warnings(d, nodes):
-    """Return warnings about a beam that is too slender for its numbers or for its elements."""
-    return [*_inaccurate(d, nodes), *_hanging(d, nodes)]
+    """Return warnings about a beam that is too thick, or too slender for its numbers or for its elements."""
+    return [*_stout(d, nodes), *_inaccurate(d, nodes), *_hanging(d, nodes)]
+
+
+def _stout(d, nodes):
+    """Return a warning about a beam shorter than its section is thick."""
+    slenderness = _slenderness(constants(d["section"]), *(node.x for node in nodes))
+    if slenderness >= STOUT:
+        return []
+    return [f"it is {slenderness:.2g} radii of gyration of its section long: are the dimensions of the 'section' in m?"]
 
 
 def _hanging(d, nodes):
