@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
+from scipy.integrate import quad, solve_ivp
 from scipy.spatial.transform import Rotation
-from time_runs import RecordedRun, input_deck
+from time_runs import RecordedRun, deck, input_deck
 
 from mecano.constraints.touching_ellipsoid import ellipsoid_gap_at_start
 from mecano.errors import DeckError
@@ -81,6 +81,59 @@ def test_large_oscillations(verify, ellipsoids, name, inertia):
     found = _first_zero(ellipsoids.time, _tilt(ellipsoids, name, 1))
     what = f"ellipsoid {name}, tilted by 0.5: a quarter of its period [s]"
     verify(S, what, found, _quarter(inertia), "energy in closed form, by quadrature", relative=1e-3)
+
+
+CELT = np.array([0.1, 0.02, 0.015])  # m, semi-axes of the rattleback
+MASS, TURNED, LEAN, SPIN = 0.1, 0.05, 0.01, -5.0  # kg; rad, of the inertia about z, of the start about x; rad/s
+SOLID = MASS / 5.0 * np.diag([CELT[1] ** 2 + CELT[2] ** 2, CELT[0] ** 2 + CELT[2] ** 2, CELT[0] ** 2 + CELT[1] ** 2])
+ABOUT_Z = Rotation.from_rotvec([0.0, 0.0, TURNED]).as_matrix()
+INERTIA = ABOUT_Z @ SOLID @ ABOUT_Z.T  # kg m2, of a solid ellipsoid that is turned against the surface
+
+
+def _arm(n, turning):
+    """Return the arm (3,) [m] to the lowest point and its rate, by normal and angular velocity in body axes."""
+    squares = CELT**2
+    rate, q = -np.cross(turning, n), math.sqrt(n @ (squares * n))
+    return -squares * n / q, -squares * rate / q + squares * n * (n @ (squares * rate)) / q**3
+
+
+def _celt(_, y):
+    """Return the rates of normal and angular velocity (6,), in the axes of the body, of rolling without slip.
+
+    Euler's equations about the contact: J w' + w x J w = r x F with F = m (v' + w x v + g n) and v = -w x r.
+    """
+    n, w = y[:3], y[3:]
+    (r, r_rate), J = _arm(n, w), INERTIA
+    about = J + MASS * (r @ r * np.eye(3) - np.outer(r, r))
+    push = -np.cross(w, r_rate) - np.cross(w, np.cross(w, r)) + g * n
+    return np.concatenate([-np.cross(w, n), np.linalg.solve(about, -np.cross(w, J @ w) + MASS * np.cross(r, push))])
+
+
+def test_a_rattleback_turns_back(verify):
+    """Spun against its sense it begins to rattle, stops, and turns the other way."""
+    lean = Rotation.from_rotvec([LEAN, 0.0, 0.0])
+    n, w = lean.inv().apply([[0.0, 0.0, 1.0], [0.0, 0.0, SPIN]])
+    arm = _arm(n, w)[0]
+    speed = lean.apply(np.cross(arm, w))
+    text = f"""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes: {{celt: {{position: [0, 0, {float(-arm @ n)!r}], orientation: [{LEAN}, 0, 0]}}}}
+        elements:
+          celt: {{type: rigid_body, node: celt, mass: {MASS}, inertia: {INERTIA.tolist()}}}
+          table: {{type: contact, nodes: [ground, celt], plane: {{normal: [0, 0, 1], point: [0, 0, 0]}},
+                  ellipsoid: {{semi_axes: {CELT.tolist()}}}, friction: {{coefficient: 2, regularization: 0.01 mm/s}}}}
+        initial:
+          velocities: [{{nodes: [celt], velocity: {speed.tolist()}, angular_velocity: [0, 0, {SPIN}]}}]
+        time: {{end: 3, step: 0.5 ms}}
+    """
+    recorded = RecordedRun(deck(text))
+    times = np.linspace(0.0, 3.0, 31)
+    found = solve_ivp(_celt, (0.0, 3.0), np.concatenate([n, w]), "DOP853", times, rtol=1e-6, atol=1e-8)
+    spin = (found.y[:3] * found.y[3:]).sum(axis=0)
+    assert spin[0] < -4.9 and spin[-1] > 1.0
+    ours = np.interp(times, recorded.time, recorded["nodes/celt/angular_velocity"][:, 2])
+    verify(S, "rattleback: spin [rad/s]", ours, spin, "rolling without slip, by SciPy", absolute=0.01)
 
 
 def test_impact(verify, ellipsoids):
