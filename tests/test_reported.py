@@ -453,6 +453,17 @@ def test_a_rotor_in_a_gimbal_that_turns_far_in_each_step_is_reported():
         if reported:
             assert "node 'rotor' turns by 0.3 rad in a step of 0.001 s" in texts[0] and "some 2 %" in texts[0]
             assert off == pytest.approx(0.02, rel=1 / 3)
+            assert "its motion may grow with rho_inf = 0.8" in texts[0]
+
+
+@pytest.mark.parametrize(("rho", "reported"), [(0.5, False), (0.8, False), (0.9, True), (1.0, True)])
+def test_the_turn_in_a_step_is_judged_by_the_damping_of_the_steps(rho, reported):
+    """A rotor that turns by 0.12 rad about an axis that turns by itself; limits: tests/test_fast_spin.py."""
+    sampler = SimpleNamespace(columns=[SimpleNamespace(path="nodes/rotor/angular_velocity", start=0)])
+    extremes = SimpleNamespace(low=np.array([-120.0, -120.0, 0.0]), high=np.array([120.0, 120.0, 0.0]))
+    values = {"adaptive": None, "step": 1e-3, "method": "generalized_alpha", "rho_inf": rho}
+    texts = list(spin_warnings(values, sampler, extremes))
+    assert bool(texts) == reported and all(f"may grow with rho_inf = {rho:g}" in text for text in texts)
 
 
 @pytest.mark.parametrize(
@@ -462,7 +473,7 @@ def test_a_spin_about_an_axis_fixed_in_space_is_not_reported(low, high):
     """Run-up about an axis, also one between the axes, and a small wobble."""
     sampler = SimpleNamespace(columns=[SimpleNamespace(path="nodes/rotor/angular_velocity", start=0)])
     extremes = SimpleNamespace(low=np.array(low, float), high=np.array(high, float))
-    values = {"adaptive": None, "step": 1e-3, "method": "generalized_alpha"}
+    values = {"adaptive": None, "step": 1e-3, "method": "generalized_alpha", "rho_inf": 0.8}
     assert not list(spin_warnings(values, sampler, extremes))
 
 

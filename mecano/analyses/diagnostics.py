@@ -39,6 +39,8 @@ ROUNDED = 1e-9  # of the kinetic energy over the length scale: smaller forces ar
 NOTED = 0.01  # failed trials per step above which a fixed step is reported as too large
 UNBALANCED = 0.01  # of the largest change of an energy, above which an error of the balance is reported
 SPUN = 0.2  # [rad] turned in a fixed step by a node whose axis turns too, above which it is reported
+STABLE = 1.0  # times 1 - rho_inf, [rad]: unstable beyond in a ring of a fifth of its inertia (docs/step-control.md)
+LEAST_SPUN = 0.02  # [rad]: a node that turns less in a step is not reported, whatever rho_inf is
 GYROSCOPIC = 0.22  # error of a gyroscopic moment over the square of this angle, measured at rho_inf = 0.8
 OFF = 0.007  # error of the force of a mass that circles, above which it is reported: 0.2 rad in a step at rho_inf = 0.8
 ALIKE = 0.2  # relative difference of changes of an acceleration below which they turn as the node does
@@ -135,13 +137,15 @@ def spin_warnings(values: "Values", sampler: "Sampler", extremes: "Extremes") ->
     if values["adaptive"] or values["method"] == "radau":
         return
     fastest = max(((_turn(column, extremes) * values["step"], column.path) for column in _spins(sampler)), default=None)
-    if fastest is None or fastest[0] <= SPUN:
+    stable = max(STABLE * (1.0 - values["rho_inf"]), LEAST_SPUN)
+    if fastest is None or fastest[0] <= min(SPUN, stable):
         return
     angle, path = fastest
+    grows = f", and where a light ring or fork holds it, its motion may grow with rho_inf = {values['rho_inf']:g}"
     yield (
         f"node '{path.split('/')[1]}' turns by {angle:.2g} rad in a step of {values['step']:g} s, about an axis that "
-        f"turns too: its gyroscopic moment is wrong by some {100 * GYROSCOPIC * angle**2:.2g} %; use a smaller "
-        "'time.step', 'time.adaptive', or 'method: radau'"
+        f"turns too: its gyroscopic moment is wrong by some {100 * GYROSCOPIC * angle**2:.2g} %"
+        f"{grows if angle > stable else ''}; use a smaller 'time.step', 'time.adaptive', or 'method: radau'"
     )
 
 
