@@ -13,7 +13,11 @@ from scorecard.damage import in_a_fork
 from time_runs import INPUTS
 
 import mecano
+import mecano.commands.studies  # what the commands import, once, and not by each fork
+from mecano.analyses import modal  # noqa: F401
+from mecano.post import export, pictures, report_page  # noqa: F401
 from mecano.results.verify import verify
+from mecano.solve.modal import modes_dense  # noqa: F401
 
 LONG = "n" * 303
 LONGEST = "k" * 251 + ".h5"  # what a file system takes
@@ -87,6 +91,7 @@ def test_a_disk_without_room(folder, command):
     before = {name: (folder / name).read_bytes() for name in os.listdir(folder) if (folder / name).is_file()}
 
     def small():
+        sys.dont_write_bytecode = True  # Python would leave incomplete files
         resource.setrlimit(resource.RLIMIT_FSIZE, (600, 600))
 
     code, said = in_a_fork(words, folder, first=small)
@@ -117,6 +122,7 @@ def test_a_full_disk_under_a_run_loses_nothing_acknowledged(folder):
     limit = 900_000
 
     def small():
+        sys.dont_write_bytecode = True
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
     code, said = in_a_fork(words, folder, first=small)

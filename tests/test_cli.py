@@ -373,7 +373,8 @@ class TestInterruptions:
             )
         assert [p.name for p in folder.iterdir() if p.suffix == ".part"] == []
 
-    def test_a_full_disk(self, folder):
+    def test_a_full_disk(self, folder, monkeypatch):
+        monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")  # Python would leave incomplete files
         subprocess.run([*COMMAND, "run", "deck.yaml", "-q", "-o", "first.h5"], cwd=folder, check=True)  # compiles
         limit = 2 * (folder / "first.h5").stat().st_size
 

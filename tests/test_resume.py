@@ -159,6 +159,7 @@ class TestAFullDisk:
         deck, path = long_deck(), tmp_path / "r.h5"
 
         def run_in(size):
+            sys.dont_write_bytecode = True  # Python would leave incomplete files
             resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
             listening_resume(deck, path, 0.002)
 

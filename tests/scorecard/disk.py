@@ -7,6 +7,7 @@ import shutil
 import signal
 import struct
 import subprocess
+import sys
 import time
 from functools import partial
 from mmap import mmap
@@ -65,6 +66,7 @@ def full_file(name, share, folder):
     size = int(share * len_of(name, folder))
 
     def limited():
+        sys.dont_write_bytecode = True  # Python would leave incomplete files
         resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
 
     return filled(name, folder, limited) or completed(name, folder)
