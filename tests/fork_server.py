@@ -3,6 +3,7 @@
 One line of standard input per command line, one exit code on standard output.
 """
 
+import importlib
 import json
 import os
 import sys
@@ -17,6 +18,14 @@ import mecano.elements
 import mecano.post.info  # noqa: F401
 from mecano.cli import program
 from mecano.process import interrupt
+
+IMPORTED = {  # by commands and options with these words; here when one is first asked for, for all that follow
+    "check-kind": ["mecano.analyses.plugin_check", "mecano.jit.compiler"],
+    "--plugin": ["mecano.jit.compiler"],
+    "modes": ["mecano.analyses.modal", "mecano.solve.modal.modes_dense"],
+    "post": ["mecano.post.pictures", "mecano.post.report_page", "matplotlib.backends.backend_agg"],
+    "sweep": ["mecano.commands.studies", "mecano.study.pool"],
+}
 
 
 def execute(words, folder, environment, out, errors):
@@ -34,8 +43,11 @@ def execute(words, folder, environment, out, errors):
 
 
 for line in sys.stdin:
+    request = json.loads(line)
+    for name in [name for word in request[0] for name in IMPORTED.get(word, ())]:
+        importlib.import_module(name)
     child = os.fork()
     if child == 0:
-        execute(*json.loads(line))
+        execute(*request)
     code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
     print(code, flush=True)
