@@ -128,7 +128,7 @@ RUBBISH = [
     ("run/acknowledged", _replace("run/acknowledged", [1, 2]), "not enough values"),
     ("storage/output", lambda file: file.__delitem__("storage/output"), "object 'output' doesn't exist"),
     ("events/name", _replace("events/name", 5), "scalar dataset"),
-    ("deck/displays", _replace("deck/displays", b'{"hinge": 1}'), "must be a mapping"),
+    ("deck/displays", _replace("deck/displays", b'{"point_mass": 1}'), "must be a mapping"),
     ("deck/resolved", _replace("deck/resolved", b"[]"), "it is not a mapping"),
     ("deck/remarks", _replace("deck/remarks", b"{}"), "it is not a list"),
 ]
@@ -138,7 +138,7 @@ RUBBISH = [
 def left(tmp_path_factory):
     """A deck, and the file of its run as it was left in the middle."""
     folder = tmp_path_factory.mktemp("left")
-    with mecano.Simulation(INPUTS / "panel_lock.yaml", folder / "r.h5") as simulation:
+    with mecano.Simulation(INPUTS / "bouncing_ball.yaml", folder / "r.h5") as simulation:
         simulation.advance(0.05)
     return folder / "r.h5"
 
@@ -153,7 +153,7 @@ def test_other_contents_are_named_by_file_and_place(place, change, text, left, t
         "verify r.h5",
         "post r.h5",
         "export r.h5",
-        f"run {INPUTS}/panel_lock.yaml -o r.h5 --resume",
+        f"run {INPUTS}/bouncing_ball.yaml -o r.h5 --resume",
     ):
         (tmp_path / "r.h5").write_bytes(left.read_bytes())
         with h5py.File(tmp_path / "r.h5", "r+") as file:

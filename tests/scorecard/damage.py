@@ -186,6 +186,8 @@ def subjects(folder):
     from mecano.analyses.dynamic import run
     from mecano.analyses.modal import modes
     from mecano.deck.read import read_deck
+    from mecano.post import export, info, pictures  # noqa: F401  once, and not by each fork
+    from mecano.solve.modal import modes_dense  # noqa: F401
 
     made = Path(folder) / "made"
     made.mkdir()
