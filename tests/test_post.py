@@ -21,7 +21,7 @@ from mecano.cli import commands
 from mecano.elements import KINDS
 from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.model.extremes import Extremes
-from mecano.post import configurations, draw_panel, figure, plans, sheets, style
+from mecano.post import configurations, draw_panel, figure, plans, report_page, sheets, style
 from mecano.post.animation import animate
 from mecano.post.configurations import configurations_figure
 from mecano.post.curve_styles import CurveStyles
@@ -821,8 +821,9 @@ def test_titles_fit_their_pictures(title, ends):
     assert max(text.get_window_extent().x1 for text in drawn.texts) <= 8.0 * drawn.dpi
 
 
-def test_pictures_of_mecano_are_replaced_and_others_only_with_force(tmp_path):
+def test_pictures_of_mecano_are_replaced_and_others_only_with_force(tmp_path, monkeypatch):
     """As results files are: drawing again replaces what was drawn, never a photograph of the same name."""
+    monkeypatch.setattr(report_page, "_image", lambda figure: "")  # a report draws all pictures, which takes seconds
     path = every_kind.write(tmp_path / "wheel.h5", kinds={"wheel": every_kind.ONE_WHEEL["wheel"]})
     one, page = tmp_path / "spin.png", tmp_path / "report.html"
     plot = ["one_wheel.spin_rate"]
