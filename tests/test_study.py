@@ -21,6 +21,7 @@ from click.testing import CliRunner
 from process import COMMAND, mecano_process, settings
 from time_runs import INPUTS
 
+from mecano.analyses import warmup as warming
 from mecano.analyses.warmup import all_kinds, warmup
 from mecano.cli import commands
 from mecano.deck.format import deck_error_text
@@ -803,6 +804,16 @@ def test_warmup_knows_all_kinds_and_runs_the_beginning_of_decks(folder):
     reported = list(warmup(["deck.yaml"], ["parameters.speed=3"]))
     assert reported[0] == "running the first steps of deck.yaml" and str(store.folder()) in reported[-1]
     assert [path.name for path in folder.iterdir()] == ["deck.yaml"]
+
+
+def test_warmup_compiles_on_a_single_core_what_it_compiles_on_several(monkeypatch):
+    """There compile_ahead leaves all to the first use."""
+    ahead, used = [], []
+    monkeypatch.setattr(warming, "compile_ahead", ahead.extend)
+    monkeypatch.setattr(warming.store, "address", used.append)
+    monkeypatch.setattr(warming, "starters", dict)
+    list(warmup())
+    assert used == ahead and "mecano.solve.time.radau_step.attempt" in [code.name for code in used]
 
 
 @pytest.mark.slow

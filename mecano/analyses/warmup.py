@@ -38,7 +38,8 @@ def warmup(decks: Sequence[str] = (), overrides: Sequence[str] = ()) -> Iterator
     else:
         kinds = all_kinds()
         yield f"compiling {len(kinds)} kinds of elements, joints, loads and constraints"
-        _compile(kinds, divided())
+        entries = *GENERALIZED_ALPHA, *TIME_INTEGRATION, *EVENTS, bound_error, *radau()
+        _compile([*(entry.code for entry in entries), *all_codes(kinds), *divided()])
         yield "running the first steps of the decks of `mecano new`"
         for name, text in starters().items():
             file, data = f"{name}.yaml", text.encode()
@@ -84,16 +85,15 @@ def _longer(time):
     return time["end"] - time["start"] > STEPS * time["step"]
 
 
-def _compile(kinds, further=()):
-    codes = all_codes(kinds)
-    entries = *GENERALIZED_ALPHA, *TIME_INTEGRATION, *EVENTS, bound_error, *radau()
-    compile_ahead([*(entry.code for entry in entries), *codes, *further])
+def _compile(codes):
+    """Compile on all cores, and what is left then: all on a single core."""
+    compile_ahead(codes)
     for code in codes:
         store.address(code)
 
 
 def _begin(deck):
     """Compile all loops of the model, including those not called in the first steps, and run some steps."""
-    _compile(batch.kind for batch in prepare(deck).system.batches)
+    _compile(all_codes(batch.kind for batch in prepare(deck).system.batches))
     with tempfile.TemporaryDirectory() as folder:
         (run_static if deck.values["static"] else run)(deck, os.path.join(folder, "warmup.h5"))
