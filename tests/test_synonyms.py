@@ -1,11 +1,13 @@
 """Words of other programs and their equivalents in mecano, each of which can be explained or called."""
 
+import functools
 import re
 
 import pytest
 from click.testing import CliRunner
 
 from mecano.cli import commands
+from mecano.deck import catalogue
 from mecano.deck.catalogue import explain
 from mecano.deck.synonyms import NOTES, SYNONYMS, synonym, synonym_of_end
 from mecano.elements import KINDS
@@ -18,6 +20,16 @@ ASKED = """motor, actuator, pulley, revolute, ball joint, slider, translational 
     stewart, bogie, gust"""
 
 
+@pytest.fixture(autouse=True, scope="module")
+def listed():
+    """The fields of all kinds, listed once for thousands of words."""
+    fields = list(catalogue._fields())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(catalogue, "_fields", lambda: fields)
+        yield
+
+
+@functools.cache  # targets of several words
 def explained(name):
     """What `mecano explain` prints; it must succeed."""
     result = CliRunner().invoke(commands, ["explain", *name.split()])
