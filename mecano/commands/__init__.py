@@ -18,6 +18,18 @@ overrides = click.option(
     help="Override a value of the deck, such as time.end=2; may be repeated.",
 )
 
+at_saved_state = click.option(
+    "--at", metavar="RESULTS.h5:TIME", help="About the saved state nearest to a time; default: the start."
+)
+at_equilibrium = click.option(
+    "--at-rest", is_flag=True,
+    help="About the equilibrium near the state of --at: velocities zero, latches and contacts as they are there.",
+)  # fmt: skip
+axes = click.option(
+    "--frame", default="inertial", show_default=True, metavar="NODE|WX,WY,WZ|inertial",
+    help="Axes in which motions are measured, turning with a node or with an angular velocity [rad/s].",
+)  # fmt: skip
+
 BELOW = (
     "Leave modes of higher frequency out of the picture of a sweep; default: far above growing or least damped ones."
 )

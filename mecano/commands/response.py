@@ -4,7 +4,7 @@ import os
 
 import click
 
-from mecano.commands import overrides, plugins, show
+from mecano.commands import at_equilibrium, at_saved_state, axes, overrides, plugins, show
 
 
 @click.command(short_help="Compute frequency responses; export a linear model.")
@@ -26,15 +26,9 @@ from mecano.commands import overrides, plugins, show
 )  # fmt: skip
 @click.option("--linear", is_flag=True, help="Frequencies at equal distances.")
 @click.option("--unrefined", is_flag=True, help="Add no frequencies around resonances, and locate no peaks.")
-@click.option("--at", metavar="RESULTS.h5:TIME", help="About the saved state nearest to a time; default: the start.")
-@click.option(
-    "--at-rest", is_flag=True,
-    help="About the equilibrium near the state of --at: velocities zero, latches and contacts as they are there.",
-)  # fmt: skip
-@click.option(
-    "--frame", default="inertial", show_default=True, metavar="NODE|WX,WY,WZ|inertial",
-    help="Axes in which motions are measured, turning with a node or with an angular velocity [rad/s].",
-)  # fmt: skip
+@at_saved_state
+@at_equilibrium
+@axes
 @click.option(
     "--state-space", "matrices", type=click.Path(), metavar="FILE.npz|.mat",
     help="Also write the linear model: matrices A, B, C, D, names and units of states, inputs and outputs.",

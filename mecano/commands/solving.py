@@ -4,7 +4,7 @@ import os
 
 import click
 
-from mecano.commands import BELOW, overrides, plugins, show
+from mecano.commands import BELOW, at_equilibrium, at_saved_state, axes, overrides, plugins, show
 from mecano.commands.viewing import live as shown
 from mecano.process.interrupt import Interruption, resume_command, seconds
 from mecano.solve.modal import SOLVERS
@@ -69,11 +69,8 @@ def run(
 
 @click.command(short_help="Compute modes, root loci and critical values.")
 @click.argument("deck", type=click.Path())
-@click.option("--at", metavar="RESULTS.h5:TIME", help="About the saved state nearest to a time; default: the start.")
-@click.option(
-    "--at-rest", is_flag=True,
-    help="About the equilibrium near the state of --at: velocities zero, latches and contacts as they are there.",
-)  # fmt: skip
+@at_saved_state
+@at_equilibrium
 @click.option("--number", type=click.IntRange(1), help="Modes of lowest frequency; default: 10, in a sweep all.")
 @click.option(
     "--sweep", "sweeps", multiple=True, metavar="NAME=FROM:TO:STEP",
@@ -88,10 +85,7 @@ def run(
     "--order", "orders", type=click.FloatRange(min=0.0, min_open=True), multiple=True, metavar="N",
     help="A multiple of that angular velocity, may be repeated; default: 1.",
 )  # fmt: skip
-@click.option(
-    "--frame", default="inertial", show_default=True, metavar="NODE|WX,WY,WZ|inertial",
-    help="Axes in which motions are measured, turning with a node or with an angular velocity [rad/s].",
-)  # fmt: skip
+@axes
 @click.option(
     "--solver",
     type=click.Choice(SOLVERS),
