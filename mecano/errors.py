@@ -60,6 +60,10 @@ class DeckError(MecanoError):
         self.problems, self.unchecked = list(problems), unchecked
         super().__init__("\n".join(f"{p.mark}: {p.message}" if p.mark else p.message for p in self.problems))
 
+    def __reduce__(self):
+        """Return what makes an equal error in another process, with the same text."""
+        return type(self), (self.problems, self.unchecked), {**self.__dict__, "args": self.args}
+
 
 class ConvergenceError(MecanoError):
     """Newton's iteration or the step control failed; the message names equations and remedies."""

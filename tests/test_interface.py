@@ -1,6 +1,7 @@
 """`mecano.run` and the other names of `dir(mecano)`: the commands, called from Python."""
 
 import doctest
+import pickle
 import re
 import signal
 import subprocess
@@ -80,6 +81,15 @@ class TestNames:
         for block in re.findall("^```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE):
             if not re.search("xarray|pandas", block):
                 exec(block, names)
+
+
+class TestErrors:
+    def test_errors_are_passed_between_processes_with_their_text(self, folder):
+        with pytest.raises(DeckError) as caught:
+            mecano.check("pendulum.yaml", set={"elements.bar.mas": 1})
+        passed = pickle.loads(pickle.dumps(caught.value))
+        assert str(passed) == str(caught.value) and "did you mean 'mass'?" in str(passed)
+        assert passed.problems[0].mark.line == caught.value.problems[0].mark.line
 
 
 class TestRun:
