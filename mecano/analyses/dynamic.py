@@ -1,6 +1,6 @@
 """A dynamic run, from a checked deck to the results file: prepare, start or resume, integrate, close."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -29,6 +29,7 @@ from mecano.analyses.prepare import chosen_values, integrator_of, model_facts, p
 from mecano.analyses.recorder import Recorder
 from mecano.analyses.source import source_of
 from mecano.errors import ConvergenceError, MecanoError, NonFiniteError, ResultsError
+from mecano.model.model import title_of
 from mecano.model.sampler import Sampler
 from mecano.process.interrupt import Interruption, call_interruptibly
 from mecano.results.disk import deferring_signals
@@ -97,6 +98,13 @@ def begun(deck: "Deck", path: "str | os.PathLike[str]", force: bool, **supervisi
 
 
 @contextmanager
+def continued(deck: "Deck", path: "str | os.PathLike[str]", **supervision: Any) -> "Iterator[Ongoing | None]":
+    """Continue the run in a results file, and yield an Ongoing run, or None if it is complete; see ``resume``."""
+    with locked(path), _resumed(deck, path, Supervision(**supervision)) as ongoing:
+        yield ongoing
+
+
+@contextmanager
 def _warned_of(prepared, supervision):
     """Announce the warnings about a model whose start fails: one of them may be the cause."""
     try:
@@ -160,15 +168,17 @@ def resume(deck: "Deck", path: "str | os.PathLike[str]", **supervision: Any) -> 
     The old file is kept until the new one is written up to the checkpoint. Raises UsageError if the file belongs to
     another deck, ResultsError if it is damaged or still being written, and all errors of ``run``.
     """
-    with locked(path):
-        return _resume(deck, path, Supervision(**supervision))
+    with continued(deck, path, **supervision) as ongoing:
+        return None if ongoing is None else ongoing.to_the_end()
 
 
-def _resume(deck, path, supervision):
-    """Resume a run as ``resume`` does; the caller holds the lock of the file."""
+@contextmanager
+def _resumed(deck, path, supervision):
+    """Yield the resumed run as ``continued`` does; the caller holds the lock of the file."""
     if not exists(path):
         with _from_the_start(deck, path, False, supervision) as ongoing:
-            return ongoing.to_the_end()
+            yield ongoing
+        return
     from mecano.analyses.resume import COMPLETE, InterruptedRun  # imports the reader, which is slow and rarely needed
     from mecano.results.verify import verify
 
@@ -176,18 +186,22 @@ def _resume(deck, path, supervision):
         interrupted = InterruptedRun(path, deck)
     with closing(interrupted):
         if interrupted.checkpoint is not None and not interrupted.complete:
-            return _continue(deck, interrupted, supervision)
+            with _from_the_checkpoint(deck, interrupted, supervision) as ongoing:
+                yield ongoing
+            return
     if interrupted.complete:
         verify(path)  # a file changed afterwards is not complete, and a study must not continue with it
         supervision.announce(COMPLETE.format(path))
-        return None
+        yield None
+        return
     supervision.announce(f"{path} has no checkpoint yet: the run starts again")
     with _from_the_start(deck, path, True, supervision) as ongoing:
-        return ongoing.to_the_end()
+        yield ongoing
 
 
-def _continue(deck, interrupted, supervision):
-    """Continue an InterruptedRun from its checkpoint, in a new file that replaces its file."""
+@contextmanager
+def _from_the_checkpoint(deck, interrupted, supervision):
+    """Yield the run of an InterruptedRun at its checkpoint, in a new file that replaces its file."""
     prepared = prepare(deck, partial(compile_time_integration, time=deck.values["time"]))
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
     start, recorded = restore(interrupted.checkpoint["run"], integrator)
@@ -202,7 +216,7 @@ def _continue(deck, interrupted, supervision):
         supervision.announce(note)
         recorder = Recorder(prepared, writer, sampler, integrator)
         recorder.from_plain(recorded)
-        return Ongoing(deck, start, integrator, recorder, supervision, interrupted.warnings).to_the_end()
+        yield Ongoing(deck, start, integrator, recorder, supervision, interrupted.warnings)
 
 
 def layout_of(sampler: Sampler) -> Layout:
@@ -235,16 +249,26 @@ class Ongoing:
         integrator.recorder, integrator.observers = recorder, tuple(supervision.observers)
         integrator.reporters = recorder.report, *supervision.reporters
 
-    def advance(self, t: float) -> None:
-        """Integrate to the time ``t`` [s]. Raises ConvergenceError, NonFiniteError, Stopped, ResultsError."""
+    def advance(self, t: float, given: Mapping[str, float] | None = None) -> None:
+        """Integrate to the time ``t`` [s], with new values of external signals from the present time on.
+
+        ``given`` are these values, by the names of the signals. Raises ConvergenceError, NonFiniteError, Stopped,
+        ResultsError.
+        """
         deck, sampler, recorder = self.deck, self.recorder.sampler, self.recorder
         try:
             with recorder.emptied():
-                self.state = self.integrator.to(t, self.state)
+                self.state = self.integrator.to(t, self.state, self._memory_with(given) if given else None)
         except (ConvergenceError, NonFiniteError) as error:
             known = [*self._notes, *self.integrator.warnings, *limit_warnings(deck, sampler, recorder.writer.extremes)]
             latches = open_latch_warnings(deck, recorder.row, sampler)
             raise type(error)("\n".join([failure_text(error, deck, known), *latches])) from error
+
+    def _memory_with(self, given):
+        from mecano.elements.signals.external import with_external_values  # not needed by runs without such signals
+
+        titles = {title_of("external", name): value for name, value in given.items()}
+        return with_external_values(self.integrator.system, self.state.motion, titles)
 
     def to_the_end(self) -> "RunState":
         """Integrate to the end time of the deck, close the file, and return the final RunState."""
@@ -281,5 +305,9 @@ class Ongoing:
         if t >= self.deck.values["time"]["end"]:
             self._complete()
             return
-        self._checkpoint_writer.write(self.state)
+        self.checkpoint()
         self.recorder.writer.close("stopped", f"left at t = {t:.9g} s")
+
+    def checkpoint(self) -> None:
+        """Write a checkpoint of the present state. Raises ResultsError."""
+        self._checkpoint_writer.write(self.state)

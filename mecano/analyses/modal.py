@@ -39,7 +39,7 @@ LARGEST = 1e100  # rad/s
 CONSTANT = 1e-3  # change by a turn of one radian below which matrices count as constant
 NUDGE = 1e-5  # of a shape, whose largest displacement is 1: error of the differences about 1e-10
 BALANCED = 1e-6  # of the largest force: inertia forces below which a state at rest counts as an equilibrium
-HELD = "delay", "sample_and_hold"  # signals whose value depends on earlier times alone
+HELD = "delay", "sample_and_hold", "external"  # signals whose value does not depend on the present motion
 NOT_CONVERGED = "not converged"
 HEAD = ("mode", "damped [Hz]", "natural [Hz]", "damping", "growth [1/s]", "residual", "kind", "largest motions")
 
@@ -94,8 +94,8 @@ def held_warnings(deck: "Deck") -> Iterator[str]:
     held = [f"{d['type']} '{name}'" for name, d in deck.values["signals"].items() if d["type"] in HELD]
     if held:
         yield (
-            f"{', '.join(held)}: modes take the values of earlier times as constant, so that any feedback through "
-            "them is missing; whether it is stable is seen in a run"
+            f"{', '.join(held)}: modes take these values as constant, so that any feedback through them is missing; "
+            "whether it is stable is seen in a run"
         )
 
 

@@ -101,6 +101,7 @@ EXAMPLES = {
     "switch": "valve: {type: switch, input: rail.velocity, upper: 0.1, lower: -0.1, high: 5, low: -5}",
     "sample_and_hold": "seen: {type: sample_and_hold, input: knee.angle, period: 10 ms}",
     "delay": "late: {type: delay, input: knee.rate, time: 30 ms}",
+    "external": "command: {type: external, unit: N m}",
     "brake": "brake: {type: brake, nodes: [crank, rod], axis: [0, 1, 0], torque: 400 N m}",
     "rigid_wheel": "disc: {type: rigid_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road}",
     "cardona_wheel": "disc: {type: cardona_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road}",

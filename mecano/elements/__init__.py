@@ -72,6 +72,7 @@ MODULES = {
     "switch": "signals.switch",
     "sample_and_hold": "signals.sample_and_hold",
     "delay": "signals.delay",
+    "external": "signals.external",
 }  # in mecano/elements; each holds the kind under its name in capitals
 
 

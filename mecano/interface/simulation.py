@@ -1,17 +1,17 @@
 """Dynamic runs advanced step by step from Python."""
 
 import os
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
 
-from mecano.analyses.dynamic import begun, layout_of
-from mecano.errors import UsageError
+from mecano.analyses.dynamic import begun, continued, layout_of
+from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.interface.deck import AnyDeck, AnyPath, Values, checked_deck, name_of
 from mecano.interface.results import Results
-from mecano.interface.solving import interruptible, resuming
+from mecano.interface.solving import interruptible, refuse_both, resuming
 from mecano.process.interrupt import Interruption
 from mecano.results.lookup import ByName, Lookup
 from mecano.results.recorded import MAGNITUDE
@@ -22,18 +22,20 @@ class Simulation(ByName):
 
     Every ``advance`` ends with a step, which is shortened if the duration is not a multiple of a fixed step size. At
     the end of the block the file is closed: as complete if the end time was reached, otherwise with a checkpoint, from
-    which ``mecano.run(..., resume=True)`` continues. Ctrl-C in ``advance`` also leaves a checkpoint, and raises
-    KeyboardInterrupt. After this or an error in ``advance``, the Simulation cannot continue, even if the exception is
-    caught in the block.
+    which ``resume=True``, here or in ``mecano.run``, continues; so it is if an exception leaves the block. Ctrl-C in
+    ``advance`` also leaves a checkpoint, and raises KeyboardInterrupt. After this or an error in ``advance``, the
+    Simulation cannot continue, even if the exception is caught in the block. A Simulation has one block.
 
-    ``deck``, ``path``, ``set`` and ``force`` are those of ``mecano.run``.
+    ``s["torque"] = 2.5`` sets a signal of the type ``external``.
+
+    ``deck``, ``path``, ``set``, ``force`` and ``resume`` are those of ``mecano.run``.
 
     Raises
     ------
     DeckError, AssemblyError, ResultsError
         As ``mecano.run``, when the block begins.
     UsageError
-        The deck is one of statics.
+        The deck is one of statics, or the run to be resumed is complete.
 
     Examples
     --------
@@ -46,23 +48,37 @@ class Simulation(ByName):
     'stopped'
     """
 
-    def __init__(self, deck: AnyDeck, path: AnyPath | None = None, *, set: Values | None = None, force: bool = False):
+    def __init__(
+        self, deck: AnyDeck, path: AnyPath | None = None, *, set: Values | None = None, force: bool = False,
+        resume: bool = False,
+    ):  # fmt: skip
+        refuse_both(resume, force)
         self._checked = checked_deck(deck, set)
         if self._checked.values["static"]:
             raise UsageError("a Simulation advances in time, but this deck asks for equilibria; use mecano.run")
         self.path = os.fspath(path or f"{name_of(deck)}.h5")
-        self._force, self._open, self._left = force, ExitStack(), False
+        self._force, self._resume, self._open, self._left = force, resume, ExitStack(), False
+        self._given: dict[str, float] = {}  # new values of external signals
         self._run: Any = None
         self._failure: BaseException | None = None  # raised in ``advance``
         self._interruption = Interruption(again=resuming(deck, self.path, set))
 
     def __enter__(self) -> Self:
-        self._run = self._open.enter_context(
-            begun(self._checked, self.path, self._force, interruption=self._interruption)
-        )
+        if self._run is not None:
+            raise UsageError("a Simulation has one block: make another one, or continue its file with resume=True")
+        self._file = os.path.abspath(self.path)  # also after os.chdir in the block
+        self._run = self._open.enter_context(self._begun())
+        if self._run is None:
+            self._open.close()
+            raise UsageError(f"{self.path} is complete: there is nothing to resume")
         columns = self._run.recorder.sampler.columns
         self._starts = {column.path: column.start for column in columns}
         return self
+
+    def _begun(self):
+        if self._resume:
+            return continued(self._checked, self.path, interruption=self._interruption)
+        return begun(self._checked, self.path, self._force, interruption=self._interruption)
 
     def __exit__(self, kind, error, trace) -> None:
         self._left = True
@@ -71,6 +87,9 @@ class Simulation(ByName):
         try:
             if error is None:
                 self._run.leave()
+            elif self._failure is None:  # the exception is one of the program, between two steps
+                with suppress(ResultsError):
+                    self._run.checkpoint()
         except BaseException as failure:
             self._open.__exit__(type(failure), failure, failure.__traceback__)
             raise
@@ -96,20 +115,42 @@ class Simulation(ByName):
         ConvergenceError, NonFiniteError, ResultsError
             As ``mecano.run``.
         """
-        if self._left:
-            raise UsageError("the block of this Simulation has ended: mecano.run(..., resume=True) continues the file")
-        if self._failure is not None:
-            raise UsageError(f"this Simulation has ended, it cannot advance further: {self._failure}")
+        self._require_running()
         if not duration > 0.0:
             raise UsageError(f"a duration must be greater than zero, got {duration}")
         if self.time >= self.end:
             raise UsageError(f"the deck ends at t = {self.end:g} s; set its 'time.end'")
         try:
             with interruptible(self._interruption):
-                self._started.advance(min(self.time + duration, self.end))
+                self._started.advance(min(self.time + duration, self.end), self._given)
         except BaseException as failure:
             self._failure = failure
             raise
+        self._given = {}
+
+    def _require_running(self):
+        if self._left:
+            raise UsageError("the block of this Simulation has ended: resume=True continues the file")
+        if self._failure is not None:
+            raise UsageError(f"this Simulation has ended, it cannot advance further: {self._failure}")
+
+    def __setitem__(self, name: str, value: float) -> None:
+        """Set a signal of the type ``external`` from the present time on, until it is set again.
+
+        ``value`` is in SI units; the outputs have it behind the next ``advance``. Raises UnknownNameError for other
+        names, UsageError for a value that is no finite number and after the end of the run.
+        """
+        self._require_running()
+        signals = self._checked.values["signals"].items()
+        external = [known for known, signal in signals if signal["type"] == "external"]
+        signal = name.replace("/", ".").removeprefix("signals.").removesuffix(".value")
+        if signal not in external:
+            there_are = f"there are {', '.join(external)}" if external else "the deck has none"
+            raise UnknownNameError(f"only signals of the type 'external' can be set, not '{name}': {there_are}")
+        number = np.asarray(value)
+        if number.size != 1 or number.dtype.kind not in "iuf" or not np.isfinite(number.item()):
+            raise UsageError(f"{name} = {value!r}: write a finite number, in SI units")
+        self._given[signal] = float(number.item())
 
     def __getitem__(self, name: str) -> float | np.ndarray:
         """Return the current value of an output, named by any ending of its path. Raises UnknownNameError."""
@@ -128,7 +169,7 @@ class Simulation(ByName):
         if not self._left:
             self._started.recorder.flush()
             self._started.recorder.writer.flush()
-        return Results(self.path)
+        return Results(self._file)
 
     @cached_property
     def _lookup(self) -> Lookup:

@@ -69,8 +69,7 @@ def run(
     >>> float(results.time[-1])
     0.5
     """
-    if resume and force:
-        raise UsageError("resume=True continues a results file, force=True replaces it")
+    refuse_both(resume, force)
     _require(checkpoint is None or checkpoint >= 0.0, "checkpoint", checkpoint, "a time [s] of zero or more")
     checked = checked_deck(deck, set)
     path = os.fspath(path or f"{name_of(deck)}.h5")
@@ -284,6 +283,12 @@ class Study:
         statuses, counts = np.unique(self["status"].astype(str), return_counts=True)
         ended = ", ".join(f"{count} {status}" for count, status in zip(counts, statuses, strict=True))
         return f"Study of {len(self['case'])} cases: {ended}"
+
+
+def refuse_both(resume: bool, force: bool) -> None:
+    """Raise UsageError if a results file is to be both continued and replaced."""
+    if resume and force:
+        raise UsageError("resume=True continues a results file, force=True replaces it")
 
 
 def _require(valid, option, value, wanted):

@@ -125,25 +125,31 @@ class TimeIntegrator:
             events += happened
         return run, events
 
-    def to(self, end: float, run: RunState) -> RunState:
+    def to(self, end: float, run: RunState, memory: np.ndarray | None = None) -> RunState:
         """Integrate from ``run`` to the time ``end`` and return the new RunState.
 
-        Raises ConvergenceError, NonFiniteError.
+        ``memory`` (n_memory,) replaces that of ``run``: forces jump at its time. Raises ConvergenceError,
+        NonFiniteError.
         """
         self._before = run
         try:
-            return self._to(end, run)
+            return self._to(end, run, memory)
         except AssemblyError as error:
             raise failure.no_restart(error, self._before.motion.t) from error
         except NonFiniteError as error:
             raise failure.with_sources(error, self.system, self._before.motion) from error
 
-    def _to(self, end, run):
+    def _to(self, end, run, memory):
         if run.compliance is not self.method.compliance:
             self.method.use(run.compliance)
         self.method.pause = lambda: self.pause(self._before)
-        if run.motion.t in self._is_corner and run.history.known:  # the last call ended there, before the corner
+        before_corner = run.motion.t in self._is_corner and run.history.known  # the last call ended there
+        if memory is not None:
+            run = replace(run, motion=replace(run.motion, memory=memory))
+        if before_corner:
             run = self._start_behind_corner(run)
+        elif memory is not None:
+            run = self._start_again(run, run.motion)
         for corner in self._corners[bisect_right(self._corners, end) :][:1]:
             end = corner if corner - end < self._shortest(corner) else end  # rounding is no step
         between = slice(bisect_right(self._corners, run.motion.t), bisect_left(self._corners, end))
