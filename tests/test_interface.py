@@ -207,12 +207,34 @@ class TestDeck:
             lambda: mecano.check(deck, set={"time.end": object()}),
             lambda: mecano.Deck({"time": object()}).text,
         ):
-            with pytest.raises(TypeError, match="a deck holds dicts, lists, numbers and strings, not object"):
+            with pytest.raises(TypeError, match="a deck holds dicts, lists, numbers and strings, .*object"):
                 call()
+        places = {"nodes": {"a": {"position": [0, object(), 0]}}}
+        with pytest.raises(TypeError, match=r"'nodes.a.position.1' is of the type object"):
+            mecano.check(places)
+        places["nodes"]["a"]["position"] = {0.1, 0.2}
+        with pytest.raises(TypeError, match=r"'nodes.a.position' is of the type set"):
+            mecano.check(places)
+        places["nodes"]["a"] = places
+        with pytest.raises(TypeError, match="a deck cannot hold itself"):
+            mecano.check(places)
+        with pytest.raises(TypeError, match=r"'set' takes a dict such as \{'time.end': 2\}, not 'time.end=1'"):
+            mecano.check(deck, set="time.end=1")
         with pytest.raises(TypeError, match="a deck is a path, a mecano.Deck or a dict, not int"):
             mecano.check(1)
         with pytest.raises(TypeError, match="expected str"):
             deck.save(1)  # the number of an open file
+
+    def test_names_of_files_may_be_paths(self, folder):
+        deck = mecano.Deck.read(PENDULUM)
+        (folder / "moved.csv").write_text("time [s],x [m]\n0,0\n2,1\n")
+        deck["nodes"]["shaker"] = {"position": [0, 0, 1]}
+        deck["joints"]["shaking"] = {
+            "type": "prescribed_position", "node": "shaker", "direction": [0, 0, 1],
+            "value": {"table": {"file": Path("moved.csv")}},
+        }  # fmt: skip
+        deck.folder = str(folder)
+        assert deck_module.checked_deck(deck, {}).resolved()["joints"]["shaking"]["node"] == "shaker"
 
     def test_a_copy_is_changed_by_itself(self):
         deck = mecano.Deck.read(PENDULUM)

@@ -4,7 +4,7 @@ import os
 from collections.abc import Iterator, Mapping, MutableMapping
 from contextlib import contextmanager
 from copy import deepcopy
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -130,6 +130,8 @@ def checked_deck(deck: AnyDeck, overrides: Values | None) -> "CheckedDeck":
 
 def _override_texts(overrides):
     """Return overrides as texts for `mecano run --set`."""
+    if not isinstance(overrides, Mapping | None):
+        raise TypeError(f"'set' takes a dict such as {{'time.end': 2}}, not {overrides!r}")
     return tuple(f"{path}={_in_one_line(value)}" for path, value in (overrides or {}).items())
 
 
@@ -145,9 +147,24 @@ def _yaml(value, flow, width):
             value, Dumper=_Dumper, sort_keys=False, default_flow_style=flow, width=width, allow_unicode=True
         )
     except yaml.representer.RepresenterError as error:
-        raise TypeError(
-            f"a deck holds dicts, lists, numbers and strings, not {type(error.args[-1]).__name__}"
-        ) from None
+        found = error.args[-1]
+        place = f"'{where}' is of the type" if (where := _path_to(found, value)) else "not"
+        raise TypeError(f"a deck holds dicts, lists, numbers and strings, {place} {type(found).__name__}") from None
+    except RecursionError:
+        raise TypeError("a deck cannot hold itself") from None
+
+
+def _path_to(wanted, within):
+    """Return the keys with dots that lead to an object within dicts and lists, "" if they do not."""
+    if isinstance(within, (list, tuple)):
+        within = dict(enumerate(within))
+    children = within.items() if isinstance(within, Mapping) else ()
+    for key, child in children:
+        if child is wanted:
+            return str(key)
+        if inner := _path_to(wanted, child):
+            return f"{key}.{inner}"
+    return ""
 
 
 def name_of(deck: AnyDeck) -> str:
@@ -188,6 +205,8 @@ def _text(dumper, value):
 
 
 _Dumper.add_representer(str, _text)
+_Dumper.add_representer(set, _Dumper.represent_undefined)  # decks have neither sets nor bytes
+_Dumper.add_representer(bytes, _Dumper.represent_undefined)
 _Dumper.add_representer(np.ndarray, lambda dumper, value: dumper.represent_data(value.tolist()))
 _Dumper.add_multi_representer(np.generic, lambda dumper, value: dumper.represent_data(value.item()))
-_Dumper.add_multi_representer(os.PathLike, lambda dumper, value: dumper.represent_data(os.fspath(value)))
+_Dumper.add_multi_representer(PurePath, lambda dumper, value: dumper.represent_data(os.fspath(value)))
