@@ -454,6 +454,33 @@ class TestResults:
         with pytest.raises(UnknownNameError, match="did you mean hinge.angle"):
             convert("hinge.angel")
 
+    def test_several_patterns(self, results):
+        pytest.importorskip("pandas")
+        found = results.to_pandas("hinge.angle", "hinge.force.y")
+        assert list(found.columns) == ["joints.hinge.angle", "joints.hinge.force.y"]
+
+    def test_what_is_no_name_is_refused(self, results):
+        for wrong in (
+            lambda: results[1],
+            lambda: results.plot(["hinge.angle"]),
+            lambda: results.plot("hinge.angle", 1),
+        ):
+            with pytest.raises(TypeError, match="an output is named by a text such as 'hinge.angle', not by"):
+                wrong()
+
+    def test_texts_are_short_also_after_the_end(self, results):
+        angle = results["hinge.angle"]
+        assert repr(angle).startswith("Trace 'joints/hinge/angle' [rad]: ") and len(angle) == len(results.time)
+        results.close()
+        assert repr(results) == results._repr_html_().replace("&#x27;", "'") == "Results 'pendulum.h5': closed"
+
+    def test_another_working_folder_and_another_process_read_the_same_file(self, results, folder, monkeypatch):
+        (folder / "elsewhere").mkdir()
+        monkeypatch.chdir(folder / "elsewhere")
+        results.refresh()
+        with pickle.loads(pickle.dumps(results)) as other:
+            np.testing.assert_array_equal(other["hinge.angle"], results["hinge.angle"])
+
     @pytest.mark.parametrize("library", ["xarray", "pandas"])
     def test_libraries_that_are_missing_are_named(self, results, monkeypatch, library):
         monkeypatch.setitem(sys.modules, library, None)

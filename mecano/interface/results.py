@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from mecano.errors import ResultsError, UnknownNameError, UsageError
 from mecano.results import reader
 from mecano.results.layout import AXES
+from mecano.results.lookup import require_names
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -36,15 +37,15 @@ class Results(reader.Results):
     3.1416
     """
 
-    def to_xarray(self, pattern: str = "*") -> "xarray.Dataset":
-        """Return outputs at the saved times as a Dataset: all, or those that match a pattern such as "wheel.*".
+    def to_xarray(self, *patterns: str) -> "xarray.Dataset":
+        """Return outputs at the saved times as a Dataset: all, or those that match patterns such as "wheel.*".
 
         Every variable has the attributes ``units`` and ``long_name``. Raises UnknownNameError if no output matches,
         ImportError without xarray.
         """
         xarray = imported("xarray", "Results.to_xarray")
         variables = {}
-        for trace in self._matching(pattern):
+        for trace in self._matching(patterns):
             attributes = {"units": trace.unit, "long_name": trace.doc}
             variables[_dotted(trace.path)] = (self._dimensions(trace.values.shape[1:]), trace.values, attributes)
         coordinates: dict[str, Any] = {
@@ -65,8 +66,8 @@ class Results(reader.Results):
             return (self._dimension, "".join(AXES[shape[0]]))
         return (self._dimension, *(f"index{i or ''}_{size}" for i, size in zip((0, 2, 3), shape, strict=False)))
 
-    def to_pandas(self, pattern: str = "*") -> "pandas.DataFrame":
-        """Return outputs at the saved times as a DataFrame: a column per scalar, all or those that match a pattern.
+    def to_pandas(self, *patterns: str) -> "pandas.DataFrame":
+        """Return outputs at the saved times as a DataFrame: a column per scalar, all or those that match patterns.
 
         ``frame.attrs["units"]`` has the unit of each column. Raises UnknownNameError if no output matches,
         ImportError without pandas.
@@ -74,7 +75,7 @@ class Results(reader.Results):
         pandas = imported("pandas", "Results.to_pandas")
         columns: dict[str, Any] = {}
         units: dict[str, str] = {}
-        for trace in self._matching(pattern):
+        for trace in self._matching(patterns):
             names = [f"{_dotted(trace.path)}.{c}" for c in trace.components] or [_dotted(trace.path)]
             numbers = trace.values.reshape(len(self.time), len(names)).T
             columns |= dict(zip(names, numbers, strict=True))
@@ -83,15 +84,19 @@ class Results(reader.Results):
         frame.attrs["units"] = units
         return frame
 
-    def _matching(self, pattern):
-        """Return the Traces of all outputs that match a pattern; of single components if the pattern names these."""
+    def _matching(self, patterns):
+        """Return the Traces of all outputs that match patterns; of single components if a pattern names these."""
+        require_names(patterns)
+        return [self.find(name) for pattern in patterns or ("*",) for name in self._names_of(pattern)]
+
+    def _names_of(self, pattern):
         names = self.names(pattern)
         if not names and pattern != "*":
             if "*" in pattern or "?" in pattern:
                 raise UnknownNameError(f"no output of {self.path} matches '{pattern}'; Results.names() lists them")
             self._lookup.find(pattern)  # raises with similar names
             names = [pattern]
-        return map(self.find, names)
+        return names
 
     def plot(self, *names: str, title: str | None = None) -> "Plot":
         """Plot outputs over time or over another output: "hinge.angle", "a,b" in one panel, "force:stroke".
@@ -106,6 +111,7 @@ class Results(reader.Results):
         from mecano.post.sheet import Panel
         from mecano.post.sheets import default_sheets, overview
 
+        require_names(names)
         if not len(self.time):
             raise ResultsError(f"{self.path}: no saved times yet")
         run = Run(self)
@@ -120,12 +126,16 @@ class Results(reader.Results):
         return Plot(sheet_figure(replace(sheets[0], panels=panels, heading=", ".join(names)), heading))
 
     def __repr__(self):
+        if self._opened is None:
+            return f"Results {str(self.path)!r}: closed"
         return f"Results {str(self.path)!r}: {self.status}, {len(self.time)} saved times, {len(self.names())} outputs"
 
     def _repr_html_(self) -> str:
         """Return the table that notebooks display: status, solver statistics, provenance."""
         from mecano.post.info import facts
 
+        if self._opened is None:
+            return escape(repr(self))
         rows = [("status", f"{self.status}: {self.reason}" if self.reason else self.status), *facts(self)]
         cells = "".join(
             f'<tr><th style="text-align:left">{escape(label)}</th><td style="text-align:left">{escape(text)}</td></tr>'

@@ -13,7 +13,7 @@ from mecano.interface.deck import AnyDeck, AnyPath, Values, checked_deck, name_o
 from mecano.interface.results import Results
 from mecano.interface.solving import interruptible, refuse_both, resuming
 from mecano.process.interrupt import Interruption
-from mecano.results.lookup import ByName, Lookup
+from mecano.results.lookup import ByName, Lookup, require_names
 from mecano.results.recorded import MAGNITUDE
 
 
@@ -116,8 +116,8 @@ class Simulation(ByName):
             As ``mecano.run``.
         """
         self._require_running()
-        if not duration > 0.0:
-            raise UsageError(f"a duration must be greater than zero, got {duration}")
+        if isinstance(duration, str) or not duration > 0.0:
+            raise UsageError(f"a duration must be a number greater than zero, in seconds, got {duration!r}")
         if self.time >= self.end:
             raise UsageError(f"the deck ends at t = {self.end:g} s; set its 'time.end'")
         try:
@@ -140,6 +140,7 @@ class Simulation(ByName):
         ``value`` is in SI units; the outputs have it behind the next ``advance``. Raises UnknownNameError for other
         names, UsageError for a value that is no finite number and after the end of the run.
         """
+        require_names([name])
         self._require_running()
         signals = self._checked.values["signals"].items()
         external = [known for known, signal in signals if signal["type"] == "external"]
@@ -154,6 +155,7 @@ class Simulation(ByName):
 
     def __getitem__(self, name: str) -> float | np.ndarray:
         """Return the current value of an output, named by any ending of its path. Raises UnknownNameError."""
+        require_names([name])
         if name.endswith(MAGNITUDE):
             return float(np.linalg.norm(self[name.removesuffix(MAGNITUDE)]))
         row = self._started.recorder.row
@@ -163,6 +165,12 @@ class Simulation(ByName):
             return float(row[start + component])
         values = row[start : start + series.width]
         return values.reshape(series.shape).copy() if series.shape else float(values[0])
+
+    def __repr__(self):
+        if self._run is None:
+            return f"Simulation {self.path!r}: not begun"
+        ended = "ended " if self._left or self._failure is not None else ""
+        return f"Simulation {self.path!r}: {ended}at t = {self.time:g} of {self.end:g} s"
 
     def results(self) -> Results:
         """Open the results saved so far. Raises ResultsError."""

@@ -38,6 +38,14 @@ class ByName:
         return True
 
 
+def require_names(names: Iterable[object]) -> None:
+    """Raise TypeError for what is no name of an output, such as a list of names."""
+    for name in names:
+        if not isinstance(name, str):
+            hint = ": write names as separate arguments" if isinstance(name, (list, tuple)) else ""
+            raise TypeError(f"an output is named by a text such as 'hinge.angle', not by {name!r}{hint}")
+
+
 MOST = 8  # outputs of one owner that a message names
 
 

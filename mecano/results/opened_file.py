@@ -32,6 +32,7 @@ class OpenedFile:
 
     def __init__(self, path: "str | os.PathLike[str]"):
         self.path = Path(path)
+        self._where = self.path.absolute()  # also after os.chdir
         self.source, self.h5 = _open_patiently(self.path)
 
     def close(self) -> None:
@@ -59,7 +60,7 @@ class OpenedFile:
                     raise ResultsError(unreadable(self.source, error, name)) from error
                 clocks.sleep(0.01 * attempt)
                 self.close()
-                self.source, self.h5 = _open_patiently(self.path)
+                self.source, self.h5 = _open_patiently(self._where)
 
     def rows_present(self, name: str, rows: int) -> int:
         """Return how many of the first ``rows`` of a dataset can be read."""

@@ -16,7 +16,7 @@ from mecano.model.mesh import piece_names
 from mecano.model.model import title_of
 from mecano.results.checkpoints import latest
 from mecano.results.layout import EVENT_NUMBERS, EVENT_TEXTS, EXTREMES, FORMAT, FORMAT_VERSION, Layout, Series
-from mecano.results.lookup import ByName, Extremes, Lookup
+from mecano.results.lookup import ByName, Extremes, Lookup, require_names
 from mecano.results.opened_file import OpenedFile
 from mecano.results.provenance import is_running, read_displays, start_time
 from mecano.results.reason import split_reason
@@ -51,14 +51,19 @@ class Results(ByName):
 
     def __init__(self, path: str | os.PathLike[str]):
         self.path = Path(path)
-        self._open()
+        self._where = self.path.absolute()  # also after os.chdir
+        self._open(self.path)
 
-    def _open(self):
+    def __reduce__(self):
+        """Return what opens the same file in another process."""
+        return type(self), (self._where,)
+
+    def _open(self, path):
         self._opened = None
         for name in _KEPT:
             self.__dict__.pop(name, None)
         try:
-            self._opened = OpenedFile(self.path)
+            self._opened = OpenedFile(path)
             with self._file.reading("format"):
                 self._check_format()
             self._status = self._file.text("run/status")  # before the counters: those of a complete run are the last
@@ -98,7 +103,7 @@ class Results(ByName):
     def refresh(self) -> None:
         """Open the file again, to read data added by a running writer."""
         self.close()
-        self._open()
+        self._open(self._where)
 
     def close(self) -> None:
         """Close the file."""
@@ -149,6 +154,7 @@ class Results(ByName):
         ResultsError
             No series, or more than one, has that name; the message lists similar names.
         """
+        require_names([name])
         dotted = name.replace("/", ".")
         if dotted.endswith(MAGNITUDE):
             return self.find(dotted.removesuffix(MAGNITUDE), rows).magnitude

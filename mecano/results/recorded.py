@@ -7,7 +7,7 @@ import numpy as np
 MAGNITUDE = ".magnitude"  # of a vector, in the place of a component
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Trace:
     """A series over the saved times, or one component of it, or a column of the solver history over the steps.
 
@@ -39,6 +39,13 @@ class Trace:
     def __getitem__(self, index):
         """Return values by index, as ``values[index]``."""
         return self.values[index]
+
+    def __len__(self):
+        return len(self.values)
+
+    def __repr__(self):
+        components = f" of {', '.join(self.components)}" if self.components else ""
+        return f"Trace {self.path!r}{components} [{self.unit}]: {self.doc}; {len(self)} values"
 
     @property
     def magnitude(self) -> "Trace":
