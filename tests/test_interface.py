@@ -397,6 +397,15 @@ class TestCheckAndModes:
         assert found.frequency[0] == pytest.approx(np.sqrt(9.81) / (2 * np.pi), rel=1e-6)
         assert (folder / "own.h5").exists() and found.kinds[0] == "oscillation"
 
+    def test_a_saved_state_may_be_a_pair(self, folder):
+        mecano.run("pendulum.yaml", set={"time.end": 0.1}, quiet=True).close()
+        expected = mecano.modes("pendulum.yaml", at="pendulum.h5:0.05")
+        for at in (("pendulum.h5", 0.05), (Path("pendulum.h5"), np.float64(0.05))):
+            found = mecano.modes("pendulum.yaml", at=at)
+            assert found.about == expected.about and "0.05" in found.about
+            np.testing.assert_array_equal(found.eigenvalues, expected.eigenvalues)
+        assert "0.1 s" in mecano.modes("pendulum.yaml", at=Path("pendulum.h5")).about
+
 
 class TestSweep:
     def test_a_study_is_run_and_read(self, folder, capfd):
@@ -417,6 +426,32 @@ class TestSweep:
             (folder / "wrong.yaml").write_text(STUDY.replace("grid", "gird"))
             mecano.sweep("wrong.yaml")
         assert capfd.readouterr().out == ""
+
+    def test_columns_and_results_of_cases_are_named(self, folder):
+        (folder / "study.yaml").write_text(STUDY)
+        study = mecano.sweep("study.yaml", jobs=1, quiet=True)
+        assert len(study) == 2 and study.folder == Path("study_runs")
+        np.testing.assert_array_equal(study["bar.mass"], study["elements.bar.mass"])
+        with pytest.raises(UnknownNameError, match="no column 'ass'"):
+            study["ass"]
+        with study.results(2) as results:
+            assert results.resolved["elements"]["bar"]["mass"] == 2.0
+            assert results.extremes["hinge.angle"].maximum == study["swing"][1]
+        with pytest.raises(ResultsError, match="0003.h5"):
+            study.results(3)
+
+    def test_failed_cases_run_again(self, folder):
+        (folder / "study.yaml").write_text(STUDY)
+        first = mecano.sweep("study.yaml", jobs=1, quiet=True)
+        report = first.folder / "0002.json"
+        report.write_text(report.read_text().replace('"complete"', '"failed"'))
+        (first.folder / "0002.h5").unlink()
+        assert mecano.sweep("study.yaml", resume=True, quiet=True)["status"].astype(str).tolist()[1] == "failed"
+        assert mecano.sweep("study.yaml", again="failed", quiet=True)["status"].astype(str).tolist()[1] == "complete"
+        with pytest.raises(UsageError, match="write 'failed'"):
+            mecano.sweep("study.yaml", again="all")
+        with pytest.raises(UsageError, match="force=True replaces"):
+            mecano.sweep("study.yaml", again="failed", force=True)
 
 
 class TestResults:
@@ -439,20 +474,6 @@ class TestResults:
         found = results.to_pandas("hinge.*")
         assert found.index.name == "time" and found.attrs["units"]["joints.hinge.angle"] == "rad"
         np.testing.assert_array_equal(found["joints.hinge.force.y"], results["hinge.force.y"].values)
-
-    @pytest.mark.parametrize("library", ["xarray", "pandas"])
-    def test_patterns_name_components_and_must_match_an_output(self, results, library):
-        pytest.importorskip(library)
-        convert = getattr(results, f"to_{library}")
-        for pattern in ("hinge.force.y", "*.force.y"):
-            found = convert(pattern)
-            names = found.columns if library == "pandas" else found.data_vars
-            assert list(names) == ["joints.hinge.force.y"]
-            np.testing.assert_array_equal(found["joints.hinge.force.y"], results["hinge.force.y"].values)
-        with pytest.raises(UnknownNameError, match=r"no output of pendulum.h5 matches 'hinges\.\*'"):
-            convert("hinges.*")
-        with pytest.raises(UnknownNameError, match="did you mean hinge.angle"):
-            convert("hinge.angel")
 
     def test_several_patterns(self, results):
         pytest.importorskip("pandas")
@@ -480,6 +501,20 @@ class TestResults:
         results.refresh()
         with pickle.loads(pickle.dumps(results)) as other:
             np.testing.assert_array_equal(other["hinge.angle"], results["hinge.angle"])
+
+    @pytest.mark.parametrize("library", ["xarray", "pandas"])
+    def test_patterns_name_components_and_must_match_an_output(self, results, library):
+        pytest.importorskip(library)
+        convert = getattr(results, f"to_{library}")
+        for pattern in ("hinge.force.y", "*.force.y"):
+            found = convert(pattern)
+            names = found.columns if library == "pandas" else found.data_vars
+            assert list(names) == ["joints.hinge.force.y"]
+            np.testing.assert_array_equal(found["joints.hinge.force.y"], results["hinge.force.y"].values)
+        with pytest.raises(UnknownNameError, match=r"no output of pendulum.h5 matches 'hinges\.\*'"):
+            convert("hinges.*")
+        with pytest.raises(UnknownNameError, match="did you mean hinge.angle"):
+            convert("hinge.angel")
 
     @pytest.mark.parametrize("library", ["xarray", "pandas"])
     def test_libraries_that_are_missing_are_named(self, results, monkeypatch, library):

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -124,8 +125,9 @@ class Check:
 
 
 def modes(
-    deck: AnyDeck, path: AnyPath | None = None, *, set: Values | None = None, at: str | None = None,
-    at_rest: bool = False, number: int = 10, frame: str = "inertial", solver: str = "automatic", force: bool = False,
+    deck: AnyDeck, path: AnyPath | None = None, *, set: Values | None = None,
+    at: AnyPath | tuple[AnyPath, float] | None = None, at_rest: bool = False, number: int = 10,
+    frame: str = "inertial", solver: str = "automatic", force: bool = False,
 ) -> "Modes":  # fmt: skip
     """Compute modes about the initial state of a deck, its equilibrium, or a saved state.
 
@@ -136,8 +138,8 @@ def modes(
         File for the shapes; by default none is written.
     set : dict
         Overrides of values of the deck.
-    at : str
-        "results.h5:1.25": about the saved state nearest to that time.
+    at : str, Path or tuple
+        "results.h5:1.25", or ("results.h5", 1.25): about the saved state nearest to that time; without a time the last.
     at_rest : bool
         About the equilibrium near the state of ``at``.
     number : int
@@ -164,15 +166,22 @@ def modes(
     """
     from mecano.analyses.modal import modes as find
 
-    _require(number >= 1, "number", number, "1 or more")
+    _require(isinstance(number, int | np.integer) and number >= 1, "number", number, "a whole number of 1 or more")
     _require(solver in SOLVERS, "solver", solver, " or ".join(map(repr, SOLVERS)))
     checked = checked_deck(deck, set)
     where = None if path is None else os.fspath(path)
     text, found, about = find(
-        checked, where, at=at, at_rest=at_rest, number=number, frame=frame, method=solver, force=force
+        checked, where, at=_saved_state(at), at_rest=at_rest, number=number, frame=frame, method=solver, force=force
     )
     return Modes(found.values, found.frequency, found.natural_frequency, found.damping_ratio, tuple(found.kinds),
                  found.shapes, about.words, text)  # fmt: skip
+
+
+def _saved_state(at):
+    """Return the text, as on the command line, of a saved state."""
+    if isinstance(at, tuple) and len(at) == 2:
+        return f"{os.fspath(at[0])}:{float(at[1])!r}"
+    return at if at is None else os.fspath(at)
 
 
 @dataclass(frozen=True)
@@ -194,7 +203,7 @@ class Modes:
 
 def sweep(
     study: AnyPath, folder: AnyPath | None = None, *, jobs: int | None = None, resume: bool = False,
-    force: bool = False, quiet: bool = False,
+    again: str | None = None, force: bool = False, quiet: bool = False,
 ) -> "Study":  # fmt: skip
     """Run the cases of a study in parallel, each in a separate process, and return their table.
 
@@ -210,6 +219,8 @@ def sweep(
         Number of parallel cases; by default one per core.
     resume : bool
         Run the cases that are neither complete nor failed.
+    again : {"failed"}
+        The same, and run failed cases again from their start.
     force : bool
         Delete existing cases and run all.
     quiet : bool
@@ -233,6 +244,8 @@ def sweep(
     from mecano.study.units import units_of
 
     _require(jobs is None or jobs >= 1, "jobs", jobs, "1 or more")
+    _require(again in (None, "failed"), "again", again, "'failed'")
+    refuse_both(resume or again is not None, force)
     with explained():
         checked = read_study(os.fspath(study))
         deck = try_deck(checked)
@@ -241,17 +254,21 @@ def sweep(
         raise UsageError(f"the name of the folder {ascii(str(place.path))} is not UTF-8 text")
     interruption = Interruption(again=f"mecano.sweep({os.fspath(study)!r}, {str(place.path)!r}, resume=True)")
     with interruptible(interruption):
-        due = execution.due(place, resume=resume, force=force)
+        due = execution.due(place, resume=resume, failed=again == "failed", force=force)
         run_cases = partial(run_here, limits=Limits(), jobs=jobs or cores())
         execution.execute(deck, place, units_of(checked, deck), due, run_cases, interruption, quiet=quiet)
-    return Study(read_table(place.table))
+    return Study(read_table(place.table), Path(place.path))
 
 
 class Study:
-    """Table of a study; ``study[name]`` is the array of a column."""
+    """Table of a study; ``study[name]`` is the array of a column, ``folder`` has the results of the cases.
 
-    def __init__(self, table: "StudyTable"):
+    A varied value is named by any ending of its path.
+    """
+
+    def __init__(self, table: "StudyTable", folder: Path):
         self._columns = {one.name: one for one in table.columns}
+        self.folder = folder
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -267,9 +284,20 @@ class Study:
         return iter(self._columns)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        if name not in self._columns:
+        found = [name] if name in self._columns else [one for one in self._columns if one.endswith(f".{name}")]
+        if len(found) > 1:
+            raise UnknownNameError(f"'{name}' is ambiguous, it may be {', '.join(found)}: write more of the path")
+        if not found:
             raise UnknownNameError(f"no column '{name}' in this study: there are {', '.join(self._columns)}")
-        return self._columns[name].values
+        return self._columns[found[0]].values
+
+    def __len__(self):
+        """Return the number of cases."""
+        return len(self["case"])
+
+    def results(self, case: int) -> Results:
+        """Open the results of a case, by its number from 1. Raises ResultsError, also for one that has not begun."""
+        return Results(self.folder / f"{case:0{max(4, len(str(len(self))))}d}.h5")
 
     def to_pandas(self) -> "pandas.DataFrame":
         """Return a DataFrame with a row for each case. Raises ImportError without pandas."""
@@ -282,7 +310,7 @@ class Study:
     def __repr__(self):
         statuses, counts = np.unique(self["status"].astype(str), return_counts=True)
         ended = ", ".join(f"{count} {status}" for count, status in zip(counts, statuses, strict=True))
-        return f"Study of {len(self['case'])} cases: {ended}"
+        return f"Study of {len(self)} cases: {ended}"
 
 
 def refuse_both(resume: bool, force: bool) -> None:
