@@ -382,6 +382,27 @@ def test_invalid_options_are_refused(folder, call, options, message):
         call("none.yaml", **options)
     assert sorted(path.name for path in folder.iterdir()) == ["pendulum.yaml"]
 
+    def test_another_working_folder_within_the_block(self, folder, monkeypatch):
+        (folder / "elsewhere").mkdir()
+        with mecano.Simulation("pendulum.yaml", "s.h5") as s:
+            s.advance(0.1)
+            monkeypatch.chdir(folder / "elsewhere")
+            s.advance(0.1)
+            with s.results() as results:
+                assert results.status == "running"
+        with s.results() as results:
+            assert results.status == "stopped" and len(results.time) == 21
+        assert sorted(path.name for path in folder.iterdir()) == ["elsewhere", "pendulum.yaml", "s.h5"]
+        assert not list((folder / "elsewhere").iterdir())
+
+    def test_the_text_is_the_time(self, folder):
+        s = mecano.Simulation("pendulum.yaml", "s.h5")
+        assert repr(s) == "Simulation 's.h5': not begun"
+        with s:
+            s.advance(0.5)
+            assert repr(s) == "Simulation 's.h5': at t = 0.5 of 2 s"
+        assert repr(s) == "Simulation 's.h5': ended at t = 0.5 of 2 s"
+
 
 class TestCheckAndModes:
     def test_check_returns_the_text_of_the_command(self, folder):
@@ -488,6 +509,16 @@ class TestResults:
         ):
             with pytest.raises(TypeError, match="an output is named by a text such as 'hinge.angle', not by"):
                 wrong()
+
+    @pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="counts open files as Linux lists them")
+    def test_results_that_nothing_refers_to_are_closed(self, results):
+        def number():
+            return len(list(Path("/proc/self/fd").iterdir()))
+
+        before = number()
+        for _ in range(5):
+            assert mecano.open_results("pendulum.h5")["hinge.angle"][0] == 0.0
+        assert number() == before
 
     def test_texts_are_short_also_after_the_end(self, results):
         angle = results["hinge.angle"]

@@ -42,6 +42,7 @@ def locked(path: str | os.PathLike[str]) -> Iterator[None]:
     path = Path(path)
     refuse_other_than_file(path)
     record = lock_of(path)
+    absolute = record.absolute()  # also after os.chdir
     content = json.dumps(_own_record()).encode()
     try:
         _take(path, record, content)
@@ -52,8 +53,8 @@ def locked(path: str | os.PathLike[str]) -> Iterator[None]:
         yield
     finally:
         with suppress(OSError):
-            if record.read_bytes() == content:  # otherwise it was removed by hand, and another run has made its own
-                record.unlink()
+            if absolute.read_bytes() == content:  # otherwise it was removed by hand, and another run has made its own
+                absolute.unlink()
 
 
 def lock_of(path: str | os.PathLike[str]) -> Path:

@@ -2,6 +2,7 @@
 
 import json
 import time as clocks
+import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -33,14 +34,16 @@ class OpenedFile:
     def __init__(self, path: "str | os.PathLike[str]"):
         self.path = Path(path)
         self._where = self.path.absolute()  # also after os.chdir
-        self.source, self.h5 = _open_patiently(self.path)
+        self._open(self.path)
+
+    def _open(self, path):
+        self.source, self.h5 = _open_patiently(path)
+        self._closing = weakref.finalize(self, _close, self.source, self.h5)
 
     def close(self) -> None:
-        """Close the file."""
-        if self.h5 is not None:
-            self.h5.close()
-            self.source.close()
-            self.h5 = None
+        """Close the file, as also happens when nothing refers to it: h5py alone would keep it open."""
+        self._closing()
+        self.h5 = None
 
     @contextmanager
     def reading(self, what: str) -> Iterator[None]:
@@ -60,7 +63,7 @@ class OpenedFile:
                     raise ResultsError(unreadable(self.source, error, name)) from error
                 clocks.sleep(0.01 * attempt)
                 self.close()
-                self.source, self.h5 = _open_patiently(self._where)
+                self._open(self._where)
 
     def rows_present(self, name: str, rows: int) -> int:
         """Return how many of the first ``rows`` of a dataset can be read."""
@@ -85,6 +88,11 @@ class OpenedFile:
             if not isinstance(data, type_):
                 raise TypeError(f"it is not a {'mapping' if type_ is dict else 'list'}")
             return data
+
+
+def _close(source, h5):
+    h5.close()
+    source.close()
 
 
 def _open_patiently(path):
