@@ -461,6 +461,15 @@ class TestSweep:
         with pytest.raises(ResultsError, match="0003.h5"):
             study.results(3)
 
+    def test_notebooks_display_tables(self, folder):
+        (folder / "study.yaml").write_text(STUDY)
+        study = mecano.sweep("study.yaml", jobs=1, quiet=True)
+        shown = study._repr_html_()
+        assert "Study of 2 cases: 2 complete" in shown and "<td>elements.bar.mass [kg]</td>" in shown
+        assert shown.count("<tr>") == 3 and f"<td>{study['swing'][1]:.6g}</td>" in shown
+        assert "mobility         1" in mecano.check("pendulum.yaml")._repr_html_()
+        assert "damped [Hz]" in mecano.modes("pendulum.yaml")._repr_html_()
+
     def test_failed_cases_run_again(self, folder):
         (folder / "study.yaml").write_text(STUDY)
         first = mecano.sweep("study.yaml", jobs=1, quiet=True)

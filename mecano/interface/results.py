@@ -173,6 +173,11 @@ def open_results(path: str | os.PathLike[str]) -> Results:
     return Results(path)
 
 
+def preformatted(text: str) -> str:
+    """Return a text as notebooks display it, with its lines and columns."""
+    return f"<pre>{escape(text)}</pre>"
+
+
 def _dotted(path):
     return path.replace("/", ".")
 

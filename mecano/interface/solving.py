@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,7 @@ import numpy as np
 
 from mecano.errors import UnknownNameError, UsageError
 from mecano.interface.deck import AnyDeck, AnyPath, Values, checked_deck, explained, name_of
-from mecano.interface.results import Results
+from mecano.interface.results import Results, preformatted
 from mecano.interface.run_with_progress import run_with_progress
 from mecano.process.cores import cores
 from mecano.process.interrupt import Interruption
@@ -123,6 +124,9 @@ class Check:
     def __str__(self):
         return self.text
 
+    def _repr_html_(self) -> str:
+        return preformatted(self.text)
+
 
 def modes(
     deck: AnyDeck, path: AnyPath | None = None, *, set: Values | None = None,
@@ -199,6 +203,9 @@ class Modes:
 
     def __str__(self):
         return self.text
+
+    def _repr_html_(self) -> str:
+        return preformatted(self.text)
 
 
 def sweep(
@@ -311,6 +318,17 @@ class Study:
         statuses, counts = np.unique(self["status"].astype(str), return_counts=True)
         ended = ", ".join(f"{count} {status}" for count, status in zip(counts, statuses, strict=True))
         return f"Study of {len(self)} cases: {ended}"
+
+    def _repr_html_(self) -> str:
+        """Return the table that notebooks display: the columns with their units."""
+        head = [f"{name} [{unit}]" if unit else name for name, unit in self.units.items()]
+        rows = [head, *(map(_shown, row) for row in zip(*(self[name] for name in self.columns), strict=True))]
+        cells = ("".join(f"<td>{escape(text)}</td>" for text in row) for row in rows)
+        return f"<table><caption>{escape(repr(self))}</caption><tr>{'</tr><tr>'.join(cells)}</tr></table>"
+
+
+def _shown(value):
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def refuse_both(resume: bool, force: bool) -> None:
