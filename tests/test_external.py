@@ -156,6 +156,22 @@ def test_simulation_has_one_block_and_does_not_resume_what_is_complete():
         mecano.Simulation(deck(), "s.h5", resume=True, force=True)
 
 
+def test_modes_about_a_state_that_was_reached_with_its_torque():
+    """A torque holds the bar near 0.6 rad: I s^2 + c s + m g l sin(angle) = 0 there, and at rest near it at 0.6."""
+    turned = deck(end=2.0)
+    turned["joints"]["hinge"]["turning_law"] = {"damper": 3.0}
+    weight, inertia = 9.81 * 0.75, 0.1875 + 0.75**2
+    with mecano.Simulation(turned, "s.h5") as s:
+        s["torque"] = -weight * np.cos(0.6)
+        s.advance(2.0)
+        angle = s["hinge.angle"]
+    assert 0.5 < angle < 0.59  # still moving
+    for at_rest, about in ((False, angle), (True, 0.6)):
+        found = mecano.modes(turned, at=("s.h5", 2.0), at_rest=at_rest).eigenvalues
+        expected = np.roots([inertia, 3.0, weight * np.sin(about)])
+        np.testing.assert_allclose(found, expected[expected.imag > 0], rtol=1e-6)
+
+
 def test_modes_take_the_value_as_constant_and_say_so():
     assert "external 'torque'" in mecano.modes(deck()).text
 

@@ -1,5 +1,6 @@
 """Reconstruction of the state of a model at a saved time of a results file."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -8,7 +9,9 @@ from mecano.analyses.carry_over import saved_time
 from mecano.analyses.equilibria import loaded, rest
 from mecano.analyses.prepare import Prepared, integrator_of
 from mecano.analyses.replay import gaps_at_start, miscounted, replayed, scalars_in
+from mecano.elements.signals.external import with_external_values
 from mecano.errors import ResultsError, UsageError
+from mecano.model.model import title_of
 from mecano.results.opening import errors_as_damage
 from mecano.results.reader import Results, open_results
 
@@ -84,7 +87,18 @@ def _placed(prepared: Prepared, results: Results, row: int) -> "State":
         owner, name = unknown[0]
         raise ResultsError(f"{results.path} does not belong to this deck: it has no unknown '{name}' of {owner}")
     near = gaps_at_start(prepared.deck, system, prepared.length)
-    return replayed(system, prepared.state, results, row, nodes, scalars, near)
+    state = replayed(system, prepared.state, results, row, nodes, scalars, near)
+    return _with_external_values(prepared, state, results, row)
+
+
+def _with_external_values(prepared, state, results, row):
+    """Return the State with the values that a program had given to signals."""
+    external = [name for name, d in prepared.deck.values["signals"].items() if d["type"] == "external"]
+    if not external:
+        return state
+    here = slice(row, row + 1)
+    given = {title_of("external", name): results.find(f"signals/{name}/value", here)[0] for name in external}
+    return replace(state, memory=with_external_values(prepared.system, state, given))
 
 
 def _moving(prepared: Prepared, state: "State") -> "State":
