@@ -148,7 +148,7 @@ def _yaml(value, flow, width):
         )
     except yaml.representer.RepresenterError as error:
         found = error.args[-1]
-        place = f"'{where}' is of the type" if (where := _path_to(found, value)) else "not"
+        place = f"but '{where}' is of the type" if (where := _path_to(found, value)) else "not"
         raise TypeError(f"a deck holds dicts, lists, numbers and strings, {place} {type(found).__name__}") from None
     except RecursionError:
         raise TypeError("a deck cannot hold itself") from None
