@@ -141,12 +141,12 @@ def complete(w, r):
     """Compute the stages, the error, the work and the end of the step; return whether no more iterations are due.
 
     The corrections of the motion do not tell of reactions that the constraints alone balance, and the prediction by a
-    parabola enlarges errors of those.
+    parabola enlarges errors of those. Reactions that cause friction move the model.
     """
     place(w, r)
     last = r.unbalanced
     observe_stages(w, r)
-    if BALANCED < r.unbalanced < FALLING * last and r.iterations < w.most:
+    if r.projects and BALANCED < r.unbalanced < FALLING * last and r.iterations < w.most:
         return False
     v, s0, w.turn = floats(r.velocities, (4, w.n_q)), state_of(w, BEGIN), 0.0
     end, kind = stage_of(w, r, END), integers(w.kind, w.n_all)
