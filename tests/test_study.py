@@ -810,7 +810,8 @@ def test_warmup_compiles_on_a_single_core_what_it_compiles_on_several(monkeypatc
     """There compile_ahead leaves all to the first use."""
     ahead, used = [], []
     monkeypatch.setattr(warming, "compile_ahead", ahead.extend)
-    monkeypatch.setattr(warming.store, "address", used.append)
+    # a copy, as modules imported meanwhile would keep the function that is replaced
+    monkeypatch.setattr(warming, "store", SimpleNamespace(**{**vars(warming.store), "address": used.append}))
     monkeypatch.setattr(warming, "starters", dict)
     list(warmup())
     assert used == ahead and "mecano.solve.time.radau_step.attempt" in [code.name for code in used]
