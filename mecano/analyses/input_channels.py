@@ -58,11 +58,22 @@ class Input:
 
 def place_of(system: System, signal: str) -> tuple[int, np.ndarray]:
     """Return the index of the value of a signal among the unknowns, and those of all unknowns of the signal."""
+    b, dofs = _unknowns(system, signal)
+    first = 3 * len(b.kind.layout)
+    return int(dofs[first]), dofs[first : first + len(b.kind.scalars)]
+
+
+def unknowns_of(system: System, signal: str) -> np.ndarray:
+    """Return the indices of all unknowns on which a signal depends: of a delay its value, then its input."""
+    return _unknowns(system, signal)[1]
+
+
+def _unknowns(system, signal):
+    """Return the batch of a signal, and the indices of its local unknowns."""
     for b in system.batches:
         for (path, _), dofs in zip(b.paths, b.dofs, strict=True):
             if path == f"signals/{signal}":
-                first = 3 * len(b.kind.layout)
-                return int(dofs[first]), dofs[first : first + len(b.kind.scalars)]
+                return b, dofs
     raise AssertionError(f"there is no signal {signal}")
 
 

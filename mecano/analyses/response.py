@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.sparse as sp
 
-from mecano.analyses.input_channels import Input, place_of, with_inputs
+from mecano.analyses.input_channels import Input, unknowns_of, with_inputs
 from mecano.analyses.modal import (
     OperatingPoint,
     accuracy_warnings,
@@ -107,8 +107,8 @@ def response(
     """Compute a response, write it to ``path`` unless it is None, and return (text of the table, Response).
 
     ``state_space``: file .npz or .mat for the matrices of the linear model; ``columns``: also write a table beside
-    ``path``, as CSV. Raises UsageError, the errors of ``mecano
-    run``, and, before anything is computed, ResultsError if a file exists.
+    ``path``, as CSV. Raises UsageError, the errors of ``mecano run``, and, before anything is computed, ResultsError if
+    a file exists.
     """
     question.check()
     if state_space is not None:
@@ -191,12 +191,8 @@ def _late(deck, system):
     for name, d in deck.values["signals"].items():
         if d["type"] not in LATE:
             continue
-        own, _ = place_of(system, name)
-        source = next(
-            dofs[1] for b in system.batches for (path, _), dofs in zip(b.paths, b.dofs, strict=True)
-            if path == f"signals/{name}"
-        )  # fmt: skip
-        yield own, int(source), LATE[d["type"]](d)
+        own, source = unknowns_of(system, name)[:2].tolist()
+        yield own, source, LATE[d["type"]](d)
 
 
 def _delayed(d):

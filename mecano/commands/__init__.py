@@ -62,6 +62,12 @@ def refuse_empty(context: click.Context, parameter: click.Parameter, value: Any)
     return value
 
 
+def require_saved_state(at: str | None, at_rest: bool) -> None:
+    """Raise BadParameter for --at-rest without --at."""
+    if at_rest and at is None:
+        raise click.BadParameter("belongs to --at RESULTS.h5:TIME", param_hint="--at-rest")
+
+
 def show(text: str) -> None:
     """Print a text; a reader that closes the pipe early (such as ``head``) is no error."""
     try:

@@ -4,7 +4,7 @@ import os
 
 import click
 
-from mecano.commands import at_equilibrium, at_saved_state, axes, overrides, plugins, show
+from mecano.commands import at_equilibrium, at_saved_state, axes, overrides, plugins, require_saved_state, show
 
 
 @click.command(short_help="Compute frequency responses; export a linear model.")
@@ -69,8 +69,7 @@ def response(
     those of `mecano modes`. The command prints the static gain, the bandwidth and the peaks of each transfer function,
     and writes all of them to a file and, with --plot, to a picture.
     """
-    if at_rest and at is None:
-        raise click.BadParameter("belongs to --at RESULTS.h5:TIME", param_hint="--at-rest")
+    require_saved_state(at, at_rest)
     from mecano.analyses.progress import SweepProgress
     from mecano.analyses.response import Question
     from mecano.analyses.response import response as find

@@ -4,7 +4,7 @@ import os
 
 import click
 
-from mecano.commands import BELOW, at_equilibrium, at_saved_state, axes, overrides, plugins, show
+from mecano.commands import BELOW, at_equilibrium, at_saved_state, axes, overrides, plugins, require_saved_state, show
 from mecano.commands.viewing import live as shown
 from mecano.process.interrupt import Interruption, resume_command, seconds
 from mecano.solve.modal import SOLVERS
@@ -166,8 +166,7 @@ def _refuse_unfit(sweeps, at, at_rest, of_sweeps):
         raise click.BadParameter("belongs to --campbell", param_hint="--order")
     if given and not sweeps:
         raise click.BadParameter("belongs to --sweep", param_hint=given[0])
-    if at_rest and at is None:
-        raise click.BadParameter("belongs to --at RESULTS.h5:TIME", param_hint="--at-rest")
+    require_saved_state(at, at_rest)
 
 
 def _modes_about(path, deck, overrides, quiet, **options):
