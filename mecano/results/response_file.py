@@ -13,7 +13,7 @@ from mecano.results.disk import atomic_hdf5_file
 from mecano.results.file_names import refuse_existing
 from mecano.results.opening import open_checked
 from mecano.results.table import describe
-from mecano.results.whole_file import exists, put_source, refuse_other_than_file, write_csv
+from mecano.results.whole_file import put_source, refuse_present, write_csv
 
 if TYPE_CHECKING:
     import os
@@ -136,10 +136,7 @@ def read_response(path: "str | os.PathLike[str]") -> ResponseFile:
 
 def refuse_table(path: "str | os.PathLike[str]", force: bool) -> None:
     """Raise ResultsError if the table beside a file of a response exists, unless ``force``."""
-    target = Path(path).with_suffix(".csv")
-    refuse_other_than_file(target)
-    if exists(target) and not force:
-        raise ResultsError(f"{target} exists already; --force replaces it")
+    refuse_present(Path(path).with_suffix(".csv"), force)
 
 
 def write_table(path: "str | os.PathLike[str]", found: Found, force: bool) -> None:

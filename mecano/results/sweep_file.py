@@ -14,7 +14,7 @@ from mecano.results.disk import atomic_hdf5_file
 from mecano.results.file_names import refuse_existing
 from mecano.results.opening import open_checked
 from mecano.results.table import describe
-from mecano.results.whole_file import exists, put_source, refuse_other_than_file, write_csv
+from mecano.results.whole_file import put_source, refuse_present, write_csv
 
 if TYPE_CHECKING:
     import os
@@ -130,9 +130,7 @@ def _columns(group, columns):
 def refuse_tables(path: "str | os.PathLike[str]", force: bool) -> None:
     """Raise ResultsError if a file with the name of a table of ``write_tables`` exists, unless ``force``."""
     for target in _tables(path):
-        refuse_other_than_file(target)
-        if not force and exists(target):
-            raise ResultsError(f"{target} exists already; --force replaces it")
+        refuse_present(target, force)
 
 
 def write_tables(path: "str | os.PathLike[str]", plain: Mapping[str, Any], force: bool) -> None:

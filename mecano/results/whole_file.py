@@ -89,6 +89,13 @@ def refuse_foreign(path: "Path", force: bool, heading: Sequence[str] | None = No
         raise ResultsError(f"{path} exists already{other}; --force replaces it")
 
 
+def refuse_present(path: "Path", force: bool) -> None:
+    """Raise ResultsError if a file ``path`` exists, whatever it contains, unless ``force`` is True."""
+    refuse_other_than_file(path)
+    if exists(path) and not force:
+        raise ResultsError(f"{path} exists already; --force replaces it")
+
+
 def write_csv(path: "Path", rows: Iterable[Sequence[str]], force: bool) -> None:
     """Write rows, the first of them the heading, as comma-separated values.
 
