@@ -8,11 +8,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 from time_runs import RecordedRun, deck
 
+from mecano.analyses.differences import difference, simple_difference
 from mecano.analyses.equilibria import follow
-from mecano.analyses.kind_tests import close, difference, simple_difference, slope
 from mecano.analyses.kind_trial import Motion, expand, samples, seed_of
 from mecano.analyses.prepare import prepare, warnings_of
 from mecano.analyses.static import run
+from mecano.analyses.tangent_tests import close, slope
 from mecano.deck.build import build
 from mecano.elements.members.beam import BEAM
 from mecano.elements.members.beam_flexibility import element_stiffness

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from time_runs import RecordedRun, input_deck
 from time_runs import deck as text_deck
 
-from mecano.analyses.kind_trial import turned_values
+from mecano.analyses.invariance_tests import turned_values
 from mecano.element_interface import SECTIONS
 
 TURN, SHIFT = Rotation.from_rotvec([0.7, -1.9, 1.1]), np.array([0.6, -0.4, 1.0])

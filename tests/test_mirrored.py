@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 from instances import KINDS
 
-from mecano.analyses.kind_tests import energies, force_on_nodes, is_inactive, set_reactions
-from mecano.analyses.kind_trial import GRAVITY, Motion, expand, samples, seed_of, turned_values
+from mecano.analyses.constraint_tests import is_inactive
+from mecano.analyses.invariance_tests import force_on_nodes, set_reactions, turned_values
+from mecano.analyses.kind_trial import GRAVITY, Motion, expand, samples, seed_of
+from mecano.analyses.power_tests import energies
 from mecano.constraints.triads import triad
 
 MIRROR, SHIFT = np.eye(3) - 2.0 * np.outer([0.6, -0.48, 0.64], [0.6, -0.48, 0.64]), np.array([0.3, -0.8, 0.5])

@@ -2,7 +2,7 @@
 
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from dataclasses import field as value_of
 from types import SimpleNamespace
 from typing import TypeAlias
@@ -10,7 +10,6 @@ from typing import TypeAlias
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from mecano.constraints.output_sensor import output_sensor
 from mecano.element_interface import Context, Kind, Place
 from mecano.elements import KINDS
 from mecano.jit.null_matrix import NULL_MATRIX, NullMatrix
@@ -18,10 +17,11 @@ from mecano.laws.table import LawTable
 from mecano.maths.dual import Dual
 from mecano.maths.dual import value as number_in
 from mecano.model.mesh import Frame
-from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL, Values
+from mecano.schema import Values
 
 GRAVITY = np.array([0.7, -0.4, -9.3])
 BEYOND = 30  # places behind the outputs that must stay empty
+K_SCALE, PENALTY = 1.7, 2.3  # k and penalty of the constraints
 SENSED = 0.3  # value of a sensor
 SPREAD = 0.05  # of the random states around the nodes of a sample [m, rad]
 
@@ -144,7 +144,7 @@ class Instance:
         end = n - len(self.kind.multipliers) - len(self.kind.coupled_multipliers)
         self.run("residual", t, state, f, k=k, penalty=penalty)
         seeds = np.eye(3 * n).reshape(3, n, 3 * n)
-        turns = [np.einsum("ijk,kl->ijl", EYES, seeds[0, c : c + 3]) for c in self._columns()]
+        turns = [np.einsum("ijk,kl->ijl", EYES, seeds[0, c : c + 3]) for c in self.rotation_columns()]
         slopes = np.array([np.einsum("ij,jkl->ikl", *both) for both in zip(R, turns, strict=True)])
         out = duals(np.zeros(n), np.zeros((n, 3 * n)))
         of_q, of_v, of_a = (duals(x, seed) for x, seed in zip((q, v, a), seeds, strict=True))
@@ -162,9 +162,8 @@ class Instance:
         n = self.kind.n_local
         values = np.append(q, SENSED), np.append(v, 0.0)
         of_q, of_v = (duals(x, np.append(d, 0.0)) for x, d in zip(values, direction, strict=True))
-        turns = np.array([R_r @ (EYES @ direction[0, c : c + 3]) for R_r, c in zip(R, self._columns(), strict=True)])
         out = duals(np.zeros(n), np.zeros(n))
-        self.run("residual", t, (of_q, of_v, np.append(a, 0.0), duals(R, turns.reshape(R.shape))), out)
+        self.run("residual", t, (of_q, of_v, np.append(a, 0.0), duals(R, self._rotation_slopes(R, direction[0]))), out)
         return out
 
     def inertia(self, t: float, state: Local) -> np.ndarray:
@@ -174,17 +173,23 @@ class Instance:
             self.run("inertia", t, state, m)
         return m
 
-    def _columns(self):
+    def rotation_columns(self) -> list[int]:
+        """Return the first column in q of each rotation."""
         return [3 * i for i, slot in enumerate(self.kind.layout) if slot[0] == "R"]
+
+    def _rotation_slopes(self, R, direction):
+        """Return the derivatives of the rotations R along a ``direction`` (n_local,) of the unknowns."""
+        slopes = [R_r @ (EYES @ direction[c : c + 3]) for R_r, c in zip(R, self.rotation_columns(), strict=True)]
+        return np.array(slopes).reshape(R.shape)
 
     def constraint_derivatives(self, t: float, state: Local) -> np.ndarray:
         """Return the constraint derivatives (n_multipliers, 3)."""
         g = np.zeros((len(self.kind.multipliers), 3))
         if self.kind.constraints is not None:
             q, v, a, R = state
-            turns = np.array([R_r @ (EYES @ v[c : c + 3]) for R_r, c in zip(R, self._columns(), strict=True)])
             out = duals(g[:, :2], g[:, :2])
-            self.run("constraints", Dual(t, 1.0), (duals(q, v), duals(v, a), a, duals(R, turns.reshape(R.shape))), out)
+            rotations = duals(R, self._rotation_slopes(R, v))
+            self.run("constraints", Dual(t, 1.0), (duals(q, v), duals(v, a), a, rotations), out)
             g[:] = [(number_in(x), number_in(rate), getattr(rate, "slope", 0.0)) for x, rate in out]
         if self.kind.constraint_derivatives is not None:
             self.run("constraint_derivatives", t, state, g)
@@ -215,28 +220,6 @@ def _with_attributes(record):
     return SimpleNamespace(**values | nested)
 
 
-def moved_along(instance: Instance, state: Local, by: np.ndarray) -> Local:
-    """Return the local ``state`` displaced by ``by`` (2, n) in q and v, rotations materially."""
-    q, v, a, R = state
-    turns = [Rotation.from_rotvec(by[0, c : c + 3]).as_matrix() for c in instance._columns()]
-    angles = np.zeros(len(q), bool)
-    for c in instance._columns():
-        angles[c : c + 3] = True
-    turned = np.array([R_r @ turn for R_r, turn in zip(R, turns, strict=True)]).reshape(R.shape)
-    return q + np.where(angles, 0.0, by[0]), v + by[1], a, turned
-
-
-def sensor_of(instance: Instance, index: int) -> Instance:
-    """Return the sensor of an output of an instance, of the number ``index``."""
-    coupled = [instance, *instance.coupled]
-    kind = output_sensor(instance.kind, sum(len(other.multipliers) for other in coupled))
-    p = np.zeros(1, kind.dtype)
-    for name in instance.p.dtype.names or ():
-        p[name] = instance.p[name]
-    p["sensed"] = index
-    return replace(instance, kind=kind, p=p)
-
-
 @dataclass
 class Sample:
     """One sample of a kind: the element itself, then its parts, in a random motion near its nodes."""
@@ -247,6 +230,11 @@ class Sample:
     phase: str
     instances: list[Instance]
     motion: Motion
+
+    @property
+    def in_phase(self) -> str:
+        """The phase as the end of a message; "" for a kind without phases."""
+        return f", in the phase '{self.phase}'" if self.phase else ""
 
 
 def seed_of(name: str) -> np.random.Generator:
@@ -266,6 +254,11 @@ def samples(kind: Kind) -> list[Sample]:
         instances = expand(kind, values, nodes, phase, GRAVITY, rng)
         found.append(Sample(kind.name, values, nodes, phase, instances, _motion(kind, values, nodes, rng)))
     return found
+
+
+def elements(kind: Kind) -> list[tuple[Sample, Instance]]:
+    """Return [(sample, instance)] of all instances with a force in the samples of a kind."""
+    return [(s, i) for s in samples(kind) for i in s.instances if i.kind.acts]
 
 
 def expand(
@@ -312,45 +305,3 @@ def _motion(kind, values, nodes, rng):
         else:
             R[j], turn[j] = R[i], turn[i]
     return Motion(rng.uniform(0.1, 0.9), x, R, turn)
-
-
-def turned_values(kind: Kind, values: Values, Q: np.ndarray, shift: np.ndarray) -> Values:
-    """Return the deck values with all inertial quantities rotated by Q and shifted."""
-    return _turned(kind.fields, values, Q, shift)
-
-
-def _turned(fields, values, Q, shift):
-    """Return ``values`` of these ``fields``, rotated and shifted."""
-    out = dict(values)
-    for field in fields:
-        value = values.get(field.name)
-        if value is not None and field.type.name == "mapping":
-            out[field.name] = _turned(field.type.options, value, Q, shift)
-        if value is not None and field.type in (VECTOR, DIRECTION):
-            out[field.name] = Q @ np.asarray(value, float)
-        if value is not None and field.type == POINT:
-            out[field.name] = Q @ np.asarray(value, float) + shift
-        if value is not None and field.type.name == "list" and field.type.options[0] is POINT:
-            out[field.name] = [list(Q @ point + shift) for point in value]
-        if value is not None and field.type == GROUND:
-            out[field.name] = _turned_ground(value, Q, shift)
-        if value is not None and field.type.name == "joint":
-            out[field.name] = {**value, "axis": Q @ value["axis"]}
-        if value is not None and field.type.name == "list" and field.type.options[0].name == "joint":
-            out[field.name] = [{**joint, "axis": Q @ joint["axis"]} for joint in value]
-        if value is not None and field.type == WHEEL:
-            ground = _turned_ground(value["ground"], Q, shift)
-            out[field.name] = {**value, "axis": Q @ value["axis"], "ground": ground}
-    return out
-
-
-def _turned_ground(ground, Q, shift):
-    plane, profile = ground["plane"], ground.get("profile")
-    turned = {"point": Q @ plane["point"] + shift, "normal": Q @ plane["normal"]}
-    found = {"plane": turned, "profile": profile and {**profile, "direction": Q @ profile["direction"]}}
-    for name in ("friction", "motion"):
-        if ground.get(name):
-            found[name] = {**ground[name], "direction": Q @ ground[name]["direction"]}
-    if ground.get("motion"):
-        found["motion"]["centre"] = Q @ ground["motion"]["centre"] + shift
-    return found
