@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import threading
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -426,6 +427,20 @@ class TestCheckAndModes:
             assert found.about == expected.about and "0.05" in found.about
             np.testing.assert_array_equal(found.eigenvalues, expected.eigenvalues)
         assert "0.1 s" in mecano.modes("pendulum.yaml", at=Path("pendulum.h5")).about
+
+    def test_modes_and_responses_take_the_same_saved_states(self, folder):
+        mecano.run("pendulum.yaml", set={"time.end": 0.1}, quiet=True).close()
+        channels = {"inputs": "motor.value", "outputs": "hinge.angle", "low": 0.1, "high": 10.0, "number": 3}
+        motor = {"loads": {"motor": {"type": "joint_moment", "joint": "hinge", "value": 0}}}
+        path = Path("pendulum.h5")
+        for at in ("pendulum.h5:0.05", ("pendulum.h5", 0.05), (path, np.float64(0.05)), path):
+            expected = mecano.modes("pendulum.yaml", at=at).about
+            assert mecano.response("pendulum.yaml", at=at, set=motor, **channels).about == expected
+        with pytest.raises(TypeError, match=r"write 'results.h5:1.25' or \('results.h5', 1.25\)"):
+            mecano.response("pendulum.yaml", at=0.05, set=motor, **channels)
+        for analysis in (mecano.modes, partial(mecano.response, **channels)):
+            with pytest.raises(UsageError, match="at_rest=True belongs to a saved state"):
+                analysis("pendulum.yaml", at_rest=True)
 
 
 class TestSweep:

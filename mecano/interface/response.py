@@ -9,6 +9,7 @@ import numpy as np
 
 from mecano.errors import UnknownNameError
 from mecano.interface.deck import AnyDeck, AnyPath, Values, checked_deck
+from mecano.interface.saved_state import SavedState, saved_state
 
 if TYPE_CHECKING:
     from mecano.analyses.response import Response as Found
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 def response(
     deck: AnyDeck, path: AnyPath | None = None, *, inputs: str | Sequence[str], outputs: str | Sequence[str],
     low: float, high: float, number: int = 200, linear: bool = False, refined: bool = True,
-    set: Values | None = None, at: str | None = None, at_rest: bool = False, frame: str = "inertial",
+    set: Values | None = None, at: SavedState | None = None, at_rest: bool = False, frame: str = "inertial",
     force: bool = False,
 ) -> "Response":  # fmt: skip
     """Compute the response of small motions to a small sinusoid of each input, and a linear model.
@@ -34,21 +35,11 @@ def response(
     low, high : float
         Lowest and highest frequency [Hz].
     number : int
-        Number of frequencies; more are added around resonances.
-    linear : bool
-        Frequencies at equal distances, not at equal ratios.
+        Number of frequencies, at equal ratios, or at equal distances if ``linear``.
     refined : bool
         Add frequencies around resonances, and locate peaks.
-    set : dict
-        Overrides of values of the deck.
-    at : str
-        "results.h5:1.25": about the saved state nearest to that time.
-    at_rest : bool
-        About the equilibrium near the state of ``at``.
-    frame : str
-        Axes of the motions: "inertial", those of a node, or turning at "wx,wy,wz" [rad/s].
-    force : bool
-        Replace an existing file.
+    set, at, at_rest, frame, force
+        As for `mecano.modes`.
 
     Returns
     -------
@@ -74,8 +65,8 @@ def response(
 
     names = [tuple([given] if isinstance(given, str) else given) for given in (inputs, outputs)]
     question = Question(
-        inputs=names[0], outputs=names[1], low=low, high=high, number=number, linear=linear, refined=refined, at=at,
-        at_rest=at_rest, frame=frame,
+        inputs=names[0], outputs=names[1], low=low, high=high, number=number, linear=linear, refined=refined,
+        at=saved_state(at, at_rest), at_rest=at_rest, frame=frame,
     )  # fmt: skip
     question.check()
     text, found = find(checked_deck(deck, set), None if path is None else os.fspath(path), question, force=force)

@@ -18,6 +18,7 @@ from mecano.errors import UnknownNameError, UsageError
 from mecano.interface.deck import AnyDeck, AnyPath, Values, checked_deck, explained, name_of
 from mecano.interface.results import Results, preformatted
 from mecano.interface.run_with_progress import run_with_progress
+from mecano.interface.saved_state import SavedState, saved_state
 from mecano.process.cores import cores
 from mecano.process.interrupt import Interruption
 from mecano.solve.modal import SOLVERS
@@ -130,7 +131,7 @@ class Check:
 
 def modes(
     deck: AnyDeck, path: AnyPath | None = None, *, set: Values | None = None,
-    at: AnyPath | tuple[AnyPath, float] | None = None, at_rest: bool = False, number: int = 10,
+    at: SavedState | None = None, at_rest: bool = False, number: int = 10,
     frame: str = "inertial", solver: str = "automatic", force: bool = False,
 ) -> "Modes":  # fmt: skip
     """Compute modes about the initial state of a deck, its equilibrium, or a saved state.
@@ -172,20 +173,13 @@ def modes(
 
     _require(isinstance(number, int | np.integer) and number >= 1, "number", number, "a whole number of 1 or more")
     _require(solver in SOLVERS, "solver", solver, " or ".join(map(repr, SOLVERS)))
-    checked = checked_deck(deck, set)
+    place, checked = saved_state(at, at_rest), checked_deck(deck, set)
     where = None if path is None else os.fspath(path)
     text, found, about = find(
-        checked, where, at=_saved_state(at), at_rest=at_rest, number=number, frame=frame, method=solver, force=force
+        checked, where, at=place, at_rest=at_rest, number=number, frame=frame, method=solver, force=force
     )
     return Modes(found.values, found.frequency, found.natural_frequency, found.damping_ratio, tuple(found.kinds),
                  found.shapes, about.words, text)  # fmt: skip
-
-
-def _saved_state(at):
-    """Return the text, as on the command line, of a saved state."""
-    if isinstance(at, tuple) and len(at) == 2:
-        return f"{os.fspath(at[0])}:{float(at[1])!r}"
-    return at if at is None else os.fspath(at)
 
 
 @dataclass(frozen=True)

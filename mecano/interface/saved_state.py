@@ -1,0 +1,25 @@
+"""Saved states about which modes and responses are computed, as Python gives them."""
+
+import os
+from typing import TypeAlias
+
+from mecano.errors import UsageError
+from mecano.interface.deck import AnyPath
+
+SavedState: TypeAlias = AnyPath | tuple[AnyPath, float]
+
+
+def saved_state(at: SavedState | None, at_rest: bool) -> str | None:
+    """Return a saved state as the text of the option ``--at``, "results.h5:1.25", or None for the start.
+
+    Raises UsageError for ``at_rest`` without a saved state, and TypeError if ``at`` is neither a path nor a pair.
+    """
+    if at is None:
+        if at_rest:
+            raise UsageError("at_rest=True belongs to a saved state: give at='results.h5:1.25'")
+        return None
+    if isinstance(at, tuple) and len(at) == 2:
+        return f"{os.fspath(at[0])}:{float(at[1])!r}"
+    if not isinstance(at, str | os.PathLike):
+        raise TypeError(f"at={at!r}: write 'results.h5:1.25' or ('results.h5', 1.25)")
+    return os.fspath(at)
