@@ -66,7 +66,16 @@ def post(
     if page and spectra and not report:
         raise click.UsageError("--spectrum: the page of --animate has plots over time only")
     with _reading(*results):
-        _post(results, plots, spectra, at, output, kind, columns, title, below, page, report, force)
+        if page or report:
+            _write_pages(results[0], plots, spectra, title, page, report, force)
+        else:
+            from mecano.post.pictures import post as draw
+
+            for path in draw(
+                results, plots, spectra, output=output, kind=kind, columns=columns, title=title, at=at, below=below,
+                force=force,
+            ):  # fmt: skip
+                click.echo(path)
 
 
 @contextmanager
@@ -90,7 +99,8 @@ def _refuse_names(results, plots):
             )
 
 
-def _post(results, plots, spectra, at, output, kind, columns, title, below, page, report, force):
+def _write_pages(results, plots, spectra, title, page, report, force):
+    """Write a ``page`` of the motion, a ``report``, or both, of one results file."""
     from mecano.results.whole_file import refuse_foreign
 
     for name in (page, report):
@@ -99,28 +109,11 @@ def _post(results, plots, spectra, at, output, kind, columns, title, below, page
     if page:
         from mecano.post.animation import animate
 
-        click.echo(animate(results[0], page, plots, title))
+        click.echo(animate(results, page, plots, title))
     if report:
         from mecano.post.report_page import write_report
 
-        click.echo(write_report(results[0], report, title, plots, spectra))
-    if page or report:
-        return
-    from mecano.post.pictures import post as draw
-
-    for path in draw(
-        results,
-        plots,
-        spectra,
-        output=output,
-        kind=kind,
-        columns=columns,
-        title=title,
-        at=at,
-        below=below,
-        force=force,
-    ):
-        click.echo(path)
+        click.echo(write_report(results, report, title, plots, spectra))
 
 
 def _refuse_strays(results, **given):
