@@ -23,7 +23,7 @@ class Equilibrium:
     def tangent(self, cK=1.0, cM=0.0):
         """cK K + cM M (n, n), by material variations."""
         system, n = self.system, self.system.n
-        data = system.assemble(self.state, 1.0, 0.0, cK, 0.0, cM).data
+        data = system.assemble(self.state, cK=cK, cM=cM).data
         return sp.csr_matrix((data[: system.nnz], (system.rows, system.cols)), shape=(n, n))
 
     def position(self, name):

@@ -82,11 +82,11 @@ def test_outputs_do_not_depend_on_earlier_assemblies():
     """The reaction of the pendulum's hinge follows from the state, also after an assembly at another one."""
     prepared = prepare(input_deck("pendulum"))
     system, state = prepared.system, prepared.state
-    before, assembly = system.observe(state), system.assemble(state, 1.0, 0.0, 1.0, 1.0, 1.0)
+    before, assembly = system.observe(state), system.assemble(state, cK=1.0, cC=1.0, cM=1.0)
     kept = [array.tobytes() for array in values_of(before, assembly)]
     moving = state.copy()
     moving.v = moving.v + 1.0
-    foreign = system.assemble(moving, 2.0, 3.0, 1.0, 1.0, 1.0)
+    foreign = system.assemble(moving, 2.0, 3.0, cK=1.0, cC=1.0, cM=1.0)
     system.observe(moving)
     for again in (before, system.observe(state), system.observe(state, assembly.forces)):
         assert [array.tobytes() for array in values_of(again, assembly)] == kept
@@ -100,7 +100,7 @@ def test_a_run_does_not_depend_on_assemblies_between_its_calls(monkeypatch):
     def at_another_state(system, s):
         other = s.copy()
         other.v, other.a = other.v + 1.0, other.a - 1.0
-        system.assemble(other, 2.0, 3.0, 1.0, 1.0, 1.0)
+        system.assemble(other, 2.0, 3.0, cK=1.0, cC=1.0, cM=1.0)
         system.observe(other)
         system.event_values(other)
         return commit(system, s)

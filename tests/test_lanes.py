@@ -81,7 +81,7 @@ def test_each_element_of_a_group_is_computed_as_if_alone(turns):
     state = moved(prepared, batch, turns)
     cK, cC, cM = 0.7, 0.4, 0.2
     T = np.random.default_rng(8).normal(size=state.R.shape)
-    assembly = system.assemble(state, 1.0, 0.0, cK, cC, cM, T)
+    assembly = system.assemble(state, cK=cK, cC=cC, cM=cM, T=T)
     observed = batch.outputs(system.observe(state).outputs)
     for e in range(len(batch.p)):
         instance, local = alone(batch, e, state)
@@ -100,5 +100,5 @@ def test_the_forces_alone_are_those_with_tangents():
     prepared = prepare(beams())
     (batch,) = (b for b in prepared.system.batches if b.kind.by_lanes)
     state = moved(prepared, batch, TURNS[0])
-    forces = prepared.system.assemble(state, 1.0, 0.0, 1.0, 0.0, 0.0).forces
+    forces = prepared.system.assemble(state, cK=1.0).forces
     np.testing.assert_array_equal(prepared.system.forces(state), forces)

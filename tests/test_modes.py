@@ -375,7 +375,7 @@ def test_linearization_of_a_moving_state_is_that_of_the_motion():
         for r, d in zip(of.rotation, of.r, strict=True):
             state = s.R[r], s.v[d : d + 3], s.a[d : d + 3]
             new.R[r], new.v[d : d + 3], new.a[d : d + 3] = perturbed_rates(*state, y[:, d : d + 3], w, epsilon)
-        f[:] = system.assemble(new, 1.0, 0.0, 0.0, 0.0, 0.0).residual[: system.n]
+        f[:] = system.assemble(new).residual[: system.n]
         for r, d in zip(of.rotation, of.r, strict=True):
             f[d : d + 3] = s.R[r] @ f[d : d + 3]
         return f

@@ -167,7 +167,7 @@ class TestModels:
             system, s = prepared.system, prepared.state
             random = np.random.default_rng(0)
             s.v[: system.n_q], s.a[: system.n_q] = random.standard_normal((2, system.n_q))
-            assembly, observation = system.assemble(s, 2.0, 3.0, 1.0, 0.5, 0.25), system.observe(s)
+            assembly, observation = system.assemble(s, 2.0, 3.0, cK=1.0, cC=0.5, cM=0.25), system.observe(s)
             return [
                 assembly.residual, assembly.size, assembly.data[: system.nnz], observation.energy, observation.energies,
                 observation.outputs, system.event_values(s), system.commit(s),

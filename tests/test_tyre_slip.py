@@ -58,7 +58,7 @@ def test_rates_of_the_patch_are_unique(law):
         s.v[hub + 4] = rng.uniform(0.0, 200.0)
         s.v[own] = rng.uniform(-20.0, 20.0, 2) * 10.0 ** rng.uniform(-3.0, 0.0)
         C = np.zeros((system.n + 1, system.n + 1))
-        np.add.at(C, (system.rows, system.cols), system.assemble(s, 1.0, 0.0, 0.0, 1.0, 0.0).data[: system.nnz])
+        np.add.at(C, (system.rows, system.cols), system.assemble(s, cC=1.0).data[: system.nnz])
         block = C[np.ix_(own, own)]
         if block[1, 0] and block[1, 1] == 0.0:  # without a rate of psi it is M = 0 that settles psi
             block = block[:1, :1]

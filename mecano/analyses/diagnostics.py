@@ -165,7 +165,7 @@ def circle_warnings(
     if not np.any(_off(method, _rates(spins, extremes) * h) > OFF):
         return
     starts = {column.path: column.start for column in sampler.columns}
-    mass = system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0).data[system.diagonal[: system.n_q]]
+    mass = system.assemble(s, cM=1.0).data[system.diagonal[: system.n_q]]
     circles = []
     for i, (column, x) in enumerate(zip(spins, np.asarray(sampler.nodes.x).tolist(), strict=True)):
         if 0 <= x < system.n_q and mass[x] > 0.0:

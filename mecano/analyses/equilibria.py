@@ -44,9 +44,9 @@ class Result:
         """Name, value and unit of the parameter at the end."""
         return f"{self.loading.name} {self.point.parameter:.6g}{self.loading.unit}"
 
-    def assemble(self, s: "State", k: float, penalty: float, cK: float, cC: float, cM: float) -> "Assembly":
-        """Return ``system.assemble`` under the loads at the end."""
-        return self.loading.assemble(s, self.point.parameter, k, penalty, cK, cC, cM)
+    def assemble(self, s: "State", *, cK: float = 0.0, cC: float = 0.0, cM: float = 0.0) -> "Assembly":
+        """Assemble the system under the loads at the end, see ``System.assemble``."""
+        return self.loading.assemble(s, self.point.parameter, cK=cK, cC=cC, cM=cM)
 
 
 def follow(prepared: Prepared, observers: Sequence[Observer] = ()) -> Result:

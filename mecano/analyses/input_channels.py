@@ -193,4 +193,4 @@ def _shifted(value):
 
 def _residual(system, s):
     """Return the residual (n,) of the equations at a state, with the reactions as they are."""
-    return system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0).residual[: system.n].copy()
+    return system.assemble(s).residual[: system.n].copy()

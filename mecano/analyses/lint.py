@@ -193,7 +193,7 @@ def node_at_start(system: "System", s: "State", i: int, ahead: np.ndarray | floa
 def _inertia(system, s, i):
     """Return the inertia (3, 3) of all that is attached to the node ``i``, material [kg m2]."""
     of = system.numbering
-    masses = system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0).data
+    masses = system.assemble(s, cM=1.0).data
     rows, cols = (numbers - of.r[i] for numbers in (system.rows, system.cols))
     turning, M = (0 <= rows) & (rows < 3) & (0 <= cols) & (cols < 3), np.zeros((3, 3))
     np.add.at(M, (rows[turning], cols[turning]), masses[: len(rows)][turning])

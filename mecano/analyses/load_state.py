@@ -118,7 +118,7 @@ def _resting(prepared: Prepared, state: "State", factor: float) -> "tuple[State,
         raise ResultsError(f"the saved state is not an equilibrium of this deck: {found.message}")
     statics.evaluate(s, float(factor), 1.0, 0.0, False)
 
-    def assemble(s, k, penalty, cK, cC, cM):
-        return statics.loading.assemble(s, float(factor), k, penalty, cK, cC, cM)
+    def assemble(s, *, cK=0.0, cC=0.0, cM=0.0):
+        return statics.loading.assemble(s, float(factor), cK=cK, cC=cC, cM=cM)
 
     return s, assemble

@@ -145,7 +145,7 @@ def _relative_accelerations(system: "System", s: "State", w: np.ndarray) -> np.n
 
 def _matrix(system, s, cK, cM):
     """Return cK K + cM M (n_q, n_q) and the largest force or moment on a node."""
-    assembly, n_q = system.assemble(s, 1.0, 0.0, cK, 0.0, cM), system.n_q
+    assembly, n_q = system.assemble(s, cK=cK, cM=cM), system.n_q
     whole = sp.csr_matrix((assembly.data[: system.nnz], (system.rows, system.cols)), shape=(system.n, system.n))
     return whole[:n_q, :n_q], assembly.size.max(initial=0.0)
 

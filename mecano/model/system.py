@@ -237,11 +237,11 @@ class System:
     def assemble(
         self,
         s: State,
-        k: float,
-        penalty: float,
-        cK: float,
-        cC: float,
-        cM: float,
+        k: float = 1.0,
+        penalty: float = 0.0,
+        cK: float = 0.0,
+        cC: float = 0.0,
+        cM: float = 0.0,
         T: np.ndarray | None = None,
         into: Assembly | None = None,
     ) -> Assembly:
@@ -262,7 +262,7 @@ class System:
 
     def forces(self, s: State) -> np.ndarray:
         """Return the forces (n_slots,) at ``s``: the reactions are the multipliers alone, without a penalty."""
-        return self.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0).forces
+        return self.assemble(s).forces
 
     def each_alone(self, s: State) -> Iterator[tuple[str, Assembly]]:
         """Yield (name, Assembly at ``s``, all weights one) of each element; the Assembly is written again for the next.

@@ -71,7 +71,7 @@ def balance(
     1 N/m without stiffness: as the scale of reactions that are rounding, the stiffness that these cause would decrease
     by the factor of rounding in every step. ``into`` is an Assembly for this tangent, by default a new one.
     """
-    assembly = system.assemble(s, 1.0, 0.0, cK, cC, cM, into=into)
+    assembly = system.assemble(s, cK=cK, cC=cC, cM=cM, into=into)
     n_q = system.n_q
     mean = mean_diagonal(assembly.data[system.diagonal[:n_q]], system.numbering.kind[:n_q], length)
     return mean if mean > NO_STIFFNESS else 1.0

@@ -175,7 +175,7 @@ def compliance(system: "System", s: "State", length: float, analysis: "Analysis"
     """
     if analysis.dependent is None and analysis.release_matrix is None:
         return None
-    assembly, of = system.assemble(s, 1.0, 0.0, 0.0, 0.0, 1.0), system.numbering
+    assembly, of = system.assemble(s, cM=1.0), system.numbering
     sizes = np.where(of.kind == ROTATION, assembly.size / length, assembly.size)[of.kind < SIGNAL]
     inertias = assembly.data[system.diagonal[: system.n_q]]
     masses = np.where(of.kind[: system.n_q] == ROTATION, inertias / length**2, inertias)

@@ -21,9 +21,9 @@ are the exact matrices of :math:`M' \ddot y + C' \dot y + K' y = 0`. They are co
 relative to the frame: a top that only spins, a wheel that rolls straight (w = 0), a rotor in its own axes.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 import scipy.sparse as sp
@@ -40,10 +40,15 @@ if TYPE_CHECKING:
     from mecano.model.system import System
     from mecano.solve.events.compliance import Compliance
 
-Assemble: TypeAlias = "Callable[[State, float, float, float, float, float], Assembly]"
-"""Takes the place of System.assemble: state, k, penalty, cK, cC, cM"""
 PROBE = 1e-6  # [rad] motion over which the change of the matrices is measured
 RESTING = 1e-12  # [m/s], [rad/s] velocities up to this are rounding, as of a drive at its turning point
+
+
+class Assemble(Protocol):
+    """Assembles a model as ``System.assemble`` does, or under other loads."""
+
+    def __call__(self, s: "State", *, cK: float = 0.0, cC: float = 0.0, cM: float = 0.0) -> "Assembly":
+        """Return residual and tangent cK K + cC C + cM M at the state ``s``."""
 
 
 @dataclass(frozen=True)
@@ -105,8 +110,8 @@ def by_motions(system: "System", s: "State", w: np.ndarray) -> tuple[sp.csr_matr
 def _matrices(system, s, w, Q, assemble):
     """Return M', C', K' in the axes Q, which rotate with w."""
     parts = []
-    for weights in ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)):
-        values = assemble(s, 1.0, 0.0, *weights).data[: system.nnz]
+    for weights in ({"cM": 1.0}, {"cC": 1.0}, {"cK": 1.0}):
+        values = assemble(s, **weights).data[: system.nnz]
         parts.append(sp.csr_matrix((values, (system.rows, system.cols)), shape=(system.n, system.n)))
     M, C, K = parts
     P, G1, G2, G3 = _blocks(system, s, w, Q)
@@ -222,6 +227,6 @@ def _react(system, s, assemble):
     n_q, n = system.n_q, system.n
     if not system.n_l or n_q > DENSE_ROWS:
         return
-    assembly, motions = assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0), ~system.signals
+    assembly, motions = assemble(s, cK=1.0), ~system.signals
     D = sp.csr_matrix((assembly.data[: system.nnz], (system.rows, system.cols)), shape=(n, n))[:n_q, n_q:].toarray()
     s.z[n_q:n] -= np.linalg.lstsq(D[motions], assembly.residual[:n_q][motions], rcond=1e-12)[0]

@@ -101,7 +101,7 @@ def _matrices(system, state, length):
     """Return M, C, K (n, n) about the reference, inertial axes; raises AssemblyError if the reference is stressed."""
     lin = linearize(system, state, length)
     stiffness = abs(lin.K[: system.n_q, : system.n_q]).max()
-    force = np.abs(system.assemble(state, 1.0, 0.0, 0.0, 0.0, 0.0).residual[: system.n_q])
+    force = np.abs(system.assemble(state).residual[: system.n_q])
     if force.max(initial=0.0) > STRESSED * stiffness * length:
         worst = int(np.argmax(force))
         text = f"forces act in the part at the start: {force[worst]:.3g} in {system.numbering.name[worst]}"

@@ -199,7 +199,7 @@ class Steady:
     def matrix(self, s: "State", cK: float, cC: float, cM: float) -> "tuple[np.ndarray, Assembly]":
         """Return the weighted sum (n, n) of derivatives by positions, velocities and accelerations; the Assembly."""
         system, n = self.system, self.system.n
-        assembly = system.assemble(s, 1.0, 0.0, cK, cC, cM)
+        assembly = system.assemble(s, cK=cK, cC=cC, cM=cM)
         matrix = sp.csr_matrix((assembly.data[: system.nnz], (system.rows, system.cols)), shape=(n, n))
         return matrix.toarray(), assembly
 

@@ -102,7 +102,7 @@ class Rotation:
         text = f"no steady rotation with the angular velocity {np.round(self.w, 9).tolist()} rad/s was found"
         tries = "what to try: initial positions nearer to it; "
         if not arrived:
-            assembly = system.assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0)
+            assembly = system.assemble(s, cK=1.0)
             raise ConvergenceError(
                 f"{text}: forces remain out of balance or constraints violated; the worst equations:\n"
                 f"{worst_equations(system, assembly)}\n{tries}a drive that balances the moment of loads about the axis "

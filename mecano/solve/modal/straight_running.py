@@ -126,7 +126,7 @@ class Straight:
 
         def moment(spin):
             s.v[: self.n_q] = before + spin * direction
-            assembly = steady.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0)
+            assembly = steady.system.assemble(s)
             return float(direction @ assembly.residual[: self.n_q])
 
         here, width = moment(0.0), 1e-3 * steady.speed / steady.length
@@ -153,7 +153,7 @@ class Straight:
             "(inertias are given in the axes of the node)"
         )
         if not arrived:
-            assembly = steady.system.assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0)
+            assembly = steady.system.assemble(s, cK=1.0)
             raise ConvergenceError(
                 f"{text}: forces remain out of balance or constraints violated; the worst equations:\n"
                 f"{worst_equations(steady.system, assembly)}{self._drag(steady, s, at)}\n{tries}"

@@ -41,7 +41,7 @@ class LoadFactor:
         self.imbalance = np.zeros(system.n_q)
         s = start.copy()
         s.v[:] = 0.0
-        assembly = self.assemble(s, 0.0, 1.0, 0.0)
+        assembly = self.assemble(s, 0.0)
         self.imbalance = assembly.residual[: system.n_q]
         if np.abs(self.imbalance).max(initial=0.0) > ROUNDING * assembly.size.max(initial=0.0):
             self.hint = STRESSED
@@ -50,8 +50,9 @@ class LoadFactor:
         self,
         s: "State",
         mu: float,
-        k: float,
-        penalty: float,
+        k: float = 1.0,
+        penalty: float = 0.0,
+        *,
         cK: float = 0.0,
         cC: float = 0.0,
         cM: float = 0.0,
@@ -61,7 +62,7 @@ class LoadFactor:
         """Assemble ``system`` at the load factor mu; sets the accelerations of ``s``, which replace gravity."""
         system = self.system
         np.multiply(self.gravity, 1.0 - mu, out=s.a)
-        assembly = system.assemble(s, k, penalty, cK, cC, cM, T, into)
+        assembly = system.assemble(s, k, penalty, cK=cK, cC=cC, cM=cM, T=T, into=into)
         if mu != 1.0:
             system.scale_loads(assembly, s, mu, cK, cC, cM, T)
             with np.errstate(invalid="ignore"):  # a force that is not finite is reported by Newton's method
@@ -70,7 +71,7 @@ class LoadFactor:
 
     def slope(self, s: "State", mu: float) -> np.ndarray:
         """Return the derivative (n,) of the residual by the load factor; at the corner mu = 1, the one to the right."""
-        more, here = (self.assemble(s, factor, 1.0, 0.0).residual for factor in (2.0, 1.0))
+        more, here = (self.assemble(s, factor).residual for factor in (2.0, 1.0))
         slope = more - here
         slope[: self.system.n_q] += self.imbalance if mu < 1.0 else 0.0
         return slope[: self.system.n]
@@ -88,8 +89,9 @@ class Clock:
         self,
         s: "State",
         t: float,
-        k: float,
-        penalty: float,
+        k: float = 1.0,
+        penalty: float = 0.0,
+        *,
         cK: float = 0.0,
         cC: float = 0.0,
         cM: float = 0.0,
@@ -99,4 +101,4 @@ class Clock:
         """Assemble ``system`` at rest at the time t [s], to which the time of ``s`` is set."""
         s.t = t
         s.a[:] = 0.0
-        return self.system.assemble(s, k, penalty, cK, cC, cM, T, into)
+        return self.system.assemble(s, k, penalty, cK=cK, cC=cC, cM=cM, T=T, into=into)

@@ -195,7 +195,7 @@ def is_floating(system: "System", s: "State", stability: Stability) -> bool:
     """Return whether the neutral directions at ``s`` are the six rigid motions of the model, such as a satellite."""
     if stability.unstable > 0 or stability.neutral != 6:
         return False
-    data, n_q, of = system.assemble(s, 1.0, 0.0, 1.0, 0.0, 0.0).data[: system.nnz], system.n_q, system.numbering
+    data, n_q, of = system.assemble(s, cK=1.0).data[: system.nnz], system.n_q, system.numbering
     motions = np.zeros((system.n, 6))
     for x, r, rotation in zip(of.x, of.r, of.rotation, strict=True):
         if x < n_q:

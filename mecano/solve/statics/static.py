@@ -66,6 +66,7 @@ class Statics:
         loading: "Loading",
         length: float,
         tolerances: Tolerances = TOLERANCES,
+        *,
         k: float | None = None,
         penalty: float | None = None,
         compliance: Compliance | None = None,
@@ -111,7 +112,7 @@ class Statics:
         s0, held = step or self.step(s, s.phases)
         if tangent:
             tangents(of.rotation_dof, of.n_q, s.z, self._T)
-        self.loading.assemble(s, p, k, penalty, float(tangent), T=self._T, into=assembly)
+        self.loading.assemble(s, p, k, penalty, cK=float(tangent), T=self._T, into=assembly)
         if tangent:
             self._keep_states()
         if held is not None:

@@ -57,7 +57,7 @@ class VelocityConstraints:
         import scipy.sparse as sp  # takes 0.2 s to import, hence only when needed
 
         system = self.system
-        values = -system.assemble(s, 1.0, 0.0, 0.0, 1.0, 0.0).data[self.entries]
+        values = -system.assemble(s, cC=1.0).data[self.entries]
         B = sp.csr_matrix((values, (self.rows, self.cols)), shape=(system.n_l, system.n_q))
         squares = sp.coo_matrix(B.T @ B)
         pattern = system.rows * system.n + system.cols
