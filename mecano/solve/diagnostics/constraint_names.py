@@ -1,4 +1,4 @@
-"""Constraints by joint: joints of one kind with the same constraints in one text."""
+"""Describe constraints by joint; joints of one kind with the same constraints share one text."""
 
 from collections.abc import Iterable, Mapping
 
@@ -7,11 +7,11 @@ from mecano.model.numbering import AXES, EquationName
 
 
 def by_joint(names: Iterable[EquationName], totals: Mapping[str, int], most: int) -> list[str]:
-    """Return a text for all joints of one kind with the same constraints among ``names``, in their order.
+    """Describe the constraints ``names``: one text for all joints of a kind with the same constraints, in order.
 
-    For example "hinge 'a', 'b': force y; moment about initial x, z (3 of 5 constraints each)". ``totals`` maps the
-    place of a name to the number of constraints that the joint has at all; of more than ``most`` joints in a text, the
-    others are counted.
+    For example "hinge 'a', 'b': force y; moment about initial x, z (3 of 5 constraints each)". ``totals`` gives the
+    number of all constraints of a joint by the place of their names; a text names ``most`` joints and counts the
+    others.
     """
     held: dict[str, list[str]] = {}  # by place
     for name in names:
@@ -24,7 +24,7 @@ def by_joint(names: Iterable[EquationName], totals: Mapping[str, int], most: int
 
 
 def _text(kind, constraints, total, joints, most):
-    """Return the text of ``joints`` of one kind, each of which has ``total`` constraints, with the same constraints."""
+    """Return the text of ``joints`` of one kind with the same ``constraints``, out of ``total`` in each."""
     each = " each" if len(joints) > 1 else ""
     of = f" ({len(constraints)} of {total} constraints{each})" if total > 1 else ""
     return f"{kind} {name_list(joints, most)}: {'; '.join(_directions(constraints))}{of}"

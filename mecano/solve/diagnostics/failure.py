@@ -36,9 +36,9 @@ TRY = {
 def no_step(
     system: "System", assembly: "Assembly", info: "StepInfo", t: float, h: float
 ) -> ConvergenceError | NonFiniteError:
-    """Return the error of a step from ``t`` that failed down to the size ``h`` [s], naming the worst equations.
+    """Return the error of a step from ``t`` that fails even with the size ``h`` [s], naming the worst equations.
 
-    ``assembly`` is the one of the last iteration.
+    ``assembly`` is that of the last iteration.
     """
     force, constraint, increment = info.norms
     worst = undetermined(system, assembly) if info.failure is Failure.SINGULAR else ""
@@ -55,7 +55,7 @@ def no_step(
 
 
 def of_equations(error: Failed, system: "System", rows: Iterable[int]) -> Failed:
-    """Return the ``error`` with the places of the equations ``rows`` of motion, and the elements that act there."""
+    """Return the ``error`` with the places of the equations of motion ``rows``, and the elements acting there."""
     error.elements = tuple(dict.fromkeys(title for i in rows for title in acting_elements(system, i)))
     error.places = tuple(dict.fromkeys(system.numbering.name[i].place for i in rows if i < system.n_q))
     return error
@@ -79,7 +79,7 @@ def not_finite(system: "System", data: np.ndarray, t: float) -> NonFiniteError:
 def with_sources(error: NonFiniteError, system: "System", s: "State") -> NonFiniteError:
     """Return the NonFiniteError ``error`` with the elements whose own forces or tangents are not finite at ``s``.
 
-    ``s`` is the last accepted state: behind it one such element makes all others so.
+    ``s`` is the last accepted state: later, one such element makes all others non-finite.
     """
     found = system.not_finite(s)
     if not found:
@@ -119,7 +119,7 @@ def undetermined(system: "System", assembly: "Assembly") -> str:
 
 
 def worst_rows(system: "System", assembly: "Assembly") -> list[int]:
-    """Return the numbers of the worst equations of an assembly, one for each node, joint or element."""
+    """Return the indices of the worst equations of an assembly, one for each node, joint or element."""
     of, r = system.numbering, np.abs(assembly.residual[: system.n])
     with np.errstate(all="ignore"):
         relative = np.nan_to_num(r / _scales(system, assembly.size)[of.kind[: system.n]], nan=np.inf, posinf=np.inf)
@@ -196,9 +196,9 @@ def minimum_step(
 
 
 def _changing_most(system, change):
-    """Return the number of the unknown whose ``change`` (n_q,) of acceleration counts most, as in the estimate.
+    """Return the index of the unknown whose ``change`` (n_q,) of acceleration dominates the error estimate.
 
-    Signals, whose accelerations have other units, count only where nothing else changes.
+    Signals, whose accelerations have other units, count only if nothing else changes.
     """
     kind = system.numbering.kind[: system.n_q]
     relative = np.abs(change) / np.where(kind == ROTATION, 1.0, length_scale(system.nodes))
@@ -207,7 +207,7 @@ def _changing_most(system, change):
 
 
 def friction_binds(system: "System", i: int, t: float) -> ConvergenceError:
-    """Return the error of a joint or contact whose friction binds at ``t`` [s], by the number ``i`` of a reaction."""
+    """Return the error of a joint or contact, with the reaction of index ``i``, whose friction binds at ``t`` [s]."""
     place = system.numbering.name[i].place
     error = ConvergenceError(
         f"cannot continue from t = {t:.9g} s: {place} binds: its friction grows faster with its reactions than the "

@@ -46,7 +46,7 @@ def redundant_groups(system: System, s: "State", length: float, analysis: Analys
 
 
 def by_same_joints(found: Iterable[Group]) -> tuple[Group, ...]:
-    """Return Groups, a tuple, in which those of redundant constraints of the same joints are united, in order."""
+    """Merge Groups of redundant constraints that belong to the same joints; return them as a tuple, in order."""
     united: dict[frozenset[str], list[Group]] = {}
     for group in found:
         united.setdefault(frozenset(name.place for name in group.names), []).append(group)

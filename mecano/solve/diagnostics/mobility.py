@@ -36,7 +36,7 @@ class Group:
     totals: dict[str, int] = field(default_factory=dict)  # place of a name -> number of its constraints
 
     def by_joint(self, most: int) -> list[str]:
-        """Return a text for the constraints of all joints that take part alike, with up to ``most`` joints each."""
+        """Describe the constraints in one text per set of similar joints, naming up to ``most`` joints in each."""
         return by_joint(self.names, self.totals, most)
 
 
@@ -70,7 +70,7 @@ class Analysis:
     dependent: SparseRows | None  # projector (n_l, n_l) on the reactions in redundancies, see ``_directions``
     release_matrix: SparseRows | None  # (n_l, n_l) whose rows times reactions vanish, see ``_repeated``
     gradient: Entries
-    names: Sequence[EquationName]  # of the unknowns, and of others that follow
+    names: Sequence[EquationName]  # of the unknowns first, then of others
     signals: np.ndarray  # (n_q,) bool: unknowns that are signals, not motions
     active: np.ndarray  # (n_l,) bool: constraints that hold in the phases of the configuration
     complete: bool = True
@@ -155,7 +155,7 @@ def gradient(system: "System", s: "State", length: float) -> tuple[Entries, np.n
 def dependent_rows(B: Entries, group: np.ndarray, holds: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
     """Return (indices (m,) of the rows of B in closed loops, orthonormal basis (m, d) of their left null space).
 
-    The basis is None for more than ``DENSE_ROWS`` rows; ``group`` (n,) is the number of the node of each column,
+    The basis is None for more than ``DENSE_ROWS`` rows; ``group`` (n,) is the index of the node of each column,
     ``holds`` (bool) selects the rows that are active.
     """
     loops = in_loops(B, group)
@@ -213,9 +213,9 @@ def _left_null(B):
 def _repeated(null, of_rates):
     """Choose the constraints on velocities to release because those on positions imply them (docs/theory.md, 3).
 
-    They are chosen one by one, the first of equally suited ones, until no redundancy in ``null`` (m, d) involves both
-    kinds. Returns their rows (r,); these rows (r, m) of the projector on the reactions of constraints on velocities
-    that reactions of constraints on positions can balance; and the left null space (m, d - r) of the other rows.
+    They are chosen one by one, the first among equals, until no redundancy in ``null`` (m, d) involves both kinds.
+    Returns their rows (r,); these rows (r, m) of the projector on the reactions of constraints on velocities that
+    reactions of constraints on positions can balance; and the left null space (m, d - r) of the other rows.
     """
     rows, balanced = [], np.zeros((len(null), 0))
     while null.shape[1] and of_rates.any():
@@ -275,10 +275,10 @@ def _directions(system, projector, loops, size):
 def groups(
     projector: np.ndarray, names: Sequence[EquationName], every: Callable[[], Iterable[EquationName]] = tuple
 ) -> tuple[Group, ...]:
-    """Return the Groups of ``names`` that a projector couples, each with the number of its dimensions.
+    """Return the Groups of ``names`` that a ``projector`` couples, each with its dimension.
 
-    Groups of the same names, such as those of one joint about two axes, are one, which has such a name twice. ``every``
-    () returns the names of all constraints, of which ``names`` are some; it is called only if there are groups, as a
+    Groups with the same names, such as those of one joint about two axes, are merged, and list a name twice.
+    ``every()`` returns the names of all constraints, ``names`` included; it is called only if there are groups, as a
     large model has many names.
     """
     taking_part = np.flatnonzero(np.diag(projector) > SHARE)

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 HUGE = 1e300  # larger numbers count as infinite
 TINY = 1e-300
-SIGNALS = 1e-8  # of a signal, or of its rate: tolerance of its equation
-NO_STIFFNESS = 1e-15  # N/m: a smaller mean stiffness is the rounding of reactions
+SIGNALS = 1e-8  # tolerance of the equation of a signal, relative to its value or rate
+NO_STIFFNESS = 1e-15  # N/m: a smaller mean stiffness is the rounding error of reactions
 SMALL = 1e-3  # signals that are smaller are judged as if they were of this size
 ANGULAR_SHARE = 1e-3  # the scale of moments is at least this share of (largest force) x (length), and vice versa
 
@@ -67,9 +67,10 @@ def balance(
 ) -> float:
     """Return k = penalty, the mean stiffness of the tangent cK K + cC C + cM M at ``s`` (theory.md, section 1).
 
-    Stiffnesses of rotations [N m] are divided by the square of the ``length`` scale [m] of the mechanism. The mean is
-    1 N/m without stiffness: as the scale of reactions that are rounding, the stiffness that these cause would decrease
-    by the factor of rounding in every step. ``into`` is an Assembly for this tangent, by default a new one.
+    Stiffnesses of rotations [N m] are divided by the square of the ``length`` scale [m] of the mechanism. Without
+    stiffness the mean is 1 N/m: if the stiffness that rounding errors of reactions cause were used to scale the
+    reactions, it would decrease by the rounding unit in every step. ``into`` is an Assembly for this tangent, by
+    default a new one.
     """
     assembly = system.assemble(s, cK=cK, cC=cC, cM=cM, into=into)
     n_q = system.n_q
@@ -78,9 +79,9 @@ def balance(
 
 
 def mean_diagonal(diagonal: np.ndarray, kind: np.ndarray, length: float) -> float:
-    """Return the mean size of the entries (n,) of a ``diagonal`` that are not zero; 0 if all are.
+    """Return the mean magnitude of the nonzero entries of a ``diagonal`` (n,); 0 if there are none.
 
-    Those of rotations, by their ``kind`` (n,), are divided by the square of the ``length`` scale [m].
+    Entries of rotations, by their ``kind`` (n,), are divided by the square of the ``length`` scale [m].
     """
     sizes = np.abs(diagonal) / np.where(kind == ROTATION, length**2, 1.0)
     sizes = sizes[sizes > 0]
@@ -94,33 +95,33 @@ class Scales(NamedTuple):
     k: float  # of the rows of constraints
     stiffness: float  # mean of the step [N/m]
     duration: float  # of the run [s]
-    loudest: float  # signal
+    loudest: float  # largest signal
 
 
 class Limits(NamedTuple):
-    """Sizes up to which residuals are allowed: a share of the tolerances, or rounding if that is more."""
+    """Largest admissible residuals: a share of the tolerances, or the rounding error if that is larger."""
 
     force: float  # tolerance
     constraint: float  # tolerance
     share: float  # of the tolerances
-    most: float  # tolerances up to which rounding is allowed
-    reach: float  # largest coordinate over the length scale, which is rounded
+    most: float  # largest rounding error allowed, in tolerances
+    reach: float  # largest coordinate over the length scale: its rounding error counts
 
 
 @entry
 def norms(
     r: Vector, size: Vector, of: Unknowns, s: Motion, scales: Scales, limits: Limits
 ) -> (float, float, float):  # fmt: skip
-    """Return (largest force or moment residual, largest constraint, largest signal residual), 1 of each just passes.
+    """Return the largest residuals of (forces and moments, constraints, signals) over their tolerances.
 
-    Each is over its scale and tolerance. r, size: (n_all,) residual and its scale. The scale of forces is the largest
-    force anywhere, including fixed nodes; likewise for moments and for forces on scalars of elements (treated as
-    forces). A constraint is measured as a length or an angle, and also as the force that it causes with the mean
-    stiffness of the step: in short steps a small displacement is a large force. The row of a released constraint, which
-    states that reactions are shared (compliance.py), is measured as the force by which they deviate.
+    Each is divided by its scale and tolerance, so 1 just passes. r, size: (n_all,) residual and its scale. The scale of
+    forces is the largest force anywhere, including fixed nodes; likewise for moments and for forces on scalars of
+    elements (treated as forces). A constraint is measured as a length or an angle, and also as the force that it causes
+    with the mean stiffness of the step: in short steps a small displacement is a large force. The row of a released
+    constraint, which states that reactions are shared (compliance.py), is measured as the force by which they deviate.
 
-    The equation y - c = 0 of a signal is measured by its value in z, up to the rounding of the loudest signal; that of
-    a signal with a rate, in v, by the change of the signal that its residual causes in a run.
+    The equation y - c = 0 of a signal is compared with its value in z, but not below the rounding error of the largest
+    signal; the equation of a signal with a rate, in v, with the change of the signal that the residual causes in a run.
     """
     length, k, stiffness, duration, kind = scales.length, scales.k, scales.stiffness, scales.duration, of.kind
     force = moment = scalar = distance = angle = shared = signal = 0.0
@@ -158,11 +159,11 @@ def norms(
 
 @kernel
 def _allowed(tolerance, limits, rounding):
-    """Return the residual that is allowed: the share of a tolerance, or its rounding if that is more."""
+    """Return the admissible residual: the share of a tolerance, or the rounding error if that is larger."""
     return max(tolerance * limits.share, min(tolerance * limits.most, rounding))
 
 
 @kernel
 def state_size(duration, y, rate):
-    """Return the size of a signal with a rate: y, or what its rate makes of it in a run of the ``duration`` [s]."""
+    """Return the size of a signal with a rate: |y|, or its change at that rate over the ``duration`` [s] of a run."""
     return max(abs(y), duration * abs(rate), SMALL)

@@ -1,4 +1,4 @@
-"""Application of events: elements change their phases, with the shocks and the energies that these changes bring."""
+"""Apply events: change the phases of elements, solve shocks, and account for the energies of these changes."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
 Applied: TypeAlias = "tuple[RunState, State, list[EventRecord], Consistent | None]"
 """Run with the energy of shocks, state after the events, their records, what is factored there"""
-STANDSTILL = 1e-3  # of a step: while time advances by less, it counts as standing still
-MOST_REBOUNDS = 10  # of one contact at one instant: it is then at rest
-MOST_AT_ONCE = 20  # times that one event of one element may happen at one instant
+STANDSTILL = 1e-3  # of a step: a smaller advance of time counts as none
+MOST_REBOUNDS = 10  # of one contact at one instant, after which it is at rest
+MOST_AT_ONCE = 20  # occurrences of one event of one element at one instant
 MOST_NAMES = 8  # named in a warning
 
 
@@ -91,7 +91,7 @@ class EventApplication:
         self.warnings += [_redundant(t, event_records, group) for group in redundant]
 
     def _report_friction(self, t, shock):
-        """Add a warning for each joint whose friction lacks an impulse for the first time."""
+        """Add a warning for each joint whose friction a shock neglects for the first time."""
         for found in joint_friction.missing_friction(self.system, shock) if shock.event_records else ():
             if not any(one.startswith(joint_friction.warning_start(found[0])) for one in self.warnings):
                 self.warnings.append(joint_friction.omission_warning(t, shock, *found))
@@ -99,8 +99,8 @@ class EventApplication:
     def _guard(self, run, hit, event_records):
         """Capture elastic events if one of the events ``hit`` repeats at one instant.
 
-        Raises ConvergenceError if it is not elastic, or if it repeats as often again because no phases are consistent
-        with the end of a step (capture.py).
+        Raises ConvergenceError if that event is not elastic, or if it repeats as often again because no phases are
+        consistent with the end of a step (capture.py).
         """
         t = run.motion.t
         if t - self.since > STANDSTILL * run.h:
@@ -131,7 +131,7 @@ class EventApplication:
 
 
 def _with_losses(event_records, names, lost):
-    """Return the records with the energies ``lost`` [J] of events with these (element, event), in the same order."""
+    """Return the records with the energies ``lost`` [J], given by (element, event), in the same order."""
     energies: dict[tuple[str, str], list[float]] = {}
     for name, energy in zip(names, lost, strict=True):
         energies.setdefault(name, []).append(energy)

@@ -2,7 +2,7 @@
 
 A run in which all events are located does not end where they accumulate: stiff lines on light nodes may become slack
 and taut much faster than the steps. Time-stepping schemes (Acary & Brogliato, Numerical Methods for Nonsmooth Dynamical
-Systems, Springer 2008) pass such instants: the phases follow, as the motion does, from the equations at the end of the
+Systems, Springer 2008) pass such instants: like the motion, the phases follow from the equations at the end of the
 step. The step is repeated in other phases until no element has an event that is new in this step. For lines that only
 pull, the equations are a linear complementarity problem, and this is Newton's method on it; of an elastic line with a
 winder it is the return mapping of plasticity: the elastic line first, its winder if the tension is too large.
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
 @dataclass(eq=False, repr=False)
 class EventCapture:
-    """Decides when elastic events (``Event.elastic``) are captured, and makes steps that do.
+    """Decides when elastic events (``Event.elastic``) are captured, and makes the steps that capture them.
 
-    Elastic events are located until, in some part of the run, their instants exceed the steps without one by more than
+    Elastic events are located until, over some part of the run, they outnumber the steps without events by more than
     ``most``, which bounds the work. From then on they are captured, until a whole step has none; meanwhile the
     ``monitor`` omits their values.
     """
@@ -40,7 +40,7 @@ class EventCapture:
     by_element: Counter = field(default_factory=Counter)  # captured events
 
     def count(self, hit: np.ndarray, run: "RunState") -> None:
-        """Count an instant, the end of ``run``, with the events ``hit`` (n_events,) bool."""
+        """Count the instant at the end of ``run`` if elastic events are among ``hit`` (n_events,) bool."""
         if self.monitor.captures or not np.any(hit & self.monitor.elastic):
             return
         between = max(run.steps - self.counted - 1, 0)
@@ -49,7 +49,7 @@ class EventCapture:
             self.begin(hit, run)
 
     def begin(self, hit: np.ndarray, run: "RunState") -> bool:
-        """Begin to capture events at the end of ``run``; return whether events that ``hit`` were located until now."""
+        """Begin to capture events at the end of ``run``; return whether any of ``hit`` was located until now."""
         begins = not self.monitor.captures and bool(np.any(hit & self.monitor.elastic))
         if begins:
             self.monitor.captures = True
@@ -66,8 +66,8 @@ class EventCapture:
     def step(self, step: "Callable[[State], Trial]", s: "State") -> "Trial | None":
         """Return the trial ``step(s)`` in the phases that fit its end, or None if none are found.
 
-        Its info has the events captured. An element has each event at most once, so the repetitions end; if an event
-        is due again, the phases contradict the end of the step, as those of lines with much damping may.
+        Its info has the events captured. An element has each event at most once, so the repetitions end; if an event is
+        due again, the phases contradict the end of the step, which lines with much damping may cause.
         """
         monitor, had, iterations = self.monitor, np.zeros(len(self.monitor.elastic), bool), 0
         event_records: list[EventRecord] = []

@@ -6,7 +6,7 @@ from mecano.errors import AssemblyError, Failure
 
 ROUNDING = 1e-13  # of the diagonal of W: makes it definite if contacts are redundant
 NEGLIGIBLE = 1e-11  # of the largest reaction: a smaller one counts as zero
-FITS = 1e-9  # of the largest entry of b: residual up to which all contacts push
+FITS = 1e-9  # of the largest entry of b: largest residual of a solution in which all contacts push
 
 
 def solve_complementarity(W: np.ndarray, b: np.ndarray, unit: np.ndarray | None = None) -> np.ndarray:

@@ -34,8 +34,8 @@ class Compliance:
 
     Constraints on velocities have the compliance c per second: ``lag`` times c in a step, whose rows are displacements.
     The rows P are multiplied by ``RELEASED_COMPLIANCE`` over the stiffness of the step. They may couple elements, for
-    which the tangent has no entries. There they are replaced by the identity, with which Newton's iteration converges
-    as well: P projects on exactly those reactions that change with the multipliers of released constraints.
+    which the tangent has no entries. There the identity replaces them, with which Newton's iteration converges as well:
+    P projects on exactly those reactions that change with the multipliers of released constraints.
     """
 
     matrix: SparseRows  # (n_l, n_l): c [m/N, rad/(N m)], per second for constraints on velocities; P [-]
@@ -47,12 +47,12 @@ class Compliance:
 
     @cached_property
     def released(self) -> np.ndarray:
-        """Numbers (n,) of the released constraints."""
+        """Indices (n,) of the released constraints."""
         return distinct(self.matrix.rows[self.released_entries])
 
     @cached_property
     def soft(self) -> np.ndarray:
-        """Numbers (n,) of the redundant constraints, which are compliant."""
+        """Indices (n,) of the redundant constraints, which are compliant."""
         return distinct(self.matrix.rows[~self.released_entries])
 
     def deflection(self, reactions: np.ndarray) -> np.ndarray:
@@ -131,7 +131,7 @@ NO_ROWS = np.zeros(1, np.int64), np.zeros(0, np.int64), np.zeros(0)
 
 
 def compliance_fields(compliance: Compliance | None) -> dict[str, Any]:
-    """Return the numbers and arrays by which compiled code finds a Compliance, or none, as a dict of fields."""
+    """Return a Compliance, or none, as a dict of the fields that compiled code reads."""
     if compliance is None:
         starts, columns, values = NO_ROWS
         none = {"entry_places": columns, "soft_base": values, "soft_kinds": columns, "soft_in_tangent": values}
@@ -168,10 +168,9 @@ def soften(k: float, starts: Indices, columns: Indices, values: Vector, multipli
 def compliance(system: "System", s: "State", length: float, analysis: "Analysis") -> Compliance | None:
     """Return the Compliance of a model from the ``analysis`` of its constraints; None if none is redundant.
 
-    Reactions in the directions that the projector ``analysis.dependent`` (n_l, n_l) holds have a compliance: the
-    forces acting in ``s``, or those that accelerate the mean mass by LEAST_ACCELERATION, displace the constraints by
-    SOFTNESS of the length scale, or rad. All other directions are exact. Signals, which may not be known yet, do not
-    count.
+    Reactions in the directions that the projector ``analysis.dependent`` (n_l, n_l) holds have a compliance: the forces
+    acting in ``s``, or those that accelerate the mean mass by LEAST_ACCELERATION, displace the constraints by SOFTNESS
+    of the length scale, or rad. All other directions are exact. Signals are ignored, as they may not be known yet.
     """
     if analysis.dependent is None and analysis.release_matrix is None:
         return None

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from mecano.model.state import State
     from mecano.model.system import System
 
-EQUAL = 1e-6  # of its value at the beginning of the step: values that differ by less are equal
+EQUAL = 1e-6  # relative to the value at the beginning of the step: values that differ by less are equal
 
 
 @dataclass(frozen=True)
@@ -40,14 +40,14 @@ class EventMonitor:
         self.elastic = np.array([e.elastic for e in events], bool)
         self.smooth = np.array([e.elastic and not e.shock for e in events], bool)  # velocities stay
         self.one_sided = np.array([e.one_sided for e in events], bool)
-        self.captures = False  # whether elastic events are left out of ``values``
+        self.captures = False  # whether ``values`` omits elastic events
 
     def within_a_phase(self, hit: np.ndarray) -> bool:
         """Return whether some events ``hit`` (n_events,) bool make accelerations jump without a change of phase."""
         return bool(np.any(hit & self.within))
 
     def changing_energy(self, hit: np.ndarray) -> dict[int, tuple[str, str]]:
-        """Return {number of the element: (its name, name of the event)} of the events ``hit`` that change its energy.
+        """Return {index of the element: (its name, name of the event)} of the events ``hit`` that change its energy.
 
         Parts of the same element may have the same names.
         """
@@ -62,7 +62,7 @@ class EventMonitor:
     def values(self, s: "State") -> np.ndarray:
         """Return the event values (n_events,) of all elements; -inf for events not active in the current phase.
 
-        Elastic events are left out while they are captured (capture.py).
+        Elastic events are omitted while they are captured (capture.py).
         """
         values = self.system.event_values(s)
         return np.where(self.elastic, -np.inf, values) if self.captures else values
@@ -101,7 +101,7 @@ class EventMonitor:
         return replace(s, phases=phases), event_records
 
     def entered(self, s: "State", element: str, name: str, before: str, after: str) -> "State":
-        """Return the state after an event ``name`` of an ``element``, if that is in the phase ``before`` it."""
+        """Return the state after the event ``name`` of an ``element``, if the element is in the phase before it."""
         phases = s.phases.copy()
         for batch in self.system.batches:
             changes = [(event.name, event.before, event.after) for event in batch.kind.events]
@@ -135,7 +135,7 @@ class NoEvents(EventMonitor):
 
 @entry
 def some_happened(g0: Vector, g1: Vector) -> bool:
-    """Return whether an event value crosses zero from g0 to g1 (n_events,), or is positive at one of both ends."""
+    """Return whether an event value crosses zero from g0 to g1 (n_events,), or is positive at either end."""
     for i in range(g0.shape[0]):
         if g0[i] > 0.0 or g1[i] > 0.0 or (g0[i] < 0.0 and g1[i] == 0.0):
             return True

@@ -1,4 +1,4 @@
-"""Events of a system that can cause an impact: their places among the events, their constraint rows and phases."""
+"""Events of a system that can cause an impact: their indices among the events, their constraint rows and phases."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -16,35 +16,35 @@ if TYPE_CHECKING:
 
 @immutable
 class ImpactCandidate:
-    """An event of one element that comes with an impact."""
+    """An event of one element that causes an impact."""
 
-    event: int  # place in the event values
+    event: int  # index into the event values
     phase: int  # index into the phases of a state
     before: int
     after: int
     through: int
     opened: int  # phase after the event that reopens the contact; -1 if it never opens
-    rows: np.ndarray  # numbers of the multipliers of the element and of the parts that share its phase, the lead first
+    rows: np.ndarray  # indices of the multipliers of the element and of the parts that share its phase, the lead first
     along: np.ndarray  # those of them whose impulses are recorded with the event: the lead, or the force of a LOCK
     unit: str  # of these impulses
     restitution: float  # coefficient; negative if it never opens
     element: str
     closing: Event
     opening: Event | None  # the event that reopens it
-    opens: int  # place of that in the event values; -1 if it never opens
+    opens: int  # index of that event; -1 if the contact never opens
 
     @property
     def lead(self) -> int:
-        """Number of the multiplier along the contact normal."""
+        """Index of the multiplier along the contact normal."""
         return self.rows[0]
 
     def impulse(self, impulses: np.ndarray) -> float:
-        """Return the impulse to record from the impulses (n_l,) of all constraints; of a vector its magnitude."""
+        """Return the impulse to record, of a vector its magnitude, from the ``impulses`` (n_l,) of all constraints."""
         found = impulses[self.along]
         return float(found[0] if len(found) == 1 else np.linalg.norm(found))
 
     def rests(self, phases: np.ndarray) -> bool:
-        """Return whether the contact is closed, in the first of several ways, and its constraints hold."""
+        """Return whether the contact is closed and holds; True for one of several candidates of a contact only."""
         return self.opened == self.before and phases[self.phase] == self.after == self.through
 
 
@@ -75,9 +75,9 @@ class ImpactCandidates:
         return [self.all[i] for i in np.flatnonzero(g[self.events] >= 0.0) if self.all[i].opened >= 0]
 
     def due(self, hit: np.ndarray, g: np.ndarray) -> list[ImpactCandidate]:
-        """Return the candidates that may follow the events ``hit``; of two that share a phase only the nearer."""
+        """Return the candidates that may follow the events ``hit``; if two share a phase, only the nearer one."""
         ahead = [c for c in self.all if not hit[c.event] and -np.inf < g[c.event] < 0.0]
-        return list({c.phase: c for c in sorted(ahead, key=lambda c: g[c.event])}.values())  # of two stops the nearer
+        return list({c.phase: c for c in sorted(ahead, key=lambda c: g[c.event])}.values())  # the nearer of two stops
 
     def touching(self, near: np.ndarray) -> np.ndarray:
         """Return the values (n_events,) of closing events up to which contacts touch, by their gaps ``near`` (n_l,)."""
@@ -129,7 +129,7 @@ def _impact_candidate(batch, e, event, first, number, rows):
 
 
 def _rows_by_phase(system):
-    """Return {index of a phase: [(number of a multiplier, its Row)]} of the element and the parts that share it."""
+    """Return {index of a phase: [(index of a multiplier, its Row)]} of the element and the parts that share it."""
     own: dict[int, list[tuple[int, Row]]] = {}
     owner = dict(system.followers.tolist())
     for batch in system.batches:

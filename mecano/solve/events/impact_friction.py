@@ -1,7 +1,7 @@
 r"""Coulomb friction in impacts (docs/shocks.md, Friction in impacts).
 
-Each rough contact has, beside its normal impulse :math:`P_n`, an impulse :math:`P_t` (2,) along the surface that
-opposes the velocity of sliding u after the impact:
+Each rough contact has, in addition to its normal impulse :math:`P_n`, an impulse :math:`P_t` (2,) along the surface
+that opposes the velocity of sliding u after the impact:
 
 .. math::  |P_t| \le \mu P_n, \qquad P_t = -\mu P_n\, u^+/|u^+| \text{ if } u^+ \ne 0
 
@@ -21,19 +21,19 @@ if TYPE_CHECKING:
     from mecano.model.state import State
     from mecano.model.system import System
 
-ACCELERATED = 60  # sweeps at first, from each of which the next is extrapolated
-SHARES = 1.0, 0.3, 0.1  # of the change of a sweep that is made, one after the other
-SWEEPS = 300  # with each of these, at most
+ACCELERATED = 60  # first sweeps, with Anderson acceleration
+SHARES = 1.0, 0.3, 0.1  # relaxation factors of the sweeps, tried one after the other
+SWEEPS = 300  # largest number of sweeps with one of these factors
 ROUNDING = 1e-13  # of the largest impulse: a sweep that changes less has converged
-ACCEPTED = 1e-2  # of the largest impulse: contacts that repeat one another, as four corners of a box, converge slowly
-DIVERGED = 1e3  # of the largest impulse: the sweeps with this share do not converge
-TINY = 1e-300  # impulse [N s] that none is less than, as a divisor
+ACCEPTED = 1e-2  # of the largest impulse: redundant contacts, such as four corners of a box, converge slowly
+DIVERGED = 1e3  # of the largest impulse: the sweeps with this factor diverge
+TINY = 1e-300  # least impulse [N s] used as a divisor
 MASSLESS = 1e-14  # of the largest response: a contact that moves no mass along its surface is without friction
 
 
 @immutable
 class RoughContact:
-    """Friction of one contact: its place among the contacts of an impact, and its geometry."""
+    """Friction of one contact: its index among the contacts of an impact, and its geometry."""
 
     contact: int
     mu: float
@@ -83,8 +83,8 @@ def solve_with_friction(
     ``normal(b)`` solves the problem of the normals for rates b (n,) without their impulses; W_nt (n, 2 m) and
     W_tt (2 m, 2 m) are responses to impulses along the surfaces, u (2 m,) the velocities of sliding without impulses.
     Alternates between normals and surfaces (block Gauss-Seidel), at first with Anderson acceleration, then without it,
-    more slowly if that does not converge. Raises AssemblyError if the impulses along the surfaces stay undetermined by
-    more than ``ACCEPTED``.
+    and under-relaxed if that does not converge. Raises AssemblyError if the impulses along the surfaces stay
+    undetermined by more than ``ACCEPTED``.
     """
     bound_of, mu = [contact.contact for contact in contacts], np.array([contact.mu for contact in contacts])
 
@@ -162,7 +162,7 @@ def within_disc(A: np.ndarray, c: np.ndarray, radius: float) -> np.ndarray:
     low = max(high - of[1], MASSLESS * of[1])
     if size(low) <= radius:
         s = low
-    elif size(high) >= radius:  # of a disc so small that A x is rounding
+    elif size(high) >= radius:  # the disc may be so small that A x is rounding error
         s = high
     else:
         s = brentq(lambda s: size(s) - radius, low, high, xtol=1e-15 * high, rtol=1e-15)

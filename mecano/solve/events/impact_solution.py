@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from mecano.solve.events.shocks import Shocks
     from mecano.solve.time.consistent import Consistent
 
-MASSLESS = 1e-14  # of the largest: a contact with a smaller response moves no mass
-LEVER = 1e-12  # of the largest entry of a gradient: a smaller lever arm is rounding
-ADHESIVE = 1e-9  # of the largest: an impulse below minus this is adhesive
+MASSLESS = 1e-14  # of the largest response: a contact with a smaller one moves no mass
+LEVER = 1e-12  # of the largest entry of a gradient: a smaller lever arm is rounding error
+ADHESIVE = 1e-9  # of the largest impulse: one below minus this is adhesive
 
 
 @immutable
@@ -101,7 +101,7 @@ class ImpactSolution:
         """Compute responses of velocities (n_q, n) and reactions (n_l, n) to unit impulses, and W (n, n).
 
         The impulses are those along the normals of the contacts, then two along the surface of each rough one.
-        Unconstrained massless unknowns yield to any impulse; contacts of such unknowns are ``light``.
+        Unconstrained massless unknowns do not resist an impulse; contacts of such unknowns are ``light``.
         """
         system, n_q = self.system, self.system.n_q
         bare = replace(self.all_held, z=self.all_held.z.copy())
@@ -123,7 +123,7 @@ class ImpactSolution:
     def _impulses(self, change):
         """Return the impulses along the normals and the surfaces; ``change`` (n_q,) is that of v without them.
 
-        If the rebound with friction creates energy, e is reduced to the value at which it loses none.
+        If the rebound with friction creates energy, e is reduced to the value at which it conserves energy.
         """
         free = self._rates(self._moved(change))[self.leads]
         if not self.rough:
@@ -153,7 +153,7 @@ class ImpactSolution:
         return impulses
 
     def _rub(self, along):
-        """Set the energies ``rubbed`` (n_l,) [J] lost by the impulses ``along`` the surfaces, by normals."""
+        """Set the energies ``rubbed`` (n_l,) [J] that the impulses ``along`` the surfaces dissipate, by normals."""
         for contact, P in zip(self.rough, along.reshape(-1, 2), strict=True):
             mean = 0.5 * contact.sliding(self.all_held.v + self.held.v)
             self.rubbed[self.leads[contact.contact]] -= P @ mean
@@ -189,7 +189,7 @@ class ImpactSolution:
     ) -> Shock:
         """Return the Shock from the state ``s`` before it, with steps of h [s] to follow.
 
-        ``no_force`` (n_l,) [N, N m]: the rounding of reactions.
+        ``no_force`` (n_l,) [N, N m]: the rounding errors of reactions.
         """
         lost = self.rubbed - 0.5 * self.impulses * (self.before + self.after)
         still = self.system.constraint_derivatives(replace(self.all_held, v=np.zeros_like(s.v)))[:, 1]

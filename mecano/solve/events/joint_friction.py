@@ -1,8 +1,8 @@
-r"""Friction of joints that a shock leaves out.
+r"""Joint friction that a shock neglects.
 
 A shock has no impulse of the friction of joints: the reactions of a joint change by impulses :math:`\Lambda`, and its
-friction, :math:`f(\Lambda, v)`, would have the impulse :math:`f(\Lambda, v^+)`, which brakes the joint. It is found
-here from the outputs of the element with the impulses in place of the reactions, to be reported.
+friction, :math:`f(\Lambda, v)`, would have the impulse :math:`f(\Lambda, v^+)`, which brakes the joint. It is computed
+here, for a warning, from the outputs of the element with impulses in place of reactions.
 """
 
 from typing import TYPE_CHECKING
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from mecano.solve.events.shocks import Shock
 
 FRICTION = "friction_"  # start of the names of outputs that are the force or moment of friction
-NOTED = 1e-6  # of the largest impulse of the shock: smaller ones are rounding
+NOTED = 1e-6  # of the largest impulse of the shock: smaller ones are rounding errors
 
 
 def missing_friction(system: "System", shock: "Shock") -> list[tuple[str, float, str]]:
-    """Return the impulses of friction that a ``shock`` leaves out, as (title of the joint, impulse, unit), sorted."""
+    """Return the impulses of friction that a ``shock`` neglects, as (title of the joint, impulse, unit), sorted."""
     if not len(system.coupled_multipliers):
         return []
     s, n_q, found = shock.state.copy(), system.n_q, []
@@ -41,7 +41,7 @@ def _is_friction(output: Output):
 
 
 def omission_warning(t: float, shock: "Shock", title: str, impulse: float, unit: str) -> str:
-    """Return the warning on the friction of a joint that the first ``shock`` which it misses leaves out, at ``t``."""
+    """Return the warning on the friction of a joint that a ``shock`` at ``t`` [s] is the first to neglect."""
     event = max(shock.event_records, key=lambda one: abs(one.impulse))
     return (
         f"{warning_start(title)}: at t = {t:.4g} s ({event.element} {event.name}, {event.impulse:.3g} {event.unit}) "

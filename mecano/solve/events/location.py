@@ -1,8 +1,8 @@
 """Location of the first event in a step.
 
 A step has no side effects, so it is repeated with the size with which it ends at the event: where the motion between
-two trial steps, interpolated, crosses zero. Two repetitions do where the event value is smooth. An elastic event that
-the motion leaves behind at the beginning of the step is sought later (``look_ahead``).
+two trial steps, interpolated, crosses zero. Two repetitions suffice where the event value is smooth. An elastic event
+from which the motion departs at the beginning of a step is sought later in that step (``look_ahead``).
 """
 
 import math
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from mecano.solve.time.step_info import Trial
 
 TIME_TOLERANCE = 1e-10  # of the step in which the event lies
-SMOOTH_TOLERANCE = 1e-8  # the same where velocities stay: the force that is missed meanwhile is of this order
+SMOOTH_TOLERANCE = 1e-8  # the same if velocities do not jump: the relative error of the force is of this order
 AT_ONCE = 1e-7  # of a step: an event before this happens at its beginning
-BRIEFLY = 1e-3  # of a step: a one-sided event that the motion leaves behind within this time does not happen
-PAST = 0.01  # of the tolerance: beside a step that just misses the event, one aims so far past it
-MIDDLE = 0.5  # of the tolerance: the same where velocities stay, in every step
+BRIEFLY = 1e-3  # of a step: a one-sided event from which the motion departs within this time does not happen
+PAST = 0.01  # of the tolerance: after a step that just misses the event, the next one aims past it by this
+MIDDLE = 0.5  # of the tolerance: the same for events without a jump of velocities, in every step
 TOGETHER = 1e-6  # of its change in the step: event values nearer to zero cross with the located one
 NEAR = 0.01  # of the interval: the first point tried is no nearer to its ends
 MOST_INTERPOLATED = 2  # steps that end where the interpolated motion crosses zero
@@ -50,7 +50,7 @@ class Located(NamedTuple):
 
 
 class Point(NamedTuple):
-    """The largest of the event values in the state at the end of a step of size h; ``trial`` is that step, if made."""
+    """The largest event value, and the state, at the end of a step of size h; ``trial`` is that step, if made."""
 
     h: float
     value: float
@@ -84,7 +84,7 @@ def locate(
         return Located(search.failed[0].t - s0.t, search.failed, crossed)
     late, hit = search.late, crossed.copy()
     assert late.trial is not None, "the late end is that of a step"
-    unseen = monitor.elastic & ~crossed  # other values are reactions, which rounding dominates in very short steps
+    unseen = monitor.elastic & ~crossed  # other values are reactions, dominated by rounding errors in very short steps
     if np.any(unseen & (g0 < 0.0) & (monitor.values(late.state) > 0.0)):
         return locate(monitor, step, s0, g0, late.trial, late.h)
     rise = g1[crossed] - np.maximum(g0[crossed], -g1[crossed])
@@ -96,11 +96,12 @@ def locate(
 
 
 def look_ahead(monitor: EventMonitor, s: "State", g: np.ndarray, h: float) -> "tuple[State, np.ndarray]":
-    """Return a state behind the beginning ``s`` of a step of size h, and its event values; ``g``: those at ``s``.
+    """Return a state just after the beginning ``s`` of a step of size h, and its event values; ``g``: those at ``s``.
 
-    Rounding decides the sign of an event value where the event has been located. So the values of elastic events are
-    those of the motion that continues with the velocities and accelerations of ``s`` for as long as events happen at
-    the beginning of a step: if they are negative, the motion leaves the event behind. Others keep their values.
+    At a located event, rounding decides the sign of the event value. Elastic events are therefore evaluated after the
+    motion has continued, with the velocities and accelerations of ``s``, for the time within which events count as
+    happening at the beginning of a step: a negative value shows that the motion departs from the event. Other events
+    keep their values.
     """
     elastic = monitor.elastic & np.isfinite(g)
     if not elastic.any():
@@ -154,7 +155,7 @@ class Search:
         return known or late.h <= self.at_once or late.value == 0.0
 
     def _past(self, root):
-        """Return how far behind the ``root`` the next step ends: one that just misses the event is made again."""
+        """Return how far past the ``root`` the next step aims: a step that just misses the event must be repeated."""
         share = MIDDLE if self.smooth else PAST if root - self.early.h <= self.tolerance else 0.0
         return share * min(self.tolerance, self.late.h - root)
 

@@ -26,8 +26,8 @@ def reanalyse_redundancy(
     if constraints have become active of which ``soft`` does not account for, or if constraints are released. Raises
     AssemblyError.
 
-    The pivots do not show a rigid constraint that depends on compliant ones, and the compliant ones would then carry
-    nothing. Fewer constraints than ``soft`` accounts for have no other redundancies than theirs.
+    The pivots do not show a rigid constraint that depends on compliant ones, in which case the compliant ones would
+    carry nothing. A subset of the constraints that ``soft`` accounts for has no further redundancies.
     """
     added = np.zeros(0, np.int64) if soft is None else np.flatnonzero(gradient(system, s, length)[2] & ~soft.active)
     consistent: Consistent | None = None

@@ -24,12 +24,12 @@ def restitutions(
     Parameters
     ----------
     contacts : dict
-        Numbers of the n contacts, ImpactCandidates.
+        Indices of the n contacts, by ImpactCandidate.
     fast : list of ImpactCandidate
-        Those that close faster than they may without a rebound, and latches, which count as 0. A contact with which
-        none of them is connected has the coefficient 0.
+        Contacts that close faster than their rest speed, and latches, which count as 0. A contact that is connected
+        with none of them has the coefficient 0.
     owners : list of int
-        Numbers of the contacts of m unit impulses, of which the first n are those along the normals.
+        Indices of the contacts of m unit impulses, the first n of which act along the normals.
     W, reactions : ndarray (m, m), (n_l, m)
         Responses to these impulses: rates along them, and reactions of all constraints.
     """

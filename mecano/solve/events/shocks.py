@@ -1,6 +1,6 @@
 """Impacts: change of velocities, phases and energy at events with ``Event.shock`` (docs/shocks.md).
 
-Which events happen together, and which contacts they reach; impact_solution.py has the equations.
+This module decides which events happen together and which contacts they reach; impact_solution.py solves the equations.
 """
 
 from collections.abc import Container
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from mecano.solve.time.run_state import Method
 
 TOGETHER = 1e-6  # of a step: impacts closer in time than this are simultaneous
-NEAR = 10.0  # times the tolerance of constraints: so are impacts of contacts with a smaller gap
+NEAR = 10.0  # times the tolerance of constraints: impacts of contacts with a smaller gap are simultaneous, too
 STILL = 1e-10  # of the largest approach: a rate below this is zero
-STANDS = 1e-4  # of the gap within which contacts touch: less, in a step, by an acceleration, is rounding
+STANDS = 1e-4  # of the gap within which contacts touch: a smaller change in a step is rounding error
 DEPARTING = -1e-300  # event value of a contact that is touching and separating
 
 
@@ -72,10 +72,10 @@ class Shocks:
     def undecided(self, g0: np.ndarray, s0: "State", s: "State", k: float) -> np.ndarray:
         """Return the events (n_events,) bool of contacts that touch without force over a step from ``s0`` to ``s``.
 
-        Whether such a contact is open or closed is rounding, so it keeps its phase: an open one whose gap is below the
-        tolerance of constraints at both ends of the step (event values ``g0`` and those at ``s``) and whose relative
-        acceleration is rounding; a separating one whose overlap at ``s0`` shrinks, however slowly; and a closed one
-        whose reaction is rounding, k [N/m] being the mean stiffness of the step.
+        Rounding errors decide whether such a contact is open or closed, so it keeps its phase: an open one whose gap is
+        below the tolerance of constraints at both ends of the step (event values ``g0`` and those at ``s``) and whose
+        relative acceleration is rounding error; a separating one whose overlap at ``s0`` shrinks, however slowly; and a
+        closed one whose reaction is rounding error, k [N/m] being the mean stiffness of the step.
         """
         found, candidates = np.zeros(len(g0), bool), self.impact_candidates.opening
         if not candidates:
@@ -114,7 +114,7 @@ class Shocks:
         return found
 
     def _no_force(self, s, k):
-        """Return the rounding [N] of reactions, of the largest and of positions times the mean stiffness k [N/m]."""
+        """Return the rounding error [N] of the largest reaction, and of positions times the mean stiffness k [N/m]."""
         of = self.system.numbering
         reactions = s.z[of.n_q : of.n][of.kind[of.n_q : of.n] == LENGTH_CONSTRAINT]
         return ROUNDING * (np.abs(reactions).max(initial=0.0) + reach_of(s.z, of, self.length) * self.length * k)
@@ -155,7 +155,7 @@ class Shocks:
         noticeably count as closed. Closed contacts without a force, for the mean stiffness k [N/m], are opened first:
         if the impact reaches them, they follow at the same time, as in Newton's cradle.
         """
-        from mecano.solve.events.impact_solution import ImpactSolution  # runs without impacts need none of it
+        from mecano.solve.events.impact_solution import ImpactSolution  # not needed by runs without impacts
 
         in_phase = self.impact_candidates.in_phase
         closing, others = self.impact_candidates.split(hit | self._idle(s, k))

@@ -5,7 +5,7 @@ columns beyond the pivots stay zero, values beyond the last row of a column are 
 
 Loops along rows and columns compute STRIP numbers at once, by the instructions that processors have for it: most fronts
 are so small that a loop that a compiler divides into such groups and a remainder would spend its time in the remainder.
-A group may include numbers that are used no more.
+A group may include numbers that are no longer used.
 """
 
 from typing import NamedTuple
@@ -32,7 +32,7 @@ class Front(NamedTuple):
 
 @kernel
 def part(vector, begin, n):
-    """Return ``vector[begin : begin + n]``; a slice of numba takes a dozen instructions more."""
+    """Return ``vector[begin : begin + n]``; a slice in numba takes a dozen more instructions."""
     return floats(vector.ctypes.data + 8 * begin, n)
 
 
@@ -61,7 +61,7 @@ def _choose_row(column, k, pivots, tolerance):
 
 @kernel
 def _exchange(i, j, end, stride, front_out, columns_out):
-    """Exchange rows i and j: of the ``end`` columns already taken out of the front, and of the rest of the front."""
+    """Exchange rows i and j: of the ``end`` columns already eliminated from the front, and of the rest of the front."""
     for c in range(0, end * stride, stride):
         value = columns_out[c + i]
         columns_out[c + i] = columns_out[c + j]

@@ -27,7 +27,7 @@ from mecano.solve.linear.multifrontal import (
 from mecano.solve.linear.ordering import FIRST, PIVOTS, SIZE, padded
 
 OWN = SIZES, ORDERED, WORK = range(3)  # rows (n + STRIP,) of a half: MAGNITUDE, PERMUTED and FRONT of multifrontal.py
-AT_HAND = DATA, LENGTH, B, X = range(4)  # addresses of the arrays at hand, and the length of the first
+AT_HAND = DATA, LENGTH, B, X = range(4)  # addresses of the current arrays, and the length of the first
 RANGE = BEGIN, END, LOW, HIGH, MIDDLE = range(5)  # fronts of a half; its unknowns, and the first between, in order
 TASKS = FACTOR, FORWARD, BACKWARD = range(3)  # addresses of the functions below, and of their packed arguments
 
@@ -43,9 +43,9 @@ class Halves(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Work arrays of the factorization beside the Factor."""
+    """Work arrays of the factorization, apart from the Factor."""
 
-    front: Vector  # one that is between the halves
+    front: Vector  # a front between the halves
     stack: Vector
     nulls: Indices  # (PARTS,) null pivots of the halves
 

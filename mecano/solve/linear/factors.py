@@ -29,8 +29,7 @@ FACTORS = fields(
 def factor(matrix: Records(FACTORS)):
     """Factor the matrix; ``outcome`` is zero if it is regular.
 
-    The factors of the multifrontal solver are accepted if no pivot is null and they solve the equations whose solution
-    is ones.
+    The factors of the multifrontal solver are accepted if no pivot is null and they reproduce a solution of ones.
     """
     m = matrix[0]
     data, rows, b = floats(m.data, m.n_data), integers(m.rows, m.n_data), floats(m.right, m.n)
@@ -87,7 +86,7 @@ class Factors(Pointers):
         Zero if the last ``factor`` found a regular matrix.
     factor, solve : PackedCall
     error : BaseException or None
-        What Python raised in the last call, whose outcome is not zero, or its solution nan.
+        Exception that the last call of Python raised; the outcome is then not zero, or the solution nan.
     """
 
     def __init__(self, pattern: Pattern, dtype: type[float] | type[complex]):
@@ -132,7 +131,7 @@ class Factors(Pointers):
 
 
 def _doubled(pattern: Pattern) -> Pattern:
-    """Return the Pattern of the real matrix of twice the size, whose entries stand block by block."""
+    """Return the Pattern of the real matrix of twice the size, with its entries block by block."""
     rows = 2 * np.repeat(pattern.rows, 4) + np.tile([0, 0, 1, 1], len(pattern.rows))
     cols = 2 * np.repeat(pattern.cols, 4) + np.tile([0, 1, 0, 1], len(pattern.cols))
     return Pattern(2 * pattern.n, rows, cols, np.repeat(pattern.groups, 2))

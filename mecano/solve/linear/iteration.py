@@ -38,7 +38,8 @@ def iterate(
     evaluate(tangent) returns a tuple of residual norms over their tolerances at the current z and, if ``tangent``,
     evaluates the tangent; solve(fresh) returns the increment, from the last tangent or, if not fresh, from the factor
     kept, None if singular; move(dz) moves z and returns the norm of dz over its tolerance; exhausted(this norm, the
-    residual over that before dz, fresh) returns whether the rest is rounding. At most ``most`` iterations.
+    residual over that before dz, fresh) returns whether the remaining residual is rounding error. At most ``most``
+    iterations.
     """
     increment, last, fresh = np.inf, np.inf, False
     for iteration in range(most + 1):

@@ -10,7 +10,7 @@ import numpy as np
 
 from mecano.process.memory import reserve_blas_buffer
 
-SMALL = 1000  # nodes up to which SuperLU is not used; beyond, its order takes less time and has less fill
+SMALL = 1000  # nodes up to which SuperLU is not used; for more, its order takes less time and has less fill
 
 
 def least_degree(neighbours: Sequence[np.ndarray]) -> np.ndarray:
@@ -22,7 +22,7 @@ def _of_small(neighbours):
     """Order by minimum degree; fill is stored as borders of eliminated nodes, whose nodes are all coupled."""
     near = [set(own.tolist()) for own in neighbours]
     borders: dict[int, set[int]] = {}
-    # near: neighbours in no border; inside: eliminated nodes whose border contains a node
+    # near: neighbours not in a border; inside: eliminated nodes whose border contains a node
     inside: list[set[int]] = [set() for _ in near]
     degree: list[int | None] = [len(own) for own in near]
     queue = [(len(own), i) for i, own in enumerate(near)]

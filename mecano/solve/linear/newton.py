@@ -25,11 +25,11 @@ from mecano.solve.time.workspace import BEGIN, RENEWED, TRIAL, copy_state, is_du
 
 TINY = 1e-300
 SLOW = 0.1  # a kept factor is used again as long as the residual falls by more than this
-SHARE = 0.001  # of the tolerances is met with an old tangent, whose last iteration does not square the error
-MOST_ROUNDING = 10.0  # times the estimated rounding, which a residual may be if the corrections are rounding
+SHARE = 0.001  # of the tolerances, to be met with a kept tangent: its last iteration does not square the error
+MOST_ROUNDING = 10.0  # largest residual, over its estimated rounding error, if the corrections are rounding errors
 OVERSHOT = 0.5  # share of the work of the residual that may remain with the opposite sign
 MOST_HALVINGS = 8  # of one correction
-MOST_MOVED = 3.0  # length scales, or rad, in one correction: iterations that go so far do not come back
+MOST_MOVED = 3.0  # length scales, or rad, in one correction: iterations that move farther diverge
 
 CONVERGED, STALE, NOT_FINITE, TOO_MANY, SINGULAR, DIVERGES, PAUSE, OTHERWISE = range(8)
 MESSAGES = {
@@ -43,16 +43,16 @@ FAILURES = dict.fromkeys(MESSAGES, Failure.NOT_CONVERGED) | {
     SINGULAR: Failure.SINGULAR,
 }
 
-# What is known of the iterations, a vector: their number; forces, constraints and increment now, over their tolerances;
-# the largest residual before the last iteration, now, before the first one and after it.
+# Report of the iterations, a vector: their number; current forces, constraints and increment over their tolerances;
+# the largest residual before the last iteration, after it, before the first one and after that.
 ITERATIONS, FORCES, CONSTRAINTS, INCREMENT, LAST, WORST, FIRST, SECOND = range(8)
 
 
 @kernel
 def newton(w):
-    """Iterate from the state TRIAL of the workspace, moved in place: one of the codes above.
+    """Iterate from the state TRIAL of the workspace, changed in place; return one of the codes above.
 
-    ``stale``: the tangent must be renewed. ``pending``: the increment solves for the present residual, whose largest
+    ``stale``: the tangent must be renewed. ``pending``: the increment solves for the current residual, whose largest
     norm is report[WORST]. ``kept``: the factor belongs to an earlier solution, and ``most_kept`` iterations with it are
     expected to converge. ``usable``: the factor may be used at all.
     """
@@ -73,7 +73,7 @@ def newton(w):
 
 @kernel
 def iterate(w):
-    """Iterate with the present factor; return STALE if a new one is needed, or another of the codes."""
+    """Iterate with the current factor; return STALE if a new one is needed, or another of the codes."""
     s, R0, of = state_of(w, TRIAL), state_of(w, BEGIN).R, unknowns_of(w)
     r, x = floats(w.residual, w.n_all), floats(w.increment, w.n)
     report, system = floats(w.report, 8), system_of(w)
@@ -122,7 +122,7 @@ def scale_massless(of, x_out, share):
 
 @kernel
 def measure(w, report, share):
-    """Enter the norms of the present residual, for a ``share`` of the tolerances; return that of signals."""
+    """Enter the norms of the current residual, for a ``share`` of the tolerances; return that of signals."""
     forces, constraints, signals = present_norms(w, share, 1.0, w.reach)
     w.motion = max(forces, constraints)
     report[FORCES], report[CONSTRAINTS] = max(forces, signals), constraints
@@ -132,7 +132,7 @@ def measure(w, report, share):
 
 @kernel
 def present_norms(w, share, most, reach):
-    """Return the norms of the present residual, for a ``share``, ``most`` and ``reach`` of the Limits."""
+    """Return the norms of the current residual, for a ``share``, ``most`` and ``reach`` of the Limits."""
     r, size = floats(w.residual, w.n_all), floats(w.size, w.n_all)
     scales = Scales(w.length, w.k, w.stiffness, w.duration, w.loudest)
     limits = Limits(w.force_tolerance, w.constraint_tolerance, share, most, reach)
@@ -141,7 +141,7 @@ def present_norms(w, share, most, reach):
 
 @kernel
 def judge(w, report, signals):
-    """Return one of the codes for the present norms, or -1 to continue with the present factor."""
+    """Return one of the codes for the current norms, or -1 to continue with the current factor."""
     worst, iteration = report[WORST], report[ITERATIONS]
     if iteration == 0:
         report[FIRST] = worst
@@ -155,7 +155,7 @@ def judge(w, report, signals):
         rounded = at_rounding(report[INCREMENT] * w.increment_tolerance, reduction, w.renewed, w.reach, ROUNDING)
         if worst <= 1.0 or (signals <= 1.0 and rounded and not w.strict):
             return CONVERGED
-        if signals <= 1.0 and rounded:  # the residual may be that of positions, however many tolerances that is
+        if signals <= 1.0 and rounded:  # the residual may be the rounding error of positions
             forces, constraints, _ = present_norms(w, 1.0, np.inf, w.farthest)
             if max(forces, constraints) <= MOST_ROUNDING:
                 return CONVERGED
@@ -217,7 +217,7 @@ def soften_tangent(w, s, share):
 
 @kernel
 def soften_rows(w, z, r_out):
-    """Let redundant constraints give way (compliance.py)."""
+    """Add the compliance of redundant constraints to their rows (compliance.py)."""
     if w.n_entries:
         starts, columns = integers(w.soft_starts, w.n - w.n_q + 1), integers(w.soft_columns, w.n_entries)
         soften(w.k, starts, columns, floats(w.soft_values, w.n_entries), z[w.n_q : w.n], r_out[w.n_q : w.n])

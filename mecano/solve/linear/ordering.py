@@ -38,7 +38,7 @@ COLUMNS = 11
 STRIP = LANES  # pivots handled in one sweep; rows of fronts are stored with a stride rounded up to it
 
 FRONT_WORK = 2000.0  # overhead of one front, in floating point operations
-WEIGHTS = 30  # nodes that give others a degree beyond that of most models
+WEIGHTS = 30  # extra nodes, which raise the degree of others above that of most models
 Count = TypeVar("Count", int, np.ndarray)
 MOST_ENTRIES = 1_000_000  # entries placed at a time
 
@@ -67,7 +67,7 @@ class Pattern(NamedTuple):
     rows, cols : (nnz,) int
         Each entry once, in any order. Structural symmetry is not required.
     groups : (n_q,) int
-        Unknowns with the same number (those of one node) are eliminated together.
+        Unknowns of the same group (those of one node) are eliminated together.
     parts : (n,) int, optional
         Part of each unknown (model/halves.py): no entry couples parts other than with the last one. The unknowns of a
         group belong to the same part, multipliers to the part of their unknowns, or to the last one.
@@ -139,8 +139,8 @@ def _neighbours(block_rows, block_cols, n_blocks):
 def _with_weights(neighbours, last):
     """Return the graph with WEIGHTS further nodes, coupled to each other and to the nodes ``last``.
 
-    By minimum degree, other nodes are then eliminated towards these, which wait. Otherwise a chain of nodes might be
-    eliminated from where it is cut to its end: every node would fill the border with the node at the cut.
+    Minimum degree then eliminates the other nodes first, towards these. Otherwise it might eliminate a chain of nodes
+    from the cut to its end, and every node would fill the border with the node at the cut.
     """
     weights = np.arange(len(neighbours), len(neighbours) + WEIGHTS)
     found = [*neighbours, *(np.concatenate([last, weights[weights != one]]) for one in weights)]
@@ -207,7 +207,7 @@ def _postorder(parent):
 def _join(structures, sizes, starts):
     """Join blocks into fronts: each block with the preceding one, its child, if that saves time.
 
-    ``starts``: the first blocks of the parts, with which a front begins. Returns the number of the block after each
+    ``starts``: the first blocks of the parts, with which a front begins. Returns the index of the block after each
     front, and the border of each front (blocks, ascending).
     """
     widths = [int(sizes[s].sum()) for s in structures]

@@ -1,8 +1,8 @@
 """Decide when to refactor the Newton tangent.
 
-An iteration with a tangent that is ``age`` steps old reduces the residual to about drift * age of its norm. Some such
-iterations cost less than a new tangent with its factorization, the more the larger the model; a tangent is kept as long
-as so many are expected to converge.
+An iteration with a tangent that is ``age`` steps old reduces the residual to about drift * age of its norm. A few such
+iterations, more in larger models, cost less than a new tangent with its factorization; a tangent is kept as long as
+that number is expected to converge.
 """
 
 import math
@@ -19,15 +19,15 @@ FORGET = 0.9  # factor of the drift in every step without an old tangent
 def most_kept(n):
     """Return how many iterations with a kept tangent cost less than a new one of n unknowns.
 
-    A fit to the fastest of 2 to 12 in ten four-bars and in chains of 10 to 1000 bars (104 to 11,000 unknowns): 4 to 8.
-    In small models more than two gain 4 % at most, and leave larger residuals.
+    Fitted to the fastest choice among 2 to 12 for ten four-bars and for chains of 10 to 1000 bars (104 to 11,000
+    unknowns), which is 4 to 8. In small models more than two gain 4 % at most, and leave larger residuals.
     """
     return FEW if n < LARGER else round(0.6 * math.log2(n))
 
 
 @kernel
 def choose_tangent(has, age, drift, renewed, report, most_kept):
-    """Decide whether the next step uses the tangent of this one: (whether, age in steps, drift).
+    """Decide whether the next step uses the tangent of this one; return (decision, age in steps, drift).
 
     ``has``, ``age`` and ``drift`` are those with which this step began; ``renewed``: it evaluated a tangent;
     ``most_kept``: iterations that may be made with an old one.

@@ -9,7 +9,7 @@ converged, whatever its residual, if the next correction would be rounding,
 
 or if with a new tangent the residual falls no more (:math:`\theta > 0.3`) after a correction of 1e-12 |x|, as where
 angles of many turns are rounded more coarsely. |x| is the largest coordinate, but at least the length scale, or 1 rad.
-Hairer & Wanner (1996, IV.8) judge the next correction in the same way, and ask for no less than 10 roundings.
+Hairer & Wanner (1996, IV.8) judge the next correction in the same way, with at least 10 rounding units.
 """
 
 from mecano.jit.kernel import kernel
@@ -34,7 +34,7 @@ def at_rounding(correction, reduction, fresh, reach, least):
     reach : float
         Largest coordinate over the length scale, at least 1.
     least : float
-        Next correction over ``reach`` that is rounding.
+        Largest next correction over ``reach`` that counts as rounding error.
     """
     return correction * min(reduction, 1.0) <= least * reach or (
         fresh and reduction > STALLS and correction <= NEAR * reach

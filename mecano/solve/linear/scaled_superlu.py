@@ -30,7 +30,7 @@ class ScaledSuperLU:
     def driven_null_vector(self, b: np.ndarray) -> np.ndarray:
         """Return the unit null vector (n,) of the scaled matrix excited by ``b`` (n,): inverse iteration.
 
-        If ``b`` excites none, one excited by all rows alike.
+        If ``b`` excites none, return one that a vector of ones excites.
         """
         x = self._iterated(self.row_scale * b) if np.any(b) else np.ones(len(b))
         return x if np.abs(self.matrix @ x).max() <= NULL else self._iterated(np.ones(len(b)))

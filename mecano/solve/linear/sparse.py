@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 ACCEPT_BELOW = 1e-9  # backward error of a solution that is used
 MOST_SWEEPS = 8  # of refinement with the factor of a similar matrix, which cost as much as a factorization
-SINGULAR_BELOW = 1e-15  # reciprocal condition number of the equilibrated matrix
+SINGULAR_BELOW = 1e-15  # reciprocal condition number of the scaled matrix
 
 
 class LinearStatus(NamedTuple):
@@ -35,7 +35,7 @@ class LinearStatus(NamedTuple):
     backward_error: float  # max |A x - b| / max(|A| |x| + |b|)
     singular: bool = False  # the matrix is singular to working precision; ok: the equations have a solution
     finite: bool = True  # no infinity and no nan in the matrix and in b
-    null_pivots: int = 0  # equations left out of the factorization, their unknowns set to zero
+    null_pivots: int = 0  # equations omitted from the factorization, their unknowns set to zero
     refined: bool = False
     fallback: bool = False  # by SuperLU, with row exchanges everywhere
 
