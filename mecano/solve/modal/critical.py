@@ -28,7 +28,7 @@ End: TypeAlias = tuple[float, complex, np.ndarray]  # of a branch: place, eigenv
 
 
 def branch_end(spectra: Sequence[Spectrum | None], places: np.ndarray, row: np.ndarray, i: int) -> End:
-    """Return the End of a branch at the place number i; ``row`` (n,): indices of the branch in the ``spectra``."""
+    """Return the End of a branch at ``places[i]``; ``row`` (n,): indices of the branch in the ``spectra``."""
     spectrum = spectra[i]
     assert spectrum is not None, "a branch ends where a state was found"
     return float(places[i]), spectrum.values[row[i]], spectrum.shapes[row[i]]

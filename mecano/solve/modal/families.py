@@ -4,8 +4,8 @@ With the axes longitudinal (the horizontal mean velocity of the nodes; x for a m
 gravity; z without gravity) and lateral (vertical x longitudinal), a shape y is split into translations along each axis,
 rotations about each axis, and scalar unknowns of elements. The part :math:`y_k` with the largest kinetic energy
 :math:`y_k^* M y_k` determines the family: longitudinal, lateral, vertical; roll, pitch, yaw; deformation. For a motion
-without inertia the squared displacements are compared instead, with rotations times the length scale. Signals have
-any unit and are left out; a mode of signals alone, such as the pole of a filter, counts as deformation.
+without inertia the squared displacements are compared instead, with rotations times the length scale. Signals, which
+may have any unit, are ignored; a mode of signals alone, such as the pole of a filter, counts as deformation.
 """
 
 from typing import TYPE_CHECKING

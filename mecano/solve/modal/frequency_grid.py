@@ -1,7 +1,7 @@
 """Frequencies at which transfer functions are computed: a grid, refined where they vary fast, and their peaks.
 
-A grid alone may miss a lightly damped resonance. The modes of the model tell where these are: points are added around
-each of them, then between any two points whose responses differ much, and each peak is located.
+A grid alone may miss a lightly damped resonance. Points are therefore added around each mode of the model, then between
+any two points whose responses differ much, and each peak is located.
 """
 
 from collections.abc import Callable, Iterable
@@ -10,14 +10,14 @@ from dataclasses import dataclass
 import numpy as np
 
 LIGHT = 0.5  # damping ratio below which a mode has a resonance
-UNDAMPED = 1e-9  # damping ratio that is rounding: the peak is infinite
+UNDAMPED = 1e-9  # damping ratio that counts as zero: the peak is infinite
 NARROWEST = 1e-4  # of a frequency: least distance of added points
 STEP = 0.35  # largest change of the logarithm of a response between two points
-MOST = 10  # times the number of points asked for: points altogether
+MOST = 10  # largest number of points, over the number requested
 PROMINENT = 1.01  # ratio of a peak to the valleys beside it
 LOCATED = 1e-9  # of its frequency: change at which a peak is located
 ROUNDS = 12
-SIDES = -1.0, 1.5  # factors of the distances below and above a resonance: no point halfway between two of them is there
+SIDES = -1.0, 1.5  # factors of the distances below and above a resonance; unequal, to avoid the midpoint
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Peak:
 
 
 class Sampled:
-    """A transfer function ``evaluate(omega)`` -> (p, m) and its values at the frequencies asked for so far."""
+    """A transfer function ``evaluate(omega)`` -> (p, m), with its values at the frequencies evaluated so far."""
 
     def __init__(self, evaluate: Callable[[float], np.ndarray]):
         self._evaluate, self._found = evaluate, dict[float, np.ndarray]()
@@ -78,9 +78,9 @@ def refine(sampled: Sampled, base: np.ndarray, poles: Iterable[complex]) -> None
 
 
 def _around(pole, spacing):
-    """Return frequencies [rad/s] at, and at growing distances from, the resonance of a pole; none of a large damping.
+    """Return frequencies [rad/s] at, and at growing distances from, the resonance of a pole; none if it is well damped.
 
-    They end where the distance exceeds ``spacing``, of the frequency.
+    The distances end at ``spacing`` times the frequency.
     """
     size, omega = abs(pole), abs(pole.imag)
     if not size or -pole.real > LIGHT * size:

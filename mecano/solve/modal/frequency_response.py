@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mecano.solve.modal.linearize import Linearization
 
 ROUNDS = 4  # of the balance of rows and columns
-ROUNDED = 1e-14  # of the largest unknown, in balanced units: a response that is rounding, and none
+ROUNDED = 1e-14  # of the largest unknown, in balanced units: a smaller response counts as zero
 REFINED = 2  # rounds of iterative refinement
 
 
@@ -58,9 +58,9 @@ class TransferFunction:
         return self.with_size(s)[0]
 
     def with_size(self, s: complex) -> tuple[np.ndarray, np.ndarray]:
-        """Return H(s) (p, m), and what it could be if all unknowns were as large as the largest, in balanced units.
+        """Return H(s) (p, m), and its size (p, m) if all unknowns were as large as the largest, in balanced units.
 
-        A smaller part than ROUNDED of that is zero.
+        Entries of H below ROUNDED times that size are set to zero.
         """
         Q0, Q1, Q2 = self.plant.inputs
         R0, R1, R2 = self.plant.outputs
@@ -138,7 +138,7 @@ def _balance(A):
 
 
 def scale_unread(A: sp.spmatrix, rows: np.ndarray, columns: np.ndarray) -> None:
-    """Set, in place, factors of unknowns that no other equation reads: their sizes follow from what they read.
+    """Set, in place, the factors of unknowns that no other equation reads, from the unknowns that their equations read.
 
     ``A`` (n, n) has no negative entries.
     """

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from mecano.solve.events.compliance import Compliance
 
 PROBE = 1e-6  # [rad] motion over which the change of the matrices is measured
-RESTING = 1e-12  # [m/s], [rad/s] velocities up to this are rounding, as of a drive at its turning point
+RESTING = 1e-12  # [m/s], [rad/s] velocities up to this are rounding errors, as of a drive at its turning point
 
 
 class Assemble(Protocol):
@@ -100,8 +100,8 @@ def linearize(
 def by_motions(system: "System", s: "State", w: np.ndarray) -> tuple[sp.csr_matrix, ...]:
     """Return the derivatives of the material unknowns by the motions y, y', y'' in axes that turn with ``w`` (3,).
 
-    They are sparse (n, n): that of displacements and material rotations by y, of velocities by y, of accelerations by
-    y, and of accelerations by y', over the rows of unknowns; the others are that by y.
+    They are sparse (n, n), by rows of unknowns: displacements and material rotations by y, velocities by y,
+    accelerations by y, accelerations by y'. All others equal the first.
     """
     P, G1, G2, G3 = _blocks(system, s, np.asarray(w, float), np.eye(3))
     return P, P @ G1, P @ G3, P @ G2
@@ -156,8 +156,8 @@ def _fastest(system, s, w):
 def _variation(system, s, w, rate, assemble, now):
     """Return the largest relative change of the matrices in the time of one radian at angular velocity ``rate``.
 
-    It is that from PROBE to twice PROBE: at rest, jumps of a tangent, such as that between compression and rebound of
-    an oleo, depend on the sign of a rate that is rounding.
+    It is measured between PROBE and twice PROBE, because at rest a jump of the tangent, such as that between
+    compression and rebound of an oleo, depends on the sign of a rate that is rounding error.
     """
     if rate <= RESTING:
         return 0.0
@@ -171,7 +171,7 @@ def _variation(system, s, w, rate, assemble, now):
 
 
 def _acting(system, matrices):
-    """Return (n,) bool: unknowns but for signals that only measure, as an inertial component in turning axes."""
+    """Return (n,) bool: unknowns except signals that only measure, such as an inertial component in turning axes."""
     counts = np.ones(system.n, bool)
     read = sum(abs(A) for A in matrices).tocsr()
     read.setdiag(0.0)
@@ -189,8 +189,8 @@ def _acting(system, matrices):
 def _changes(near, far, n_q):
     """Return the norms of the changes of M, C and K from ``near`` to ``far``, the border of constraints included.
 
-    Two transverse axes that turn with a shaft hold the same motions at any angle: of the rows of constraints, and of
-    the columns of multipliers, only the part outside the span of those before counts.
+    Two transverse axes that turn with a shaft constrain the same motions at any angle. Therefore only the part of the
+    constraint rows, and of the multiplier columns, outside the span of the earlier ones counts.
     """
     M, C, K = (B - A for A, B in zip(near, far, strict=True))
     held = _outside(sp.hstack([near[1][n_q:, :n_q], near[2][n_q:, :n_q]]), sp.hstack([C[n_q:, :n_q], K[n_q:, :n_q]]))
@@ -220,9 +220,9 @@ def _matrices_after(system, s, w, dt, assemble):
 
 
 def _react(system, s, assemble):
-    """Set the reactions of ``s`` in place to those in balance with its motion: some have inertial components.
+    """Set the reactions of ``s`` in place to those that balance its motion: some have inertial components.
 
-    Of more than DENSE_ROWS motions they stay as they are.
+    With more than DENSE_ROWS motions they are left unchanged.
     """
     n_q, n = system.n_q, system.n
     if not system.n_l or n_q > DENSE_ROWS:

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
 DENSE = 400  # motions up to which all eigenvalues are computed
 FREE = 1e-9  # of the magnitudes of its terms: K y up to which a motion has no stiffness
-ROUNDED = 1e-12  # of the same: forces of inertia and damping that are rounding, as K y is where stiff forces cancel
-EIGENVALUES = 1e-14  # of the largest squared eigenvalue: rounding of all of a dense matrix
-LEAST = 1e-6  # of the largest stiffness: lower bound of these magnitudes; FREE of it is rounding
+ROUNDED = 1e-12  # of the same: inertia and damping forces that are rounding errors, as K y is where stiff forces cancel
+EIGENVALUES = 1e-14  # of the largest squared eigenvalue: rounding error of all eigenvalues of a dense matrix
+LEAST = 1e-6  # of the largest stiffness: lower bound of these magnitudes; FREE times it is rounding error
 REAL = 1e-9  # of an eigenvalue: imaginary part up to which it is real
 CONVERGED = 1e-6  # residual up to which a mode is converged
 GROWS = 1e-7  # of an eigenvalue: positive real part above which the mode grows
@@ -98,7 +98,8 @@ def solve(lin: "Linearization", number: int = 10, method: str = "automatic") -> 
 def poles_up_to(lin: "Linearization", omega: float) -> np.ndarray:
     """Return the eigenvalues (m,) of a Linearization with moduli up to ``omega`` [1/s], one of each conjugate pair.
 
-    Of a large model those nearest to zero are computed, MOST at most. Raises ConvergenceError if ARPACK fails.
+    For a large model at most MOST eigenvalues, those nearest to zero, are computed. Raises ConvergenceError if ARPACK
+    fails.
     """
     scaled, number = SmallMotions(lin), FIRST
     while True:
@@ -128,8 +129,8 @@ def _found(scaled, lin, number, method):
 def _nearest_to_zero(scaled, lin, number, found):
     """Return the Modes nearest to zero, found alone, if they are more accurate than those ``found`` by dense matrices.
 
-    Rounding disturbs all eigenvalues of a dense matrix by that of the largest, such as those of damped members that are
-    much lighter than what they carry. Modes that grow may lie far from zero: if some did, all are kept as they are.
+    Rounding perturbs all eigenvalues of a dense matrix in proportion to the largest one, such as that of a damped
+    member much lighter than its load. Growing modes may lie far from zero: if there are any, all modes are kept.
     """
     if any(kind in GROWING for kind, converged in zip(found.kinds, found.converged, strict=True) if converged):
         return found
@@ -163,7 +164,8 @@ def _with_free(scaled, values, shapes):
 def _strained(scaled, shapes):
     """Return the parts (m, n_q) of shapes that have forces of stiffness: the least x with K x + D mu = K y, B x = B y.
 
-    Free motions are combinations of eigenvectors, which magnify the rounding of these where they are nearly parallel.
+    Free motions are combinations of eigenvectors; where these are nearly parallel, the combinations magnify rounding
+    errors.
     """
     K, D, B = (A.toarray() for A in (scaled.K, scaled.D, scaled.B))
     whole = np.block([[K, D], [B, np.zeros((len(B), D.shape[1]))]])
@@ -185,7 +187,7 @@ def _plain(basis):
 
 
 def _is_free(scaled, value, y, largest):
-    """Return whether the pair is a free motion: K y, up to multipliers, and inertia and damping are rounding."""
+    """Return whether the pair is a free motion: K y, up to multipliers, and inertia and damping vanish to rounding."""
     size = max(np.linalg.norm(abs(scaled.K) @ abs(y)), LEAST * scaled.size[2] * np.linalg.norm(y))
     if not size:
         return abs(value) <= 1e-7 * largest
@@ -201,7 +203,7 @@ def _is_free(scaled, value, y, largest):
 
 
 def _one_of_each_pair(values, shapes):
-    """Return one of each conjugate pair, with imaginary parts that are rounding set to zero."""
+    """Return one of each conjugate pair, with imaginary parts at rounding level set to zero."""
     real = np.abs(values.imag) <= REAL * np.abs(values)
     values = np.where(real, values.real + 0j, values)
     keep = values.imag >= 0.0

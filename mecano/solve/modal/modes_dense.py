@@ -1,9 +1,9 @@
 r"""All modes of a small model, by dense matrices.
 
-Signals without a state follow at once from motions and other signals: they are eliminated. Holonomic constraints
-restrict motions to y = Z p with an orthonormal basis Z of the null space of B, so no eigenvalue belongs to a
-constraint, redundant or not. The equations are projected on these motions, too, or, if friction follows reactions, on
-the null space of :math:`D^T`, in which reactions do no work. Constraints on velocities restrict the motions further to
+Signals without a state are functions of motions and other signals: they are eliminated. Holonomic constraints restrict
+motions to y = Z p with an orthonormal basis Z of the null space of B, so no eigenvalue belongs to a constraint,
+redundant or not. The equations are projected on these motions, too, or, if friction follows reactions, on the null
+space of :math:`D^T`, in which reactions do no work. Constraints on velocities restrict the motions further to
 :math:`\dot p = N r + G p`, with N the null space of E Z and :math:`G = -(E Z)^+ F Z`. Motions without inertia and
 damping are condensed. A symmetric undamped problem is solved by eigh, any other one in first-order form: by QR if the
 rates of motions without inertia follow from their damping, by QZ if that damping is singular.
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from mecano.solve.modal.small_motions import SmallMotions
 
 MASSLESS = 1e-13  # of the largest inertia: a smaller one counts as zero
-ZERO, SINGULAR = 1e-12, 1e-9  # of the largest singular value: rounding; a singular matrix
+ZERO, SINGULAR = 1e-12, 1e-9  # of the largest singular value: zero to rounding; zero in the test of a singular matrix
 EXACT_ZERO = 2e-14  # of the largest singular value: tighter bound of rounding, as stiff and soft motions occur together
-ROUNDED_MASS = 1e-12  # of the largest inertia: asymmetry that is rounding
-ROUNDED = 1e-15  # of the largest entry of its row: an entry that is rounding
+ROUNDED_MASS = 1e-12  # of the largest inertia: asymmetry that is rounding error
+ROUNDED = 1e-15  # of the largest entry of its row: a smaller entry is rounding error
 COUPLED = 3e-14  # of the same: smaller entries do not scale unknowns, else undetermined angles would amplify rounding
-SLOW = 1e-8  # of the largest square of a frequency: the smaller ones lose half of the digits beside it
-ROUNDED_REACTION = 1e-9  # of the largest entry of B: work of reactions that is rounding
+SLOW = 1e-8  # of the largest squared frequency: smaller ones lose half of their digits
+ROUNDED_REACTION = 1e-9  # of the largest entry of B: work of reactions that is rounding error
 INFINITE = 3e-7  # smaller denominators of the generalized eigenvalues count as zero
 
 
@@ -119,9 +119,9 @@ def _condensed(M, C, K):
 def _undamped(M, K):
     """Return the squares (m,) of the circular frequencies, ascending, and the shapes (n, m) of K y = square M y.
 
-    Rounding disturbs all squares by that of the largest one, more than a slow motion has on members that are much
-    lighter than their loads. The slow ones are found again from M y = (K + shift M) y/(square + shift), where that
-    matrix is positive definite: they are the largest there, and disturbed by the rounding of the shift.
+    Rounding perturbs all squares in proportion to the largest one, which may exceed the square of a slow motion of
+    members much lighter than their loads. The slow ones are recomputed from M y = (K + shift M) y/(square + shift),
+    where that matrix is positive definite: there they are the largest, and perturbed in proportion to the shift only.
     """
     squares, vectors = la.eigh(K, M)
     shift = squares[-1]
@@ -168,7 +168,7 @@ def _below(share, A):
 
 
 def _pace(M, C, K):
-    """Return a rate [1/s] that makes positions and velocities comparable; of filters alone, nothing has inertia."""
+    """Return a rate [1/s] that makes positions and velocities comparable, also without inertia (filters alone)."""
     m, c, k = (np.abs(A).max() for A in (M, C, K))
     return (np.sqrt(k / m) if m else k / c if c else 0.0) or 1.0
 

@@ -27,7 +27,7 @@ CANCELLED = 1e-12  # relative pivot below which a larger shift is tried
 FEW_MOVE = 3000  # unknowns up to which a mechanism with few motions is solved by dense matrices
 EXTRA = 6  # eigenvalues requested from ARPACK beyond those wanted
 SHIFTS = (-6, -5, -4, -3, -2)  # decimal exponents of the shifts tried, relative to the mean frequency
-SINGULAR = 1e-12  # of the mean frequency: a smaller eigenvalue about zero is that of a singular stiffness
+SINGULAR = 1e-12  # of the mean frequency: a smaller eigenvalue indicates a singular stiffness
 INFINITE = 1e-13  # smaller inverses of eigenvalues count as zero
 
 
@@ -55,8 +55,7 @@ def sparse(scaled: "SmallMotions", number: int) -> tuple[np.ndarray, np.ndarray,
 def _shifted(scaled, rate):
     """Yield the solution functions of the bordered K + s C + s^2 M, and the shifts s, the first zero if K is regular.
 
-    ``rate`` [1/s] is the mean frequency. Of a K that is singular but for rounding the eigenvalue next to zero hides all
-    others.
+    ``rate`` [1/s] is the mean frequency. If K is singular to rounding, the eigenvalue closest to zero hides all others.
     """
     M, C, K = scaled.full
     k = float(abs(K.diagonal()[: scaled.n_q]).mean()) or 1.0

@@ -199,7 +199,7 @@ def _positions(system, chosen, origin, axes):
 
 
 def _springs(K, own, n_modes):
-    """Return the stiffness (n,) of elements at the boundary coordinates, equal along all axes; 0 for modes."""
+    """Return the stiffness (n,) of elements at the boundary coordinates, the same along all axes; 0 for modes."""
     largest = K.diagonal()[own].reshape(-1, 3).max(axis=1)
     return np.concatenate([np.repeat(largest, 3), np.zeros(n_modes)])
 

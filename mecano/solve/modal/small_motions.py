@@ -22,9 +22,9 @@ class SmallMotions:
     """The matrices of a Linearization with rotations times the length scale and signals balanced, split into blocks.
 
     Each signal has one of the ``units`` (n_q,), and its equation a factor, such that the largest entries of the rows
-    and columns of signals are about one: no equation is dropped for a gain of 1e5.
-    M, C, K (n_q, n_q) are those of motions, D (n_q, n_l) the columns of multipliers, B the holonomic constraints,
-    B y = 0, and E, F the constraints on velocities, (value E + F) y = 0.
+    and columns of signals are about one. Otherwise a gain of 1e5 would make other equations look negligible. M, C, K
+    (n_q, n_q) are the matrices of motions, D (n_q, n_l) the columns of multipliers, B the holonomic constraints, B y =
+    0, and E, F the constraints on velocities, (value E + F) y = 0.
     """
 
     def __init__(self, lin: "Linearization"):
@@ -55,8 +55,8 @@ class SmallMotions:
     def _without_reactions(self, matrices, signals):
         """Return the matrices with the reactions that signals read replaced by the forces that they balance.
 
-        From the equations of the signals, combinations of those of motions are subtracted such that no multiplier is
-        left in them.
+        Combinations of the equations of motion are subtracted from those of the signals, such that the latter contain
+        no multiplier.
         """
         if not (read := np.flatnonzero(signals[: self.n_q] & self._read(matrices[2]))).size:
             return matrices
@@ -65,7 +65,7 @@ class SmallMotions:
         at = np.repeat(read, len(motions)), np.tile(motions, len(read))
         rows = sp.csr_matrix((parts.T.ravel(), at), matrices[2].shape)
         M, C, K = ((A - rows @ A).tocsr() for A in matrices)
-        rest = K.tocoo()  # rounding of multipliers would keep a signal that acts on nothing among the unknowns
+        rest = K.tocoo()  # rounding errors of multipliers would keep a signal that acts on nothing among the unknowns
         rounded = np.isin(rest.row, read) & (rest.col >= self.n_q)
         rounded &= np.abs(rest.data) <= ROUNDED_REACTION * abs(D[read]).max()
         at = rest.row[~rounded], rest.col[~rounded]

@@ -1,12 +1,13 @@
 r"""Steady rotation by continuation: from the start to an equilibrium at rest, then with growing speed.
 
-At rest the forces r_0 and gaps of the start are taken away little by little,
+At rest the forces r_0 and gaps of the start are removed gradually,
 
 .. math:: r(q) = (1 - p)\, r_0, \qquad \Phi(q) = (1 - p)\, \Phi_0, \qquad 0 \le p \le 1,
 
 so that a blade bends under a growing part of its weight; then the squared angular velocity, to which the centrifugal
 forces are proportional, grows from zero to :math:`p\, w^2`, p = 1. Each step is solved by a few iterations of Newton's
-method (steady.py) from the state before. It is halved if they do not converge, or lead far, and doubled if they do.
+method (steady.py) from the state before. Its length is halved if they do not converge or move far, and doubled
+otherwise.
 """
 
 from collections.abc import Callable
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from mecano.solve.modal.steady_rotation import Rotation
 
 FIRST, LEAST, MOST_STEPS = 0.1, 1e-4, 200  # step of p at the beginning, least step, number of trials
-FAR = 0.3  # largest displacement of a node in a step, in length scales: beyond, it may be another branch
+FAR = 0.3  # largest displacement of a node in a step, in length scales: a larger one may lead to another branch
 
 
 def spin_up(steady: "Steady", motion: "Rotation", start: "State") -> "tuple[State, bool]":

@@ -8,8 +8,8 @@ equations are then removed by :math:`z = \bar z + E^{-1} B_k u^{(k-1)}`, which l
 
 .. math::  \dot z = A z + B u, \qquad x = N z + D_0 u + D_1 u' + \ldots
 
-The states are those unknowns of the model, or rates, that determine all others best, less what the inputs add to them
-at once.
+The states are those unknowns of the model, or rates, that determine all others best, without the direct contribution of
+the inputs.
 """
 
 from collections.abc import Sequence
@@ -28,22 +28,22 @@ from mecano.solve.statics.stability import null_space
 if TYPE_CHECKING:
     from mecano.solve.modal.frequency_response import Plant
 
-SINGULAR = 1e-11  # of the largest singular value: rounding
-IMPROPER = 1e-5  # of the terms of a transfer function: a factor of the rate of the input that is left out
+SINGULAR = 1e-11  # of the largest singular value: smaller ones count as zero
+IMPROPER = 1e-5  # of the terms of a transfer function: a smaller factor of the rate of an input is neglected
 DEPENDENT = 1e-9  # of normalized rows of constraints
-DETERMINED = 1e-6  # of a motion: least part of it that is left beside the states chosen before
-ROUNDED = 1e-14  # of the largest entry of a row, in balanced units: rounding
-NOISE = 1e-12  # of the largest possible entry, in balanced units: an output that does not depend on a state or input
-AT_ONCE = 1e3  # preference of unknowns that are solved for before motions: signals without a state, reactions
-TRIED, NEAR = 4, 100.0  # units of time that are tried; ratio of the mean eigenvalue to one that is near enough
-ZERO = 1e-9  # of the largest stiffness: none
-SLOW = 1e-3  # of the largest eigenvalue, and of the unit of time: may be the rounding of a multiple eigenvalue zero
+DETERMINED = 1e-6  # of a motion: least part of it that must be independent of the states chosen before
+ROUNDED = 1e-14  # of the largest entry of a row, in balanced units: smaller ones are rounding errors
+NOISE = 1e-12  # of the largest possible entry, in balanced units: a smaller one is no dependence on a state or input
+AT_ONCE = 1e3  # preference, over motions, of unknowns to be solved for: signals without a state, reactions
+TRIED, NEAR = 4, 100.0  # units of time to be tried; ratio to the mean eigenvalue up to which one is accepted
+ZERO = 1e-9  # of the largest stiffness: a smaller one counts as zero
+SLOW = 1e-3  # of the largest eigenvalue, and of the unit of time: a smaller one may be a multiple zero
 BALANCED = 10  # rounds of the balance of unknowns and equations
 
 
 @dataclass(frozen=True)
 class StateSpace:
-    """x' = A x + B u, z = C x + D u; ``states`` are numbers of unknowns y, or of their rates, see ``is_rate``."""
+    """x' = A x + B u, z = C x + D u; ``states`` are indices of unknowns y, or of their rates, see ``is_rate``."""
 
     A: np.ndarray  # (n, n)
     B: np.ndarray  # (n, m)
@@ -201,7 +201,7 @@ def _stateful(lin):
 
 
 def _independent(K, C, n_q):
-    """Return (numbers of the equations without redundant constraints, S (n_l, r): reactions from independent ones).
+    """Return (indices of the equations without redundant constraints, S (n_l, r): reactions from independent ones).
 
     Redundant constraints share their reactions by their compliances, which are in K and removed there. A constraint on
     velocities that follows from those on positions is the redundant one.
@@ -228,14 +228,14 @@ def _independent(K, C, n_q):
 def _pivots(rows, groups, least):
     """Return the indices of independent rows (n, m), from the ``groups`` of indices in their order.
 
-    A row counts if more than ``least`` of it, relative to its size, is left beside the chosen ones.
+    A row is independent if its part orthogonal to those chosen before exceeds ``least`` of its size.
     """
     basis, chosen = np.zeros((0, rows.shape[1])), []
     size = np.linalg.norm(rows, axis=1)
     for group in groups:
         own = group[size[group] > NOISE * size.max(initial=0.0)]
         rest = rows[own] / size[own, None]
-        for _ in range(2):  # twice is enough against rounding
+        for _ in range(2):  # twice is enough
             rest = rest - (rest @ basis.T) @ basis
         if not len(own):
             continue
@@ -315,12 +315,12 @@ def _chosen(N, lin):
 
 
 def _rounded(A):
-    """Return a matrix without the entries that are rounding beside the largest one of their row."""
+    """Return a matrix without entries at the rounding level of the largest one of their row."""
     return np.where(np.abs(A) <= ROUNDED * np.abs(A).max(axis=1, keepdims=True, initial=0.0), 0.0, A)
 
 
 def _refuse_improper(A, B, C, D):
-    """Raise ImproperError if outputs depend on rates of inputs, D[1], D[2], ..., beside their response in general."""
+    """Raise ImproperError if outputs depend on rates of inputs, D[1], D[2], ..., relative to a typical response."""
     states = np.linalg.solve((1.0 + 1.0j) * np.eye(len(A)) - A, B)
     terms = np.abs(C) @ np.abs(states) + sum(np.abs(d) for d in D)
     wrong = np.any([np.abs(d) > IMPROPER * terms for d in D[1:]], axis=0)

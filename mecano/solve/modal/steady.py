@@ -9,9 +9,9 @@ v(q) and accelerations a(q). Unknown are positions q, spins :math:`\sigma` along
 Newton's method on :math:`(q, \sigma, \Lambda)` takes the minimum-norm step: positions along the motion, angles of spin
 and reactions that are undetermined stay unchanged; steps are halved until the residual decreases. If Newton's method
 halves many steps, the state is relaxed first, against a drag that decreases with the forces, and Newton's method
-continues from there; so it is if the mechanism has another shape, as a vehicle whose wheels just touch may be balanced
-on one of them. A rotation that is not found in this way is followed from rest (spin_up.py). Signals have any unit:
-their changes limit no step, and the drag of the relaxation does not act on them.
+continues from there; the same is done if the mechanism ends in another shape, as a vehicle whose wheels just touch may
+balance on one of them. A rotation that is not found in this way is followed from rest (spin_up.py). Signals may have
+any unit: their changes limit no step, and the drag of the relaxation does not act on them.
 
 The forces are in balance to 1e-9 of the largest one, or to the rounding of the positions times the stiffness: in a
 straight shaft that turns, no other forces act.
@@ -43,11 +43,11 @@ RANK = 1e-12  # of the largest singular value: smaller ones are zero
 FARTHEST = 0.2  # largest change in one iteration, in length scales or rad
 FORCE, GAP, CHANGE = 1e-9, 1e-10, 1e-9  # tolerances: of the force scale; of length scale or speed; length scales or rad
 ROUGHLY = 1e-4  # of the force scale: residual at which relaxation ends and Newton's method continues
-FEW_ITERATIONS = 12  # from a state near by, beyond which continuation takes a shorter step
+FEW_ITERATIONS = 12  # from a nearby state; if more are needed, continuation takes a shorter step
 HALVINGS = 16  # of steps, after which the state is relaxed before Newton's method has all its iterations
 LEAST_GAIN, SMALLEST_SHARE = 1e-4, 2.0**-20  # required relative decrease of the residual by a full step; least share
 FIRST_CREEP, FADES = 0.01, (0.1, 2.0)  # first displacement in length scales; limits of the change of the drag per step
-LESS, HOPELESS = 0.9, 60  # relaxation ends if the force does not fall by this factor in so many steps
+LESS, HOPELESS = 0.9, 60  # relaxation ends if the force does not fall by this factor in that number of steps
 MOST_GROWTH, HARDER = 1.5, 4.0  # largest growth of the force in a relaxation step; factor on the drag beyond it
 ROUNDED = 1e-12  # of the speed, or of speed over length scale: smaller velocities are set to zero
 NOTICEABLE = 0.1  # of the length scale: a state displaced by more has another shape
@@ -62,7 +62,7 @@ class Tangent:
     k: float  # mean stiffness [N/m], which makes rows of forces and of constraints comparable
     f: np.ndarray  # (n_q,) out-of-balance forces
     size: np.ndarray  # (n_q,) sums of the magnitudes of the forces
-    rounding: np.ndarray  # (n_q,) forces by the rounding of positions
+    rounding: np.ndarray  # (n_q,) forces caused by rounding errors of positions
     gap: np.ndarray  # (n_l,) values of constraints on positions [m]; of those on velocities, times length scale / speed
     rates: np.ndarray  # (n_l,) rates of constraints on positions; values of constraints on velocities
     force: float  # largest out-of-balance force [N], moments divided by the length scale
@@ -82,7 +82,7 @@ class Steady:
         self.root = np.where(self.turning, length, 1.0)
         self.speed = motion.speed(length)
         self.monitor = EventMonitor(system)
-        self._held: tuple[np.ndarray, np.ndarray] | None = None  # forces and gaps that are there by intention
+        self._held: tuple[np.ndarray, np.ndarray] | None = None  # target of forces and gaps, zero by default
         self.k = None  # [N/m] mean stiffness at the start, at least that of its forces over the length scale
 
     def find(self, start: "State") -> "State":
@@ -104,7 +104,7 @@ class Steady:
         return s
 
     def begun(self, start: "State") -> "State":
-        """Return a State at the positions of ``start``, with the velocities of the motion and without reactions."""
+        """Return a State at the positions of ``start`` with the velocities of the motion, without reactions."""
         s = start.copy()
         s.a[:] = 0.0
         s.z[self.n_q : self.system.n] = 0.0
@@ -138,7 +138,7 @@ class Steady:
     def _newton(self, s, halvings=np.inf):
         """Return (state, whether Newton's method converged); steps are halved until the residual decreases.
 
-        Newton's method gives up after more than ``halvings`` in all.
+        It gives up after more than ``halvings`` in total.
         """
         s, N, at = self.motion.put_on(self, s)
         last = np.inf
@@ -204,7 +204,7 @@ class Steady:
         return matrix.toarray(), assembly
 
     def _rounding(self, s, K):
-        """Return the forces (n_q,) by the rounding of positions, with the tangent ``K``."""
+        """Return the forces (n_q,) caused by rounding errors of positions, with the tangent ``K``."""
         stiffest = (np.abs(K[: self.n_q, : self.n_q]) / self.root).max(axis=1, initial=0.0)
         return ROUNDING * self.length * reach_of(s.z, self.system.numbering, self.length) * stiffest
 
@@ -221,8 +221,8 @@ class Steady:
     def _step(self, at, N, drag=0.0):
         """Return the step of an iteration, or of relaxation if ``drag``: (changes of q, spins, reactions), largest q.
 
-        The largest change of q is in length scales or rad, signals excepted, which have any unit and no drag; inf if
-        the equations are not finite.
+        The largest change of q is in length scales or rad, except signals, which may have any unit and have no drag;
+        inf if the equations are not finite.
         """
         n_q, spins, k = self.n_q, N.shape[1], at.k
         rows = np.where(self.of_rates, self.length / self.speed, 1.0)
@@ -233,7 +233,7 @@ class Steady:
         if not (np.all(np.isfinite(A)) and np.all(np.isfinite(b))):
             return None, np.inf
         size = np.abs(A).max(axis=0, initial=0.0)
-        weight = np.ones(A.shape[1])  # signals have any unit; they balance forces rather than motions against the drag
+        weight = np.ones(A.shape[1])  # signals, in any unit, balance forces rather than motions against the drag
         weight[self.signals] = size.max(initial=0.0) / np.maximum(size[self.signals], 1e-300)
         x = weight * la.lstsq(A * weight, b, cond=RANK, lapack_driver="gelsy")[0]
         spin, reaction = x[n_q : n_q + spins] * (self.speed / self.length), k * x[n_q + spins :]

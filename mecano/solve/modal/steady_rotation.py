@@ -44,7 +44,7 @@ class Rotation:
     """
 
     relaxes = True  # a relaxed state is preferred to one of another shape, which may be unstable
-    fading = 0.8  # of the drag in each step of the relaxation, beside the change of the force: arms may swing far
+    fading = 0.8  # additional factor on the drag in each step of the relaxation: arms may swing far
 
     def __init__(self, system: "System", w: Sequence[float], about: Sequence[float], at_rest: Collection[str] = ()):
         of, self.n_q = system.numbering, system.n_q
@@ -73,7 +73,7 @@ class Rotation:
             s.v[d : d + 3] = s.R[r].T @ self.w
 
     def put_back(self, start: "State", s: "State") -> "State":
-        """Return the state: relaxation does not turn it about the axis."""
+        """Return the state unchanged: relaxation does not turn it about the axis."""
         return s
 
     def follow(self, steady: "Steady", start: "State", s: "State") -> "tuple[State, bool]":
@@ -82,13 +82,13 @@ class Rotation:
         return (found, True) if arrived else (s, False)
 
     def put_on(self, steady: "Steady", s: "State") -> "tuple[State, np.ndarray, Tangent]":
-        """Return (state with the velocities of its positions, no free spins (n_q, 0), its Tangent)."""
+        """Return (state with the velocities that belong to its positions, no free spins (n_q, 0), its Tangent)."""
         s = steady.monitor.settle(s.copy())
         self.begin(s)
         return s, np.zeros((self.n_q, 0)), steady.tangent(s)
 
     def following(self, steady: "Steady", s: "State", K: np.ndarray, C: np.ndarray) -> np.ndarray:
-        """Return the derivatives K (n, n) by positions with velocities and accelerations that follow."""
+        """Return the derivatives K (n, n) by positions, with velocities and accelerations as functions of them."""
         K, (M, _) = K.copy(), steady.matrix(s, 0.0, 0.0, 1.0)
         for d in self.at[:, 0]:
             K[:, d : d + 3] += (C[:, d : d + 3] + M[:, d : d + 3] @ self.hat) @ self.hat
@@ -127,7 +127,7 @@ class Rotation:
     def _change(self, steady, s):
         """Return the out-of-balance forces (n_q,) after the nodes have turned by one radian; reactions balance theirs.
 
-        Signals, which may vary, have none.
+        Signals may vary and are zero.
         """
         later, n, n_q = s.copy(), steady.system.n, self.n_q
         Q = np.array(exp(Vec3(*(self.w / (np.linalg.norm(self.w) or 1.0)))))

@@ -5,10 +5,10 @@ rotate with them spin. Positions (deflections of tyres and springs, y and psi of
 by steady.py.
 
 The angular velocities that leave the forces constant follow from the tangent: with its columns K_x for displacements
-and K_r for rotations, :math:`K_r \omega = - K_x V` (in the rows of constraints on positions: minus their rates) has
-the minimum-norm solution :math:`\omega_0`, and N is the null space of K_r: the free spins. The force on a sliding wheel
-hardly depends on its spin: therefore the spin of a wheel that no constraint makes roll is found, in every iteration,
-from the moment about its axle, which increases with the spin.
+and K_r for rotations, :math:`K_r \omega = - K_x V` (in the rows of constraints on positions: minus their rates) has the
+minimum-norm solution :math:`\omega_0`, and N is the null space of K_r: the free spins. The force on a sliding wheel
+hardly depends on its spin. Therefore every iteration finds the spin of a wheel without a rolling constraint from the
+moment about its axle, which increases with the spin.
 """
 
 from collections.abc import Sequence
@@ -37,8 +37,8 @@ WIDER, WIDENINGS = 2.0, 40  # factor on the bracket of a spin; number of times i
 class Straight:
     """The motion of a system with the velocity ``V`` (3,) [m/s] of all nodes, inertial; ``steady`` below: a Steady."""
 
-    relaxes = False  # a relaxed state of another shape is taken only if it is nearer than that of Newton's method
-    fading = 1.0  # of the drag in each step of the relaxation, beside the change of the force
+    relaxes = False  # a relaxed state of another shape is used only if it is nearer than that of Newton's method
+    fading = 1.0  # additional factor on the drag in each step of the relaxation
 
     def __init__(self, system: "System", V: Sequence[float]):
         of, self.V = system.numbering, np.asarray(V, float)
@@ -66,7 +66,7 @@ class Straight:
         return s
 
     def follow(self, steady: "Steady", start: "State", s: "State") -> "tuple[State, bool]":
-        """Return (``s``, False): no path but that of Newton's method, which ended there, is known."""
+        """Return (``s``, False): there is no alternative to Newton's method, which ended at ``s``."""
         return s, False
 
     def put_on(self, steady: "Steady", s: "State") -> "tuple[State, np.ndarray, Tangent]":

@@ -85,7 +85,7 @@ def damping(values: complex | np.ndarray) -> np.ndarray:
 
 
 def least_damped(values: np.ndarray, least: float | np.ndarray = 0.0) -> int:
-    """Return the index of the least damped of the eigenvalues (n,); of equal ones, that with the slowest decay.
+    """Return the index of the least damped of the eigenvalues (n,); among equal ones, the one with the slowest decay.
 
     Ignores nan, and moduli up to ``least`` (a number or (n,)) unless there are no others.
     """

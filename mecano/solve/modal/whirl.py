@@ -8,8 +8,8 @@ unit vector e of the angular velocity into
 
 circles in the sense of the rotor, circles against it, and motions along or about the axis. The whirl is
 :math:`(T_F - T_B)/(T_F + T_B + T_A)` with the kinetic energies :math:`T = y^* M y`: 1 for forward, -1 for backward
-whirl. Equal eigenvalues, as those of a disc in bearings alike in all directions, have any combination of shapes: those
-of extreme whirl are taken.
+whirl. Shapes of equal eigenvalues, such as those of a disc in isotropic bearings, may be combined arbitrarily: the
+combinations of extreme whirl are used.
 """
 
 from collections.abc import Callable, Sequence
@@ -75,7 +75,7 @@ def whirling(found: "Modes", lin: "Linearization", of: "Numbering", omega: np.nd
 
 
 def _equal(values):
-    """Return the lists of numbers of equal oscillations, by ascending modulus, of more than one."""
+    """Return lists of the indices of equal oscillations, by ascending modulus, each with more than one."""
     groups: list[list[int]] = []
     for i in np.flatnonzero(values.imag > 0.0).tolist():
         if groups and abs(values[i] - values[groups[-1][-1]]) <= EQUAL * abs(values[i]):
@@ -134,7 +134,8 @@ def resonances(
 def _no_crossing(left, right):
     """Return whether (frequency, multiple of the speed) [rad/s] have one order at both ends, or both are zero at one.
 
-    A mode that does not oscillate, as one of large damping, has the frequency of a rotor at rest, but no resonance.
+    A mode that does not oscillate, for example for large damping, has the frequency zero of a rotor at rest, but no
+    resonance.
     """
     zero = not any(left) or not any(right)
     return zero or (left[0] < left[1]) == (right[0] < right[1])

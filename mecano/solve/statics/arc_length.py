@@ -36,7 +36,7 @@ LONGEST = 5.0  # largest step, relative to the first one
 HALVINGS = 8  # number of bisections of a step in which stability is lost
 MOST_TRIES = 30  # largest number of trial steps to meet an end of the path
 MET = 1e-9  # relative tolerance of an end of the path
-AHEAD = 1e-3  # of a step: where the two sides of a corner are compared
+AHEAD = 1e-3  # of a step: distance from a corner at which its two sides are compared
 
 
 @dataclass
@@ -217,7 +217,7 @@ def rate_of(statics: Statics, s: "State", mu: float) -> np.ndarray | None:
 
 
 class Arc:
-    """Arc-length steps of one ``statics``, with tangent and rate at the last accepted point."""
+    """Arc-length steps of ``statics``, with tangent and rate at the last accepted point."""
 
     def __init__(self, statics: Statics, rate: np.ndarray):
         """Begin at a point with the ``rate`` (n,), see ``rate_of``."""
@@ -255,7 +255,7 @@ class Arc:
         return self._finished(trial) if trial.found.ok else trial
 
     def corner(self, point: Point, trial: Trial) -> Trial:
-        """Return the Trial that ends at the first event within ``trial``, with the tangent of the path behind it."""
+        """Return the Trial that ends at the first event within ``trial``, with the tangent of the path after it."""
         statics, crossed = self.statics, trial.crossed
 
         def solved(ds):
@@ -292,7 +292,7 @@ class Arc:
         return self._ahead(point.state, ds * self.tangent[-1], self.rate)
 
     def _ahead(self, s0: "State", more: float, rate: np.ndarray) -> "State":
-        """Return the state that follows from ``s0`` by its ``rate`` with so much ``more`` of the load factor."""
+        """Extrapolate ``s0`` by its ``rate`` to a load factor increased by ``more``."""
         s = self.statics.begin(s0)
         k, _ = self.statics.scales(s)
         guess = more * rate

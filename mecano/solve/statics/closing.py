@@ -1,8 +1,8 @@
-"""Events at an equilibrium: elements that change their phase hold where their event occurs on the way to it.
+"""Apply events at an equilibrium, at the places on the way to it where they occur.
 
-A rigid stop, latch, contact or flank holds its place at the end of the step before, its memory (docs/shocks.md). Steps
-of time end at events; a step of statics passes them. The memory is therefore that on the straight way from the
-beginning of the step to the equilibrium, where the event value vanishes.
+A rigid stop, latch, contact or flank holds the place that its memory recorded at the end of the previous step
+(docs/shocks.md). Time steps end at events, but a step of statics passes them. The memory is therefore evaluated on the
+straight line from the beginning of the step to the equilibrium, where the event value vanishes.
 """
 
 from dataclasses import replace
@@ -15,13 +15,13 @@ if TYPE_CHECKING:
     from mecano.solve.events.events import EventRecord
     from mecano.solve.statics.static import Statics
 
-ROUNDING = 1e-15  # of the way
+ROUNDING = 1e-15  # of the line
 
 
 def apply_events(statics: "Statics", s: "State", s0: "State", hit: np.ndarray) -> "tuple[State, list[EventRecord]]":
     """Return (state, [EventRecord]) of the equilibrium ``s`` with the events ``hit`` (n_events,) bool.
 
-    The displacement from ``s0`` to ``s``, in its phases before the events, passes the places of the events.
+    ``s``, in its phases before the events, is displaced from ``s0``; the places of the events lie between both.
     """
     after, records = s, []
     for i in np.flatnonzero(hit):
@@ -37,7 +37,7 @@ def apply_events(statics: "Statics", s: "State", s0: "State", hit: np.ndarray) -
 
 
 def _memory_of(system, elements):
-    """Return which items of the memory (n_memory,) belong to the ``elements`` (n_phases,) bool."""
+    """Return (n_memory,) bool: items of the memory that belong to the ``elements`` (n_phases,) bool."""
     parts = [np.repeat(elements[batch.phases], len(batch.kind.memory)) for batch in system.batches]
     return np.concatenate([*parts, np.zeros(int(system.states.sum()), bool)])
 

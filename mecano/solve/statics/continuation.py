@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 
 Observer: TypeAlias = "Callable[[Point], object]"  # called with every equilibrium of a path
 GROWTH, SHRINK = 2.0, 0.25
-BESIDE = 1e-4  # length scales or rad: a state in balance that Newton's method moves farther may have a free motion
-ROUNDED = 1e-9  # of the largest force on an unknown: smaller sums of forces may be rounding
+BESIDE = 1e-4  # length scales or rad: if Newton's method moves a balanced state farther, it may have a free motion
+ROUNDED = 1e-9  # of the largest force on an unknown: smaller sums of forces may be rounding errors
 EASY = 12  # iterations up to which the next step grows
-LEAP, NOTICEABLE = 4.0, 0.02  # a jump: larger than so many predicted changes and than this part of the length scale
+LEAP, NOTICEABLE = 4.0, 0.02  # a jump exceeds this multiple of the predicted change and this part of the length scale
 
 
 @dataclass(slots=True)
@@ -112,8 +112,8 @@ class Follower:
     def _watch(self, point, critical):
         """Record a loss of stability; in steps of the parameter it is located by interpolating the least stiffness.
 
-        A direction without stiffness that becomes unstable may have been so before, within rounding: the loss then lies
-        behind the last point at which it had a stiffness.
+        A direction without stiffness that becomes unstable may have been unstable before, within rounding: stability is
+        then lost after the last point at which it had a stiffness.
         """
         last, resisting, now = self.last, self.resisting, point.stability
         self.last = point
@@ -143,7 +143,7 @@ class Follower:
         return s, found
 
     def _only_rounding(self, s, p):
-        """Return whether ``s`` is an equilibrium in which only rounding can be out of balance, however soft it is."""
+        """Return whether ``s`` is an equilibrium, however soft, whose unbalanced forces are at rounding level."""
         if not self._balanced(s, p):
             return False
         of = np.flatnonzero(self.statics.weight)  # signals have none
@@ -152,13 +152,14 @@ class Follower:
         return largest <= ROUNDED * (assembly.size[of] / arm).max(initial=0.0)
 
     def _free(self, s, p):
-        """Return whether some motion of ``s`` has no stiffness, but for rounding."""
+        """Return whether some motion of ``s`` has no stiffness, to rounding."""
         return self.stability(s, p).neutral > 0
 
     def _balanced(self, s, p):
-        """Return whether ``s`` is an equilibrium, which Newton's method leaves if only rounding makes K regular.
+        """Return whether ``s`` is an equilibrium, which Newton's method leaves if K is regular only by rounding errors.
 
-        It moves along a free motion then, as far as rounding leads it, which depends on the order of the unknowns.
+        It then moves along a free motion by a distance that rounding errors, and so the order of the unknowns,
+        determine.
         """
         k, _ = self.statics.scales(self.statics.begin(s))
         return max(self.statics.evaluate(self.statics.begin(s), p, k, 0.0, False)) <= 1.0

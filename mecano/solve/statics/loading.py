@@ -29,7 +29,7 @@ STRESSED = (
 
 
 class LoadFactor:
-    """Load factor mu of all loads and of gravity; laws of time are evaluated at the time of the state."""
+    """Load factor mu of all loads and of gravity; functions of time are evaluated at the time of the state."""
 
     name, unit, hint = "load factor", "", ""
 

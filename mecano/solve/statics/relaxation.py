@@ -1,11 +1,12 @@
 r"""Relaxation: the state creeps to a stable equilibrium against a vanishing drag, :math:`D \dot q = -r(q)`.
 
-Implicit Euler with a drag that decreases with the residual (pseudo-transient continuation, static.py) ends as Newton's
-iteration, which finds unstable equilibria as well as stable ones: at a saddle, such as a straight column beyond its
-critical load, no force acts. An unstable equilibrium is therefore left by a small displacement along its most unstable
-motion, first to the side on which the state creeps farther, then to the other side if no equilibrium is found on the
-first. From there on a step leads downhill only if K + D/2 has no negative direction that the constraints allow (a step
-of drag D multiplies a displacement along a stiffness -c by 1/(1 - c/D)), so the drag is kept large enough.
+Implicit Euler with a drag that decreases with the residual (pseudo-transient continuation, static.py) becomes Newton's
+iteration in the end, which finds unstable equilibria as well as stable ones: at a saddle, such as a straight column
+beyond its critical load, no force acts. An unstable equilibrium is therefore left by a small displacement along its
+most unstable motion, first to the side on which the state creeps farther, then to the other side if no equilibrium is
+found on the first. From there on a step leads downhill only if K + D/2 has no negative direction that the constraints
+allow (a step of drag D multiplies a displacement along a stiffness -c by 1/(1 - c/D)), so the drag is kept large
+enough.
 """
 
 from dataclasses import dataclass, field
@@ -31,7 +32,7 @@ FADES = 0.02, 0.5  # least and largest factor on the drag per step
 STIFFEST = 1e8  # largest drag with which a step is retried, relative to the first one
 NUDGE = 0.01  # displacement by which an unstable equilibrium is left, in length scales or rad
 NO_DRAG = 0.01  # of the tolerated force: largest force of the drag on a state at rest
-ALIKE = 1e-6  # relative difference of creep up to which both sides are equivalent and the positive one is taken
+ALIKE = 1e-6  # relative difference of creep up to which both sides are equivalent, and the positive one is used
 DEPARTURES = 5  # unstable equilibria left before the search fails
 
 
@@ -75,7 +76,7 @@ class Relaxation:
     def _below(
         self, follower: Follower, s: "State", found: "Status", stability: Stability, work: Work
     ) -> "tuple[State, Status, Stability]":
-        """Return (State, Status, Stability) of an equilibrium beside the unstable one ``s``."""
+        """Return (State, Status, Stability) of an equilibrium next to the unstable one ``s``."""
         if stability.shape is None:
             self._refuse(follower, s, found, stability, work, "its unstable motion is unknown")
         reasons = []
@@ -139,7 +140,7 @@ class Relaxation:
         raise follower.failure(self.end, found, s, self.end, self.hint)
 
     def _stands_still(self, statics, s, change, drag):
-        """Return whether a step of creep has moved ``s`` by no more than rounding, not because of its ``drag``.
+        """Return whether a step of creep has moved ``s`` by no more than rounding, for reasons other than its ``drag``.
 
         ``drag`` is over the tolerated force [1/m].
         """

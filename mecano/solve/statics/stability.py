@@ -32,7 +32,7 @@ LOWEST = 8  # eigenvalues computed first: the six rigid motions of a free model,
 NEUTRAL = 1e-13  # of the largest stiffness: softer directions are neutral (dense)
 NEUTRAL_WHERE_SOFT = 1e-10  # the same if redundant constraints are compliant
 SYMMETRIC = 1e-7  # of the largest entry: largest asymmetry of a symmetric tangent
-ROUNDED = 1e-11  # of the largest entry: asymmetry that is rounding, also beside a softer direction
+ROUNDED = 1e-11  # of the largest entry: asymmetry that is rounding error, also if a direction is softer
 RANK = 1e-9  # singular value of normalized rows below which it counts as zero
 UNKNOWN = -1
 NAMED = 2  # nodes named in the description of a motion
@@ -116,7 +116,7 @@ class Judge:
 
 
 def condensed(K: np.ndarray, own: np.ndarray) -> np.ndarray | None:
-    """Return the stiffness (m, m) of the m unknowns ``own`` if the others follow them; None if they are undetermined.
+    """Condense the stiffness to the m unknowns ``own`` (m, m); return None if the others are undetermined.
 
     The others are signals: those of a controller add its stiffness, those of an integrator have no value at rest.
     """
@@ -140,7 +140,7 @@ def null_space(B: np.ndarray) -> np.ndarray:
 def _lowest(K, limit):
     """Return the lowest eigenvalues of K, symmetric, with their vectors: all up to ``limit``, and the next above it.
 
-    Without those below the limit a few are enough, in half of the time of all.
+    If none is below the limit, a few suffice, in half of the time of all.
     """
     if len(K) > FEW:
         import scipy.linalg as la
@@ -152,11 +152,11 @@ def _lowest(K, limit):
 
 
 def _unsymmetric(K, largest, values):
-    """Return whether the asymmetry of K matters beside its ``largest`` entry, or beside its softest direction.
+    """Return whether the asymmetry of K matters relative to its ``largest`` entry, or to its softest direction.
 
-    ``values``: the lowest eigenvalues of the symmetric part. By the theorem of Bauer and Fike those of K are no farther
-    from them than the norm of the other part, which follower loads of slender beams make small beside the axial
-    stiffness.
+    ``values``: the lowest eigenvalues of the symmetric part. By the theorem of Bauer and Fike the eigenvalues of K
+    differ from them by at most the norm of the antisymmetric part, which for follower loads on slender beams is small
+    relative to the axial stiffness.
     """
     other = 0.5 * np.linalg.norm(K - K.T)
     return np.abs(K - K.T).max() > SYMMETRIC * largest or other > max(ROUNDED * largest, np.abs(values).min())
@@ -188,7 +188,7 @@ def freedom_text(system: "System", s: "State", stability: Stability, length: flo
     return f"stable; the softest motion ({stability.stiffness:.3g} N/m): {motion}"
 
 
-FREE = 1e-9  # of the sum of its terms: a smaller force in a rigid motion of the model is rounding
+FREE = 1e-9  # of the sum of its terms: a smaller force in a rigid motion of the model is rounding error
 
 
 def is_floating(system: "System", s: "State", stability: Stability) -> bool:

@@ -34,7 +34,7 @@ MOST_TURN = 2.4  # rad in one step, so that angles of joints are followed
 PHASE_CHANGES = 10  # rounds of phase changes at one point
 CLOSED = 1e-9  # of the length scale, or rad: an event value below it does not count as crossed
 POLISH = 4  # iterations beyond the tolerance while the residual falls
-FARTHEST = 1e3  # length scales in one step: a greater change is that along a free motion by rounding
+FARTHEST = 1e3  # length scales in one step: a greater change is a free motion driven by rounding errors
 LEAN, LEANS, FARTHEST_LEAN = 1e-7, 8, 0.3  # drag over the mean stiffness; steps; of the length scale, or rad
 TOLERANCES = Tolerances(force=1e-9, constraint=1e-11, increment=1e-8)
 
@@ -57,7 +57,7 @@ class Status:
 
 
 class Statics:
-    """Solver of one equilibrium under a ``loading``; holds no motion, but the ``assembly`` of its last evaluation."""
+    """Solver of one equilibrium under a ``loading``; its only state is the ``assembly`` of the last evaluation."""
 
     def __init__(
         self,
@@ -126,7 +126,7 @@ class Statics:
         return self.norms(s, k)
 
     def _keep_states(self):
-        """Enter one on the diagonal of states whose equations vanish at rest, such as creep, which stay as they are."""
+        """Enter ones on the diagonal for states whose equations vanish at rest (creep): they keep their values."""
         assembly = self.assembly
         for i, entries in self._states:
             if assembly.residual[i] == 0.0 and not assembly.data[entries].any():
@@ -139,7 +139,7 @@ class Statics:
     def norms(self, s: "State", k: float) -> tuple[float, float]:
         """Return the norms (forces, constraints) of the assembled residual over their tolerances."""
         of, to = self.system.numbering, self.tolerances
-        # no step is left whose rounding could be a large force: states that only rounding moves are at rest
+        # there is no step size with which rounding errors become large forces: states that only they move are at rest
         limits = Limits(to.force, to.constraint, 1.0, np.inf, reach_of(s.z, of, self.length))
         scales = Scales(self.length, k, k, 1.0, 0.0)
         return norms(self.assembly.residual, self.assembly.size, of, s, scales, limits)[:2]
@@ -168,7 +168,7 @@ class Statics:
     def correct(self, s0: "State", p: float, drag: float = 0.0) -> "tuple[State, Status]":
         """Return (state, Status) of the equilibrium at p near ``s0``; with ``drag`` [N/m], of one step of creep.
 
-        Elements whose event values are crossed change their phase, and the search continues from there. A wheel that
+        Elements whose event values cross zero change their phase, and the search continues from there. A wheel that
         starts to roll in this way rolls from ``s0`` on.
         """
         s, iterations, first = s0, 0, None
@@ -257,7 +257,7 @@ class Statics:
         return Status(ok, result.iterations, result.norms, change, first, message, (), failure)
 
     def _angles_at(self, s):
-        """Return the prescribed angles [rad] at the time of ``s``, whose whole turns its rotations do not tell."""
+        """Return the prescribed angles [rad] at the time of ``s``; rotations do not contain their whole turns."""
         return self.system.observe(s).outputs[self._angles] if len(self._angles) else self._angles
 
     def displacement(self, s: "State", s0: "State") -> np.ndarray:
