@@ -1,8 +1,8 @@
 r"""Binding: friction that depends on reactions and grows faster with them than the motion relieves them.
 
-Reactions that change by :math:`\Lambda` change the friction by :math:`f'\Lambda`, and the constraints answer this with
+Reactions that change by :math:`\Lambda` change the friction by :math:`f'\Lambda`, to which the constraints respond with
 reactions :math:`-W \Lambda`. Where I + W has a real eigenvalue that is not positive, the accelerations of rigid bodies
-do not exist, or there are several (Painleve, Comptes rendus 121 (1895) 112-115).
+do not exist, or are not unique (Painleve, Comptes rendus 121 (1895) 112-115).
 """
 
 from typing import TYPE_CHECKING

@@ -73,7 +73,7 @@ class Consistent:
         return bool(dependent.any())
 
     def _factor(self):
-        """Factor the matrix, unless it is the factored one, as after an event that changes forces only."""
+        """Factor the matrix, unless it is factored already, as after an event that changes forces only."""
         factored, n = self.linear.label, self.system.nnz
         if isinstance(factored, np.ndarray) and np.array_equal(factored[:n], self.data[:n]):
             return
@@ -107,18 +107,18 @@ class Consistent:
         return self._solve_again(np.zeros(self.system.n_q), -self.k * rate)[0]
 
     def respond(self, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the response to forces (n_q,) with the constraints: rates (n_q,), reactions (n_l,) without p."""
+        """Return the response to forces (n_q,) under constraints: rates (n_q,), reactions (n_l,) without penalty."""
         return self._solve_again(np.where(self.loose, 0.0, forces), np.zeros(self.system.n_l))
 
     def exchange(self, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return ``change`` and its impulses (n_l,) k*lambda, less k times the rates reached."""
+        """Return ``change`` and its impulses (n_l,), k lambda minus k times the rates reached."""
         return self._solve_again(np.zeros(self.system.n_q), -self.k * rate)
 
     def share(self, reactions: np.ndarray) -> np.ndarray:
-        """Return reactions or impulses (n_l,) of the same effect and of least norm, without the rounding of rates.
+        """Return reactions or impulses (n_l,) of the same effect and of least norm, without rounding errors of rates.
 
-        The compliances turn errors of 1e-16 of the rates, or second rates, into 1e-4 and more of the reactions; here
-        all rates are small.
+        Compliances amplify relative errors of 1e-16 of the rates, or second rates, to 1e-4 and more of the reactions;
+        here all rates are small.
         """
         if self.compliance is None:
             return reactions
@@ -155,9 +155,9 @@ class Consistent:
     def settle(self, s: "State", h: float) -> None:
         """Set values and rates of the massless unknowns of ``s`` in place, consistent for steps of size h.
 
-        Rates follow from their own equations; where these have none to speak of (directions whose time constants are
-        far below h, the eigenvalues of K^-1 C) the equations are algebraic: they determine the values, and the rates
-        keep them fulfilled while all velocities stay.
+        Rates follow from their own equations. In directions whose time constants, the eigenvalues of K^-1 C, are far
+        below h, the equations count as algebraic: they determine the values, and the rates keep them satisfied while
+        all velocities are constant.
         """
         own, of = self.massless, self.system.numbering
         if self.system.signals.any():
@@ -229,9 +229,9 @@ class Consistent:
     def _apply_multipliers(self, s, applied):
         """Solve for accelerations, multipliers and signals of ``s``, where forces or signals depend on multipliers.
 
-        Newton's method; forces are those of friction. The accelerations stay on the constraints. An iteration that does
-        not converge, where friction locks, leaves it to the first step to find the motion. Multipliers that are small
-        beside the largest ``applied`` force, as in free flight, are rounding.
+        Newton's method; the forces are those of friction, and the accelerations satisfy the constraints throughout. If
+        it does not converge, because friction locks, the first step finds the motion. Multipliers that are small
+        relative to the largest ``applied`` force, as in free flight, are rounding errors.
         """
         system, n_q, n = self.system, self.system.n_q, self.system.n
         signals = system.signals if len(system.sensed_multipliers) else np.zeros(n_q, bool)
@@ -254,7 +254,7 @@ class Consistent:
         self._factor()
 
     def friction_on_itself(self, s: "State") -> np.ndarray:
-        """Return W (m, m): the reactions at ``s`` by which the friction of unit coupled multipliers changes them.
+        """Return W (m, m): changes of the coupled multipliers at ``s`` by the friction that unit multipliers cause.
 
         The reactions keep the constraints; without friction the change is zero.
         """
@@ -270,9 +270,9 @@ class Consistent:
         return np.array([self._solution(column[:n_q], column[n_q:])[coupled] for column in columns]).T
 
     def _couple_signals(self, s, signals, data):
-        """Put the equations of ``signals`` (n_q,) bool and their columns at ``s`` in data; return the residual there.
+        """Enter the equations of ``signals`` (n_q,) bool and their columns at ``s`` into data; return the residual.
 
-        The unknown of a signal is its value, that of a signal with a state its rate.
+        The unknown of a signal is its value, or its rate if it has a state.
         """
         system, n_q = self.system, self.system.n_q
         assembly = system.assemble(s, self.k, 0.0, 1.0, 0.0, 0.0)

@@ -44,7 +44,7 @@ SECOND = 2  # column of the second rates of the constraints
 def assemble_mass(mass: Records(MASS), s: Instant):
     """Assemble the matrix at the positions of ``s``, and find k and the unknowns that are ``loose``.
 
-    These have neither mass nor constraint and stay at rest; scalars without mass move as their own equations say.
+    Loose unknowns have neither mass nor constraint and stay at rest; massless scalars follow their own equations.
     """
     m = mass[0]
     bare, system, T = bare_state(m, s, s.v), items(m.system, 1, SYSTEM), floats(m.T, (m.n_rotations, 3, 3))
@@ -75,7 +75,7 @@ def bare_state(m, s, v):
 
 @kernel
 def mean_mass(m):
-    """Return the mean of the masses, inertias over the square of the length; mark what has none, and all signals."""
+    """Return the mean of the masses, inertias over the squared length; mark signals and massless unknowns as loose."""
     data, diagonal, kind = values_of(m), integers(m.diagonal, m.n), integers(m.kind, m.n_all)
     loose, signals, total, number = integers(m.loose, m.n_q), integers(m.signals, m.n_q), 0.0, 0
     for i in range(m.n_q):
@@ -89,7 +89,7 @@ def mean_mass(m):
 
 @kernel
 def add_rates(m, system, bare, T):
-    """Add the gradients of constraints on velocities by velocities, which take the place of those by positions."""
+    """Replace the gradients of constraints on velocities by positions with those by velocities."""
     loops, own = loops_at(m.n_rates, m.rates, m.rate_batches), system[0].data
     add_alone(m, system, loops, bare, T, 0.0, 1.0, 0.0, m.by_positions)
     add_alone(m, system, loops, bare, T, 0.0, 0.0, 1.0, m.plain)
@@ -158,7 +158,7 @@ def factor_mass(m):
 def change(m, rates, share):
     """Return the least change (n,) of positions or velocities with these ``rates`` (n_l,), times a ``share``.
 
-    Behind it stand the impulses over k.
+    The impulses over k follow after its first n_q entries.
     """
     b = floats(m.right, m.n)
     for i in range(m.n_q):
@@ -237,7 +237,7 @@ class ConstrainedMass(Pointers):
         self.point_to(by_positions=np.zeros(n), plain=np.zeros(n), penalized=np.zeros(n))
 
     def use(self, compliance: Compliance | None) -> None:
-        """Give redundant constraints these compliances, or none (None), from now on."""
+        """Set the compliances of redundant constraints; None for none."""
         if compliance is not self._compliance:
             self._compliance = compliance
             self.point_to(**compliance_fields(compliance))

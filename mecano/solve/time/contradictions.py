@@ -30,7 +30,7 @@ class Contradictions:
     Attributes
     ----------
     released : (m,) int
-        Numbers of the deactivated constraints.
+        Indices of the deactivated constraints.
     share_of_gap : (n_l,) float
         Reciprocal of the violation of each constraint that is a contradiction; 0 if it is not checked.
     """
@@ -49,7 +49,7 @@ class Contradictions:
         return len(self._soft) > 0
 
     def refuse(self, s: "State", h: float) -> None:
-        """Raise AssemblyError where the exact constraints impose rates on others at the consistent state ``s``."""
+        """Raise AssemblyError if the exact constraints violate others at the consistent state ``s``."""
         for rows, others in (
             (self.released, "constraints on positions leave a slip"),
             (self._soft, "other constraints leave a rate"),

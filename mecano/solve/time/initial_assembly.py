@@ -85,7 +85,7 @@ def _least_change(system, linear, s, phi, weight):
 
 
 def _refusal(system, start, s, iterations, length):
-    """Return the text of an assembly that failed at ``s``: how far joints are off in the deck, and at the best."""
+    """Return the message of an assembly that failed at ``s``: gaps of joints in the deck, and those that remain."""
     phi = system.constraint_derivatives(s)[:, 0]
     error = np.abs(phi) / constraint_scale(system, length)
     worst = [i for i in np.argsort(-error)[:NAMED] if not error[i] <= FULFILLED]
@@ -111,7 +111,7 @@ def most_off(system: "System", s: "State", length: float) -> str:
 
 
 def _size(system, i, phi):
-    """Return the magnitude of constraint number ``i`` of ``phi`` (n_l,) [m, rad] as text with its unit."""
+    """Return the magnitude of ``phi[i]``, of ``phi`` (n_l,) [m, rad], as text with its unit."""
     if system.numbering.kind[system.n_q + i] == LENGTH_CONSTRAINT:
         return _length(phi[i])
     return f"{np.degrees(abs(phi[i])):.3g} deg"

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def massless_unknowns(system: "System", s: "State", length: float) -> np.ndarray:
-    """Return the numbers (n,), ascending, of positions and rotations of nodes that move in massless motions at ``s``.
+    """Return the indices (n,), ascending, of positions and rotations of nodes that move in massless motions at ``s``.
 
     A massless motion satisfies the constraints and moves only unknowns on which no element with mass acts. Rotations
     count times the length scale. Constraints that connect more than ``DENSE_ROWS`` such unknowns are not analysed.
@@ -34,7 +34,7 @@ def massless_unknowns(system: "System", s: "State", length: float) -> np.ndarray
 
 
 def held_by_lines(system: "System", i: int) -> tuple[str, ...]:
-    """Return the titles of the lines on the unknown ``i`` if nothing else holds it, so that it is loose without them.
+    """Return the titles of the lines on the unknown ``i`` if nothing else holds it.
 
     Lines are elements whose force has one sign only (``Event.one_sided``). Loads hold nothing.
     """
@@ -66,7 +66,7 @@ def _heavy(system):
 
 
 def _apart(light, rows, cols, entries):
-    """Yield sets of unknowns ``light`` (n,) connected by constraints, with the numbers of their gradient entries."""
+    """Yield sets of unknowns ``light`` (n,) connected by constraints, with the indices of their gradient entries."""
     index = np.searchsorted(light, cols)
     classes = Classes(len(light))
     first: dict[int, int] = {}  # row -> the first of its unknowns

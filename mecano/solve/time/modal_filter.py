@@ -3,12 +3,12 @@ r"""Modal filter: the part of accelerations that a step resolves, without oscill
 .. math:: \begin{bmatrix} S & k B^T \\ k B & 0 \end{bmatrix} \begin{bmatrix} y \\ \mu \end{bmatrix} =
    \begin{bmatrix} c_M M a \\ 0 \end{bmatrix}, \qquad S = K + c_C C + c_M M
 
-with the effective tangent S of a step of size h: a mode of circular frequency omega keeps the share
-1/(1 + beta' omega^2 h^2) of its acceleration. A slow one keeps all but O(h^2); of one far too fast for the step, whose
-displacement d has the acceleration omega^2 d, remains d/(beta' h^2): what displaces it by d in one step. With other
-weights of K and M the limit lies at another frequency.
+with the effective tangent S of a step of size h: a mode of circular frequency omega keeps the share 1/(1 + beta'
+omega^2 h^2) of its acceleration. A slow mode keeps its acceleration to O(h^2). A mode far too fast for the step, whose
+displacement d has the acceleration omega^2 d, keeps d/(beta' h^2), which displaces it by d in one step. Other weights
+of K and M shift the limit to another frequency.
 
-step_change.py filters at the beginning of a step; here is the filter at its end, with a factor of its own.
+step_change.py filters at the beginning of a step; this module filters at its end, with a factor of its own.
 """
 
 from typing import TYPE_CHECKING
@@ -58,8 +58,9 @@ def keep_masses(w, f):
 def factor_filter(w, f, cM):
     """Factor the tangent K + cM M at TRIAL; return whether it is finite.
 
-    The compliances of redundant constraints fall with the mobility of the masses, beside which the constraints would
-    give way, and are smaller than in the step: in a short one they let some thousandths of an acceleration pass.
+    The compliances of redundant constraints are scaled with the mobility of the masses, so that the constraints remain
+    stiff relative to them. They are smaller than in the step, where they would let some thousandths of an acceleration
+    pass if it is short.
     """
     f.cM = cM
     assemble_at_end(w, f, w.k, w.penalty, 1.0, cM)
@@ -88,7 +89,7 @@ def resolve_in_step(w, f, a, part_out):
 
 @kernel
 def copy_motion(w, x, out):
-    """Copy the part (n_q,) of a solution that moves."""
+    """Copy the motions (n_q,) of a solution."""
     for i in range(w.n_q):
         out[i] = x[i]
 
@@ -116,7 +117,7 @@ def negative_pivots(w, f):
 
 
 def filter_fields(system: "System", linear: LinearSolver) -> tuple[dict[str, int], tuple[object, ...]]:
-    """Return the values of the fields FLOATS and WORDS for a system, and the objects that hold them.
+    """Return the values of the fields FLOATS and WORDS for a system, and the objects that own the arrays.
 
     The factor is that of a twin of the LinearSolver ``linear``, which keeps its own.
     """

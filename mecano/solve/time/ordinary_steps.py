@@ -1,4 +1,4 @@
-"""Ordinary steps of generalized-alpha: what the compiled loop (stride.py) is given, and its answers."""
+"""Ordinary steps of generalized-alpha: inputs of the compiled loop (stride.py), and the handling of its results."""
 
 from typing import TYPE_CHECKING
 
@@ -100,7 +100,7 @@ class OrdinarySteps:
         self.arrays.put_run(run, self.method.contradictions)
 
     def _change_steps(self):
-        """Let compiled code change the step size from now on; runs that never do need no code for it."""
+        """Let compiled code change the step size from now on; the code is not loaded before it is needed."""
         if not self.record["change_step"][0]:
             packed = self.method.change_step
             self.record["change_step"], self.record["change_step_words"] = packed.function, packed.words.ctypes.data
@@ -116,7 +116,7 @@ class OrdinarySteps:
         return self.arrays.last(run)
 
     def _trial(self, run):
-        """The step at TRIAL as ``method.step`` gives it, with its error."""
+        """Return the step at TRIAL as ``method.step`` does, with its error."""
         history = self.workspace.new_history(BEGIN, self.workspace.v_shift.copy(), self._tangent)
         iterations = int(self.record["in_vain"][0] + self.workspace.report[0])
         s, new, info = self.method.trial(run.motion, history, iterations)

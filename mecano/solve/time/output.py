@@ -1,6 +1,6 @@
 """Output of steps for the results file: saved times, solver history, extremes, unresolved oscillations.
 
-Compiled code collects them in buffers, which Python empties when they are full and now and then.
+Compiled code collects them in buffers, which Python empties when they are full, and at intervals.
 """
 
 from collections.abc import Callable, Sequence
@@ -56,13 +56,13 @@ OUTPUT = fields(
 
 @entry
 def record_step(output: Records(OUTPUT), work: Records(STEP)):
-    """Record the step from BEGIN to TRIAL, with its outputs and energies; ``code`` reports how far it came.
+    """Record the step from BEGIN to TRIAL, with its outputs and energies; ``code`` reports the outcome.
 
     A method whose steps have stages compares these with the extremes and interpolates within the step by functions of
     its own.
 
-    FULL: to be called again when the buffers are empty. NOT_FINITE: number ``which`` of the row is not, and nothing was
-    recorded. ENDED: an element, number ``which`` of those watched, can go no further.
+    FULL: call again when the buffers are empty. NOT_FINITE: entry ``which`` of the row is not finite; nothing was
+    recorded. ENDED: element ``which`` of those monitored has reached the end of its range.
     """
     o, w = output[0], work[0]
     row0, row = floats(o.row0, o.row_size), floats(o.row1, o.row_size)
@@ -103,13 +103,13 @@ def sample(o, w, row):
 
 @kernel
 def nodes_of(o):
-    """Return where the motion of each node stands."""
+    """Return the indices of the motion of each node."""
     return Nodes(integers(o.x, o.n_nodes), integers(o.r, o.n_nodes), integers(o.rotation, o.n_nodes))
 
 
 @kernel
 def extend_extremes(o, t, row):
-    """Compare a row with the extremes; return the index of a number that is not finite, or -1."""
+    """Update the extremes with a row; return the index of an entry that is not finite, or -1."""
     n = o.row_size
     return update(t, row, floats(o.high, n), floats(o.high_time, n), floats(o.low, n), floats(o.low_time, n))
 
@@ -195,7 +195,7 @@ def put_geometry(o, w, s, out):
 
 @kernel
 def monitor(o, t, row0, row):
-    """Count how often forces change their direction (unresolved_oscillation.py)."""
+    """Count the changes of sign of force increments (unresolved_oscillation.py)."""
     n = o.n_forces
     count_changes(
         floats(o.difference, n), integers(o.signs, n), floats(o.swing, n), floats(o.swing_time, n),
@@ -205,7 +205,7 @@ def monitor(o, t, row0, row):
 
 @kernel
 def ended(o, row):
-    """Return the number of the first element at the end of its range, or -1."""
+    """Return the index of the first element at the end of its range, or -1."""
     columns, sizes = integers(o.end_columns, o.n_ends), floats(o.end_sizes, o.n_ends)
     for i in range(o.n_ends):
         if abs(row[columns[i]]) > sizes[i]:
@@ -226,7 +226,7 @@ class Output:
     times : tuple
         Start and end of the run, and the interval between saved times [s], 0 to save every step.
     ends : list
-        (column of the row, greatest size) beyond which elements can go no further.
+        (column of the row, largest magnitude) at the end of the range of an element.
     """
 
     def __init__(
@@ -308,11 +308,11 @@ class Output:
         return int(self.record["code"][0])
 
     def outcome(self) -> tuple[int, int]:
-        """Return the code of the last step, and the number to which it refers."""
+        """Return the code of the last step, and the index to which it refers."""
         return int(self.record["code"][0]), int(self.record["which"][0])
 
     def taken(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the rows and the lines of the solver's history in the buffers, which are empty from now on."""
+        """Empty the buffers; return their rows and the lines of the solver's history."""
         r = self.record[0]
         rows, steps = self.rows[: r["n_rows"]], self.steps[: r["n_steps"]]
         r["n_rows"] = r["n_steps"] = 0

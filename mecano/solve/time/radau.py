@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
 
 class Radau:
-    """Radau IIA for one system: its tolerances and linear systems, but no motion.
+    """Radau IIA for one system: its tolerances and linear systems; it holds no motion.
 
     Has the same methods as GeneralizedAlpha.
     """
@@ -78,7 +78,7 @@ class Radau:
         self.use(compliance)
 
     def use(self, compliance: "Compliance | None") -> None:
-        """Give redundant constraints these compliances, or none (None), from now on."""
+        """Set the compliances of redundant constraints; None for none."""
         self.compliance, system = compliance, self.system
         self.contradictions = Contradictions(system, self.length, compliance)
         self.workspace.point_to(**compliances_of_a_step(compliance))
@@ -112,7 +112,7 @@ class Radau:
         """Do nothing: iterations are judged by their corrections in any case."""
 
     def bounded_error(self, s: State, history: RadauHistory, info: StepInfo, enough: float = 0.0) -> float:
-        """Return the local error of a step: oscillations need no second estimate, as stages resolve or damp them."""
+        """Return the local error of a step; stages resolve or damp oscillations, so no second estimate is needed."""
         return info.plain
 
     def _stiffness(self, s, h):
@@ -133,7 +133,7 @@ class Radau:
         self.stages.mass.use(self.compliance)
 
     def _attempt(self):
-        """Make the step in the workspace, with looks at signals of the process in between."""
+        """Make the step in the workspace, checking for signals of the process in between."""
         r = self.workspace.record
         r["begun"], r["code"] = False, PAUSE
         while r["code"][0] == PAUSE:
@@ -191,10 +191,10 @@ class Radau:
         return s, new, info
 
     def _projected(self, stage, h, history):
-        """Return the last ``stage`` projected on the constraints, the way there, and the amplification there.
+        """Return the last ``stage`` projected on the constraints, the size of that correction, and the amplification.
 
-        The state has its accelerations and multipliers. Near a singular position it is the stage itself. So ends a step
-        in which friction acts by reactions, or for which the fixed order of elimination does not suffice.
+        The state has its accelerations and multipliers. Near a singular position it is the stage itself. Used for a
+        step in which friction depends on reactions, or for which the fixed order of elimination does not suffice.
         """
         of, n_q = self.system.numbering, self.system.n_q
         consistent = Consistent(self.system, self.linear, stage, self.length, self.compliance)

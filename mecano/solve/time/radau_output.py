@@ -1,8 +1,8 @@
 """Output within a long step of Radau IIA, whose stages satisfy the equations.
 
 Positions, velocities and coordinates follow from the motion, interpolated to the order of the method. Forces, energies
-and all else follow the cubic through their values at the beginning, at the stages and at the end, within the span of
-the two neighbours: forces evaluated at an interpolated state would satisfy no equation of motion.
+and all other outputs follow the cubic through their values at the beginning, at the stages and at the end, limited to
+the range of the two neighbours: forces evaluated at an interpolated state would not satisfy the equations of motion.
 """
 
 from mecano.jit.entry import Records, entry
@@ -25,7 +25,7 @@ MOTION = 2  # row of ``stage_rows`` for an interpolated motion
 def sample_stages(output: Records(OUTPUT), work: Records(STEP), radau: Records(RADAU)):
     """Write the rows of the stages before the end, and compare them with the extremes.
 
-    ``which``: index of a number that is not finite, or -1.
+    ``which``: index of an entry that is not finite, or -1.
     """
     o, w, r = output[0], work[0], radau[0]
     gained = floats(r.work, (3, 2))
@@ -61,7 +61,7 @@ def interpolate_stages(output: Records(OUTPUT), work: Records(STEP), radau: Reco
 
 @kernel
 def put_motion(o, w, r, u, out):
-    """Write the interpolated motion into the row: that of the nodes, coordinates with their rates, quaternions."""
+    """Write the interpolated motion into the row: nodes, coordinates with their rates, quaternions."""
     s0, s1, row = state_of(w, BEGIN), state_of(w, TRIAL), row_of(o.stage_rows, MOTION, o.row_size)
     copy_state(w, TRIAL, BETWEEN)
     s = state_of(w, BETWEEN)
@@ -83,7 +83,7 @@ def put_motion(o, w, r, u, out):
 
 @kernel
 def observed_at(w, r, s):
-    """Return outputs and energies at a state, in the place of those of the end, which the integrator observes."""
+    """Return outputs and energies at a state; they overwrite those of the end, which the integrator observes later."""
     observation, system = items(r.observation, 1, SYSTEM), system_of(w)
     assemble_residual(loops_at(w.n_loops, w.loops, w.batches), system, s, 1.0, 0.0)
     observation[0].outputs, observation[0].energy = r.outputs + 16 * r.n_outputs, r.energies + 64

@@ -19,7 +19,7 @@ SECOND = 2  # column of the second rates of the constraints
 
 @kernel
 def begin_stages(w, r):
-    """Begin with the velocities and reactions of the last step, extrapolated, or with the motion at the beginning."""
+    """Predict velocities and reactions by extrapolating the last step, or from the motion at the beginning."""
     s0, nodes, n_q = state_of(w, BEGIN), floats(r.nodes, 3), w.n_q
     velocities, reactions = floats(r.last_velocities, (4, n_q)), floats(r.last_reactions, (3, w.n_l))
     to_cubic, to_parabola = floats(r.to_cubic, (4, 4)), floats(r.to_parabola, (3, 3))
@@ -39,7 +39,7 @@ def begin_stages(w, r):
 
 @kernel
 def blend(to_coefficients, x, values, out):
-    """Write the polynomial through the rows of ``values`` at x."""
+    """Evaluate the polynomial through the rows of ``values`` at x."""
     out[:] = 0.0
     for j in range(values.shape[0]):
         share = weight(to_coefficients, x, j)
@@ -49,7 +49,7 @@ def blend(to_coefficients, x, values, out):
 
 @kernel
 def hold_fixed(w, r, i):
-    """Begin stage i with the motion at the beginning, which fixed unknowns keep."""
+    """Initialize stage i with the motion at the beginning, which fixed unknowns keep."""
     s0, s = state_of(w, BEGIN), stage_of(w, r, i)
     floats(r.t, 3)[i] = s0.t + floats(r.nodes, 3)[i] * w.h
     for d in range(w.n_all):
@@ -87,7 +87,7 @@ def untangle(w, theta, v, rate_out):
 
 @kernel
 def measure_signals(w, r, share):
-    """Set the sizes of signals; ``share`` of the accuracy of the motion suffices for those that follow at once."""
+    """Set the sizes of signals; algebraic ones need only a ``share`` of the accuracy of the motion."""
     s0, kind, sizes, system = state_of(w, BEGIN), integers(w.kind, w.n_all), floats(r.sizes, w.n_q), system_of(w)[0]
     known = w.n_memory - system.n_states  # where the largest values so far stand
     for d in range(w.n_q):

@@ -59,7 +59,7 @@ def attempt(work: Records(STEP), radau: Records(RADAU)):
 
 @kernel
 def begin(w, r):
-    """Predict the stages, and find by which corrections Newton's iteration ends."""
+    """Predict the stages, and set the corrections at which Newton's iteration ends."""
     r.iterations, r.size, r.unbalanced, w.stale = 0, np.inf, np.inf, 1
     r.goal, accuracy = accuracies(w, r)
     s0, kind, farthest = state_of(w, BEGIN), integers(w.kind, w.n_all), 0.0
@@ -75,8 +75,8 @@ def begin(w, r):
 def accuracies(w, r):
     """Return the errors that end Newton's iteration: of increments, and relative ones of signals without a rate.
 
-    Increments are relative to the length scale, or rad; velocities have their error over h, and accumulate it until the
-    end of the run.
+    Increments are relative to the length scale, or rad; their error over h is that of velocities, which accumulates
+    until the end of the run.
     """
     share, accuracy = allowed(r.tolerance, w.duration, w.h), min(SHARE * r.tolerance, SIGNALS)
     if share == np.inf:
@@ -114,7 +114,7 @@ def iterate(w, r):
 
 @kernel
 def judge(w, r, last):
-    """Return CONVERGED, NOT_FINITE or DIVERGES for the present correction and the ``last`` one, or -1 to continue.
+    """Return CONVERGED, NOT_FINITE or DIVERGES for the current correction and the ``last`` one, or -1 to continue.
 
     A correction that grows is undone, and the next tangent evaluated at the stages.
     """
@@ -140,8 +140,8 @@ def judge(w, r, last):
 def complete(w, r):
     """Compute the stages, the error, the work and the end of the step; return whether no more iterations are due.
 
-    The corrections of the motion do not tell of reactions that the constraints alone balance, and the prediction by a
-    parabola enlarges errors of those. Reactions that cause friction move the model.
+    Corrections of the motion do not reveal errors of reactions that the constraints alone balance, and the prediction
+    by a parabola amplifies these errors. Reactions that cause friction influence the motion.
     """
     place(w, r)
     last = r.unbalanced
@@ -244,7 +244,7 @@ def error_of(w, r):
 
 @kernel
 def error_of_signals(w, r, e, terms):
-    """Return the largest error of the signals with a rate, relative to their sizes, as far as it counts."""
+    """Return the largest error of the signals with a rate, relative to their sizes, reduced in small steps."""
     v, kind, sizes, worst = floats(r.velocities, (4, w.n_q)), integers(w.kind, w.n_all), floats(r.sizes, w.n_q), 0.0
     for d in range(w.n_q):
         if kind[d] == STATE:
@@ -270,7 +270,8 @@ def of_order_six(e, first, second, third):
 def projected(w, r, m):
     """Project TRIAL on the constraints, with its accelerations and multipliers; return whether that was possible.
 
-    Near a singular position it stays the last stage (singular_position.py), as its projection would be rounded.
+    Near a singular position TRIAL remains the last stage (singular_position.py), as rounding errors would dominate the
+    projection.
     """
     stage, s, of = stage_of(w, r, END), state_of(w, TRIAL), unknowns_of(w)
     m.length = w.length

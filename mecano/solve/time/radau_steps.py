@@ -1,4 +1,4 @@
-"""Ordinary steps of Radau IIA: what the compiled loop (radau_stride.py) is given, and its answers."""
+"""Ordinary steps of Radau IIA: inputs of the compiled loop (radau_stride.py), and the handling of its results."""
 
 from typing import TYPE_CHECKING
 

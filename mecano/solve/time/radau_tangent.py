@@ -168,8 +168,8 @@ def gradient(w, r, entry):
 def add_constraints(w, r):
     """Subtract from the rows of unknowns without mass those of the constraints, times their gradients.
 
-    So these rows have pivots where nothing but constraints holds a node, and the order of elimination can be fixed, as
-    by the penalty of generalized-alpha; the solution stays the same.
+    These rows then have pivots even where only constraints hold a node, so that the order of elimination can be fixed,
+    as with the penalty of generalized-alpha; the solution is the same.
     """
     sums, real, other = (
         integers(r.sums, (r.n_sums, 3)),
@@ -217,9 +217,9 @@ def factored(r):
 
 @kernel
 def hold_idle(w, r):
-    """Let unknowns that nothing resists or moves, with rows and columns of zeros, keep their values; return if any.
+    """Keep the values of unknowns that nothing resists or moves, with rows and columns of zeros; return if any.
 
-    Such is the rotation of a node without inertia on which no moment acts.
+    An example is the rotation of a node without inertia on which no moment acts.
     """
     rows, columns, values = integers(w.rows, w.nnz), integers(w.columns, w.nnz), floats(r.real_values, w.nnz)
     touched, residual, found = floats(r.scratch, w.n), floats(w.residual, w.n), False
@@ -271,7 +271,7 @@ def solve_real(w, r, f):
 
 
 def tables_of(system: "System") -> dict[str, Any]:
-    """Return what the tangent needs to know of each entry: fields of RADAU."""
+    """Return the tables of entries that the tangent needs: fields of RADAU."""
     kind = np.full(system.n, MOTION)
     kind[system.n_q :] = np.where(system.numbering.of_rates, RATE, POSITION)
     sums, right_sums = _sums(system)
@@ -282,7 +282,7 @@ def tables_of(system: "System") -> dict[str, Any]:
 
 
 def _sums(system):
-    """Return which rows of constraints are added to rows of unknowns without mass, and how (``add_constraints``).
+    """Return the tables for adding rows of constraints to rows of unknowns without mass (``add_constraints``).
 
     (n, 3) entry changed, entry of the constraint in the same column, entry of its gradient by the unknown; and (m, 3)
     row of the unknown, row of the constraint, the same entry.

@@ -1,4 +1,4 @@
-"""The arrays of one step of Radau IIA, beside those of the workspace, in the memory that compiled code works on."""
+"""The arrays of one step of Radau IIA, in addition to the workspace, in the memory that compiled code works on."""
 
 from typing import TYPE_CHECKING, Any
 

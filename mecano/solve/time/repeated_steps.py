@@ -1,4 +1,4 @@
-"""Steps of several sizes from one state, as the trials that locate an event; those of similar size share factors.
+"""Steps of several sizes from one state, such as trials that locate an event; steps of similar size share factors.
 
 A step of another size needs three matrices: two of the change of its size (step_change.py), the metric and the filter,
 and the tangent of Newton's iteration. Where a step of similar size has been made, the gaps of the constraints are
@@ -26,7 +26,7 @@ SIMILAR = 0.05  # of a step size: matrices of steps that differ by less are simi
 
 
 class RepeatedSteps:
-    """Steps of a GeneralizedAlpha from one state; the same steps in the same order give the same bits.
+    """Steps of a GeneralizedAlpha from one state; reproducible to the bit if repeated in the same order.
 
     They agree with ``GeneralizedAlpha.step`` to the tolerance of Newton's iteration.
     """

@@ -2,11 +2,11 @@ r"""Tolerances that no step size can meet, because of the rounding of the positi
 
 Positions are known to :math:`u L r`, with u = 2.2e-16, the length scale L and the largest coordinate r over it (at
 least 1), and the accelerations of a step of size h to :math:`u L r/(\beta h^2)`. The estimate of the local error,
-:math:`C_e h^2 |\Delta a|`, is therefore about u r, or more, at any step size, while the share of the tolerance of a
-step falls with h. Where it is less, trials are rejected or accepted by chance, and the step size falls without end.
+:math:`C_e h^2 |\Delta a|`, is therefore at least about u r at any step size, while the share of the tolerance of a step
+falls with h. If that share is less, trials are rejected or accepted by chance, and the step size falls without bound.
 
-The error of a smooth motion may be far below u r, as that of a spinning top. Hence a tolerance is too tight only if
-many trials are rejected, too.
+The error of a smooth motion, such as that of a spinning top, may be far below u r. A tolerance is therefore too tight
+only if many trials are rejected, too.
 """
 
 from typing import TYPE_CHECKING
@@ -28,7 +28,7 @@ REJECTED = 0.2  # of them
 
 
 class RoundingLimit:
-    """Watch over the rejected trials of a run; ``refuse`` is called with its RunState again and again."""
+    """Monitor of the rejected trials of a run; ``refuse`` is called repeatedly with its RunState."""
 
     def __init__(self, control: "StepControl", method: "Method"):
         self.control, self.method = control, method
@@ -52,7 +52,7 @@ class RoundingLimit:
         self._begun = here
 
     def _too_tight(self, run, rejected, trials):
-        """Return the error of a tolerance for which so many of the last ``trials`` were ``rejected``."""
+        """Return the error of a tolerance for which ``rejected`` of the last ``trials`` were rejected."""
         other = "time.method: radau, whose steps are much longer; " if self.method.order == 2 else ""
         allowed = f"an error of {self.control.allowed(run.h):.2g} of the length scale in a step of {run.h:.3g} s"
         return ConvergenceError(
@@ -64,5 +64,5 @@ class RoundingLimit:
 
 
 def below_rounding(error: float, s: "State", method: "Method") -> bool:
-    """Return whether an ``error``, relative to the length scale, is below that of the rounding of ``s``."""
+    """Return whether an ``error``, relative to the length scale, is below the rounding error of ``s``."""
     return bool(error < NEAR * FAR and error < NEAR * reach_of(s.z, method.system.numbering, method.length))

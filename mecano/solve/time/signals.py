@@ -25,9 +25,9 @@ ELSEWHERE = 1e-2  # m, rad, m/s, rad/s: distance of another state, in which a ci
 def settle_signals(system: "System", s: "State", dt: float) -> None:
     """Set the signals of ``s`` in place so that their equations hold at its positions and velocities.
 
-    The values of signals without a state follow by Newton's method, as do the rates of those with one. Rates of the
-    former and second rates of the latter are forward differences over ``dt`` [s] of second order; they are found twice
-    if signals depend on rates of the former, such as those of set points. Raises NonFiniteError where signals are not
+    Newton's method finds the values of signals without a state, and the rates of those with one. Rates of the former
+    and second rates of the latter are forward differences over ``dt`` [s] of second order; they are found twice if
+    signals depend on rates of the former, such as those of set points. Raises NonFiniteError where signals are not
     finite, AssemblyError where they form a loop without a unique solution.
     """
     equations = _Equations(system)
@@ -53,8 +53,8 @@ def _find_rates(equations, s, dt):
 def solve_signals(system: "System", s: "State") -> "State":
     """Solve the equations of the signals of ``s`` in place, if it has any that can be solved; return ``s``.
 
-    A signal whose value is not finite waits until the signals that it reads are known: all are zero at first, and may
-    be denominators. It may remain so before the velocities of a start are known.
+    A signal whose value is not finite is solved later, when the signals that it reads are known: all are zero at first,
+    and may be denominators. It may remain non-finite before the velocities of a start are known.
     """
     return _solve(_Equations(system), s) if system.signals.any() else s
 
@@ -83,9 +83,9 @@ def _finite(J, r):
 
 
 class _Equations:
-    """The equations of the signals of a system, whose numbers are ``own`` (n,).
+    """The equations of the signals of a system, whose indices are ``own`` (n,).
 
-    The assembly is written again at every state. Most signals are linear: their Jacobian is decomposed once.
+    The assembly is overwritten at every state. Most signals are linear: their Jacobian is decomposed once.
     """
 
     def __init__(self, system: "System"):
@@ -119,7 +119,7 @@ class _Equations:
 
 
 def _decomposed(J):
-    """Return scales of the signals, which have any units, and the singular values and vectors of J in these scales."""
+    """Return scales of the signals, which may have any units, and the singular values and vectors of J so scaled."""
     if not len(J):
         return np.ones(0), np.linalg.svd(J)
     scales = _balancing(J)
@@ -127,7 +127,7 @@ def _decomposed(J):
 
 
 def _balancing(J):
-    """Return powers of 2, d (n,), with which the rows and columns of D^-1 J D have alike largest entries.
+    """Return powers of 2, d (n,), with which the rows and columns of D^-1 J D have similar largest entries.
 
     Parlett and Reinsch 1969, "Balancing a matrix for calculation of eigenvalues and eigenvectors", as LAPACK's gebal;
     scipy.linalg takes as long to import as a short run.
@@ -150,7 +150,7 @@ def _balancing(J):
 
 
 def _refuse_undetermined(equations, s):
-    """Raise an error for signals that are not determined; return True if signals depend on rates of those at once."""
+    """Raise an error for undetermined signals; return True if signals depend on rates of algebraic signals."""
     names, own = equations.system.numbering.name, equations.own
     J, r, reads_rates = equations.at(s)
     if circle := _undetermined(equations, J, known := _finite(J, r)):  # it may be what makes others not finite
@@ -185,14 +185,14 @@ def refuse_circles(system: "System", s: "State") -> None:
 def _undetermined(equations, J, known):
     """Return the signals (list of int) of a loop without a unique solution, in the order in which they read.
 
-    ``known`` (n,) are the signals with finite equations; the others are left out.
+    ``known`` (n,) are the signals with finite equations; the others are ignored.
     """
     numbers = np.flatnonzero(known)
     return [int(numbers[i]) for i in _circle(equations, J[np.ix_(known, known)])]
 
 
 def _circle(equations, J):
-    """Return the places (list of int) in J of the equations of such a loop."""
+    """Return the indices (list of int) into J of the equations of such a loop."""
     _, (U, sigma, Vt) = equations.decomposed(J)
     if not len(J) or sigma[-1] > SINGULAR * sigma[0]:
         return []

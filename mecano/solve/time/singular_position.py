@@ -1,11 +1,11 @@
 r"""Singular positions, in which constraints become dependent: the bars of a parallelogram in one line.
 
 At a distance :math:`\varepsilon` [rad] from such a position, a violation u of the constraints, such as its rounding,
-belongs to a displacement :math:`u/\varepsilon` across the motion, to velocities :math:`u/\varepsilon^2`, and to
-reactions :math:`u/\varepsilon^4`: positions projected on the constraints have useless reactions. The stages of Radau
-IIA are computed with a tangent in the middle of the step, which is regular: they pass with their full accuracy. The
-last stage is therefore the end of a step that comes so near that the reactions of a projection would have less than
-four digits. Steps so short that they begin and end where less than two are left cannot pass.
+corresponds to a displacement :math:`u/\varepsilon` across the motion, velocities :math:`u/\varepsilon^2`, and reactions
+:math:`u/\varepsilon^4`: positions projected on the constraints yield useless reactions. The stages of Radau IIA are
+computed with a tangent in the middle of the step, which is regular: they pass with their full accuracy. If a step ends
+so near that the reactions of a projection would have less than four digits, it therefore ends with the last stage. A
+step that begins and ends where less than two digits are left is too short to pass.
 
 :math:`1/\varepsilon` is found as the *amplification*, a displacement for a violation of the constraints, relative to
 its least value since the start of the run or the last event, which depends on the mechanism alone.
@@ -31,7 +31,7 @@ NAMED = 8  # constraints in the message
 
 
 class Amplification:
-    """Displacements, relative to the size of the mechanism, that belong to unit violations of its constraints."""
+    """Displacements, relative to the size of the mechanism, that unit violations of its constraints cause."""
 
     def __init__(self, system: "System", length: float):
         self.system, self.length = system, length
@@ -44,7 +44,7 @@ class Amplification:
         return max(largest(consistent.change(self.violation), of.kind, of.n_q, self.length), 1.0)
 
     def dependent(self, consistent: "Consistent") -> "list[EquationName]":
-        """Return the names of the constraints that become dependent at a factored ``Consistent``, the most first."""
+        """Return the names of the constraints that become dependent at a factored ``Consistent``, in order of share."""
         share, of = np.abs(consistent.exchange(self.violation)[1]), self.system.numbering
         order = [i for i in np.argsort(-share, kind="stable") if share[i] >= TAKE_PART * share.max(initial=0.0)]
         return [of.name[of.n_q + i] for i in order]

@@ -27,7 +27,7 @@ def allowed(tolerance, duration, h):
 
 @kernel
 def counted(error, least, duration, h):
-    """Return an ``error`` reduced in small steps, such that at least the part ``least`` of the tolerance is allowed."""
+    """Return an ``error`` reduced in small steps, so that at least the part ``least`` of the tolerance is allowed."""
     return error * min(h / duration / least, 1.0)
 
 
@@ -70,7 +70,7 @@ def resized(change, h, minimum, maximum):
 
 @kernel
 def retried(change, h, minimum):
-    """Return the step size to try after a rejected step of size h whose error asks for a ``change`` by this factor."""
+    """Return the step size to try after a rejected step of size h whose error requires a ``change`` by this factor."""
     return max(h * max(change, SHRINK), minimum)
 
 
@@ -108,7 +108,7 @@ class StepControl:
         return self.tolerance < math.inf
 
     def forgotten(self, lag: float, h: float) -> float:
-        """Return the error that counts for an error of massless unknowns in a step of size h."""
+        """Return the reduced error that counts for an ``error`` of massless unknowns in a step of size h."""
         return counted(lag, FORGOTTEN, self.duration, h)
 
     def accept(self, error: float, h: float) -> bool:

@@ -1,13 +1,13 @@
-r"""Accelerations that stiff members need to follow a slow motion; the modal filter would take them for vibrations.
+r"""Accelerations that stiff members need to follow a slow motion; the modal filter alone would remove them.
 
-A stiff member that turns has centripetal accelerations, which are no vibration: they keep its strain as it is. The
-forces f(q, v), without inertia, tell both apart. Along a motion with velocities v and accelerations a they change by
+A stiff member that turns has centripetal accelerations, which are not vibration: they keep its strain constant. The
+forces f(q, v), without inertia, distinguish both. Along a motion with velocities v and accelerations a they change by
 
 .. math:: r = \frac{d}{dt} f_e + c_C f_o, \quad g = \frac{d^2}{dt^2} f_e + c_C \frac{d}{dt} f_o, \qquad
    f_e, f_o = \tfrac12 [f(q, v) \pm f(q, -v)]
 
 of which the first is small for velocities without vibration, and the second for accelerations without it
-(modal_filter.py; docs/theory.md, 2.1). Multipliers, signals, massless scalars and the time stay as they are.
+(modal_filter.py; docs/theory.md, 2.1). Multipliers, signals, massless scalars and the time are held constant.
 """
 
 import numpy as np
@@ -25,9 +25,9 @@ DIFFERENCE = 0.02  # of a step, for the first rates; the second ones are those o
 
 @kernel
 def follow_stiff_members(w, a):
-    """Solve for the accelerations, with the opposite sign, that stiff members need besides ``a`` (n_all,).
+    """Solve for minus the accelerations that stiff members need in addition to ``a`` (n_all,).
 
-    They are those at the slow velocities of the members. Return whether the forces are finite over the step.
+    They are evaluated at the slow velocities of the members. Return whether the forces are finite over the step.
     """
     true, rest = state_of(w, BEGIN).v, floats(w.added + 8 * w.n_all, w.n_all)
     v, x, rates = floats(w.added + 24 * w.n_all, w.n), floats(w.increment, w.n), floats(w.added + 32 * w.n_all, w.n)

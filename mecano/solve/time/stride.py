@@ -1,7 +1,7 @@
 """Ordinary steps, many in one compiled call: those whose iterations converge and that contain no event.
 
-The call returns where a rare decision is due: an event, a failed iteration, a time at which a step must end, full
-buffers, a look at signals of the process. Python takes it, and computes the same step to the same bits.
+The call returns if a rare decision is due: an event, a failed iteration, a time at which a step must end, full buffers,
+a check for signals of the process. Python takes that decision, and computes the same step to the same bits.
 """
 
 import numpy as np
@@ -55,7 +55,7 @@ def stride(integrator: Records(STRIDE), work: Records(STEP), output: Records(OUT
     """Make steps from BEGIN; return why the call ends.
 
     ENOUGH: the requested number of steps is made, or the next one needs another size. DECIDE: Python judges TRIAL, the
-    first trial from BEGIN. REPEAT: Python makes the step from BEGIN. WAIT: Python looks at signals, and calls again.
+    first trial from BEGIN. REPEAT: Python makes the step from BEGIN. WAIT: Python checks for signals, and calls again.
     RECORDED: the buffers are full, or the run must end, as the code in ``output`` states.
     """
     m, w, o = integrator[0], work[0], output[0]
@@ -125,7 +125,7 @@ def tried(m, w, o):
 
 @kernel
 def bounded(m, w, plain, enough):
-    """Return the error of a step with oscillations bounded (error_bound.py); ``plain`` is that without a bound."""
+    """Return the error of a step with oscillations bounded (error_bound.py); ``plain`` is the error without a bound."""
     if not m.bound:
         return plain
     found = items(m.bound, 1, BOUND)[0]
@@ -163,7 +163,7 @@ def changes(m, w, size):
 
 @kernel
 def begin(m, w):
-    """Prepare the next step: Newton's method begins with the history's own guess."""
+    """Prepare the next step: Newton's method starts from the prediction by the history."""
     w.begun, w.by_velocity, w.renewed = 0, 0, 0
     m.phase, m.in_vain = STEPPING, 0
 
@@ -176,7 +176,7 @@ def evaluate_events(m, w, s, out):
 
 @kernel
 def departs(m, w):
-    """Return whether a contact that has opened has no gap yet: its rates decide what follows (shocks.py)."""
+    """Return whether a contact that has opened has no gap yet: its rates decide whether it departs (shocks.py)."""
     if not m.n_events:
         return False
     values, own = floats(m.before_values, m.n_events), integers(m.departing, m.n_departing)
@@ -199,7 +199,7 @@ def happens(m, w, s):
 
 @kernel
 def parts(m, w):
-    """Return whether redundant constraints contradict one another at TRIAL by more than is allowed."""
+    """Return whether redundant constraints contradict one another at TRIAL by more than the admissible gap."""
     if not m.checks_gaps:
         return False
     n, weight = w.n_l, floats(m.share_of_gap, w.n_l)

@@ -1,4 +1,4 @@
-"""The arrays of a compiled loop over steps (stride.py, radau_stride.py), and what Python does between its calls."""
+"""The arrays of a compiled loop over steps (stride.py, radau_stride.py), and the work of Python between its calls."""
 
 import time as clock
 from collections.abc import Callable
@@ -34,13 +34,13 @@ class Recorder(Protocol):
         """Take a step that Python made."""
 
     def restarted(self, run: RunState, passing: bool = False) -> None:
-        """Begin the next step with ``run``, whose forces may have jumped; it may be ``passing``, left at once."""
+        """Begin the next step with ``run``, whose forces may have jumped; ``passing``: an event follows at once."""
 
     def empty(self, again: bool = False) -> None:
         """Empty full buffers, possibly ``again`` in one step."""
 
     def refuse(self, t: float) -> None:
-        """Raise an error where the run cannot go on from the last step, to the time ``t`` [s]."""
+        """Raise an error if the run cannot continue from the last step, which ended at ``t`` [s]."""
 
 
 class StrideArrays(Pointers):
@@ -96,7 +96,7 @@ class StrideArrays(Pointers):
             self.point_to(records=True, record=self._record.function, record_words=self._record.words)
 
     def put_run(self, run: RunState, contradictions: "Contradictions") -> None:
-        """Enter what is counted in a run, and its planned step."""
+        """Enter the counters of a run, and its planned step."""
         r = self.record[0]
         r["phase"], r["planned"], r["steps"], r["iterations"] = READY, run.h, run.steps, run.iterations
         r["rejected"] = run.rejected

@@ -105,7 +105,7 @@ class TimeIntegrator:
         """Return the RunState at the start, with consistent velocities, accelerations and multipliers.
 
         Contacts that touch are closed if they are pressed together; ``start_events`` are these events. Those that
-        separate are free, even if rounding makes them overlap.
+        separate are open, even if rounding makes them overlap.
         """
         s = replace(s, memory=self.system.commit(solve_signals(self.system, s.copy())))
         s, history = self.method.start(self.monitor.settle(s, self.shocks.touching), h)
@@ -114,7 +114,7 @@ class TimeIntegrator:
         return run
 
     def _close_pressed(self, run):
-        """Return the run with its pressed contacts closed, and the events; in a pile one presses on the next."""
+        """Close the contacts that are pressed together, repeatedly, as in a pile; return the run and the events."""
         events = []
         for _ in self.shocks.impact_candidates:
             hit = self.shocks.pressed(run.motion, run.h)
@@ -168,11 +168,11 @@ class TimeIntegrator:
         return run
 
     def _shortest(self, stop):
-        """Return the least remaining time [s] to ``stop`` for which a step is made: less is rounding."""
+        """Return the least remaining time [s] to ``stop`` for which a step is made: less is rounding error."""
         return max(LEAST_ULPS * math.ulp(stop), NEGLIGIBLE_TIME * self.control.minimum)
 
     def to_plain(self) -> dict[str, Any]:
-        """Return the state of the time loop itself, beside the run, as dicts, lists, texts and numbers."""
+        """Return the state of the time loop itself, without the run, as dicts, lists, texts and numbers."""
         own = {"remarks": list(self.warnings), "cuts": list(self.cuts)}
         return {**own, **self.events.to_plain(), "capture": self.capture.to_plain()}
 
@@ -276,8 +276,8 @@ class TimeIntegrator:
     def _consistent(self, s, h, impact=False):
         """Return ``s`` with consistent accelerations and multipliers.
 
-        Those of a very short step have the rounding error of the positions over the square of the step size. Before an
-        ``impact`` the positions are those without the deflection of compliances.
+        Accelerations and multipliers of a very short step have the rounding error of the positions over the square of
+        the step size. Before an ``impact`` the positions are those without the deflection of compliances.
         """
         method = self.method
         s, consistent = consistent_state(self.system, method.linear, s, h, method.contradictions, method.compliance)
@@ -313,14 +313,14 @@ class TimeIntegrator:
         return new
 
     def _start_behind_corner(self, run):
-        """Return the run started again just behind the corner at its end, with the slopes of the laws there.
+        """Restart the run just after the corner at its end, with the slopes of the laws there.
 
-        At the corner itself a table that holds its last value has the slope before it.
+        At the corner itself a table that holds its last value still has the slope before it.
         """
         return self._start_again(run, replace(run.motion, t=np.nextafter(run.motion.t, math.inf)))
 
     def _passes(self, s, h):
-        """Return whether the state after an event is left at once, by another event at the same instant."""
+        """Return whether another event follows at the same instant."""
         values = self.shocks.departing(s, self.monitor.values(s))
         due = values > 0.0
         return bool(due.any()) and bool(np.any(due & (look_ahead(self.monitor, s, values, h)[1] >= 0.0)))

@@ -21,7 +21,7 @@ SHARE = 0.05  # of its size: a smaller oscillation of a number is not reported
 
 @immutable
 class Oscillation:
-    """A number of the row that alternates: index, largest oscillation from step to step, size, and time."""
+    """An entry of the row that alternates: index, largest oscillation from step to step, size, and time."""
 
     column: int
     swing: float
@@ -30,7 +30,7 @@ class Oscillation:
 
 
 class OscillationMonitor:
-    """Watch numbers of the row, given by their ``columns`` (n,), at the accepted steps."""
+    """Monitor of entries of the row, given by their ``columns`` (n,), at the accepted steps."""
 
     def __init__(self, columns: np.ndarray):
         n = len(columns)
@@ -58,7 +58,7 @@ class OscillationMonitor:
             getattr(self, name)[:] = value
 
     def found(self, least: np.ndarray) -> list[Oscillation]:
-        """Return, in order, an Oscillation for each number exceeding ``least`` (n,) and a SHARE of its size."""
+        """Return, in order, an Oscillation for each entry that exceeds ``least`` (n,) and a SHARE of its size."""
         share = self.swing / np.maximum(self.largest, np.finfo(float).tiny)
         worst = np.argsort(-share, kind="stable")
         chosen = [i for i in worst if share[i] > SHARE and self.swing[i] > least[i]]

@@ -115,7 +115,7 @@ def system_of(w):
 
 @kernel
 def is_due(w):
-    """Return whether Python must look at signals now, by the wall-clock time."""
+    """Return whether Python must check for signals now, by the wall-clock time."""
     call(w.clock, w.clock_id, w.now)
     now = integers(w.now, 2)
     return now[0] + 1e-9 * now[1] >= w.due
@@ -128,7 +128,7 @@ class Workspace(Pointers):
     ----------
     system : System
     assembly : Assembly
-        The one that the steps write.
+        Written by the steps.
     fixed : dict
         Fields of STEP that never change: numbers, and arrays in the place of their addresses.
     """
