@@ -56,7 +56,7 @@ def carried_over(deck: "Deck", system: "System", state: "State", length: float) 
 
 
 def _row(results: "Results", time: float | None) -> int:
-    """Return the number of the row saved at a time [s], or of the last one. Raises ResultsError."""
+    """Return the index of the row saved at a time [s], or of the last one. Raises ResultsError."""
     t = results.time
     if not len(t):
         raise ResultsError(f"{results.path} has no saved times yet")
@@ -89,7 +89,7 @@ def _begun(
 
 
 def _without_past(system: "System", memory: np.ndarray) -> tuple[np.ndarray, list[str]]:
-    """Return the memory with that of signals cleared, since it refers to times of the other run, and their names."""
+    """Clear the memory of signals, since it refers to times of the other run; return the memory and their names."""
     memory, anew = memory.copy(), []
     for b in system.batches:
         if b.kind.section == "signals" and b.kind.memory:

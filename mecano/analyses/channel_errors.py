@@ -9,7 +9,7 @@ MOST = 8  # names in a message
 
 
 def unknown(option: str, name: str, known: Iterable[str], hint: str = "") -> UsageError:
-    """Return the error for an unknown ``name`` of an ``option``, with similar names of the ``known`` ones, or some."""
+    """Return the error for an unknown ``name`` of an ``option``, with similar or some of the ``known`` names."""
     known = list(dict.fromkeys(known))
     near = similar(name, known)
     if near:

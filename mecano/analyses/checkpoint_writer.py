@@ -18,7 +18,7 @@ SHARE = 100  # least time between checkpoints, in durations of the last one
 
 
 class CheckpointWriter:
-    """Callable before and within a step that writes checkpoints when they are due and stops the run on request."""
+    """Writes checkpoints when they are due, and stops the run on request; called before and within a step."""
 
     def __init__(
         self, integrator: "TimeIntegrator", recorder: "Recorder", interruption: "Interruption", interval: float
@@ -51,7 +51,7 @@ class CheckpointWriter:
 
 
 def restore(state: Mapping[str, Any], integrator: "TimeIntegrator") -> tuple[RunState, dict[str, Any]]:
-    """Return the RunState and the recorder's state of a checkpoint, and restore ``integrator``. Raises ResultsError."""
+    """Restore ``integrator`` from a checkpoint; return its RunState and the recorder's state. Raises ResultsError."""
     try:
         run = from_plain(state["run"])
         integrator.from_plain(json.loads(state["march"]))

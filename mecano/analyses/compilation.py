@@ -37,7 +37,7 @@ EVENTS = assembly_driver.event_values, some_happened, between_states
 
 
 def radau() -> "tuple[Entry, ...]":
-    """Return the functions that Radau IIA needs beside those of the time integration."""
+    """Return the functions that Radau IIA needs in addition to those of the time integration."""
     from mecano.solve.linear.factors import factor, solve  # no ordinary run needs them
     from mecano.solve.time.radau_output import interpolate_stages, sample_stages
     from mecano.solve.time.radau_step import attempt
@@ -47,7 +47,7 @@ def radau() -> "tuple[Entry, ...]":
 
 
 def divided() -> "list[Code]":
-    """Return the Codes with which two threads work on a large model."""
+    """Return the Codes that two threads need for a large model."""
     from mecano.jit.thread_pool import help_out  # no small model needs them
     from mecano.model import divided_loops
     from mecano.solve.linear import divided_multifrontal as linear
@@ -57,7 +57,7 @@ def divided() -> "list[Code]":
 
 
 def compile_time_integration(system: "System", time: "Values") -> None:
-    """Load the time integration and the loops of ``system``; compile on all cores those that no store has.
+    """Load the time integration and the loops of ``system``; compile on all cores those missing from the store.
 
     ``time`` are the checked values of that section of the deck. Everything else is compiled when it is needed.
     """

@@ -1,4 +1,4 @@
-"""Controllers that make a mechanism unstable: its modes at the start, with its signals and without."""
+"""Warn of controllers that make a mechanism unstable, from its modes at the start with and without signals."""
 
 import math
 from collections.abc import Iterator
@@ -13,14 +13,14 @@ if TYPE_CHECKING:
     from mecano.solve.time.run_state import RunState
 
 MOST = 100  # motions up to which modes are computed before a run
-GROWTH = 1e3  # factor by which small motions grow in a run, from which on they are reported
+GROWTH = 1e3  # growth of small motions in a run above which they are reported
 
 
 def instability_warnings(prepared: "Prepared", start: "RunState") -> Iterator[str]:
     """Yield a warning if small motions about the ``start`` of a run, a RunState, grow only because of its signals.
 
-    Motions that grow by less than a factor of GROWTH in the run are not reported, nor those of models with more than
-    MOST motions, nor those about a moving state if no signal has a state, as of bodies that attract one another. Values
+    Not reported are motions that grow by less than a factor of GROWTH in the run, models with more than MOST motions,
+    and motions about a moving state if no signal has a state, such as those of bodies that attract one another. Values
     of delays and of sampled signals count as constant.
     """
     system, time = prepared.system, prepared.deck.values["time"]

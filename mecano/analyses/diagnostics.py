@@ -35,18 +35,19 @@ MOST_LATCHES = 8  # named in a warning
 MOST_FORCES = 4
 MOST_NAMED = 4  # elements named with the same remedies
 LEAST_SWING = 0.01  # of the largest force or moment of the model; smaller oscillations are noise
-ROUNDED = 1e-9  # of the kinetic energy over the length scale: smaller forces are rounding
+ROUNDED = 1e-9  # of the kinetic energy over the length scale: smaller forces are rounding errors
+
 NOTED = 0.01  # failed trials per step above which a fixed step is reported as too large
 UNBALANCED = 0.01  # of the largest change of an energy, above which an error of the balance is reported
-SPUN = 0.2  # [rad] turned in a fixed step by a node whose axis turns too, above which it is reported
-STABLE = 1.0  # times 1 - rho_inf, [rad]: unstable beyond in a ring of a fifth of its inertia (docs/step-control.md)
-LEAST_SPUN = 0.02  # [rad]: a node that turns less in a step is not reported, whatever rho_inf is
+SPUN = 0.2  # [rad] rotation in a fixed step, about an axis that turns too, above which a node is reported
+STABLE = 1.0  # times 1 - rho_inf, [rad]: limit of stability in a ring of a fifth of its inertia (docs/step-control.md)
+LEAST_SPUN = 0.02  # [rad]: a node that turns less in a step is never reported
 GYROSCOPIC = 0.22  # error of a gyroscopic moment over the square of this angle, measured at rho_inf = 0.8
-OFF = 0.007  # error of the force of a mass that circles, above which it is reported: 0.2 rad in a step at rho_inf = 0.8
-ALIKE = 0.2  # relative difference of changes of an acceleration below which they turn as the node does
+OFF = 0.007  # error of the force of a circling mass above which it is reported: 0.2 rad in a step at rho_inf = 0.8
+ALIKE = 0.2  # relative difference of changes of an acceleration below which they turn with the node
 SIMILAR = 2.0  # ratio of a speed over a radius to the angular velocity, and of two radii, below which a node circles
-AXIS_TURNS = 0.1  # of the angular velocity: its change across its mean direction, above which the axis turns
-WRAPPED = 6.2  # rad: an angle known within one turn only whose values range so far has jumped
+AXIS_TURNS = 0.1  # of the angular velocity: change across its mean direction above which the axis turns
+WRAPPED = 6.2  # rad: range of values above which an angle known within one turn only has jumped
 NOISE = 1e-5  # of the largest energy, below which an error of the balance is never reported
 
 
@@ -63,7 +64,7 @@ def step_cut_warnings(values: "Values", cuts: Sequence[tuple[float, float]], fin
 
 
 def capture_warnings(values: "Values", capture: "EventCapture") -> Iterator[str]:
-    """Yield a warning if events were captured at the ends of steps, by an EventCapture, instead of located."""
+    """Yield a warning if events were captured at the ends of steps, instead of being located."""
     if not capture.steps:
         return
     names = [name for name, _ in sorted(capture.by_element.items(), key=lambda item: (-item[1], item[0]))]
@@ -77,7 +78,7 @@ def capture_warnings(values: "Values", capture: "EventCapture") -> Iterator[str]
 
 
 def untouched_ground_warnings(deck: "Deck", sampler: "Sampler", extremes: "Extremes") -> Iterator[str]:
-    """Yield a warning if the model has wheels and none of them touched its ground, as their loads were always zero."""
+    """Yield a warning if the model has wheels, but their loads were always zero: none touched its ground."""
     at = {column.path: column.start for column in sampler.columns}
     wheels = [n for n, d in deck.values["elements"].items() if "wheels" in KINDS[d["type"]].display.pictures]
     loads = [at.get(f"elements/{name}/radial_force", at.get(f"elements/{name}/normal_force")) for name in wheels]
@@ -86,7 +87,7 @@ def untouched_ground_warnings(deck: "Deck", sampler: "Sampler", extremes: "Extre
 
 
 def wrap_warnings(deck: "Deck", sampler: "Sampler", extremes: "Extremes") -> Iterator[str]:
-    """Yield warnings on angles in formulas that jumped by a turn, as they are known within one turn only."""
+    """Yield warnings on angles in formulas that jumped by a turn, because they are known within one turn only."""
     at = {column.path: column.start for column in sampler.columns}
     for section, name, kind, output in _wrapping(deck) if deck.formulas else ():
         i, read = at[f"{section}/{name}/{output}"], re.compile(rf"(?<![\w.]){re.escape(name)}\.{output}\b")
@@ -131,8 +132,8 @@ def energy_warnings(values: "Values", sampler: "Sampler", extremes: "Extremes") 
 def spin_warnings(values: "Values", sampler: "Sampler", extremes: "Extremes") -> Iterator[str]:
     """Yield a warning if a node turns far in each fixed step, about an axis that turns too.
 
-    The change of the angular velocity is judged by the ``extremes`` of its components. Of a body that spins about an
-    axis fixed in space the motion is exact.
+    The change of the angular velocity is estimated from the ``extremes`` of its components. The motion of a body that
+    spins about an axis fixed in space is exact.
     """
     if values["adaptive"] or values["method"] == "radau":
         return
@@ -152,12 +153,12 @@ def spin_warnings(values: "Values", sampler: "Sampler", extremes: "Extremes") ->
 def circle_warnings(
     values: "Values", method: "GeneralizedAlpha | Radau", run: "RunState", sampler: "Sampler", extremes: "Extremes"
 ) -> Iterator[str]:
-    """Yield a warning if a mass that is attached off the axis of a body circles far in each fixed step.
+    """Yield a warning if a mass attached off the axis of a body moves far along its circle in each fixed step.
 
-    Positions are integrated apart from rotations, so that the acceleration on a circle is wrong by a factor
-    (``Coefficients.acceleration``), and with it the force of the mass, found in the tangent at the end, in the RunState
-    ``run``. Circles about a fixed centre are recognized by the ranges of position and velocity during the run, others
-    by the accelerations in the last two steps. A ``method`` without coefficients has no such error.
+    Positions are integrated separately from rotations, so the acceleration on a circle is wrong by a factor
+    (``Coefficients.acceleration``), and so is the centrifugal force. The mass is taken from the tangent at the end of
+    ``run``, a RunState. Circles about a fixed centre are recognized by the ranges of position and velocity during the
+    run, others by the accelerations in the last two steps. A ``method`` without coefficients has no such error.
     """
     if values["adaptive"] or method.order != 2:
         return
@@ -199,8 +200,8 @@ def _rates(spins, extremes):
 def _circle(column, starts, extremes):
     """Return the angular velocity [rad/s] of a node and the radius [m] of its circle, or zeros if it does not circle.
 
-    Along at least two of the axes a circle has more than half of its largest range. ``column`` is that of the angular
-    velocity, ``starts`` maps the paths of all columns to their places in a row.
+    Along at least two of the axes a circle extends over more than half of its largest range. ``column`` is that of the
+    angular velocity, ``starts`` maps the paths of columns to their indices in a row.
     """
     node = column.path.rpartition("/")[0]
     places = [starts[f"{node}/{name}"] for name in ("position", "velocity")]
@@ -214,10 +215,10 @@ def _circle(column, starts, extremes):
 
 
 def _turning_circle(run, i, x, nodes):
-    """Return angular velocity [rad/s] and radius [m] of the circle of node i about any centre, or zeros without one.
+    """Return angular velocity [rad/s] and radius [m] of the circle of node i about any centre, or zeros if none.
 
-    The changes of its acceleration over the last two steps turn as the node does: so they do on a circle whose centre
-    has a constant acceleration. ``x`` is the place of its position.
+    On a circle whose centre has a constant acceleration, the changes of the node's acceleration over the last two steps
+    turn with the node. ``x`` is the index of its position.
     """
     s, history, place = run.motion, run.history, slice(x, x + 3)
     omega = s.R[nodes.rotation[i]] @ s.v[nodes.r[i] : nodes.r[i] + 3]
@@ -252,8 +253,8 @@ def oscillation_warnings(
 ) -> Iterator[str]:
     """Yield a warning if forces oscillate from step to step, as found by the OscillationMonitor of the run.
 
-    Moments are compared with those of the forces of the model at its ``length`` [m], too. Forces that are rounding
-    beside the kinetic energy over this length, as in a free motion, do not count.
+    Moments are also compared with the forces of the model times its ``length`` [m]. Forces at the rounding level of the
+    kinetic energy over this length, as in a free motion, do not count.
     """
     columns = sorted((c for c in sampler.columns if c.unit in FORCES), key=lambda column: column.start)
     starts = [column.start for column in columns]
@@ -318,7 +319,7 @@ def limit_warnings(
 
 @contextmanager
 def locating_formulas(deck: "Deck") -> Iterator[None]:
-    """Add the places of the formulas that failed to a NonFiniteError."""
+    """Add to a NonFiniteError the places of the formulas that failed."""
     try:
         yield
     except NonFiniteError as error:
@@ -328,7 +329,7 @@ def locating_formulas(deck: "Deck") -> Iterator[None]:
 def failure_text(error: MecanoError, deck: "Deck", warnings: Iterable[str]) -> str:
     """Return the text of an ``error`` with remedies for the elements that failed, and the places of their formulas.
 
-    The ``warnings`` about these elements and about the places of the equations that failed follow.
+    The text ends with the ``warnings`` about these elements and about the places of the equations that failed.
     """
     remedies: dict[str, list[str]] = {}
     affected = [*error.elements, *(f"{place}: " for place in error.places)]
@@ -343,7 +344,7 @@ def failure_text(error: MecanoError, deck: "Deck", warnings: Iterable[str]) -> s
 
 
 def _formulas(error, deck):
-    """Yield where the formulas among the elements that failed are in the deck."""
+    """Yield the places in the deck of the formulas among the elements that failed."""
     marks = {title_of(FORMULA.name, text): mark for text, mark in deck.formulas.items()}
     named = {title_of(FORMULA.name, name): deck.mark("signals", name) for name in deck.values["signals"]}
     for title in error.elements:
@@ -352,7 +353,7 @@ def _formulas(error, deck):
 
 
 def waiting_warnings(system: "System", phases: np.ndarray) -> Iterator[str]:
-    """Yield a text that names the elements that are due, by the ``phases`` at the end, but did not act yet."""
+    """Yield a text that names the elements that, by the ``phases`` at the end, were activated without effect."""
     found = [
         name
         for batch in system.batches

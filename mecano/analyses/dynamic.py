@@ -60,7 +60,7 @@ class Supervision:
     announce : callable
         Called with the text of every warning.
     interruption : Interruption
-        Ends the run by Stopped, after a checkpoint; default: one that never does.
+        Ends the run by raising Stopped, after a checkpoint; default: never.
     interval : float
         Wall-clock time between checkpoints [s].
     """
@@ -106,7 +106,7 @@ def continued(deck: "Deck", path: "str | os.PathLike[str]", **supervision: Any) 
 
 @contextmanager
 def _warned_of(prepared, supervision):
-    """Announce the warnings about a model whose start fails: one of them may be the cause."""
+    """Announce the warnings about a model whose start fails: one of them may name the cause."""
     try:
         yield
     except MecanoError:
@@ -250,10 +250,9 @@ class Ongoing:
         integrator.reporters = recorder.report, *supervision.reporters
 
     def advance(self, t: float, given: Mapping[str, float] | None = None) -> None:
-        """Integrate to the time ``t`` [s], with new values of external signals from the present time on.
+        """Integrate to the time ``t`` [s], with new values of external signals from the current time on.
 
-        ``given`` are these values, by the names of the signals. Raises ConvergenceError, NonFiniteError, Stopped,
-        ResultsError.
+        ``given`` maps names of signals to these values. Raises ConvergenceError, NonFiniteError, Stopped, ResultsError.
         """
         deck, sampler, recorder = self.deck, self.recorder.sampler, self.recorder
         try:
@@ -309,5 +308,5 @@ class Ongoing:
         self.recorder.writer.close("stopped", f"left at t = {t:.9g} s")
 
     def checkpoint(self) -> None:
-        """Write a checkpoint of the present state. Raises ResultsError."""
+        """Write a checkpoint of the current state. Raises ResultsError."""
         self._checkpoint_writer.write(self.state)

@@ -66,7 +66,7 @@ def follow(prepared: Prepared, observers: Sequence[Observer] = ()) -> Result:
 
 
 def start_in_words(prepared: Prepared) -> Iterator[str]:
-    """Yield texts on the stability of the start, held in place, without loads and under all loads."""
+    """Yield texts on the stability of the start configuration without loads and under all loads."""
     values = prepared.deck.values["static"] or prepared.deck.values["initial"]["static"]
     statics = loaded(prepared, values)
     follower, s = Follower(statics), statics.begin(_settled(prepared))
@@ -82,8 +82,8 @@ def start_in_words(prepared: Prepared) -> Iterator[str]:
 def equilibrium(prepared: Prepared) -> tuple[str, ...]:
     """Bring ``prepared.state`` into static equilibrium, with the velocities of the deck, and return warnings.
 
-    Residuals are reduced to rounding, so that a run started there has no initial acceleration. Raises the errors of
-    ``follow``.
+    Residuals are reduced to rounding level, so that a run started there has no initial acceleration. Raises the errors
+    of ``follow``.
     """
     values = prepared.deck.values["initial"]["static"]
     statics = loaded(prepared, values)
@@ -124,7 +124,7 @@ def _follow_path(prepared, statics, path, start, observers, state=None):
 
 
 def _ended(prepared):
-    """Return a function of a State and its Observation: the text on an element at the end of its range, or ""."""
+    """Return a function (State, Observation) -> text on an element at the end of its range, or ""."""
     if not has_watched_outputs(prepared.deck.values, "end_conditions"):
         return lambda state, observation: ""
     sampler = Sampler(prepared.system)
@@ -135,7 +135,7 @@ def _ended(prepared):
 def _stability_warnings(prepared, follower, point):
     """Yield warnings: where stability was lost, and whether the last equilibrium is unstable or neutral.
 
-    That a model which nothing holds may float anywhere is no news.
+    A model that nothing holds may float anywhere: this is not reported.
     """
     yield from follower.losses
     yield from follower.departures

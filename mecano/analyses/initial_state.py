@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from mecano.analyses.prepare import Prepared
     from mecano.deck.deck import Deck
 
-WOBBLE = 1e-6  # of the inertia: a smaller product of inertia is rounding
+WOBBLE = 1e-6  # of the inertia: a smaller product of inertia is rounding error
 
 
 def set_initial_state(prepared: "Prepared", disturbed: bool = True) -> tuple[str, ...]:
@@ -42,7 +42,7 @@ def set_initial_state(prepared: "Prepared", disturbed: bool = True) -> tuple[str
 
 
 def _steady_motion(prepared):
-    """Return the steady motion that the deck asks for, a Straight or a Rotation."""
+    """Return the steady motion that the deck requests, a Straight or a Rotation."""
     from mecano.solve.modal.steady_rotation import Rotation
     from mecano.solve.modal.straight_running import Straight
 
@@ -57,7 +57,7 @@ def _steady_motion(prepared):
 
 
 def _wobbling(prepared):
-    """Yield a text for each wheel whose axle, in the axes of its node, is no principal axis of inertia."""
+    """Yield a text for each wheel whose axle, in the axes of its node, is not a principal axis of inertia."""
     system, at = prepared.system, {node.name: i for i, node in enumerate(prepared.system.nodes)}
     for name, d in prepared.deck.values["elements"].items():
         if "tire_law" not in d or "node" not in d:
@@ -72,7 +72,7 @@ def _wobbling(prepared):
 
 
 def describe(deck: "Deck") -> str:
-    """Return a description of the initial state of a deck, in words."""
+    """Describe the initial state of a deck in words."""
     initial = deck.values["initial"]
     if initial["static"]:
         return "static equilibrium at the start"

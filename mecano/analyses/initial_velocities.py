@@ -1,4 +1,4 @@
-"""Initial velocities that the constraints change, and those of nodes that the deck leaves at rest."""
+"""Initial velocities that the constraints change, also of nodes that the deck leaves at rest."""
 
 from typing import TYPE_CHECKING
 
@@ -28,7 +28,7 @@ def changed_velocities(deck: "Deck", system: "System", given: "State", start: "S
     named = {name for entry in entries for name in entry["nodes"]}
     turned = {name for entry in entries if any(entry["angular_velocity"]) for name in entry["nodes"]}
     turned &= _turning(system)
-    motions = [  # fixed nodes did not receive the velocities asked
+    motions = [  # fixed nodes did not receive the requested velocities
         (names, np.where((first < of.n_q)[:, None], before, asked), reached, unit)
         for names, first, asked, before, reached, unit in zip(
             (named, turned), (of.x, of.r), asked_velocities(deck, system), _rates(system, given),
@@ -52,18 +52,18 @@ def changed_velocities(deck: "Deck", system: "System", given: "State", start: "S
 
 
 def _rounding(fastest, length):
-    """Return the rounding of speeds [m/s] by the fastest turning, and of angular velocities [rad/s] by the former."""
+    """Return the rounding errors of speeds [m/s] and, derived from these, of angular velocities [rad/s]."""
     return ROUNDING * fastest[1] * length, ROUNDING * fastest[0] / length
 
 
 def _shown(vector, size):
-    """Return a vector as text, with zero in the place of components that are rounding errors beside ``size``."""
+    """Return a vector as text, with components at the rounding level of ``size`` replaced by zero."""
     rounded = np.where(np.abs(vector) <= ROUNDING * size, 0.0, vector)
     return "[" + ", ".join(f"{component + 0.0:.4g}" for component in rounded) + "]"
 
 
 def _turning(system):
-    """Return the names of the nodes whose rotation is free or held: a point mass has none to which a rate belongs."""
+    """Return the names of the nodes whose rotation is free or held; that of a point mass is neither."""
     nodes, of = system.nodes, system.numbering
     held = {of.r[i] for i, node in enumerate(nodes) if node.fixed}
     return {node.name for i, node in enumerate(nodes) if of.r[i] < of.n_q or of.r[i] in held}
@@ -76,7 +76,7 @@ def _rates(system, s):
 
 
 def set_in_motion(deck: "Deck", system: "System", given: "State", start: "State", length: float) -> str:
-    """Return as text which nodes, not named in ``initial.velocities``, the constraints set in motion, or "".
+    """Describe the nodes, not named in ``initial.velocities``, that the constraints set in motion; "" if none.
 
     Arguments as in ``changed_velocities``. A drive whose rate is not zero at the start moves what it drives.
     """

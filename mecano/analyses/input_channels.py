@@ -32,15 +32,15 @@ SHIFT = 2.0**-10  # [m] or [rad], of a prescribed motion, in which its constrain
 class Input:
     """An input: a signal of the deck for the response, and the prescribed motions that depend on it."""
 
-    name: str  # as asked for
-    unit: str  # that of the field; of a signal, that of the motion that it prescribes, or ""
-    signal: str = ""  # "" for a prescribed motion that is no signal
+    name: str  # as requested
+    unit: str  # of the field, or of the motion that a signal prescribes, or ""
+    signal: str = ""  # "" for a prescribed motion that is not a signal
     motions: dict[tuple[str, ...], str] = field(default_factory=dict)  # path in the deck -> formula as written
 
     def columns(self, lin: "Linearization", system: System, s: "State", deck: "Deck") -> np.ndarray:
-        """Return Q0, Q1, Q2 (3, n) of a unit of the input: the forces of what reads it, by powers of its rate.
+        """Return Q0, Q1, Q2 (3, n): the forces, per unit of the input and its rates, of the elements that read it.
 
-        All that read the value of a signal see the sinusoid; the equation of the signal itself does not.
+        The sinusoid acts on everything that reads the signal, but not on the equation of the signal itself.
         """
         Q = np.zeros((3, system.n))
         if self.signal:
@@ -57,14 +57,14 @@ class Input:
 
 
 def place_of(system: System, signal: str) -> tuple[int, np.ndarray]:
-    """Return the index of the value of a signal among the unknowns, and those of all unknowns of the signal."""
+    """Return the index of the value of a signal among the unknowns, and the indices of all unknowns of the signal."""
     b, dofs = _unknowns(system, signal)
     first = 3 * len(b.kind.layout)
     return int(dofs[first]), dofs[first : first + len(b.kind.scalars)]
 
 
 def unknowns_of(system: System, signal: str) -> np.ndarray:
-    """Return the indices of all unknowns on which a signal depends: of a delay its value, then its input."""
+    """Return the indices of all unknowns of a signal; for a delay its value, then its input."""
     return _unknowns(system, signal)[1]
 
 
@@ -177,7 +177,7 @@ def _dual(text, signals, signal, t):
 
 
 def _with(deck, path, change):
-    """Return a Deck with a changed value at a path; it shares nothing with ``deck`` that the value is part of."""
+    """Return a Deck with a changed value at a path; no container of the value is shared with ``deck``."""
     values = deepcopy(deck.values)
     container = _container(values, path)
     container[path[-1]] = change(container[path[-1]])
@@ -192,5 +192,5 @@ def _shifted(value):
 
 
 def _residual(system, s):
-    """Return the residual (n,) of the equations at a state, with the reactions as they are."""
+    """Return the residual (n,) of the equations at a state, with its reactions."""
     return system.assemble(s).residual[: system.n].copy()

@@ -58,7 +58,7 @@ def set_reactions(instances: Iterable[Instance], motion: Motion, wanted: np.ndar
         return on_all_nodes(held, motion, np.eye(3))
 
     if held:
-        without = exerted(np.zeros(sum(sizes)))  # a kind with constraints may exert forces besides
+        without = exerted(np.zeros(sum(sizes)))  # a kind with constraints may also exert other forces
         columns = np.array([exerted(unit) - without for unit in np.eye(sum(sizes))]).T
         found = np.linalg.lstsq(columns, wanted - without, rcond=None)[0]
         np.testing.assert_allclose(exerted(found), wanted, rtol=1e-9, atol=1e-9)

@@ -20,10 +20,10 @@ from mecano.model.mesh import Frame
 from mecano.schema import Values
 
 GRAVITY = np.array([0.7, -0.4, -9.3])
-BEYOND = 30  # places behind the outputs that must stay empty
+BEYOND = 30  # places after the outputs that must stay empty
 K_SCALE, PENALTY = 1.7, 2.3  # k and penalty of the constraints
 SENSED = 0.3  # value of a sensor
-SPREAD = 0.05  # of the random states around the nodes of a sample [m, rad]
+SPREAD = 0.05  # of the random states about the nodes of a sample [m, rad]
 
 Local: TypeAlias = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 """q, v, a (n_local,) and R (n_rotations, 3, 3) of an element, as defined in element_interface"""
@@ -281,7 +281,7 @@ def expand(
             p[key][0] = value
         memory = np.zeros(len(of.memory))
         scalars = 0.1 * rng.normal(size=(3, len(of.scalars) + len(of.inputs)))
-        scalars[0, len(of.scalars) :] += 0.3  # inputs of which loads make forces that only push
+        scalars[0, len(of.scalars) :] += 0.3  # inputs of loads that may only push
         multipliers = rng.normal(size=len(of.multipliers))
         instances.append(Instance(of, p, on, phase_number, memory, packed, scalars, multipliers))
     for part, instance in zip(parts, instances[1:], strict=True):

@@ -1,4 +1,4 @@
-"""Legal but suspicious input seen in the assembled model: massless nodes, strains, states at the start."""
+"""Detect legal but suspicious input in the assembled model: massless nodes, strains, states at the start."""
 
 from functools import partial
 from typing import TYPE_CHECKING
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mecano.model.state import State
     from mecano.model.system import System
 
-MOST_NAMED = 10  # warnings of one sort
+MOST_NAMED = 10  # warnings of one type
 FAR = 1e5  # length scales from the origin, where a double pendulum has errors of 1e-6 in angles, 1 % in its forces
 
 
@@ -67,7 +67,7 @@ def _first(problems, what):
 
 
 def _once(problems):
-    """Return the first problem at each place in the deck, and count the others there: they are of copies."""
+    """Return the first problem at each place in the deck, with the number of the others there, which are of copies."""
     places: dict[str, list[Problem]] = {}
     for problem in problems:
         places.setdefault(str(problem.mark), []).append(problem)
@@ -96,7 +96,7 @@ def _strained(deck, system, s):
 
 
 def _far(deck, system, s, length):
-    """Yield a warning if the mechanism lies so far from the origin that rounding of positions spoils its motion."""
+    """Yield a warning if the mechanism is so far from the origin that rounding errors of positions spoil its motion."""
     distance = np.linalg.norm(s.z[system.numbering.x[:, None] + np.arange(3)], axis=1)
     i = int(np.argmin(distance))
     if distance[i] > FAR * length:
@@ -109,7 +109,7 @@ def _far(deck, system, s, length):
 
 
 def _turned(deck, system, s):
-    """Yield warnings about motors that begin at an angle which differs by turns from that of their hinge."""
+    """Yield warnings about motors whose initial angle differs by full turns from that of their hinge."""
     motors, hinges = (_angles(deck, system, s, turns) for turns in (BY_COMMAND, FREELY))
     of_pair = {frozenset(deck.values["joints"][name]["nodes"]): name for name in hinges}
     for name, wanted in motors.items():
@@ -176,7 +176,7 @@ def _start_warnings(deck, system, s):
 
 
 def _to_come(deck, system, s):
-    """Return the velocity (3,) [m/s] of straight steady running that the state ``s`` does not have yet, or zero."""
+    """Return the velocity (3,) [m/s] of straight steady running still to be added to the state ``s``, or zero."""
     velocity = np.array((deck.values["initial"]["steady"] or {}).get("velocity") or (0.0, 0.0, 0.0))
     mean = s.v[system.numbering.x[:, None] + np.arange(3)].mean(axis=0)
     return velocity if mean @ velocity < 0.5 * velocity @ velocity else np.zeros(3)
@@ -205,7 +205,7 @@ def _massless(deck, system, s, length):
     if not deck.values["time"] or not any("mass" in b.p.dtype.names and b.p["mass"].any() for b in system.batches):
         return []
     names = system.numbering.name
-    found: dict[tuple[str, tuple[str, ...]], set[str]] = {}  # (place, nodes) -> sorts of unknowns
+    found: dict[tuple[str, tuple[str, ...]], set[str]] = {}  # (place, nodes) -> types of unknowns
     for i in massless_unknowns(system, s, length):
         sort = "rotation" if system.numbering.kind[i] == ROTATION else "displacement"
         found.setdefault((names[i].place, names[i].nodes), set()).add(sort)

@@ -31,9 +31,9 @@ def parse(text: str) -> tuple[str, float | None]:
 def state_at(prepared: Prepared, text: str) -> "tuple[Prepared, State, Assemble | None, str, tuple[str, ...]]":
     """Return (Prepared, State, assemble, words, warnings) of the saved time nearest to ``text``, "results.h5:time".
 
-    The Prepared is the model there, with the redundant constraints of its phases. Velocities, accelerations and
+    The Prepared is the model in that state, with the redundant constraints of its phases. Velocities, accelerations and
     reactions are made consistent; elements are in the phases implied by the state and the events. ``assemble`` replaces
-    that of the system for the load factor of a static result, otherwise it is None. Raises UsageError, and ResultsError
+    that of the system for the load factor of a static result; otherwise it is None. Raises UsageError, and ResultsError
     if the results do not belong to the deck or lack some of its unknowns.
     """
     state, factor, words, warnings = _saved(prepared, text)
@@ -92,7 +92,7 @@ def _placed(prepared: Prepared, results: Results, row: int) -> "State":
 
 
 def _with_external_values(prepared, state, results, row):
-    """Return the State with the values that a program had given to signals."""
+    """Return the State with the values that a program gave to external signals."""
     external = [name for name, d in prepared.deck.values["signals"].items() if d["type"] == "external"]
     if not external:
         return state

@@ -32,5 +32,5 @@ def count_series(system: "System") -> int:
 
 
 def memory_text(number: float) -> str:
-    """Return an amount of memory [B] in two digits, in MB or GB."""
+    """Return an amount of memory [B] as text with two digits, in MB or GB."""
     return f"{number / 1e9:.2g} GB" if number >= 1e9 else f"{float(f'{number / 1e6:.2g}'):.0f} MB"

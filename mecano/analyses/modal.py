@@ -39,7 +39,7 @@ LARGEST = 1e100  # rad/s
 CONSTANT = 1e-3  # change by a turn of one radian below which matrices count as constant
 NUDGE = 1e-5  # of a shape, whose largest displacement is 1: error of the differences about 1e-10
 BALANCED = 1e-6  # of the largest force: inertia forces below which a state at rest counts as an equilibrium
-HELD = "delay", "sample_and_hold", "external"  # signals whose value does not depend on the present motion
+HELD = "delay", "sample_and_hold", "external"  # signals whose value does not depend on the current motion
 NOT_CONVERGED = "not converged"
 HEAD = ("mode", "damped [Hz]", "natural [Hz]", "damping", "growth [1/s]", "residual", "kind", "largest motions")
 
@@ -59,8 +59,8 @@ class OperatingPoint:
 def operating_point(deck: "Deck", at: str | None = None, at_rest: bool = False) -> OperatingPoint:
     """Return the state of a checked deck about which modes are computed, as an OperatingPoint.
 
-    It is that of the saved time ``at`` = "results.h5:time", otherwise the static equilibrium or the start of the run.
-    ``at_rest``: the equilibrium at which the mechanism would come to rest near the saved time.
+    The state is that of the saved time ``at`` = "results.h5:time", otherwise the static equilibrium or the start of the
+    run. ``at_rest``: the equilibrium at which the mechanism would come to rest near the saved time.
     """
     with locating_formulas(deck):
         return _operating_point(deck, at, at_rest)
@@ -102,8 +102,8 @@ def held_warnings(deck: "Deck") -> Iterator[str]:
 def imbalance_warnings(base: OperatingPoint, w: np.ndarray, what: str = "the modes are those") -> Iterator[str]:
     """Yield a warning if a start at rest in axes with the angular velocity ``w`` (3,) is not an equilibrium there.
 
-    A body accelerates relative to them, by more than rounding. Bodies may turn in place, as the pylon of a rotor does
-    as seen from its blades. ``what``: words for what was computed.
+    The warning requires a body that accelerates relative to these axes by more than rounding errors. Bodies may turn in
+    place, as the pylon of a rotor does relative to its blades. ``what``: description of the results.
     """
     system, s = base.prepared.system, base.state
     a = _relative_accelerations(system, s, w) if base.is_start else None
@@ -259,7 +259,7 @@ def accuracy_warnings(
 ) -> Iterator[str]:
     """Yield warnings about variable matrices, and about modes that do not satisfy the equations.
 
-    ``what``: words for what was computed.
+    ``what``: description of the results.
     """
     if variation > CONSTANT:
         yield (
@@ -291,8 +291,8 @@ def table(system: "System", s: "State", found: Modes, lin: Linearization) -> lis
 def largest_motions(system: "System", s: "State", lin: Linearization, value: complex, shape: np.ndarray) -> str:
     """Return the nodes with the largest motions of a mode as text, those of an oscillation by their kinetic energies.
 
-    Rotations would otherwise exceed the displacements of members with waves shorter than the length scale. A decay or a
-    divergence may need no inertia: its motions are compared as displacements.
+    Compared as displacements, the rotations of members with waves shorter than the length scale would dominate. A decay
+    or a divergence may involve no inertia: its motions are compared as displacements.
     """
     M = lin.M if value.imag or value == 0.0 else None
     return motion_text(system, s, shape.real, float(lin.root.max(initial=1.0)), inertial=True, most=2, M=M)

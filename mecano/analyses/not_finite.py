@@ -1,4 +1,4 @@
-"""The error for an output that is not finite: no row of a results file has such a number."""
+"""The error for an output that is not finite; results files contain no such numbers."""
 
 from typing import TYPE_CHECKING
 
@@ -16,9 +16,9 @@ MOST_NAMED = 5  # elements in a message
 def output_not_finite(
     sampler: "Sampler", observation: "Observation", i: int, where: str, remedy: str
 ) -> NonFiniteError:
-    """Return the NonFiniteError for number ``i`` of the row of a Sampler, taken from an Observation.
+    """Return the NonFiniteError for entry ``i`` of the row of a Sampler, filled from an Observation.
 
-    ``where`` is the time or load factor as text, ``remedy`` what to try.
+    ``where`` is the time or load factor as text, ``remedy`` the advice.
     """
     column = next(column for column in sampler.columns if column.start <= i < column.start + column.size)
     path, _, output = column.path.rpartition("/")
@@ -26,7 +26,7 @@ def output_not_finite(
     of_nodes = {path: f"node '{name}'"} if section == "nodes" else {}
     batches = sampler.system.batches
     titles = of_nodes | {b.paths[e][0]: b.names[e] for b in batches for e in range(len(b.p))}
-    if column.path.startswith("energy/"):  # the sum of those of all elements
+    if column.path.startswith("energy/"):  # the sum over all elements
         finite = np.isfinite(observation.energies)
         wrong = [b.names[e] for b in batches for e in np.flatnonzero(~finite[b.phases].all(axis=1))]
         titles = {path: "; ".join(wrong[:MOST_NAMED])} if wrong else {}

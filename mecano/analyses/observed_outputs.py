@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 NODE = re.compile(r"(?:nodes\.)?(\w+(?:\.\d+)?)\.(position|rotation|velocity)\.([xyz])")
 MEMBER = re.compile(r"(?:elements\.)?(\w+(?:\.\d+)?)\.(\w+(?:\.[xyz])?)")
 UNITS = {"position": "m", "rotation": "rad", "velocity": "m/s"}
-STEP = 1e-4  # [m], [rad], [m/s], ...: of differences of fourth order, whose error beside stiffer forces is about 1e-7
-SMOOTH = 1e-3  # of a derivative: difference of those on both sides of the state
+STEP = 1e-4  # [m], [rad], [m/s], ...: of fourth-order differences, with errors of about 1e-7 of stiffer forces
+SMOOTH = 1e-3  # of a derivative: difference between both sides of the state
 CURVED = 1.5  # ratio of that difference for twice the step: 1 at a corner, 2 of a curve
 
 
@@ -113,7 +113,7 @@ def _accelerated(system, s, i, step):
 
 
 def _place(system: "System", path: str, what: str) -> "tuple[Batch, int, int]":
-    """Return the Batch of an element, its number there, and the index of its output."""
+    """Return the Batch of an element, its index there, and the index of its output."""
     for b in system.batches:
         for e, (own, label) in enumerate(b.paths):
             if own == path and (index := index_of(what, b.kind, label)) is not None:
@@ -124,7 +124,7 @@ def _place(system: "System", path: str, what: str) -> "tuple[Batch, int, int]":
 def node_output(name: str, known: Callable[[str], bool], measured: Callable[[str], bool]) -> NodeOutput | None:
     """Return the NodeOutput of a name, or None for another name.
 
-    ``known(node)``: whether there is such a node; ``measured(node)``: whether formulas read its position and velocity.
+    ``known(node)``: whether the node exists; ``measured(node)``: whether formulas read its position and velocity.
     """
     found = NODE.fullmatch(name)
     if not found or not known(found[1]) or (found[2] != "rotation" and measured(found[1])):
@@ -133,7 +133,7 @@ def node_output(name: str, known: Callable[[str], bool], measured: Callable[[str
 
 
 def member_output(name: str, outputs: "Callable[[str], Iterator[tuple[str, str]]]") -> MemberOutput | None:
-    """Return the MemberOutput of a name, or None; ``outputs(element)`` yields (name, unit) of those of a member."""
+    """Return the MemberOutput of a name, or None; ``outputs(element)`` yields (name, unit) of the outputs of a member."""
     if not (found := MEMBER.fullmatch(name)):
         return None
     own = (MemberOutput(name, unit, f"elements/{found[1]}", what) for what, unit in outputs(found[1]))

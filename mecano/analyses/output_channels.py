@@ -1,7 +1,7 @@
 """Outputs of a response: formulas of outputs of elements, of signals and of the motion of nodes.
 
-Each is a signal that the analysis adds to the deck, so its derivatives are exact, as those of all signals. A component
-of the acceleration of a node is the rate of that of its velocity, in axes that turn with w: a = v' + w x v.
+Each is a signal that the analysis adds to the deck, so its derivatives are exact, like those of all signals. A
+component of the acceleration of a node is the rate of the velocity component, in axes that turn with w: a = v' + w x v.
 """
 
 from collections.abc import Sequence
@@ -35,8 +35,8 @@ RATES = {"acceleration": ("velocity", "m/s2"), "angular_acceleration": ("angular
 class Output:
     """An output: the signals that measure it, one or, for an acceleration, the three components of the velocity."""
 
-    name: str  # as asked for
-    unit: str  # "" if it is that of the signal
+    name: str  # as requested
+    unit: str  # "" for the unit of the signal
     signals: tuple[str, ...]
     axis: int = 0  # of the acceleration
 
@@ -103,7 +103,7 @@ def _measured(name, entries, nodes):
 
 
 def _explained(name, error, entries):
-    """Return the UsageError for an UnknownQuantity in an output; of a member with a mesh, its elements have outputs."""
+    """Return the UsageError for an UnknownQuantity in an output; for a member with a mesh, point to its elements."""
     owner, _, what = name.removeprefix("elements.").partition(".")
     _, d = entries.get(("elements", owner), (None, {}))
     if "." in (piece := piece_names(owner, d)[0]):

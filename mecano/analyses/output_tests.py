@@ -83,12 +83,12 @@ def _check_sensors(instance, motion, measured, names):
 
 
 def output_of_numbers(kind: Kind) -> list[Output]:
-    """Return the output to which each number that ``observe`` writes belongs."""
+    """Return, for each number that ``observe`` writes, the output to which it belongs."""
     return [output for output in kind.outputs for _ in range(int(np.prod(output.shape, dtype=int)))]
 
 
 def sensor_of(instance: Instance, index: int) -> Instance:
-    """Return the sensor of an output of an instance, of the number ``index``."""
+    """Return the sensor of output ``index`` of an instance."""
     coupled = [instance, *instance.coupled]
     kind = output_sensor(instance.kind, sum(len(other.multipliers) for other in coupled))
     p = np.zeros(1, kind.dtype)

@@ -29,9 +29,9 @@ def check_power(kind: Kind) -> None:
             f = instance.residual(motion.t, state)
             terms = (f * state[1])[: len(f) - n]
             of_states = [3 * len(instance.kind.layout) + instance.kind.scalars.index(x) for x in instance.kind.states]
-            terms[of_states] = 0.0  # their equations are no forces
+            terms[of_states] = 0.0  # their equations are not forces
             if instance.kind.of_signals:
-                continue  # signals are no coordinates
+                continue  # signals are not coordinates
             power += terms.sum() + instance.multipliers @ instance.constraint_derivatives(motion.t, state)[:, 1]
             size += np.abs(terms).sum()
         size += abs(kinetic) + abs(potential)

@@ -39,9 +39,9 @@ METHODS = {
     "hht": Coefficients.hht,
     "newmark": Coefficients.newmark,
 }
-ORDERS = {"radau": 5}  # of the others 2
+ORDERS = {"radau": 5}  # 2 for the others
 SMALLEST_STEP = 1e-7  # of the first step, unless given in the deck
-MOVED = 1e-6  # of the length scale: displacements by the assembly that are reported
+MOVED = 1e-6  # of the length scale: larger displacements by the assembly are reported
 MOST_NAMES = 8  # constraints named in a warning
 AUTOMATIC = "automatic"
 
@@ -63,7 +63,7 @@ class Prepared:
 
     @cached_property
     def redundant(self) -> tuple[Group, ...]:
-        """Groups of redundant constraints at the state, with all joints involved, one for the same joints."""
+        """Groups of redundant constraints at the state, with all joints involved; one Group for the same joints."""
         return by_same_joints(redundant_groups(self.system, self.state, self.length, self.analysis))
 
     def at(self, state: "State") -> "Prepared":
@@ -75,8 +75,8 @@ class Prepared:
 def prepare(deck: "Deck", compile_ahead: Callable[[System], object] = lambda system: None) -> Prepared:
     """Build the model of a checked deck, assemble its positions, and return a Prepared.
 
-    ``compile_ahead(system)`` may compile what is needed later. A signal may interrupt it. Raises AssemblyError, and
-    DeckError for a model without degrees of freedom.
+    ``compile_ahead(system)`` may compile code that is needed later. The call can be interrupted by a signal. Raises
+    AssemblyError, and DeckError for a model without degrees of freedom.
     """
     return call_interruptibly(_prepare, deck, compile_ahead)
 
@@ -115,7 +115,7 @@ def _refuse_fixed(deck, system):
 
 
 def _refuse_circles(deck, system, state):
-    """Raise AssemblyError, with line and column, for signals that need one another in a circle."""
+    """Raise AssemblyError, with line and column, for signals that depend on one another in a circle."""
     try:
         refuse_circles(system, state)
     except AssemblyError as error:
@@ -169,7 +169,7 @@ def control_of(values: "Values") -> StepControl:
 
 
 def or_default(value: Any, otherwise: Any) -> Any:
-    """Return ``value``, or ``otherwise`` if it is "automatic" in the deck."""
+    """Return ``value``, or ``otherwise`` if the deck says "automatic"."""
     return otherwise if value == AUTOMATIC else value
 
 
@@ -218,7 +218,7 @@ def warnings_of(prepared: Prepared) -> list[str]:
 
 
 def _stands(prepared):
-    """Return whether the constraints hold everything in its place, and no event will change them."""
+    """Return whether the constraints hold everything in place, and no event can change that."""
     joints = prepared.deck.values["joints"].values()
     driven = any(d["type"].startswith("prescribed_") or d.get("driven") for d in joints)
     held = prepared.analysis.complete and prepared.analysis.mobility == 0
@@ -247,7 +247,7 @@ def mass_of(system: System) -> float:
 
 
 def _friction_of(system, group):
-    """Return a warning about friction that depends on the reactions of a redundant group, or none."""
+    """Return a list with a warning if friction depends on the reactions of a redundant group; [] otherwise."""
     owners = _owners(system, system.coupled_multipliers, group)
     if not owners:
         return []
@@ -265,7 +265,7 @@ def _owners(system, multipliers, group):
 
 
 def _read_by_signals(system, group):
-    """Return a warning about signals that read reactions of a redundant group, or none."""
+    """Return a list with a warning if signals read reactions of a redundant group; [] otherwise."""
     owners = _owners(system, system.sensed_multipliers, group)
     if not owners:
         return []

@@ -20,7 +20,7 @@ ASSEMBLED = "before the run: positions as assembled, no forces yet"
 def preview(deck: "Deck", path: "str | os.PathLike[str]") -> None:
     """Write the assembled positions of a checked deck into the results file ``path``.
 
-    Raises AssemblyError where the positions cannot be assembled, ResultsError for the file.
+    Raises AssemblyError if the positions cannot be assembled, ResultsError for the file.
     """
     prepared = prepare(deck)
     sampler = Sampler(prepared.system)

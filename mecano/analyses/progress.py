@@ -35,7 +35,7 @@ class Messages:
         self.announced = False
 
     def announcing_compiling(self) -> "AbstractContextManager[None]":
-        """Within the block, print a note before the first function is compiled, and show how many are ready."""
+        """Within the block, print a note before the first function is compiled, and show the number compiled."""
         return while_compiling(self._show_compiling)
 
     def _show_compiling(self, done, n):
@@ -82,7 +82,7 @@ class Progress(Messages):
         super().__init__(quiet, path)
         self.start, self.end, self.tenths = values["start"], values["end"], 0
         late = max(abs(self.start), abs(self.end)) / (self.end - self.start)
-        self.digits = 4 + int(math.log10(late))  # of times, with which a hundredth of the run is seen
+        self.digits = 4 + int(math.log10(late))  # of times, enough to show a hundredth of the run
         self.first: tuple[float, float] | None = None  # wall-clock time [s] and share of the run at the first call
 
     def __call__(self, run: "RunState") -> None:
@@ -156,7 +156,7 @@ class SweepProgress(Messages):
         self.tenths = 0
 
     def __call__(self, done: int, total: int, text: str) -> None:
-        """Show the number of states done, the last of them, and the estimated remaining time."""
+        """Show the number of states computed, the last of them, and the estimated remaining time."""
         now, share = time.monotonic(), done / total
         left = (now - self.begun) * (1 - share) / share
         numbers = f"{done} of {total} {self.WHAT}, {text}, {left:.0f} s left"

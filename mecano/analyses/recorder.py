@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mecano.solve.time.time_integration import Accepted, TimeIntegrator
 
 INTERVAL = 0.2  # s of wall-clock time after which rows go to the writer
-FORCES = ("N", "N m", "Pa")  # units of outputs that are watched for ringing
+FORCES = ("N", "N m", "Pa")  # units of outputs that are monitored for ringing
 REMEDY = (
     "laws that stay finite near this state; a smaller time.step or time.adaptive, if the motion so far is not as "
     "expected; a smaller time.rho_inf, if a rotor turns by more than 0.03 rad in a step"
@@ -53,11 +53,11 @@ class Recorder:
 
     @property
     def row(self) -> np.ndarray:
-        """The row at the beginning of the next step, behind the events there."""
+        """The row at the beginning of the next step, after the events there."""
         return self.output.row
 
     def first(self, run: "RunState", events: "Iterable[EventRecord]") -> None:
-        """Write the initial state, behind the ``events`` [EventRecord] of the start."""
+        """Write the initial state, after the ``events`` [EventRecord] of the start."""
         self.restarted(run)
         self.writer.append(run.motion.t, self.row)
         self._append(events)
@@ -65,8 +65,8 @@ class Recorder:
     def restarted(self, run: "RunState", passing: bool = False) -> None:
         """Begin the next step with the row of ``run``, whose forces are not those with which the last step ended.
 
-        Between two events of one instant a state is ``passing``: a controller may be beyond its limit there, for no
-        time. It is not counted in the extremes.
+        A state between two events of one instant is ``passing``, and excluded from the extremes: a controller may
+        exceed its limit there, for no time.
         """
         row = self.sampler.take(run, self.observation)
         if not passing and (i := self.writer.extremes.take(run.motion.t, row)) >= 0:
@@ -113,7 +113,7 @@ class Recorder:
 
     @contextmanager
     def emptied(self) -> Iterator[None]:
-        """Pass the contents of the buffers to the writer at the end, also of a failed run, unless the writer failed."""
+        """Pass the buffers to the writer at the end of a run, even of a failed one, unless the writer failed."""
         try:
             yield
         except ResultsError:
@@ -146,5 +146,5 @@ class Recorder:
             raise ConvergenceError(f"cannot continue from t = {t:.9g} s: {d['type']} '{name}' {text}")
 
     def _not_finite(self, t, i):
-        """Return the error that names the output of number ``i`` of the row, which is not finite."""
+        """Return the error that names the output of entry ``i`` of the row, which is not finite."""
         return output_not_finite(self.sampler, self.observation, i, f"t = {t:.9g} s", REMEDY)

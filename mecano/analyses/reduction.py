@@ -37,8 +37,8 @@ def reduce_part(
 ) -> tuple[str, Reduction]:
     """Reduce a part of a checked deck, write the file ``path`` (.npz or .h5), and return (text, Reduction).
 
-    ``elements`` names the elements and joints of the part (empty: all), ``nodes`` its boundary nodes; ``number`` is
-    that of the modes kept (None: all). Raises UsageError, AssemblyError, ResultsError.
+    ``elements`` names the elements and joints of the part (empty: all), ``nodes`` its boundary nodes; ``number`` of
+    modes kept (None: all). Raises UsageError, AssemblyError, ResultsError.
     """
     path = Path(path)
     if path.suffix not in (".npz", ".h5"):

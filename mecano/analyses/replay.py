@@ -1,8 +1,8 @@
-"""The state of a model at a saved time of a results file: its saved rows and events are replayed from the first.
+"""Reconstruct the state of a model at a saved time of a results file by replaying its rows and events.
 
-Memory (angles over many turns, the places at which latches hold) and phases follow from the rows and events before
-the time; positions, rotations, velocities and scalars are those of its row. Between two rows each node spins with the
-mean of its angular velocities there, so that turns are counted that are faster than the rows.
+Memory (angles over many turns, the places at which latches hold) and phases follow from the rows and events before that
+time; positions, rotations, velocities and scalars are those of its row. Between two rows each node spins with the mean
+of its angular velocities there, so that turns faster than the rows are counted.
 """
 
 from collections.abc import Iterator, Sequence
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Scalar: TypeAlias = tuple[int, np.ndarray, np.ndarray]  # index in z, values and rates (n_rows,) in the results
 COLUMNS = ("position", "rotation", "velocity", "angular_velocity")
 MOST = 8  # names in a text
-TURN = 1.0  # [rad] by which a node turns between two places that are replayed; counting needs less than half a turn
+TURN = 1.0  # [rad] largest rotation of a node between two replayed places; counting needs less than half a turn
 
 
 def replayed(
@@ -38,7 +38,7 @@ def replayed(
     scalars: Sequence[Scalar],
     near: np.ndarray,
 ) -> "State":
-    """Return the State of a row of results; ``state``, that of the deck, supplies values which the results lack.
+    """Return the State of a row of results; ``state``, that of the deck, supplies the values that the results lack.
 
     Parameters
     ----------
@@ -64,14 +64,14 @@ def replayed(
         state.t = float(results.time[r])
         state.memory = system.commit(solve_signals(system, state))
         state = monitor.settle(state, touching) if r == 0 else state  # later changes are events
-        while events and events[0].time <= results.time[r]:  # positions do not determine open or closed
+        while events and events[0].time <= results.time[r]:  # positions do not determine whether a contact is open
             event = events.pop(0)
             state = monitor.entered(state, event.element, event.name, event.before, event.after)
     return state
 
 
 def _spin(system, state, times, row, nodes, traces):
-    """Let the nodes turn from the row before ``row`` towards it, in steps below TURN, which the memory follows."""
+    """Turn the nodes from the previous row to ``row`` in steps below TURN, and commit memory at each."""
     dt = times[row] - times[row - 1]
     spins = np.array([0.5 * dt * (omega[row - 1] + omega[row]) for *_, omega in traces]).reshape(-1, 3)
     steps = int(np.ceil(np.linalg.norm(spins, axis=1).max(initial=0.0) / TURN))
@@ -95,9 +95,9 @@ def _spin(system, state, times, row, nodes, traces):
 
 
 def miscounted(system: "System", state: "State", results: "Results", row: int) -> Iterator[str]:
-    """Yield a warning if turns of a replayed ``state`` are not those of the angles in the row of the results.
+    """Yield a warning if the turns counted in a replayed ``state`` differ from those of the angles in the row.
 
-    Rows do not tell the turns between them if the mean of the rates at both is wrong by more than half a turn.
+    The count is wrong if the mean of the rates at two rows misses the rotation between them by more than half a turn.
     """
     wrong = [f"{path} by {turns:+d}" for path, turns in _turns_too_many(system, state, results, row) if turns]
     if wrong:
@@ -126,7 +126,7 @@ def gaps_at_start(deck: "Deck", system: "System", length: float) -> np.ndarray:
 
 
 def scalars_in(system: "System", results: "Results") -> tuple[list[Scalar], list[tuple[str, str]]]:
-    """Return the scalar unknowns in the results, by the outputs NAME and NAME_rate, and those which are not.
+    """Return the scalar unknowns that the results contain, by the outputs NAME and NAME_rate, and the missing ones.
 
     The former as in ``replayed``, the latter as (title of the element, name).
     """

@@ -39,16 +39,16 @@ if TYPE_CHECKING:
 
     from mecano.deck.deck import Deck
 
-SLOW = 1e-4, 1e-3  # of the lowest frequency: where the static gain is read
-STATIC = 1e-3  # relative change between these up to which there is one
+SLOW = 1e-4, 1e-3  # of the lowest frequency: frequencies that give the static gain
+STATIC = 1e-3  # relative change between these up to which there is a static gain
 ACCURATE = 1e-8  # backward error above which a warning is given
-BEYOND = 1.1  # of the highest frequency: poles up to there are looked for
+BEYOND = 1.1  # of the highest frequency: poles up to there are computed
 MOST_POINTS = 100_000
 
 
 @dataclass(frozen=True, kw_only=True)
 class Question:
-    """What is asked for: names of inputs and outputs, frequencies [Hz], operating point."""
+    """The requested response: names of inputs and outputs, frequencies [Hz], operating point."""
 
     inputs: Sequence[str]
     outputs: Sequence[str]
@@ -62,7 +62,7 @@ class Question:
     frame: str = "inertial"
 
     def check(self) -> None:
-        """Raise UsageError for frequencies out of range, and for no or repeated channels."""
+        """Raise UsageError for frequencies out of range, and for missing or repeated inputs and outputs."""
         for option, value in (("from", self.low), ("to", self.high)):
             if not (np.isfinite(value) and value > 0.0):
                 raise UsageError(f"--{option} {value:g}: a frequency [Hz] is greater than zero")
@@ -187,7 +187,7 @@ def _plant(
 
 
 def _late(deck, system):
-    """Yield (row, column, transfer function) of the signals that read their input at an earlier time."""
+    """Yield (row, column, transfer function) of the signals that depend on their input at earlier times."""
     for name, d in deck.values["signals"].items():
         if d["type"] not in LATE:
             continue

@@ -35,7 +35,7 @@ class InterruptedRun:
     complete : bool
         Whether the run reached its end.
     checkpoint : dict or None
-        State passed to ``Writer.checkpoint``, with the numbers of rows in the file at that time.
+        State passed to ``Writer.checkpoint``, with the row counts of the file at that time.
     automatic : dict
         Values chosen where the deck says "automatic".
     model : dict
@@ -120,7 +120,7 @@ class InterruptedRun:
         self.close()
 
     def _rows(self, outputs, steps):
-        """Yield the first rows of both tables, of so many ``outputs`` and ``steps``: (table, (n, width) array)."""
+        """Yield the first ``outputs`` and ``steps`` rows of both tables in parts: (table, (n, width) array)."""
         for table, count in (("output", outputs), ("solver", steps)):
             width = 1 + (self.results.layout.size if table == "output" else len(self.results.layout.steps))
             at_once = max(AT_ONCE // width // 1024, 1) * 1024  # whole chunks

@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 ENDINGS = (".npz", ".mat")
 AGREES = 1e-3  # of a transfer function: largest difference of the state space from it
 COMPARED = 60  # frequencies
-NOISE = 1e-6  # of what a response could be: its size, at least
+NOISE = 1e-6  # of the largest possible response: least size of a response
 SHIFT = 1e-5  # of the frequency: for the slope of the response
 
 
 def refuse(path: "str | os.PathLike[str]", force: bool) -> None:
-    """Raise UsageError for another ending than those of ENDINGS, and ResultsError if the file exists, unless forced."""
+    """Raise UsageError for an ending not in ENDINGS, and ResultsError if the file exists, unless ``force``."""
     if Path(path).suffix not in ENDINGS:
         raise UsageError(f"--state-space {os.fspath(path)}: the name of the file ends with {' or '.join(ENDINGS)}")
     if exists(path) and not force:
@@ -80,7 +80,7 @@ def _improper(found, i, j):
 def _difference(found, model):
     """Return the largest difference of the responses at COMPARED frequencies, relative to their size.
 
-    What a shift of the frequencies by the same share explains does not count: beside a resonance without damping the
+    Differences that a shift of the frequencies by the same share explains do not count: near an undamped resonance the
     response has fewer digits than its frequency.
     """
     H, worst = TransferFunction(found.plant), 0.0
@@ -95,7 +95,7 @@ def _difference(found, model):
 
 
 def _named(system: "System", i: int, is_rate: bool) -> tuple[str, str]:
-    """Return the name and the unit of a state: the unknown number ``i`` or its rate."""
+    """Return the name and the unit of a state: the unknown ``i`` or its rate."""
     name, kind = system.numbering.name[i].motion, system.numbering.kind[i]
     axis = name.what[-1]
     if kind == TRANSLATION:

@@ -54,7 +54,7 @@ class EquilibriumRecorder:
 
     def __init__(self, system: System, over_time: bool):
         self.system, self.over_time = system, over_time
-        self.writer: Writer  # of the results file, which has the ``series``; set when it is open
+        self.writer: Writer  # of the results file with the ``series``; set when it is open
         self.sampler = Sampler(system)
         columns = [c for c in self.sampler.columns if not c.path.startswith("energy/") or "potential" in c.path]
         self.series = [Series(c.path, c.unit, c.doc, c.shape) for c in columns] + list(PATH)

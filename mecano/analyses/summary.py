@@ -80,7 +80,7 @@ def _redundant(group, every):
 
 
 def _mobility(prepared, every):
-    """Yield the lines on mobility and free motions; of flexible structures, those with flexible members held rigid."""
+    """Yield the lines on mobility and free motions; for flexible structures, with flexible members held rigid."""
     system, analysis = prepared.system, prepared.analysis
     stiff = stiff_mechanisms(system, prepared.state, prepared.length, analysis)
     text = f"mobility         {analysis.mobility}"
@@ -174,7 +174,7 @@ def _gravity(vector):
 
 
 def _tyres(tire_laws):
-    """Yield texts on the tyres given by size and pressure, with the values that follow."""
+    """Yield texts on the tyres given by size and pressure, with the derived values."""
     for name, law in tire_laws.items():
         if law["smiley_horne"]:
             from mecano.elements.wheels.smiley_horne import text_under_load  # with the slip laws, which few decks need
@@ -203,7 +203,7 @@ def _amounts(prepared):
 def _consistent_start(prepared):
     """Return the State at the start with velocities that satisfy the constraints; None if there are none.
 
-    Where the velocities of the deck satisfy them, there is nothing to compute, or to compile.
+    If the velocities of the deck satisfy them, nothing is computed or compiled.
     """
     start = prepared.state.copy()
     rates = np.abs(prepared.system.constraint_derivatives(start)[:, 1])

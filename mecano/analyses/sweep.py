@@ -39,8 +39,8 @@ if TYPE_CHECKING:
     from mecano.deck.deck import Deck
 
 ALONE = re.compile(rf"(?<!\w){NUMBER}")  # not within a name
-MOTIONS = re.compile(r"(?:node '[^']*' (?:turns|moves) [^;]*(?:; )?)+")  # the largest of a motion
-STEADY = 1e-8  # variation of the equations (linearize.py) below which a state is steady; rounding causes 1e-10
+MOTIONS = re.compile(r"(?:node '[^']*' (?:turns|moves) [^;]*(?:; )?)+")  # the largest motions of a mode
+STEADY = 1e-8  # variation of the equations (linearize.py) below which a state is steady; rounding errors cause 1e-10
 Settings: TypeAlias = tuple[tuple[str, float], ...]  # paths of numbers in the deck, and their values
 Describe: TypeAlias = "Callable[[complex, np.ndarray], str]"  # the largest motions of a mode, in words
 FAILED = (AssemblyError, ConvergenceError, NonFiniteError)  # the sweep continues without a state that raises these
@@ -53,7 +53,7 @@ class Locus:
     axis: Axis
     values: np.ndarray  # (branches, n) complex, imaginary parts not negative; nan where a branch has none
     motions: list[str]  # (branches,) largest motions of the mode where it is least damped
-    families: np.ndarray  # (branches, n) numbers in families.py; -1 where a branch has none
+    families: np.ndarray  # (branches, n) indices into FAMILIES of families.py; -1 where a branch has none
     converged: np.ndarray  # (branches, n) bool; True where a branch has none
     critical: list[Critical]
     unrefined: list[str]  # modes that become unstable or stable between two values, with the cause
@@ -116,7 +116,7 @@ class Case:
     def warn(self, text: str, settings: Settings) -> None:
         """Record a warning about the state with ``settings``.
 
-        Texts that differ only in numbers, or in the nodes that move most, are one warning.
+        Texts that differ only in numbers, or in the nodes that move most, count as one warning.
         """
         alike = ALONE.sub("#", MOTIONS.sub("motions", text))
         self.warnings.setdefault(alike, (text, set()))[1].add(settings)
@@ -127,7 +127,7 @@ class Case:
         self.warn(_cause(error), settings)
 
     def counted_warnings(self, states: set[Settings]) -> list[str]:
-        """Return the warnings, each with the number of ``states`` (a set of settings) that have it, if not all."""
+        """Return the warnings, each with the number of its ``states`` (a set of settings) unless it applies to all."""
         counted = [(text, len(found & states)) for text, found in self.warnings.values()]
         return [text if count == len(states) else f"{text} ({_share(count)})" for text, count in counted]
 
@@ -171,8 +171,8 @@ def sweep(
     """Compute the modes of a deck file over one or two ``texts`` "parameter=from:to:step", and return a Sweep.
 
     ``rotor``: the node of a rotor, whose angular velocity, multiplied by ``orders``, is compared with the frequencies
-    (Campbell diagram). ``progress(done, total, text)`` is called for every state. Values at which no state is found
-    are left out, with a warning. Raises UsageError, DeckError, and the error of the last state if none is found at any
+    (Campbell diagram). ``progress(done, total, text)`` is called for every state. Values at which no state is found are
+    omitted, with a warning. Raises UsageError, DeckError, and the error of the last state if there is none at any
     value.
     """
     case = Case(path, tuple(overrides), number or 1_000_000, frame, method, rotor)
@@ -308,7 +308,7 @@ def _criticals(axis, rows, spectra, spectrum_at):
 
 
 def _cause(error):
-    """Return the first line of an error, without the words that introduce the next lines."""
+    """Return the first line of an error, without a phrase that introduces the next lines."""
     line = str(error).partition("\n")[0]
     return line.rpartition("; ")[0] or line.rstrip(":") if line.endswith(":") else line
 
@@ -333,7 +333,7 @@ def sweep_into(
     force: bool = False,
     **options: Any,
 ) -> tuple[str, int]:
-    """Write a ``sweep`` to a file, with ``columns`` also to CSV tables beside it; return (text, number of states).
+    """Write a ``sweep`` to a file, with ``columns`` also to CSV tables next to it; return (text, number of states).
 
     Raises the errors of ``sweep``, and ResultsError if one of the files exists, unless ``force``, or cannot be written.
     """

@@ -1,4 +1,4 @@
-"""The arrays of a sweep that its file holds."""
+"""The arrays of a sweep as its file contains them."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -13,7 +13,7 @@ from mecano.element_interface import Kind
 def check_tangents(kind: Kind) -> None:
     """Tangents are the derivatives of the force, which is the same where it is computed alone.
 
-    Differences of second order are close enough for most; elsewhere the fourth order decides.
+    Differences of second order suffice for most; otherwise those of fourth order decide.
     """
     for sample, instance in elements(kind):
         t, state = sample.motion.t, instance.local(sample.motion)
@@ -38,9 +38,9 @@ def check_tangents(kind: Kind) -> None:
 def slope(
     instance: Instance, t: float, state: Local, array: int, column: int, by: Callable[..., np.ndarray] = difference
 ) -> np.ndarray:
-    """Return df/dq, df/dv or df/da for one unknown, (n_local,), ``by`` one of the differences above.
+    """Return df/dq, df/dv or df/da for one unknown, (n_local,); ``by``: difference or simple_difference.
 
-    Forces are affine in the accelerations, for which that of second order is exact.
+    Forces are affine in the accelerations, for which the difference of second order is exact.
     """
 
     def force(h):
@@ -65,13 +65,13 @@ def displaced(instance: Instance, state: Local, column: int, h: float, array: in
 
 
 def close(actual: np.ndarray, expected: np.ndarray, rtol: float, **labels: str) -> None:
-    """Compare row by row, as the rows of a tangent have different units and magnitudes."""
+    """Assert that arrays agree row by row, as the rows of a tangent have different units and magnitudes."""
     error = _excess(actual, expected, rtol)
     worst = np.unravel_index(np.argmax(error), error.shape)
     assert np.all(error <= 0.0), f"{labels} {worst}: {actual[worst]} instead of {expected[worst]}"
 
 
 def _excess(actual, expected, rtol):
-    """Return by how much each difference is larger than it may be; negative where they are close."""
+    """Return by how much each difference exceeds the tolerance; negative where values are close."""
     size = np.abs(expected).max(axis=-1, keepdims=True)
     return np.abs(actual - expected) - rtol * np.maximum(size, 1e-6 * size.max(initial=0.0)) - 1e-9

@@ -86,7 +86,7 @@ def _longer(time):
 
 
 def _compile(codes):
-    """Compile on all cores, and what is left then: all on a single core."""
+    """Compile on all cores, then compile the remaining code: all of it on a single core."""
     compile_ahead(codes)
     for code in codes:
         store.address(code)
