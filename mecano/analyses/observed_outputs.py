@@ -133,7 +133,7 @@ def node_output(name: str, known: Callable[[str], bool], measured: Callable[[str
 
 
 def member_output(name: str, outputs: "Callable[[str], Iterator[tuple[str, str]]]") -> MemberOutput | None:
-    """Return the MemberOutput of a name, or None; ``outputs(element)`` yields (name, unit) of the outputs of a member."""
+    """Return the MemberOutput of a name, or None; ``outputs(element)`` yields (name, unit) of each output."""
     if not (found := MEMBER.fullmatch(name)):
         return None
     own = (MemberOutput(name, unit, f"elements/{found[1]}", what) for what, unit in outputs(found[1]))

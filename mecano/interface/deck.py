@@ -33,7 +33,7 @@ class Deck(MutableMapping[str, Any]):
     Parameters
     ----------
     sections : mapping
-        Sections by name; the version ``mecano: 1`` may be left out.
+        Sections by name; the version ``mecano: 1`` may be omitted.
     folder : str or Path
         Folder to which the names of files in the deck are relative.
     name : str
@@ -42,7 +42,7 @@ class Deck(MutableMapping[str, Any]):
     Raises
     ------
     TypeError
-        If ``sections`` is no mapping.
+        If ``sections`` is not a mapping.
 
     Examples
     --------
@@ -71,7 +71,7 @@ class Deck(MutableMapping[str, Any]):
             except Unreadable as error:
                 raise DeckError([Problem(f"the deck cannot be read: {error}", Mark(str(path), 1, 1))]) from None
             if problems or root is None or type(root.value) is not dict:
-                deck_of_bytes(path.read_bytes(), str(path))  # raises, in the words of the command line
+                deck_of_bytes(path.read_bytes(), str(path))  # raises the error of the command line
         return cls(_plain(root), folder=path.parent, name=path.stem)
 
     def __getitem__(self, section: str) -> Any:
@@ -155,7 +155,7 @@ def _yaml(value, flow, width):
 
 
 def _path_to(wanted, within):
-    """Return the keys with dots that lead to an object within dicts and lists, "" if they do not."""
+    """Return the path of an object within dicts and lists, keys joined by dots; "" if it is not there."""
     if isinstance(within, (list, tuple)):
         within = dict(enumerate(within))
     children = within.items() if isinstance(within, Mapping) else ()

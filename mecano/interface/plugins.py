@@ -1,4 +1,4 @@
-"""Elements, tyre laws and laws of one's own, from Python."""
+"""Load elements, tyre laws and terms of laws of one's own from Python."""
 
 import os
 
@@ -19,8 +19,8 @@ def load_plugin(path: str | os.PathLike[str]) -> list[str]:
     Raises
     ------
     MecanoError
-        If it cannot be read or run, has nothing to register or a name that is taken, or has terms of laws after the
-        first model of the process.
+        The file cannot be read or run, registers nothing or a name already in use, or adds terms of laws after the
+        first model of the process was built.
 
     Examples
     --------

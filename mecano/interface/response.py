@@ -104,7 +104,7 @@ class Response:
     _found: "Found" = field(repr=False)
 
     def __call__(self, output: str | None = None, input: str | None = None) -> np.ndarray:
-        """Return a transfer function (n,); the name of a single input or output may be left out.
+        """Return a transfer function (n,); the name of a single input or output may be omitted.
 
         Raises UnknownNameError.
         """

@@ -22,9 +22,9 @@ class Simulation(ByName):
 
     Every ``advance`` ends with a step, which is shortened if the duration is not a multiple of a fixed step size. At
     the end of the block the file is closed: as complete if the end time was reached, otherwise with a checkpoint, from
-    which ``resume=True``, here or in ``mecano.run``, continues; so it is if an exception leaves the block. Ctrl-C in
-    ``advance`` also leaves a checkpoint, and raises KeyboardInterrupt. After this or an error in ``advance``, the
-    Simulation cannot continue, even if the exception is caught in the block. A Simulation has one block.
+    which ``resume=True``, here or in ``mecano.run``, continues. The same happens if an exception leaves the block.
+    Ctrl-C in ``advance`` also leaves a checkpoint, and raises KeyboardInterrupt. After this or an error in ``advance``
+    the Simulation cannot continue, even if the exception is caught in the block. A Simulation can be entered only once.
 
     ``s["torque"] = 2.5`` sets a signal of the type ``external``.
 
@@ -35,7 +35,7 @@ class Simulation(ByName):
     DeckError, AssemblyError, ResultsError
         As ``mecano.run``, when the block begins.
     UsageError
-        The deck is one of statics, or the run to be resumed is complete.
+        The deck is static, or the run to be resumed is complete.
 
     Examples
     --------
@@ -87,7 +87,7 @@ class Simulation(ByName):
         try:
             if error is None:
                 self._run.leave()
-            elif self._failure is None:  # the exception is one of the program, between two steps
+            elif self._failure is None:  # an exception of the calling program, between two steps
                 with suppress(ResultsError):
                     self._run.checkpoint()
         except BaseException as failure:
@@ -135,10 +135,10 @@ class Simulation(ByName):
             raise UsageError(f"this Simulation has ended, it cannot advance further: {self._failure}")
 
     def __setitem__(self, name: str, value: float) -> None:
-        """Set a signal of the type ``external`` from the present time on, until it is set again.
+        """Set a signal of the type ``external`` from the current time on, until it is set again.
 
-        ``value`` is in SI units; the outputs have it behind the next ``advance``. Raises UnknownNameError for other
-        names, UsageError for a value that is no finite number and after the end of the run.
+        ``value`` is in SI units; outputs contain it after the next ``advance``. Raises UnknownNameError for other
+        names, and UsageError for a value that is not a finite number or after the end of the run.
         """
         require_names([name])
         self._require_running()

@@ -35,7 +35,7 @@ def run(
 ) -> Results:  # fmt: skip
     """Solve a deck, with progress on the standard error, and return its open results file.
 
-    Ctrl-C ends the run with a checkpoint and raises KeyboardInterrupt; ``resume`` continues it to the same bits.
+    Ctrl-C ends the run with a checkpoint and raises KeyboardInterrupt; ``resume`` continues it, bit for bit.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ def modes(
 
 @dataclass(frozen=True)
 class Modes:
-    """Modes, natural frequencies ascending; of a conjugate pair the one with the positive imaginary part."""
+    """Modes by ascending natural frequency; of a conjugate pair, the one with the positive imaginary part."""
 
     eigenvalues: np.ndarray  # (m,) complex [1/s]
     frequency: np.ndarray  # damped (m,) [Hz]
@@ -208,7 +208,7 @@ def sweep(
 ) -> "Study":  # fmt: skip
     """Run the cases of a study in parallel, each in a separate process, and return their table.
 
-    To be called from the main thread. Ctrl-C ends all cases with checkpoints.
+    Call it from the main thread. Ctrl-C ends all cases with checkpoints.
 
     Parameters
     ----------
@@ -219,9 +219,9 @@ def sweep(
     jobs : int
         Number of parallel cases; by default one per core.
     resume : bool
-        Run the cases that are neither complete nor failed.
+        Run only the cases that are neither complete nor failed.
     again : {"failed"}
-        The same, and run failed cases again from their start.
+        As ``resume``, and also rerun failed cases from their start.
     force : bool
         Delete existing cases and run all.
     quiet : bool
@@ -297,7 +297,7 @@ class Study:
         return len(self["case"])
 
     def results(self, case: int) -> Results:
-        """Open the results of a case, by its number from 1. Raises ResultsError, also for one that has not begun."""
+        """Open the results of a case, by its number from 1. Raises ResultsError, also if the case has not begun."""
         return Results(self.folder / f"{case:0{max(4, len(str(len(self))))}d}.h5")
 
     def to_pandas(self) -> "pandas.DataFrame":
@@ -339,7 +339,7 @@ def _require(valid, option, value, wanted):
 
 @contextmanager
 def interruptible(interruption: Interruption) -> Iterator[None]:
-    """Let an Interruption handle Ctrl-C within the block, and restore the handlers at its end.
+    """Handle Ctrl-C by an Interruption within the block, and restore the handlers at its end.
 
     Does nothing outside the main thread, which alone receives signals.
     """

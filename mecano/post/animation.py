@@ -46,19 +46,19 @@ def animate(
 ) -> Path:
     """Write an animation of the results file ``path`` as a ``page``, or as a film by its extension; return the Path.
 
-    ``plots``: texts as for ``mecano post --plot``, over time; by default the first panels of the overview. A film has
-    none.
+    ``plots``: texts as for ``mecano post --plot``, over time; by default the first panels of the overview. Films have
+    no plots.
 
     Raises
     ------
     UsageError, UnknownNameError
-        The page has no name of its own, or a plot is invalid or names an output that is not in the file.
+        The name of the page is invalid, or a plot is invalid or names an output that is not in the file.
     ResultsError
         The file cannot be read or contains nothing that moves, or the page cannot be written.
     """
     page = Path(page)
     if page.suffix in FILMS:
-        from mecano.post.film import film  # matplotlib, which the page does without
+        from mecano.post.film import film  # imports matplotlib, which pages do not need
 
         if plots:
             raise UsageError(f"--animate {page}: a film has no plots; a page, .html, has")
@@ -154,7 +154,7 @@ def _panels(run, plots):
 
 
 def _plot(panel, rows):
-    drawn = sorted(panel.curves, key=lambda curve: not curve.reference)  # references lie behind
+    drawn = sorted(panel.curves, key=lambda curve: not curve.reference)  # references in the background
     curves = [[c.y.owned, _floats(c.y.values[rows]), c.reference] for c in drawn]
     return {"label": panel.label, "unit": panel.curves[0].y.unit, "curves": curves}
 

@@ -1,4 +1,4 @@
-"""A belt over pulleys as lines in space: its spans, and the pulleys, of which a spoke turns with the node."""
+"""A belt over pulleys as lines in space: its spans, and the pulleys with a spoke that turns with the node."""
 
 from typing import TYPE_CHECKING
 

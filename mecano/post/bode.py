@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 WIDTHS = 6.8, 4.6, 4.0  # inches, of a panel, by the number of columns
 MAGNITUDE, PHASE = 2.3, 1.7  # inches, heights
-DECADES = 2e2  # ratio of the frequencies up to which 2 and 5 of each decade are named
+DECADES = 2e2  # ratio of the frequencies up to which ticks at 2 and 5 of each decade have labels
 PLAIN = 1e-3, 1e4  # numbers that are written without a power of ten
 LINE = 0.2  # inches of the legend
 RANGE = 1e4  # of magnitudes that are shown, below their median
@@ -31,7 +31,7 @@ ROUND = (30.0, 45.0, 90.0, 180.0, 360.0)  # deg, steps of the axis of the phase
 def draw_response(
     path: "str | os.PathLike[str]", output: "str | os.PathLike[str] | None" = None, kind: str = "png"
 ) -> Path:
-    """Draw the picture of a file of a response beside it, or at ``output``; return its Path. Raises ResultsError."""
+    """Draw the picture of a response next to its file, or at ``output``; return its Path. Raises ResultsError."""
     file = read_response(path)
     target = Path(output) if output else file.path.with_suffix(f".{kind}")
     save(response_figure(file), target)
@@ -74,7 +74,7 @@ def _frequencies(upper, lower, file):
 
 
 def _plain(x, _):
-    """Return the text of a number of a logarithmic axis."""
+    """Return the label of a number on a logarithmic axis."""
     if PLAIN[0] <= x <= PLAIN[1]:
         return f"{x:.6g}"
     exponent = int(np.floor(np.log10(x) + 1e-9))
@@ -92,7 +92,7 @@ def _by_unit(file):
 
 
 def _unit(of_output, of_input):
-    """Return the unit of a transfer function, "m per N"; "" of two equal ones."""
+    """Return the unit of a transfer function, "m per N"; "" if both units are equal."""
     return "" if of_output == of_input else ratio_unit(of_output, of_input)
 
 

@@ -62,12 +62,12 @@ def _limit(file):
 
 
 def _with_next(own):
-    """Return the mask with the values before each chosen one, so that the lines of parts of a curve join."""
+    """Return the mask extended by the value before each chosen one, so that the parts of a curve join."""
     return own | np.append(own[1:], False)
 
 
 def _name(ax, x, y, limit, text):
-    """Write a text at the end of a line from zero, or beside the place at which it leaves the picture."""
+    """Write a text at the end of a line from zero, or at the point where it leaves the picture."""
     i = int(np.nanargmax(x))
     at = (x[i], y[i]) if y[i] <= limit else (x[i] * limit / y[i], limit)
     ax.annotate(text, at, xytext=(4, -9), textcoords="offset points", color=GREY, fontsize=NUMBERS)

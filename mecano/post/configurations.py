@@ -27,7 +27,7 @@ COLUMNS, WIDTH = 3, 3.6  # of the picture; inches of each view
 TALLEST = 1.4  # height over width of a view
 MARGIN = 0.06  # of the size of the picture's content
 SUPPORT_SIZE = 7
-FAR = 2.0  # sizes: a mechanism that travels farther is drawn about its own centre at each time
+FAR = 2.0  # sizes: a mechanism that travels farther is drawn about its centre at each time
 
 
 def times_of(text: str) -> list[float]:
@@ -121,7 +121,7 @@ def _named(saved, asked):
 
 
 def _line(shape, points):
-    """Return the line (m, 2) that shows a shape with ``points`` (n, 2): of a body with more than two, its outline."""
+    """Return the line (m, 2) that shows a shape with ``points`` (n, 2): the outline of a body with more than two."""
     if shape.style != BODY or len(points) < 3:
         return points
     outline = hull(points)
@@ -129,7 +129,7 @@ def _line(shape, points):
 
 
 def _draw(ax, lines):
-    """Draw the lines, thin ones first, so that they lie behind."""
+    """Draw the lines, thin ones first, so that others cover them."""
     for thin, colour, width in ((True, GREY, 0.6), (False, INK, 1.4)):
         some = [points for is_thin, points in lines if is_thin == thin]
         ax.add_collection(LineCollection(some, colors=colour, linewidths=width, capstyle="round"))

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 POINTS = 49  # of a circle
 BEYOND = 2.0  # radii of the ball, or distances of the farthest node: how far a plane is drawn
-PREFERRED = np.array([1e-6, 0.0, 1e-6])  # of axes along which a mechanism has no extent: pictures are seen along y
+PREFERRED = np.array([1e-6, 0.0, 1e-6])  # of axes along which a mechanism has no extent: pictures are viewed along y
 
 
 def outlines(motion: "AnyMotion", d: "Values") -> list[np.ndarray]:

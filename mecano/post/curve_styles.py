@@ -15,11 +15,11 @@ MOST_STYLED = 16  # elements with a style of their own: more could not be identi
 
 
 class CurveStyles:
-    """The styles of the curves of a sheet, no two of them alike.
+    """Distinct styles for the curves of a sheet.
 
     Colours distinguish runs, otherwise elements, otherwise quantities; dashes distinguish the rest. Elements have the
     same style in the whole sheet, with one legend for all panels, or styles of their own in each panel. If there are
-    more elements than styles, those with the largest values have them, and all others are pale.
+    more elements than styles, those with the largest values get them, and all others are pale.
 
     Equal curves of one run are drawn once, with all their names in the legend: "a = b". With one legend for all panels
     these are elements with equal curves in all panels.
@@ -39,7 +39,7 @@ class CurveStyles:
         self._first = first_subjects(panels, self._common)
 
     def drawn(self, panel: Panel) -> list[list[Curve]]:
-        """Return the curves of a panel in lists of equal ones, of which the first is drawn."""
+        """Return the curves of a panel in lists of equal ones; the first of each list is drawn."""
         if self.runs or self._common:
             return [[c] for c in panel.curves if self._first.get(c.subject, c.subject) == c.subject]
         return equal_curves(panel.curves)
@@ -57,7 +57,7 @@ class CurveStyles:
         return style | REFERENCE if curve.reference else style
 
     def _key(self, curve, panel):
-        """Return the numbers of colour and dashes; len(DASHES) or more for a curve without a style of its own."""
+        """Return the indices of colour and dashes; len(DASHES) or more for a curve without a style of its own."""
         subjects = self._subjects(panel)
         if curve.subject not in subjects or curve.run >= len(self._legend_runs or [0]):
             return 0, len(DASHES)

@@ -1,7 +1,7 @@
 """Deformation of flexible parts, to be magnified: beams and superelements that share nodes, and their rigid motions.
 
 The rigid motion is the least-squares fit of the part to its shape at the start. Points at nodes of joints and bodies
-weigh much more than all others, so that a magnified part stays at the places where it is held.
+weigh much more than all others, so that a magnified part stays attached there.
 """
 
 from collections.abc import Container, Sequence

@@ -9,8 +9,9 @@ Motors are hinges with a law and a latch. Over the mean of their angles, from th
 
 All are means over small intervals of the angle, between saved times, so that small oscillations do not matter. The
 least margin is reported separately for the last part LATCHING of the way and for the rest. In the last part the members
-of a flexible structure become taut and bend, driven by its momentum as well as by the motors, which would hide how
-close the motors were to stalling before. For a structure that does not become taut, the smaller number counts.
+of a flexible structure become taut and bend, driven by its momentum as well as by the motors. Together with the rest,
+this would hide how close the motors came to stalling earlier. For a structure that does not become taut, the smaller
+number counts.
 """
 
 from collections.abc import Sequence

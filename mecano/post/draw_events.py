@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 MARK_ROOM = 0.012  # of the width of the axes: marks of one kind are not closer to one another
 LINE_ROOM = 0.01  # the same of lines
-MANY = 8  # events from which on lines that are close are left out
-MOST_LINES, RUG, RUG_ROOM = 24, 0.04, 0.003  # events from which on they are short lines at the axis: height, room
-MOST_MARKS = 24  # of one kind: more of them make a band over the axes, and only the first is drawn
+MANY = 8  # number of events above which lines close to others are omitted
+MOST_LINES, RUG, RUG_ROOM = 24, 0.04, 0.003  # events above which lines are short ones at the axis; height, room
+MOST_MARKS = 24  # of one kind: more would make a band over the axes, so only the first is drawn
 SIZE = 4.5  # points
 
 
@@ -48,7 +48,7 @@ class EventLegend:
 def draw_events(ax: "Axes", marks: Iterable[EventMark], factor: float, styles: "CurveStyles") -> None:
     """Draw lines and marks at the times over ``factor``; short lines at the axis for many events or several runs.
 
-    An event that occurs throughout, as a stop in a limit cycle does, is marked where it occurs first.
+    An event that occurs throughout, such as a stop in a limit cycle, is marked where it occurs first.
     """
     low, high = ax.get_xlim()
     for run in dict.fromkeys(mark.run for mark in marks):

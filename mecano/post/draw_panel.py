@@ -103,7 +103,7 @@ def _steps(panel, values):
 
 
 class PlainPowers(LogFormatterSciNotation):
-    """Formatter of a logarithmic axis without mathematical markup, as texts of pictures are not parsed."""
+    """Formatter of a logarithmic axis without mathematical markup, because texts of pictures are not parsed."""
 
     def __call__(self, x: float, pos: int | None = None) -> str:
         """Return the label of the tick at ``x``."""

@@ -28,7 +28,7 @@ TRIANGLE = ((0.0, 0.0), (-0.6, -1.0), (0.6, -1.0))
 def draw_sketch(ax: "Axes", sketch: "Sketch", title: str = "", named: bool = True) -> None:
     """Draw ground, paths, and the shapes at all instants, later ones darker if superimposed.
 
-    ``named``: with a legend and the span of the instants.
+    ``named``: add a legend and the span of the instants.
     """
     colours = _colours(sketch)
     for line in sketch.grounds:
@@ -78,7 +78,7 @@ def _draw_legend(ax, colours, sketch):
 
 
 def _label_instants(ax, sketch):
-    """Label the side-by-side view with times instead of a horizontal coordinate, as many as have room."""
+    """Label the side-by-side view with as many times as fit, instead of a horizontal coordinate."""
     middles = []
     for i in range(len(sketch.times)):
         x = np.concatenate([sketch.flat(shape.points[i], i)[:, 0] for shape in sketch.shapes])

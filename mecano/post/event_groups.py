@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 MOST_NAMES = 3  # elements named in a line
 TOGETHER = 1e-6  # of the duration of a run: events no farther apart are at one instant
-BESIDE, LEAST = 0.2, 0.05  # margin shown around shocks, of the duration of the shocks, and least of that of the run
+BESIDE, LEAST = 0.2, 0.05  # margin shown around shocks, of their duration; least margin, of the duration of the run
 SHOCKS = "shocks"  # clock of the quantities
 HEADING = ("run", "time [s]", "group", "element", "event", "impulse", "unit of the impulse", "energy lost [J]")
 

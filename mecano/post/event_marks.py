@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 MOST_NAMES = 4  # elements named in an entry of the legend
 MARKERS = "v^sDoPX*<>pH"
-OTHERS = "|"  # common mark of all further events
+OTHERS = "|"  # common marker of all further events
 
 
 @dataclass(frozen=True)
@@ -30,8 +30,9 @@ class EventMark:
 def event_marks(runs: "Iterable[Run]") -> tuple[EventMark, ...]:
     """Return an EventMark for each event of all runs.
 
-    Each event of each element has a marker, shared by elements for which it occurs at the same times; or each event
-    alone where these are too many; of still more, the others share one. Markers are assigned in order of time.
+    Each event of each element has a marker, shared by elements for which it occurs at the same times. If these are too
+    many, each event has a marker for all elements; if even these are too many, the last ones share one. Markers are
+    assigned in order of time.
     """
     found: list[tuple[float, str, str, int]] = [
         (event.time, *_named(run, event), number) for number, run in enumerate(runs) for event in run.results.events

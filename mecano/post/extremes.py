@@ -13,8 +13,8 @@ ROUNDING = 1e-10  # of the largest value of the same unit: smaller extremes are 
 def notable(extremes: "Mapping[str, Extreme]") -> "list[tuple[str, Extreme]]":
     """Return (name, Extreme) of all outputs, without nodes, formulas, zeros and rounding errors.
 
-    Formulas are those written in place, such as the condition of a release, which results hold as differences. Joints
-    come first, as the elements of one divided member may be many.
+    Formulas are those written in place, such as the condition of a release, which results contain as differences.
+    Joints come first, because a divided member may have many elements.
     """
     least = dict.fromkeys((extreme.unit for extreme in extremes.values()), 0.0)
     for extreme in extremes.values():

@@ -72,7 +72,7 @@ def save(figure: Figure, target: Path | IO[bytes], kind: str = "") -> None:
         if engine := figure.get_layout_engine():
             engine.execute(figure)
     with matplotlib.rc_context(SETTINGS | {"figure.constrained_layout.use": False}):
-        figure.set_layout_engine()  # none, as savefig would draw everything again to compute the layout
+        figure.set_layout_engine()  # none: savefig would draw everything again to compute the layout
         try:
             figure.savefig(target, format=kind, metadata=METADATA[kind])
         except OSError as error:

@@ -127,7 +127,7 @@ class _Picture:
         return name, factor, mapping
 
     def show(self, frame: int) -> None:
-        """Update all artists to saved time number ``frame`` of the scene."""
+        """Update all artists to the saved time of index ``frame`` of the scene."""
         scene = self._scene
         centre = self._middle + (self._flat(scene.middle[frame]) if scene.follow else 0.0)
         self._ax.set_xlim(centre[0] - self._half[0], centre[0] + self._half[0])

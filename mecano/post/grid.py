@@ -2,7 +2,7 @@
 
 Points are the nodes, the rims of wheels and gears, centres of mass and the nodes inside superelements. An element
 between two nodes, or each element of a divided member, is a line; a wheel or gear is its rim and a spoke; a body is a
-line through its points; a joint or a point mass is a vertex. Cells are hidden from the release of their owner on.
+line through its points; a joint or a point mass is a vertex. Cells are hidden after the release of their owner.
 """
 
 from collections.abc import Iterator, Sequence
@@ -44,7 +44,7 @@ def grids_of(run: "Run") -> Iterator[Grid]:
 
 
 class _Blocks(Motion):
-    """The motion at a block of ``rows``, at first the start; nodes apart at any saved time are so in all blocks."""
+    """The motion at a block of ``rows``, first the start; nodes apart at any saved time are apart in all blocks."""
 
     def __init__(self, run: "Run"):
         super().__init__(run, slice(1))
@@ -60,7 +60,7 @@ class _Blocks(Motion):
 
 
 def _points(motion):
-    """Return the _Points of a motion and, for each cell, (owner in the file, (type, numbers of points), Shape)."""
+    """Return the _Points of a motion and, for each cell, (owner in the file, (type, indices of points), Shape)."""
     points = _Points(motion)
     drawn = [shape for shape in shapes(motion) if shape.style != SUPPORT]
     return points, [(*found, shape) for shape in drawn for found in _cells(motion.run, shape, points.numbers(shape))]
@@ -93,7 +93,7 @@ class _Points:
         self._number = {node: i for i, node in enumerate(motion.nodes)}
 
     def numbers(self, shape: Shape) -> list[int]:
-        """Return the numbers of the points of a shape, and add those that are not nodes."""
+        """Return the indices of the points of a shape, and add those that are not nodes."""
         rigid = next(filter(None, shape.nodes), None) if shape.style in (WHEEL, GEAR, BODY) else None
         return [
             self._number[node] if node else self._added(shape.points[:, i], rigid)
@@ -101,7 +101,7 @@ class _Points:
         ]  # fmt: skip
 
     def _added(self, positions, rigid):
-        """Add a point and return its number; if it moves with a node ``rigid``, its velocity is v + omega x r."""
+        """Add a point and return its index; if it moves with a node ``rigid``, its velocity is v + omega x r."""
         velocities = np.full(positions.shape, np.nan)
         if rigid is not None:
             i, omega = self._number[rigid], self._motion.vector(f"nodes/{rigid}/angular_velocity")

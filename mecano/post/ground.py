@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 STEEPEST = 0.2  # component of the normal along the vertical axis below which the ground is not drawn
 POINTS = 60
 POINTS_OF_WAY = 500
-BESIDE = 3.0  # radii beyond the way
+BESIDE = 3.0  # radii beyond the path
 ROUND = 0.15  # margin of a patch of ground around the mechanism, relative to its size
 
 
@@ -22,7 +22,7 @@ def ground_line(
 ) -> np.ndarray | None:
     """Return points (n, 2) of the ground below ``centre`` (3,) [m], or None if it is seen from above.
 
-    ``deck`` is the resolved deck, ``ground`` one of its grounds, ``axes`` the numbers of the inertial axes to the right
+    ``deck`` is the resolved deck, ``ground`` one of its grounds, ``axes`` the indices of the inertial axes to the right
     and up, ``half_width`` [m] the extent to both sides.
     """
     right, up = axes
@@ -38,7 +38,7 @@ def ground_line(
 
 
 def ground_patch(deck: Mapping[str, Any], ground: "Values", points: np.ndarray) -> np.ndarray:
-    """Return the outline (k, 3) [m] of the ground below ``points`` (n, 3), on all sides a little wider."""
+    """Return the outline (k, 3) [m] of the ground below ``points`` (n, 3), with a margin on all sides."""
     normal = np.array(ground["plane"]["normal"], float)
     normal /= np.linalg.norm(normal)
     profile, point = ground.get("profile"), np.array(ground["plane"]["point"], float)

@@ -36,7 +36,7 @@ ENDS = {"running": "still running", "killed": "killed, all acknowledged steps ar
 def info(path: "str | os.PathLike[str]", pattern: str | None = None, every_event: bool = False) -> str:
     """Return the summary of a results file or, with a ``pattern`` such as "wheel.*" or "*", of the matching outputs.
 
-    Like events at one instant are merged into one line, and only the first lines are listed, unless ``every_event``.
+    Similar events at one instant are merged into one line, and only the first lines are listed, unless ``every_event``.
     ``pattern`` does not apply to files of modes. Raises ResultsError, and UnknownNameError if no output matches.
     """
     if is_other(path):
@@ -202,7 +202,7 @@ def _rank(results, section, kind):
 
 
 def _events(results, every):
-    """Return the lines on events, with like events at one instant merged unless ``every``."""
+    """Return the lines on events, with similar events at one instant merged unless ``every``."""
     found = [one for group in groups(results) for one in (group.single if every else [group])]
     if not found:
         return ["Events: none"]

@@ -35,8 +35,8 @@ SLIGHT = 0.01  # damping ratio of the slowest oscillation, below which decay is 
 LONGEST = (110, 70)  # characters of a motion in a legend of one or two columns
 MOST_NAMED, IN_A_COLUMN = 16, 4  # modes in the legend
 MOST_REPORTED = 6  # modes listed as beyond the limits
-ABOVE = 3.0  # times the frequency of the growing or least damped modes: faster ones are left out
-ROUNDED = 1e-6  # damping ratio that is rounding
+ABOVE = 3.0  # times the frequency of the growing or least damped modes: faster ones are omitted
+ROUNDED = 1e-6  # damping ratio that counts as zero
 
 
 def draw_sweep(
@@ -45,9 +45,9 @@ def draw_sweep(
     kind: str = "png",
     below: float | None = None,
 ) -> Path:
-    """Draw the picture of a file of a sweep beside it, or at ``output``, and return its Path.
+    """Draw the picture of a sweep next to its file, or at ``output``, and return its Path.
 
-    Modes of higher frequency than ``below`` [Hz] are left out, see ``shown_modes``. Raises ResultsError, and UsageError
+    Modes of higher frequency than ``below`` [Hz] are omitted, see ``shown_modes``. Raises ResultsError, and UsageError
     for a map of stability with ``below``.
     """
     file = read_sweep(path)
@@ -87,7 +87,7 @@ def _headed(file, size):
 def shown_modes(
     modes: Mapping[str, np.ndarray], below: float | None = None
 ) -> tuple[np.ndarray, np.ndarray, float | None]:
-    """Return (numbers of the modes shown, numbers of those above the limit, limit [Hz] or None).
+    """Return (indices of the modes shown, indices of those above the limit, limit [Hz] or None).
 
     Modes that oscillate faster than the limit at all values are above it. Without ``below`` [Hz] the limit is ABOVE
     times the highest frequency of the modes that grow at some value or, if none grows, of those that are least damped
@@ -167,7 +167,7 @@ def _handles(file, shown):
 def _plane(ax, file, unit, shown, near, limit):
     """Plot eigenvalues in the complex plane, from the open to the filled dot as the parameter increases.
 
-    ``shown``: numbers of the modes; ``near``: as of ``real_range``; ``limit``: of the frequencies [Hz], or None.
+    ``shown``: indices of the modes; ``near``: as in ``real_range``; ``limit``: of the frequencies [Hz], or None.
     """
     real, imaginary = file.modes["real_part"], file.modes["imaginary_part"]
     low, high, beyond = near
@@ -190,7 +190,7 @@ def _plane(ax, file, unit, shown, near, limit):
 
 
 def _mark(ax, file):
-    """Draw critical values as vertical lines with their numbers, which are above one another where they are close."""
+    """Draw critical values as vertical lines with their numbers, stacked where lines are close."""
     places = file.critical["parameter"]
     vague = file.critical.get("of_instant", np.zeros(len(places)))
     texts = [f"about {value:.3g}" if unsure else f"{value:.5g}" for value, unsure in zip(places, vague, strict=True)]
@@ -202,7 +202,7 @@ def _mark(ax, file):
 
 
 def _rows(places, widths):
-    """Return for each label, centred at its place, the lowest row in which it does not overlap another one."""
+    """Return, for each label centred at its position, the lowest row in which it does not overlap another."""
     rows = [0] * len(places)
     ends: list[float] = []  # of the last label in each row
     for i in np.argsort(places):
@@ -213,7 +213,7 @@ def _rows(places, widths):
 
 
 def real_range(modes: Mapping[str, np.ndarray]) -> tuple[float, float, Sequence[int]]:
-    """Return limits for real parts, and the modes partly beyond them, which decay much faster.
+    """Return limits for real parts, and the modes that are partly beyond them because they decay much faster.
 
     Growing modes, the least stable mode at each value, and modes lightly damped at some value are within the limits,
     unless they are DEEPEST times as far from the limit of stability as the fastest growth, the least decay, or the
@@ -246,7 +246,7 @@ def _limited(ax, limits, low, high, beyond):
 
 
 def _named(modes):
-    """Return the numbers of modes as text, or how many they are."""
+    """Return the numbers of modes as text, or their count if there are many."""
     if len(modes) > MOST_REPORTED:
         return f"{len(modes)} modes"
     return f"mode {', '.join(str(b + 1) for b in modes)}"

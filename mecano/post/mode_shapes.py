@@ -83,7 +83,7 @@ class ModeMotion:
 def draw_modes(
     path: "str | os.PathLike[str]", output: "str | os.PathLike[str] | None" = None, kind: str = "png"
 ) -> Path:
-    """Draw all modes of a file in one picture beside it, or at ``output``, and return its Path.
+    """Draw all modes of a file in one picture next to it, or at ``output``, and return its Path.
 
     Raises ResultsError, also for a file without modes.
     """

@@ -21,7 +21,7 @@ NOTHING = 1e-9  # of the largest value of the same unit: smaller values are nume
 
 
 def planned_panels(plan: Plan, runs: "Sequence[Run]") -> tuple[list[Panel], str]:
-    """Return the panels of a plan for the most active elements, and a note on elements left out."""
+    """Return the panels of a plan for the most active elements, and a note on elements omitted."""
     things = _things(plan, runs)
     shown = _most_active(things, plan.views[0], runs)
     panels = [panel for view in plan.views if (panel := _panel(view, shown, runs)).curves]
@@ -32,7 +32,7 @@ def planned_panels(plan: Plan, runs: "Sequence[Run]") -> tuple[list[Panel], str]
 
 
 def _by_unit(panel):
-    """Split a panel into panels of one unit, as signals may have any."""
+    """Split a panel into panels of one unit, because signals may have any."""
     units = dict.fromkeys(curve.y.unit for curve in panel.curves)
     return [replace(panel, curves=tuple(c for c in panel.curves if c.y.unit == unit)) for unit in units]
 

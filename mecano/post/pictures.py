@@ -51,7 +51,7 @@ def post(
     """Draw pictures of results files, with several runs in one picture, and yield the Path of each file written.
 
     Files of modes, responses, sweeps and studies are drawn one by one; ``spectra``, ``columns``, ``title`` and ``at``
-    are for results of runs only, ``plots`` also for studies, of which they show outputs and varied values.
+    are for results of runs only, ``plots`` also for outputs and varied values of studies.
 
     Parameters
     ----------
@@ -65,14 +65,14 @@ def post(
         name ending with .png or .svg; by default the results file without its extension.
     kind : "png" or "svg"
     columns : bool
-        Also write the numbers, as comma-separated values beside each picture.
+        Also write the numbers, as comma-separated values next to each picture.
     title : str
         Title of the pictures; by default that of the deck.
     at : str
         Times [s] separated by commas: a picture for each file of the configurations at these times, in addition to the
         ``plots``.
     below : float
-        Frequency [Hz] above which modes are left out of the picture of a sweep; by default ``loci.shown_modes``.
+        Frequency [Hz] above which the picture of a sweep omits modes; by default ``loci.shown_modes``.
     force : bool
         Also replace pictures and tables that mecano has not written.
 
@@ -127,7 +127,7 @@ def asked_sheets(plots: Iterable[str], spectra: Iterable[str], runs: Sequence[Ru
 
 
 def _refuse_together(formats, plots, of_runs):
-    """Raise UsageError for files of modes, responses, sweeps and studies together with others, or with options of runs.
+    """Raise UsageError if files of modes, responses, sweeps or studies come with other files, or options of runs.
 
     ``formats``: {path: format}; ``of_runs``: {option: value} of those for runs only; ``plots`` are also for studies.
     """
@@ -196,7 +196,7 @@ def _default_pictures(runs):
 
 
 def _targets(names, output, kind, first, stem):
-    """Return the Path of each picture with the ends ``names``, beside the file ``first`` or by ``output``."""
+    """Return the Path of each picture with the suffixes ``names``, next to the file ``first`` or by ``output``."""
     whole = Path(output) if output else None
     if whole is not None and whole.suffix[1:] in FORMATS and not os.path.isdir(whole):
         if len(names) > 1:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from mecano.post.runs import Run
 
-ON_GROUND = ("longitudinal_slip", "lateral_slip", "rolling_rate")  # say something only while a wheel is pressed
+ON_GROUND = ("longitudinal_slip", "lateral_slip", "rolling_rate")  # meaningful only while a wheel is in contact
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class View:
     """One panel of every sheet: outputs of each element over the time or over another output.
 
     Outputs are written as in ``--plot`` without the element; "node.position.x" is an output of the element's node.
-    Outputs that an element does not have are left out; of "one|other" the first existing one is used.
+    Outputs that an element does not have are omitted; of "one|other" the first that exists is used.
     """
 
     label: str

@@ -39,7 +39,7 @@ HEALTH = {
 class Table:
     """Rows of texts; columns with an index of at least ``first_number`` hold numbers.
 
-    ``marked`` cells (row, column) are those beyond a limit. A table with a ``title`` is in a collapsed block.
+    ``marked`` cells (row, column) exceed a limit. A table with a ``title`` is in a collapsed block.
     """
 
     columns: tuple[str, ...]

@@ -36,7 +36,7 @@ def write_report(
     Raises
     ------
     UsageError, UnknownNameError
-        The name of the page does not end with .html, a plot is invalid, names an unknown output, or is of a study.
+        The name of the page does not end with .html, or a plot is invalid, names an unknown output, or is for a study.
     ResultsError
         The file cannot be read or has no saved times, or the page cannot be written.
     """

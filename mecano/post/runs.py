@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mecano.schema import Values
 
 LONGEST = 80  # characters of a label: the width of the narrowest picture
-NOISE = 10.0  # times its tolerance: residual forces of Newton's iteration, with those from errors of the steps
+NOISE = 10.0  # times its tolerance: residual forces of Newton's iteration and of step errors
 HEADED = ("title",)  # overrides shown in the heading of pictures
 
 
@@ -102,7 +102,7 @@ def opened_runs(paths: "Iterable[str | os.PathLike[str]]") -> Iterator[list[Run]
 
 
 def open_runs(paths: "Iterable[str | os.PathLike[str]]") -> list[Run]:
-    """Open results files and label them. Raises ResultsError; then none stays open."""
+    """Open results files and label them. Raises ResultsError, with all files closed."""
     with ExitStack() as until_all_are_open:
         opened = [until_all_are_open.enter_context(open_results(path)) for path in paths]
         until_all_are_open.pop_all()
@@ -131,7 +131,7 @@ def _short(text):
 
 
 def _overrides(opened):
-    """Return texts with the values of overrides that differ, or of the deck where a run does not override them."""
+    """Return texts with the values of overrides that differ, taken from the deck where a run has no override."""
     given = [_given(results) for results in opened]
     paths = list(dict.fromkeys(path for some in given for path in some if path not in HEADED))
     pairs = list(zip(given, [results.resolved for results in opened], strict=True))
@@ -145,7 +145,7 @@ def _overrides(opened):
 
 
 def _in_one_unit(texts):
-    """Return texts of one value with the first of their units; numbers without a unit are in SI units."""
+    """Convert texts of one value to the first of their units; numbers without a unit are in SI units."""
     units = [match[2] for text in texts if is_quantity(text) and (match := QUANTITY.fullmatch(text))]
     plain = [number(text) for text in texts]  # None for a quantity
     if not units or not all(is_quantity(text) or value is not None for text, value in zip(texts, plain, strict=True)):

@@ -55,17 +55,17 @@ class Scene:
     Attributes
     ----------
     rows : (n,) array of int
-        Numbers of the saved times.
+        Indices of the saved times.
     times : (n,) array
     axis : (str, str)
         Name and unit of the times: they may be load factors.
     shapes : list of Shape
     kinds : list of str
-        Of each shape the kind of its element or joint; "" for a node.
+        Kind of the element or joint of each shape; "" for a node.
     colours : list of dict
-        Of each shape: name -> values (n, pieces).
+        For each shape: name -> values (n, pieces).
     ranges : list of (name, unit, lowest, highest)
-        Of all that something can be coloured by.
+        Of all colourings.
     parts : list of Part
         Flexible parts, whose deformation can be magnified.
     orientations : list of Orientation
@@ -80,7 +80,7 @@ class Scene:
     eye : (3,) array
         Unit vector to the eye that sees the mechanism best.
     grounds : list of lists of three (k, 3) arrays
-        Of each ground lines on it along the way of the wheels: left, middle, right [m].
+        For each ground, lines on it along the path of the wheels: left, middle, right [m].
     """
 
     rows: np.ndarray
@@ -106,7 +106,7 @@ class Scene:
 
 
 def scene_of(run: "Run", most: int) -> Scene:
-    """Return the Scene of a run with at most so many saved times; raises ResultsError if there is nothing to show."""
+    """Return the Scene of a run with at most ``most`` saved times; raises ResultsError if there is nothing to show."""
     count = len(run.results.time)
     if not count:
         raise ResultsError(f"{run.results.path}: no saved times yet")

@@ -1,7 +1,7 @@
 """Serve a page of results on the loopback address, to requests with the token, while the program runs.
 
 The page polls for data that a running writer has added. Requests must have the token and a host name of this machine:
-other pages in the same browser, which may send requests here, know neither.
+other pages in the same browser may send requests here, but know neither.
 """
 
 import hmac
@@ -38,7 +38,7 @@ class Source:
         self._data: dict[str, Any] | None = None
 
     def data(self) -> dict[str, Any]:
-        """Return the data of the page as they are now, with a key that changes with them. Raises ResultsError."""
+        """Return the current data of the page, with a key that changes with them. Raises ResultsError."""
         with self._lock:
             begun, data = time.monotonic(), self._data
             if data is None or (begun >= self._next and self._changed(data)):
@@ -48,7 +48,7 @@ class Source:
             return data
 
     def _changed(self, data):
-        """Return whether the ``data`` may have changed; a file stays as it is when the run is killed."""
+        """Return whether the ``data`` may have changed; the file of a killed run no longer changes."""
         return data["growing"] or self._key != self._state()
 
     def _state(self):
@@ -128,7 +128,7 @@ class _Handler(BaseHTTPRequestHandler):
         try:
             data = self.server.source.data()
         except (ResultsError, OSError):
-            data = {"key": query.get("key")}  # between two files: as if nothing had changed
+            data = {"key": query.get("key")}  # between two files: report no change
         if query.get("key") == data["key"]:
             self._answer(204, "application/json", "")
         else:

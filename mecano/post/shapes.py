@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 BODY, MASS, ROD, SPRING, WHEEL, JOINT, SUPPORT = "body", "mass", "rod", "spring", "wheel", "joint", "support"
 CABLE = "cable"  # a thin rod
-GUIDE = "guide"  # a curve, of whose points none is a place of its own
+GUIDE = "guide"  # a curve whose points do not count as places of the mechanism
 GEAR = "gear"  # a pitch circle
 RIM_POINTS = 49
 AnyMotion: TypeAlias = "Motion | ModeMotion"
@@ -34,8 +34,8 @@ AnyMotion: TypeAlias = "Motion | ModeMotion"
 class Shape:
     """A shape at some instants: ``points`` (instants, n, 3) [m]; the last point of a wheel or gear is its centre.
 
-    ``nodes`` are the names of the nodes at the points, "" for other points; empty if no point is a node.
-    ``shown`` (instants,) bool is False from the release of the joint or element on; None if it has no release.
+    ``nodes`` are the names of the nodes at the points, "" for other points; empty if no point is a node. ``shown``
+    (instants,) bool is False after the release of the joint or element; None if it has no release.
     """
 
     style: str
@@ -45,16 +45,16 @@ class Shape:
     shown: np.ndarray | None = None
 
     def at(self, instants: np.ndarray) -> "Shape":
-        """Return the shape at some of its instants, given by their numbers."""
+        """Return the shape at some of its instants, given by their indices."""
         return replace(self, points=self.points[instants], shown=None if self.shown is None else self.shown[instants])
 
     def is_shown(self, i: int) -> bool:
-        """Return whether the shape is there at instant number ``i``."""
+        """Return whether the shape is shown at the instant of index ``i``."""
         return self.shown is None or bool(self.shown[i])
 
 
 class Motion:
-    """Positions of the nodes of a run at the saved times number ``rows``."""
+    """Positions of the nodes of a run at the saved times of the indices ``rows``."""
 
     def __init__(self, run: "Run", rows: slice | np.ndarray):
         self.run, self.rows = run, rows

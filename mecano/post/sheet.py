@@ -18,7 +18,7 @@ EQUAL = 1e-6  # of the magnitude: curves that differ by less are equal
 
 @dataclass(frozen=True)
 class Curve:
-    """One quantity over another, of run number ``run`` and of the element, joint, load or node ``subject``.
+    """One quantity over another, of the run of index ``run`` and the element, joint, load or node ``subject``.
 
     A ``reference`` is shown for comparison. ``peak`` is value and time [s] of largest magnitude over all accepted
     steps, which saved times may miss; empty if unknown.
@@ -114,7 +114,7 @@ class Sheet:
     lead : int
         Number of panels as important as the first panel of another sheet.
     table : tuple of tuple
-        Lines, the first a heading, written beside the picture instead of the numbers of the curves.
+        Lines, the first a heading, written next to the picture instead of the numbers of the curves.
     """
 
     name: str

@@ -53,7 +53,7 @@ def default_sheets(runs: "Sequence[Run]") -> list[Sheet]:
 
 
 def overview(sheets: Sequence[Sheet]) -> Sheet:
-    """Return the Sheet of a sketch and the most important panels of all sheets, as many as fit."""
+    """Return the Sheet of a sketch and as many of the most important panels of all sheets as fit."""
     ranked = [
         (max(0, i - sheet.lead + 1), k, i)
         for k, sheet in enumerate(sheets)
@@ -126,7 +126,7 @@ def _found(run, path):
 
 
 def _changed(quantity):
-    """Return the change of a quantity since the start, as the zero of potential energies is arbitrary."""
+    """Return the change of a quantity since the start, because the zero of potential energies is arbitrary."""
     return replace(quantity, values=quantity.values - quantity.values[:1])
 
 

@@ -38,7 +38,7 @@ class Sketch:
     shapes : tuple of Shape
         With points (n, k, 3) [m].
     shift : (n, 2) array
-        To be added to the coordinates in the picture at each instant [m]; zeros where all is shown in its place.
+        To be added to the coordinates in the picture at each instant [m]; zeros if all is shown in place.
     paths : tuple of (m, 2) arrays
         Paths of points [m].
     grounds : tuple of (k, 2) arrays
@@ -151,7 +151,8 @@ def _instants(times, cloud):
 def _shift(drawn, matrix, up):
     """Shift (n, 2) of each instant: zeros, or side by side when the mechanism travels far.
 
-    In a view in space, which has a vertical ``up``, travel along the ground moves all up or down: that is taken off.
+    In a view in space, which has a vertical ``up``, travel along the ground moves the shapes up or down: this is
+    removed.
     """
     flat = np.concatenate([s.points @ matrix.T for s in drawn], axis=1)
     low, high = flat.min(axis=1), flat.max(axis=1)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 COLUMNS = 2
 WIDTH, ROW = 5.6, 0.19  # inches of a panel, and of a bar
-BESIDE = 0.9  # inches of a panel besides its bars
+BESIDE = 0.9  # inches of a panel, apart from its bars
 PALE = 0.45
 
 

@@ -1,4 +1,4 @@
-"""Outputs of a study as they are displayed: values that are rounding errors are zero."""
+"""Outputs of a study as displayed: rounding errors are shown as zero."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING

@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 PANEL = (3.4, 2.4)  # inches
 MOST_COLOURS = 8  # values of another parameter distinguished by colours
 MOST_TICKS = 5  # intervals between the numbers below a panel
-MOST_JOINED = 2  # parameters up to which dots that differ in one parameter are joined by lines
+MOST_JOINED = 2  # number of parameters up to which dots that differ in one of them are joined by lines
 
 
 def draw_study(
     path: "str | os.PathLike[str]", output: "str | os.PathLike[str] | None" = None, kind: str = "png"
 ) -> Path:
-    """Draw the picture of a table of a study beside it, or at ``output``, and return its Path. Raises ResultsError."""
+    """Draw the picture of the table of a study next to it, or at ``output``; return its Path. Raises ResultsError."""
     table = read_study(path)
     target = Path(output) if output else Path(path).with_suffix(f".{kind}")
     figure = study_figure(table)
@@ -79,7 +79,7 @@ def _figure(table, parameters, outputs):
 def panel(ax: "Axes", output: Column, parameter: Column, other: Column | None, joined: bool, title: str) -> None:
     """Plot dots over the values of a ``parameter``; ``title`` of a legend, or "".
 
-    They are coloured by the values of the ``other`` parameter if these are few; dots of one value of it may be
+    They are coloured by the values of the ``other`` parameter if these are few; dots with the same value may be
     ``joined``.
     """
     factor, _ = shown_unit(output.unit, output.values)
@@ -110,7 +110,7 @@ def _groups(other, cases):
 
 
 def short_names(paths: Sequence[str]) -> dict[str, str]:
-    """Return {path: its last two keys, without 'parameters', or as many as distinguish it from the other ``paths``}."""
+    """Return {path: its last two keys, without 'parameters', or as many as distinguish it from other ``paths``}."""
     keys = {path: path.removeprefix("parameters.").split(".") for path in paths}
     lengths = dict.fromkeys(paths, 2)
     for path in paths:

@@ -26,7 +26,7 @@ WIDE = 5.0  # inches
 def requested_figures(table: StudyTable, plots: Iterable[str]) -> "Iterator[tuple[str, Figure]]":
     """Yield (end of the name of the file, figure) of each of the ``plots`` "Y[,Y2]:X" of the table of a study.
 
-    Raises UsageError for a plot without X, UnknownNameError for a name that is no column.
+    Raises UsageError for a plot without X, UnknownNameError for a name that is not a column.
     """
     for text in plots:
         request = Request.parse(text)
@@ -71,7 +71,7 @@ def column_of(table: StudyTable, name: str) -> Column:
 
 
 def _series(table, x):
-    """Return the varied value with the fewest values, of which each belongs to a series of dots; None without one."""
+    """Return the varied parameter with the fewest values, each of which gives a series of dots; None without one."""
     others = [one for one in varied(table) if one.name != x.name]
     cases = len(x.values)
     fewest = min(others, key=lambda one: len(set(one.values)), default=None)

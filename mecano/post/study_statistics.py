@@ -12,7 +12,7 @@ from mecano.post.style import shown_unit
 if TYPE_CHECKING:
     from mecano.results.study_file import StudyTable
 
-LEAST = 10  # cases with a value of an output, for statistics
+LEAST = 10  # least number of cases with a value of an output, for statistics
 CORRELATION = (
     "The table below gives rank correlations (Spearman): 1 if the output grows with the varied value from case to case "
     "whatever the other values are, -1 if it falls, near 0 if neither."

@@ -20,7 +20,7 @@ DASHES: tuple[Any, ...] = (  # styles of lines of matplotlib
 LEGEND = {"handlelength": 1.6, "columnspacing": 1.2}  # in units of the font size
 LONGEST_LABEL = 27  # characters
 LINE_OF_TEXT = 13.0  # points
-BESIDE = 24  # characters of small print that fit beside the label of an axis
+BESIDE = 24  # characters of small print that fit next to the label of an axis
 GREY, PALE, INK = "#777777", "#bbbbbb", "#222222"
 LIMIT = "#b34700"
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -114,7 +114,7 @@ def legend_above(ax: "Axes", handles: "Sequence[Line2D]", inches: float) -> floa
 
 def note_below(ax: "Axes", text: str) -> None:
     """Write small print at the lower right of axes, below their label if it is long."""
-    wider = max(0, len(ax.get_xlabel()) - len("time [s]")) // 2  # the label stands in the middle
+    wider = max(0, len(ax.get_xlabel()) - len("time [s]")) // 2  # the label is centred
     down = -18 if len(text) <= BESIDE - wider else -32
     ax.annotate(text, (1.0, 0.0), xycoords="axes fraction", xytext=(0, down), textcoords="offset points",
                 ha="right", va="top", fontsize=7.5, color=GREY)  # fmt: skip

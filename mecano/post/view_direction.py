@@ -6,7 +6,7 @@ import numpy as np
 
 AZIMUTHS = np.radians([a for a in range(-170, 181, 10) if 20 <= abs(a) % 90 <= 70])  # not along an axis
 ELEVATIONS = np.radians((14.0, 22.0, 35.0))
-USUAL = np.radians((-60.0, 22.0))  # the direction where all others are as good
+USUAL = np.radians((-60.0, 22.0))  # direction used if all others are as good
 PREFERRED = 0.15  # bonus in the score of the usual direction
 
 
@@ -22,7 +22,7 @@ def eye(
     cloud : (n, k, 3) array
         Points of the mechanism at some instants [m], about a common middle at each.
     wheels : sequence of (centre (3,), axis (3,), radius)
-        At one instant; of two wheels that overlap in a picture one hides the other.
+        At one instant; one of two wheels that overlap in a picture hides the other.
     up : (3,) sequence
         The vertical.
     """
