@@ -13,10 +13,11 @@ from time_runs import INPUTS, RecordedRun, deck, input_deck
 
 import mecano
 from mecano.analyses import dynamic
-from mecano.analyses.diagnostics import circle_warnings, energy_warnings, spin_warnings, step_cut_warnings
+from mecano.analyses.diagnostics import energy_warnings, step_cut_warnings
 from mecano.analyses.modal import modes, operating_point
 from mecano.analyses.prepare import prepare, startup_warnings
 from mecano.analyses.progress import Progress
+from mecano.analyses.rotation_accuracy import circle_warnings, spin_warnings
 from mecano.analyses.summary import summary
 from mecano.cli import commands
 from mecano.deck.read import deck_of_bytes

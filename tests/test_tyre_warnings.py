@@ -5,8 +5,8 @@ import pytest
 from time_runs import deck, input_deck
 from towed_wheel import MORELAND, SIGMA, SPEED, SPIN_INERTIA, STRING, towed
 
-from mecano.analyses.diagnostics import failure_text
 from mecano.analyses.dynamic import run
+from mecano.analyses.failure_text import failure_text
 from mecano.analyses.prepare import prepare, warnings_of
 from mecano.errors import ConvergenceError
 from mecano.results.reader import open_results

@@ -10,23 +10,21 @@ from mecano.analyses.compilation import compile_time_integration
 from mecano.analyses.control_stability import instability_warnings
 from mecano.analyses.diagnostics import (
     capture_warnings,
-    circle_warnings,
     energy_warnings,
-    failure_text,
     limit_warnings,
-    locating_formulas,
     open_latch_warnings,
     oscillation_warnings,
-    spin_warnings,
     step_cut_warnings,
     untouched_ground_warnings,
     waiting_warnings,
     wrap_warnings,
 )
+from mecano.analyses.failure_text import failure_text, locating_formulas
 from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.initial_velocities import set_in_motion
 from mecano.analyses.prepare import chosen_values, integrator_of, model_facts, prepare, startup_warnings
 from mecano.analyses.recorder import Recorder
+from mecano.analyses.rotation_accuracy import circle_warnings, spin_warnings
 from mecano.analyses.source import source_of
 from mecano.errors import ConvergenceError, MecanoError, NonFiniteError, ResultsError
 from mecano.model.model import title_of

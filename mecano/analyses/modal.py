@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import scipy.sparse as sp
 
-from mecano.analyses.diagnostics import locating_formulas
 from mecano.analyses.equilibria import follow
+from mecano.analyses.failure_text import locating_formulas
 from mecano.analyses.initial_state import describe, set_initial_state
 from mecano.analyses.load_state import rest_at, state_at
 from mecano.analyses.prepare import Prepared, integrator_of, prepare, startup_warnings

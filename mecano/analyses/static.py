@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.analyses.diagnostics import limit_warnings, locating_formulas
+from mecano.analyses.diagnostics import limit_warnings
 from mecano.analyses.equilibria import follow
+from mecano.analyses.failure_text import locating_formulas
 from mecano.analyses.not_finite import output_not_finite
 from mecano.analyses.prepare import model_facts, prepare, startup_warnings
 from mecano.analyses.source import source_of

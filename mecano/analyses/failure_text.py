@@ -1,0 +1,51 @@
+"""Messages of failed analyses, with remedies for the elements that failed and the places of their formulas."""
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from mecano.element_interface import SECTIONS
+from mecano.elements import KINDS
+from mecano.elements.signals.formula import FORMULA
+from mecano.errors import MecanoError, NonFiniteError, name_list
+from mecano.model.model import title_of
+
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck
+
+MOST_NAMED = 4  # elements named with the same remedies
+
+
+@contextmanager
+def locating_formulas(deck: "Deck") -> Iterator[None]:
+    """Add to a NonFiniteError the places of the formulas that failed."""
+    try:
+        yield
+    except NonFiniteError as error:
+        raise NonFiniteError(failure_text(error, deck, ())) from error
+
+
+def failure_text(error: MecanoError, deck: "Deck", warnings: Iterable[str]) -> str:
+    """Return the text of an ``error`` with remedies for the elements that failed, and the places of their formulas.
+
+    The text ends with the ``warnings`` about these elements and about the places of the equations that failed.
+    """
+    remedies: dict[str, list[str]] = {}
+    affected = [*error.elements, *(f"{place}: " for place in error.places)]
+    for section in SECTIONS:
+        for name, d in deck.values[section].items():
+            title = title_of(d["type"], name)
+            if title in error.elements and (found := KINDS[d["type"]].remedies(d)):
+                remedies.setdefault("; ".join(found), []).append(title)
+    tries = [f"in {name_list(titles, MOST_NAMED, '; ')}: {found}" for found, titles in remedies.items()]
+    known = [f"warning: {one}" for one in dict.fromkeys(warnings) if any(text in one for text in affected)]
+    return "\n".join([str(error), *_formulas(error, deck), *tries, *known])
+
+
+def _formulas(error, deck):
+    """Yield the places in the deck of the formulas among the elements that failed."""
+    marks = {title_of(FORMULA.name, text): mark for text, mark in deck.formulas.items()}
+    named = {title_of(FORMULA.name, name): deck.mark("signals", name) for name in deck.values["signals"]}
+    for title in error.elements:
+        if mark := named.get(title) or marks.get(title):
+            yield f"{title} is at {mark}"
