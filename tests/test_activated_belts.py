@@ -10,7 +10,7 @@ from time_runs import INPUTS, RecordedRun, deck
 
 from mecano.analyses.dynamic import run
 from mecano.analyses.kind_tests import OF_EVERY_KIND
-from mecano.analyses.modal import operating_point
+from mecano.analyses.operating_point import operating_point
 from mecano.constraints.belt_span import span_kind
 from mecano.errors import DeckError
 from mecano.solve.modal.linearize import linearize

@@ -8,7 +8,7 @@ from surviving import check_same, contents, resumed
 from time_runs import RecordedRun, deck
 
 from mecano.analyses.dynamic import run
-from mecano.analyses.modal import operating_point
+from mecano.analyses.operating_point import operating_point
 from mecano.errors import MecanoError
 from mecano.solve.modal.linearize import linearize
 from mecano.solve.modal.modes import solve

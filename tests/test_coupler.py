@@ -6,7 +6,7 @@ from scipy.integrate import quad
 from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.kind_trial import samples
-from mecano.analyses.modal import sticking_warnings
+from mecano.analyses.small_motion_warnings import sticking_warnings
 from mecano.deck.build import build, set_velocities
 from mecano.elements.joints.coupler import COUPLER
 from mecano.errors import DeckError

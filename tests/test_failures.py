@@ -14,7 +14,7 @@ import mecano
 import mecano.analyses.prepare
 from mecano.analyses import dynamic
 from mecano.analyses.dynamic import begun
-from mecano.analyses.modal import operating_point
+from mecano.analyses.operating_point import operating_point
 from mecano.analyses.summary import summary
 from mecano.deck.read import read_deck
 from mecano.errors import ConvergenceError, NonFiniteError

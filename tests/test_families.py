@@ -8,7 +8,8 @@ import pytest
 from time_runs import INPUTS, deck, input_deck
 
 from mecano.analyses import modal, sweep
-from mecano.analyses.modal import modes, operating_point
+from mecano.analyses.modal import modes
+from mecano.analyses.operating_point import operating_point
 from mecano.analyses.sweep import sweep_into
 from mecano.post.info_modes import info_other
 from mecano.results.modes_file import read_modes

@@ -11,7 +11,8 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 from time_runs import deck, input_deck
 
-from mecano.analyses.modal import modes, operating_point
+from mecano.analyses.modal import modes
+from mecano.analyses.operating_point import operating_point
 from mecano.errors import ResultsError, UsageError
 from mecano.post.info import info
 from mecano.post.pictures import post

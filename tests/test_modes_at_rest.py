@@ -7,7 +7,8 @@ from equilibria import arm
 from time_runs import INPUTS, deck
 
 from mecano.analyses.dynamic import run
-from mecano.analyses.modal import modes, operating_point
+from mecano.analyses.modal import modes
+from mecano.analyses.operating_point import operating_point
 from mecano.analyses.static import run as run_static
 from mecano.cli import commands
 from mecano.commands.solving import _of_state

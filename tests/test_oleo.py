@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from static_solution import Equilibrium
 from time_runs import INPUTS, RecordedRun, input_deck
 
-from mecano.analyses.modal import operating_point
+from mecano.analyses.operating_point import operating_point
 from mecano.analyses.prepare import prepare, warnings_of
 from mecano.errors import DeckError
 from mecano.solve.modal.linearize import linearize

@@ -14,7 +14,8 @@ from time_runs import INPUTS, RecordedRun, deck, input_deck
 import mecano
 from mecano.analyses import dynamic
 from mecano.analyses.diagnostics import energy_warnings, step_cut_warnings
-from mecano.analyses.modal import modes, operating_point
+from mecano.analyses.modal import modes
+from mecano.analyses.operating_point import operating_point
 from mecano.analyses.prepare import prepare, startup_warnings
 from mecano.analyses.progress import Progress
 from mecano.analyses.rotation_accuracy import circle_warnings, spin_warnings

@@ -8,7 +8,7 @@ from click.testing import CliRunner
 from time_runs import INPUTS, deck
 
 import mecano
-from mecano.analyses.modal import operating_point
+from mecano.analyses.operating_point import operating_point
 from mecano.cli import commands
 from mecano.deck.read import read_deck
 from mecano.errors import DeckError

@@ -8,7 +8,8 @@ from scipy.integrate import solve_bvp
 from scipy.optimize import minimize
 from time_runs import RecordedRun, deck, input_deck
 
-from mecano.analyses.modal import modes, operating_point
+from mecano.analyses.modal import modes
+from mecano.analyses.operating_point import operating_point
 from mecano.analyses.prepare import prepare
 from mecano.errors import ConvergenceError, DeckError
 from mecano.solve.modal.spin_up import spin_up

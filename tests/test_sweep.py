@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from time_runs import INPUTS, deck, input_deck
 
 from mecano.analyses import sweep as sweeps
-from mecano.analyses.modal import operating_point
+from mecano.analyses.operating_point import operating_point
 from mecano.analyses.sweep import sweep, sweep_into
 from mecano.analyses.sweep_axis import Axis
 from mecano.analyses.sweep_text import _numbers, known_digits

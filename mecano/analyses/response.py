@@ -9,18 +9,11 @@ import numpy as np
 import scipy.sparse as sp
 
 from mecano.analyses.input_channels import Input, unknowns_of, with_inputs
-from mecano.analyses.modal import (
-    OperatingPoint,
-    accuracy_warnings,
-    angular_velocity_of,
-    held_warnings,
-    imbalance_warnings,
-    operating_point,
-    sticking_warnings,
-)
 from mecano.analyses.observed_outputs import MemberOutput, NodeOutput
+from mecano.analyses.operating_point import OperatingPoint, angular_velocity_of, held_warnings, operating_point
 from mecano.analyses.output_channels import Output, with_outputs
 from mecano.analyses.response_text import table
+from mecano.analyses.small_motion_warnings import accuracy_warnings, imbalance_warnings, sticking_warnings
 from mecano.analyses.source import source_of
 from mecano.analyses.state_space_file import linear_model, refuse, write_state_space
 from mecano.errors import UsageError

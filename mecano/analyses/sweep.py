@@ -8,13 +8,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from mecano.analyses.modal import (
-    accuracy_warnings,
-    angular_velocity_of,
-    imbalance_warnings,
-    largest_motions,
-    operating_point,
-)
+from mecano.analyses.modal import largest_motions
+from mecano.analyses.operating_point import angular_velocity_of, operating_point
+from mecano.analyses.small_motion_warnings import accuracy_warnings, imbalance_warnings
 from mecano.analyses.source import source_of
 from mecano.analyses.sweep_axis import NUMBER, Axis
 from mecano.analyses.sweep_contents import contents

@@ -1,0 +1,97 @@
+"""Operating points of small motions: the start of a run, an equilibrium or a saved state, and axes of the motions."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mecano.analyses.equilibria import follow
+from mecano.analyses.failure_text import locating_formulas
+from mecano.analyses.initial_state import describe, set_initial_state
+from mecano.analyses.load_state import rest_at, state_at
+from mecano.analyses.prepare import Prepared, integrator_of, prepare, startup_warnings
+from mecano.errors import UsageError
+from mecano.solve.modal.linearize import Assemble
+
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck
+    from mecano.model.state import State
+    from mecano.model.system import System
+
+LARGEST = 1e100  # rad/s
+HELD = "delay", "sample_and_hold", "external"  # signals whose value does not depend on the current motion
+
+
+@dataclass
+class OperatingPoint:
+    """A state about which modes are computed: its assembly (None: that of the system) and its description."""
+
+    prepared: Prepared
+    state: "State"
+    assemble: "Assemble | None"
+    words: str
+    warnings: tuple[str, ...] = ()
+    is_start: bool = False
+
+
+def operating_point(deck: "Deck", at: str | None = None, at_rest: bool = False) -> OperatingPoint:
+    """Return the state of a checked deck about which modes are computed, as an OperatingPoint.
+
+    The state is that of the saved time ``at`` = "results.h5:time", otherwise the static equilibrium or the start of the
+    run. ``at_rest``: the equilibrium at which the mechanism would come to rest near the saved time.
+    """
+    with locating_formulas(deck):
+        return _operating_point(deck, at, at_rest)
+
+
+def _operating_point(deck: "Deck", at: str | None, at_rest: bool) -> OperatingPoint:
+    begun, held = prepare(deck), tuple(held_warnings(deck))
+    prepared = begun
+    if at is not None and at_rest:
+        prepared, state, text, reported = rest_at(begun, at)
+        return OperatingPoint(prepared, state, None, text, (*startup_warnings(prepared, begun=begun), *reported, *held))
+    if at is not None:
+        prepared, state, assemble, text, reported = state_at(begun, at)
+        reported = (*startup_warnings(prepared, begun=begun), *reported, *held)
+        return OperatingPoint(prepared, state, assemble, text, reported)
+    if deck.values["static"]:
+        result = follow(prepared)
+        reported = (*startup_warnings(prepared), *result.warnings, *held)
+        return OperatingPoint(
+            prepared, result.point.state, result.assemble, f"static equilibrium at {result.where}", reported
+        )
+    reported = (*set_initial_state(prepared, disturbed=False), *held)
+    run = integrator_of(prepared).begin(prepared.state, deck.values["time"]["step"])
+    return OperatingPoint(
+        prepared, run.motion, None, describe(deck), (*startup_warnings(prepared, run), *reported), is_start=True
+    )
+
+
+def held_warnings(deck: "Deck") -> Iterator[str]:
+    """Yield a warning about signals whose values small motions do not change."""
+    held = [f"{d['type']} '{name}'" for name, d in deck.values["signals"].items() if d["type"] in HELD]
+    if held:
+        yield (
+            f"{', '.join(held)}: modes take these values as constant, so that any feedback through them is missing; "
+            "whether it is stable is seen in a run"
+        )
+
+
+def angular_velocity_of(system: "System", s: "State", frame: str) -> np.ndarray:
+    """Return the angular velocity (3,) [rad/s] of the axes ``frame``. Raises UsageError."""
+    names = [node.name for node in system.nodes]
+    if frame == "inertial":
+        return np.zeros(3)
+    if frame in names:
+        i, of = names.index(frame), system.numbering
+        return s.R[of.rotation[i]] @ s.v[of.r[i] : of.r[i] + 3]
+    try:
+        turning = np.array([float(part) for part in frame.split(",")])
+    except ValueError:
+        turning = np.zeros(0)
+    if turning.shape != (3,):
+        raise UsageError(f"there is no node '{frame}'; --frame takes 'inertial', a node, or three numbers [rad/s]")
+    if not np.all(np.abs(turning) <= LARGEST):  # nor not a number
+        raise UsageError(f"--frame '{frame}': an angular velocity [rad/s] is out of range")
+    return turning

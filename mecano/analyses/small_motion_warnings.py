@@ -1,0 +1,122 @@
+"""Warnings about small motions: no equilibrium, joints that stick, variable or inaccurate equations."""
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.sparse as sp
+
+from mecano.analyses.operating_point import OperatingPoint
+from mecano.model.numbering import TRANSLATION
+from mecano.solve.linear.rounding import ROUNDING
+from mecano.solve.modal.linearize import RESTING
+from mecano.solve.modal.modes import CONVERGED
+
+if TYPE_CHECKING:
+    from mecano.deck.deck import Deck
+    from mecano.model.state import State
+    from mecano.model.system import System
+
+CONSTANT = 1e-3  # change by a turn of one radian below which matrices count as constant
+BALANCED = 1e-6  # of the largest force: inertia forces below which a state at rest counts as an equilibrium
+NOT_CONVERGED = "not converged"
+
+
+def imbalance_warnings(base: OperatingPoint, w: np.ndarray, what: str = "the modes are those") -> Iterator[str]:
+    """Yield a warning if a start at rest in axes with the angular velocity ``w`` (3,) is not an equilibrium there.
+
+    The warning requires a body that accelerates relative to these axes by more than rounding errors. Bodies may turn in
+    place, as the pylon of a rotor does relative to its blades. ``what``: description of the results.
+    """
+    system, s = base.prepared.system, base.state
+    a = _relative_accelerations(system, s, w) if base.is_start else None
+    if a is None:
+        return
+    M, size = _matrix(system, s, 0.0, 1.0)
+    stiffness = np.abs(_matrix(system, s, 1.0, 0.0)[0].data).max(initial=0.0)
+    rounding = ROUNDING * stiffness * np.abs(s.z[system.numbering.kind == TRANSLATION]).max(initial=0.0)
+    if np.abs(M @ a).max(initial=0.0) > max(BALANCED * size, rounding):
+        remedy = (
+            "write 'initial: {steady: {angular_velocity: ..., about: ...}}'" if np.any(w) else "write 'initial: static'"
+        )
+        yield (
+            f"the start is not an equilibrium: {what} of this shape, without the forces in the members that its loads "
+            f"cause; for those about the equilibrium {remedy}"
+        )
+
+
+def _relative_accelerations(system: "System", s: "State", w: np.ndarray) -> np.ndarray | None:
+    """Return the accelerations (n_q,) relative to axes with the angular velocity ``w``, None if the state moves there.
+
+    The axes turn about the origin or about any other point. Angular accelerations of nodes that turn in place are zero.
+    """
+    of, n_q = system.numbering, system.n_q
+    v, a = s.v[:n_q].copy(), s.a[:n_q].copy()
+    at = of.x[of.x < n_q][:, None] + np.arange(3)  # nodes may share a position
+    a[at] -= np.cross(w, v[at])
+    v[at] -= np.cross(w, s.z[at])
+    if np.any(w):
+        v[at] -= v[at[:1]]
+    free = of.rotation_dof < n_q
+    rotations = of.rotation_dof[free][:, None] + np.arange(3)
+    v[rotations] -= w @ s.R[free]
+    rounding = max(ROUNDING * np.abs(s.v[:n_q]).max(initial=0.0), RESTING)
+    in_place = rotations[np.abs(v[rotations]).max(axis=1) > rounding]
+    a[in_place], v[in_place] = 0.0, 0.0
+    return None if np.any(np.abs(v[~system.signals]) > rounding) else a
+
+
+def _matrix(system, s, cK, cM):
+    """Return cK K + cM M (n_q, n_q) and the largest force or moment on a node."""
+    assembly, n_q = system.assemble(s, cK=cK, cM=cM), system.n_q
+    whole = sp.csr_matrix((assembly.data[: system.nnz], (system.rows, system.cols)), shape=(system.n, system.n))
+    return whole[:n_q, :n_q], assembly.size.max(initial=0.0)
+
+
+def sticking_warnings(deck: "Deck", system: "System", s: "State") -> Iterator[str]:
+    """Yield a warning about joints whose friction is in its regularized range, where it acts as a viscous damper."""
+    first = {joint.name: joint.nodes[:2] for joint in system.model.elements if joint.kind.section == "joints"}
+    stuck = [  # a coupler has no nodes of its own: its friction opposes the rate of its first coordinate
+        f"{d['type']} '{name}'"
+        for name, d in deck.values["joints"].items()
+        if (friction := d.get("friction"))
+        and _sliding(system, s, d.get("nodes", first[name]), friction) < friction["regularization"]
+    ]
+    if stuck:
+        yield (
+            f"{', '.join(stuck)}: regularized friction acts as a strong viscous damper while the joint sticks, and "
+            "small motions include that damper; for those of a sliding joint remove the friction, for those of a "
+            "sticking joint replace it by a fixed joint"
+        )
+
+
+def _sliding(system, s, pair, friction):
+    """Return an upper bound [m/s] of the sliding speed of two nodes, rotation taken at the largest radius given."""
+    of, names = system.numbering, [node.name for node in system.nodes]
+    motion = []
+    for i in (names.index(name) for name in pair if name in names):
+        x, r = of.x[i], of.r[i]
+        motion.append((s.v[x : x + 3], s.R[of.rotation[i]] @ s.v[r : r + 3]))
+    v, omega = (np.linalg.norm(m[-1] - m[0] if len(m) > 1 else m[0]) for m in zip(*motion, strict=True))
+    radius = max((value for key, value in friction.items() if "radius" in key and value), default=1.0)
+    return max(float(v), radius * float(omega))
+
+
+def accuracy_warnings(
+    variation: float, residuals: np.ndarray | Sequence[float], what: str = "the modes hold"
+) -> Iterator[str]:
+    """Yield warnings about variable matrices, and about modes that do not satisfy the equations.
+
+    ``what``: description of the results.
+    """
+    if variation > CONSTANT:
+        yield (
+            f"the linearized equations are not constant in these axes (they change by {variation:.2g} when the "
+            f"fastest body turns by 1 rad): {what} for this instant only; see --frame"
+        )
+    worst = float(np.max(residuals, initial=0.0))
+    if worst > CONVERGED:
+        yield (
+            f"modes marked '{NOT_CONVERGED}' do not satisfy the equations (residual up to {worst:.2g} of the terms): "
+            "neither their eigenvalues nor their shapes are reliable; try the other --solver, dense or sparse"
+        )
