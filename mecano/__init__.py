@@ -11,20 +11,22 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from mecano.errors import DeckError, MecanoError
     from mecano.interface.deck import Deck
+    from mecano.interface.modes import modes
     from mecano.interface.plugins import load_plugin
     from mecano.interface.response import response
     from mecano.interface.results import Results, open_results
     from mecano.interface.simulation import Simulation
-    from mecano.interface.solving import check, modes, run, sweep
+    from mecano.interface.solving import check, run
+    from mecano.interface.studies import sweep
 
 __version__ = "0.1.0"
 
 _MODULES = {  # imported at the first use of a name, so that `mecano --help` is fast
     "Deck": "mecano.interface.deck", "DeckError": "mecano.errors", "MecanoError": "mecano.errors",
     "Results": "mecano.interface.results", "Simulation": "mecano.interface.simulation",
-    "check": "mecano.interface.solving", "load_plugin": "mecano.interface.plugins", "modes": "mecano.interface.solving",
+    "check": "mecano.interface.solving", "load_plugin": "mecano.interface.plugins", "modes": "mecano.interface.modes",
     "open_results": "mecano.interface.results", "response": "mecano.interface.response",
-    "run": "mecano.interface.solving", "sweep": "mecano.interface.solving",
+    "run": "mecano.interface.solving", "sweep": "mecano.interface.studies",
 }  # fmt: skip
 
 __all__ = [

@@ -1,4 +1,4 @@
-"""Frequency responses and linear models from Python."""
+"""Compute frequency responses and linear models from Python."""
 
 import os
 from collections.abc import Sequence
