@@ -446,6 +446,18 @@ class TestCheckAndModes:
             with pytest.raises(UsageError, match="at_rest=True belongs to a saved state"):
                 analysis("pendulum.yaml", at_rest=True)
 
+    def test_errors_of_responses_speak_of_frequencies_and_names(self, folder):
+        motor = {"loads": {"motor": {"type": "joint_moment", "joint": "hinge", "value": 0}}}
+        channels = {"inputs": "motor.value", "outputs": "hinge.angle", "low": 0.1, "high": 10.0}
+        for wrong, message in (
+            ({"high": 0.01}, "the highest frequency, 0.01 Hz, is less than the lowest, 0.1 Hz"),
+            ({"inputs": []}, "no input is given: name one or more"),
+            ({"inputs": "moter.value"}, "there is no input moter.value; did you mean motor.value"),
+            ({"outputs": "hinge.angel"}, "output hinge.angel: .*; did you mean angle"),
+        ):
+            with pytest.raises(UsageError, match=message):
+                mecano.response("pendulum.yaml", set=motor, **channels | wrong)
+
 
 class TestSweep:
     def test_a_study_is_run_and_read(self, folder, capfd):

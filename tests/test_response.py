@@ -591,10 +591,19 @@ class TestCommand:
             (["--output", "weight.position.z +"], "it cannot be understood"),
             (["--output", "2*time"], "it depends on nothing that moves"),
             (["--output", "weight.position.z", "--input", "shakr.value"], "did you mean shaker.value"),
-            (["--output", "weight.position.z", "--input", "shaker.value"], "--input shaker.value is given twice"),
-            (["--output", "weight.position.z", "--from", "-1"], "--from -1: a frequency"),
-            (["--output", "weight.position.z", "--to", "0.01"], "--to 0.01 is less than --from 0.1"),
-            (["--output", "weight.position.z", "--number", "200000"], "--number 200000: from 1 to"),
+            (["--output", "weight.position.z", "--input", "shaker.value"], "the input shaker.value is given twice"),
+            (
+                ["--output", "weight.position.z", "--from", "-1"],
+                "the lowest frequency must be greater than zero, got -1",
+            ),
+            (
+                ["--output", "weight.position.z", "--to", "0.01"],
+                "0.01 Hz, is less than the lowest, 0.1 Hz",
+            ),
+            (
+                ["--output", "weight.position.z", "--number", "200000"],
+                "must be from 1 to 100000, got 200000",
+            ),
             (["--output", "weight.acceleration.z", "--state-space", "a.npz"], "grows with the frequency"),
             (["--output", "weight.position.z", "--state-space", "a.txt"], "ends with .npz or .mat"),
             (["--output", "weight.position.z", "-o", "a.csv"], "results are HDF5"),

@@ -8,12 +8,15 @@ from mecano.errors import UsageError, name_list
 MOST = 8  # names in a message
 
 
-def unknown(option: str, name: str, known: Iterable[str], hint: str = "") -> UsageError:
-    """Return the error for an unknown ``name`` of an ``option``, with similar or some of the ``known`` names."""
+def unknown(channel: str, name: str, known: Iterable[str], otherwise: str = "") -> UsageError:
+    """Return the error for an unknown ``name`` of an "input" or "output", with a ``hint``."""
+    found = hint(name, known, otherwise)
+    return UsageError(f"there is no {channel} {name}" + (f"; {found}" if found else ""))
+
+
+def hint(name: str, known: Iterable[str], otherwise: str = "") -> str:
+    """Return similar names among those ``known`` as a question, or else the text ``otherwise``, or some known names."""
     known = list(dict.fromkeys(known))
-    near = similar(name, known)
-    if near:
-        hint = f"did you mean {' or '.join(near)}?"
-    elif known:
-        hint = hint or f"there are {name_list(known, MOST)}"
-    return UsageError(f"--{option} {name}: it is no {option}" + (f"; {hint}" if hint else ""))
+    if near := similar(name, known):
+        return f"did you mean {' or '.join(near)}?"
+    return otherwise or (f"there are {name_list(known, MOST)}" if known else "")

@@ -100,7 +100,7 @@ def _of_field(deck, name, signal):
     if declared.type == MOTION:
         return deck, Input(name, declared.unit, "", {path: ""})
     if len(path) > 3:
-        raise UsageError(f"--input {name}: write this function of time as a signal, and give its name")
+        raise UsageError(f"input {name}: write this function of time as a signal, and give its name")
     deck, own = _with(deck, path, lambda value: signal), {"type": "curve", "input": "time", "law": value}
     if is_formula(value):
         own = {"type": "formula", "value": value}

@@ -90,7 +90,7 @@ class MemberOutput:
         found[0, own] = (4.0 * near - far) / 3.0
         largest = np.abs(bend).max(initial=0.0)
         if largest > SMOOTH * np.abs(found).max() and np.abs(further).max(initial=0.0) < CURVED * largest:
-            raise UsageError(f"--output {self.name}: it has a corner at this state, as a magnitude that is zero")
+            raise UsageError(f"output {self.name}: it has a corner at this state, like a magnitude that is zero")
         return sp.csr_matrix(found)
 
 

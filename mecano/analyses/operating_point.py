@@ -91,7 +91,7 @@ def angular_velocity_of(system: "System", s: "State", frame: str) -> np.ndarray:
     except ValueError:
         turning = np.zeros(0)
     if turning.shape != (3,):
-        raise UsageError(f"there is no node '{frame}'; --frame takes 'inertial', a node, or three numbers [rad/s]")
+        raise UsageError(f"there is no node '{frame}'; the frame is 'inertial', a node, or three numbers [rad/s]")
     if not np.all(np.abs(turning) <= LARGEST):  # nor not a number
-        raise UsageError(f"--frame '{frame}': an angular velocity [rad/s] is out of range")
+        raise UsageError(f"frame '{frame}': an angular velocity [rad/s] is out of range")
     return turning

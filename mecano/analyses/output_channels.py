@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.sparse as sp
 
-from mecano.analyses.channel_errors import unknown
+from mecano.analyses.channel_errors import hint
 from mecano.analyses.input_channels import place_of
 from mecano.analyses.observed_outputs import MemberOutput, NodeOutput, member_output, node_output
 from mecano.element_interface import SECTIONS
@@ -86,7 +86,7 @@ def _measured(name, entries, nodes):
     try:
         formula = read_formula(name)
     except FormulaError as error:
-        raise UsageError(f"--output {name}: {error.message}") from None
+        raise UsageError(f"output {name}: {error.message}") from None
     owner, _, rest = formula.reference.removeprefix("nodes.").rpartition(".")
     owner, _, what = owner.rpartition(".")
     if owner in nodes and what in RATES and rest in AXES:
@@ -98,7 +98,7 @@ def _measured(name, entries, nodes):
         except UnknownQuantity as error:
             raise _explained(name, error, entries) from None
     if not formula.references:
-        raise UsageError(f"--output {name}: it depends on nothing that moves")
+        raise UsageError(f"output {name}: it depends on nothing that moves")
     return [name], 0, ""
 
 
@@ -107,7 +107,6 @@ def _explained(name, error, entries):
     owner, _, what = name.removeprefix("elements.").partition(".")
     _, d = entries.get(("elements", owner), (None, {}))
     if "." in (piece := piece_names(owner, d)[0]):
-        return UsageError(f"--output {name}: write which of its elements is meant, such as {piece}.{what}")
-    message = f"--output {name}: {error.message}"
-    near = unknown("output", error.word, error.known) if error.known else None
-    return UsageError(f"{message}; {str(near).partition('; ')[2]}" if near else message)
+        return UsageError(f"output {name}: write which of its elements is meant, such as {piece}.{what}")
+    found = hint(error.word, error.known)
+    return UsageError(f"output {name}: {error.message}" + (f"; {found}" if found else ""))

@@ -56,18 +56,18 @@ class Question:
 
     def check(self) -> None:
         """Raise UsageError for frequencies out of range, and for missing or repeated inputs and outputs."""
-        for option, value in (("from", self.low), ("to", self.high)):
+        for which, value in (("lowest", self.low), ("highest", self.high)):
             if not (np.isfinite(value) and value > 0.0):
-                raise UsageError(f"--{option} {value:g}: a frequency [Hz] is greater than zero")
+                raise UsageError(f"the {which} frequency must be greater than zero, got {value:g} Hz")
         if self.high < self.low:
-            raise UsageError(f"--to {self.high:g} is less than --from {self.low:g}")
+            raise UsageError(f"the highest frequency, {self.high:g} Hz, is less than the lowest, {self.low:g} Hz")
         if not 1 <= self.number <= MOST_POINTS:
-            raise UsageError(f"--number {self.number}: from 1 to {MOST_POINTS}")
-        for option, names in (("input", self.inputs), ("output", self.outputs)):
+            raise UsageError(f"the number of frequencies must be from 1 to {MOST_POINTS}, got {self.number}")
+        for channel, names in (("input", self.inputs), ("output", self.outputs)):
             if not names:
-                raise UsageError(f"--{option} is missing: give one or more")
+                raise UsageError(f"no {channel} is given: name one or more")
             if twice := [name for i, name in enumerate(names) if name in names[:i]]:
-                raise UsageError(f"--{option} {twice[0]} is given twice")
+                raise UsageError(f"the {channel} {twice[0]} is given twice")
 
 
 @dataclass(frozen=True, kw_only=True)
