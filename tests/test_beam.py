@@ -10,7 +10,7 @@ from time_runs import RecordedRun, deck
 
 from mecano.analyses.differences import difference, simple_difference
 from mecano.analyses.equilibria import follow
-from mecano.analyses.kind_trial import Motion, expand, samples, seed_of
+from mecano.analyses.kind_samples import Motion, expand, samples, seed_of
 from mecano.analyses.prepare import prepare, warnings_of
 from mecano.analyses.static import run
 from mecano.analyses.tangent_tests import close, slope

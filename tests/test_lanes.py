@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from time_runs import deck
 
-from mecano.analyses.kind_trial import Instance
+from mecano.analyses.kind_samples import Instance
 from mecano.analyses.prepare import prepare
 from mecano.jit.memory import LANES
 from mecano.maths.so3 import exp

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mecano.analyses.kind_trial import samples
+from mecano.analyses.kind_samples import samples
 from mecano.deck.catalogue import _fields as declared_fields
 from mecano.deck.laws import units_in
 from mecano.element_interface import Context

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from time_runs import RecordedRun, deck
 
-from mecano.analyses.kind_trial import samples
+from mecano.analyses.kind_samples import samples
 from mecano.analyses.output_tests import sensor_of
 from mecano.analyses.prepare import prepare
 from mecano.elements import KINDS

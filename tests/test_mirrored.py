@@ -11,7 +11,7 @@ from instances import KINDS
 
 from mecano.analyses.constraint_tests import is_inactive
 from mecano.analyses.invariance_tests import force_on_nodes, set_reactions, turned_values
-from mecano.analyses.kind_trial import GRAVITY, Motion, expand, samples, seed_of
+from mecano.analyses.kind_samples import GRAVITY, Motion, expand, samples, seed_of
 from mecano.analyses.power_tests import energies
 from mecano.constraints.triads import triad
 

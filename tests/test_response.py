@@ -7,7 +7,7 @@ from scipy.linalg import expm
 from time_runs import INPUTS, deck, input_deck
 
 import mecano
-from mecano.analyses.response import Question, response
+from mecano.analyses.response import ResponseRequest, response
 from mecano.analyses.state_space_file import linear_model
 from mecano.cli import commands
 from mecano.errors import ResultsError, UsageError
@@ -21,8 +21,8 @@ TIME = "time: {end: 1, step: 1.0e-3}"
 def respond(model, inputs, outputs, low=0.1, high=20.0, **options):
     """Return the Response of the text of a deck, or of a checked deck."""
     checked = deck(model) if isinstance(model, str) else model
-    question = Question(inputs=inputs, outputs=outputs, low=low, high=high, **options)
-    return response(checked, None, question)[1]
+    request = ResponseRequest(inputs=inputs, outputs=outputs, low=low, high=high, **options)
+    return response(checked, None, request)[1]
 
 
 def error(found, *expected):

@@ -158,7 +158,7 @@ def test_the_unit_of_length_does_not_change_the_stability(size, load, unstable):
     follower = Follower(loaded(prepared, prepared.deck.values["static"]))
     s, _ = follower.find(follower.statics.begin(prepared.state), 1.0)
     dense = follower.stability(s, 1.0)
-    follower.judge.dense = False
+    follower.stability_test.dense = False
     sparse = follower.stability(s, 1.0)
     assert (sparse.unstable, sparse.neutral) == (dense.unstable, dense.neutral) == (unstable, 0)
     if unstable:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from mecano.analyses.kind_trial import Instance
+from mecano.analyses.kind_samples import Instance
 from mecano.element_interface import Context, Place
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable

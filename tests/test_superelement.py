@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.dynamic import run
-from mecano.analyses.kind_trial import expand, samples
+from mecano.analyses.kind_samples import expand, samples
 from mecano.analyses.modal import modes
 from mecano.analyses.reduction import part_of, reduce_part
 from mecano.analyses.static import run as run_static

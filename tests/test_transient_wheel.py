@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from time_runs import INPUTS, RecordedRun, deck, input_deck
 
-from mecano.analyses.kind_trial import Instance, duals, expand, seed_of
+from mecano.analyses.kind_samples import Instance, duals, expand, seed_of
 from mecano.constraints.ground import slope_below
 from mecano.elements.wheels.fiala import FIALA
 from mecano.elements.wheels.magic_formula import MAGIC_FORMULA, completed

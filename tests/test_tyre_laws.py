@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 from time_runs import RecordedRun, input_deck
 
-from mecano.analyses.kind_trial import GRAVITY, samples, seed_of
+from mecano.analyses.kind_samples import GRAVITY, samples, seed_of
 from mecano.analyses.law_tests import Tyre
 from mecano.element_interface import Context
 from mecano.elements.wheels.fiala import FIALA

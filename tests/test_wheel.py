@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 from time_runs import RecordedRun, deck
 
-from mecano.analyses.kind_trial import Instance
+from mecano.analyses.kind_samples import Instance
 from mecano.element_interface import Context, Place
 from mecano.elements.wheels.wheel import AIR, CONTACT, WHEEL
 from mecano.laws.probe import curve_at

@@ -3,7 +3,7 @@
 import numpy as np
 
 from mecano.analyses.differences import difference
-from mecano.analyses.kind_trial import K_SCALE, Instance, elements
+from mecano.analyses.kind_samples import K_SCALE, Instance, elements
 from mecano.element_interface import Kind
 
 FREE = {  # phases in which constraints do not hold

@@ -2,7 +2,7 @@
 
 import re
 
-from mecano.analyses.kind_trial import GRAVITY, samples
+from mecano.analyses.kind_samples import GRAVITY, samples
 from mecano.element_interface import Context, Kind, Output
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable

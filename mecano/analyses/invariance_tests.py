@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mecano.analyses.constraint_tests import is_inactive
-from mecano.analyses.kind_trial import GRAVITY, PENALTY, Instance, Motion, expand, samples, seed_of
+from mecano.analyses.kind_samples import GRAVITY, PENALTY, Instance, Motion, expand, samples, seed_of
 from mecano.analyses.power_tests import energies
 from mecano.element_interface import Kind
 from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL, Values

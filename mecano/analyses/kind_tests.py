@@ -9,7 +9,7 @@ import numpy as np
 from mecano.analyses.constraint_tests import check_constraint_derivatives, check_multiplier_rows
 from mecano.analyses.declaration_tests import check_declarations, check_outputs_of_parts, check_samples
 from mecano.analyses.invariance_tests import check_invariance
-from mecano.analyses.kind_trial import K_SCALE, PENALTY, elements, samples, seed_of
+from mecano.analyses.kind_samples import K_SCALE, PENALTY, elements, samples, seed_of
 from mecano.analyses.output_tests import check_geometric_outputs, check_measures, check_output_rates
 from mecano.analyses.power_tests import check_power
 from mecano.analyses.tangent_tests import check_tangents

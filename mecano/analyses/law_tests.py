@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.analyses.kind_trial import GRAVITY, seed_of
+from mecano.analyses.kind_samples import GRAVITY, seed_of
 from mecano.element_interface import Context, record
 from mecano.elements.wheels.rolling_contact import law_samples
 from mecano.elements.wheels.slip_law import Slip, SlipForces, SlipLaw

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mecano.analyses.differences import STEP, difference
-from mecano.analyses.kind_trial import SENSED, Instance, Local, samples, seed_of
+from mecano.analyses.kind_samples import SENSED, Instance, Local, samples, seed_of
 from mecano.constraints.output_sensor import output_sensor
 from mecano.element_interface import Kind, Output
 from mecano.maths.dual import value as number_in

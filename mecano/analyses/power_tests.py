@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from mecano.analyses.differences import difference
-from mecano.analyses.kind_trial import Instance, Motion, samples
+from mecano.analyses.kind_samples import Instance, Motion, samples
 from mecano.element_interface import Kind
 
 

@@ -40,7 +40,7 @@ MOST_POINTS = 100_000
 
 
 @dataclass(frozen=True, kw_only=True)
-class Question:
+class ResponseRequest:
     """The requested response: names of inputs and outputs, frequencies [Hz], operating point."""
 
     inputs: Sequence[str]
@@ -91,7 +91,7 @@ class Response:
 def response(
     deck: "Deck",
     path: "str | os.PathLike[str] | None",
-    question: Question,
+    request: ResponseRequest,
     *,
     state_space: "str | os.PathLike[str] | None" = None,
     columns: bool = False,
@@ -103,7 +103,7 @@ def response(
     ``path``, as CSV. Raises UsageError, the errors of ``mecano run``, and, before anything is computed, ResultsError if
     a file exists.
     """
-    question.check()
+    request.check()
     if state_space is not None:
         refuse(state_space, force)
     if path is not None:
@@ -113,7 +113,7 @@ def response(
             refuse_existing(path, force)
             if columns:
                 refuse_table(path, force)
-        found = _find(deck, question)
+        found = _find(deck, request)
         matrices = None if state_space is None else linear_model(found)
         if path is not None:
             write_response(path, found, source_of(deck, warnings=found.warnings), force=force)
@@ -125,21 +125,21 @@ def response(
     return "\n".join(lines), found
 
 
-def _find(deck, question):
-    """Return the Response to a Question."""
-    changed, inputs = with_inputs(deck, tuple(question.inputs))
-    changed, outputs = with_outputs(changed, tuple(question.outputs))
-    base = operating_point(changed, question.at, question.at_rest)
+def _find(deck, request):
+    """Return the Response to a ResponseRequest."""
+    changed, inputs = with_inputs(deck, tuple(request.inputs))
+    changed, outputs = with_outputs(changed, tuple(request.outputs))
+    base = operating_point(changed, request.at, request.at_rest)
     system, late = base.prepared.system, set(held_warnings(changed))
-    turning = angular_velocity_of(system, base.state, question.frame)
+    turning = angular_velocity_of(system, base.state, request.frame)
     plant = _plant(changed, base, inputs, outputs, turning)
-    omegas, values, found, static, error = call_interruptibly(_sampled, plant, question)
+    omegas, values, found, static, error = call_interruptibly(_sampled, plant, request)
     warnings = [
         *(text for text in base.warnings if text not in late),
         *imbalance_warnings(base, turning, "the response is that"),
         *sticking_warnings(deck, system, base.state),
         *accuracy_warnings(plant.lin.variation, [], "the response holds"),
-        *_without_effect(plant, inputs, values, question),
+        *_without_effect(plant, inputs, values, request),
         *_inaccurate(error),
     ]
     units = system.signal_units
@@ -200,13 +200,13 @@ def _held(d):
 LATE = {"delay": _delayed, "sample_and_hold": _held}
 
 
-def _sampled(plant, question):
+def _sampled(plant, request):
     """Return (frequencies (n,) [rad/s], responses (n, p, m), Peaks, static gains (p, m), largest backward error)."""
     H = TransferFunction(plant)
     sampled = Sampled(lambda omega: H(1j * omega))
-    base = 2.0 * np.pi * grid(question.low, question.high, question.number, question.linear)
+    base = 2.0 * np.pi * grid(request.low, request.high, request.number, request.linear)
     found: list[Peak] = []
-    if question.refined and question.number > 1:
+    if request.refined and request.number > 1:
         poles = poles_up_to(plant.lin, BEYOND * base[-1])
         refine(sampled, base, poles)
         found = peaks(sampled, poles)
@@ -225,7 +225,7 @@ def _static(slowest, slow):
     return np.where(settled, slowest.real, np.where(vanishes, 0.0, np.nan))
 
 
-def _without_effect(plant, inputs, values, question) -> Iterator[str]:
+def _without_effect(plant, inputs, values, request) -> Iterator[str]:
     """Yield warnings about inputs that nothing reads, and about pairs without a connection."""
     for j, one in enumerate(inputs):
         if not any(q[:, j].any() for q in plant.inputs):

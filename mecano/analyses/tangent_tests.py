@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mecano.analyses.differences import STEP, difference, simple_difference
-from mecano.analyses.kind_trial import K_SCALE, PENALTY, Instance, Local, elements
+from mecano.analyses.kind_samples import K_SCALE, PENALTY, Instance, Local, elements
 from mecano.element_interface import Kind
 
 

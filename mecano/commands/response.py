@@ -71,19 +71,19 @@ def response(
     """
     require_saved_state(at, at_rest)
     from mecano.analyses.progress import SweepProgress
-    from mecano.analyses.response import Question
+    from mecano.analyses.response import ResponseRequest
     from mecano.analyses.response import response as find
     from mecano.deck.read import read_deck
 
     path = path or f"{os.path.splitext(os.path.basename(deck))[0]}_response.h5"
-    question = Question(
+    request = ResponseRequest(
         inputs=inputs, outputs=outputs, low=low, high=high, number=number, linear=linear, refined=not unrefined,
         at=at, at_rest=at_rest, frame=frame,
     )  # fmt: skip
-    question.check()
+    request.check()
     checked = read_deck(deck, overrides)
     with SweepProgress(quiet, path).announcing_compiling():
-        text, _ = find(checked, path, question, state_space=matrices, columns=columns, force=force)
+        text, _ = find(checked, path, request, state_space=matrices, columns=columns, force=force)
     show(text)
     if plot:
         from mecano.post.bode import draw_response

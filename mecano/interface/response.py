@@ -60,16 +60,16 @@ def response(
     >>> found.state_space().A.shape
     (2, 2)
     """
-    from mecano.analyses.response import Question
+    from mecano.analyses.response import ResponseRequest
     from mecano.analyses.response import response as find
 
     names = [tuple([given] if isinstance(given, str) else given) for given in (inputs, outputs)]
-    question = Question(
+    request = ResponseRequest(
         inputs=names[0], outputs=names[1], low=low, high=high, number=number, linear=linear, refined=refined,
         at=saved_state(at, at_rest), at_rest=at_rest, frame=frame,
     )  # fmt: skip
-    question.check()
-    text, found = find(checked_deck(deck, set), None if path is None else os.fspath(path), question, force=force)
+    request.check()
+    text, found = find(checked_deck(deck, set), None if path is None else os.fspath(path), request, force=force)
     peaks = tuple(
         Peak(found.outputs[one.output], found.inputs[one.input], one.frequency, one.value) for one in found.peaks
     )

@@ -38,7 +38,7 @@ def redundant_groups(system: System, s: "State", length: float, analysis: Analys
     """
     if not analysis.complete or not (analysis.redundant or _identified_twice(system)):
         return analysis.redundant
-    B, _, names, group, holds = _apart(system, s, length)
+    B, _, names, group, holds = _without_identifications(system, s, length)
     loops, null = dependent_rows(B, group, holds)
     if null is None:
         return analysis.redundant
@@ -66,7 +66,7 @@ def contradicting(system: System, s: "State", length: float, phi: np.ndarray) ->
     ``phi`` (n_l,) are then reactions in balance with those of identifications; all constraints whose reactions are not
     small are named.
     """
-    B, size, names, _, _ = _apart(system, s, length)
+    B, size, names, _, _ = _without_identifications(system, s, length)
     if B.shape[0] > DENSE_ROWS:
         return []
     rows, n_l = B.dense(np.arange(B.shape[0])), len(size)
@@ -92,7 +92,7 @@ def _identified_twice(system):
     return False
 
 
-def _apart(system, s, length):
+def _without_identifications(system, s, length):
     """Return (gradient without identifications, sizes of the rows of ``system``, names, nodes of columns, active rows).
 
     The rows of ``system`` come first, followed by 3 for each identification. There are 6 columns for each node (empty
@@ -145,7 +145,7 @@ def _state(system, whole, s):
 
 
 def _columns(whole):
-    """Return the columns (n_q,) of the unknowns of a model without identifications; see ``_apart``."""
+    """Return the columns (n_q,) of the unknowns of a model in ``_without_identifications``."""
     of, n = whole.numbering, 6 * len(whole.nodes)
     columns = np.zeros(of.n_all, np.int64)
     three = np.arange(3)

@@ -68,7 +68,7 @@ class ImpactSolution:
         self.uncoupled = {c: i for i, c in enumerate(uncoupled)}
         self.held, self.all_held = held.copy(), all_held
         self.leads = np.array([c.lead for c in uncoupled], np.int64)
-        self.before, self.rubbed = self._rates(held.v), np.zeros(self.system.n_l)
+        self.before, self.friction_losses = self._rates(held.v), np.zeros(self.system.n_l)
         self.consistent, self.compliance, self.redundant = shocks.consistent(held, compliance)
         change, reactions = self.consistent.exchange(-self.system.constraint_derivatives(held)[:, 1])
         if uncoupled:
@@ -86,7 +86,7 @@ class ImpactSolution:
         self.impulses = self.consistent.share(reactions - self.consistent.k * reached)
         if uncoupled:
             self.impulses[self.leads] = pushes
-            self._rub(along)
+            self._add_friction_losses(along)
 
     def _rates(self, v):
         """Return the rates (n_l,) of all constraints at velocities v (n_all,), with all contacts closed."""
@@ -152,11 +152,11 @@ class ImpactSolution:
         impulses, self.e = solved(share), share * self.e
         return impulses
 
-    def _rub(self, along):
-        """Set the energies ``rubbed`` (n_l,) [J] that the impulses ``along`` the surfaces dissipate, by normals."""
+    def _add_friction_losses(self, along):
+        """Set ``friction_losses`` (n_l,) [J], by normals: energies that the impulses ``along`` surfaces dissipate."""
         for contact, P in zip(self.rough, along.reshape(-1, 2), strict=True):
             mean = 0.5 * contact.sliding(self.all_held.v + self.held.v)
-            self.rubbed[self.leads[contact.contact]] -= P @ mean
+            self.friction_losses[self.leads[contact.contact]] -= P @ mean
 
     def _sliding(self, v):
         """Return the velocities of sliding (2 m,) [m/s] of the m rough contacts at velocities v (n_all,)."""
@@ -191,7 +191,7 @@ class ImpactSolution:
 
         ``no_force`` (n_l,) [N, N m]: the rounding errors of reactions.
         """
-        lost = self.rubbed - 0.5 * self.impulses * (self.before + self.after)
+        lost = self.friction_losses - 0.5 * self.impulses * (self.before + self.after)
         still = self.system.constraint_derivatives(replace(self.all_held, v=np.zeros_like(s.v)))[:, 1]
         new = set(closing)
         stay = {c: True for c in closing + resting if self._stays(c, c in new)}  # in their order

@@ -65,8 +65,8 @@ def critical(spectrum_at: Callable[[float], Spectrum], left: End, right: End, br
             return None
         place, error = _refined(trace, place, low, high, xtol)
     else:
-        place, value = _border(trace, low, high, xtol)
-        error = _doubt(trace, place, low, high) + xtol
+        place, value = _onset(trace, low, high, xtol)
+        error = _onset_error(trace, place, low, high) + xtol
     return Critical(place, complex(value.real, abs(value.imag)), branch, bool(unstable(right[1])), error)
 
 
@@ -87,7 +87,7 @@ def _refined(trace, place, low, high, xtol):
     return float(place + reach * shift), float(reach * SURE * deviation / abs(slope) + 2.0 * np.spacing(abs(place)))
 
 
-def _doubt(trace, place, low, high):
+def _onset_error(trace, place, low, high):
     """Return the error bound of an onset of growth found at ``place``, where growth exceeds rounding.
 
     Growth that increases from zero in proportion to the parameter begins at the place to which it extrapolates.
@@ -102,7 +102,7 @@ def _doubt(trace, place, low, high):
     return max(2.0 * reach * (GROWS * abs(near) / near.real) ** (1.0 / order), straight)
 
 
-def _border(trace, low, high, xtol):
+def _onset(trace, low, high, xtol):
     """Return (onset of growth, found by bisection, eigenvalue at the last point evaluated)."""
     grows, value = bool(unstable(trace(low))), 0j
     for _ in range(BISECTIONS):

@@ -91,7 +91,7 @@ class Steady:
             raise ConvergenceError(f"steady motion can be computed for models of at most {LARGEST} equations")
         s, arrived = self._newton(self.begun(start), HALVINGS)
         if not arrived or self.reshaped(start, s) > NOTICEABLE * self.length:
-            crept, settled = self._newton(self.motion.put_back(start, self._creep(self.begun(start))))
+            crept, settled = self._newton(self.motion.without_drift(start, self._creep(self.begun(start))))
             if not (arrived or settled):
                 s, arrived = self._newton(self.begun(start))
             better = self.motion.relaxes or self.reshaped(start, crept) < self.reshaped(start, s)
@@ -99,7 +99,7 @@ class Steady:
                 s, arrived = crept, settled
             if not arrived:
                 s, arrived = self.motion.follow(self, start, s)
-        self.motion.judge(self, s, arrived)
+        self.motion.require_steady(self, s, arrived)
         s.v[np.abs(s.v) < ROUNDED * max(1.0, 1.0 / self.length) * self.speed] = 0.0
         return s
 
@@ -120,7 +120,7 @@ class Steady:
 
         The first one bends slender members, whose tension falls with the second; their residual grows in between.
         """
-        s, N, at = self.motion.put_on(self, s)
+        s, N, at = self.motion.impose(self, s)
         last = np.inf
         for _ in range(FEW_ITERATIONS):
             if at.excess <= 1.0 and last <= CHANGE:
@@ -128,7 +128,7 @@ class Steady:
             step, last = self._step(at, N)
             if not last <= FARTHEST:
                 break
-            s, N, at = self.motion.put_on(self, self._moved(s, step, N, 1.0))
+            s, N, at = self.motion.impose(self, self._moved(s, step, N, 1.0))
         return s, False
 
     def release(self, at: Tangent | None, share: float) -> None:
@@ -140,7 +140,7 @@ class Steady:
 
         It gives up after more than ``halvings`` in total.
         """
-        s, N, at = self.motion.put_on(self, s)
+        s, N, at = self.motion.impose(self, s)
         last = np.inf
         for _ in range(ITERATIONS):
             if at.excess <= 1.0 and last <= CHANGE:
@@ -148,7 +148,7 @@ class Steady:
             step, last = self._step(at, N)
             share = min(1.0, FARTHEST / max(last, 1e-300))
             while np.isfinite(last):
-                trial = self.motion.put_on(self, self._moved(s, step, N, share))
+                trial = self.motion.impose(self, self._moved(s, step, N, share))
                 if trial[2].merit <= (1.0 - LEAST_GAIN * share) * at.merit or max(trial[2].excess, at.excess) <= 1.0:
                     break
                 share, halvings = 0.5 * share, halvings - 1
@@ -161,7 +161,7 @@ class Steady:
 
     def _creep(self, s):
         """Return the state after relaxation by implicit Euler steps against a drag, close to an equilibrium if any."""
-        s, N, at = self.motion.put_on(self, s)
+        s, N, at = self.motion.impose(self, s)
         drag = at.force / (FIRST_CREEP * self.length)
         least, since = at.force, 0
         for i in range(CREEPS):
@@ -171,7 +171,7 @@ class Steady:
             step, change = self._step(at, N, drag)
             if not np.isfinite(change):
                 break
-            trial = self.motion.put_on(self, self._moved(s, step, N, 1.0)) if change <= FARTHEST else None
+            trial = self.motion.impose(self, self._moved(s, step, N, 1.0)) if change <= FARTHEST else None
             if trial is None or not trial[2].force <= MOST_GROWTH * at.force:
                 drag *= HARDER
                 continue
@@ -183,7 +183,7 @@ class Steady:
         """Return the Tangent of a state."""
         C, _ = self.matrix(s, 0.0, 1.0, 0.0)
         K, assembly = self.matrix(s, 1.0, 0.0, 0.0)
-        K = self.motion.following(self, s, K, C)
+        K = self.motion.total_derivatives(self, s, K, C)
         f, size = assembly.residual[: self.n_q], assembly.size[: self.n_q]
         derivatives = self.system.constraint_derivatives(s)
         gap = np.where(self.of_rates, derivatives[:, 1] * self.length / self.speed, derivatives[:, 0])

@@ -72,7 +72,7 @@ class Rotation:
         for r, d in zip(self.rotations, self.turns, strict=True):
             s.v[d : d + 3] = s.R[r].T @ self.w
 
-    def put_back(self, start: "State", s: "State") -> "State":
+    def without_drift(self, start: "State", s: "State") -> "State":
         """Return the state unchanged: relaxation does not turn it about the axis."""
         return s
 
@@ -81,13 +81,13 @@ class Rotation:
         found, arrived = spin_up(steady, self, start)
         return (found, True) if arrived else (s, False)
 
-    def put_on(self, steady: "Steady", s: "State") -> "tuple[State, np.ndarray, Tangent]":
+    def impose(self, steady: "Steady", s: "State") -> "tuple[State, np.ndarray, Tangent]":
         """Return (state with the velocities that belong to its positions, no free spins (n_q, 0), its Tangent)."""
         s = steady.monitor.settle(s.copy())
         self.begin(s)
         return s, np.zeros((self.n_q, 0)), steady.tangent(s)
 
-    def following(self, steady: "Steady", s: "State", K: np.ndarray, C: np.ndarray) -> np.ndarray:
+    def total_derivatives(self, steady: "Steady", s: "State", K: np.ndarray, C: np.ndarray) -> np.ndarray:
         """Return the derivatives K (n, n) by positions, with velocities and accelerations as functions of them."""
         K, (M, _) = K.copy(), steady.matrix(s, 0.0, 0.0, 1.0)
         for d in self.at[:, 0]:
@@ -96,7 +96,7 @@ class Rotation:
             K[:, d : d + 3] += C[:, d : d + 3] @ (s.R[r].T @ self.hat @ s.R[r])
         return K
 
-    def judge(self, steady: "Steady", s: "State", arrived: bool) -> None:
+    def require_steady(self, steady: "Steady", s: "State", arrived: bool) -> None:
         """Raise ConvergenceError if the state is not in steady rotation."""
         system, at = steady.system, steady.tangent(s)
         text = f"no steady rotation with the angular velocity {np.round(self.w, 9).tolist()} rad/s was found"

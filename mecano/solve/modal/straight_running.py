@@ -55,11 +55,11 @@ class Straight:
         """Set the velocities of the state ``s`` in place, without spins."""
         s.v[:] = self.along
 
-    def following(self, steady: "Steady", s: "State", K: np.ndarray, C: np.ndarray) -> np.ndarray:
+    def total_derivatives(self, steady: "Steady", s: "State", K: np.ndarray, C: np.ndarray) -> np.ndarray:
         """Return the derivatives K (n, n) by positions, with which the velocities do not change."""
         return K
 
-    def put_back(self, start: "State", s: "State") -> "State":
+    def without_drift(self, start: "State", s: "State") -> "State":
         """Return the state with the mean displacement along the road removed, which relaxation leaves arbitrary."""
         direction = self.V / (np.linalg.norm(self.V) or 1.0)
         s.z[self.free] -= float(direction @ (s.z - start.z)[self.free].mean(axis=0)) * direction
@@ -69,7 +69,7 @@ class Straight:
         """Return (``s``, False): there is no alternative to Newton's method, which ended at ``s``."""
         return s, False
 
-    def put_on(self, steady: "Steady", s: "State") -> "tuple[State, np.ndarray, Tangent]":
+    def impose(self, steady: "Steady", s: "State") -> "tuple[State, np.ndarray, Tangent]":
         """Return (state with steady angular velocities and rolling wheels, N, its Tangent).
 
         Elements are put into the phases that belong to the state.
@@ -143,7 +143,7 @@ class Straight:
             width *= WIDER
         s.v[: self.n_q] = before + found * direction
 
-    def judge(self, steady: "Steady", s: "State", arrived: bool) -> None:
+    def require_steady(self, steady: "Steady", s: "State", arrived: bool) -> None:
         """Raise ConvergenceError if the state is not in steady running."""
         at = steady.tangent(s)
         text = f"no straight steady running with the velocity {np.round(self.V, 9).tolist()} m/s was found"

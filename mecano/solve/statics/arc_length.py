@@ -21,9 +21,9 @@ import numpy as np
 
 from mecano.errors import ConvergenceError, Failure
 from mecano.solve.linear.iteration import SINGULAR, Iterated, iterate
-from mecano.solve.statics.closing import apply_events
 from mecano.solve.statics.continuation import SHRINK, Follower, Point
 from mecano.solve.statics.loading import LoadFactor
+from mecano.solve.statics.passed_events import apply_events
 from mecano.solve.statics.stability import freedom_text
 from mecano.solve.statics.static import CLOSED, PHASE_CHANGES, Statics, Status
 

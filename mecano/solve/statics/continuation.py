@@ -15,7 +15,7 @@ import numpy as np
 
 from mecano.errors import ConvergenceError, Failure, NonFiniteError
 from mecano.solve.diagnostics.failure import of_equations, worst_equations
-from mecano.solve.statics.stability import Judge, Stability, freedom_text, motion_text
+from mecano.solve.statics.stability import Stability, StabilityTest, freedom_text, motion_text
 from mecano.solve.statics.static import Statics, Status
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ class Follower:
     ended: "Callable[[State, Observation], str]" = lambda state, observation: (
         ""
     )  # text on an element that ends the run there, "" if none
-    judge: Judge = field(init=False)
+    stability_test: StabilityTest = field(init=False)
     losses: list[str] = field(default_factory=list)  # points at which stability was lost
     departures: list[str] = field(default_factory=list)  # unstable equilibria that were left
     last: Point | None = None
@@ -64,12 +64,14 @@ class Follower:
 
     def __post_init__(self):
         statics = self.statics
-        self.judge = Judge(statics.system, statics.length, statics.compliance is not None, statics.linear.analysis)
+        self.stability_test = StabilityTest(
+            statics.system, statics.length, statics.compliance is not None, statics.linear.analysis
+        )
 
     def stability(self, s: "State", p: float, drag: float = 0.0) -> Stability:
         """Return the Stability of ``s`` at the parameter p, from the tangent with ``drag`` [N/m] as added stiffness."""
         self.statics.evaluate(self.statics.begin(s), p, 1.0, 0.0, True)
-        return self.judge(self.statics.assembly.data, drag)
+        return self.stability_test(self.statics.assembly.data, drag)
 
     def accept(
         self,

@@ -9,7 +9,7 @@ import scipy.sparse.linalg as spla
 from mecano.model.numbering import ANGLE_CONSTRAINT
 from mecano.solve.diagnostics.scales import mean_diagonal
 from mecano.solve.linear.sparse import LinearSolver, pattern_of
-from mecano.solve.statics.stability import NEUTRAL_WHERE_SOFT, UNKNOWN, Judge, Stability, scaled
+from mecano.solve.statics.stability import NEUTRAL_WHERE_SOFT, UNKNOWN, Stability, StabilityTest, scaled
 
 if TYPE_CHECKING:
     from mecano.solve.linear.ordering import Analysis
@@ -22,13 +22,13 @@ FARTHER = 4.0  # factor by which the shift to the most negative stiffness grows
 class PivotSigns:
     """Count negative pivots of the tangents of one system, and find its softest motion by inverse iteration."""
 
-    def __init__(self, judge: Judge, analysis: "Analysis | None" = None):
+    def __init__(self, test: StabilityTest, analysis: "Analysis | None" = None):
         """Analyse the pattern of the tangent, unless the ``analysis`` of its LinearSolver is given."""
-        self.judge, self.system = judge, judge.system
+        self.stability_test, self.system = test, test.system
         self._solver = LinearSolver(pattern_of(self.system), tolerance=0.0, analysis=analysis)
 
     def __call__(self, data: np.ndarray) -> Stability:
-        """Return the Stability from ``data``, as Judge."""
+        """Return the Stability from ``data``, as StabilityTest."""
         unstable, zeros = self._negative(data)
         if unstable == UNKNOWN:
             stiffness, shape = self._softest(data)
@@ -56,7 +56,7 @@ class PivotSigns:
         if not self.system.n_l:
             return data
         of_angles = self.system.numbering.kind[n_q:n] == ANGLE_CONSTRAINT
-        k = sp.diags(self._mean_stiffness(data) * np.where(of_angles, self.judge.length**2, 1.0))
+        k = sp.diags(self._mean_stiffness(data) * np.where(of_angles, self.stability_test.length**2, 1.0))
         full = self._matrix(data)
         B = full[n_q:, :n_q]
         by_stiffness = k @ B
@@ -66,7 +66,10 @@ class PivotSigns:
     def _mean_stiffness(self, data):
         """Return the mean stiffness [N/m] of the tangent, or 1 N/m if it has none."""
         own = np.flatnonzero(~self.system.signals)
-        return mean_diagonal(data[self.system.diagonal[own]], self.system.numbering.kind[own], self.judge.length) or 1.0
+        return (
+            mean_diagonal(data[self.system.diagonal[own]], self.system.numbering.kind[own], self.stability_test.length)
+            or 1.0
+        )
 
     def _softest(self, data, unstable=0):
         """Return (stiffness nearest to zero, or most negative one if ``unstable``, its motion); (nan, None) on failure.
@@ -74,12 +77,12 @@ class PivotSigns:
         By inverse iteration; the shift exceeds the most negative stiffness.
         """
         n, n_q = self.system.n, self.system.n_q
-        metric = sp.diags(np.concatenate([self.judge.metric, np.zeros(n - n_q)])).tocsc()
+        metric = sp.diags(np.concatenate([self.stability_test.metric, np.zeros(n - n_q)])).tocsc()
         matrix = self._matrix(data).tocsc()
         shift = SHIFT * self._mean_stiffness(data)
         while unstable > 0:
             shift *= FARTHER
-            unstable = self._negative(self.judge.dragged(data, shift))[0]
+            unstable = self._negative(self.stability_test.dragged(data, shift))[0]
         try:
             lu = spla.splu((matrix + shift * metric).tocsc())
         except RuntimeError:
@@ -90,4 +93,4 @@ class PivotSigns:
             x /= np.sqrt(x @ (metric @ x))
         if not np.all(np.isfinite(x)):
             return np.nan, None
-        return float(x @ (matrix @ x)), scaled(x[:n_q], self.judge.root)
+        return float(x @ (matrix @ x)), scaled(x[:n_q], self.stability_test.root)

@@ -54,7 +54,7 @@ class Stability:
         return self.unstable <= 0 and self.neutral <= 0
 
 
-class Judge:
+class StabilityTest:
     """Determine the stability of equilibria of one system from tangents on its pattern."""
 
     def __init__(self, system: "System", length: float, soft: bool = False, analysis: "Analysis | None" = None):

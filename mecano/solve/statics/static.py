@@ -20,7 +20,7 @@ from mecano.solve.events.compliance import Compliance, soften
 from mecano.solve.events.events import EventMonitor, EventRecord
 from mecano.solve.linear.iteration import Exhausted, Iterated, iterate
 from mecano.solve.linear.rounding import ROUNDING, at_rounding
-from mecano.solve.statics.closing import apply_events
+from mecano.solve.statics.passed_events import apply_events
 from mecano.solve.statics.velocity_constraints import NONE, Held, VelocityConstraints
 from mecano.solve.time.increments import correct, largest, reach_of, tangents
 
@@ -35,7 +35,9 @@ PHASE_CHANGES = 10  # rounds of phase changes at one point
 CLOSED = 1e-9  # of the length scale, or rad: an event value below it does not count as crossed
 POLISH = 4  # iterations beyond the tolerance while the residual falls
 FARTHEST = 1e3  # length scales in one step: a greater change is a free motion driven by rounding errors
-LEAN, LEANS, FARTHEST_LEAN = 1e-7, 8, 0.3  # drag over the mean stiffness; steps; of the length scale, or rad
+SLIGHT_DRAG = 1e-7  # over the mean stiffness
+SLIGHT_STEPS = 8  # steps with slight drag towards an equilibrium with a singular tangent
+FARTHEST_SLIGHT = 0.3  # of the length scale, or rad: largest displacement of such a step
 TOLERANCES = Tolerances(force=1e-9, constraint=1e-11, increment=1e-8)
 
 
@@ -200,12 +202,12 @@ class Statics:
         """
         s, iterations = s0, 0
         reported: list[EventRecord] = []
-        for _ in range(LEANS):
+        for _ in range(SLIGHT_STEPS):
             k, _ = self.scales(self.begin(s))
-            s, found = self.correct(s, p, LEAN * k)
+            s, found = self.correct(s, p, SLIGHT_DRAG * k)
             iterations += found.iterations
             reported += found.event_records
-            if not found.ok or found.change > FARTHEST_LEAN:
+            if not found.ok or found.change > FARTHEST_SLIGHT:
                 break
             norms_ = self.evaluate(s.copy(), p, k, 0.0, False)
             if max(norms_) <= 1.0:
@@ -276,7 +278,7 @@ class Statics:
             x = self.factor(-self.assembly.residual[: self.system.n])
             if x is None:
                 break
-            far = self.move(trial, s0, x, k) * self.tolerances.increment > FARTHEST_LEAN  # along a free motion
+            far = self.move(trial, s0, x, k) * self.tolerances.increment > FARTHEST_SLIGHT  # along a free motion
             size = max(self.evaluate(trial, p, k, penalty, True, step))
             if far or not size < least:
                 break
