@@ -69,7 +69,7 @@ def require_saved_state(at: str | None, at_rest: bool) -> None:
 
 
 def show(text: str) -> None:
-    """Print a text; a reader that closes the pipe early (such as ``head``) is no error."""
+    """Print a text; a reader that closes the pipe early (such as ``head``) is not an error."""
     try:
         click.echo(text)
     except BrokenPipeError:

@@ -37,8 +37,8 @@ from mecano.commands import at_equilibrium, at_saved_state, axes, overrides, plu
     "-o", "--output-file", "path", type=click.Path(),
     help="File; default: the deck's name with _response.h5, in this folder.",
 )  # fmt: skip
-@click.option("--plot", is_flag=True, help="Draw a Bode diagram into a picture beside the file.")
-@click.option("--csv", "columns", is_flag=True, help="Also write magnitudes and phases as a table, beside the file.")
+@click.option("--plot", is_flag=True, help="Draw a Bode diagram into a picture next to the file.")
+@click.option("--csv", "columns", is_flag=True, help="Also write magnitudes and phases as a table next to the file.")
 @click.option("-q", "--quiet", is_flag=True, help="Do not print the progress of compilation.")
 @click.option("--force", is_flag=True, help="Replace existing files.")
 @overrides
@@ -65,9 +65,9 @@ def response(
 ) -> None:
     """Compute the response of small motions to a small sinusoid of each input.
 
-    The motions are those about the initial state of a deck, its equilibrium, its steady motion, or a saved state, as
-    those of `mecano modes`. The command prints the static gain, the bandwidth and the peaks of each transfer function,
-    and writes all of them to a file and, with --plot, to a picture.
+    As in `mecano modes`, the motions are about the initial state of a deck, its equilibrium, its steady motion, or a
+    saved state. The command prints the static gain, the bandwidth and the peaks of each transfer function, and writes
+    all of them to a file and, with --plot, to a picture.
     """
     require_saved_state(at, at_rest)
     from mecano.analyses.progress import SweepProgress

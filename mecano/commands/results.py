@@ -21,7 +21,7 @@ from mecano.commands import BELOW, plugins, show
 @click.option("--at", metavar="T1,T2,...", help="Draw the mechanism in space at the saved times nearest to these [s].")
 @click.option(
     "-o", "--output", type=click.Path(),
-    help="Folder, or prefix of the names of the pictures; default: beside the results file, with its name.",
+    help="Folder, or prefix of the names of the pictures; default: next to the results file, with its name.",
 )  # fmt: skip
 @click.option("--format", "kind", type=click.Choice(["png", "svg"]), default="png", show_default=True)
 @click.option("--csv", "columns", is_flag=True, help="Also write the plotted numbers.")
@@ -55,7 +55,7 @@ def post(
     --plot wheel.radial_force:wheel.deformation, --plot knee.force.magnitude, --plot solver.step_size.
 
     --animate writes one self-contained page for a browser: the motion of one file in space, with a time slider, colours
-    by stress or force, and beside it the requested plots, or the first of the overview. --report writes one page on
+    by stress or force, and next to it the requested plots, or the first of the overview. --report writes one page on
     the run: model, solution, energies, events, pictures (requested ones first), extremes, the deck.
 
     Pictures, pages and tables of mecano are replaced; films and files from elsewhere only with --force.
@@ -136,7 +136,7 @@ def _refuse_strays(results, **given):
 def export(results: str, output: str | None, series: tuple[str, ...], vtk: bool, force: bool) -> None:
     """Write results for other programs: all series, or some, as comma-separated values; or cells for ParaView.
 
-    Without -o, columns are written to a file .csv beside RESULTS. Names as in `mecano post --plot`.
+    Without -o, columns are written to a file .csv next to RESULTS. Names as in `mecano post --plot`.
     """
     from mecano.post.export import export as write
 

@@ -47,7 +47,7 @@ def run(
     """Solve a deck and write a results file.
 
     SIGINT (Ctrl-C), SIGTERM, SIGHUP, SIGXCPU, SIGUSR1 and --max-walltime end the run with a checkpoint; --resume
-    continues it to the same bits. A second Ctrl-C ends it at once.
+    continues it, bit for bit. A second Ctrl-C ends it at once.
     """
     if resume and force:
         raise click.UsageError("--resume continues a results file, --force replaces it")
@@ -99,9 +99,9 @@ def run(
     type=click.Path(),
     help="File; default: the deck's name with _modes.h5, _modes_at_TIME.h5 or _sweep.h5, in this folder.",
 )
-@click.option("--plot", is_flag=True, help="Draw the shapes, or the root loci, into a picture beside the file.")
+@click.option("--plot", is_flag=True, help="Draw the shapes, or the root loci, into a picture next to the file.")
 @click.option("--below", type=click.FloatRange(min=0.0, min_open=True), metavar="HZ", help=BELOW)
-@click.option("--csv", "columns", is_flag=True, help="Also write the numbers of a sweep, beside the file.")
+@click.option("--csv", "columns", is_flag=True, help="Also write the numbers of a sweep next to the file.")
 @click.option("-q", "--quiet", is_flag=True, help="Do not print the progress of sweeps and compilation.")
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @overrides
@@ -183,7 +183,7 @@ def _modes_about(path, deck, overrides, quiet, **options):
 
 
 def _of_state(at, at_rest):
-    """Return the end of the name of a file of modes: those about the start, and about other states, have own files."""
+    """Return the suffix of the name of a file of modes: one for the start, and one for each other state."""
     return "" if at is None else f"{'_at_rest' if at_rest else '_at'}_{os.path.basename(at.rpartition(':')[2])}"
 
 

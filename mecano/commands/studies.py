@@ -53,7 +53,7 @@ def _as_words(context, parameter, text):
 @click.option("--wait", is_flag=True, help="With Slurm: wait until all tasks have ended, then write the table.")
 @click.option("--collect", "only_table", is_flag=True, help="Run nothing; write the table of existing results.")
 @click.option("--case", "number", type=int, metavar="N", help="Run this case alone, as the tasks of an array do.")
-@click.option("--plot", is_flag=True, help="Draw the outputs over the varied parameters, beside the table.")
+@click.option("--plot", is_flag=True, help="Draw the outputs over the varied parameters, next to the table.")
 @click.option("-q", "--quiet", is_flag=True, help="Print no progress.")
 @plugins
 def sweep(

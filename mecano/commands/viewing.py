@@ -84,7 +84,7 @@ def _serve(path, title=None, status=None):
 def live(path: str, wanted: bool) -> Iterator[None]:
     """Show the results file ``path`` in a page while the block writes it and, when it is complete, until Ctrl-C.
 
-    The page is served by a process of its own, which ends with this one: the run imports nothing of it.
+    The page is served by a separate process, which ends with this one, so that the run imports nothing for it.
     """
     if not wanted:
         yield

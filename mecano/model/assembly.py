@@ -1,4 +1,4 @@
-"""Values that assemblies of a system write: its sums at one state, and the outputs of its elements there.
+"""Values that an assembly of a system writes: sums at one state, and the outputs of the elements there.
 
 Each value has arrays of its own, and the record SYSTEM through which the loops of the elements reach them. The system
 itself is not changed by an assembly, so no result depends on what was assembled before it.
@@ -19,7 +19,7 @@ class Assembly:
     ----------
     system : System
     data : (n_data,) array, optional
-        Values to which a tangent is added, in the place of new ones.
+        Values to which a tangent is added, instead of new ones.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class Assembly:
     data : (n_data,) array
         Values of the tangent in the pattern of the system; the last three collect the terms of fixed unknowns.
     forces : (n_slots,) array
-        Sums of the residuals of the elements at each node, shared unknowns apart.
+        Sums of the residuals of the elements at each node, also where nodes share unknowns.
     record : (1,) array of SYSTEM
     """
 

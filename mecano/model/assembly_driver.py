@@ -40,7 +40,7 @@ def bind_state(system, s):
 
 @kernel
 def run(loops, system):
-    """Call all loops; those of the tangent then compute forces alone."""
+    """Call all loops; loops of the tangent compute forces only."""
     for i in range(loops.addresses.shape[0]):
         call(loops.addresses[i], loops.batches[i : i + 1].ctypes.data, system.ctypes.data)
 
@@ -117,7 +117,7 @@ def assemble(
 
 @entry
 def add(loops: Loops, system: System, s: Instant, T: Matrices, k: float, penalty: float, cK: float, cC: float):
-    """Add the tangent cK K + cC C of some batches to the one present; also adds their forces to the slots."""
+    """Add the tangent cK K + cC C of some batches to the current one, and their forces to the slots."""
     bind_state(system, s)
     to = system[0]
     to.T, to.cK, to.cC, to.cM, to.k, to.penalty, to.lag = T.ctypes.data, cK, cC, 0.0, k, penalty, 1.0
@@ -128,7 +128,7 @@ def add(loops: Loops, system: System, s: Instant, T: Matrices, k: float, penalty
 def add_scaled(
     loops: Loops, system: System, s: Instant, T: Matrices, cK: float, cC: float, cM: float, times: float, work: Matrix
 ):  # fmt: skip
-    """Add ``times`` the forces and tangent of some batches to those present; ``work`` (2, n_slots) is overwritten."""
+    """Add ``times`` the forces and tangent of some batches to the current ones; overwrites ``work`` (2, n_slots)."""
     bind_state(system, s)
     to, force, size = system[0], work[0], work[1]
     to.T, to.cK, to.cC, to.cM, to.k, to.penalty = T.ctypes.data, times * cK, times * cC, times * cM, 1.0, 0.0
@@ -184,7 +184,7 @@ def commit(loops: Loops, system: System, s: Instant, memory_out: Vector):
 
 @kernel
 def transmitted(system):
-    """Compute the forces of the rest on each slot, then those that each joint transmits (reaction_partition.py)."""
+    """Compute the forces of all other elements on each slot, then the transmitted ones (reaction_partition.py)."""
     s = system[0]
     n = s.n_transmitted - s.n_slots
     force, out = floats(s.force, s.n_slots), floats(s.transmitted, s.n_transmitted)

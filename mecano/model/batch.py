@@ -29,7 +29,7 @@ WORK = ("q", "v", "a", "R", "f", "K", "C", "M", "seeded", "F", "g", "y", "energi
 class Batch:
     """Elements of one kind: records, tables, and their addresses for the compiled loops.
 
-    The loops also find here the scratch arrays for one element, of which nothing is read afterwards.
+    It also has the scratch arrays of the loops for one element, whose contents are not used afterwards.
     """
 
     kind: "Kind"
@@ -67,7 +67,7 @@ class Batch:
         for phase, outputs in kind.idle.items():
             self.idle[kind.phases.index(phase), [0, *(1 + i for i in outputs)]] = 1
         self.before = np.array([kind.phases.index(event.before) for event in kind.events], np.int64)
-        self.commands = np.array(  # (n_events, 2): local unknown of its command, event behind which it begins; or -1
+        self.commands = np.array(  # (n_events, 2): local unknown of its command, event after which it begins; or -1
             [(kind.place_of(event.command) if event.command else -1, event.beyond) for event in kind.events], np.int64
         ).reshape(-1, 2)
         self.kept = np.zeros((len(kind.phases), len(kind.memory)), np.int64)  # flags
@@ -89,12 +89,12 @@ class Batch:
         )  # fmt: skip
 
     def outputs(self, values: np.ndarray) -> np.ndarray:
-        """Return those (n, n_outputs) of ``values``, one for each output of the system: a view."""
+        """Return the view (n, n_outputs) of this batch in ``values``, one for each output of the system."""
         n = len(self.p)
         return values[self.first_output : self.first_output + n * self.n_outputs].reshape(n, self.n_outputs)
 
     def events(self, values: np.ndarray) -> np.ndarray:
-        """Return those (n, n_events) of ``values``, one for each event of the system: a view."""
+        """Return the view (n, n_events) of this batch in ``values``, one for each event of the system."""
         n = len(self.p)
         return values[self.first_event : self.first_event + n * self.n_events].reshape(n, self.n_events)
 
@@ -115,7 +115,7 @@ class Batch:
         return record(BATCH, **sizes, **{name: getattr(self, name).ctypes.data for name in names})
 
     def record_of(self, e: int) -> np.ndarray:
-        """Return the record BATCH of the element number ``e`` alone."""
+        """Return the record BATCH of the element ``e`` alone."""
         return self.records_of(np.array([e]), np.array([e + 1]))
 
     def records_of(self, begins: np.ndarray, ends: np.ndarray) -> np.ndarray:
@@ -131,7 +131,7 @@ class Batch:
         return out
 
     def give_work(self, records: np.ndarray) -> np.ndarray:
-        """Give records of this batch work arrays of their own, for another thread; return what must be kept."""
+        """Give records of this batch work arrays of their own, for another thread; return the objects to keep alive."""
         sizes = [getattr(self, name).nbytes for name in WORK]
         memory = np.zeros(sum(sizes) + 2 * LINES, np.uint8)  # lines of the cache that no other thread writes
         for name, size, end in zip(WORK, sizes, np.cumsum(sizes), strict=True):
@@ -171,7 +171,7 @@ def batches(
 
 
 def followers(instances: "Sequence[Instance]", batches: "Sequence[Batch]") -> np.ndarray:
-    """Return (m, 2) indices into the phases of a state: instances that share the phase of another one, and that one.
+    """Return (m, 2) indices into the phases of a state: instances that share a phase, and the owners of that phase.
 
     They are parts that share the phase of their owner, and sensors.
     """
@@ -189,7 +189,7 @@ def followers(instances: "Sequence[Instance]", batches: "Sequence[Batch]") -> np
 
 
 class _Places:
-    """Places of scalars and multipliers, assigned in the order of the instances, as in the numbering."""
+    """Indices of scalars and multipliers, assigned in the order of the instances, as in the numbering."""
 
     def __init__(self, of: "Numbering", n_slots: int):
         self.first_scalar, self.first_row = of.n_q - of.n_scalars, of.n_q
@@ -245,9 +245,9 @@ def _records(kind, parameters):
 
 
 def _of_groups(p):
-    """Return the records of each LANES of the records ``p`` (n,); those of the last group may repeat the last one.
+    """Return the records ``p`` (n,) in groups of LANES; the last group may repeat the last record.
 
-    Of integers, which are flags and numbers of items, a group has the largest.
+    For integers, which are flags and counts, a group has the largest.
     """
     places = np.minimum(np.arange(-(-len(p) // LANES) * LANES), len(p) - 1).reshape(-1, LANES)
     out = np.zeros(len(places), lanes_dtype(p.dtype))
@@ -270,7 +270,7 @@ def _three(first):
 def is_scaled(batch: Batch) -> bool:
     """Return whether a load factor multiplies the elements of a batch.
 
-    They are loads, or the parts of loads, whose value is not given by signals, as by a controller.
+    True for loads and parts of loads, unless signals, such as those of a controller, give their value.
     """
     return batch.paths[0][0].startswith("loads/") and not batch.kind.inputs
 

@@ -1,7 +1,7 @@
 """Loops over the elements of a model in halves (halves.py), by two threads.
 
-One C function stands in the place of the loops of all kinds: it calls them for the elements of each half, then for
-those that touch anything else. Elements of different halves add to different forces and entries of the tangent.
+One C function replaces the loops of all kinds: it calls them for the elements of each half, then for all other
+elements. Elements of different halves add to different forces and entries of the tangent.
 """
 
 from collections.abc import Callable, Sequence
@@ -27,7 +27,7 @@ WORDS = SYSTEM.itemsize // 8
 SIZE = BATCH.itemsize
 APART = 16  # words between arrays that two threads write: two lines of the cache
 
-# Loops and batches of one part; its record SYSTEM, a copy of the one that the loops are ``given``; its energies.
+# Loops and batches of one part; its record SYSTEM, a copy of the one ``given`` to the loops; its energies.
 PART = fields(words="n loops batches given system energy")
 STRIDE = PART.itemsize
 # All parts, those of the halves first; it is the record of the only element of the batch of a divided loop.
@@ -122,6 +122,6 @@ def _part(which, loops, of_unknown):
 
 
 def _part_of(of_unknowns):
-    """Return the half (n,) to which all unknowns (n, n_local) of each element belong, or BETWEEN; without any, ONE."""
+    """Return the half (n,) to which all unknowns (n, n_local) of an element belong, or BETWEEN; ONE without any."""
     one, other = ((of_unknowns == half).all(axis=1) for half in (ONE, OTHER))
     return np.where(one, ONE, np.where(other, OTHER, BETWEEN))

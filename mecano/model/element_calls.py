@@ -1,10 +1,10 @@
 """Calls of the functions of a kind for one gathered element, which are compiled for each kind.
 
 There is one C function per kind and purpose, of the addresses of the batch record (BATCH) and of the system record
-(SYSTEM); ``element`` of the batch is the number of the element. The loops of loops.py call it between gathering the
+(SYSTEM); ``element`` of the batch is the index of the element. The loops of loops.py call it between gathering the
 state of the element and scattering its results.
 
-The functions here are templates: loop_code.py puts the ``function`` of the kind and its record of ``parameters`` among
+The functions here are templates: loop_code.py adds the ``function`` of the kind and its record of ``parameters`` to
 their globals.
 """
 

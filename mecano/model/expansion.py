@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def expand(model: Model, context: "Context") -> tuple[list[Instance], list[Shared], set[tuple[str, int]]]:
     """Return (instances of elements and parts, shared unknowns (what, i, j, owner's index), unknowns in use).
 
-    Elements whose hidden outputs are read by signals are replaced by the variants that reveal them.
+    Elements whose hidden outputs signals read are replaced by variants that reveal them.
     """
     revealed: set[str] | None = None
     wanted: set[str] = set()

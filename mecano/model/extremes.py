@@ -17,7 +17,7 @@ class Extremes:
     def take(self, t: float, row: np.ndarray) -> int:
         """Update with a row (size,) at the time ``t`` [s]; return the index of a number that is not finite, or -1.
 
-        A row with such a number is ignored.
+        A row that is not finite is ignored.
         """
         return update(t, row, self.high, self.high_time, self.low, self.low_time)
 

@@ -1,7 +1,7 @@
 """Gather the state of an element and scatter its results: code shared by the loops over elements of all kinds.
 
-``b`` and ``s`` are the records BATCH and SYSTEM, ``element`` of the batch is the number of the element. These functions
-find the arrays again for each element; loops in which that would be a noticeable part of the time keep them instead.
+``b`` and ``s`` are the records BATCH and SYSTEM, ``element`` of the batch is the index of the element. These functions
+look up the arrays for each element; loops in which this would take a noticeable part of the time keep them instead.
 """
 
 import math
@@ -13,7 +13,7 @@ from mecano.maths.dual import DUAL, Dual
 from mecano.maths.vector import Vec3, mat, put, put_matrix, skew, vec
 
 SIZE = DUAL.itemsize
-NEVER = -1.0  # number of an event that does not occur
+NEVER = -1.0  # value of an event that does not occur
 
 
 @kernel
@@ -25,7 +25,7 @@ def work(b):
 
 @kernel
 def idle_phases(b):
-    """Return flags (n_phases, 1 + n_outputs): the elements are idle, and which of their outputs vanish then."""
+    """Return flags (n_phases, 1 + n_outputs): whether the elements are idle, and which outputs vanish in the phase."""
     return integers(b.idle, (b.n_phases, 1 + b.n_outputs))
 
 
@@ -130,7 +130,7 @@ def dual_forces(b):
 
 @kernel
 def dual_constraints(b):
-    """Return the array (n_multipliers, 2) of Duals for constraints and their rates, in the place of accelerations."""
+    """Return the array (n_multipliers, 2) of Duals for constraints and their rates, which overlays accelerations."""
     return items(b.seeded + 2 * SIZE * b.n_local, (b.n_multipliers, 2), DUAL)
 
 
@@ -152,7 +152,7 @@ def moving_place(b, s):
 
 @kernel
 def gather_duals(b, s):
-    """Copy the state of an element to the work arrays, also to those of Duals, without slopes."""
+    """Copy the state of an element to the work arrays, including those of Duals, without slopes."""
     gather_unknowns(b, s)
     q, v, a, R = work(b)
     q_1, v_1, a_1, R_1 = seeded(b)
@@ -166,7 +166,7 @@ def gather_duals(b, s):
 
 @kernel
 def seed(b, s, j):
-    """Set forces to zero, and the slopes along the local unknown j if columns are wanted.
+    """Set forces to zero, and the slopes along the local unknown j if columns are requested.
 
     q_j varies by cK, v_j by cC, a_j by cM, a rotation by R hat(cK T_j).
     """
@@ -190,7 +190,7 @@ def seed(b, s, j):
 
 @kernel
 def add_column(b, s, j, lag):
-    """Add the column j of the tangent of an element, the slopes of its forces, if it is wanted; clear the seeds."""
+    """Add the column j of the tangent of an element, the slopes of its forces, if requested; clear the seeds."""
     if not s.columns:
         return
     n, data_out, entries = (
@@ -301,7 +301,7 @@ def observed(b, s):
 
 @kernel
 def add_energies(b, s):
-    """Set to zero what vanishes in the phase of an element, and add its energies to the totals."""
+    """Set outputs and energies that vanish in the phase of an element to zero, and add its energies to the totals."""
     y, energies = observed(b, s)
     idle, total_out = idle_phases(b)[phase_of(b, s)], floats(s.energy, 4)
     if idle[0]:
@@ -352,7 +352,7 @@ def new_memory_of(b, s):
 
 @kernel
 def keep_memory(b, s):
-    """Undo what an element wrote to the values of its memory that are kept in its phase."""
+    """Restore the values of the memory of an element that its phase keeps."""
     kept, old, m_out = integers(b.kept, (b.n_phases, b.n_memory)), memory_of(b, s), new_memory_of(b, s)
     phase = phase_of(b, s)
     for i in range(b.n_memory):

@@ -8,8 +8,8 @@ import numpy as np
 
 from mecano.maths.distinct import distinct
 
-LARGE = 10_000  # unknowns from which on two threads are worth their coordination
-PRICE = 4  # of an unknown of the separator, on which one thread alone works, in unknowns of a half
+LARGE = 10_000  # unknowns above which two threads are worth their coordination
+PRICE = 4  # of an unknown of the separator, on which only one thread works, in unknowns of a half
 MOST = 0.6  # price of the larger half and of the separator, over that of the whole model
 ONE, OTHER, BETWEEN = range(3)
 
@@ -26,7 +26,7 @@ def halves(n: int, rows: np.ndarray, cols: np.ndarray, groups: np.ndarray) -> np
     rows, cols : (nnz,) int
         Pattern of the tangent.
     groups : (n_q,) int
-        Unknowns with the same number (one node) stay together; multipliers, from n_q on, are alone.
+        Unknowns of the same group (one node) stay together; multipliers, from n_q on, are alone.
     """
     if n < LARGE:
         return None
@@ -72,7 +72,7 @@ def _breadth_first(i, j, n):
 
 
 def _best_cut(rank, lowest, size):
-    """Return the rank at which to cut: both the larger half and the separator are small then.
+    """Return the rank at which to cut, such that both the larger half and the separator are small.
 
     ``lowest``: the lowest rank of a vertex and its neighbours. A vertex belongs to the separator of a cut at c if
     lowest < c <= rank.

@@ -26,4 +26,4 @@ class Instance:
     label: str = ""  # suffix of its outputs
     reads: "tuple[str | OwnOutput, ...]" = ()  # its inputs
     inputs: tuple[int, ...] = ()  # list indices of the instances whose first scalars are its inputs
-    senses: int | None = None  # list index of the instance of which it measures an output
+    senses: int | None = None  # list index of the instance whose output it measures

@@ -1,8 +1,8 @@
 """Loops over the elements of kinds that are computed by lanes: LANES elements at once, one in each lane.
 
-The number i of the element in lane l is stored at [i, l] of the work arrays, so that compiled code reads the numbers of
-all lanes as one. Lanes beyond the last element repeat it. A batch that begins or ends between two groups of elements,
-as those of divided_loops.py do, leaves out the lanes before and behind. The results are those of loops.py, to the bit.
+Entry i of the element in lane l is stored at [i, l] of the work arrays, so that compiled code reads the entries of all
+lanes as one. Lanes beyond the last element repeat it. A batch that begins or ends between two groups of elements, as
+those of divided_loops.py do, leaves out the lanes before and after. The results are those of loops.py, bit for bit.
 """
 
 from mecano.jit.kernel import kernel
@@ -14,26 +14,26 @@ from mecano.model.loop_records import batch_at, system_at
 
 @kernel
 def groups(b):
-    """Return the numbers of the first group of elements and of the one behind the last."""
+    """Return the indices of the first group of elements and of the one after the last."""
     return b.first_element // LANES, (b.first_element + b.n - 1) // LANES + 1
 
 
 @kernel
 def first_of(b, group):
-    """Return the number of the element in the first lane of a group, negative if it is left out."""
+    """Return the index of the element in the first lane of a group, negative if it is left out."""
     return LANES * group - b.first_element
 
 
 @kernel
 def members(b, group):
-    """Return the numbers of the first element of a group and of the one behind its last."""
+    """Return the indices of the first element of a group and of the one after its last."""
     first = first_of(b, group)
     return max(first, 0), min(first + LANES, b.n)
 
 
 @kernel
 def nearest_in(b, group, lane):
-    """Return the number of the element in a lane, of the nearest one for a lane that is left out."""
+    """Return the index of the element in a lane, or of the nearest one for a lane that is left out."""
     return min(max(first_of(b, group) + lane, 0), b.n - 1)
 
 

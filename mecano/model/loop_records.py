@@ -1,4 +1,4 @@
-"""Records by which the compiled loops over elements find the arrays of a batch and of the system."""
+"""Records of the arrays of a batch and of the system, which the compiled loops over elements read."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ def fields(floats="", words=""):
     return np.dtype([(name, "f8") for name in floats.split()] + [(name, "i8") for name in words.split()], align=True)
 
 
-# Addresses of the functions of the kind, number of the present element, addresses of arrays, and their lengths
+# Addresses of the functions of the kind, index of the current element, addresses of arrays, and their lengths
 # (n, n_...); shapes as in batch.py.
 BATCH = fields(
     words="function inertia element of_rates n n_local n_vectors n_rotations n_multipliers first_reaction n_reactions "
@@ -48,7 +48,7 @@ class Pointers:
         self._arrays: dict[str, np.ndarray] = {}
 
     def point_to(self, **values: Any) -> None:
-        """Set fields: numbers, and arrays in the place of their addresses."""
+        """Set fields to numbers, or to the addresses of arrays."""
         for name, value in values.items():
             if type(value) is np.ndarray:
                 self._arrays[name] = value

@@ -82,7 +82,7 @@ def tangent(batch, system):
 def dual_tangent(batch, system):
     """Compute forces, their magnitudes, masses, and the tangent cK K + cC C + cM M of a kind with a residual only.
 
-    One pass per local unknown j gives column j. If no columns are wanted, one pass gives the forces alone.
+    One pass per local unknown j gives column j. If no columns are requested, one pass gives the forces alone.
     """
     b, s = batch_at(batch), system_at(system)
     lag = lag_of(b, s)

@@ -41,8 +41,8 @@ def piece_names(name: str, values: "Values") -> list[str]:
 def place_members(members: Iterable[Element], at: dict[str, Frame]) -> "tuple[dict[str, list[Values]], list[Element]]":
     """Divide ``members``, a list of Elements; add the intermediate nodes, name -> (x, R), to ``at``.
 
-    A member may end at a node of another one. Returns {name: [values of each element]}, without the members that the
-    check of their kind rejects, and the members with an end node that does not exist.
+    A member may end at a node of another one. Returns {name: [values of each element]}, without members that the check
+    of their kind rejects, and the list of members with an end node that does not exist.
     """
     pieces, waiting = {}, list(members)
     while ready := [member for member in waiting if _is_placed(member, at)]:

@@ -51,7 +51,7 @@ def title_of(kind: str, name: str) -> str:
 
 
 def with_ground(model: Model) -> Model:
-    """Return the same model with every ``GROUND`` replaced by a fixed node of its own, where its neighbour is."""
+    """Return the model with every ``GROUND`` replaced by a fixed node of its own, at the position of its neighbour."""
     nodes, elements = list(model.nodes), []
     by_name = {node.name: node for node in nodes}
     for element in model.elements:
@@ -67,7 +67,7 @@ def with_ground(model: Model) -> Model:
 
 
 def beside_ground(i: int, n: int) -> int:
-    """Return the index of the node at whose place the ground stands, which is node ``i`` of ``n``.
+    """Return the index of the node whose position the ground takes as node ``i`` of ``n``.
 
     It is the other node of the pair; a gear on the ground, the last of three nodes, has its centre at the carrier.
     """

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mecano.element_interface import Row
 
 TRANSLATION, ROTATION, SCALAR, LENGTH_CONSTRAINT, ANGLE_CONSTRAINT = range(5)
-SIGNAL, STATE = 5, 6  # a signal that follows at once, and one whose equation gives its rate
+SIGNAL, STATE = 5, 6  # an algebraic signal, and one whose equation gives its rate
 MASSLESS = -1  # replaces SCALAR, for solvers, for a scalar without inertia
 RELEASED = -2  # replaces the kind of a constraint, for solvers, if its row states that reactions are shared
 AXES = "xyz"
@@ -73,7 +73,7 @@ class Classes:
 
 
 class Unknowns(NamedTuple):
-    """Unknowns in z, as compiled code takes a Numbering."""
+    """Unknowns in z: a Numbering as an argument of compiled code."""
 
     kind: Indices
     rotation_dof: Indices
@@ -83,7 +83,7 @@ class Unknowns(NamedTuple):
 
 @dataclass(eq=False, repr=False)
 class Numbering:
-    """Positions of all unknowns in z; see state.py for the order."""
+    """Indices of all unknowns in z; see state.py for the order."""
 
     n_q: int  # free degrees of freedom
     n_l: int  # multipliers

@@ -1,7 +1,7 @@
 """Units of signals: given by the deck, or derived from the quantities in their formulas, or from their use.
 
-A signal that is the value of a load has the unit of this load, and so has the input of a filter of this signal; one
-that is added to or compared with a quantity has the unit of that.
+A signal that is the value of a load has the unit of this load, and so has the input of a filter of this signal. A
+signal that is added to or compared with a quantity has the unit of that quantity.
 """
 
 from collections.abc import Iterable, Iterator
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from mecano.schema import Field
 
 UNKNOWN = VALUE.unit
-ANY = ""  # unit of a number, which takes that of a sum or comparison
+ANY = ""  # unit of a number, which adopts that of a sum or comparison
 LIKE = (ADD, SUBTRACT, MIN, MAX, HYPOT)  # of two numbers of one unit
 OWN = dict.fromkeys((SIN, COS, TAN, TANH, SIGN, EXP, LOG), "-") | dict.fromkeys((ASIN, ACOS, ATAN, ATAN2), "rad")
 OF_NO_QUANTITY = (UNKNOWN, "-", "s", "1/s", "1/s2")
@@ -144,7 +144,7 @@ class _Units:
         return self.of_signal(element.name)
 
     def of_signal(self, name: str) -> str:
-        """Return the unit of a signal; a loop of signals has only the units that the deck gives."""
+        """Return the unit of a signal; in a loop of signals only units given by the deck are known."""
         if name not in self.found:
             self.found[name] = UNKNOWN
             kind, d = self.entries["signals", name]

@@ -32,7 +32,7 @@ class State:
 
 
 class Motion(NamedTuple):
-    """The motion in a State, as entries take and write it; compiled code may give an Instant."""
+    """The motion in a State, as entries read and write it; compiled code may pass an Instant."""
 
     z: Vector
     v: Vector
@@ -41,7 +41,7 @@ class Motion(NamedTuple):
 
 
 class Instant(NamedTuple):
-    """A whole State, as compiled code takes it."""
+    """A whole State as an argument of compiled code."""
 
     t: float
     z: Vector
@@ -63,7 +63,7 @@ class History:
     known: int  # number of differences that are known: 0 at a start
     v_shift: np.ndarray  # (n_all,) correction of the velocities after a start or a change of step size
     k: float  # mean stiffness of the effective tangent for this step size [N/m]
-    tangent: State | None = None  # whose tangent the next step may reuse, or None if it must evaluate a new one
+    tangent: State | None = None  # where the tangent was evaluated that the next step may reuse, or None
     age: int = 0  # accepted steps since that state
     drift: float = 0.0  # fraction of the residual that an iteration with an old tangent leaves, per step of its age
     taken: float = 0.0  # size of the last step [s]; 0 at a start

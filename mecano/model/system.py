@@ -113,7 +113,7 @@ class System:
         return out
 
     def kept(self, make: "Callable[[System], Made]") -> Made:
-        """Return ``make(system)``, which is made once and kept as long as the system."""
+        """Return ``make(system)``, computed once and kept as long as the system."""
         if make not in self._kept:
             self._kept[make] = make(self)
         return self._kept[make]
@@ -130,7 +130,8 @@ class System:
     def loops(self, purpose: Callable[..., None], chosen: Callable[[Batch], bool] | None = None) -> Loops:
         """Return the Loops of all kinds that have them.
 
-        Of the batches ``chosen``, if given; otherwise the only loop may be that of a divided model.
+        If ``chosen`` is given, only of batches for which it is true; otherwise the only loop may be that of a divided
+        model.
         """
         of_batches = [calls_of(b.kind, purpose) if chosen is None or chosen(b) else None for b in self.batches]
         found = {i: calls for i, calls in enumerate(of_batches) if calls is not None}
@@ -265,9 +266,9 @@ class System:
         return self.assemble(s).forces
 
     def each_alone(self, s: State) -> Iterator[tuple[str, Assembly]]:
-        """Yield (name, Assembly at ``s``, all weights one) of each element; the Assembly is written again for the next.
+        """Yield (name, Assembly at ``s``, all weights one) of each element; the next one overwrites the Assembly.
 
-        Also of basic constraints and parts, whose name is that of the element to which they belong.
+        Basic constraints and parts are included, with the name of the element to which they belong.
         """
         alone = Assembly(self)
         for b in self.batches:
@@ -366,7 +367,7 @@ class System:
         return self._committed(self._commit, s)
 
     def commit_jumps(self, s: State) -> np.ndarray:
-        """Return the memory behind an event or a corner at ``s``, where inputs of signals may have jumped."""
+        """Return the memory after an event or a corner at ``s``, where inputs of signals may have jumped."""
         if not any(batch.kind.follows_jumps for batch in self.batches):
             return s.memory
         return self._committed(self._commit_jumps, s)
@@ -377,7 +378,7 @@ class System:
         return memory
 
     def inadmissible(self, s: State) -> list[str]:
-        """Return the reasons, as texts, why an assembled configuration is unacceptable to its kinds."""
+        """Return texts on why kinds reject the assembled configuration ``s``."""
         return [
             f"{name}: {text}"
             for b in self.batches

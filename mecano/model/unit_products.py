@@ -1,7 +1,7 @@
 """Units of products and powers of quantities in SI units: N times m/s is W, m/s divided by s is m/s2.
 
-Radians are numbers: an angular velocity times a length is a speed in m/s. They remain in angles and their rates, and
-below the line, as in N m/rad.
+Radians are numbers: an angular velocity times a length is a speed in m/s. They remain in angles and their rates, and in
+denominators, as in N m/rad.
 """
 
 import re
@@ -15,7 +15,7 @@ ORDER = ("kg", "N", "m", "rad", "s")
 
 
 def product_unit(*factors: tuple[str, float]) -> str:
-    """Return the unit of a product of ``factors`` (SI unit, power); "" if it is unknown, as of a root of a length."""
+    """Return the unit of a product of ``factors`` (SI unit, power); "" if it is unknown, as for a root of a length."""
     powers = dict.fromkeys(ORDER, 0.0)
     for unit, power in factors:
         own = _powers(unit)

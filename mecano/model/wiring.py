@@ -38,7 +38,7 @@ def text_of(path: str) -> str:
 def wire(instances: list[Instance], model: Model, context: "Context") -> set[str]:
     """Set ``inputs`` of all instances that read formulas; sensors, and formulas written in place, are appended.
 
-    Return the paths of the elements of which hidden outputs are read.
+    Return the paths of the elements whose hidden outputs are read.
     """
     wiring = _Wiring(instances, model, context)
     for item in instances:  # the list grows
@@ -57,7 +57,7 @@ class _Wiring:
         self.sources: dict[str | tuple[str, str], int] = {  # by formula, or path and name of an own output
             item.path.partition("/")[2]: i for i, item in enumerate(instances) if item.kind.section == "signals"
         }
-        self.hidden: set[str] = set()  # paths of the elements of which hidden outputs are read
+        self.hidden: set[str] = set()  # paths of the elements whose hidden outputs are read
 
     def input_of(self, item: Instance, one: str | OwnOutput) -> int:
         """Return the list index of the source of an input, a formula or an OwnOutput; append it if new.

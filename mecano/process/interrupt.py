@@ -50,7 +50,7 @@ class Interruption:
     def __init__(self, limit: float | None = None, again: str = ""):
         self.again = again
         self._deadline = float("inf") if limit is None else BEGUN + limit - min(RESERVE * limit, LARGEST_RESERVE)
-        self._number: int | None = None  # of the signal that was received, or of the clock
+        self._number: int | None = None  # number of the signal that was received, or of the clock
         self._postponed = False
         self._asked: float | None = None  # time [s] of the last call of ``wanted``
         self._longest = 0.0
@@ -112,7 +112,7 @@ class Interruption:
             )
 
     def wanted(self, now: float, ending: float = 0.0) -> bool:
-        """Return whether the process must end now, as the time limit may not allow to wait for the next call.
+        """Return whether the process must end now, because the time limit may expire before the next call.
 
         ``now`` is monotonic time [s], ``ending`` the time to end the process [s].
         """
@@ -124,7 +124,7 @@ class Interruption:
         return self._number is not None
 
     def raise_if_asked(self, where: str) -> None:
-        """Raise Stopped if a signal was received, for instance where its own exception was lost."""
+        """Raise Stopped if a signal was received, for example if its own exception was lost."""
         if self._number is not None:
             raise self.stopped(where)
 
@@ -137,9 +137,9 @@ class Interruption:
 def call_interruptibly(call: Callable[..., T], *arguments: Any) -> T:
     """Return ``call(*arguments)``, executed in a separate thread, so that a signal interrupts the wait at once.
 
-    Python runs signal handlers only in the main thread, between two of its instructions, hence not while a library
-    works there for long (a compiler, a matrix decomposition). After a signal the thread continues until the process
-    ends, so ``call`` must have no permanent effects. Outside the main thread this is an ordinary call.
+    Python runs signal handlers only in the main thread, between two of its instructions, and so not during a long call
+    of a library (a compiler, a matrix decomposition). After a signal the thread continues until the process ends, so
+    ``call`` must have no permanent effects. Outside the main thread this is an ordinary call.
     """
     global _waits_for_a_call
     if threading.current_thread() is not threading.main_thread():

@@ -34,7 +34,7 @@ def is_lack_of_memory(error: BaseException | None) -> bool:
         text = str(error).lower()
         if isinstance(error, OSError | ImportError | RuntimeError) and any(words in text for words in WORDS):
             return True
-        if isinstance(error, SystemError) and not _is_room():  # C code of Python that could not make its exception
+        if isinstance(error, SystemError) and not _is_room():  # C code of Python that could not create its exception
             return True
         error = error.__cause__ or error.__context__
     return False
@@ -49,7 +49,7 @@ def _is_room():
 
 
 def require_memory(size: int) -> None:
-    """Raise MemoryError if ``size`` bytes cannot be had, before a library that would abort the process without them."""
+    """Raise MemoryError if ``size`` bytes are not available, before a library would abort the process without them."""
     try:
         mmap.mmap(-1, size).close()
     except OSError:
@@ -57,10 +57,10 @@ def require_memory(size: int) -> None:
 
 
 def reserve_blas_buffer(solve: "Callable[[np.ndarray, np.ndarray], object] | None" = None) -> None:
-    """Let a BLAS allocate its buffer, as OpenBLAS does at its first use; raise MemoryError if there is no room for it.
+    """Make a BLAS allocate its buffer, as OpenBLAS does at its first use; raise MemoryError if there is no room for it.
 
-    Without room, OpenBLAS itself would end the process with exit code 1 (that of NumPy) or try for ever (that of
-    SciPy, which is another one). ``solve(A, b)`` is a function that uses the BLAS; default: that of NumPy.
+    Without room, OpenBLAS itself would end the process with exit code 1 (that of NumPy) or retry forever (that of
+    SciPy, a separate library). ``solve(A, b)`` is a function that uses the BLAS; default: that of NumPy.
     """
     import numpy as np  # not for `mecano --help`
 
@@ -71,7 +71,7 @@ def reserve_blas_buffer(solve: "Callable[[np.ndarray, np.ndarray], object] | Non
 class RoomForSciPy:
     """Finder of modules that finds none, but raises MemoryError without room for the libraries of SciPy.
 
-    Without room, the OpenBLAS of SciPy would try for ever while it is loaded.
+    Without room, the OpenBLAS of SciPy would retry forever while it is loaded.
     """
 
     @classmethod
@@ -83,5 +83,5 @@ class RoomForSciPy:
 
 
 def guard_imports() -> None:
-    """Let the import of SciPy raise MemoryError in this process where there is no room for it."""
+    """Make the import of SciPy raise MemoryError in this process if there is no room for it."""
     sys.meta_path.insert(0, RoomForSciPy)

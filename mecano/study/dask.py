@@ -61,7 +61,7 @@ def run_in_tasks(
     except ImportError:
         raise UsageError(MISSING) from None
     with folder.held():
-        pass  # from here on the tasks lock it
+        pass  # from now on the tasks lock it
     if scheduler is None:
         workers = {"n_workers": 1, "threads_per_worker": jobs, "processes": False, "dashboard_address": None}
         with LocalCluster(silence_logs=logging.CRITICAL, **workers) as cluster, Client(cluster) as client:

@@ -1,4 +1,4 @@
-"""Execution of a study: selection of the cases, their run here, by Slurm or by Dask, and the final table."""
+"""Execution of a study: select the cases, run them here, by Slurm or by Dask, and write the table."""
 
 import os
 import subprocess
@@ -22,7 +22,7 @@ RunCases: TypeAlias = "Callable[[Folder, Sequence[Case], Ended], int | None]"
 
 
 class Due(NamedTuple):
-    """Cases to run, and those of them that start again: their files are removed first."""
+    """Cases to run, and those among them that start again, whose files are removed first."""
 
     cases: "list[Case]"
     again: "list[Case]"

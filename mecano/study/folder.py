@@ -123,7 +123,7 @@ class Folder:
         except OSError:  # a file system without locks
             pass
         try:
-            with locked(self.table) if alone else nullcontext():  # the record works where the system's locks do not
+            with locked(self.table) if alone else nullcontext():  # this lock works even if those of the system do not
                 yield
         finally:
             os.close(place)

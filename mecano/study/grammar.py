@@ -13,7 +13,7 @@ from mecano.deck.wording import quoted
 from mecano.schema import INTEGER, NUMBER, TEXT, Field, Type, Values, choice, list_of, mapping, named
 
 VERSION = 1
-NAME = "case"  # key of a row that names the case
+NAME = "case"  # key that names the case of a row
 PATH = "a path in the deck, as in --set: 'time.end'"
 OF_SERIES = ("max", "min", "largest", "time_of_max", "time_of_min", "final", "mean")
 OF_EVENTS = ("first", "last", "count", "impulse", "energy_lost")

@@ -77,7 +77,7 @@ class Output:
             return np.nan, "" if self.take == "impulse" else results.axis.unit
         if self.take == "impulse":
             if len(units := {event.impulse_unit for event in found}) > 1:
-                return np.nan, ""  # linear and angular impulses have no largest
+                return np.nan, ""  # linear and angular impulses cannot be compared
             return max(abs(event.impulse) for event in found), units.pop()
         return found[0 if self.take == "first" else -1].time, results.axis.unit
 
@@ -109,7 +109,7 @@ class Output:
 def checked_outputs(
     outputs: Iterable[Output], prepared: "Prepared", node_of: "Callable[[str], Node]", scope: "Scope"
 ) -> None:
-    """Report outputs of names that the model of a Prepared lacks; ``node_of(name)`` is the node of an output."""
+    """Report outputs that the model of a Prepared does not have; ``node_of(name)`` is the node of an output."""
     lookup = Lookup(layout_of(Sampler(prepared.system)).series)
     event_records = _events_of_elements(prepared.system)
     for output in outputs:

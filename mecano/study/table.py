@@ -43,7 +43,7 @@ class Table:
 
     def __init__(self, folder: Folder, varied: Mapping[str, str]):
         self.folder, self.study, self.varied = folder, folder.study, varied
-        self.records: dict[int, Record] = {}  # by the number of the case, as the next ones
+        self.records: dict[int, Record] = {}  # by the number of the case; so are the next two
         self.numbers: dict[int, dict[str, float]] = {}  # by the name of the output
         self.warnings: dict[int, str] = {}
         self.units: dict[str, str] = {}  # of the outputs
@@ -119,7 +119,7 @@ class Table:
 
     @property
     def beyond(self) -> list[int]:
-        """Numbers of the complete cases that have outputs beyond their limits."""
+        """Numbers of the complete cases with outputs beyond their limits."""
         return [case.number for case in self.study.cases if self._beyond(case.number)]
 
     def summary(self) -> str:
