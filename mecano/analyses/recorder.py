@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mecano.analyses.not_finite import output_not_finite
 from mecano.errors import ConvergenceError, ResultsError
 from mecano.model.output_limits import watched_outputs
 from mecano.solve.time.output import ENDED, FULL, NOT_FINITE, Output
@@ -147,4 +146,6 @@ class Recorder:
 
     def _not_finite(self, t, i):
         """Return the error that names the output of entry ``i`` of the row, which is not finite."""
+        from mecano.analyses.not_finite import output_not_finite  # needed by failed runs only
+
         return output_not_finite(self.sampler, self.observation, i, f"t = {t:.9g} s", REMEDY)

@@ -9,7 +9,6 @@ import numpy as np
 
 from mecano.errors import name_list
 from mecano.solve.diagnostics import failure
-from mecano.solve.events import joint_friction
 from mecano.solve.events.capture import EventCapture
 from mecano.solve.events.events import EventMonitor, EventRecord
 from mecano.solve.events.shocks import Shocks
@@ -92,7 +91,11 @@ class EventApplication:
 
     def _report_friction(self, t, shock):
         """Add a warning for each joint whose friction a shock neglects for the first time."""
-        for found in joint_friction.missing_friction(self.system, shock) if shock.event_records else ():
+        if not shock.event_records:
+            return
+        from mecano.solve.events import joint_friction  # not needed by runs without shocks
+
+        for found in joint_friction.missing_friction(self.system, shock):
             if not any(one.startswith(joint_friction.warning_start(found[0])) for one in self.warnings):
                 self.warnings.append(joint_friction.omission_warning(t, shock, *found))
 
