@@ -1,4 +1,4 @@
-"""Activation of a spring, bushing, cable, belt or contact at a time or by a condition: before, it exerts no force.
+"""Activation of a spring, bushing, cable, belt or contact at a time or by a condition; before, it exerts no force.
 
 The trigger is an input, a formula that rises through zero. Velocities do not change, accelerations jump. The energy
 that the element stores at that instant is given by the surroundings, and recorded with the event as a negative loss.
@@ -33,7 +33,7 @@ def since_activation(set_point, i):
 
 
 def activate_field(word, *options):
-    """Return the field ``activate`` of an elastic element, with these ``options`` besides its trigger.
+    """Return the field ``activate`` of an elastic element, with these ``options`` in addition to its trigger.
 
     ``word`` is its name in texts: "spring", "cable".
     """
@@ -75,8 +75,8 @@ def with_activation(kind, word, forces, stress_free=None, free=STRESS_FREE):
 def activated(kind, word, forces):
     """Return the ``kind`` with the phase "inactive", its last, in which it begins; see ``with_activation``.
 
-    The activation leads to the first of its phases that is not left at once: of a spring beyond a stop, of a contact
-    that overlaps already, it is that after the first of its events whose number is positive.
+    The activation leads to the first of its phases that is not left at once: for a spring beyond a stop, or a contact
+    that already overlaps, to the phase after the first of its events with a positive value.
     """
     inactive, phases = len(kind.phases), kind.phases if kind.events else (ATTACHED_PHASE,)
     engaged = "between" if "between" in phases else phases[0]
@@ -94,13 +94,13 @@ def activated(kind, word, forces):
 
 
 def kept_shifts(memory, phases):
-    """Return {phase: indices} of a ``memory`` that does not change: the shifts of set points do while inactive only."""
+    """Return {phase: indices} of a ``memory`` that is kept: shifts of set points change only while inactive."""
     shifts = tuple(i for i, name in enumerate(memory) if name.startswith(SHIFT))
     return {phase: shifts for phase in phases if phase != INACTIVE}
 
 
 def _with_samples(found, stress_free):
-    """Return samples together with those of the first one before and after its activation."""
+    """Return samples, and the first of them before and after its activation."""
     values, nodes, phase = found[0]
     given = {"time": 0.3, "when": None}
     triggers = [given, {**given, "stress_free": True}] if stress_free else [given]

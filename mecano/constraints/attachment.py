@@ -1,4 +1,4 @@
-"""Attachment: nodes that move with a first one as if welded to it.
+"""Attachment of nodes that move as if welded to a first one.
 
 A node with the initial rotation of the first one shares its rotation (Boolean identification). A node with an
 orientation of its own, a marker, is held by three constraints between the axes of both. Positions are held by a rigid

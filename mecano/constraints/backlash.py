@@ -1,4 +1,4 @@
-r"""Backlash of rigid teeth: the flanks leave one another free within a play, and meet at its ends with a shock.
+r"""Backlash of rigid teeth: the flanks do not touch within a play, and meet at its ends with a shock.
 
 With the transmission error s, by which the pitch circle of the first gear is ahead of that of the second one, and the
 play j, half of it on each side at the start:

@@ -5,7 +5,7 @@ With the force F that the joint transmits, the radius r, the relative angular ve
 
 .. math::  M = r\, |F|\, \mu(u)\,\phi(u)\, w/|w|
 
-on a along w, on b against it: the ball bears at one point, next to which it slides as fast as it can.
+on a along w, on b against it: the ball bears at one point, assumed where the sliding speed is largest.
 """
 
 from mecano.constraints.along_coordinate.friction import FRICTION_RECORD, POWER, REGULARIZED, friction_record

@@ -18,8 +18,8 @@ since the start, where it has the tension :math:`T_0`. With the stiffness k and 
 
 while it is taut, where both :math:`\Delta` and :math:`\Delta + \tau\dot\Delta` are positive. Energy that remains when
 it goes slack is dissipated until :math:`\Delta = 0`. L and the angles are exact for parallel axes and pulleys in one
-plane; small inclinations are allowed. That of a belt that is activated stress-free has the tension :math:`T_0` then;
-before, and after a release, its nodes may leave no tangent.
+plane; small inclinations are allowed. The span of a belt that is activated stress-free has the tension :math:`T_0` at
+that instant; before, and after a release, no tangent need exist.
 """
 
 import math
@@ -113,14 +113,14 @@ def _since_activation(geometry, i):
 
 @kernel
 def _lost(at, stretch):
-    """Return whether the span does not act, and its nodes leave no tangent, so that its stretch is not a number."""
+    """Return whether the span does not act, and no tangent exists, so that its stretch is not a number."""
     return at.phase > SLACK and not math.isfinite(value(stretch))
 
 
 def _functions(geometry, angles, always):
-    """Return the functions of a span with this ``geometry`` and so many ``angles`` in its memory.
+    """Return the functions of a span with this ``geometry`` and ``angles`` angles in its memory.
 
-    ``always`` is whether it acts in all of its phases, and its nodes always leave a tangent.
+    ``always``: the span acts in all of its phases, and a tangent always exists.
     """
 
     @kernel
@@ -161,7 +161,7 @@ def _functions(geometry, angles, always):
 
 
 def _kind(name, doc, layout, geometry, radii):
-    """Return the Kind of a span with this ``geometry``, between nodes of which samples have these ``radii``."""
+    """Return the Kind of a span with this ``geometry``; ``radii`` of the pulleys in its samples."""
     memory = ("angle_0", "angle_1")[: len(layout) - 2]
     return Kind(
         name=name, doc=doc, dtype=RECORD, layout=layout, outputs=OUTPUTS, phases=PHASES, events=EVENTS, memory=memory,
@@ -193,7 +193,7 @@ def span_kind(at_a_point, released, activation):
     Parameters
     ----------
     at_a_point : bool
-        Whether it ends there, not at a second pulley.
+        Whether the span ends at a point, not at a second pulley.
     released : bool
         Whether the belt has a release.
     activation : None or bool
@@ -227,7 +227,7 @@ def span_record(first, second):
 
 
 def check_tangent(names, places, radii, frame):
-    """Return errors of two neighbours between which a belt has no tangent, or one that is not in the plane of both.
+    """Return errors of two neighbours between which a belt has no tangent, or none in the plane of both.
 
     ``names``, ``places`` (3,) and ``radii`` are those of both nodes; ``frame`` (3, 3) has the axis in its last row.
     """

@@ -1,7 +1,7 @@
 r"""Capstan friction of a cable on the pulleys over which it slides: the tensions of neighbouring spans differ.
 
 Over pulley i, with the angle of its arc :math:`\theta_i` and the coefficient :math:`\mu_i`, the cable slides at the
-speed :math:`u_i`, > 0 towards the span before it. The tensions of the spans before and behind it (:math:`N_0` is the
+speed :math:`u_i`, > 0 towards the span before it. The tensions of the spans before and after it (:math:`N_0` is the
 output ``tension_1``) satisfy
 
 .. math::  N_i = N_{i-1}\, \exp(-\mu_i\, \theta_i\, \phi(|u_i|)\, \mathrm{sign}\, u_i)
@@ -53,7 +53,7 @@ from mecano.schema import NUMBERS, Field, mapping
 
 @kernel
 def _pulley(p, at, i):
-    """Return half of the arc on pulley i, and gradients of the lengths that it takes up of the spans at its sides."""
+    """Return half of the arc on pulley i, and gradients of the lengths that it takes up from the spans at its sides."""
     before, g_before, turning_before = side(p, at, i, i - 1)
     behind, g_behind, turning_behind = side(p, at, i, i)
     r = p.radii[i]
@@ -78,7 +78,7 @@ def _begin(p, at, cable, tension):
 
 @kernel
 def _over(p, at, i, pulley, cable, sums):
-    """Return the sliding speed over pulley i, and the ``sums`` continued to the end of the free span behind it.
+    """Return the sliding speed over pulley i, and the ``sums`` continued to the end of the free span after it.
 
     They are the part of the path, the rate at which it takes up cable, the tension, and the contribution to the mean.
     """
@@ -97,7 +97,7 @@ def _over(p, at, i, pulley, cable, sums):
 
 @kernel
 def _first_tension(p, at, cable):
-    """Return the tension of span 0, from the mean if it were 1."""
+    """Return the tension of span 0 for the given mean, from the mean that a tension of 1 gives."""
     sums = _begin(p, at, cable, 1.0)
     for i in range(1, len(p.radii) - 1):
         _, sums = _over(p, at, i, _pulley(p, at, i), cable, sums)
@@ -106,7 +106,7 @@ def _first_tension(p, at, cable):
 
 @kernel
 def _pull_span(p, at, f, i, T):
-    """Add the tension T of the free span behind node i."""
+    """Add the tension T of the free span after node i."""
     d, _, free = span(p, at.q, i)
     pull(f, i, (T / free) * d)
 
@@ -177,7 +177,7 @@ def friction_field():
 def capstan(n, by_signal=False, phases=PHASES, stress_free=False):
     """Return the Kind of the friction on n pulleys of a cable, with a payout by a law or a signal, and its phases.
 
-    That of a ``stress_free`` one has the natural length of its path at its activation, before which it is in the last.
+    A ``stress_free`` cable has the natural length of its path at its activation; before, it is in its last phase.
     """
     payout = of_signal if by_signal else of_law
     unknowns, strain_of = shifted_path(n, payout) if stress_free else (path_unknowns(n), strain_by(payout))

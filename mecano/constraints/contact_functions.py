@@ -78,8 +78,8 @@ def _no_friction(p, at, touched, N):
 def _event_values(shapes, row, inputs=0):
     """Return ``event_values``: the depth [m]; then -N [N] of the multiplier at ``row``, or the gap without one.
 
-    Of a rigid contact with two ``inputs``, before its multiplier, there follow the trigger of activation while nothing
-    overlaps, the same while the bodies overlap, and the end of the overlap [m].
+    For a rigid contact with two ``inputs``, before its multiplier, the trigger of activation while nothing overlaps,
+    the same while the bodies overlap, and the end of the overlap [m] follow.
     """
     touch = shapes.touch
 
@@ -131,7 +131,7 @@ def elastic(shapes, rubs):
 
 
 def rigid(shapes, inputs=0):
-    """Return the functions of the constraint of a rigid contact with so many inputs, as fields of a Kind."""
+    """Return the functions of the constraint of a rigid contact with ``inputs`` inputs, as fields of a Kind."""
     touch, approach, row = shapes.touch, shapes.approach, 3 * len(shapes.layout) + inputs
     gradient = _gradient if shapes.turning else _central_gradient
 

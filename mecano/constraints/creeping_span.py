@@ -1,7 +1,7 @@
 r"""Span of a belt that creeps on its pulleys: an elastic line, as of a belt without creep, with the creep c as a state.
 
-A belt comes onto a pulley at the speed u of its surface and sticks to it. Where it leaves the pulley its tension, and
-so its strain, is that of the next span: the same mass per time leaves at another speed. With the tension T of the span,
+A belt runs onto a pulley at the speed u of its surface and sticks to it. Where it leaves the pulley it has the tension
+and strain of the next span, so that the same mass per time leaves at another speed. With the tension T of the span,
 :math:`T_i` of the other span at pulley i, and the speed :math:`u_i` of the surface of pulley i in the sense from pulley
 0 to pulley 1, the span is fed at each pulley that the belt leaves for it,
 
@@ -34,7 +34,7 @@ CREEPING_RECORD = with_fields(RECORD, EA=())
 def _surface_speed(at, radius, axes, delta, R, omega):
     """Return the speed u of the surface of a pulley, from the first node to the second [m/s].
 
-    ``axes`` are those of the pulley, R (3, 3) its rotation, ``omega`` the place of its angular velocity in at.v.
+    ``axes`` are those of the pulley, R (3, 3) its rotation, ``omega`` the index of its angular velocity in at.v.
     """
     d = R.T @ (vec(at.q, 6) - vec(at.q, 0))
     _, g = tangent_direction(axes, d, delta)

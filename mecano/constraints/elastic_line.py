@@ -71,7 +71,7 @@ def put_line_energy(p, q, v, e):
 
 @kernel
 def add_strain_energy(elastic, viscous, strain, strain_rate, L, L_rate, e):
-    """Add the elastic energy EA eps^2 L/2 of a line [J]; write its dissipated power, and that given by dL/dt [W].
+    """Add the elastic energy EA eps^2 L/2 of a line [J]; write the power dissipated, and the power given by dL/dt [W].
 
     ``elastic`` and ``viscous`` are the parts of its tension [N].
     """
@@ -83,7 +83,7 @@ def add_strain_energy(elastic, viscous, strain, strain_rate, L, L_rate, e):
 def line_record(d, nodes, context):
     """Return the values of ``LINE_RECORD``; the natural length defaults to that of the pretension at the start.
 
-    That of a formula is not known yet: the mass is then that of the initial distance.
+    If it is a formula, it is not known yet, and the mass is that of the initial distance.
     """
     natural = distance(nodes) / (1.0 + prestrain(d)) if d["natural_length"] is None else d["natural_length"]
     known = distance(nodes) if is_formula(natural) else natural

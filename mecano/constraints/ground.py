@@ -22,7 +22,7 @@ from mecano.maths.vector import Vec3, dot, vec
 GROUND_RECORD = {"point": 3, "normal": 3, "direction": 3, "height": "i"}
 
 LEAST_Q = 0.1  # of |n x a|: below it the wheel lies flat, and its contact runs around the rim
-STANDING = 1e-3  # of the radius: a rim no farther from the ground initially is taken as standing on it
+STANDING = 1e-3  # of the radius: a rim initially no farther from the ground stands on it
 LEAN = Output(
     "lean",
     "rad",
@@ -105,7 +105,7 @@ def rim_above(ground, radius, x, axis):
 
 
 def too_low(depth, lift, because=""):
-    """Return an error for a rim ``depth`` [m] below the ground initially; raising the node by ``lift`` [m] cures it."""
+    """Return an error for a rim initially ``depth`` [m] below the ground, by ``lift`` [m] along its normal."""
     return (
         f"the rim is {depth:.4g} m below the ground at the start{because}; it just touches with its node "
         f"{lift:.4g} m higher along the normal of the ground"
@@ -157,7 +157,7 @@ def touch(p, laws, x, a):
 
 @kernel
 def _profile(laws, height, sigma):
-    """Return height [m], slope [-] and second derivative [1/m] of the profile; the last without its slope."""
+    """Return height [m], slope [-] and second derivative [1/m] of the profile; the last is not differentiated."""
     H, H1, H2 = evaluate_curve(laws, height, value(sigma))
     return chain(sigma, H, H1), chain(sigma, H1, H2), H2
 

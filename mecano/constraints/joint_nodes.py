@@ -1,4 +1,4 @@
-"""Nodes of joints and elements: unknowns that they share, their distance, and checks of their places and rotations."""
+"""Nodes of joints and elements: shared unknowns, distance, and checks of positions and rotations."""
 
 import numpy as np
 

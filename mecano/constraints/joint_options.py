@@ -1,4 +1,4 @@
-"""Options of joints with an axis: the fields of the deck, and the parts that are added where they are given."""
+"""Options of joints with an axis: the fields of the deck, and the parts that they add."""
 
 from collections.abc import Callable
 
@@ -75,7 +75,7 @@ def friction_option(kind, values, *geometry):
     """Return the Option of friction driven by the reactions of all axes that the joint holds.
 
     ``kind`` is coupled to their multipliers, ``values(place, friction, context)`` returns its record, ``geometry`` are
-    its fields beside those of every friction.
+    its fields in addition to those of every friction.
     """
     coupled_to = tuple(range(len(kind.coupled_multipliers)))
 

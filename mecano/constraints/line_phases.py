@@ -1,7 +1,7 @@
 """Phases and events shared by lines that only pull: taut, relaxing and slack.
 
-A line with damping goes slack, where it would push, while it is still longer than its natural length. Until it has this
-length it is relaxing: the elastic energy that remained is dissipated. The dissipated power vanishes there with a
+A line with damping goes slack when it would push, while it is still longer than its natural length. Until it reaches
+this length it is relaxing: the remaining elastic energy is dissipated. The dissipated power vanishes there with a
 corner, so the end is an event, at which a time step ends.
 """
 
@@ -25,7 +25,7 @@ EVENTS = (
 def put_line_events(g, is_taut, strain, strain_rate, damping):
     """Write the values of ``EVENTS`` [the unit of the strain] to g: the tension follows the smaller of two strains.
 
-    A line that was not taut, and is activated shorter than its natural length, is slack at once.
+    A line that was not taut and is activated shorter than its natural length is slack at once.
     """
     taut = min(strain, strain + damping * strain_rate)
     g[0] = g[1] = taut

@@ -17,7 +17,7 @@ from mecano.jit.kernel import kernel
 from mecano.jit.memory import give_back, take_items
 from mecano.maths.dual import number
 
-ENERGIES = 4  # number that ``observe`` writes
+ENERGIES = 4  # number of energies that ``observe`` writes
 
 
 @cache

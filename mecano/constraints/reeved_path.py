@@ -1,8 +1,8 @@
 r"""Path of a cable over pulleys: its spans, arcs and strain (equations in elements/members/reeved_cable.py).
 
 The record p of its users has the fields of ``path_record``; the local unknowns are the position of the first node,
-position and rotation of each pulley, the position of the last node, and the payout if that is a signal. Beyond the
-phases of a line the nodes may leave no path: then its length is not a number, nor is its rate.
+position and rotation of each pulley, the position of the last node, and the payout if that is a signal. In phases
+beyond those of a line no path need exist: then its length and rate are not numbers.
 """
 
 import math
@@ -37,7 +37,7 @@ def path_unknowns(n):
 
 
 def shifted_path(n, payout):
-    """Return (unknowns and memory, strain) of a path whose natural length is that at the activation.
+    """Return (unknowns and memory, strain) of a path whose natural length is its length at the activation.
 
     The arguments are the number of pulleys and the ``payout``, which counts from the activation; see ``strain_by``.
     """
@@ -62,7 +62,7 @@ def place(i):
 
 @kernel
 def span(p, q, i):
-    """Return d, the difference of the radii, and the free length of the span behind node i."""
+    """Return d, the difference of the radii, and the free length of the span after node i."""
     d, delta = vec(q, place(i + 1)) - vec(q, place(i)), p.radii[i + 1] - p.radii[i]
     return d, delta, sqrt(dot(d, d) - delta * delta)
 
@@ -79,7 +79,7 @@ def side(p, at, i, k):
 
 @kernel
 def arc(p, at, i):
-    """Return the angle of the arc on pulley i, and its gradients by d before and behind it and by the rotation."""
+    """Return the angle of the arc on pulley i, and its gradients by d before and after it and by the rotation."""
     before, g_before, turning_before = side(p, at, i, i - 1)
     behind, g_behind, turning_behind = side(p, at, i, i)
     angle = follow(p.start[i - 1] + at.m[i - 1], behind - before)
@@ -135,13 +135,13 @@ def strain_by(payout):
 
 @kernel
 def lost(p, at):
-    """Return whether the cable does not act, and its nodes leave it no path."""
+    """Return whether the cable does not act, and no path exists."""
     return at.phase > SLACK and not math.isfinite(value(path(p, at)[1]))
 
 
 @kernel
 def pull(f, i, pull):
-    """Add the force that stretches the span behind node i."""
+    """Add the force that stretches the span after node i."""
     add_vec(f, place(i), -1.0, pull)
     add_vec(f, place(i + 1), 1.0, pull)
 

@@ -1,7 +1,7 @@
 """Release of a joint, cable or spring at a given time or by a condition: from then on it carries no force, permanently.
 
 The trigger is an input, a formula that rises through zero. The release does not change velocities, accelerations jump.
-That of a joint loses no energy; the elastic energy of a cable or spring is lost, and recorded with the event.
+The release of a joint loses no energy; the elastic energy of a cable or spring is lost, and recorded with the event.
 """
 
 from dataclasses import replace
@@ -62,7 +62,7 @@ def cut(kind, word):
 def detached(kind, word, forces):
     """Return the ``kind`` of an elastic element with a ``residual`` and a release, as ``cut`` does.
 
-    Released it has no force, energy or power; ``forces`` are the indices of its outputs that are zero then.
+    Once released, it has no force, energy or power; ``forces`` are the indices of its outputs that are zero then.
     """
     return replace(cut(kind, word), idle={**kind.idle, RELEASED_PHASE: forces})
 
@@ -70,7 +70,7 @@ def detached(kind, word, forces):
 def with_release(kind, word, forces):
     """Return the ``kind`` of an elastic element with the field ``release``; the arguments are those of ``detached``.
 
-    If ``forces`` are None, its own functions are without force in any additional phase, as ``cut`` requires.
+    If ``forces`` is None, its own functions give no force in any additional phase, as ``cut`` requires.
     """
     released = cache(lambda base: cut(base, word) if forces is None else detached(base, word, forces))
 

@@ -5,7 +5,7 @@ lateral direction l = n x t, all at the contact C of surface.py, at any inclinat
 the lateral force on the disc, (22)-(24) of Cardona, Geradin & Doan 1991. They are inactive in the phase "air".
 
 The tangent is written by hand: with dual numbers that of a rolling disc takes three times as long on a plane, and nine
-times on a profile, where each pass searches the contact anew; the time integration of the decks rolling_disc and
+times on a profile, where each pass searches for the contact again; the time integration of the decks rolling_disc and
 bicycle takes 7 and 11 % more processor time (together with rolling_radius.py).
 """
 

@@ -45,7 +45,7 @@ THREAD_FRICTION = replace(
 
 
 def thread_friction_parts(friction, thread, row):
-    """Return the [Part] of the deck's ``friction``, or none; ``thread`` are values of the part ``row``, the thread."""
+    """Return [Part] for the deck's ``friction``, or []; ``thread`` are the values of the thread, the part ``row``."""
     if friction is None:
         return []
     values = {**thread, **friction_values(friction, THREAD.driver)}

@@ -45,7 +45,7 @@ class Patch(NamedTuple):
     v_0: tuple  # v_C with the patch fixed in the wheel [m/s]
     w1: float  # dw/dt with the patch fixed in the wheel [m/s]
     rolled: float  # dy/dt of a patch without lateral slip [m/s]
-    twist: float  # 1 if the twist moves a displaced patch along, 0 if psi is only the slip angle
+    twist: float  # 1 if the twist moves a displaced patch, 0 if psi is only the slip angle
 
 
 @kernel

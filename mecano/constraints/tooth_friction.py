@@ -69,7 +69,7 @@ def _backdriving(value):
 
 
 def friction_field(backward, speed, doc):
-    """Return the field ``friction``: ``backward`` says when power passes so, ``speed`` is the regularization."""
+    """Return the field ``friction``; ``backward`` and ``speed`` describe backward power and the regularization."""
     return Field(
         "friction",
         mapping(

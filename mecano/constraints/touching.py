@@ -40,7 +40,7 @@ def _at(name, what):
     return Field(name, POINT, "m", f"{what} at the start, inertial; node a when absent", None)
 
 
-PRESSED = 0.01  # of the radius: a node that is less deep in a surface is pressed into it, not within it
+PRESSED = 0.01  # of the radius: a node less deep in a surface is pressed into it, not inside it
 SURFACES = {
     "plane": mapping(
         Field("normal", DIRECTION, "-", "normal at the start, inertial, towards the ball"), _at("point", "a point")
@@ -97,7 +97,7 @@ class Shapes(NamedTuple):
     record: dict  # fields of the record
     values: Callable  # (d, nodes, context) -> their values
     check: Callable  # (d, nodes) -> errors
-    gap_at_start: Callable  # (d, nodes) -> gap [m], a place
+    gap_at_start: Callable  # (d, nodes) -> gap [m], a position
 
     @property
     def layout(self):
@@ -207,7 +207,7 @@ def gap_at_start(d, nodes):
 
 
 def check_one_surface(d):
-    """Return errors for none or several surfaces, and for a surface of the ground without a place."""
+    """Return errors for none or several surfaces, and for a surface of the ground without a position."""
     surfaces = [name for name in SURFACES if name in d]
     if sum(d[name] is not None for name in surfaces) != 1:
         return [f"give exactly one of {', '.join(map(repr, surfaces))}"]

@@ -78,7 +78,7 @@ def ellipsoid_gap_at_start(d, nodes):
 
 
 def check_ellipsoid(d, nodes):
-    """Return errors for an ellipsoid at a surface that is no plane, with a radius, or without a place."""
+    """Return errors for an ellipsoid at a surface that is not a plane, with a radius, or without a position."""
     if named_surface(d)[0] != "plane":
         return [f"an 'ellipsoid' touches a 'plane', not a '{named_surface(d)[0]}'"]
     if d["radius"]:

@@ -10,8 +10,8 @@ There, with the radial direction e of the centre and the radius r of the ball, t
 .. math::  n = s\,\frac{e - \rho'\alpha}{\sqrt{1 + \rho'^2}}, \qquad
            g = s\,\frac{h - \rho - \rho'\,(a - z)}{\sqrt{1 + \rho'^2}} - r
 
-s is 1 outside of the surface and -1 inside. The point is the only one, and depends smoothly on the centre, where the
-ball is smaller than the radius of curvature of the concave parts of the meridian.
+s is 1 outside of the surface and -1 inside. This point is unique, and depends smoothly on the centre, if the ball is
+smaller than the radius of curvature of the concave parts of the meridian.
 """
 
 import math
@@ -46,7 +46,7 @@ def _nearest(laws, profile, along, away):
     for _ in range(ITERATIONS):
         rho, slope, bend = evaluate_curve(laws, profile, z)
         step = (along - z + (away - rho) * slope) / _rise(rho, slope, bend, away)
-        most = 0.5 * abs(rho)  # where the profile turns away from the ball, it would go too far
+        most = 0.5 * abs(rho)  # where the profile turns away from the ball, the step would be too long
         step = max(-most, min(most, step))
         z += step
         if abs(step) <= END * abs(rho):

@@ -99,7 +99,7 @@ class _Ends:
 
 
 def check_rod(d, nodes):
-    """Return errors for a rod at a surface that is no line, without a place, and for axes that meet."""
+    """Return errors for a rod at a surface that is not a line, without a position, and for axes that meet."""
     name, values = named_surface(d)
     if name not in ("capsule", "cylinder") or values.get("inside"):
         return [

@@ -28,7 +28,7 @@ def triad(axis, first=None):
 
 
 def norm(a):
-    """Return the length of an array (n,) of floats, as numpy.linalg.norm does in ten times as long."""
+    """Return the length of an array (n,) of floats, as numpy.linalg.norm, which takes ten times as long."""
     return math.sqrt(a.dot(a))
 
 

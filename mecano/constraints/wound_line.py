@@ -12,10 +12,10 @@ Its natural length L is the length paid out, at most the full one, :math:`L_f(t)
   strain, :math:`V = \tfrac12 EA\, c^2/L_f`, remains stored, also when the line goes slack; it is held again at the
   same length.
 
-At the full length it becomes an elastic line without a shock (``stretch``), or exchanges momentum as if it were
-held and is then elastic (``shock``) or held (``hold``). The winder dissipates :math:`T \dot\ell - \dot V`.
-With damping a tension as large as that of the winder belongs to a smaller strain than the line has while it is paid
-out, which it has at once: this energy is given with the event.
+At the full length it becomes an elastic line without a shock (``stretch``), or exchanges momentum as if it were held
+and is then elastic (``shock``) or held (``hold``). The winder dissipates :math:`T \dot\ell - \dot V`. With damping, the
+line reaches the tension of the winder at a smaller strain than it has while it is paid out. It takes the larger strain
+at once, and this energy is given with the event.
 """
 
 from mecano.constraints import line_phases
@@ -60,7 +60,7 @@ EVENTS = (
 # [m] natural length; distance minus full length at the last step in which it was not held, and when last held
 MEMORY = ("paid_out", "excess", "held")
 NEARLY = 1.0 - 1e-8  # of the full length: a smaller remainder is neglected
-MORE = 1.0 + 1e-6  # on the tension of the winder: round-off does not draw out line after a stop
+MORE = 1.0 + 1e-6  # on the tension of the winder, so that round-off does not draw out line after a stop
 MULTIPLIER = 6
 
 

@@ -59,7 +59,7 @@ def as_formula(value):
 
 
 def check_alike(name, values):
-    """Return an error if some of the ``values`` of the mapping ``name`` are formulas, and others laws of time."""
+    """Return an error if some ``values`` of the mapping ``name`` are formulas and others laws of time."""
     if any(map(is_formula, values)) and None in map(as_formula, values):
         return [f"{name!r} has formulas and laws of time: a law can be a signal, a 'curve' of the time"]
     return []

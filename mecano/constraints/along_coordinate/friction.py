@@ -53,8 +53,8 @@ def friction_kind(name, doc, coordinate, values, coupled_multipliers, output, lo
     """Return the Kind of friction along one coordinate.
 
     ``load(p, at, rate)`` returns the force against a rate of the coordinate and the normal force that causes it [N, N
-    m]. It reads the ``coupled_multipliers`` from ``at.q``, behind the unknowns of the coordinate's layout: from q[9] on
-    for a slide (x0, R0, x1), from q[12] on with both rotations. ``values`` are the fields of the record besides the
+    m]. It reads the ``coupled_multipliers`` from ``at.q``, after the unknowns of the coordinate's layout: from q[9] on
+    for a slide (x0, R0, x1), from q[12] on with both rotations. ``values`` are the fields of the record other than the
     axes and FRICTION_RECORD, ``output`` is the Output of the force.
     """
     gradient = coordinate.gradient

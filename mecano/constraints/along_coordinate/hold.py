@@ -72,7 +72,7 @@ def _minus(c, wanted):
 
 @kernel
 def _turn_between(c, wanted):
-    """Return the difference of two angles, in (-pi, pi]; ``wanted`` is reduced first, to lose no digits of c."""
+    """Return the difference of two angles, in (-pi, pi]; ``wanted`` is reduced first, to keep all digits of c."""
     return wrap(c - wrap(wanted))
 
 

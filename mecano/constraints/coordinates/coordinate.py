@@ -27,7 +27,7 @@ class Coordinate:
     """(p, at, g, K): add g times the derivative of the gradient to K; None if nothing holds the coordinate"""
     rates: Callable | None = None  # (p, at) -> dc/dt, d2c/dt2 along at.v, at.a; None if nothing holds it
     periodic: bool = False  # an angle, in (-pi, pi]
-    inputs: int = 0  # of the elements that hold it
+    inputs: int = 0  # number of inputs of the elements that hold it
 
     @property
     def sliding(self):
