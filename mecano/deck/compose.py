@@ -328,7 +328,7 @@ def _is_bare(key, node):
 
 
 def _with_comma(before, item):
-    """Return the number of which ``before`` and ``item`` are the digits on the sides of a comma, "1,5 kg", or ""."""
+    """Return the number with ``before`` and ``item`` as the digits around a comma, "1,5 kg", or ""."""
     behind = item.line == before.line and item.column == before.column + len(before.raw) + 1
     if not behind or type(before.value) is not int or not item.raw[0].isdigit():
         return ""

@@ -72,7 +72,7 @@ def _complaint(field, value):
 
 
 def default(field: Field, scope: Scope) -> Checked:
-    """Return a new copy of the checked default of a field. An infinite number stands for an absent bound."""
+    """Return a new copy of the checked default of a field. An infinite number represents an absent bound."""
     if field.default is None or field.type.name == "number":
         return field.default
     if id(field) not in scope.defaults:
@@ -191,7 +191,7 @@ def _keys_of(field):
 
 
 def _as_mapping(node, fields):
-    """Return a hint if a value stands in place of a mapping whose one required field, or 'points', it may be, or ""."""
+    """Return a hint if a value may be the one required field, or 'points', of the expected mapping, or ""."""
     fields = tuple(fields)
     required = [field for field in fields if field.required or field.type.name == "points" or len(fields) == 1]
     if len(required) != 1:

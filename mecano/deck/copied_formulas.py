@@ -20,7 +20,7 @@ SIGNS = re.compile(r"[\s*/+<>,()]|^-")  # outside of inserts: of formulas, not o
 QUANTITY = re.compile(r"(?<![\w.])[0-9][0-9.]*\s*(?![eE][-+0-9])[A-Za-z°%]")  # 90 deg
 OPERAND = re.compile(rf"(?<![\w.])(?!(?:{WORDS})\b)[A-Za-z_]\w*\b(?!\s*\()")
 MEASURED = re.compile(rf"(\{OUTER}*)(?<![\w.])([A-Za-z_]\w*)\b((?:\.\w+)*)\b(?!\s*\()")
-JOINED = re.compile(r"[\w.$)(]")  # beside an insert: it is part of a name
+JOINED = re.compile(r"[\w.$)(]")  # next to an insert: it is part of a name
 
 
 def is_formula(text: str, parameters: "Parameters") -> bool:

@@ -1,4 +1,4 @@
-"""Tables of laws in CSV files beside the deck: a header is optional, ``#`` begins a comment.
+"""Tables of laws in CSV files next to the deck: a header is optional, ``#`` begins a comment.
 
 If a table has more than two columns, ``columns`` selects x and y by header or number. A header may have a unit, as in
 ``force [kN]``; ``units`` gives units otherwise.

@@ -136,7 +136,7 @@ def _named(type_):
 
 
 def _shorthand(type_):
-    """Return the schema of a mapping or list, or of the keywords that stand for one."""
+    """Return the schema of a mapping or list, or of the keywords that replace one."""
     schema, words = _of(type_.options[0]), [word for word, _ in type_.options[1]]
     return {"if": {"type": schema["type"]}, "then": schema, "else": {"enum": words}}
 

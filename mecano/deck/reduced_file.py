@@ -1,4 +1,4 @@
-"""Reduced matrices of superelements: in the deck, or in .yaml, .npz and .h5 files beside it.
+"""Reduced matrices of superelements: in the deck, or in .yaml, .npz and .h5 files next to it.
 
 All have the same keys: ``positions``, ``stiffness``, ``mass``, optionally ``damping``, to recover inner motions
 ``interior_names``, ``interior_positions``, ``interior_basis``, and for pictures ``lines``. A .yaml file, the deck, and

@@ -1,4 +1,4 @@
-"""Values of ``repeat``: ranges and lists, of which all combinations are taken, or rows that belong together."""
+"""Values of ``repeat``: ranges and lists, in all combinations, or rows that belong together."""
 
 from itertools import product
 

@@ -42,7 +42,7 @@ def starter(name: str) -> str:
 
 
 def write_example(name: str, path: "str | os.PathLike[str]") -> list[str]:
-    """Write an example deck to ``path`` and the files that it reads beside it; return the names of these files.
+    """Write an example deck to ``path``, and the files that it reads next to it; return the names of these files.
 
     Raises UsageError for an unknown name or if a file would be replaced; ResultsError if one cannot be written.
     """

@@ -40,7 +40,7 @@ DEFAULT = Source("default", "")
 
 
 class Invalid(Enum):
-    """The type of INVALID, which stands for a value that has been refused."""
+    """The type of INVALID, the placeholder of a refused value."""
 
     INVALID = "invalid"
 
@@ -123,7 +123,7 @@ class Scope:
         return self.refuse(node, f"{subject}{what}{unit_text(declared)}, got {self.got(node)}", hint)
 
     def _of_parameters(self, node, declared):
-        """Return a hint on a text in place of a number that is an expression of parameters but for the '$', or ""."""
+        """Return a hint on a text that would be an expression of parameters with a '$', in place of a number, or ""."""
         if type(node.value) is not str or declared.type.name != "number" or len(node.value) > MAX_EXPRESSION:
             return ""
         text = WORD.sub(lambda word: f"${word[0]}" if self.parameters.known(word[0]) else word[0], node.value)

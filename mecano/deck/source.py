@@ -66,7 +66,7 @@ class Lines:
     def __init__(self, text: str):
         self._text, self._begins = text, array("q", [0])
         self._begins.extend(end.end() for end in LINE_END.finditer(text))
-        self._last: tuple[int | None, str] = (None, "")  # the last line asked for: many errors may share a long one
+        self._last: tuple[int | None, str] = (None, "")  # the last line requested: many errors may share a long one
 
     def __len__(self):
         return len(self._begins)

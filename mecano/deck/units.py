@@ -221,7 +221,7 @@ def _meant(word, wanted=None):
 
 
 def _readings(factor):
-    """Return the units that may be meant by a factor: but for case and spaces, in full, plural; or the factor."""
+    """Return the units that a factor may mean: in another case, with spaces, in full, plural; or the factor."""
     if parsed(factor):
         return [factor]
     name = re.sub(r"\^?-?[0-9]\Z", "", factor)

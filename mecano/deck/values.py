@@ -26,7 +26,7 @@ SIX = replace(NUMBERS, expects="six numbers")
 
 
 def plain_number(node: Node, field: Field, scope: Scope) -> int | float | Invalid | None:
-    """Return the int or float of a node, expression or quantity; None if it is no number, INVALID if it is wrong."""
+    """Return the int or float of a node, expression or quantity; None if it is not a number, INVALID if it is wrong."""
     value = node.value
     if type(node) is Given and _quantity(node, node.given, field, scope, node.text) is INVALID:
         return INVALID

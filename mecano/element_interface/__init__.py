@@ -1,8 +1,8 @@
 """The interface that every kind of element, joint, load and basic constraint implements.
 
 A ``Kind`` (kind.py) consists of a name, its entry in a deck, its mechanics, its events and its display, with one class
-for each of these groups; declarations.py has the values of which they consist, records.py the records of parameters.
-This page describes the functions of a kind, in the order in which an element needs them.
+for each of these groups; declarations.py has their values, records.py the records of parameters. This page describes
+the functions of a kind, in the order in which an element needs them.
 
 The local unknowns of one element are ordered as follows: the slots of ``layout`` (3 unknowns each; "x0" is the position
 of its first node, "R0" its rotation), its ``scalars``, its ``multipliers``, and the multipliers of other parts to which
@@ -48,7 +48,7 @@ grip holds in both directions until another event releases it, whose number may 
 change during a shock, a constraint may use the memory that its ``commit`` has just written.
 
 ``commit(p, at, m_out)`` writes the new memory after an accepted step. If the kind ``follows_jumps`` of its inputs, it
-is also called behind every event, at the same time or the next number after it.
+is also called after every event, at the same time or the next number after it.
 
 Where a benchmark shows that derivatives by hand pay, ``force(p, at, f, K, C, M)`` replaces ``residual``: it also adds
 the exact derivatives K = df/dq, C = df/dv, M = df/da to (n_local, n_local) arrays that are zero on entry. The columns

@@ -64,7 +64,7 @@ class Event:
     phase at the end of a step follows from the motion there, without the shock that the event may have"""
     one_sided: bool = False
     """True if the force beyond it would have the wrong sign: where a step begins beyond it, as after a shock, it
-    happens at once, also if the motion leaves it behind before the end of the step"""
+    happens at once, also if the motion departs from it before the end of the step"""
     command: str = ""
     """input whose value is its number"""
     beyond: int = -1

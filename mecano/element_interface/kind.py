@@ -55,7 +55,7 @@ class OwnOutput(NamedTuple):
 
 @immutable
 class Part:
-    """A basic constraint or element of which a kind is composed: its nodes and its parameters.
+    """A basic constraint or element that is part of a kind: its nodes and its parameters.
 
     A part that has the phases of its owner is always in the phase of its owner.
     """
@@ -157,7 +157,7 @@ class Mechanics:
     """{output: text, what to do instead}: outputs that signals cannot read, because ``observe`` has them from F, from
     accelerations, or not from Duals"""
     revealed: "Kind | None" = None  # variant without shared unknowns, in which nothing is hidden
-    senses: "Kind | None" = None  # the kind of which it measures an output; see constraints/output_sensor.py
+    senses: "Kind | None" = None  # the kind whose output it measures; see constraints/output_sensor.py
     start: Callable | None = None
     """record -> initial values (n_scalars,) of its scalars; zeros by default"""
     idle: dict[str, Sequence[int]] = field(default_factory=dict)
@@ -217,7 +217,7 @@ class Events:
     """record -> index of the initial phase, where the deck specifies it; by default the first of ``phases``"""
     memory: tuple[str, ...] = ()  # names of the values kept from step to step
     commit: Callable | None = None
-    follows_jumps: bool = False  # ``commit`` is also called behind events and corners, where its inputs may have jumped
+    follows_jumps: bool = False  # ``commit`` is also called after events and corners, where its inputs may have jumped
     kept: dict[str, Sequence[int]] = field(default_factory=dict)
     """{phase: indices of values of the memory that ``commit`` does not change in it}"""
     times: Callable = nothing

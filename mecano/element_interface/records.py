@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 Shape: TypeAlias = int | str | tuple[int, ...]  # of a number or an array of them; "i" for an integer
 UNUSED = "unused"  # field of an empty record
 RECORDED: dict[str, Shape] = {"number": (), "vector": 3, "direction": 3, "law": "i", "curve": "i"}  # by type of field
-LAWS = ("law", "curve")  # types of fields of which a record has the start in the table of laws
+LAWS = ("law", "curve")  # types of fields stored in a record as the start in the table of laws
 
 
 def record(**fields: Shape) -> np.dtype:

@@ -77,7 +77,7 @@ MODULES = {
 
 
 class Kinds(MutableMapping):
-    """Kinds by name; those of mecano are imported when they are first asked for, since few are needed for a deck."""
+    """Kinds by name; those of mecano are imported when they are first used, since a deck needs few."""
 
     def __init__(self, modules):
         self._found = dict.fromkeys(modules)

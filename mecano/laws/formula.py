@@ -63,7 +63,7 @@ class Formula(NamedTuple):
 
     @property
     def numbers(self):
-        """The program as it stands in the table of laws."""
+        """The program as stored in the table of laws."""
         return [float(len(self.program)), *(x for step in self.program for x in step)]
 
 

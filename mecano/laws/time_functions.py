@@ -27,7 +27,7 @@ def sine_integral(a, i, s):
 
 @kernel
 def ramp(a, i, s):
-    """Evaluate the term; numbers: start, end, from, to; at its corners the slope is that behind them."""
+    """Evaluate the term; numbers: start, end, from, to; at its corners the slope is that after them."""
     if s < a[i]:
         return a[i + 2], 0.0, 0.0
     if s >= a[i + 1]:

@@ -1,7 +1,7 @@
 """Blank results files: everything that depends on the layout only, created once and cached.
 
 Creating the named views of a large model may take longer than its run, and all runs of a model have the same views. So
-the bytes of a blank file are cached beside the compiled code, and a run starts with a copy.
+the bytes of a blank file are cached with the compiled code, and a run starts with a copy.
 """
 
 import hashlib

@@ -1,4 +1,4 @@
-"""Scale of an error of the energy balance, for warnings, summaries and pictures alike."""
+"""Scale of an error of the energy balance, for warnings, summaries and pictures."""
 
 from collections.abc import Mapping
 

@@ -25,7 +25,7 @@ def endless_heaps(descriptor: int, size: int) -> list[int]:
 def _places(data):
     """Yield the places of all heaps.
 
-    ``mmap.find`` of Python before 3.11.4 reads the byte behind the part it searches, which may lie in no page of the
+    ``mmap.find`` of Python before 3.11.4 reads the byte after the part it searches, which may lie in no page of the
     program. The last byte belongs to no signature, as a heap is longer.
     """
     place = data.find(SIGNATURE, 0, len(data) - 1)

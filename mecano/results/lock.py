@@ -1,4 +1,4 @@
-"""Lock of a results file: a record of the writing process beside the file while it is written.
+"""Lock of a results file: a record of the writing process next to the file while it is written.
 
 ``.NAME.lock`` is created by linking a complete file to that name, which fails if the name exists, also on NFS. A record
 is stale if its process has ended (killed, or the machine rebooted), and the next run replaces it; this can be decided

@@ -83,7 +83,7 @@ def unreadable(source: Checked, error: BaseException, what: str = "") -> str:
 
 
 def cut_short(paths: Iterable[str | os.PathLike[str]]) -> Iterator[str]:
-    """Yield a warning for each truncated file, of which only the remaining data are shown."""
+    """Yield a warning for each truncated file; only its remaining data are shown."""
     for path in paths:
         with suppress(OSError, ValueError):
             source = Checked(path)

@@ -135,12 +135,12 @@ def read_response(path: "str | os.PathLike[str]") -> ResponseFile:
 
 
 def refuse_table(path: "str | os.PathLike[str]", force: bool) -> None:
-    """Raise ResultsError if the table beside a file of a response exists, unless ``force``."""
+    """Raise ResultsError if the table next to a file of a response exists, unless ``force``."""
     refuse_present(Path(path).with_suffix(".csv"), force)
 
 
 def write_table(path: "str | os.PathLike[str]", found: Found, force: bool) -> None:
-    """Write the transfer functions as CSV beside a file, a row for each frequency. Raises ResultsError."""
+    """Write the transfer functions as CSV next to a file, a row for each frequency. Raises ResultsError."""
     write_csv(Path(path).with_suffix(".csv"), _rows(found), force)
 
 

@@ -1,4 +1,4 @@
-"""Growing tables in a results file: numbers in one dataset, of which each series is a view, and events.
+"""Growing tables in a results file: numbers in one dataset, with each series as a view, and events.
 
 Hundreds of growing datasets would cost milliseconds at every flush. So all numbers of a saved time form one row of a
 single chunked dataset (views.py).
@@ -48,7 +48,7 @@ def _stored(text):
 def name_axes(dataset: h5py.Dataset, *scales: h5py.Dataset) -> None:
     """Assign dimension scales to the axes of a dataset, as the HDF5 dimension scale specification stores them.
 
-    The back references of the scales are left out (H5DSattach_scale rewrites their whole list for every dataset).
+    The back references of the scales are omitted (H5DSattach_scale rewrites their whole list for every dataset).
     """
     put_axes(dataset.id, references(scales))
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import os
 
 GROUP = "VTKHDF"
-VERSION = (2, 2)  # the first version that allows other groups beside it
+VERSION = (2, 2)  # the first version that allows other groups in the file
 VERTEX, LINE, POLY_LINE = 1, 3, 4
 TEXT = h5py.string_dtype("ascii")  # the type of UTF-8 crashes VTK 9.7; UTF-8 bytes in this one do not
 COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}

@@ -36,7 +36,7 @@ WRITING = "writing failed"
 """Beginning of the reason of a run that ended because of a full disk."""
 LOST = (errno.ENOENT, errno.ENODATA)  # the file was removed, replaced or cut short
 UNSAFE = 2**14
-"""Numbers that were handed to the disk and are not acknowledged: a failure of the disk loses no more."""
+"""Limit of numbers passed to the disk and not yet acknowledged, which a failure of the disk may lose."""
 _CLOSING = 2e-9
 """Time to close a file per byte [s]: writing cached data to the disk, and the checksums."""
 

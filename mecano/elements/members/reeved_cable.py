@@ -6,7 +6,7 @@ the ``axis``, negative where it turns clockwise. The pulleys need neither a body
 cable does not turn them: on pulleys with inertia or a torque use a ``belt``, which does not slip.
 
 A span from node i to node j is along the common tangent of both circles; on a pulley of the radius :math:`\rho_i` (zero
-at a point) the cable lies on an arc from the direction :math:`\psi_i^-` of the span before to that of the span behind,
+at a point) the cable lies on an arc from the direction :math:`\psi_i^-` of the span before to that of the span after,
 :math:`\psi_i^+`, over any number of turns. With :math:`d = x_j - x_i`, the length of its path is
 
 .. math::  \ell = \sum \sqrt{|d|^2 - (\rho_j - \rho_i)^2} + \sum \rho_i\,(\psi_i^+ - \psi_i^-)

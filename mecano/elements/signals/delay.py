@@ -16,9 +16,9 @@ from mecano.schema import NUMBER, Field, positive
 OWN, U = 0, 1  # local unknowns: the value; the input
 KEPT = 256
 MOST = 2 * KEPT  # pairs in the memory, with those of jumps
-INSTANT = 1e-9  # of the delay: values less apart are those before and behind a jump
+INSTANT = 1e-9  # of the delay: values closer in time are those before and after a jump
 UNCHANGED = 1e-12  # relative change that is no jump
-STEEPEST = 3.0  # slope of a monotone cubic over the smallest mean slope beside it (Fritsch & Carlson 1980)
+STEEPEST = 3.0  # slope of a monotone cubic over the smallest adjacent mean slope (Fritsch & Carlson 1980)
 COUNT, FIRST = 0, 1  # in the memory: number of pairs (t, u); first of the pairs, which are newest first
 
 
@@ -86,7 +86,7 @@ def _slope(p, length, mean, beside):
 
 @kernel
 def _limited(slope, mean, beside):
-    """Return the slope, at most STEEPEST times the smaller of two mean slopes beside it."""
+    """Return the slope, limited to STEEPEST times the smaller of both adjacent mean slopes."""
     most = STEEPEST * min(abs(mean), abs(beside))
     return min(max(slope, -most), most)
 
