@@ -325,7 +325,7 @@ except MemoryError:
         (("a.h5", "--animate", "a.html", "--format", "svg"), "--format: only for pictures"),
         (("a.h5", "--animate", "a.html", "--spectrum", "x"), "--spectrum: the page of --animate has plots over time"),
         (("a.h5", "b.h5", "--report", "a.html"), "--animate and --report take one results file"),
-        (("a.h5", "--plot", "x.angle", "y.rate"), "'y.rate' is no file; --plot takes one text: --plot x.angle,y.rate"),
+        (("a.h5", "--plot", "x.angle", "y.rate"), "'y.rate' is not a file; --plot takes one text: --plot x.angle,"),
     ],
 )
 def test_what_post_refuses_before_it_reads(call, words, message):

@@ -213,7 +213,7 @@ def test_no_running_is_steady_on_a_wavy_road():
 def test_a_rim_whose_principal_axis_is_not_its_axle_is_named():
     """Set by 0.01 rad about the vertical, axle and wheel; the inertia is still that about y."""
     text = TROLLEY.format(tow=TOW).replace("axis: [0, 1, 0]", "axis: [-0.01, 1, 0]")
-    with pytest.raises(ConvergenceError, match="wheel 'tire' wobbles as it spins: its 'axis' is no principal axis of"):
+    with pytest.raises(ConvergenceError, match="'tire' wobbles as it spins: its 'axis' is not a principal axis of"):
         operating_point(deck(text))
 
 

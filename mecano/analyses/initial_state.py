@@ -66,8 +66,8 @@ def _wobbling(prepared):
         axle, J = node.orientation.T @ d["axis"], node.inertia()
         if np.linalg.norm(np.cross(axle, J @ axle)) > WOBBLE * np.linalg.norm(J) * (axle @ axle):
             yield (
-                f"\n{d['type']} '{name}' wobbles as it spins: its 'axis' is no principal axis of the inertia of node "
-                f"'{d['node']}'"
+                f"\n{d['type']} '{name}' wobbles as it spins: its 'axis' is not a principal axis of the inertia of "
+                f"node '{d['node']}'"
             )
 
 

@@ -120,7 +120,7 @@ def _turned(deck, system, s):
         sense = np.sign(np.dot(d["axis"], other["axis"])) * (1.0 if d["nodes"] == other["nodes"] else -1.0)
         if round((wanted - sense * hinges[hinge]) / (2.0 * np.pi)):
             text = f"{title_of(d['type'], name)} begins at {wanted:.6g} rad, but {title_of(other['type'], hinge)} at "
-            text += f"{hinges[hinge]:.6g} rad: positions do not tell whole turns. Springs, gears and stops count from "
+            text += f"{hinges[hinge]:.6g} rad: positions do not show whole turns. Springs, gears and stops count from "
             text += "the latter; let the motor begin within half a turn of the angle in the deck, which is zero"
             yield Problem(text, deck.mark("joints", name))
 

@@ -118,7 +118,7 @@ def _place(system: "System", path: str, what: str) -> "tuple[Batch, int, int]":
         for e, (own, label) in enumerate(b.paths):
             if own == path and (index := index_of(what, b.kind, label)) is not None:
                 return b, e, index
-    raise AssertionError(f"{what} is no output of {path}")
+    raise AssertionError(f"{what} is not an output of {path}")
 
 
 def node_output(name: str, known: Callable[[str], bool], measured: Callable[[str], bool]) -> NodeOutput | None:

@@ -75,9 +75,9 @@ def circle_warnings(
         return
     yield (
         f"node '{path.split('/')[1]}' moves on a circle of {radius:.3g} m by {rate * h:.2g} rad in a step of {h:g} s: "
-        f"the centrifugal force of {m * rate**2 * radius:.3g} N of its mass is wrong by some {100 * off:.2g} %, by "
-        "more if the mass is large beside its rotor; use a smaller 'time.step', 'time.adaptive', 'method: radau', or "
-        "the 'center_of_mass' of the rotor instead of an attached mass"
+        f"the centrifugal force of {m * rate**2 * radius:.3g} N of its mass is wrong by some {100 * off:.2g} %, "
+        "more if the mass is large compared with its rotor; use a smaller 'time.step', 'time.adaptive', 'method: "
+        "radau', or the 'center_of_mass' of the rotor instead of an attached mass"
     )
 
 

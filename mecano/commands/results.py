@@ -94,7 +94,7 @@ def _refuse_names(results, plots):
     for name in results if plots else ():
         if not Path(name).exists() and not name.endswith(".h5"):
             raise click.UsageError(
-                f"{name!r} is no file; --plot takes one text: --plot {plots[0]},{name} for one panel, "
+                f"{name!r} is not a file; --plot takes one text: --plot {plots[0]},{name} for one panel, "
                 f"--plot {plots[0]} --plot {name} for two"
             )
 

@@ -108,7 +108,7 @@ def check_revolution(d, nodes):
     radius = curve_at(values["profile"], z)[0]
     if radius <= 0.0:
         return [
-            f"'revolution.profile' is {radius:.4g} m at {z:.4g} m beside node b; a radius must be greater than zero"
+            f"'revolution.profile' is {radius:.4g} m at {z:.4g} m, next to node b; a radius must be greater than zero"
         ]
     if gap + d["radius"] < 0.0:
         where, wanted = ("outside", "false") if values["inside"] else ("inside", "true")

@@ -210,7 +210,7 @@ class Composer:
         if type(frame.node.value) is list:
             frame.node.value.append(node)
             if len(frame.node.value) > MAX_ITEMS:
-                hint = "put a long table into a CSV file beside the deck: 'table: {file: NAME.csv}'"
+                hint = "put a long table into a CSV file next to the deck: 'table: {file: NAME.csv}'"
                 self.stop(f"a list of more than {MAX_ITEMS} values", frame.node, hint)
         elif frame.key is None:
             frame.key = node

@@ -52,7 +52,7 @@ def _of_time(text, signals, outer):
             )
         if d is None or d["type"] != "formula":
             what = f"{quoted(name)} depends on the motion" if d is None else f"{quoted(name)} is a {d['type']}"
-            raise NotAMotion(f"it is no function of the time alone: {what}; {INSTEAD}")
+            raise NotAMotion(f"it is not a function of time alone: {what}; {INSTEAD}")
         inner = _of_time(d["value"], signals, (*outer, signal))
         text = _inserted(text, name, inner)
         if len(text) > LONGEST:

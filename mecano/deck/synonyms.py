@@ -171,7 +171,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     "torsion bar": ("torsion_spring_damper beam", ""),
     "tape spring, tape hinge, carpenter tape": (
         "turning_law table hinge.latch",
-        "the moment of a hinge over its angle is a table, whose peak lies beside the straight position",
+        "the moment of a hinge over its angle is a table, whose peak lies off the straight position",
     ),
     "reaction wheel, momentum wheel, control moment gyro, cmg, flywheel, gyroscope": (
         "rigid_body hinge joint_moment", "a rotor on a hinge; a joint_moment is its motor, whose value is a signal"
@@ -201,7 +201,7 @@ NOTES = {  # words with the same meaning: (targets, note)
         "`mecano modes --sweep speed=... --campbell NODE`; 'initial: {steady: {angular_velocity: ...}}', docs/modes.md",
     ),
     "disc, disk, unbalance, imbalance, eccentricity, eccentric mass": (
-        "rigid_body", "an unbalance is its 'center_of_mass' beside the axis",
+        "rigid_body", "an unbalance is its 'center_of_mass' off the axis",
     ),
     "run up, runup, coast down": (
         "prescribed_angle joint_moment", "an angle that is a polynomial of the time: [0, 0, half the acceleration]"

@@ -91,7 +91,7 @@ def _cause(body):
     if unit := UNIT.search(body):
         return f"it cannot be understood at '{unit[0]}': formulas contain no units, give them to a parameter"
     if word := next((match[0] for match in WORD.finditer(body) if keyword.iskeyword(match[0])), ""):
-        return f"it cannot be understood at '{word}', which is no name in formulas: give what it means another name"
+        return f"it cannot be understood at '{word}', which is not a name in formulas: give what it means another name"
     return "it cannot be understood"
 
 

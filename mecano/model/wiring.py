@@ -121,7 +121,7 @@ class _Wiring:
                 if what.partition(".")[0] in item.kind.hidden:
                     self.hidden.add(path)
                 return self._append_sensor(title, i, item, index)
-        raise AssertionError(f"{what} is no output of {path}")
+        raise AssertionError(f"{what} is not an output of {path}")
 
     def _append_sensor(self, title, i, item, index):
         coupled = (i, *(item.coupled_to if item.kind.acts else range(i + 1, i + 1 + item.n_parts)))

@@ -186,5 +186,5 @@ class Relaxation:
         at = f"{statics.loading.name} {self.end:.6g}{statics.loading.unit}"
         raise ConvergenceError(
             f"no stable equilibrium was found at {at}, only one with {motion}\n"
-            f"beside it: {why}\nwhat to try: {self.unstable_hint}"
+            f"next to it: {why}\nwhat to try: {self.unstable_hint}"
         )
