@@ -7,6 +7,7 @@ import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from typing import Any
 
 from mecano.errors import UsageError
 from mecano.interface.deck import AnyDeck, AnyPath, Values, checked_deck, name_of
@@ -121,7 +122,7 @@ def refuse_both(resume: bool, force: bool) -> None:
         raise UsageError("resume=True continues a results file, force=True replaces it")
 
 
-def require(valid, option, value, wanted):
+def require(valid: Any, option: str, value: object, wanted: str) -> None:
     """Raise UsageError for an invalid value of an option."""
     if not valid:
         raise UsageError(f"{option}={value!r}: write {wanted}")
