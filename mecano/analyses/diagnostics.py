@@ -38,14 +38,9 @@ LEAST_SWING = 0.01  # of the largest force or moment of the model; smaller oscil
 ROUNDED = 1e-9  # of the kinetic energy over the length scale: smaller forces are rounding
 NOTED = 0.01  # failed trials per step above which a fixed step is reported as too large
 UNBALANCED = 0.01  # of the largest change of an energy, above which an error of the balance is reported
-SPUN = 0.2  # [rad] turned in a fixed step by a node whose axis turns too, above which it is reported
-STABLE = 1.0  # times 1 - rho_inf, [rad]: unstable beyond in a ring of a fifth of its inertia (docs/step-control.md)
-LEAST_SPUN = 0.02  # [rad]: a node that turns less in a step is not reported, whatever rho_inf is
-GYROSCOPIC = 0.22  # error of a gyroscopic moment over the square of this angle, measured at rho_inf = 0.8
 OFF = 0.007  # error of the force of a mass that circles, above which it is reported: 0.2 rad in a step at rho_inf = 0.8
 ALIKE = 0.2  # relative difference of changes of an acceleration below which they turn as the node does
 SIMILAR = 2.0  # ratio of a speed over a radius to the angular velocity, and of two radii, below which a node circles
-AXIS_TURNS = 0.1  # of the angular velocity: its change across its mean direction, above which the axis turns
 WRAPPED = 6.2  # rad: an angle known within one turn only whose values range so far has jumped
 NOISE = 1e-5  # of the largest energy, below which an error of the balance is never reported
 
@@ -125,27 +120,6 @@ def energy_warnings(values: "Values", sampler: "Sampler", extremes: "Extremes") 
         f"the energy balance varies by {off:.3g} J, {100 * off / scale:.3g} % of {compared}: "
         f"it is highest at t = {first:.4g} s and lowest at t = {last:.4g} s. {what}: compare with a run with a smaller "
         f"'time.{'adaptive.tolerance' if values['adaptive'] else 'step'}'"
-    )
-
-
-def spin_warnings(values: "Values", sampler: "Sampler", extremes: "Extremes") -> Iterator[str]:
-    """Yield a warning if a node turns far in each fixed step, about an axis that turns too.
-
-    The change of the angular velocity is judged by the ``extremes`` of its components. Of a body that spins about an
-    axis fixed in space the motion is exact.
-    """
-    if values["adaptive"] or values["method"] == "radau":
-        return
-    fastest = max(((_turn(column, extremes) * values["step"], column.path) for column in _spins(sampler)), default=None)
-    stable = max(STABLE * (1.0 - values["rho_inf"]), LEAST_SPUN)
-    if fastest is None or fastest[0] <= min(SPUN, stable):
-        return
-    angle, path = fastest
-    grows = f", and where a light ring or fork holds it, its motion may grow with rho_inf = {values['rho_inf']:g}"
-    yield (
-        f"node '{path.split('/')[1]}' turns by {angle:.2g} rad in a step of {values['step']:g} s, about an axis that "
-        f"turns too: its gyroscopic moment is wrong by some {100 * GYROSCOPIC * angle**2:.2g} %"
-        f"{grows if angle > stable else ''}; use a smaller 'time.step', 'time.adaptive', or 'method: radau'"
     )
 
 
@@ -235,16 +209,6 @@ def _turning_circle(run, i, x, nodes):
 def _spins(sampler):
     """Return the columns of the angular velocities of nodes."""
     return [c for c in sampler.columns if c.path.startswith("nodes/") and c.path.endswith("/angular_velocity")]
-
-
-def _turn(column, extremes):
-    """Return the largest component of a node's angular velocity [rad/s], or zero if its axis keeps its direction."""
-    at = slice(column.start, column.start + 3)
-    low, high = extremes.low[at], extremes.high[at]
-    largest, mean = float(np.maximum(np.abs(low), np.abs(high)).max()), low + high
-    change, direction = (high - low) * np.where(mean < 0.0, -1.0, 1.0), mean / max(float(np.linalg.norm(mean)), 1e-300)
-    across = np.linalg.norm(change - direction * (direction @ change))
-    return largest if across > AXIS_TURNS * largest else 0.0
 
 
 def oscillation_warnings(

@@ -17,7 +17,6 @@ from mecano.analyses.diagnostics import (
     locating_formulas,
     open_latch_warnings,
     oscillation_warnings,
-    spin_warnings,
     step_cut_warnings,
     untouched_ground_warnings,
     waiting_warnings,
@@ -294,7 +293,6 @@ class Ongoing:
         warnings += untouched_ground_warnings(deck, sampler, extremes)
         warnings += wrap_warnings(deck, sampler, extremes)
         warnings += energy_warnings(values, sampler, extremes)
-        warnings += spin_warnings(values, sampler, extremes)
         warnings += circle_warnings(values, integrator.method, self.state, sampler, extremes)
         length = integrator.method.length
         return [*warnings, *oscillation_warnings(values, sampler, recorder.ringing, extremes, length)]
