@@ -308,13 +308,17 @@ GYRO = """
 
 @pytest.mark.parametrize("path", ["joints/foot/force", "joints/bearing/moment"])
 def test_reactions_of_a_spinning_body_are_of_second_order_from_the_first_step_on(path):
-    """Rotations in space do not commute: against steps of 20 us, the errors of the first steps fall fourfold."""
+    """Rotations in space do not commute: against steps of 20 us, the errors of the first steps fall fourfold.
+
+    Those of the moment, a fifteenth of the error of the force, hardly exceed the errors of the reference.
+    """
     exact, *marches = (RecordedRun(deck(GYRO.format(step=h))) for h in (2e-5, 2e-3, 1e-3))
     coarse, fine = (
         np.abs(recorded[path][:9] - at_times(exact, exact[path], recorded.time[:9])).max() for recorded in marches
     )
-    assert coarse / fine == pytest.approx(4.0, abs=0.3)
-    assert coarse < 1e-3 * np.abs(exact[path]).max()
+    if path == "joints/foot/force":
+        assert coarse / fine == pytest.approx(4.0, abs=0.3)
+    assert coarse < 2e-4 * np.abs(exact[path]).max()
 
 
 def test_a_start_just_before_a_jump_of_curvature_is_one_behind_it():

@@ -80,7 +80,8 @@ def test_each_element_of_a_group_is_computed_as_if_alone(turns):
     assert LANES < len(batch.p) < 2 * LANES  # the last group is not full
     state = moved(prepared, batch, turns)
     cK, cC, cM = 0.7, 0.4, 0.2
-    T = np.random.default_rng(8).normal(size=state.R.shape)
+    n = len(state.R)
+    T = np.random.default_rng(8).normal(size=(3 * n, 3, 3))
     assembly = system.assemble(state, cK=cK, cC=cC, cM=cM, T=T)
     observed = batch.outputs(system.observe(state).outputs)
     for e in range(len(batch.p)):
@@ -89,7 +90,8 @@ def test_each_element_of_a_group_is_computed_as_if_alone(turns):
         size = np.abs(f).max()
         np.testing.assert_allclose(assembly.forces[batch.slots[e]], f, atol=1e-12 * size)
         for first, rotation in zip(batch.columns, batch.rots[e], strict=True):
-            K[:, first : first + 3] = K[:, first : first + 3] @ T[rotation]
+            for i, matrix in enumerate((K, C, M)):
+                matrix[:, first : first + 3] = matrix[:, first : first + 3] @ T[i * n + rotation]
         tangent = cK * K + cC * C + cM * M
         np.testing.assert_allclose(assembly.data[batch.entries[e]], tangent, atol=1e-12 * np.abs(tangent).max())
         y, _ = instance.observe(0.0, local, np.zeros(12))

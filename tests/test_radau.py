@@ -134,9 +134,14 @@ def test_steps_that_are_too_short_for_a_singular_position_are_refused():
 @pytest.mark.parametrize("name", ["andrews", "four_bar", "bicycle", "car", "reflector"])
 def test_stages_need_no_row_exchanges_everywhere(name, monkeypatch):
     """Rows of unknowns without mass take part of the constraints: no factorization is repeated by SuperLU."""
-    monkeypatch.setattr(factors.Factors, "_factor", lambda *_: pytest.fail("by SuperLU"))
+
+    def behind_the_start(integrator, run):
+        run = integrator.to(1e-5, run)  # rounding decides when cables as long as their paths go taut: in 1e-13 s
+        monkeypatch.setattr(factors.Factors, "_factor", lambda *_: pytest.fail("by SuperLU"))
+        return run
+
     control = f"time.end={1e-3 if name == 'andrews' else 0.02}", "time.adaptive={tolerance: 1.0e-6}"
-    assert RecordedRun(input_deck(name, RADAU, *control)).run.steps > 1
+    assert RecordedRun(input_deck(name, RADAU, *control), change=behind_the_start).run.steps > 1
 
 
 DAMPED = """

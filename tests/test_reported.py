@@ -13,12 +13,12 @@ from time_runs import INPUTS, RecordedRun, deck, input_deck
 
 import mecano
 from mecano.analyses import dynamic
+from mecano.analyses.circle_accuracy import circle_warnings
 from mecano.analyses.diagnostics import energy_warnings, step_cut_warnings
 from mecano.analyses.modal import modes
 from mecano.analyses.operating_point import operating_point
 from mecano.analyses.prepare import prepare, startup_warnings
 from mecano.analyses.progress import Progress
-from mecano.analyses.rotation_accuracy import circle_warnings, spin_warnings
 from mecano.analyses.summary import summary
 from mecano.cli import commands
 from mecano.deck.read import deck_of_bytes
@@ -420,63 +420,6 @@ def test_an_angle_within_one_turn_that_jumps_in_a_formula_is_reported(read, spee
     with mecano.open_results(path) as results:
         said = [text for text in results.warnings if "jumped by 2 pi" in text]
     assert bool(said) == warned and all("generic 'g': its angle, read by 'g.angle'" in text for text in said)
-
-
-GIMBAL = """
-    mecano: 1
-    gravity: none
-    nodes:
-      gimbal: {position: [0, 0, 0]}
-      rotor: {position: [0, 0, 0]}
-    elements:
-      rotor: {type: rigid_body, node: rotor, mass: 3, inertia: [0.05, 0.03, 0.03]}
-    joints:
-      gimbal: {type: hinge, nodes: [ground, gimbal], axis: [0, 1, 0]}
-      bearing: {type: hinge, nodes: [gimbal, rotor], axis: [1, 0, 0]}
-      motor: {type: prescribed_angle, nodes: [ground, gimbal], axis: [0, 1, 0], value: 0.8*time}
-    initial:
-      velocities:
-        - {nodes: [gimbal, rotor], angular_velocity: [0, 0.8, 0], about: own}
-        - {nodes: [rotor], angular_velocity: [300, 0, 0], about: own}
-    time: {end: 0.2, step: 1 ms}
-"""
-
-
-def test_a_rotor_in_a_gimbal_that_turns_far_in_each_step_is_reported():
-    """The moment of 12 N m is wrong by what is reported, within a third; half as large a step is not reported."""
-    for step, reported in ((1e-3, True), (5e-4, False)):
-        given = deck(GIMBAL.replace("1 ms", str(step)))
-        recorded = RecordedRun(given)
-        off = np.linalg.norm(recorded["joints/gimbal/moment"][-1]) / (0.05 * 300 * 0.8) - 1
-        rows = recorded.rows
-        extremes = SimpleNamespace(high=rows.max(axis=0), low=rows.min(axis=0))
-        texts = list(spin_warnings(given.values["time"], recorded.sampler, extremes))
-        assert bool(texts) == reported
-        if reported:
-            assert "node 'rotor' turns by 0.3 rad in a step of 0.001 s" in texts[0] and "some 2 %" in texts[0]
-            assert off == pytest.approx(0.02, rel=1 / 3)
-            assert "its motion may grow with rho_inf = 0.8" in texts[0]
-
-
-@pytest.mark.parametrize(("rho", "reported"), [(0.5, False), (0.8, False), (0.9, True), (1.0, True)])
-def test_the_turn_in_a_step_is_judged_by_the_damping_of_the_steps(rho, reported):
-    """A rotor that turns by 0.12 rad about an axis that turns by itself; limits: tests/test_fast_spin.py."""
-    sampler = SimpleNamespace(columns=[SimpleNamespace(path="nodes/rotor/angular_velocity", start=0)])
-    extremes = SimpleNamespace(low=np.array([-120.0, -120.0, 0.0]), high=np.array([120.0, 120.0, 0.0]))
-    values = {"adaptive": None, "step": 1e-3, "method": "generalized_alpha", "rho_inf": rho}
-    texts = list(spin_warnings(values, sampler, extremes))
-    assert bool(texts) == reported and all(f"may grow with rho_inf = {rho:g}" in text for text in texts)
-
-
-@pytest.mark.parametrize(
-    ("low", "high"), [((0, 0, 0), (0, 300, 0)), ((-200, 0, 0), (0, 200, 0)), ((-300, 0, 0), (-300, 0, 3))]
-)
-def test_a_spin_about_an_axis_fixed_in_space_is_not_reported(low, high):
-    """Run-up about an axis, also one between the axes, and a small wobble."""
-    sampler = SimpleNamespace(columns=[SimpleNamespace(path="nodes/rotor/angular_velocity", start=0)])
-    extremes = SimpleNamespace(low=np.array(low, float), high=np.array(high, float))
-    values = {"adaptive": None, "step": 1e-3, "method": "generalized_alpha", "rho_inf": 0.8}
-    assert not list(spin_warnings(values, sampler, extremes))
 
 
 UNBALANCED = """

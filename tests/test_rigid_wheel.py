@@ -88,7 +88,7 @@ def test_reactions_stay_of_second_order_with_steps_that_change():
         at_4 = [CubicSpline(recorded.time[last], recorded[path][last])(4.0) for path, _ in outputs]
         errors.append([np.abs(one - known[-1]).max() for one, (_, known) in zip(at_4, outputs, strict=True)])
     (x0, f0), (x1, f1) = errors
-    assert x1 < 1e-4 and f1 < 3e-5
+    assert x1 < 1e-4 and f1 < 5e-5
     assert f0 / f1 > 0.3 * x0 / x1  # reactions converge as the positions do
 
 
@@ -246,7 +246,7 @@ def test_an_axle_goes_across_the_slope_on_a_cycloid():
     check_second_order(coarse, fine, path, 3e-7)
     for side in ("left", "right"):
         coarse, fine = (at_times(m, m[f"elements/{side}_wheel/lateral_force"].ravel(), times) for m in marches)
-        check_second_order(coarse, fine, 15.0 * (g + 0.981) * np.sin(times), 5e-5)
+        check_second_order(coarse, fine, 15.0 * (g + 0.981) * np.sin(times), 1e-5)
         first = marches[1][f"elements/{side}_wheel/lateral_force"].ravel()[:40]
         np.testing.assert_allclose(first, 15.0 * (g + 0.981) * np.sin(marches[1].time[:40]), rtol=0, atol=1e-4)
 

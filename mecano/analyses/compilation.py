@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from mecano.schema import Values
 
 # The longest first, so that no core waits for them at the end.
-GENERALIZED_ALPHA = attempt, change_step, stride, increments.tangents
+GENERALIZED_ALPHA = attempt, change_step, stride, increments.motion_tangents
 TIME_INTEGRATION = (
     multifrontal.solve, record_step, multifrontal.substitute, assemble_mass,
     assembly_driver.add, assembly_driver.assemble, assembly_driver.assemble_residual,

@@ -6,6 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from mecano.analyses.checkpoint_writer import INTERVAL, CheckpointWriter, restore
+from mecano.analyses.circle_accuracy import circle_warnings
 from mecano.analyses.compilation import compile_time_integration
 from mecano.analyses.control_stability import instability_warnings
 from mecano.analyses.diagnostics import (
@@ -24,7 +25,6 @@ from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.initial_velocities import set_in_motion
 from mecano.analyses.prepare import chosen_values, integrator_of, model_facts, prepare, startup_warnings
 from mecano.analyses.recorder import Recorder
-from mecano.analyses.rotation_accuracy import circle_warnings, spin_warnings
 from mecano.analyses.source import source_of
 from mecano.errors import ConvergenceError, MecanoError, NonFiniteError, ResultsError
 from mecano.model.model import title_of
@@ -291,7 +291,6 @@ class Ongoing:
         warnings += untouched_ground_warnings(deck, sampler, extremes)
         warnings += wrap_warnings(deck, sampler, extremes)
         warnings += energy_warnings(values, sampler, extremes)
-        warnings += spin_warnings(values, sampler, extremes)
         warnings += circle_warnings(values, integrator.method, self.state, sampler, extremes)
         length = integrator.method.length
         return [*warnings, *oscillation_warnings(values, sampler, recorder.ringing, extremes, length)]

@@ -168,7 +168,7 @@ def gather_duals(b, s):
 def seed(b, s, j):
     """Set forces to zero, and the slopes along the local unknown j if columns are requested.
 
-    q_j varies by cK, v_j by cC, a_j by cM, a rotation by R hat(cK T_j).
+    q_j varies by cK, v_j by cC, a_j by cM; a rotation by R hat(cK T_q), its rates by cC T_v, cM T_a (System.assemble).
     """
     q_1, v_1, a_1, R_1 = seeded(b)
     columns, f_1 = integers(b.columns, b.n_rotations), dual_forces(b)
@@ -180,12 +180,15 @@ def seed(b, s, j):
     if r < 0:
         reaction = b.first_reaction <= j < b.first_reaction + b.n_reactions
         q_1[j].slope = s.cK * (s.k if reaction else 1.0)
+        v_1[j].slope = s.cC
+        a_1[j].slope = s.cM
     else:
-        turn, c = floats(s.T, (s.n_rotations, 3, 3))[rotations_of(b)[r]], j - columns[r]
-        R = mat(floats(b.R, (b.n_rotations, 3, 3))[r])
-        put_turned(R_1[r], R, s.cK * Vec3(turn[0, c], turn[1, c], turn[2, c]))
-    v_1[j].slope = s.cC
-    a_1[j].slope = s.cM
+        T, first, at = floats(s.T, (3, s.n_rotations, 3, 3)), columns[r], rotations_of(b)[r]
+        R, c = mat(floats(b.R, (b.n_rotations, 3, 3))[r]), j - first
+        put_turned(R_1[r], R, s.cK * Vec3(T[0, at, 0, c], T[0, at, 1, c], T[0, at, 2, c]))
+        for i in range(3):
+            v_1[first + i].slope = s.cC * T[1, at, i, c]
+            a_1[first + i].slope = s.cM * T[2, at, i, c]
 
 
 @kernel
@@ -202,10 +205,12 @@ def add_column(b, s, j, lag):
     for i in range(n):
         data_out[entries[i, j]] += (lag if i >= first_row else 1.0) * f_1[i].slope
     q_1, v_1, a_1, R_1 = seeded(b)
-    q_1[j].slope = 0.0
-    v_1[j].slope = 0.0
-    a_1[j].slope = 0.0
     r = rotation_of(j, columns)
+    first, end = (columns[r], columns[r] + 3) if r >= 0 else (j, j + 1)
+    for i in range(first, end):
+        q_1[i].slope = 0.0
+        v_1[i].slope = 0.0
+        a_1[i].slope = 0.0
     if r >= 0:
         put_matrix(R_1[r], mat(floats(b.R, (b.n_rotations, 3, 3))[r]))
 

@@ -68,17 +68,21 @@ def gather_matrices(b, matrices, group):
 
 
 @kernel
+def turn_columns(A, columns, T):
+    """Multiply the columns of A of the rotations by their T, in place."""
+    for r in range(columns.shape[0]):
+        c = columns[r]
+        for i in range(A.shape[0]):
+            a0, a1, a2 = A[i, c], A[i, c + 1], A[i, c + 2]
+            for j in range(3):
+                A[i, c + j] = a0 * T[r, 0, j] + a1 * T[r, 1, j] + a2 * T[r, 2, j]
+
+
+@kernel
 def combine(b, s):
-    """Replace K by the derivatives cK K T + cC C + cM M with respect to the unknowns; T is in the work array R."""
+    """Replace K by the derivatives cK K T_q + cC C T_v + cM M T_a with respect to the unknowns (System.assemble)."""
     n = b.n_local
     K, C, M = lanes(b.K, (n, n)), lanes(b.C, (n, n)), lanes(b.M, (n, n))
-    columns, turns = integers(b.columns, b.n_rotations), lanes(b.R, (b.n_rotations, 3, 3))
-    for r in range(b.n_rotations):
-        c = columns[r]
-        for i in range(n):
-            k0, k1, k2 = K[i, c], K[i, c + 1], K[i, c + 2]
-            for j in range(3):
-                K[i, c + j] = k0 * turns[r, 0, j] + k1 * turns[r, 1, j] + k2 * turns[r, 2, j]
     cK, cC, cM = s.cK, s.cC, s.cM
     for i in range(n):
         for j in range(n):
@@ -95,7 +99,7 @@ def add_forces(f, slots, lane, force_out, size_out):
 
 
 def tangent(batch, system):
-    """Compute forces, their magnitudes, masses, and the tangent cK K + cC C + cM M."""
+    """Compute forces, their magnitudes, masses, and the tangent cK K T_q + cC C T_v + cM M T_a (System.assemble)."""
     b, s = batch_at(batch), system_at(system)
     n, n_vectors, (first, end) = b.n_local, b.n_vectors, groups(b)
     dofs, slots, entries = (
@@ -103,7 +107,8 @@ def tangent(batch, system):
     )  # fmt: skip
     f = floats(b.f, (n, LANES))
     K, C, M = floats(b.K, (n, n, LANES)), floats(b.C, (n, n, LANES)), floats(b.M, (n, n, LANES))
-    T, data_out = floats(s.T, (s.n_rotations, 3, 3)), floats(s.data, s.n_data)
+    T, data_out = floats(s.T, (3, s.n_rotations, 3, 3)), floats(s.data, s.n_data)
+    columns, turns, tangents = integers(b.columns, b.n_rotations), lanes(b.R, (b.n_rotations, 3, 3)), (b.K, b.C, b.M)
     force_out, size_out, mass_out = floats(s.force, s.n_slots), floats(s.size, s.n_slots), floats(s.mass, s.n_slots)
     for group in range(first, end):
         b.element = group
@@ -113,7 +118,9 @@ def tangent(batch, system):
         M[:, :, :] = 0.0
         gather(b, s, group, dofs)
         call(b.function, batch, system)
-        gather_matrices(b, T, group)
+        for i in range(3):
+            gather_matrices(b, T[i], group)
+            turn_columns(lanes(tangents[i], (n, n)), columns, turns)
         combine(b, s)
         begin, behind = members(b, group)
         for e in range(begin, behind):

@@ -5,6 +5,7 @@ There is one loop per purpose: a C function of two addresses, those of the batch
 ``inertia`` of the batch; element_calls.py). assembly_driver.py calls the loops of all batches one after the other.
 """
 
+from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers
 from mecano.maths.vector import put, vec
 from mecano.model.gather_scatter import (
@@ -32,8 +33,17 @@ from mecano.model.gather_scatter import (
 from mecano.model.loop_records import batch_at, system_at
 
 
+@kernel
+def turn_columns(A, c, T):
+    """Multiply the three columns of A from c on by T, in place."""
+    for i in range(A.shape[0]):
+        a0, a1, a2 = A[i, c], A[i, c + 1], A[i, c + 2]
+        for j in range(3):
+            A[i, c + j] = a0 * T[0, j] + a1 * T[1, j] + a2 * T[2, j]
+
+
 def tangent(batch, system):
-    """Compute forces, their magnitudes, masses, and the tangent cK K + cC C + cM M."""
+    """Compute forces, their magnitudes, masses, and the tangent cK K T_q + cC C T_v + cM M T_a (System.assemble)."""
     b, s = batch_at(batch), system_at(system)
     n, n_vectors, lag, cK, cC, cM = b.n_local, b.n_vectors, lag_of(b, s), s.cK, s.cC, s.cM
     dofs, rots, columns = (
@@ -44,8 +54,9 @@ def tangent(batch, system):
     slots, entries = integers(b.slots, (b.n, n)), integers(b.entries, (b.n, n, n))
     q, v, a, R = work(b)
     f, K, C, M = floats(b.f, n), floats(b.K, (n, n)), floats(b.C, (n, n)), floats(b.M, (n, n))
-    T, data_out, first_row = floats(s.T, (s.n_rotations, 3, 3)), floats(s.data, s.n_data), n - b.n_multipliers
+    T, data_out, first_row = floats(s.T, (3, s.n_rotations, 3, 3)), floats(s.data, s.n_data), n - b.n_multipliers
     force_out, size_out, mass_out = floats(s.force, s.n_slots), floats(s.size, s.n_slots), floats(s.mass, s.n_slots)
+    moves = b.of_rates or not b.n_multipliers  # constraints on positions have neither damping nor mass
     for e in range(b.n):
         b.element = e
         f[:] = 0.0
@@ -63,13 +74,12 @@ def tangent(batch, system):
         add_forces(f, slots[e], n_vectors, force_out, size_out)
         for i in range(n):
             mass_out[slots[e, i]] += abs(M[i, i])
-        # K is the derivative with respect to the material variation; T maps it to the rotation increment
         for r in range(b.n_rotations):
-            c, turn = columns[r], T[rots[e, r]]
-            for i in range(n):
-                k0, k1, k2 = K[i, c], K[i, c + 1], K[i, c + 2]
-                for j in range(3):
-                    K[i, c + j] = k0 * turn[0, j] + k1 * turn[1, j] + k2 * turn[2, j]
+            at = rots[e, r]
+            turn_columns(K, columns[r], T[0, at])
+            if moves:
+                turn_columns(C, columns[r], T[1, at])
+                turn_columns(M, columns[r], T[2, at])
         for i in range(n):
             row = entries[e, i]
             for c in range(0, 3 * n_vectors, 3):
@@ -80,7 +90,7 @@ def tangent(batch, system):
 
 
 def dual_tangent(batch, system):
-    """Compute forces, their magnitudes, masses, and the tangent cK K + cC C + cM M of a kind with a residual only.
+    """Compute forces, their magnitudes, masses, and the tangent (as ``tangent``) of a kind with a residual only.
 
     One pass per local unknown j gives column j. If no columns are requested, one pass gives the forces alone.
     """

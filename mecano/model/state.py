@@ -25,10 +25,12 @@ class State:
     phases: np.ndarray  # (n_elements,) int64, batch by batch; replaced, never changed in place
     memory: np.ndarray  # (n_memory,) of all elements, batch by batch, then the largest |z| so far of each signal with a
     # rate; replaced, never changed in place
+    start_spins: np.ndarray | None = None  # (n_rotations, 3) at the beginning of the step, if within one
 
     def copy(self) -> "State":
         """Return a copy whose motion may be changed."""
-        return State(self.t, self.z.copy(), self.v.copy(), self.a.copy(), self.R.copy(), self.phases, self.memory)
+        z, v, a, R = self.z.copy(), self.v.copy(), self.a.copy(), self.R.copy()
+        return State(self.t, z, v, a, R, self.phases, self.memory, self.start_spins)
 
 
 class Motion(NamedTuple):

@@ -69,7 +69,7 @@ class System:
         self.laws = model.laws.array()
         self.partition_starts, self.partition_members, self.partition_weights = partition.tables()
         self.n_transmitted = self.n_slots + len(self.partition_starts) - 1
-        self._no_turn = np.tile(np.eye(3), (len(self.numbering.rotation_dof), 1, 1))
+        self._no_turn = np.tile(np.eye(3), (3 * len(self.numbering.rotation_dof), 1, 1))
         self._record()
 
     def _scalars(self, names):
@@ -248,11 +248,11 @@ class System:
     ) -> Assembly:
         """Return residual and tangent at the state ``s`` as an Assembly: a new one, or the one to be written ``into``.
 
-        data = cK K T + cC C + cM M, unchanged if all three are zero. T (n_rotations, 3, 3) maps derivatives with
-        respect to material variations of the rotations to those with respect to other increments; the default is the
-        identity. ``k`` and ``penalty`` scale the constraints (element_interface). ``size`` sums the absolute
-        contributions of the elements and of their inertia (with the masses of the last tangent in the Assembly): the
-        scale against which a residual is judged.
+        data = cK K T_q + cC C T_v + cM M T_a, unchanged if all three are zero. T (3 n_rotations, 3, 3) holds T_q of the
+        rotations, T_v of their angular velocities and T_a of their angular accelerations: derivatives of these, all
+        material, with respect to the unknown increments; the default is the identity. ``k`` and ``penalty`` scale the
+        constraints (element_interface). ``size`` sums the absolute contributions of the elements and of their inertia
+        (with the masses of the last tangent in the Assembly): the scale against which a residual is judged.
         """
         found = Assembly(self) if into is None else into
         if cK == cC == cM == 0.0:

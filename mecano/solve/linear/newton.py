@@ -20,8 +20,18 @@ from mecano.solve.diagnostics.scales import Limits, Scales, norms
 from mecano.solve.events.compliance import soften
 from mecano.solve.linear.rounding import ROUNDING, at_rounding
 from mecano.solve.linear.sparse import ACCEPT_BELOW
-from mecano.solve.time.increments import correct, tangents
-from mecano.solve.time.workspace import BEGIN, RENEWED, TRIAL, copy_state, is_due, state_of, system_of, unknowns_of
+from mecano.solve.time.increments import Weights, correct, motion_tangents
+from mecano.solve.time.workspace import (
+    BEGIN,
+    RENEWED,
+    TRIAL,
+    copy_state,
+    is_due,
+    start_spins,
+    state_of,
+    system_of,
+    unknowns_of,
+)
 
 TINY = 1e-300
 SLOW = 0.1  # a kept factor is used again as long as the residual falls by more than this
@@ -74,7 +84,7 @@ def newton(w):
 @kernel
 def iterate(w):
     """Iterate with the current factor; return STALE if a new one is needed, or another of the codes."""
-    s, R0, of = state_of(w, TRIAL), state_of(w, BEGIN).R, unknowns_of(w)
+    s, start, of, by = state_of(w, TRIAL), state_of(w, BEGIN), unknowns_of(w), Weights(w.k, w.cC, w.cM, w.h)
     r, x = floats(w.residual, w.n_all), floats(w.increment, w.n)
     report, system = floats(w.report, 8), system_of(w)
     loops = loops_at(w.n_loops, w.loops, w.batches)
@@ -85,7 +95,7 @@ def iterate(w):
         work, back = massless_work(of, r, x) if w.pending and w.strict else 0.0, -0.5
         if w.pending:
             report[LAST], w.last_motion = report[WORST], w.motion
-            report[INCREMENT] = correct(of, w.length, x, w.k, w.cC, w.cM, R0, s) / w.increment_tolerance
+            report[INCREMENT] = correct(of, w.length, x, by, start, s) / w.increment_tolerance
             report[ITERATIONS] += 1
         residual(loops, system, w.k, w.penalty)
         soften_rows(w, s.z, r)
@@ -94,7 +104,7 @@ def iterate(w):
                 break
             scale_massless(of, x, back)
             work, back = back * work, 0.5
-            correct(of, w.length, x, w.k, w.cC, w.cM, R0, s)
+            correct(of, w.length, x, by, start, s)
             residual(loops, system, w.k, w.penalty)
             soften_rows(w, s.z, r)
         code = judge(w, report, measure(w, report, share))
@@ -195,8 +205,9 @@ def renew(w):
 @kernel
 def evaluate(w, which):
     """Evaluate residual and tangent at one of the four states, with the compliance."""
-    s, T, system = state_of(w, which), floats(w.T, (w.n_rotations, 3, 3)), system_of(w)
-    tangents(integers(w.rotation_dof, w.n_rotations), w.n_q, s.z, T)
+    s, T, system = state_of(w, which), floats(w.T, (3 * w.n_rotations, 3, 3)), system_of(w)
+    by = Weights(w.k, w.cC, w.cM, w.h)
+    motion_tangents(integers(w.rotation_dof, w.n_rotations), w.n_q, start_spins(w, which), s, by, T)
     loops = loops_at(w.n_tangents, w.tangents, w.tangent_batches)
     assemble(loops, system, s, T, w.k, w.penalty, 1.0, w.cC, w.cM)
     soften_rows(w, s.z, floats(w.residual, w.n_all))

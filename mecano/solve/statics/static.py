@@ -22,7 +22,7 @@ from mecano.solve.linear.iteration import Exhausted, Iterated, iterate
 from mecano.solve.linear.rounding import ROUNDING, at_rounding
 from mecano.solve.statics.passed_events import apply_events
 from mecano.solve.statics.velocity_constraints import NONE, Held, VelocityConstraints
-from mecano.solve.time.increments import correct, largest, reach_of, tangents
+from mecano.solve.time.increments import Weights, correct, largest, reach_of, tangents
 
 if TYPE_CHECKING:
     from mecano.model.state import State
@@ -82,7 +82,7 @@ class Statics:
         self.weight = np.where(turns, length**2, np.where(system.signals, 0.0, 1.0))  # signals follow at once
         self._states = [(i, np.flatnonzero(system.rows == i)) for i in np.flatnonzero(system.states)]
         self.assembly, self._increment = Assembly(system), np.zeros(system.n)
-        self._T = np.tile(np.eye(3), (len(system.numbering.rotation_dof), 1, 1))
+        self._T = np.tile(np.eye(3), (3 * len(system.numbering.rotation_dof), 1, 1))
         self._rotations = np.flatnonzero(system.numbering.kind[: system.n_q] == ROTATION)
         self._angles = _prescribed_angles(system)
 
@@ -158,7 +158,7 @@ class Statics:
     def move(self, s: "State", s0: "State", dz: np.ndarray, k: float) -> float:
         """Add the correction dz (n,) to ``s``, rotations relative to ``s0``; return its size over the tolerance."""
         system, of = self.system, self.system.numbering
-        largest = correct(of, self.length, -dz, k, 0.0, 0.0, s0.R, s)
+        largest = correct(of, self.length, -dz, Weights(k, 0.0, 0.0, 0.0), s0, s)
         own = system.signals
         signals = np.abs(dz[: system.n_q][own]) / np.maximum(np.abs(s.z[: system.n_q][own]), SMALL)
         return max(largest, signals.max(initial=0.0)) / self.tolerances.increment

@@ -47,7 +47,7 @@ def assemble_mass(mass: Records(MASS), s: Instant):
     Loose unknowns have neither mass nor constraint and stay at rest; massless scalars follow their own equations.
     """
     m = mass[0]
-    bare, system, T = bare_state(m, s, s.v), items(m.system, 1, SYSTEM), floats(m.T, (m.n_rotations, 3, 3))
+    bare, system, T = bare_state(m, s, s.v), items(m.system, 1, SYSTEM), floats(m.T, (3 * m.n_rotations, 3, 3))
     loops = loops_at(m.n_tangents, m.tangents, m.tangent_batches)
     assemble(loops, system, bare, T, 1.0, 0.0, 0.0, 0.0, 1.0)
     m.k = mean_mass(m)
@@ -219,7 +219,7 @@ class ConstrainedMass(Pointers):
         self.point_to(
             n_q=of.n_q, n_l=of.n_l, n=of.n, n_all=of.n_all, n_rotations=len(of.rotation_dof), nnz=system.nnz,
             n_data=system.n_data, system=self.assembly.record, z=np.zeros(of.n_all), a=np.zeros(of.n_all),
-            T=np.tile(np.eye(3), (len(of.rotation_dof), 1, 1)), kind=of.kind, rows=system.rows, columns=system.cols,
+            T=np.tile(np.eye(3), (3 * len(of.rotation_dof), 1, 1)), kind=of.kind, rows=system.rows, columns=system.cols,
             diagonal=system.diagonal, signals=system.signals.astype(np.int64),
             massless=system.massless.astype(np.int64), loose=np.zeros(of.n_q, np.int64), alone=np.zeros(of.n, np.int64),
             derivatives=np.zeros((of.n_l, 3)), deflection=np.zeros(of.n_l), right=np.zeros(of.n),

@@ -1,4 +1,4 @@
-r"""Local error of a step; that of oscillations is bounded by their amplitude, that of spins by the constraints.
+r"""Local error of a step; that of oscillations is bounded by their amplitude.
 
 The errors of a run of the duration T in such steps add up to :math:`\tau^2 \Delta a`, :math:`\tau^2` = Ce h T. Of a
 mode of circular frequency omega this may be too much: it can be off by no more than its amplitude,
@@ -9,11 +9,6 @@ mode of circular frequency omega this may be too much: it can be off by no more 
 along the constraints (modal_filter.py); but all of :math:`\Delta a` where the motion is unstable (docs/theory.md, 2.2).
 Where the constraints allow no part of it, as in a prescribed motion, the errors do not add up. Those of one step are
 limited to the tolerance in any case: between the ends of steps the motion follows from velocities, which are as wrong.
-
-The error of bodies that spin (turning_error.py) is a change of the angular velocities. The constraints undo the part
-that would violate them: the rest is the projection along the constraints with the masses, P without stiffness. The
-tangent of the step is close to that matrix, and is factored already: of hubs of wheels its projection usually leaves so
-little that no other one is needed.
 """
 
 from typing import TYPE_CHECKING
@@ -24,7 +19,7 @@ from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats, integers
 from mecano.model.loop_records import fields, record
-from mecano.solve.time.increments import compared, largest_change
+from mecano.solve.time.increments import carried_history, compared, largest_change
 from mecano.solve.time.modal_filter import (
     FLOATS,
     WORDS,
@@ -33,55 +28,37 @@ from mecano.solve.time.modal_filter import (
     keep_masses,
     negative_pivots,
     resolve,
-    resolve_in_step,
 )
 from mecano.solve.time.step_control import FORGOTTEN, counted
-from mecano.solve.time.turning_error import turning_error
-from mecano.solve.time.workspace import BEGIN, STEP, TRIAL, history_of, state_of
+from mecano.solve.time.workspace import STEP, TRIAL, history_of, state_of
 
 if TYPE_CHECKING:
     from mecano.solve.time.generalized_alpha import GeneralizedAlpha
 
 FREE = 1e6  # times the weight of the masses: beside it any stiffness is negligible
 NOTHING = 1e-8  # of a change of the accelerations: a part along the constraints that may be rounding
-BOUND = fields(floats=f"bounded turning enough {FLOATS}", words=f"vectors {WORDS}")
+BOUND = fields(floats=f"bounded {FLOATS}", words=f"vectors {WORDS}")
 NONE, CHANGE, PART, TWICE = range(4)  # rows of ``vectors``, (4, n_all)
 
 
 @entry
 def bound_error(bound: Records(BOUND), work: Records(STEP)):
-    """Write the errors of the step in the workspace: ``bounded`` of its accelerations, ``turning`` of its spins.
-
-    Where only that of the spins was larger than ``enough``, that of the accelerations is not bounded.
-    """
+    """Write the error of the step in the workspace, ``bounded``."""
     b, w = bound[0], work[0]
-    start, s, change = state_of(w, BEGIN), state_of(w, TRIAL), row(w, b, CHANGE)
-    began, ended = compared(w.am, start.a, s.a, history_of(w, BEGIN)[0], history_of(w, TRIAL)[0])
+    true, a0, _, _ = carried_history(w)
+    change = row(w, b, CHANGE)
+    began, ended = compared(w.am, true, state_of(w, TRIAL).a, a0, history_of(w, TRIAL)[0])
     for i in range(w.n_q):
         change[i] = ended[i] - began[i]
     all_of_it = size(w, b, change)
     plain = w.error * w.h * w.h * all_of_it
-    spins = row(w, b, TWICE)
-    spins[:] = 0.0
-    v, rotations = state_of(w, TRIAL).v, integers(w.rotation_dof, w.n_rotations)
-    turning = turning_error(w.h, w.duration, rotations, w.n_q, v, began, ended, spins)
-    b.bounded, b.turning = plain, turning
+    b.bounded = plain
     summed = w.duration * w.error * w.h
     limit = (summed * w.h) ** (-2.0 / 3.0)
     keep_masses(w, b)
-    if turning > 0.0 and w.usable and w.n > w.n_q:
-        resolve_in_step(w, b, spins, row(w, b, PART))
-        b.turning = min(turning, size(w, b, row(w, b, PART)))
-        if max(plain, b.turning) <= b.enough:
-            return
     if not factor_filter(w, b, FREE * limit):
         return
     stable, part, twice = negative_pivots(w, b), row(w, b, PART), row(w, b, TWICE)
-    if turning > 0.0 and w.n > w.n_q:
-        resolve(w, b, spins, part)
-        b.turning = min(turning, size(w, b, part))
-    if max(plain, b.turning) <= b.enough:
-        return
     resolve(w, b, change, part)
     whole = size(w, b, part)
     if whole <= NOTHING * all_of_it:

@@ -44,7 +44,7 @@ from mecano.solve.linear.refactorization import LARGER, most_kept
 from mecano.solve.time.consistent import Consistent, consistent_state
 from mecano.solve.time.contradictions import Contradictions
 from mecano.solve.time.error_bound import ErrorBound, bound_error
-from mecano.solve.time.increments import tangents
+from mecano.solve.time.increments import Weights, motion_tangents
 from mecano.solve.time.ordinary_steps import OrdinarySteps
 from mecano.solve.time.repeated_steps import RepeatedSteps
 from mecano.solve.time.step import attempt
@@ -141,7 +141,7 @@ class GeneralizedAlpha:
         self.assembly = Assembly(system)
         self.equations, self.increment = self.assembly.residual[: system.n], np.zeros(system.n)
         self._no_shift = np.zeros(system.numbering.n_all)
-        self._tangents = tangents.bind(system.numbering.rotation_dof, system.numbering.n_q)
+        self._tangents = motion_tangents.bind(system.numbering.rotation_dof, system.numbering.n_q)
         self.workspace = Workspace(system, self.assembly, added=np.zeros((5, system.numbering.n_all)))
         self.use(compliance)
 
@@ -254,18 +254,14 @@ class GeneralizedAlpha:
 
         return self.change_step_with(solve, lambda: self.linear.solve_again(self.equations, self.increment))
 
-    def bounded_error(self, s: State, history: History, info: StepInfo, enough: float = 0.0) -> float:
-        """Return the local error of the step to ``s`` and ``history`` as error_bound.py bounds it.
-
-        The oscillations of a step whose error without a bound of them is ``enough`` are not bounded.
-        """
+    def bounded_error(self, s: State, history: History, info: StepInfo) -> float:
+        """Return the local error of the step to ``s`` and ``history`` as error_bound.py bounds it."""
         w = self.workspace
         self._enter(info.began, history.h)
         w.put_state(TRIAL, s)
         w.history[TRIAL, : len(history.a)] = history.a
-        self.error_bound.record["enough"] = enough
         bound_error(self.error_bound.record, w.record)
-        return max(float(self.error_bound.record[name][0]) for name in ("bounded", "turning"))
+        return float(self.error_bound.record["bounded"][0])
 
     @cached_property
     def error_bound(self) -> ErrorBound:
@@ -337,8 +333,7 @@ class GeneralizedAlpha:
         if code != CONVERGED:
             message = MESSAGES[code].format(int(report[ITERATIONS]))
             return s, history, StepInfo(False, iterations, reached, np.nan, history, message, FAILURES[code])
-        measures = ("change", "turn", "turning", "signalled", "lag")
-        change, turn, turning, signalled, lag = [float(w.record[name][0]) for name in measures]
+        change, turn, signalled, lag = [float(w.record[name][0]) for name in ("change", "turn", "signalled", "lag")]
         if turn > MOST_TURN:
             return s, history, StepInfo(False, iterations, reached, np.nan, history, TURNS_TOO_FAR)
         slips = np.zeros(self.system.n_l)  # rates of the deactivated rows, without the equations in their place
@@ -348,7 +343,6 @@ class GeneralizedAlpha:
             return s, history, StepInfo(False, iterations, reached, np.nan, history, text, Failure.CONTRADICTION)
         new = w.new_history(TRIAL, self._no_shift, self.linear.label)
         error = self.coefficients.error * h * h * change
-        error = error if error > turning else turning
         info = StepInfo(True, iterations, reached, error, history, lag=lag, signalled=signalled, plain=error)
         info.forces = self.assembly.forces.copy()
         return s, new, info
@@ -382,7 +376,7 @@ class GeneralizedAlpha:
         """Assemble residual and tangent at ``s``, with the compliance."""
         k, penalty, cC, cM = scales
         T = self.workspace.array("T")
-        self._tangents(s.z, T)
+        self._tangents(s.start_spins, s, Weights(k, cC, cM, self.coefficients.gamma / (self.coefficients.beta * cC)), T)
         self.system.assemble(s, k, penalty, 1.0, cC, cM, T, self.assembly)
         if self.compliance is not None:
             n_q, n = self.system.n_q, self.system.n

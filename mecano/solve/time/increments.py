@@ -1,17 +1,28 @@
-"""Updates of a state: prediction, correction, rotations from their increments."""
+r"""Updates of a state: prediction, correction, rotations from their increments.
+
+Within a step the components of angular velocities and accelerations are those in the axes of the body at its beginning,
+so that the formulas of displacements hold for rotations, up to the turning of the axis of rotation (Magnus 1954):
+
+.. math::
+    R_{n+1} = R_n \exp(\hat\psi), \quad
+    \psi = h \omega_n + h^2 [(\tfrac12 - \beta) a_n + \beta a_{n+1}] - \tfrac{h^2}{12}\, \omega_n \times \omega_{n+1}
+
+At its end they are turned to the axes there, :math:`\Omega_{n+1} = \exp(\hat\psi)^T \omega_{n+1}`.
+"""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from mecano.jit.entry import Indices, Matrices, Vector, entry
+from mecano.jit.entry import Indices, Matrices, Matrix, Vector, entry
 from mecano.jit.kernel import kernel
+from mecano.jit.memory import floats
 from mecano.maths.so3 import exp, tangent
-from mecano.maths.vector import mat, put_matrix, vec
+from mecano.maths.vector import EYE, cross, dot, mat, put, put_matrix, skew, vec
 from mecano.model.numbering import MASSLESS, ROTATION, SCALAR, SIGNAL, TRANSLATION, Numbering, Unknowns
 from mecano.model.state import Motion, State
-from mecano.solve.time.turning_error import turning_error
-from mecano.solve.time.workspace import copy_state, state_of, time_of, unknowns_of
+from mecano.solve.time.workspace import BEGIN, TRIAL, copy_state, history_of, state_of, time_of, unknowns_of
 
 
 @kernel
@@ -24,6 +35,27 @@ def place_rotations(rotation_dof, n_q, z, R0, R_out):
             put_matrix(R_out[r], mat(R0[r]) @ exp(psi))
 
 
+@kernel
+def place(r, d, R0, s_out):
+    """Compute R = R0 exp(hat(psi)) of a rotation, and turn its rate and acceleration from the axes of R0 to its own.
+
+    ``r`` and ``d``: the indices of the rotation and of its first unknown.
+    """
+    turn = exp(vec(s_out.z, d))
+    put_matrix(s_out.R[r], mat(R0[r]) @ turn)
+    put(s_out.v, d, turn.T @ vec(s_out.v, d))
+    put(s_out.a, d, turn.T @ vec(s_out.a, d))
+
+
+class Weights(NamedTuple):
+    """Derivatives by the increments of a step of size h [s]: of multipliers, velocities and accelerations."""
+
+    k: float
+    cC: float
+    cM: float
+    h: float
+
+
 @entry
 def tangents(rotation_dof: Indices, n_q: int, z: Vector, T_out: Matrices):
     """Compute T(psi) (n_rotations, 3, 3) of all free rotations, with psi in z."""
@@ -31,6 +63,30 @@ def tangents(rotation_dof: Indices, n_q: int, z: Vector, T_out: Matrices):
         d = rotation_dof[r]
         if d < n_q:
             put_matrix(T_out[r], tangent(vec(z, d)))
+
+
+@entry
+def motion_tangents(rotation_dof: Indices, n_q: int, spins: Matrix, s: Motion, by: Weights, T_out: Matrices):
+    """Compute the derivatives of free rotations, angular velocities and accelerations in a step, (3 n_rotations, 3, 3).
+
+    They are material, with respect to the increments of ``correct``; of the last two they are over cC and cM. ``spins``
+    (n_rotations, 3) are the angular velocities at the beginning. Of a state between two steps, whose increments are
+    zero, they are identities: it varies in its own axes.
+    """
+    n, axes = rotation_dof.shape[0], by.h * by.h * by.cC / 12.0
+    for r in range(n):
+        d = rotation_dof[r]
+        if d < n_q:
+            psi = vec(s.z, d)
+            if dot(psi, psi) == 0.0:
+                for i in range(3):
+                    put_matrix(T_out[i * n + r], EYE)
+                continue
+            turn = exp(psi)
+            T = tangent(psi) @ (EYE - axes * skew(vec(spins[r], 0)))
+            put_matrix(T_out[r], T)
+            put_matrix(T_out[n + r], turn.T + (1.0 / by.cC) * (skew(vec(s.v, d)) @ T))
+            put_matrix(T_out[2 * n + r], turn.T + (1.0 / by.cM) * (skew(vec(s.a, d)) @ T))
 
 
 @kernel
@@ -66,7 +122,11 @@ def predict(w, of, start, history, s_out):
             farthest = max(farthest, abs(s_out.z[i]))
     for i in range(of.n_q, of.n):
         s_out.z[i] += slope[i] + bend[i]
-    place_rotations(of.rotation_dof, of.n_q, s_out.z, start.R, s_out.R)
+    for r in range(of.rotation_dof.shape[0]):
+        d = of.rotation_dof[r]
+        if d < of.n_q:
+            put(s_out.z, d, vec(s_out.z, d) - (h * h / 12.0) * cross(vec(start.v, d), vec(s_out.v, d)))
+            place(r, d, start.R, s_out)
     return farthest, loudest
 
 
@@ -82,21 +142,27 @@ def longest_step(v: np.ndarray, of: Numbering, turn: float) -> float:
 
 
 @entry
-def correct(
-    of: Unknowns, length: float, dz: Vector, k: float, cC: float, cM: float, R0: Matrices, s_out: Motion
-) -> float:  # fmt: skip
-    """Subtract the correction dz (n,); velocities and accelerations by cC and cM, multipliers by k.
+def correct(of: Unknowns, length: float, dz: Vector, by: Weights, start: Motion, s_out: Motion) -> float:
+    """Subtract the correction dz (n,), with the weights ``by``; return its ``largest`` component.
 
-    R0 (n_rotations, 3, 3) are the rotations from which those of the state are counted. Returns the ``largest``
-    component of dz.
+    Rotations are counted from those of the Motion ``start``, in whose axes their corrections are.
     """
     for i in range(of.n_q):
-        s_out.z[i] -= dz[i]
-        s_out.v[i] -= cC * dz[i]
-        s_out.a[i] -= cM * dz[i]
+        if of.kind[i] != ROTATION:
+            s_out.z[i] -= dz[i]
+            s_out.v[i] -= by.cC * dz[i]
+            s_out.a[i] -= by.cM * dz[i]
     for i in range(of.n_q, of.n):
-        s_out.z[i] -= k * dz[i]
-    place_rotations(of.rotation_dof, of.n_q, s_out.z, R0, s_out.R)
+        s_out.z[i] -= by.k * dz[i]
+    axes = by.h * by.h * by.cC / 12.0
+    for r in range(of.rotation_dof.shape[0]):
+        d = of.rotation_dof[r]
+        if d < of.n_q:
+            turn, change = mat(start.R[r]).T @ mat(s_out.R[r]), vec(dz, d)
+            put(s_out.v, d, turn @ vec(s_out.v, d) - by.cC * change)
+            put(s_out.a, d, turn @ vec(s_out.a, d) - by.cM * change)
+            put(s_out.z, d, vec(s_out.z, d) - change + axes * cross(vec(start.v, d), change))
+            place(r, d, start.R, s_out)
     return largest(dz, of.kind, of.n_q, length)
 
 
@@ -120,29 +186,51 @@ def largest(dz: Vector, kind: Indices, n_q: int, length: float) -> float:
 def finish(w, of, start, s, before, after_out):
     """Compute the algorithmic acceleration (n_all,), and the differences (n,) of ``predict`` over a step.
 
-    ``w`` is the record STEP (workspace.py); ``start`` and ``s`` are the Motion, ``before`` and ``after_out`` the
-    history (``history_of``) at both ends.
+    ``w`` is the record STEP (workspace.py); ``start`` and ``s`` are the Motion at both ends, ``before`` the true and
+    the algorithmic acceleration, slope and bend at the beginning in the axes of the end (``carried_history``), and
+    ``after_out`` the history (``history_of``) at the end.
 
     Returns the largest change of the acceleration (``compared``) of a node (the length of the vector), over the length
-    scale for displacements, or of a scalar with inertia; the largest component of a rotation increment [rad]; and the
-    error of bodies that spin [rad] (turning_error.py) in a run.
+    scale for displacements, or of a scalar with inertia; and the largest component of a rotation increment [rad].
     """
-    a0, slope, bend = before
+    true, a0, slope, bend = before
     a, slope_out, bend_out = after_out
     am, af, known, last, turn = w.am, w.af, w.known, w.taken / w.h, 0.0
     for i in range(of.n_q):
-        a[i] = ((1.0 - af) * s.a[i] + af * start.a[i] - am * a0[i]) / (1.0 - am)
+        a[i] = ((1.0 - af) * s.a[i] + af * true[i] - am * a0[i]) / (1.0 - am)
         if of.kind[i] == ROTATION:
             turn = max(turn, abs(s.z[i]))
-        slope_out[i] = s.z[i] - start.z[i] if of.kind[i] == SIGNAL else s.a[i] - start.a[i]
+        slope_out[i] = s.z[i] - start.z[i] if of.kind[i] == SIGNAL else s.a[i] - true[i]
     for i in range(of.n_q, of.n):
         slope_out[i] = s.z[i] - start.z[i]
     for i in range(of.n):  # the parabola through both ends of this step and the beginning of the last one
         bent = 2.0 / (1.0 + last) * (slope_out[i] - slope[i] - 0.5 * (1.0 - last) * bend[i])
         bend_out[i] = bent if known or of.kind[i] == SIGNAL else 0.0
-    turning = turning_error(w.h, w.duration, of.rotation_dof, of.n_q, s.v, a0, a, a[:0])
-    began, ended = compared(am, start.a, s.a, a0, a)
-    return largest_change(began, ended, of.kind, of.n_q, w.length), turn, turning
+    began, ended = compared(am, true, s.a, a0, a)
+    return largest_change(began, ended, of.kind, of.n_q, w.length), turn
+
+
+@kernel
+def carried_history(w):
+    """Return the true and algorithmic accelerations (n_all,), slope and bend (n,) of BEGIN in the axes of TRIAL."""
+    start, R, of, (a0, slope, bend) = state_of(w, BEGIN), state_of(w, TRIAL).R, unknowns_of(w), history_of(w, BEGIN)
+    at, size = w.carried, 8 * w.n_all
+    true, a, slope_out, bend_out = (
+        floats(at, w.n_all), floats(at + size, w.n_all), floats(at + 2 * size, w.n), floats(at + 3 * size, w.n)
+    )  # fmt: skip
+    for i in range(w.n_q):
+        true[i], a[i] = start.a[i], a0[i]
+    for i in range(w.n):
+        slope_out[i], bend_out[i] = slope[i], bend[i]
+    for r in range(w.n_rotations):
+        d = of.rotation_dof[r]
+        if d < of.n_q:
+            turn = mat(R[r]).T @ mat(start.R[r])
+            put(true, d, turn @ vec(start.a, d))
+            put(a, d, turn @ vec(a0, d))
+            put(slope_out, d, turn @ vec(slope, d))
+            put(bend_out, d, turn @ vec(bend, d))
+    return true, a, slope_out, bend_out
 
 
 @kernel

@@ -23,8 +23,7 @@ from mecano.model.loop_records import SYSTEM
 from mecano.solve.linear import multifrontal
 from mecano.solve.linear.newton import soften_tangent
 from mecano.solve.linear.sparse import ACCEPT_BELOW, LinearSolver
-from mecano.solve.time.increments import tangents
-from mecano.solve.time.workspace import TRIAL, state_of
+from mecano.solve.time.workspace import TRIAL, in_own_axes, state_of
 
 if TYPE_CHECKING:
     from mecano.model.system import System
@@ -38,11 +37,9 @@ WORDS = "system masses solve solve_words solve_results substitute substitute_wor
 
 @kernel
 def assemble_at_end(w, f, k, penalty, cK, cM):
-    """Assemble a tangent of these weights at TRIAL, with its rotation increments."""
-    s, T = state_of(w, TRIAL), floats(w.T, (w.n_rotations, 3, 3))
-    tangents(integers(w.rotation_dof, w.n_rotations), w.n_q, s.z, T)
+    """Assemble a tangent of these weights at TRIAL, for variations in its axes."""
     loops = loops_at(w.n_tangents, w.tangents, w.tangent_batches)
-    assemble(loops, items(f.system, 1, SYSTEM), s, T, k, penalty, cK, 0.0, cM)
+    assemble(loops, items(f.system, 1, SYSTEM), state_of(w, TRIAL), in_own_axes(w), k, penalty, cK, 0.0, cM)
 
 
 @kernel
@@ -76,22 +73,9 @@ def resolve(w, f, a, part_out):
     """Write the part (n_q,) of the accelerations ``a`` (>= n_q,) that the factored filter passes."""
     load_masses(w, f, f.cM, a, floats(f.right, w.n))
     call(f.substitute, f.substitute_words, 0)
-    copy_motion(w, floats(f.solution, w.n), part_out)
-
-
-@kernel
-def resolve_in_step(w, f, a, part_out):
-    """Write the part (n_q,) of the accelerations ``a`` (>= n_q,) that the tangent of the step passes, as factored."""
-    load_masses(w, f, w.cM, a, floats(w.residual, w.n))
-    call(w.substitute, w.substitute_words, 0)
-    copy_motion(w, floats(w.increment, w.n), part_out)
-
-
-@kernel
-def copy_motion(w, x, out):
-    """Copy the motions (n_q,) of a solution."""
+    x = floats(f.solution, w.n)
     for i in range(w.n_q):
-        out[i] = x[i]
+        part_out[i] = x[i]
 
 
 @kernel

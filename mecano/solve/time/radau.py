@@ -111,7 +111,7 @@ class Radau:
     def insist(self, strictly: bool) -> None:
         """Do nothing: iterations are judged by their corrections in any case."""
 
-    def bounded_error(self, s: State, history: RadauHistory, info: StepInfo, enough: float = 0.0) -> float:
+    def bounded_error(self, s: State, history: RadauHistory, info: StepInfo) -> float:
         """Return the local error of a step; stages resolve or damp oscillations, so no second estimate is needed."""
         return info.plain
 

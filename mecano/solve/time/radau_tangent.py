@@ -86,7 +86,7 @@ def differentiate(w, r, dt):
 @kernel
 def assemble_part(w, r, which, part, cK, cC, cM):
     """Assemble the tangent of these weights at one of the states."""
-    system, T = system_of(w), floats(w.T, (w.n_rotations, 3, 3))
+    system, T = system_of(w), floats(w.T, (3 * w.n_rotations, 3, 3))
     loops = loops_at(w.n_tangents, w.tangents, w.tangent_batches)
     assemble(loops, system, state_of(w, which), T, w.k, 0.0, cK, cC, cM)
     data, out = floats(system[0].data, w.nnz), floats(r.parts + 8 * part * w.nnz, w.nnz)

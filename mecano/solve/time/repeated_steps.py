@@ -114,10 +114,20 @@ class RepeatedSteps:
         else:
             self._latest.solve_again(m.equations, m.increment)
 
+    def _in_axes_at_begin(self, s):
+        """Return the accelerations (n_all,) of ``s``, those of free rotations in the axes at the beginning."""
+        of, a = self.method.system.numbering, s.a.copy()
+        free = of.rotation_dof < of.n_q
+        places = of.rotation_dof[free, None] + np.arange(3)
+        turns = self.s0.R[free].transpose(0, 2, 1) @ s.R[free]
+        a[places] = (turns @ a[places][:, :, None])[:, :, 0]
+        return a
+
     def _from_the_last(self, last, history, h, similar):
         """Return the ``history`` whose prediction ends on the line from the beginning to the last state."""
         s0, s1, n_q, of = self.s0, last, self.method.system.n_q, self.method.system.numbering
-        slope = np.concatenate([(s1.a - s0.a)[:n_q], (s1.z - s0.z)[n_q : of.n]]) * (h / (s1.t - s0.t))
+        slope = np.concatenate([(self._in_axes_at_begin(s1) - s0.a)[:n_q], (s1.z - s0.z)[n_q : of.n]])
+        slope *= h / (s1.t - s0.t)
         signals = of.kind[: of.n] == SIGNAL  # whose rates follow from their own differences
         slope, bend = (np.where(signals, *both) for both in ((history.slope, slope), (history.bend, 0.0)))
         tangent = self.method.linear.label if similar else None

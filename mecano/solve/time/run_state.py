@@ -71,4 +71,4 @@ def _history(plain):
 
 
 def _state(plain):
-    return State(**{field.name: plain[STORED.get(field.name, field.name)] for field in fields(State)})
+    return State(**{field.name: plain.get(STORED.get(field.name, field.name)) for field in fields(State)})

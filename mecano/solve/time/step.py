@@ -7,7 +7,7 @@ from mecano.model.numbering import SIGNAL
 from mecano.solve.diagnostics.scales import state_size
 from mecano.solve.linear.newton import CONVERGED, newton
 from mecano.solve.linear.refactorization import choose_tangent
-from mecano.solve.time.increments import finish, predict
+from mecano.solve.time.increments import carried_history, finish, predict
 from mecano.solve.time.step_control import SUDDEN, counted
 from mecano.solve.time.workspace import (
     BEGIN,
@@ -15,6 +15,7 @@ from mecano.solve.time.workspace import (
     TRIAL,
     copy_state,
     history_of,
+    put_start_spins,
     state_of,
     system_of,
     time_of,
@@ -40,6 +41,7 @@ def begin(w):
     copy_state(w, BEGIN, TRIAL)
     time_of(w, TRIAL)[0] = time_of(w, BEGIN)[0] + w.h
     start = state_of(w, BEGIN)
+    put_start_spins(w)
     before, slope, bend = history_of(w, BEGIN)
     if w.by_velocity:
         # after a sudden load on stiff and light members the accelerations say little of displacements in a long step
@@ -63,10 +65,10 @@ def begin(w):
 @kernel
 def complete(w):
     """Compute the history at TRIAL, the error measures, and whether the next step may keep the tangent."""
-    start, s, before, after = state_of(w, BEGIN), state_of(w, TRIAL), history_of(w, BEGIN), history_of(w, TRIAL)
-    w.change, w.turn, w.turning = finish(w, unknowns_of(w), start, s, before, after)
+    start, s, before, after = state_of(w, BEGIN), state_of(w, TRIAL), carried_history(w), history_of(w, TRIAL)
+    w.change, w.turn = finish(w, unknowns_of(w), start, s, before, after)
     system, sizes, signal = system_of(w)[0], start.memory, 0.0
-    began, slope, _ = before
+    _, began, slope, _ = before
     ended, new_slope, _ = after
     states, first = integers(system.states, system.n_states), w.n_memory - system.n_states
     for i in range(system.n_states):

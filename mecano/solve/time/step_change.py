@@ -15,7 +15,7 @@ tangent resolves (modal_filter.py); the next step begins its iterations with the
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers
-from mecano.maths.vector import cross, vec
+from mecano.maths.vector import cross, put, vec
 from mecano.model.assembly_driver import assemble, constraint_derivatives, loops_at
 from mecano.model.numbering import ROTATION, SIGNAL
 from mecano.model.state import Instant
@@ -34,6 +34,8 @@ from mecano.solve.time.workspace import (
     copy_history,
     copy_state,
     history_of,
+    in_own_axes,
+    start_spins,
     state_of,
     system_of,
 )
@@ -43,7 +45,7 @@ JUMP = 10.0  # ratio of two such differences from which on one includes a jump; 
 METRIC = 1e-3  # of a step: for steps so much shorter the tangent is that of the masses, where there are any
 TOO_FAST = 0.1  # of the accelerations lost to the filter: below, its error is all that it would bring
 MOST = 0.1  # of the accelerations outside the filter that no slow motion explains: beyond, members vibrate
-HERE, NEXT, AFTER, TURNING, ALGORITHMIC = range(5)  # rows of ``derivatives``
+HERE, NEXT, AFTER, ALGORITHMIC = range(4)  # rows of ``derivatives``
 
 
 @entry
@@ -104,6 +106,7 @@ def go_back(w):
 def refer(w):
     """Make TANGENT the state BEGIN, from which the rotation increments of the next step are counted."""
     copy_state(w, BEGIN, TANGENT)
+    start_spins(w, TANGENT)[:, :] = 0.0
     z = state_of(w, TANGENT).z
     kind = integers(w.kind, w.n_all)
     for i in range(w.n_q):
@@ -113,17 +116,15 @@ def refer(w):
 
 @kernel
 def differentiate_constraints(w):
-    """Evaluate the constraints at BEGIN, along the motion at constant accelerations, and with v + omega x omega'."""
+    """Evaluate the constraints at BEGIN, and along the motion at accelerations that are constant in space."""
     s, s_moved, rotation_dof = state_of(w, BEGIN), state_of(w, TRIAL), integers(w.rotation_dof, w.n_rotations)
-    for row in range(4 if w.n_l else 0):
-        dt = row * DIFFERENCE * w.h if row < TURNING else 0.0
+    for row in range(3 if w.n_l else 0):
+        dt = row * DIFFERENCE * w.h
         extrapolate(w, BEGIN, dt, TRIAL)
-        for r in range(w.n_rotations if row == TURNING else 0):
+        for r in range(w.n_rotations):
             d = rotation_dof[r]
-            turned = cross(vec(s.v, d), vec(s.a, d))
-            for i in range(3):
-                s_moved.v[d + i] += turned[i]
-        evaluate_constraints(w, TRIAL, s.a, row)
+            put(s_moved.a, d, vec(s.a, d) - dt * cross(vec(s.v, d), vec(s.a, d)))
+        evaluate_constraints(w, TRIAL, s_moved.a, row)
 
 
 @kernel
@@ -163,10 +164,10 @@ def close_velocity_gap(w):
 
     Constraints on rates are exempt.
     """
-    gap, here, turned = floats(w.gap, w.n_l), derivatives(w, HERE), derivatives(w, TURNING)
+    gap, here = floats(w.gap, w.n_l), derivatives(w, HERE)
     exact_rates = integers(w.exact_rates, w.n_l)
     for i in range(w.n_l):
-        kept = w.h * w.h * (w.error * jerk_rate(w, i) + (turned[i, 1] - here[i, 1]) / 12.0)
+        kept = w.error * w.h * w.h * jerk_rate(w, i)
         gap[i] = (0.0 if exact_rates[i] else kept) - here[i, 1]
     if w.similar:
         w.k = w.metric_k
@@ -252,12 +253,8 @@ def mean_stiffness(w):
 @kernel
 def assemble_at_tangent(w, cK, cC, cM):
     """Assemble a tangent of these weights at TANGENT, where rotation increments are zero."""
-    T, loops = floats(w.T, (w.n_rotations, 3, 3)), loops_at(w.n_tangents, w.tangents, w.tangent_batches)
-    for r in range(w.n_rotations):
-        for i in range(3):
-            for j in range(3):
-                T[r, i, j] = 1.0 if i == j else 0.0
-    assemble(loops, system_of(w), state_of(w, TANGENT), T, w.k, w.penalty, cK, cC, cM)
+    loops = loops_at(w.n_tangents, w.tangents, w.tangent_batches)
+    assemble(loops, system_of(w), state_of(w, TANGENT), in_own_axes(w), w.k, w.penalty, cK, cC, cM)
 
 
 @kernel

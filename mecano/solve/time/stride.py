@@ -109,29 +109,28 @@ def tried(m, w, o):
     if w.code != CONVERGED or w.turn > MOST_TURN or parts(m, w):
         return REPEAT
     lag = counted(w.lag, FORGOTTEN, m.duration, w.h)
-    plain = max(w.error * w.h * w.h * w.change, w.turning, w.signalled, lag)
+    plain = max(w.error * w.h * w.h * w.change, w.signalled, lag)
     share = allowed(m.tolerance, m.duration, w.h)
     within = plain <= share or w.h < m.minimum
-    error = plain if within else bounded(m, w, plain, share)
+    error = plain if within else bounded(m, w, plain)
     if not (within or error <= share):
         if w.h <= m.minimum or not reject(m, w, plain, share):
             return REPEAT if m.rejections else DECIDE
         return AGAIN
     if happens(m, w, state_of(w, TRIAL)):
         return REPEAT if m.rejections else DECIDE
-    accept(m, w, o, bounded(m, w, plain, 0.0) if is_probe(m, w, error, share) else error, share)
+    accept(m, w, o, bounded(m, w, plain) if is_probe(m, w, error, share) else error, share)
     return ADVANCED
 
 
 @kernel
-def bounded(m, w, plain, enough):
+def bounded(m, w, plain):
     """Return the error of a step with oscillations bounded (error_bound.py); ``plain`` is the error without a bound."""
     if not m.bound:
         return plain
     found = items(m.bound, 1, BOUND)[0]
-    found.enough = enough
     call(m.bound_error, m.bound_error_words, 0)
-    return max(found.bounded, found.turning, w.signalled, counted(w.lag, FORGOTTEN, m.duration, w.h))
+    return max(found.bounded, w.signalled, counted(w.lag, FORGOTTEN, m.duration, w.h))
 
 
 @kernel

@@ -95,7 +95,7 @@ class Trials:
             return self._smaller(info, run.motion, h, cuts)
         if self.control.accept(info.plain, h):
             return None
-        info.error = self.bounded(trial, h, self.control.allowed(h))
+        info.error = self.bounded(trial, h)
         if self.control.accept(info.error, h):
             return None
         if h <= self.control.minimum:
@@ -107,12 +107,12 @@ class Trials:
     def judged(self, trial: "Trial", h: float) -> float:
         """Return the error of the ``trial``, with that of oscillations bounded if the plain estimate is too large."""
         plain = trial[2].plain
-        return plain if self.control.accept(plain, h) else self.bounded(trial, h, self.control.allowed(h))
+        return plain if self.control.accept(plain, h) else self.bounded(trial, h)
 
-    def bounded(self, trial: "Trial", h: float, enough: float = 0.0) -> float:
-        """Return the error of the ``trial``, with that of oscillations bounded unless it is ``enough`` without."""
+    def bounded(self, trial: "Trial", h: float) -> float:
+        """Return the error of the ``trial``, with that of oscillations bounded."""
         info = trial[2]
-        return max(self.method.bounded_error(*trial, enough), self.control.forgotten(info.lag, h), info.signalled)
+        return max(self.method.bounded_error(*trial), self.control.forgotten(info.lag, h), info.signalled)
 
     def _step(self, run, h):
         history = self._history_for(run, h)

@@ -14,7 +14,7 @@ import numpy as np
 
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
-from mecano.maths.vector import mat, put_matrix
+from mecano.maths.vector import mat, put, put_matrix, vec
 from mecano.model import loops
 from mecano.model.loop_records import SYSTEM, Pointers, fields
 from mecano.model.numbering import TRANSLATION, Unknowns
@@ -32,7 +32,7 @@ UNCHANGED = 2  # row of ``history``: that at BEGIN before the step size was chan
 STEP = fields(
     floats="due am af beta gamma error length duration force_tolerance constraint_tolerance increment_tolerance "
     "h taken k penalty cC cM stiffness reach farthest farthest_fixed loudest motion last_motion "
-    "change lag turn turning signalled drift next_drift "
+    "change lag turn signalled drift next_drift "
     "next_h last_h last_stiffness metric_k similar_stiffness fixed_k fixed_penalty "
     "largest_penalty largest_penalty_share",
     words="code begun strict by_velocity paused factored delegated similar masses_kept changed has kept "
@@ -43,7 +43,7 @@ STEP = fields(
     "n_constraints constraints constraint_batches derivatives gap exact_rates added masses nnz rows columns diagonal "
     "massless soft_starts soft_columns soft_values soft_base soft_kinds soft_in_tangent entry_places entry_values "
     "solve solve_words solve_results substitute substitute_words clock clock_id now "
-    "states phases history guess v_shift report",
+    "states phases history guess carried v_shift report",
 )
 
 
@@ -60,6 +60,21 @@ def state_of(w, which):
     z, v, a, R = floats(at, n), floats(at + 8 * n, n), floats(at + 16 * n, n), floats(at + 24 * n, (m, 3, 3))
     memory = floats(at + 24 * n + 72 * m, w.n_memory)
     return Instant(time_of(w, which)[0], z, v, a, R, integers(w.phases, w.n_phases), memory)
+
+
+@kernel
+def start_spins(w, which):
+    """Return the angular velocities (n_rotations, 3) at the beginning of the step within which one of the states is."""
+    m = w.n_rotations
+    return floats(w.states + 8 * ((which + 1) * w.state_size - 1 - 3 * m), (m, 3))
+
+
+@kernel
+def put_start_spins(w):
+    """Enter the angular velocities at BEGIN as those from which the step to TRIAL starts."""
+    v, spins, rotation_dof = state_of(w, BEGIN).v, start_spins(w, TRIAL), integers(w.rotation_dof, w.n_rotations)
+    for r in range(w.n_rotations):
+        put(spins[r], 0, vec(v, rotation_dof[r]))
 
 
 @kernel
@@ -114,6 +129,17 @@ def system_of(w):
 
 
 @kernel
+def in_own_axes(w):
+    """Return the array T (3 n_rotations, 3, 3) with identities: derivatives of material variations by themselves."""
+    T = floats(w.T, (3 * w.n_rotations, 3, 3))
+    for r in range(3 * w.n_rotations):
+        for i in range(3):
+            for j in range(3):
+                T[r, i, j] = 1.0 if i == j else 0.0
+    return T
+
+
+@kernel
 def is_due(w):
     """Return whether Python must check for signals now, by the wall-clock time."""
     call(w.clock, w.clock_id, w.now)
@@ -139,34 +165,41 @@ class Workspace(Pointers):
         self.system, self._shapes = system, (of.n_all, len(of.rotation_dof))
         state = system.initial_state()
         n_all, n_rotations, n_memory = of.n_all, len(of.rotation_dof), len(state.memory)
-        self.states = np.zeros((6, 3 * n_all + 9 * n_rotations + n_memory + 1))
+        self.states = np.zeros((6, 3 * n_all + 12 * n_rotations + n_memory + 1))
         self.phases = np.zeros(len(state.phases), np.int64)
         self.farthest_fixed = float(np.abs(state.z[of.n :][of.kind[of.n :] == TRANSLATION]).max(initial=0.0))  # m
         self.history = np.zeros((3, n_all + 2 * of.n))
         self.guess, self.v_shift, self.report = np.zeros((2, of.n)), np.zeros(n_all), np.zeros(8)
-        own = ("states", "phases", "history", "guess", "v_shift", "report")
+        self.carried = np.zeros((4, n_all))
+        own = ("states", "phases", "history", "guess", "carried", "v_shift", "report")
         self.held: RunState | None = None  # from which compiled code can step on without anything being entered
         self.assembly = assembly  # which holds the arrays of the record SYSTEM
         self.point_to(
             n_q=of.n_q, n_l=of.n_l, n=of.n, n_all=n_all, n_rotations=n_rotations, n_memory=n_memory,
             n_phases=len(state.phases), state_size=self.states.shape[1], clock=CLOCK, clock_id=time.CLOCK_MONOTONIC,
             now=np.zeros(2, np.int64), system=assembly.record, residual=assembly.residual, size=assembly.size,
-            kind=of.kind.copy(), rotation_dof=of.rotation_dof, T=np.tile(np.eye(3), (n_rotations, 1, 1)),
-            exact_rates=of.of_rates.astype(np.int64), derivatives=np.zeros((5, of.n_l, 3)), gap=np.zeros(of.n_l),
+            kind=of.kind.copy(), rotation_dof=of.rotation_dof, T=np.tile(np.eye(3), (3 * n_rotations, 1, 1)),
+            exact_rates=of.of_rates.astype(np.int64), derivatives=np.zeros((4, of.n_l, 3)), gap=np.zeros(of.n_l),
             nnz=system.nnz, rows=system.rows, columns=system.cols, diagonal=system.diagonal,
             **{name: getattr(self, name) for name in own}, **_loops_of(system), **fixed,
         )  # fmt: skip
 
     def parts(self, which: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Return z, v, a, R, memory of one of the states: views."""
-        row, (n, n_rotations) = self.states[which], self._shapes
-        end = 3 * n + 9 * n_rotations
-        return row[:n], row[n : 2 * n], row[2 * n : 3 * n], row[3 * n : end].reshape(-1, 3, 3), row[end:-1]
+        row, (n, m) = self.states[which], self._shapes
+        end = 3 * n + 9 * m
+        return row[:n], row[n : 2 * n], row[2 * n : 3 * n], row[3 * n : end].reshape(-1, 3, 3), row[end : -1 - 3 * m]
+
+    def start_spins(self, which: int) -> np.ndarray:
+        """Return the angular velocities (n_rotations, 3) at the beginning of the step of one of the states: a view."""
+        return self.states[which, -1 - 3 * self._shapes[1] : -1].reshape(-1, 3)
 
     def put_state(self, which: int, s: State) -> None:
         """Enter a State, with its phases."""
         for place, values in zip(self.parts(which), (s.z, s.v, s.a, s.R, s.memory), strict=True):
             place[...] = values
+        if s.start_spins is not None:
+            self.start_spins(which)[...] = s.start_spins
         self.states[which, -1] = s.t
         self.phases[:] = s.phases
 
@@ -179,7 +212,8 @@ class Workspace(Pointers):
     def state(self, which: int, phases: np.ndarray, memory: np.ndarray | None = None) -> State:
         """Return one of the states as a State with these phases, which are not copied."""
         z, v, a, R, own = [part.copy() for part in self.parts(which)]
-        return State(float(self.states[which, -1]), z, v, a, R, phases, own if memory is None else memory)
+        spins = self.start_spins(which).copy() if which in (TANGENT, RENEWED, FORMER) else None
+        return State(float(self.states[which, -1]), z, v, a, R, phases, own if memory is None else memory, spins)
 
     def put_history(self, history: History) -> None:
         """Enter the History with which a step begins."""

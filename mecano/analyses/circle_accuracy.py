@@ -1,4 +1,4 @@
-"""Warnings about fixed steps that are too long for bodies that spin or move on circles."""
+"""Warnings about fixed steps that are too long for masses that move on circles."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -16,35 +16,9 @@ if TYPE_CHECKING:
     from mecano.solve.time.radau import Radau
     from mecano.solve.time.run_state import RunState
 
-SPUN = 0.2  # [rad] rotation in a fixed step, about an axis that turns too, above which a node is reported
-STABLE = 1.0  # times 1 - rho_inf, [rad]: limit of stability in a ring of a fifth of its inertia (docs/step-control.md)
-LEAST_SPUN = 0.02  # [rad]: a node that turns less in a step is never reported
-GYROSCOPIC = 0.22  # error of a gyroscopic moment over the square of this angle, measured at rho_inf = 0.8
 OFF = 0.007  # error of the force of a circling mass above which it is reported: 0.2 rad in a step at rho_inf = 0.8
 ALIKE = 0.2  # relative difference of changes of an acceleration below which they turn with the node
 SIMILAR = 2.0  # ratio of a speed over a radius to the angular velocity, and of two radii, below which a node circles
-AXIS_TURNS = 0.1  # of the angular velocity: change across its mean direction above which the axis turns
-
-
-def spin_warnings(values: "Values", sampler: "Sampler", extremes: "Extremes") -> Iterator[str]:
-    """Yield a warning if a node turns far in each fixed step, about an axis that turns too.
-
-    The change of the angular velocity is estimated from the ``extremes`` of its components. The motion of a body that
-    spins about an axis fixed in space is exact.
-    """
-    if values["adaptive"] or values["method"] == "radau":
-        return
-    fastest = max(((_turn(column, extremes) * values["step"], column.path) for column in _spins(sampler)), default=None)
-    stable = max(STABLE * (1.0 - values["rho_inf"]), LEAST_SPUN)
-    if fastest is None or fastest[0] <= min(SPUN, stable):
-        return
-    angle, path = fastest
-    grows = f", and where a light ring or fork holds it, its motion may grow with rho_inf = {values['rho_inf']:g}"
-    yield (
-        f"node '{path.split('/')[1]}' turns by {angle:.2g} rad in a step of {values['step']:g} s, about an axis that "
-        f"turns too: its gyroscopic moment is wrong by some {100 * GYROSCOPIC * angle**2:.2g} %"
-        f"{grows if angle > stable else ''}; use a smaller 'time.step', 'time.adaptive', or 'method: radau'"
-    )
 
 
 def circle_warnings(
@@ -133,13 +107,3 @@ def _turning_circle(run, i, x, nodes):
 def _spins(sampler):
     """Return the columns of the angular velocities of nodes."""
     return [c for c in sampler.columns if c.path.startswith("nodes/") and c.path.endswith("/angular_velocity")]
-
-
-def _turn(column, extremes):
-    """Return the largest component of a node's angular velocity [rad/s], or zero if its axis keeps its direction."""
-    at = slice(column.start, column.start + 3)
-    low, high = extremes.low[at], extremes.high[at]
-    largest, mean = float(np.maximum(np.abs(low), np.abs(high)).max()), low + high
-    change, direction = (high - low) * np.where(mean < 0.0, -1.0, 1.0), mean / max(float(np.linalg.norm(mean)), 1e-300)
-    across = np.linalg.norm(change - direction * (direction @ change))
-    return largest if across > AXIS_TURNS * largest else 0.0
