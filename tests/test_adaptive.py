@@ -145,7 +145,7 @@ def test_a_looser_tolerance_never_costs_more_iterations(name):
 def test_the_loosest_tolerance():
     prepared = prepare(input_deck("main_gear", "time.adaptive={tolerance: 0.5}"))
     assert control_of(prepared.deck.values["time"]).tolerance == 0.03
-    assert [text for text in startup_warnings(prepared) if "counts as 0.03, not 0.5" in text]
+    assert [text for text in startup_warnings(prepared) if "is taken as 0.03, not 0.5" in text]
 
 
 @pytest.mark.parametrize("control", [StepControl(1e-3, 10.0, 1e-9, 1.0), StepControl(1e-3, 10.0, 1e-9, 1.0, 5)])

@@ -202,7 +202,7 @@ class TestRun:
     def test_no_file_is_overwritten_without_force(self, call, folder):
         (folder / "deck.h5").write_text("precious")
         code, _, err = call("run", "deck.yaml")
-        assert code == 5 and "deck.h5 exists already" in err and "--force" in err
+        assert code == 5 and "deck.h5 already exists" in err and "--force" in err
         assert (folder / "deck.h5").read_text() == "precious"
         code, _, err = call("run", "deck.yaml", "--force", "-q")
         assert code == 5 and "not a results file" in err

@@ -112,7 +112,7 @@ class TestRun:
     def test_no_file_is_replaced_unless_asked(self, folder):
         short = {"time.end": 0.01}
         mecano.run("pendulum.yaml", set=short, quiet=True)
-        with pytest.raises(ResultsError, match=r"pendulum.h5 exists already.*--force.*force=True"):
+        with pytest.raises(ResultsError, match=r"pendulum.h5 already exists.*--force.*force=True"):
             mecano.run("pendulum.yaml", set=short, quiet=True)
         with pytest.raises(UsageError, match="resume=True continues"):
             mecano.run("pendulum.yaml", resume=True, force=True)

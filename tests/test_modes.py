@@ -548,7 +548,7 @@ def test_table_and_file(tmp_path, monkeypatch):
     np.testing.assert_allclose(file.nodes["p1"]["translation"][:, 0], found.shapes[:, 0])
     np.testing.assert_array_equal(file.nodes["p0"]["translation"], 0.0)
     assert file.kinds == ["oscillation"] * 3 and file.resolved["gravity"] == [0, 0, 0]
-    with monkeypatch.context() as patched, pytest.raises(ResultsError, match="exists already"):
+    with monkeypatch.context() as patched, pytest.raises(ResultsError, match="already exists"):
         computed = pytest.fail
         patched.setattr("mecano.analyses.modal.operating_point", lambda *_: computed("before it was refused"))
         modes(deck(row_of_masses(4)), path)

@@ -831,7 +831,7 @@ def test_pictures_of_mecano_are_replaced_and_others_only_with_force(tmp_path, mo
         assert list(post([path], plot, output=one)) == [one]
     for other in (one, tmp_path / "spin.svg"):
         other.write_bytes(b"a photograph")
-        with pytest.raises(ResultsError, match=f"{other.name} exists already, and is not known .* mecano; --force"):
+        with pytest.raises(ResultsError, match=f"{other.name} already exists, and is not known .* mecano; --force"):
             list(post([path], plot, output=other))
         assert other.read_bytes() == b"a photograph"
         assert list(post([path], plot, output=other, force=True)) == [other]
@@ -839,13 +839,13 @@ def test_pictures_of_mecano_are_replaced_and_others_only_with_force(tmp_path, mo
     for text in ("time [s],elements.one_wheel.spin_rate [rad/s]\n1,2\n", "time [s],price [EUR]\n1,2\n"):
         table.write_text(text)
         if "price" in text:
-            with pytest.raises(ResultsError, match="spin.csv exists already; --force"):
+            with pytest.raises(ResultsError, match="spin.csv already exists; --force"):
                 list(post([path], plot, output=one, columns=True))
         drawn = list(post([path], plot, output=one, columns=True, force="price" in text))
         assert drawn == [one, table] and table.read_text().count("\n") > 2
     film = tmp_path / "wheel.webp"
     film.write_bytes(b"")
-    with pytest.raises(ResultsError, match="wheel.webp exists already; --force"):
+    with pytest.raises(ResultsError, match="wheel.webp already exists; --force"):
         commands(["post", str(path), "--animate", str(film)], standalone_mode=False)
     page.write_text("<html>minutes of a meeting</html>")
     arguments = ["post", str(path), "--report", str(page)]

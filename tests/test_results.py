@@ -287,7 +287,7 @@ def test_layouts_that_cannot_be_stored(paths):
 
 def test_an_existing_file_is_kept_unless_forced(finished):
     before = finished.read_bytes()
-    with pytest.raises(ResultsError, match="exists already.*--force"):
+    with pytest.raises(ResultsError, match="already exists.*--force"):
         samples.create(finished)
     assert finished.read_bytes() == before and os.listdir(finished.parent) == ["results.h5"]
     samples.create(finished, force=True).close()

@@ -446,7 +446,7 @@ def test_two_runs_at_once_do_not_share_a_file(tmp_path, monkeypatch):
     """The name is taken in one step: the second of two runs that start together is refused."""
     first = samples.create(tmp_path / "r.h5")
     monkeypatch.setattr(Path, "exists", lambda path: False)
-    with pytest.raises(ResultsError, match="exists already"):
+    with pytest.raises(ResultsError, match="already exists"):
         samples.create(tmp_path / "r.h5")
     monkeypatch.undo()
     samples.append(first, 0)

@@ -115,7 +115,7 @@ def test_kills():
 
 
 def test_disks(tmp_path):
-    assert disk.refused(Outcome(5, err="mecano: r.h5 exists already"), "r.h5") == ""
+    assert disk.refused(Outcome(5, err="mecano: r.h5 already exists"), "r.h5") == ""
     assert "not named" in disk.refused(Outcome(5, err="mecano: no"), "r.h5")
     assert "exit code 0" in disk.refused(Outcome(0), "r.h5") and "SIGBUS" in disk.refused(Outcome(-7), "r.h5")
 

@@ -374,7 +374,7 @@ def test_map_files_and_pictures(tmp_path):
 def test_a_file_that_exists_is_refused_before_the_sweep(tmp_path, monkeypatch, name):
     (tmp_path / name).write_text("measured by hand\n")
     monkeypatch.setattr(sweeps, "sweep", lambda *_, **__: pytest.fail("computed in vain"))
-    with pytest.raises(ResultsError, match=f"{name} exists already"):
+    with pytest.raises(ResultsError, match=f"{name} already exists"):
         sweep_into(tmp_path / "map.h5", INPUTS / "caster_shimmy.yaml", (), ["speed=20:60:20"], columns=True)
     assert [path.name for path in tmp_path.iterdir()] == [name]
 

@@ -248,7 +248,7 @@ def test_of_a_random_road_the_way_of_the_run_counts():
     """Of a very rough road (five times class E of ISO 8608) the wheel meets narrow hollows only when it moves on."""
     road = "{random: {density: 0.02, lowest: 0.2, seed: 4}}"
     on(road, end="time: {end: 0.05, step: 1.0e-3}\n    initial: {velocities: [{nodes: all, velocity: [3, 0, 0]}]}")
-    with pytest.raises(DeckError, match=r"; so have \d+ hollows between -0.3 and 20.\d+ m"):
+    with pytest.raises(DeckError, match=r"; there are \d+ such hollows between -0.3 and 20.\d+ m"):
         on(road, end="time: {end: 2, step: 1.0e-3}\n    initial: {velocities: [{nodes: all, velocity: [10, 0, 0]}]}")
 
 

@@ -30,7 +30,7 @@ def refuse(path: "str | os.PathLike[str]", force: bool) -> None:
     if Path(path).suffix not in ENDINGS:
         raise UsageError(f"--state-space {os.fspath(path)}: the name of the file ends with {' or '.join(ENDINGS)}")
     if exists(path) and not force:
-        raise ResultsError(f"{os.fspath(path)} exists already; give another name, or --force to replace it")
+        raise ResultsError(f"{os.fspath(path)} already exists; give another name, or --force to replace it")
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ def below_one(value: float) -> str | None:
 
 
 def resolvable(value: float) -> str | None:
-    """Require a tolerance of the motion that rounding, some 1e-13 over many steps, leaves room for."""
+    """Require a relative tolerance of the motion above its rounding errors, some 1e-13 over many steps."""
     return None if 1e-12 <= value < 1.0 else "must lie between 1e-12 and 1"
 
 

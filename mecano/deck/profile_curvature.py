@@ -104,7 +104,7 @@ def _text(stretch, radius):
         f"than that of the wheel, {radius:g} m: the wheel would touch both of its sides, but has only one contact"
     )
     if stretch.number > 1:
-        text += f"; so have {stretch.number} hollows between {stretch.low:.5g} and {stretch.high:.5g} m"
+        text += f"; there are {stretch.number} such hollows between {stretch.low:.5g} and {stretch.high:.5g} m"
     return text
 
 

@@ -41,8 +41,8 @@ def size_warnings(values: "Values", row: int, history: int) -> list[str]:
     adaptive = values["time"] and values["time"]["adaptive"]
     if adaptive and adaptive["tolerance"] > LOOSEST:
         texts.append(
-            f"'time.adaptive.tolerance' counts as {LOOSEST:g}, not {adaptive['tolerance']:g}: longer steps would cost "
-            "more"
+            f"'time.adaptive.tolerance' is taken as {LOOSEST:g}, not {adaptive['tolerance']:g}: longer steps would "
+            "cost more"
         )
     time, every = values["time"], values["output"]["every"]
     if time and isinstance(every, float) and every > time["end"] - time["start"]:

@@ -194,7 +194,7 @@ ADAPTIVE_FIELDS = (
         "tolerance",
         NUMBER,
         "-",
-        "error of the run relative to 'length_scale', or [rad]; counts as 0.03 at most",
+        "error of the run relative to 'length_scale', or [rad]; taken as 0.03 if larger",
         check=resolvable,
     ),
     Field(

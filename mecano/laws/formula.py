@@ -48,7 +48,7 @@ class Formula(NamedTuple):
 
     text: str
     references: tuple  # names of the quantities that it reads, each once: "elbow.angle", "error"
-    columns: tuple  # of the text, where each of them first stands
+    columns: tuple  # of the text, where each of them first occurs
     program: tuple  # (operation, number) of every step
 
     @property
@@ -91,7 +91,7 @@ def _cause(body):
     if unit := UNIT.search(body):
         return f"it cannot be understood at '{unit[0]}': formulas contain no units, give them to a parameter"
     if word := next((match[0] for match in WORD.finditer(body) if keyword.iskeyword(match[0])), ""):
-        return f"it cannot be understood at '{word}', which is not a name in formulas: give what it means another name"
+        return f"it cannot be understood at '{word}', which cannot be a name in formulas: choose another name"
     return "it cannot be understood"
 
 

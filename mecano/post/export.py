@@ -97,7 +97,7 @@ def _refuse(run, target, force):
     if target.suffix == OF_CELLS:
         refuse_existing(target, force)
     elif exists(target) and not force:
-        raise ResultsError(f"{target} exists already; give another name, or --force to replace it")
+        raise ResultsError(f"{target} already exists; give another name, or --force to replace it")
 
 
 def _into_results(run, force):

@@ -1,4 +1,4 @@
-"""A read-only HDF5 file that checks its bytes as they are read: HDF5, which might crash, never meets a changed one."""
+"""A read-only HDF5 file that checks its bytes as they are read, as changed bytes might crash HDF5."""
 
 import os
 import struct

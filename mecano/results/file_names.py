@@ -9,7 +9,7 @@ from mecano.results.disk import SIGNATURE
 from mecano.results.provenance import is_running
 from mecano.results.whole_file import exists, hidden_name, refuse_other_than_file
 
-_EXISTS = "{} exists already; give another name, or --force (in Python force=True) to replace it"
+_EXISTS = "{} already exists; give another name, or --force (in Python force=True) to replace it"
 OTHERS = (".csv", ".txt", ".xlsx", ".mat", ".json", ".yaml", ".yml", ".png", ".html", ".vtkhdf")  # of other formats
 
 
@@ -33,7 +33,7 @@ def refuse_existing(path: str | os.PathLike[str], force: bool) -> None:
     except OSError as error:
         raise ResultsError(f"cannot read {path}, which would be replaced: {error.strerror}") from error
     if begins != SIGNATURE:
-        raise ResultsError(f"{path} exists already and is not a results file; give another name")
+        raise ResultsError(f"{path} already exists and is not a results file; give another name")
 
 
 def remove_abandoned(path: Path) -> None:

@@ -94,7 +94,7 @@ class LiveChecksums:
         put(self._descriptor, place, pairs.tobytes())
 
     def doubt(self) -> None:
-        """Recompute the present sums of blocks from now on instead of reading them, as a write has failed."""
+        """Recompute the sums of blocks from now on instead of reading them, as a write has failed."""
         self._certain = False
 
     def sums(self, blocks: int) -> np.ndarray:

@@ -113,7 +113,7 @@ def add_grids(path: "str | os.PathLike[str]", grids: Iterable[Grid], times: np.n
     _refuse_damaged(path)
     with atomic_hdf5_file(path, begun=path) as file:
         if GROUP in file and not force:
-            raise ResultsError(f"{path} has a group /{GROUP} already; --force to replace it")
+            raise ResultsError(f"{path} already has a group /{GROUP}; --force to replace it")
         if GROUP in file:
             del file[GROUP]
         write_grids(file, grids, times)

@@ -86,14 +86,14 @@ def refuse_foreign(path: "Path", force: bool, heading: Sequence[str] | None = No
         raise ResultsError(f"cannot read {path}, which would be replaced: {error.strerror}") from error
     if expected not in begins:
         other = ", and is not known to be written by mecano" if path.suffix in MARKED else ""
-        raise ResultsError(f"{path} exists already{other}; --force replaces it")
+        raise ResultsError(f"{path} already exists{other}; --force replaces it")
 
 
 def refuse_present(path: "Path", force: bool) -> None:
     """Raise ResultsError if a file ``path`` exists, whatever it contains, unless ``force`` is True."""
     refuse_other_than_file(path)
     if exists(path) and not force:
-        raise ResultsError(f"{path} exists already; --force replaces it")
+        raise ResultsError(f"{path} already exists; --force replaces it")
 
 
 def write_csv(path: "Path", rows: Iterable[Sequence[str]], force: bool) -> None:

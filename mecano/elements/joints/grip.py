@@ -27,7 +27,7 @@ OPEN, CLOSED = 0, 1
 PHASES = ("open", "closed", "released")
 LAYOUT = ("x0", "R0", "x1", "R1")
 FOR_EVER, UNTIL_RELEASED, WHILE = 0.0, 1.0, 2.0  # how long it is closed
-NEVER = -1.0  # number of an event that does not occur
+NEVER = -1.0  # value of an event that does not occur
 UNIT = (Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, 1.0))
 
 

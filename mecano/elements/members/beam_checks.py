@@ -9,11 +9,11 @@ from mecano.elements.members.beam_line import check_line
 from mecano.elements.members.cross_section import constants
 from mecano.elements.members.heated_beam import check_heating
 
-MOST_SLENDER = 1e7  # lengths over radii of gyration: stiffnesses differ by the square, of 16 digits
+MOST_SLENDER = 1e7  # length over radius of gyration: stiffnesses differ by its square, and have 16 digits
 MOST_ELEMENTS = 10_000
 LOST = 3e-17  # relative error of the deflection, per element and square of the slenderness of the beam (measured)
 INACCURATE = 1e-6  # of the deflection
-STOUT = 0.5  # lengths over radii of gyration: a beam has several, a section in mm makes them a thousandth
+STOUT = 0.5  # length over radius of gyration: above 1 for a beam, a thousandth of that if the section is given in mm
 
 
 def check(d, nodes):

@@ -13,7 +13,7 @@ by an angle passes its radius times this angle from one span to the next, and th
 .. math::  T = \frac{EA}{L}\,(\Delta + \tau\dot\Delta), \qquad V = \sum \frac{EA}{2L}\,\Delta^2
 
 A span whose tension falls to zero is slack until it has its length again: both are events. The belt has no mass, and
-the stiffness of a span does not change with its length. All pulleys are in one plane, nearly; the belt stays on them.
+the stiffness of a span does not change with its length. All pulleys lie nearly in one plane; the belt stays on them.
 
 With ``creep: true`` the belt sticks to each pulley where it comes onto it, and leaves it with the strain of the next
 span: a loaded drive creeps. With the tensions of the tight and the slack span the driven pulley turns at (EA +
