@@ -32,8 +32,8 @@ def instability_warnings(prepared: "Prepared", start: "RunState") -> Iterator[st
     lin = linearize(system, start.motion, prepared.length, compliance=start.compliance)
     if not all(np.isfinite(matrix.data).all() for matrix in (lin.M, lin.C, lin.K)):
         return
-    fastest = _fastest(lin)
-    grows = (fastest.real - max(_fastest(_without_signals(lin)).real, 0.0)) * (time["end"] - time["start"])
+    fastest = _largest_growth(lin)
+    grows = (fastest.real - max(_largest_growth(_without_signals(lin)).real, 0.0)) * (time["end"] - time["start"])
     if fastest.real > lin.pace and grows > math.log(GROWTH):
         as_what = f", as an oscillation of {abs(fastest.imag) / math.tau:.3g} Hz" if fastest.imag else ""
         yield (
@@ -42,7 +42,7 @@ def instability_warnings(prepared: "Prepared", start: "RunState") -> Iterator[st
         )
 
 
-def _fastest(lin: "Linearization") -> complex:
+def _largest_growth(lin: "Linearization") -> complex:
     """Return the eigenvalue of a Linearization with the largest real part, or 0 if none grows."""
     from mecano.solve.modal.modes import solve
 

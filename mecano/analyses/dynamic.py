@@ -103,7 +103,7 @@ def continued(deck: "Deck", path: "str | os.PathLike[str]", **supervision: Any) 
 
 
 @contextmanager
-def _warned_of(prepared, supervision):
+def _announce_warnings(prepared, supervision):
     """Announce the warnings about a model whose start fails: one of them may name the cause."""
     try:
         yield
@@ -117,7 +117,7 @@ def _warned_of(prepared, supervision):
 def _from_the_start(deck, path, force, supervision):
     """Yield an Ongoing run from its initial state; the caller holds the lock of the file."""
     prepared = prepare(deck, partial(compile_time_integration, time=deck.values["time"]))
-    with locating_formulas(deck), _warned_of(prepared, supervision):
+    with locating_formulas(deck), _announce_warnings(prepared, supervision):
         found = call_interruptibly(set_initial_state, prepared)
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
     with locating_formulas(deck):

@@ -116,14 +116,14 @@ def rest(prepared: Prepared, state: "State") -> "tuple[State, tuple[str, ...]]":
 
 
 def _follow_path(prepared, statics, path, start, observers, state=None):
-    follower = Follower(statics, tuple(observers), _ended(prepared))
+    follower = Follower(statics, tuple(observers), _end_of_range_check(prepared))
     first = follower.start(_settled(prepared) if state is None else state, start)
     point, reason = path.follow(follower, first)
     missed = path.missed(point) if isinstance(path, ArcLength) else ()
     return Result(point, reason, (*missed, *_stability_warnings(prepared, follower, point)), statics.loading)
 
 
-def _ended(prepared):
+def _end_of_range_check(prepared):
     """Return a function (State, Observation) -> text on an element at the end of its range, or ""."""
     if not has_watched_outputs(prepared.deck.values, "end_conditions"):
         return lambda state, observation: ""

@@ -35,10 +35,10 @@ def set_initial_state(prepared: "Prepared", disturbed: bool = True) -> tuple[str
     try:
         prepared.state = steady.find(before)
     except ConvergenceError as error:
-        raise ConvergenceError("".join([str(error), *_wobbling(prepared)])) from None
+        raise ConvergenceError("".join([str(error), *_wobble_warnings(prepared)])) from None
     if disturbed:
         prepared.state.v += asked
-    return tuple(_reshaped(prepared, before))
+    return tuple(_displacement_warnings(prepared, before))
 
 
 def _steady_motion(prepared):
@@ -56,7 +56,7 @@ def _steady_motion(prepared):
     return Rotation(prepared.system, asked["angular_velocity"], asked["about"], resting)
 
 
-def _wobbling(prepared):
+def _wobble_warnings(prepared):
     """Yield a text for each wheel whose axle, in the axes of its node, is not a principal axis of inertia."""
     system, at = prepared.system, {node.name: i for i, node in enumerate(prepared.system.nodes)}
     for name, d in prepared.deck.values["elements"].items():
@@ -84,7 +84,7 @@ def describe(deck: "Deck") -> str:
     return f"saved state of {initial['from']}" if initial["from"] else "initial state"
 
 
-def _reshaped(prepared, before):
+def _displacement_warnings(prepared, before):
     """Yield a warning about the node that moved most from its position in the deck, the mean translation removed."""
     from mecano.solve.modal.steady import NOTICEABLE, change_of_shape
 

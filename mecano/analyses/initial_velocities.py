@@ -31,8 +31,8 @@ def changed_velocities(deck: "Deck", system: "System", given: "State", start: "S
     motions = [  # fixed nodes did not receive the requested velocities
         (names, np.where((first < of.n_q)[:, None], before, asked), reached, unit)
         for names, first, asked, before, reached, unit in zip(
-            (named, turned), (of.x, of.r), asked_velocities(deck, system), _rates(system, given),
-            _rates(system, start), ("m/s", "rad/s"), strict=False,
+            (named, turned), (of.x, of.r), asked_velocities(deck, system), _velocities(system, given),
+            _velocities(system, start), ("m/s", "rad/s"), strict=False,
         )
     ]  # fmt: skip
     fastest = [np.linalg.norm(np.concatenate([asked, now]), axis=1).max(initial=0.0) for _, asked, now, _ in motions]
@@ -41,7 +41,7 @@ def changed_velocities(deck: "Deck", system: "System", given: "State", start: "S
         change = np.linalg.norm((reached - asked)[rows], axis=1)
         if change.max(initial=0.0) > max(NOTICED * speed, least):
             i = rows[int(np.argmax(change))]
-            was, is_ = (_shown(vector, speed) for vector in (asked[i], reached[i]))
+            was, is_ = (_vector_text(vector, speed) for vector in (asked[i], reached[i]))
             return [
                 "the initial velocities violate the constraints and were replaced by the nearest admissible ones "
                 f"(momenta kept): node '{system.nodes[i].name}' from {was} to {is_} {unit}. Nodes that are not "
@@ -56,7 +56,7 @@ def _rounding(fastest, length):
     return ROUNDING * fastest[1] * length, ROUNDING * fastest[0] / length
 
 
-def _shown(vector, size):
+def _vector_text(vector, size):
     """Return a vector as text, with components at the rounding level of ``size`` replaced by zero."""
     rounded = np.where(np.abs(vector) <= ROUNDING * size, 0.0, vector)
     return "[" + ", ".join(f"{component + 0.0:.4g}" for component in rounded) + "]"
@@ -69,7 +69,7 @@ def _turning(system):
     return {node.name for i, node in enumerate(nodes) if of.r[i] < of.n_q or of.r[i] in held}
 
 
-def _rates(system, s):
+def _velocities(system, s):
     """Return the velocities and angular velocities of all nodes, (n_nodes, 3) each, in inertial axes."""
     of, three = system.numbering, np.arange(3)
     return s.v[of.x[:, None] + three], np.einsum("nij,nj->ni", s.R[of.rotation], s.v[of.r[:, None] + three])
@@ -85,7 +85,7 @@ def set_in_motion(deck: "Deck", system: "System", given: "State", start: "State"
     motions = [
         (first, np.linalg.norm(now - before, axis=1), np.linalg.norm(now, axis=1).max(initial=0.0), unit)
         for first, before, now, unit in zip(
-            (of.x, of.r), _rates(system, given), _rates(system, start), ("m/s", "rad/s"), strict=True
+            (of.x, of.r), _velocities(system, given), _velocities(system, start), ("m/s", "rad/s"), strict=True
         )
     ]
     found = []

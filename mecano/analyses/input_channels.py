@@ -51,7 +51,7 @@ class Input:
         for path, text in self.motions.items():
             slope = slope_of(text, deck.values["signals"], self.signal, s.t) if self.signal else 1.0
             if slope:
-                moved = System(build(_with(deck, path, _shifted)))
+                moved = System(build(_with_value(deck, path, _shifted)))
                 Q[0] -= slope / SHIFT * (_residual(moved, s) - _residual(system, s))
         return Q
 
@@ -85,30 +85,30 @@ def with_inputs(deck: "Deck", names: tuple[str, ...]) -> "tuple[Deck, list[Input
         if signal in deck.values["signals"]:
             found.append(Input(name, _unit_of_motion(deck, motions, signal), signal, motions))
         else:
-            deck, one = _of_field(deck, name, f"input_{number}_of_response")
+            deck, one = _law_as_signal(deck, name, f"input_{number}_of_response")
             found.append(one)
     return deck, found
 
 
-def _of_field(deck, name, signal):
+def _law_as_signal(deck, name, signal):
     """Return a Deck in which a function of time is the ``signal``, and its Input; ``name``: NAME.FIELD."""
     known = {".".join(path[1:]): (path, field, value) for path, field, value in _functions_of_time(deck)}
     known |= {".".join(path): one for path, *_ in known.values() for one in [known[".".join(path[1:])]]}
     if name not in known:
-        raise unknown("input", name, [*deck.values["signals"], *known], _nothing(deck, known))
+        raise unknown("input", name, [*deck.values["signals"], *known], _no_inputs_hint(deck, known))
     path, declared, value = known[name]
     if declared.type == MOTION:
         return deck, Input(name, declared.unit, "", {path: ""})
     if len(path) > 3:
         raise UsageError(f"input {name}: write this function of time as a signal, and give its name")
-    deck, own = _with(deck, path, lambda value: signal), {"type": "curve", "input": "time", "law": value}
+    deck, own = _with_value(deck, path, lambda value: signal), {"type": "curve", "input": "time", "law": value}
     if is_formula(value):
         own = {"type": "formula", "value": value}
     signals = {**deck.values["signals"], signal: {**own, "unit": None}}
     return replace(deck, values={**deck.values, "signals": signals}), Input(name, declared.unit, signal)
 
 
-def _nothing(deck, known):
+def _no_inputs_hint(deck, known):
     """Return a hint for a deck without inputs."""
     if known or deck.values["signals"]:
         return ""
@@ -163,20 +163,20 @@ def slope_of(text: str, signals: "Mapping[str, Values]", signal: str, t: float) 
         return 1.0
     if signals.get(text.removeprefix("signals."), {}).get("type") == "curve":
         return 0.0
-    return _dual(text, signals, signal, t).slope
+    return _value_and_slope(text, signals, signal, t).slope
 
 
-def _dual(text, signals, signal, t):
+def _value_and_slope(text, signals, signal, t):
     """Return the value of a formula of the time and its slope by the value of a ``signal``."""
     found = read_formula(text)
     q = [Dual(0.0, 0.0)]
     for name in (name.removeprefix("signals.") for name in found.references):
-        one = _dual(signals[name]["value"], signals, signal, t)
+        one = _value_and_slope(signals[name]["value"], signals, signal, t)
         q.append(Dual(one.value, 1.0) if name == signal else one)
     return evaluate_formula(np.array(found.numbers), 0, t, q, 0)
 
 
-def _with(deck, path, change):
+def _with_value(deck, path, change):
     """Return a Deck with a changed value at a path; no container of the value is shared with ``deck``."""
     values = deepcopy(deck.values)
     container = _container(values, path)

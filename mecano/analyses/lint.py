@@ -30,11 +30,11 @@ FAR = 1e5  # length scales from the origin, where a double pendulum has errors o
 
 def suspicious_model(deck: "Deck", system: "System", s: "State", length: float) -> list[Problem]:
     """Return the warnings (list of Problem) about a model at its start ``s``; ``length`` [m] is its length scale."""
-    strained, started = [*_strained(deck, system, s)], [*_start_warnings(deck, system, s)]
+    strained, started = [*_strain_warnings(deck, system, s)], [*_start_warnings(deck, system, s)]
     massless = _massless(deck, system, s, length)
     placed = [*_far(deck, system, s, length), *_one_point(deck, system)]
-    firsts = [*_first(_once(strained), "elements"), *_first(massless, "nodes"), *_first(started, "elements")]
-    units = [*_other_units(deck, system.model), *_unlike(deck, system.model)]
+    firsts = [*_first(_without_copies(strained), "elements"), *_first(massless, "nodes"), *_first(started, "elements")]
+    units = [*_other_units(deck, system.model), *_unit_warnings(deck, system.model)]
     turned = _first([*_turned(deck, system, s)], "joints")
     return [*firsts, *_first(units, "formulas"), *placed, *turned]
 
@@ -50,7 +50,7 @@ def _other_units(deck, model):
             yield Problem(f"{where}; {error}", mark)
 
 
-def _unlike(deck, model):
+def _unit_warnings(deck, model):
     """Yield warnings about formulas that add or compare different quantities."""
     for text, first, second in unlike_sums(model, deck.formulas):
         if "-" not in (first, second) and not alike(f"1 {first}", f"1 {second}"):
@@ -66,7 +66,7 @@ def _first(problems, what):
     return [*shown, last] if last else []
 
 
-def _once(problems):
+def _without_copies(problems):
     """Return the first problem at each place in the deck, with the number of the others there, which are of copies."""
     places: dict[str, list[Problem]] = {}
     for problem in problems:
@@ -75,7 +75,7 @@ def _once(problems):
     return [Problem(one.message + (f" (and {n} more copies of it)" if n else ""), one.mark) for one, n in others]
 
 
-def _strained(deck, system, s):
+def _strain_warnings(deck, system, s):
     """Yield warnings about elements whose length at the start differs much from their length without force."""
     at = {node.name: s.z[x : x + 3] for node, x in zip(system.nodes, system.numbering.x, strict=True)}
     before = {node.name: node.x for node in system.nodes}
@@ -163,7 +163,7 @@ def _natural_length(d, positions, t):
 
 def _start_warnings(deck, system, s):
     """Yield the warnings of the kinds about the state at the start, for steady running with its velocity."""
-    ahead = _to_come(deck, system, s)
+    ahead = _velocity_to_add(deck, system, s)
     at, gravity = {node.name: i for i, node in enumerate(system.nodes)}, system.context.gravity
     ground = NodeAtStart(np.eye(3), np.zeros(3), np.eye(3), np.zeros(3), lambda: np.diag([np.inf] * 3), gravity)
     for name, d in deck.values["elements"].items():
@@ -175,7 +175,7 @@ def _start_warnings(deck, system, s):
                 yield Problem(f"{d['type']} '{name}': {text}", deck.mark("elements", name))
 
 
-def _to_come(deck, system, s):
+def _velocity_to_add(deck, system, s):
     """Return the velocity (3,) [m/s] of straight steady running still to be added to the state ``s``, or zero."""
     velocity = np.array((deck.values["initial"]["steady"] or {}).get("velocity") or (0.0, 0.0, 0.0))
     mean = s.v[system.numbering.x[:, None] + np.arange(3)].mean(axis=0)

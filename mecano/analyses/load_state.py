@@ -39,8 +39,8 @@ def state_at(prepared: Prepared, text: str) -> "tuple[Prepared, State, Assemble 
     state, factor, words, warnings = _saved(prepared, text)
     if factor is None:
         prepared = prepared.at(state)
-        return prepared, _moving(prepared, state), None, words, warnings
-    return prepared, *_resting(prepared, state, factor), words, warnings
+        return prepared, _dynamic_state(prepared, state), None, words, warnings
+    return prepared, *_static_state(prepared, state, factor), words, warnings
 
 
 def rest_at(prepared: Prepared, text: str) -> "tuple[Prepared, State, str, tuple[str, ...]]":
@@ -52,7 +52,7 @@ def rest_at(prepared: Prepared, text: str) -> "tuple[Prepared, State, str, tuple
     if factor is not None:
         raise UsageError("in results of a static analysis the model is at rest already: omit --at-rest")
     prepared = prepared.at(state)
-    state, found = rest(prepared, _moving(prepared, state))
+    state, found = rest(prepared, _dynamic_state(prepared, state))
     return prepared, state, f"equilibrium at rest near {words}", (*warnings, *found)
 
 
@@ -63,7 +63,7 @@ def _saved(prepared: Prepared, text: str) -> "tuple[State, float | None, str, tu
         if not len(results.time):
             raise ResultsError(f"{path}: no saved times yet")
         row = len(results.time) - 1 if time is None else int(np.argmin(np.abs(results.time - time)))
-        state = _placed(prepared, results, row)
+        state = _state_of_row(prepared, results, row)
         warnings = tuple(miscounted(prepared.system, state, results, row))
         axis = results.axis
         words = f"{path} at {axis.path} {results.time[row]:.6g} {axis.unit}".rstrip()
@@ -75,7 +75,7 @@ def _saved(prepared: Prepared, text: str) -> "tuple[State, float | None, str, tu
     return state, factor, words, warnings
 
 
-def _placed(prepared: Prepared, results: Results, row: int) -> "State":
+def _state_of_row(prepared: Prepared, results: Results, row: int) -> "State":
     """Return the State of a row. Raises ResultsError if the results lack a node or an unknown of the deck."""
     system = prepared.system
     nodes = [(i, node.name) for i, node in enumerate(system.nodes) if " " not in node.name]
@@ -101,14 +101,14 @@ def _with_external_values(prepared, state, results, row):
     return replace(state, memory=with_external_values(prepared.system, state, given))
 
 
-def _moving(prepared: Prepared, state: "State") -> "State":
+def _dynamic_state(prepared: Prepared, state: "State") -> "State":
     """Return the State of a dynamic run with consistent velocities, accelerations and reactions."""
     if prepared.deck.values["time"] is None:
         raise UsageError("these are results of a dynamic analysis, but the deck has 'static'")
     return integrator_of(prepared).begin(state, prepared.deck.values["time"]["step"]).motion
 
 
-def _resting(prepared: Prepared, state: "State", factor: float) -> "tuple[State, Assemble]":
+def _static_state(prepared: Prepared, state: "State", factor: float) -> "tuple[State, Assemble]":
     """Return the equilibrium at a load factor, with its reactions, and its function ``assemble``."""
     if prepared.deck.values["static"] is None:
         raise UsageError("these are results of a static analysis, but the deck has 'time'")

@@ -54,10 +54,10 @@ def modes(
     with nullcontext() if path is None else locked(path):
         if path is not None:
             refuse_existing(path, force)
-        return _find(deck, path, at, at_rest, number, frame, method, force)
+        return _locked_modes(deck, path, at, at_rest, number, frame, method, force)
 
 
-def _find(
+def _locked_modes(
     deck: "Deck",
     path: "str | os.PathLike[str] | None",
     at: str | None,

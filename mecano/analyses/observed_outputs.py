@@ -64,7 +64,7 @@ class MemberOutput:
 
     def rows(self, system: "System", s: "State", w: np.ndarray) -> list[sp.csr_matrix]:
         """Return R0, R1, R2, each (1, n), in axes that turn with ``w`` (3,). Raises UsageError at a corner."""
-        b, e, index = _place(system, self.path, self.what)
+        b, e, index = _locate(system, self.path, self.what)
         place, own = b.first_output + e * b.n_outputs + index, np.unique(b.dofs[e][b.dofs[e] < system.n_q])
         base = displaced(s, np.zeros(system.n_q), system.numbering)
 
@@ -112,7 +112,7 @@ def _accelerated(system, s, i, step):
     return out
 
 
-def _place(system: "System", path: str, what: str) -> "tuple[Batch, int, int]":
+def _locate(system: "System", path: str, what: str) -> "tuple[Batch, int, int]":
     """Return the Batch of an element, its index there, and the index of its output."""
     for b in system.batches:
         for e, (own, label) in enumerate(b.paths):

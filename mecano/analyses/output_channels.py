@@ -62,17 +62,17 @@ def with_outputs(deck: "Deck", names: Sequence[str]) -> "tuple[Deck, list[Output
     signals, nodes = dict(deck.values["signals"]), deck.values["nodes"]
     for number, name in enumerate(names, start=1):
         own = node_output(name, {*nodes, *inner}.__contains__, nodes.__contains__)
-        if other := own or member_output(name, lambda name: _hidden(members.get(name))):
+        if other := own or member_output(name, lambda name: _unreadable_outputs(members.get(name))):
             found.append(other)
             continue
-        texts, axis, unit = _measured(name, entries, nodes)
+        texts, axis, unit = _measuring_signals(name, entries, nodes)
         new = tuple(f"output {number} {i}" for i in range(len(texts)))
         signals |= {one: {"type": "formula", "value": text, "unit": None} for one, text in zip(new, texts, strict=True)}
         found.append(Output(name, unit, new, axis))
     return replace(deck, values={**deck.values, "signals": signals}), found
 
 
-def _hidden(d):
+def _unreadable_outputs(d):
     """Yield (name, unit) of the outputs of a flexible element with these values that formulas cannot read."""
     if not d or not (kind := KINDS[d["type"]].chosen(d)).flexible:
         return
@@ -81,7 +81,7 @@ def _hidden(d):
             yield from ((name, output.unit) for name in components(output))
 
 
-def _measured(name, entries, nodes):
+def _measuring_signals(name, entries, nodes):
     """Return (formulas of the signals of an output, axis of an acceleration, its unit). Raises UsageError."""
     try:
         formula = read_formula(name)
@@ -96,13 +96,13 @@ def _measured(name, entries, nodes):
         try:
             resolve(reference, entries, nodes)
         except UnknownQuantity as error:
-            raise _explained(name, error, entries) from None
+            raise _explained_error(name, error, entries) from None
     if not formula.references:
         raise UsageError(f"output {name}: it depends on nothing that moves")
     return [name], 0, ""
 
 
-def _explained(name, error, entries):
+def _explained_error(name, error, entries):
     """Return the UsageError for an UnknownQuantity in an output; for a member with a mesh, point to its elements."""
     owner, _, what = name.removeprefix("elements.").partition(".")
     _, d = entries.get(("elements", owner), (None, {}))

@@ -25,7 +25,7 @@ def check_plugin(plugin: "Plugin") -> tuple[str, int]:
         title, tests = _tests(item)
         lines.append(title)
         for name, test in tests:
-            failure = _tried(test, plugin.source)
+            failure = _failure(test, plugin.source)
             failures += failure is not None
             lines += [
                 f"  {'passed' if failure is None else 'FAILED'}  {name}",
@@ -62,17 +62,17 @@ def _named(tests, item):
     return [(test.__doc__.split("\n")[0].rstrip("."), lambda test=test: test(item)) for test in tests]
 
 
-def _tried(test, path):
+def _failure(test, path):
     """Return the failure of a test of the plugin at ``path`` as one line, "" without a text; None if it passes."""
     try:
         test()
     except Exception as error:
         text = " ".join(str(error).split())
-        return text if isinstance(error, AssertionError) else _described(error, text, path)
+        return text if isinstance(error, AssertionError) else _described_error(error, text, path)
     return None
 
 
-def _described(error, text, path):
+def _described_error(error, text, path):
     """Return an error with the last line of the plugin that led to it, and with the fields that ``at`` has."""
     lines = [line for frame, line in walk_tb(error.__traceback__) if frame.f_code.co_filename == path]
     known = getattr(getattr(error, "obj", None), "_fields", ())

@@ -209,7 +209,7 @@ def warnings_of(prepared: Prepared) -> list[str]:
     deck = prepared.deck
     problems = [*deck.warnings, *suspicious_model(deck, prepared.system, prepared.state, prepared.length)]
     texts = [f"{p.mark}: {p.message}" if p.mark else p.message for p in problems]
-    if deck.values["time"] and _stands(prepared):
+    if deck.values["time"] and _is_immobile(prepared):
         texts.append(
             "nothing can move: the constraints leave no motion, and none is prescribed. Is an axis wrong, or a joint "
             "too many?"
@@ -217,7 +217,7 @@ def warnings_of(prepared: Prepared) -> list[str]:
     return texts
 
 
-def _stands(prepared):
+def _is_immobile(prepared):
     """Return whether the constraints hold everything in place, and no event can change that."""
     joints = prepared.deck.values["joints"].values()
     driven = any(d["type"].startswith("prescribed_") or d.get("driven") for d in joints)

@@ -133,7 +133,7 @@ def _find(deck, request):
     system, late = base.prepared.system, set(held_warnings(changed))
     turning = angular_velocity_of(system, base.state, request.frame)
     plant = _plant(changed, base, inputs, outputs, turning)
-    omegas, values, found, static, error = call_interruptibly(_sampled, plant, request)
+    omegas, values, found, static, error = call_interruptibly(_sampled_response, plant, request)
     warnings = [
         *(text for text in base.warnings if text not in late),
         *imbalance_warnings(base, turning, "the response is that"),
@@ -176,10 +176,10 @@ def _plant(
     columns = np.array([one.columns(lin, system, base.state, deck) for one in inputs])
     rows = [one.rows(system, base.state, turning) for one in outputs]
     R = [sp.csr_matrix(sp.vstack([row[k] for row in rows])) for k in range(3)]
-    return Plant(lin, [columns[:, k].T.copy() for k in range(3)], R, tuple(_late(deck, system)))
+    return Plant(lin, [columns[:, k].T.copy() for k in range(3)], R, tuple(_delayed_signals(deck, system)))
 
 
-def _late(deck, system):
+def _delayed_signals(deck, system):
     """Yield (row, column, transfer function) of the signals that depend on their input at earlier times."""
     for name, d in deck.values["signals"].items():
         if d["type"] not in LATE:
@@ -192,15 +192,15 @@ def _delayed(d):
     return lambda s: np.exp(-s * d["time"])
 
 
-def _held(d):
+def _held_sample(d):
     """Return the transfer function of a sampled value that is held for a period."""
     return lambda s: (1.0 - np.exp(-s * d["period"])) / (s * d["period"]) if s else 1.0
 
 
-LATE = {"delay": _delayed, "sample_and_hold": _held}
+LATE = {"delay": _delayed, "sample_and_hold": _held_sample}
 
 
-def _sampled(plant, request):
+def _sampled_response(plant, request):
     """Return (frequencies (n,) [rad/s], responses (n, p, m), Peaks, static gains (p, m), largest backward error)."""
     H = TransferFunction(plant)
     sampled = Sampled(lambda omega: H(1j * omega))

@@ -50,7 +50,7 @@ def summary_of(prepared: Prepared, every: bool = False) -> str:
         f"unknowns         {system.n}: {system.n_q} degrees of freedom, {system.n_l} multipliers",
         f"length scale     {prepared.length:.6g} m",
         f"memory           about {memory_text(memory_of_run(prepared))} in a run",
-        *(_statics(prepared) if values["static"] else _amounts(prepared)),
+        *(_statics(prepared) if values["static"] else _run_size_lines(prepared)),
         *(line for text in _tyres(values["tire_laws"]) for line in _labelled("tyre", text)),
         *(line for text in prepared.carried for line in _labelled("start", text)),
         *(line for text in warnings_of(prepared) for line in _labelled("warning", text)),
@@ -124,7 +124,7 @@ def _by_nodes(names):
         elif inner:
             inside[inner.rpartition(".")[0]] += 1
         else:
-            found.append(f"{_few(own[0])}: all")
+            found.append(f"{_shortened(own[0])}: all")
     return found + [f"all of the {count} node(s) inside '{member}'" for member, count in inside.items()]
 
 
@@ -135,10 +135,10 @@ def _by_sort(names):
         sorts.setdefault(name.what.rpartition(" ")[0], []).append(name.what)
     for sort, own in sorts.items():
         shown = [sort.removesuffix(" about material")] if len(own) == 3 else own
-        yield from (f"{_few(names[0])}: {what}" for what in shown)
+        yield from (f"{_shortened(names[0])}: {what}" for what in shown)
 
 
-def _few(name):
+def _shortened(name):
     """Return the place of a name, with the number of further nodes where many share it."""
     nodes = name.nodes
     return name.place if len(nodes) <= MOST_SHARING else f"node {', '.join(nodes[:2])} and {len(nodes) - 2} more"
@@ -182,7 +182,7 @@ def _tyres(tire_laws):
             yield f"{name}: {text_under_load(law['smiley_horne'])}"
 
 
-def _amounts(prepared):
+def _run_size_lines(prepared):
     """Yield the lines on steps, saved times and the initial state, with warnings about implausibly many."""
     values = prepared.deck.values
     time, count, saved = values["time"], steps(values), saved_times(values)

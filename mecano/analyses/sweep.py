@@ -120,7 +120,7 @@ class Case:
     def fail(self, error: Exception, settings: Settings) -> None:
         """Record the error of a state."""
         self.error = error
-        self.warn(_cause(error), settings)
+        self.warn(_first_line(error), settings)
 
     def counted_warnings(self, states: set[Settings]) -> list[str]:
         """Return the warnings, each with the number of its ``states`` (a set of settings) unless it applies to all."""
@@ -228,27 +228,27 @@ def _locus(case, axis, other, reported, orders=()):
     spectrum_at = lambda value: case.spectrum((*other, (axis.path, float(value))))[0]  # noqa: E731
     found, unrefined = _criticals(axis, rows, spectra, spectrum_at)
     least = np.array([spectrum.least if spectrum else 0.0 for spectrum in spectra])
-    kinds = _along(rows, spectra, "families", -1)
-    sure = _along(rows, spectra, "converged", True)
+    kinds = _by_branch(rows, spectra, "families", -1)
+    sure = _by_branch(rows, spectra, "converged", True)
     growth, count, fastest = _growth(spectra)
     locus = Locus(
         axis, values, described, kinds, sure, found, unrefined, growth, count, fastest, least, np.array(variations)
     )
     if case.rotor:
-        locus.whirl = _along(rows, spectra, "whirl", np.nan)
+        locus.whirl = _by_branch(rows, spectra, "whirl", np.nan)
         locus.speed = np.array([spectrum.speed if spectrum else np.nan for spectrum in spectra])
         locus.resonances, missed = resonances(rows, spectra, axis.values, orders, spectrum_at)
-        unrefined += [_missed(case.rotor, axis.name, *one) for one in missed]
+        unrefined += [_not_refined_text(case.rotor, axis.name, *one) for one in missed]
     return locus
 
 
-def _missed(rotor, name, branch, order, low, high):
+def _not_refined_text(rotor, name, branch, order, low, high):
     """Return the text on a resonance that was not refined."""
     between = f"between {name} {low:.9g} and {high:.9g}"
     return f"mode {branch + 1} has {order:g} times the speed of '{rotor}' {between}; its value was not refined"
 
 
-def _along(rows, spectra, name, none):
+def _by_branch(rows, spectra, name, none):
     """Return the attribute ``name`` of each mode of branches, shaped as ``rows``; ``none`` where one has no mode."""
     own = [[getattr(spectra[i], name)[mode] if mode >= 0 else none for i, mode in enumerate(row)] for row in rows]
     return np.array(own).reshape(rows.shape)
@@ -293,7 +293,7 @@ def _criticals(axis, rows, spectra, spectrum_at):
             try:
                 at = critical(noted, left, right, branch)
             except FAILED as error:
-                cause = f"no state was found at {place:.9g}: {_cause(error)}"
+                cause = f"no state was found at {place:.9g}: {_first_line(error)}"
             if at is not None:
                 found.append(at)
                 continue
@@ -303,7 +303,7 @@ def _criticals(axis, rows, spectra, spectrum_at):
     return _distinct(sorted(found, key=lambda c: c.place)), unrefined
 
 
-def _cause(error):
+def _first_line(error):
     """Return the first line of an error, without a phrase that introduces the next lines."""
     line = str(error).partition("\n")[0]
     return line.rpartition("; ")[0] or line.rstrip(":") if line.endswith(":") else line

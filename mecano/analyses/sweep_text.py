@@ -23,20 +23,20 @@ def lines(sweep: "Sweep") -> Iterator[str]:
     yield f"modes over {first.name}, {len(first.values)} values {span}"
     yield f"about: {sweep.about}"
     if len(sweep.axes) == 1:
-        yield from _states(first, sweep.loci[0])
+        yield from _state_lines(first, sweep.loci[0])
         yield from _modes(first.name, sweep.loci[0])
         yield from _families(first.name, sweep.loci[0])
-        yield _stretches(first, sweep.loci[0])
+        yield _unstable_ranges(first, sweep.loci[0])
         yield from _critical(first.name, sweep.loci[0])
         if sweep.rotor:
-            yield from _resonances(sweep, sweep.loci[0])
+            yield from _resonance_lines(sweep, sweep.loci[0])
         return
     for value, locus in zip(sweep.axes[1].values, sweep.loci, strict=True):
-        yield f"{sweep.axes[1].name} {value:.6g}: {_stretches(first, locus)}"
+        yield f"{sweep.axes[1].name} {value:.6g}: {_unstable_ranges(first, locus)}"
         yield from (f"  {text}" for text in _critical(first.name, locus))
 
 
-def _states(axis, locus):
+def _state_lines(axis, locus):
     """Yield a line for each value: the number of growing modes, and the least stable mode."""
     rows = [(axis.name, "growing", "mode", "growth [1/s]", "damped [Hz]", "damping")]
     for i, value in enumerate(axis.values):
@@ -121,7 +121,7 @@ def _critical(name, locus):
     yield from locus.unrefined
 
 
-def _resonances(sweep, locus):
+def _resonance_lines(sweep, locus):
     """Yield a line for each value at which a mode has a multiple of the speed of the rotor."""
     orders = ", ".join(f"{order:g}" for order in sweep.orders)
     if not locus.resonances:
@@ -143,7 +143,7 @@ def known_digits(value: float, error: float) -> str:
     return f"{value:.{min(max(digits, 1), MOST_DIGITS)}g}"
 
 
-def _stretches(axis, locus):
+def _unstable_ranges(axis, locus):
     """Return a text on the ranges of values in which some mode grows."""
     grows = locus.count > 0
     edges = np.flatnonzero(np.diff(np.concatenate([[False], grows, [False]]).astype(int)))

@@ -34,7 +34,7 @@ def warmup(decks: Sequence[str] = (), overrides: Sequence[str] = ()) -> Iterator
     if decks:
         for path in decks:
             yield f"running the first steps of {path}"
-            _begin(read_deck(path, (*overrides, *_shortened(read_deck(path, overrides)))))
+            _compile_and_step(read_deck(path, (*overrides, *_shortened(read_deck(path, overrides)))))
     else:
         kinds = all_kinds()
         yield f"compiling {len(kinds)} kinds of elements, joints, loads and constraints"
@@ -43,7 +43,7 @@ def warmup(decks: Sequence[str] = (), overrides: Sequence[str] = ()) -> Iterator
         yield "running the first steps of the decks of `mecano new`"
         for name, text in starters().items():
             file, data = f"{name}.yaml", text.encode()
-            _begin(deck_of_bytes(data, file, overrides=_shortened(deck_of_bytes(data, file))))
+            _compile_and_step(deck_of_bytes(data, file, overrides=_shortened(deck_of_bytes(data, file))))
     after = store.size()
     yield f"compiled code is in {store.folder()}: {after / 1e6:.0f} MB, {(after - before) / 1e6:.0f} new"
 
@@ -92,7 +92,7 @@ def _compile(codes):
         store.address(code)
 
 
-def _begin(deck):
+def _compile_and_step(deck):
     """Compile all loops of the model, including those not called in the first steps, and run some steps."""
     _compile(all_codes(batch.kind for batch in prepare(deck).system.batches))
     with tempfile.TemporaryDirectory() as folder:

@@ -103,9 +103,9 @@ def explain(name: str) -> str:
     For a word of other programs, return the equivalents in mecano. Raises UsageError for an unknown name, with the most
     similar ones.
     """
-    texts, known = _called(name)
+    texts, known = _texts_on(name)
     for other in (re.sub("[ -]", "_", name), name.replace(" ", ".")):
-        texts = texts or _called(other)[0]
+        texts = texts or _texts_on(other)[0]
     meant = synonym(name) or (None if texts else synonym_of_end(name))
     if not texts and not meant:
         raise UsageError(f"there is no kind, law or section {quoted(name)}; {_nearest(name, known)}")
@@ -114,7 +114,7 @@ def explain(name: str) -> str:
     return SEPARATOR.join(texts)
 
 
-def _called(name):
+def _texts_on(name):
     """Return the texts on everything with this name, and the names of kinds, shapes, terms and sections."""
     if name == "units":
         return [UNITS_TEXT], ()
@@ -127,7 +127,7 @@ def _called(name):
         (sections, _section),
     ]  # fmt: skip
     texts = [plain_text(text(known[name])) for known, text in found if name in known]
-    texts = texts or [plain_text(text) for text in _inside(name)]
+    texts = texts or [plain_text(text) for text in _texts_on_field(name)]
     return texts, [*KINDS, *SHAPES, *TERMS, *SLIP_LAWS, *sections]
 
 
@@ -155,10 +155,10 @@ def _first_words(target):
     for known in (KINDS, SHAPES, TERMS, SLIP_LAWS, sections):
         if target in known:
             return _sentence(known[target].doc)
-    return ELSEWHERE.get(target) or next(_found(target))[1].doc
+    return ELSEWHERE.get(target) or next(_fields_named(target))[1].doc
 
 
-def _found(name):
+def _fields_named(name):
     """Yield (place, Field) of fields with the name "owner.field"."""
     owner, _, last = name.rpartition(".")
     for where, field in _fields():
@@ -177,7 +177,7 @@ def _section(section):
     return "\n".join([describe_section(section), *written, "Kinds", *listed, ""])
 
 
-def _inside(name):
+def _texts_on_field(name):
     """Yield texts on a field of kinds or sections, or on a keyword of one: "friction", "hinge.friction"."""
     owner, _, last = name.rpartition(".")
     owners: dict[str, list[str]] = {}  # of fields with the same description

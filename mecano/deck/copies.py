@@ -107,7 +107,7 @@ class Copies:
             with self._about(f"{singular(section)} {quoted(name)}", level.parameters):
                 for parameters in self._rows(key, node, level) if repeated else [level.parameters]:
                     self.scope.parameters = parameters
-                    self._copy_entry(key, _once(node) if repeated else node, level, found)
+                    self._copy_entry(key, _without_repeat(node) if repeated else node, level, found)
         return found
 
     def _copy_entry(self, key, node, level, found):
@@ -251,7 +251,7 @@ class Copies:
             scope.subject, scope.parameters, scope.owner, scope.path = before
 
 
-def _once(node):
+def _without_repeat(node):
     """Return an entry without its 'repeat'."""
     value = {name: pair for name, pair in node.value.items() if name != "repeat"}
     return Node(value, node.source, node.line, node.column)

@@ -121,7 +121,7 @@ class _Reading:
                         break
                     if header:
                         continue
-                if point := self._checked(cells, self.columns, line):
+                if point := self._checked_point(cells, self.columns, line):
                     self._keep(point, line)
         except csv.Error as error:
             self._refuse(rows.line_num - 1, f"not valid CSV: {error}")
@@ -199,7 +199,7 @@ class _Reading:
         self.found.rows.append(line)
         return True
 
-    def _checked(self, cells, columns, line):
+    def _checked_point(self, cells, columns, line):
         """Return the point of a row; None after reporting the problem."""
         if self.wanted.columns[0] is None and len(cells) != 2:
             return self._refuse(line, f"two columns are needed, got {len(cells)}", SEPARATED)

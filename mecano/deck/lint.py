@@ -52,7 +52,7 @@ def suspicious(
     """
     found = [
         *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values["sections"]),
-        *_tires(values["tire_laws"]), *_idle(values["loads"], values["nodes"]),
+        *_tires(values["tire_laws"]), *_loads_without_effect(values["loads"], values["nodes"]),
         *unsampled(values, kinds), *past_triggers(values, kinds),
     ]  # fmt: skip
     return [Problem(text, _place(root, path).mark) for path, text in found] + list(_unused(root, used))
@@ -183,7 +183,7 @@ def _tires(tire_laws):
             yield ("tire_laws", name, "lateral", *field.split(".")), f"tire law '{name}': {text}"
 
 
-def _idle(loads, nodes):
+def _loads_without_effect(loads, nodes):
     """Yield (path, text) on loads without effect."""
     for name, d in loads.items():
         if d.get("node") in nodes and nodes[d["node"]]["fixed"]:

@@ -50,7 +50,7 @@ def check_profile_curvature(
     """
     kinds = {type_: scope.kinds[type_] for type_ in {d["type"] for d in values["elements"].values()}}
     wheels = {name for name, kind in kinds.items() if any(field.type is GROUND for field in kind.fields)}
-    noted, way = set(), _way(values)
+    noted, way = set(), _travel(values)
     for name, d in values["elements"].items():
         if d["type"] not in wheels or ("elements", name) not in sound:
             continue
@@ -89,7 +89,7 @@ def _tightest_concave_stretch(ground, x, axis, radius, way):
     return ConcaveStretch(s[sharpest], 1.0 / curvature[sharpest], int(begins.sum()), s[0], s[-1])
 
 
-def _way(values):
+def _travel(values):
     """Return the displacement (3,) [m] of the fastest initial velocity over the duration of the run."""
     initial, time = values["initial"], values["time"]
     given = [entry["velocity"] for entry in initial["velocities"]]

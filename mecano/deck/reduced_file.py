@@ -67,7 +67,7 @@ def _read(node, field, scope):
         scope.problems.extend(error.problems)
         return INVALID
     except UNREADABLE as error:
-        return scope.refuse(node, f"file {quoted(name)} cannot be read as {suffix}: {_words(error)}")
+        return scope.refuse(node, f"file {quoted(name)} cannot be read as {suffix}: {_one_line(error)}")
 
 
 def _bytes(name, node, scope):
@@ -154,7 +154,7 @@ def _hdf5(data, name, node, field, scope):
 READERS = {".yaml": _yaml, ".yml": _yaml, ".npz": _npz, ".h5": _hdf5, ".hdf5": _hdf5}
 
 
-def _words(error):
+def _one_line(error):
     """Return the text of an error on one printable line."""
     return "".join(c if c.isprintable() else " " for c in str(error))
 
@@ -175,14 +175,14 @@ def _arrays(arrays, name, node, scope):
         if key == "interior_names":
             values[key] = [str(text) for text in np.atleast_1d(array)]
             continue
-        problem = _unfit(array, 3 if KEYS[key].name.endswith("positions") else None)
+        problem = _array_problem(array, 3 if KEYS[key].name.endswith("positions") else None)
         if problem:
             return scope.refuse(node, f"file {quoted(name)}: {quoted(key)} {problem}")
         values[key] = np.asarray(array, float).tolist()
     return values
 
 
-def _unfit(array, width=None):
+def _array_problem(array, width=None):
     """Return the reason why an array cannot be a matrix, or ""."""
     if array.ndim != 2 or array.dtype.kind not in "fiu" or 0 in array.shape:
         return f"must be a matrix of real numbers, is an array {array.shape} of {array.dtype}"
@@ -217,9 +217,9 @@ def _matrix(name, node, scope):
     try:
         array = _market(data) if suffix == ".mtx" else _npy(data)
     except UNREADABLE as error:
-        scope.refuse(node, f"file {quoted(name)} cannot be read as {suffix}: {_words(error)}")
+        scope.refuse(node, f"file {quoted(name)} cannot be read as {suffix}: {_one_line(error)}")
         return None
-    problem = _unfit(array)
+    problem = _array_problem(array)
     if problem:
         scope.refuse(node, f"file {quoted(name)} {problem}")
         return None

@@ -130,7 +130,7 @@ def _unknown(reference, known, sections, scope):
         hint = "names contain values of a 'repeat' only, those of the entry itself: repeat: {n: [$last]}"
     elif len(parts := re.split(r"[\s,;]+", reference.name)) > 1 and set(parts) <= {*known}:
         hint = f"each name is an item of its own: {', '.join(parts)}"
-    elif elsewhere := _elsewhere(reference, sections):
+    elif elsewhere := _other_section_hint(reference, sections):
         near = similar(reference.name, known)
         hint = "; ".join(filter(None, (elsewhere, scope.suggest(reference.name, near) if near else "")))
     elif known:
@@ -144,7 +144,7 @@ def _unknown(reference, known, sections, scope):
     scope.refuse(reference.node, f"unknown {what} {quoted(reference.name)}", hint)
 
 
-def _elsewhere(reference, sections):
+def _other_section_hint(reference, sections):
     """Return a hint if the name of a reference is that of an entry of another section, or ""."""
     for section in OTHERS:
         entry = (sections.get(section) or {}).get(reference.name)

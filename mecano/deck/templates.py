@@ -130,10 +130,10 @@ class Templates:
         missing = [name for name, value in defaults.items() if value.value is None and name not in given]
         if missing:
             self.scope.refuse(key, f"missing 'with.{missing[0]}', a parameter of the template without a default")
-        return Parameters({**defaults, **{name: _raised(value) for name, value in given.items()}}, outer)
+        return Parameters({**defaults, **{name: _marked_outside(value) for name, value in given.items()}}, outer)
 
 
-def _raised(node):
+def _marked_outside(node):
     """Return a word given to a template, marked as a name outside it."""
     if type(node.value) is not str:
         return node

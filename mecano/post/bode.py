@@ -68,12 +68,12 @@ def _frequencies(upper, lower, file):
         upper.set_xlim(low, high)
     lower.set_xlabel("frequency [Hz]")
     lower.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high / low < DECADES else (1.0,)))
-    lower.xaxis.set_major_formatter(FuncFormatter(_plain))
+    lower.xaxis.set_major_formatter(FuncFormatter(_tick_label))
     lower.xaxis.set_minor_formatter(NullFormatter())
     upper.tick_params(labelbottom=False)
 
 
-def _plain(x, _):
+def _tick_label(x, _):
     """Return the label of a number on a logarithmic axis."""
     if PLAIN[0] <= x <= PLAIN[1]:
         return f"{x:.6g}"
@@ -123,7 +123,7 @@ def _magnitudes(ax: "Axes", file, unit, pairs):
     ax.set_ylabel(f"magnitude [{unit}]" if unit else "magnitude")
     if len(seen):
         ax.set_yscale("log")
-        ax.yaxis.set_major_formatter(FuncFormatter(_plain))
+        ax.yaxis.set_major_formatter(FuncFormatter(_tick_label))
         ax.yaxis.set_minor_formatter(NullFormatter())
         if ax.get_ylim()[0] < (lowest := float(np.median(seen)) / RANGE):
             ax.set_ylim(bottom=lowest)

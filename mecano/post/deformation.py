@@ -34,7 +34,7 @@ def flexible_parts(shapes: Sequence[Shape], flexible: Container[str], held: Cont
     ``held`` are names of nodes where other things are attached.
     """
     parts = []
-    for numbers in _together(
+    for numbers in _connected(
         [i for i, shape in enumerate(shapes) if shape.name in flexible and shape.style == ROD], shapes
     ):
         points = np.concatenate([shapes[i].points for i in numbers], axis=1)
@@ -44,7 +44,7 @@ def flexible_parts(shapes: Sequence[Shape], flexible: Container[str], held: Cont
     return parts
 
 
-def _together(numbers, shapes):
+def _connected(numbers, shapes):
     """Return lists of the indices of shapes that share nodes."""
     groups: list[tuple[set[int], set[str]]] = []
     for i in numbers:

@@ -83,11 +83,11 @@ def _spans(panel):
 
 def _width(curve, later, spans):
     """Return the width of a line [points], wider than the ``later`` lines that cover it."""
-    covering = sum(not other.reference and _alike(curve, other, spans) for other in later)
+    covering = sum(not other.reference and _nearly_equal(curve, other, spans) for other in later)
     return LINE + WIDER * min(covering, MOST_COVERING)
 
 
-def _alike(curve, other, spans):
+def _nearly_equal(curve, other, spans):
     """Return whether two curves nearly coincide in a panel with these spans."""
     pairs = (curve.x.values, other.x.values), (curve.y.values, other.y.values)
     return len(pairs[0][0]) == len(pairs[0][1]) and all(

@@ -96,11 +96,11 @@ class _Points:
         """Return the indices of the points of a shape, and add those that are not nodes."""
         rigid = next(filter(None, shape.nodes), None) if shape.style in (WHEEL, GEAR, BODY) else None
         return [
-            self._number[node] if node else self._added(shape.points[:, i], rigid)
+            self._number[node] if node else self._add_point(shape.points[:, i], rigid)
             for i, node in enumerate(shape.nodes or ("",) * shape.points.shape[1])
         ]  # fmt: skip
 
-    def _added(self, positions, rigid):
+    def _add_point(self, positions, rigid):
         """Add a point and return its index; if it moves with a node ``rigid``, its velocity is v + omega x r."""
         velocities = np.full(positions.shape, np.nan)
         if rigid is not None:

@@ -45,7 +45,7 @@ def info(path: "str | os.PathLike[str]", pattern: str | None = None, every_event
         if pattern is not None:
             return "\n".join([*_names(results, pattern), "", *_extremes(results, results.names(pattern), math.inf)])
         events = _events(results, every_event)
-        return "\n".join([*_run(results), "", *events, "", *_holds(results), "", *_extremes(results)])
+        return "\n".join([*_run(results), "", *events, "", *_output_lines(results), "", *_extremes(results)])
 
 
 def one_line(runs: Sequence[Run]) -> str:
@@ -65,7 +65,7 @@ def facts(results: Results) -> list[tuple[str, str]]:
         ("title", data["title"] or "none"),
         ("run", count(results)),
         ("saved", _saved(results)),
-        ("time spent", _spent(data)),
+        ("time spent", _times_text(data)),
         ("deck", data["deck_path"] or "not a file"),
         ("overrides", " ".join(data["overrides"]) or "none"),
         ("other files", ", ".join(data["includes"]) or "none"),
@@ -90,7 +90,7 @@ def _plugins(text):
     return "; ".join(f"{source} ({', '.join(one['names'])}; {one['sha256'][:12]})" for source, one in found) or "none"
 
 
-def _spent(data):
+def _times_text(data):
     """Return a text on the wall-clock times of run and compilation, and on the CPU time of the process."""
     compiling = f" and {data['compile_time']:.2f} s for compiling" if data["compile_time"] >= NOTICED else ""
     return (
@@ -173,7 +173,7 @@ def _saved(results):
     return text
 
 
-def _holds(results):
+def _output_lines(results):
     """Return the lines on outputs by owner, with the kinds of the deck."""
     run = Run(results)
     kinds = {path: d["type"] for path, d in run.things.items()}

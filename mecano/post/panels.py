@@ -22,7 +22,7 @@ NOTHING = 1e-9  # of the largest value of the same unit: smaller values are nume
 
 def planned_panels(plan: Plan, runs: "Sequence[Run]") -> tuple[list[Panel], str]:
     """Return the panels of a plan for the most active elements, and a note on elements omitted."""
-    things = _things(plan, runs)
+    things = _element_paths(plan, runs)
     shown = _most_active(things, plan.views[0], runs)
     panels = [panel for view in plan.views if (panel := _panel(view, shown, runs)).curves]
     remark = f"{len(shown)} of {len(things)}, those that vary most" if len(shown) < len(things) else ""
@@ -70,7 +70,7 @@ def worth_showing(panels: Sequence[Panel], runs: "Sequence[Run]") -> list[Panel]
     return kept
 
 
-def _things(plan, runs):
+def _element_paths(plan, runs):
     """Return the paths of the elements, joints and loads of the plan's kinds, in the order of the decks."""
     return list(dict.fromkeys(path for run in runs for path in run.pieces if plan.name in pictures_of(run, path)))
 

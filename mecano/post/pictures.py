@@ -89,7 +89,7 @@ def post(
         raise UsageError("--below: only for files of `mecano modes --sweep`")
     if ALONE.keys() & formats.values():
         yield from (
-            _of_studies(paths, plots, output, kind, force) if plots else _alone(paths, output, kind, below, force)
+            _of_studies(paths, plots, output, kind, force) if plots else _of_others(paths, output, kind, below, force)
         )
         return
     with opened_runs(paths) as runs:
@@ -143,7 +143,7 @@ def _refuse_together(formats, plots, of_runs):
         raise UsageError(f"{what}: {', '.join(options)} for results of runs only")
 
 
-def _alone(paths, output, kind, below, force):
+def _of_others(paths, output, kind, below, force):
     """Draw files of modes, sweeps and studies, and yield the Path of each picture."""
     folder = output and (os.path.isdir(output) or str(output).endswith(("/", os.sep)))
     if len(paths) > 1 and output and not folder:

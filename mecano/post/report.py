@@ -97,7 +97,7 @@ def report_of(run: "Run", title: str | None = None, plots: Sequence[str] = (), s
     sections = (
         Section("Warnings", tuple(Text(text) for text in results.warnings)),
         Section("Overview", tuple(_overview(run, sheets))), Section("Model", tuple(_model(run))),
-        Section("Run", tuple(_run(results))), Section("Solution", tuple(_health(results))),
+        Section("Run", tuple(_provenance_table(results))), Section("Solution", tuple(_solver_history(results))),
         Section("Energy", tuple(_energy(results))), Section("Events", tuple(_events(results))),
         Section("Pictures", tuple(_pictures([*asked, *sheets]))), Section("Extremes", tuple(_extremes(results))),
         Section("Deck", tuple(_deck(results))),
@@ -125,12 +125,12 @@ def _model(run):
     yield Table(("", ""), rows, 2)
 
 
-def _run(results):
+def _provenance_table(results):
     """Yield the table of provenance, without facts of other sections."""
     yield Table(("", ""), [row for row in facts(results) if row[0] not in ("title", "run", "energy")], 2)
 
 
-def _health(results):
+def _solver_history(results):
     """Yield the parts on the solver history: smallest, mean and largest values, with times of the extremes."""
     steps, unit = results.steps, results.axis.unit
     if not len(steps):
@@ -177,7 +177,7 @@ def _events(results):
     losses = shocks or any(event.energy_lost for event in events)
     columns = (f"{results.axis.path} [{results.axis.unit}]", "where", "what", "phase", "impulse", "energy lost [J]")
     if many:
-        yield _counted(events, results.axis.unit)
+        yield _event_table(events, results.axis.unit)
         title = f"The first {len(shown)} of {len(events)} events" if len(shown) < len(events) else "All events"
     if shown:
         rows = [_event(event)[: None if losses else 4] for event in shown]
@@ -187,7 +187,7 @@ def _events(results):
         yield Text(f"Shocks took {lost:.6g} J in all.")
 
 
-def _counted(events, unit):
+def _event_table(events, unit):
     """Return the Table of events of one element and name: their number, the first and the last."""
     times: dict[tuple[str, str], list[float]] = {}
     for event in events:

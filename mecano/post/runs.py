@@ -132,7 +132,7 @@ def _short(text):
 
 def _overrides(opened):
     """Return texts with the values of overrides that differ, taken from the deck where a run has no override."""
-    given = [_given(results) for results in opened]
+    given = [_override_values(results) for results in opened]
     paths = list(dict.fromkeys(path for some in given for path in some if path not in HEADED))
     pairs = list(zip(given, [results.resolved for results in opened], strict=True))
     values = {
@@ -154,7 +154,7 @@ def _in_one_unit(texts):
     return [f"{value / factor_of(units[0], ANY):.6g} {units[0]}" for value in values]
 
 
-def _given(results):
+def _override_values(results):
     """Return {path: value} of all overrides, with mappings replaced by their entries."""
     found: dict[str, Any] = {}
     for path, text in (override.split("=", 1) for override in results.metadata["overrides"]):

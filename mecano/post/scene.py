@@ -112,7 +112,7 @@ def scene_of(run: "Run", most: int) -> Scene:
         raise ResultsError(f"{run.results.path}: no saved times yet")
     rows = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
     motion = Motion(run, rows)
-    drawn = [_bent(motion, shape) for shape in shapes(motion)]
+    drawn = [_smooth_line(motion, shape) for shape in shapes(motion)]
     if not drawn:
         raise ResultsError(f"{run.results.path}: nothing to be drawn, no node has a position")
     cloud = np.concatenate([s.points[:, -1:] if s.style == WHEEL else s.points for s in drawn], axis=1)
@@ -127,7 +127,7 @@ def scene_of(run: "Run", most: int) -> Scene:
     return Scene(
         rows, run.results.time[rows], (run.results.axis.path, run.results.axis.unit), drawn,
         [_kind(run, shape) for shape in drawn], coloured, ranges,
-        flexible_parts(drawn, flexible, _held(run, flexible)), [_orientation(motion, shape) for shape in drawn],
+        flexible_parts(drawn, flexible, _attached(run, flexible)), [_orientation(motion, shape) for shape in drawn],
         arrows(motion), middle, size, up,
         _eye(drawn, cloud - middle[:, None], up), list(_grounds(run, drawn)),
     )  # fmt: skip
@@ -145,7 +145,7 @@ def _kind(run, shape):
     return _deck_of(run, shape)[1].get("type", "node" if shape.style == SUPPORT else "")
 
 
-def _bent(motion, shape):
+def _smooth_line(motion, shape):
     """Return a beam as a smooth line, a cubic between two nodes with their directions; other shapes unchanged."""
     _, d = _deck_of(motion.run, shape)
     if not d or motion.run.display(d).shape != BEAM or len(motion.run.pieces) > MOST_BENT:
@@ -166,7 +166,7 @@ def _bent(motion, shape):
     return replace(shape, points=np.concatenate([*pieces, points[:, -1:]], axis=1), nodes=names)
 
 
-def _held(run, flexible):
+def _attached(run, flexible):
     """Return the names of nodes of flexible parts that are fixed or attached to other parts."""
     held = {name for name, node in run.deck.get("nodes", {}).items() if node.get("fixed")}
     for path, d in run.things.items():

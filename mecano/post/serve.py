@@ -49,16 +49,16 @@ class Source:
 
     def _changed(self, data):
         """Return whether the ``data`` may have changed; the file of a killed run no longer changes."""
-        return data["growing"] or self._key != self._state()
+        return data["growing"] or self._key != self._file_signature()
 
-    def _state(self):
+    def _file_signature(self):
         """Return data that change whenever the file changes."""
         found = self.path.stat()
         return [found.st_ino, found.st_size, found.st_mtime_ns]
 
     def _read(self):
         """Return the data of the page, read from the file."""
-        key = self._state()
+        key = self._file_signature()
         with opened_runs([self.path]) as [run]:
             data = page_data(run, title=self.title)
             status = run.results.status

@@ -46,7 +46,7 @@ def spectrum_sheet(text: str, runs: "Sequence[Run]") -> Sheet:
 
 
 def _spectrum(quantity, run, number):
-    interval, values = _evenly(quantity, run)
+    interval, values = _evenly_sampled(quantity, run)
     frequencies, sizes = amplitudes(values, interval)
     x = Quantity("frequency", "Hz", "frequency", f"{quantity.path} {number}", frequencies, frequencies)
     shown = np.where(sizes > FLOOR * sizes.max(initial=0.0), sizes, np.nan)
@@ -63,7 +63,7 @@ def amplitudes(values: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndar
     return np.fft.rfftfreq(count, interval)[1:], sizes[1:]
 
 
-def _evenly(quantity, run):
+def _evenly_sampled(quantity, run):
     """Return interval [s] and values of a quantity, without a last value at a shorter interval. Raises UsageError."""
     where, gaps = f"{quoted(quantity.path)} in {run.results.path}", np.diff(quantity.time)
     if quantity.axis[1] != "s":

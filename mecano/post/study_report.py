@@ -25,7 +25,7 @@ def study_report(path: "str | os.PathLike[str]", title: str | None = None) -> Re
     """Return the Report of the table of a study. Raises ResultsError."""
     table = read_study(path)
     sections = (
-        Section("Limits", tuple(_limits(table))), Section("Governing cases", tuple(_governing(table))),
+        Section("Limits", tuple(_limits(table))), Section("Governing cases", tuple(_extreme_cases(table))),
         Section("Statistics", tuple(statistics(table))), Section("Cases", tuple(_cases(table))),
         Section("Cases that are not complete", tuple(_incomplete(table))), Section("Warnings", tuple(_warnings(table))),
         Section("Pictures", tuple(_pictures(table))),
@@ -51,7 +51,7 @@ def _limits(table):
         yield Table(("output", "which is", "cases beyond", "unit", "at least", "at most"), rows, 4)
 
 
-def _governing(table):
+def _extreme_cases(table):
     """Yield the table of the smallest and largest value of each output, with their cases."""
     names, rows = table.case_names, []
     for output in displayed_outputs(table):

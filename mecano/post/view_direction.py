@@ -30,7 +30,7 @@ def eye(
     size = float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0
     best = max(
         ((azimuth, elevation) for elevation in ELEVATIONS for azimuth in AZIMUTHS),
-        key=lambda angles: _worth(angles, points / size, wheels, up),
+        key=lambda angles: _score(angles, points / size, wheels, up),
     )
     return direction(*best, up)
 
@@ -56,7 +56,7 @@ def projection(eye: np.ndarray, up: Sequence[float] | np.ndarray = (0.0, 0.0, 1.
     return np.stack([right, np.cross(eye, right)])
 
 
-def _worth(angles, points, wheels, up):
+def _score(angles, points, wheels, up):
     """Return a score of a direction: spread of the points, visibility of the wheels, and of their discs."""
     azimuth, elevation = angles
     seen = direction(azimuth, elevation, up)

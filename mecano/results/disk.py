@@ -133,7 +133,7 @@ class Disk(Seekable):
             action(*arguments)
         except OSError as error:
             self.error = self.error or error
-            self._sums.doubt()
+            self._sums.recompute()
 
     def seal(self) -> None:
         """Replace the checksums of a growing file by the shorter ones of a closed file, right after its data.

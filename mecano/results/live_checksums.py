@@ -93,7 +93,7 @@ class LiveChecksums:
         pairs[::2] = array("I", sums)
         put(self._descriptor, place, pairs.tobytes())
 
-    def doubt(self) -> None:
+    def recompute(self) -> None:
         """Recompute the sums of blocks from now on instead of reading them, as a write has failed."""
         self._certain = False
 

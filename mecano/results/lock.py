@@ -66,7 +66,7 @@ def lock_of(path: str | os.PathLike[str]) -> Path:
 def _take(path, record, content):
     """Create the record. Raises ResultsError if a living process has one, OSError."""
     for _ in range(_ATTEMPTS):
-        if _made(record, content):
+        if _create(record, content):
             return
         try:
             with open(record, "rb") as there:
@@ -77,7 +77,7 @@ def _take(path, record, content):
     raise ResultsError(f"{path}: other processes keep starting to write it")
 
 
-def _made(record, content):
+def _create(record, content):
     """Create the record completely or not at all, and return whether it was created. Raises OSError."""
     own = record.with_name(f"{record.name}.{platform.node()[:20]}.{os.urandom(4).hex()}")
     try:
@@ -89,15 +89,15 @@ def _made(record, content):
         except OSError:
             if os.stat(own).st_nlink == 2:  # created, although the reply of the server was lost
                 return True
-            return _made_without_links(record, content)
+            return _create_without_links(record, content)
         return True
     finally:
         with suppress(OSError):
             own.unlink()
 
 
-def _made_without_links(record, content):
-    """Do as ``_made`` on a file system without hard links."""
+def _create_without_links(record, content):
+    """Do as ``_create`` on a file system without hard links."""
     try:
         descriptor = os.open(record, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
     except FileExistsError:
@@ -139,7 +139,7 @@ def _refuse_living(path, record, content):
 def _state(reported):
     """Decide whether the process of a record lives HERE, may live ELSEWHERE, or is GONE."""
     own = _own_record()
-    if _restarted(reported["job"], own["job"]):
+    if _was_requeued(reported["job"], own["job"]):
         return GONE
     if any(reported[key] != own[key] for key in ("host", "machine")) or os.name != "posix":
         return ELSEWHERE
@@ -151,7 +151,7 @@ def _state(reported):
     return HERE if is_running(process) and start_ticks(process) == reported["ticks"] else GONE
 
 
-def _restarted(before, now):
+def _was_requeued(before, now):
     """Return whether a job of Slurm was requeued after it made a record, so that the recorded process has ended."""
     return None not in (*before, *now) and before[0] == now[0] and int(now[1]) > int(before[1])
 

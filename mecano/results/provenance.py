@@ -111,7 +111,7 @@ def is_running(process: int) -> bool:
         return False
     except PermissionError:
         return True
-    return _listed(process)[:1] not in (["Z"], ["X"])
+    return _process_status(process)[:1] not in (["Z"], ["X"])
 
 
 def start_time(process: int) -> float:
@@ -128,12 +128,12 @@ def start_time(process: int) -> float:
 def start_ticks(process: int) -> int:
     """Return the start time of a process in clock ticks since boot, or 0 if the system does not provide it."""
     try:
-        return int(_listed(process)[19])
+        return int(_process_status(process)[19])
     except (IndexError, ValueError):
         return 0
 
 
-def _listed(process):
+def _process_status(process):
     """Return state, parent, ... of a process from /proc on Linux; [] elsewhere."""
     try:
         with open(f"/proc/{process}/stat", encoding="utf-8") as file:

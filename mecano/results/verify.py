@@ -35,7 +35,7 @@ def verify(path: "str | os.PathLike[str]") -> str:
     source = open_source(path)
     try:
         with errors_as_damage(path):
-            problem = _changed(source)
+            problem = _damage(source)
             if problem:
                 raise ResultsError(problem)
             return _undamaged(path, source)
@@ -43,7 +43,7 @@ def verify(path: "str | os.PathLike[str]") -> str:
         source.close()
 
 
-def _changed(source):
+def _damage(source):
     """Return a description of the damage shown by the checksums of a Checked; "" if there is none, or no checksums."""
     sums, path = source.sums, source.path
     if sums is None:
