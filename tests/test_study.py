@@ -177,7 +177,7 @@ def test_errors_in_a_study_file(folder, head, message):
 
 def test_wrong_folders_of_a_study(folder):
     found = study(folder, "grid: {time.end: [1]}")
-    with pytest.raises(UsageError, match="deck.yaml is a file; -o takes a folder for the cases"):
+    with pytest.raises(UsageError, match="deck.yaml is a file; the cases need a folder"):
         due(Folder("deck.yaml", found))
     with pytest.raises(UsageError, match="there is no folder none with cases: run the study first"):
         collect(Folder("none", found), {})

@@ -50,7 +50,7 @@ def rest_at(prepared: Prepared, text: str) -> "tuple[Prepared, State, str, tuple
     """
     state, factor, words, warnings = _saved(prepared, text)
     if factor is not None:
-        raise UsageError("in results of a static analysis the model is at rest already: omit --at-rest")
+        raise UsageError("results of a static analysis are already at rest: omit --at-rest (in Python at_rest)")
     prepared = prepared.at(state)
     state, found = rest(prepared, _dynamic_state(prepared, state))
     return prepared, state, f"equilibrium at rest near {words}", (*warnings, *found)

@@ -65,7 +65,7 @@ class InterruptedRun:
         if version != FORMAT_VERSION:
             raise ResultsError(
                 f"{self.path} has format {version} of another version of mecano and cannot be resumed by this one, "
-                f"which writes format {FORMAT_VERSION}: resume it with the version that wrote it, or use --force"
+                f"which writes format {FORMAT_VERSION}: resume it with the version that wrote it, or replace it"
             )
         found = list(differences(self.results.resolved, json.loads(to_json(deck.resolved()))))
         if found:

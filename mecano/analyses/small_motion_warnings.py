@@ -112,11 +112,11 @@ def accuracy_warnings(
     if variation > CONSTANT:
         yield (
             f"the linearized equations are not constant in these axes (they change by {variation:.2g} when the "
-            f"fastest body turns by 1 rad): {what} for this instant only; see --frame"
+            f"fastest body turns by 1 rad): {what} for this instant only; see --frame (in Python frame=)"
         )
     worst = float(np.max(residuals, initial=0.0))
     if worst > CONVERGED:
         yield (
             f"modes marked '{NOT_CONVERGED}' do not satisfy the equations (residual up to {worst:.2g} of the terms): "
-            "neither their eigenvalues nor their shapes are reliable; try the other --solver, dense or sparse"
+            "neither their eigenvalues nor their shapes are reliable; try the other solver, dense or sparse"
         )

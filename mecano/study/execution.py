@@ -36,9 +36,12 @@ def due(folder: Folder, *, resume: bool = False, failed: bool = False, force: bo
     """
     cases = folder.study.cases
     if os.path.exists(folder.path) and not os.path.isdir(folder.path):
-        raise UsageError(f"{folder.path} is a file; -o takes a folder for the cases")
+        raise UsageError(f"{folder.path} is a file; the cases need a folder")
     if folder.begun() and not (resume or failed or force):
-        raise UsageError(f"{folder.path} has cases: --resume continues them, --force deletes them and runs all")
+        raise UsageError(
+            f"{folder.path} has cases: --resume (in Python resume=True) continues them, "
+            "--force (force=True) deletes them and runs all"
+        )
     if force:
         return Due(list(cases), list(cases))
     records = {case.number: folder.record(case) for case in cases}

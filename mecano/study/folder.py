@@ -19,7 +19,10 @@ if TYPE_CHECKING:
 
 STATUSES = COMPLETE, FAILED, STOPPED, WAITING = "complete", "failed", "stopped", "waiting"
 RESUMABLE = (75, 129, 130, 143, 152)  # exit codes of runs that --resume continues
-OTHER_RUN = "was run with other values, or another deck; --force runs the study again, -o NAME makes another one"
+OTHER_RUN = (
+    "was run with other values, or another deck: name another folder, or run the study again by --force (in Python "
+    "force=True)"
+)
 
 
 @dataclass(frozen=True)
