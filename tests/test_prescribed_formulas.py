@@ -108,7 +108,7 @@ def test_signals_of_time_prescribe_motions(prescribed, value, signals, output, l
 @pytest.mark.parametrize(
     ("value", "signals", "message"),
     [
-        ("command", "command: {type: lag, input: time, time_constant: 0.1}", "of the time alone: 'command' is a lag"),
+        ("command", "command: {type: lag, input: time, time_constant: 0.1}", "of time alone: 'command' is a lag"),
         ("0.5*b.displacement", "x: 1", "'b.displacement' depends on the motion"),
         ("one", "one: 2*two, two: 1 + one/3", "the signal 'one' depends on itself"),
         ("abs(time - 0.5)", "x: 1", "'abs' has a corner: its rates jump"),
