@@ -97,16 +97,19 @@ def tangent(psi):
 
 
 @kernel
+def inverse_coefficient(t2):
+    """Return d = (1 - t/2 cot(t/2))/t^2 of an angle t with the square t2, for t < 2 pi; 1/12 for small ones."""
+    if t2 < SERIES * SERIES:
+        return (1.0 + t2 / 60.0 * (1.0 + t2 / 42.0)) / 12.0
+    t = sqrt(t2)
+    return (1.0 - 0.5 * t / tan(0.5 * t)) / t2
+
+
+@kernel
 def tangent_inverse(psi):
     """Return T(psi)^-1, 3x3: dpsi = T^-1 dTheta; I + hat(psi)/2 + d hat(psi)^2, for |psi| < 2 pi."""
-    t2 = dot(psi, psi)
-    if t2 < SERIES * SERIES:
-        d = (1.0 + t2 / 60.0 * (1.0 + t2 / 42.0)) / 12.0
-    else:
-        t = sqrt(t2)
-        d = (1.0 - 0.5 * t / tan(0.5 * t)) / t2
     H = skew(psi)
-    return EYE + (0.5 * H + d * (H @ H))
+    return EYE + (0.5 * H + inverse_coefficient(dot(psi, psi)) * (H @ H))
 
 
 @kernel

@@ -14,6 +14,7 @@ FEW = 2  # iterations with a kept tangent in small models
 LARGER = 90  # unknowns from which a model is not small
 TRUST = 0.5  # of the residual norm: expected residual after the iterations up to which a tangent is kept
 FORGET = 0.9  # factor of the drift in every step without an old tangent
+IN_VAIN = 0.3  # least drift after a step in which the tangent of the last one did not suffice
 
 
 def most_kept(n):
@@ -38,8 +39,11 @@ def choose_tangent(has, age, drift, renewed, report, most_kept):
         first /= SHARE
     elif first > 0.0:
         drift = report[SECOND] / first / before
-    if renewed:  # keep it if it converges quickly
-        has = report[ITERATIONS] <= (most_kept if has else 1.0)
+    if renewed:  # keep it if it converges quickly, unless that of the step before did not suffice in this one
+        if has and before == 1:
+            has, drift = False, max(drift, IN_VAIN)
+        else:
+            has = report[ITERATIONS] <= (most_kept if has else 1.0)
         age = 1 if has else 0
     share = drift * age
     if not first * share**most_kept <= TRUST:

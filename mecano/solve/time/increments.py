@@ -1,13 +1,14 @@
 r"""Updates of a state: prediction, correction, rotations from their increments.
 
 Within a step the components of angular velocities and accelerations are those in the axes of the body at its beginning,
-so that the formulas of displacements hold for rotations, up to the turning of the axis of rotation (Magnus 1954):
+so that the formulas of displacements hold for rotations, up to the turning of the axis of rotation:
 
 .. math::
     R_{n+1} = R_n \exp(\hat\psi), \quad
-    \psi = h \omega_n + h^2 [(\tfrac12 - \beta) a_n + \beta a_{n+1}] - \tfrac{h^2}{12}\, \omega_n \times \omega_{n+1}
+    \psi = h \omega_n + h^2 [(\tfrac12 - \beta) a_n + \beta a_{n+1}] - h^2 d\, \omega_n \times \omega_{n+1}
 
-At its end they are turned to the axes there, :math:`\Omega_{n+1} = \exp(\hat\psi)^T \omega_{n+1}`.
+d(|omega_n| h), 1/12 for small angles (Magnus 1954), is exact for a spin whose axis turns at a small and constant rate.
+At the end of the step they are turned to the axes there, :math:`\Omega_{n+1} = \exp(\hat\psi)^T \omega_{n+1}`.
 """
 
 import math
@@ -18,7 +19,7 @@ import numpy as np
 from mecano.jit.entry import Indices, Matrices, Matrix, Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats
-from mecano.maths.so3 import exp, tangent
+from mecano.maths.so3 import exp, inverse_coefficient, tangent
 from mecano.maths.vector import EYE, cross, dot, mat, put, put_matrix, skew, vec
 from mecano.model.numbering import MASSLESS, ROTATION, SCALAR, SIGNAL, TRANSLATION, Numbering, Unknowns
 from mecano.model.state import Motion, State
@@ -47,6 +48,12 @@ def place(r, d, R0, s_out):
     put(s_out.a, d, turn.T @ vec(s_out.a, d))
 
 
+@kernel
+def axis_share(h, omega):
+    """Return h^2 d(|omega| h), the factor of omega x omega_{n+1} in the rotation vector of a step from omega."""
+    return h * h * inverse_coefficient(h * h * dot(omega, omega))
+
+
 class Weights(NamedTuple):
     """Derivatives by the increments of a step of size h [s]: of multipliers, velocities and accelerations."""
 
@@ -73,7 +80,7 @@ def motion_tangents(rotation_dof: Indices, n_q: int, spins: Matrix, s: Motion, b
     (n_rotations, 3) are the angular velocities at the beginning. Of a state between two steps, whose increments are
     zero, they are identities: it varies in its own axes.
     """
-    n, axes = rotation_dof.shape[0], by.h * by.h * by.cC / 12.0
+    n = rotation_dof.shape[0]
     for r in range(n):
         d = rotation_dof[r]
         if d < n_q:
@@ -83,7 +90,7 @@ def motion_tangents(rotation_dof: Indices, n_q: int, spins: Matrix, s: Motion, b
                     put_matrix(T_out[i * n + r], EYE)
                 continue
             turn = exp(psi)
-            T = tangent(psi) @ (EYE - axes * skew(vec(spins[r], 0)))
+            T = tangent(psi) @ (EYE - (by.cC * axis_share(by.h, vec(spins[r], 0))) * skew(vec(spins[r], 0)))
             put_matrix(T_out[r], T)
             put_matrix(T_out[n + r], turn.T + (1.0 / by.cC) * (skew(vec(s.v, d)) @ T))
             put_matrix(T_out[2 * n + r], turn.T + (1.0 / by.cM) * (skew(vec(s.a, d)) @ T))
@@ -125,7 +132,8 @@ def predict(w, of, start, history, s_out):
     for r in range(of.rotation_dof.shape[0]):
         d = of.rotation_dof[r]
         if d < of.n_q:
-            put(s_out.z, d, vec(s_out.z, d) - (h * h / 12.0) * cross(vec(start.v, d), vec(s_out.v, d)))
+            omega = vec(start.v, d)
+            put(s_out.z, d, vec(s_out.z, d) - axis_share(h, omega) * cross(omega, vec(s_out.v, d)))
             place(r, d, start.R, s_out)
     return farthest, loudest
 
@@ -154,14 +162,13 @@ def correct(of: Unknowns, length: float, dz: Vector, by: Weights, start: Motion,
             s_out.a[i] -= by.cM * dz[i]
     for i in range(of.n_q, of.n):
         s_out.z[i] -= by.k * dz[i]
-    axes = by.h * by.h * by.cC / 12.0
     for r in range(of.rotation_dof.shape[0]):
         d = of.rotation_dof[r]
         if d < of.n_q:
-            turn, change = mat(start.R[r]).T @ mat(s_out.R[r]), vec(dz, d)
+            turn, change, omega = mat(start.R[r]).T @ mat(s_out.R[r]), vec(dz, d), vec(start.v, d)
             put(s_out.v, d, turn @ vec(s_out.v, d) - by.cC * change)
             put(s_out.a, d, turn @ vec(s_out.a, d) - by.cM * change)
-            put(s_out.z, d, vec(s_out.z, d) - change + axes * cross(vec(start.v, d), change))
+            put(s_out.z, d, vec(s_out.z, d) - change + (by.cC * axis_share(by.h, omega)) * cross(omega, change))
             place(r, d, start.R, s_out)
     return largest(dz, of.kind, of.n_q, length)
 
