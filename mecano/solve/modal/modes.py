@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.linalg as la
 
 from mecano.errors import ConvergenceError
 from mecano.solve.modal.modes_dense import dense
 from mecano.solve.modal.modes_sparse import sparse
+from mecano.solve.modal.separated_basis import separated_basis
 from mecano.solve.modal.small_motions import SmallMotions
 
 if TYPE_CHECKING:
@@ -156,7 +156,7 @@ def _with_free(scaled, values, shapes):
         return values, shapes
     basis = np.array([part for y in shapes[still] for part in (y.real, y.imag)]).T
     U, sigma, _ = np.linalg.svd(basis / np.maximum(np.linalg.norm(basis, axis=0), 1e-300), full_matrices=False)
-    free = _plain(U[:, sigma > 1e-3 * sigma[0]].T)
+    free = separated_basis(U[:, sigma > 1e-3 * sigma[0]].T)
     moving = ~still
     return np.concatenate([np.zeros(len(free)), values[moving]]), np.concatenate([free, shapes[moving]])
 
@@ -176,14 +176,8 @@ def _plain_zeros(values, shapes):
     """Return the pairs, with a sparser basis for the shapes of eigenvalue zero."""
     free, shapes = values == 0.0, shapes.astype(complex)
     if free.any():
-        shapes[free] = _plain(shapes[free].real)
+        shapes[free] = separated_basis(shapes[free].real)
     return values, shapes
-
-
-def _plain(basis):
-    """Return a basis (f, n_q) of the same space in which each motion has one component where all others vanish."""
-    _, _, order = la.qr(basis, pivoting=True, mode="economic")
-    return np.linalg.solve(basis[:, order[: len(basis)]], basis)
 
 
 def _is_free(scaled, value, y, largest):

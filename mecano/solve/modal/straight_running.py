@@ -21,6 +21,7 @@ from mecano.errors import ConvergenceError, name_list
 from mecano.maths.vector import skew
 from mecano.model.numbering import SIGNAL
 from mecano.solve.diagnostics.failure import worst_equations
+from mecano.solve.modal.separated_basis import separated_basis
 
 if TYPE_CHECKING:
     from mecano.model.state import State
@@ -106,7 +107,8 @@ class Straight:
         omega, N = np.zeros(self.n_q), np.zeros((self.n_q, Vt.shape[0] - rank))
         omega[steady.turning] = -Vt[:rank].T @ ((U[:, :rank].T @ (change * scale)) / sigma[:rank]) / steady.length
         N[steady.turning] = Vt[rank:].T
-        return omega, _plain(N)
+        spins = separated_basis(N.T).T
+        return omega, spins / np.linalg.norm(spins, axis=0)
 
     def _without_signals(self, K):
         """Return the derivatives K (n, n_q) with algebraic signals as functions of the other unknowns.
@@ -185,12 +187,3 @@ class Straight:
             f"{name_list(causes, MOST_NAMED)}; causes are toe, rolling resistance, drag, loads or a slope; a drive "
             "that controls the speed balances them if it has an integrator, as in docs/tyres.md"
         )
-
-
-def _plain(N):
-    """Return unit vectors (n, s) that span the same space, each with one component where all others vanish."""
-    if not N.shape[1]:
-        return N
-    _, _, order = la.qr(N.T, pivoting=True, mode="economic")
-    plain = N @ np.linalg.inv(N[order[: N.shape[1]]])
-    return plain / np.linalg.norm(plain, axis=0)
