@@ -272,6 +272,20 @@ def test_delays_are_exact():
     assert not [text for text in found.warnings if "constant" in text]
 
 
+@pytest.mark.parametrize("kind", ["delay", "sample_and_hold"])
+def test_an_input_that_is_read_late(kind):
+    """A sinusoid of a signal that only a delay, or a sampled value, reads."""
+    key = {"delay": "time", "sample_and_hold": "period"}[kind]
+    late = f"late: {{type: {kind}, input: motor, {key}: 0.02}}"
+    late = SERVO.replace("value: motor}", "value: late}").replace("  motor: {", f"  {late}\n  motor: {{", 1)
+    found = respond(late, ["motor"], ["rail.displacement"])
+    s = s_of(found)
+    H = np.exp(-0.02 * s) if kind == "delay" else (1 - np.exp(-0.02 * s)) / (0.02 * s)
+    H = H / (2 * s**2)
+    assert error(found, H / (1 + (300 + 400 / s + 40 * s / (1 + 0.02 * s)) / (1 + 0.01 * s) * H)) < 1e-10
+    assert not [text for text in found.warnings if "acts on nothing" in text]
+
+
 def test_a_moving_set_point_acts_through_its_rate():
     """The force of spring and damper is (c s + k) times the set point."""
     model = OSCILLATOR.replace("law: {spring: 200", "natural_length: 0.4 + pull, law: {spring: 200")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.sparse as sp
 
-from mecano.analyses.input_channels import Input, unknowns_of, with_inputs
+from mecano.analyses.input_channels import Input, place_of, unknowns_of, with_inputs
 from mecano.analyses.modal import (
     OperatingPoint,
     accuracy_warnings,
@@ -183,7 +183,15 @@ def _plant(
     columns = np.array([one.columns(lin, system, base.state, deck) for one in inputs])
     rows = [one.rows(system, base.state, turning) for one in outputs]
     R = [sp.csr_matrix(sp.vstack([row[k] for row in rows])) for k in range(3)]
-    return Plant(lin, [columns[:, k].T.copy() for k in range(3)], R, tuple(_late(deck, system)))
+    late = tuple(_late(deck, system))
+    return Plant(lin, [columns[:, k].T.copy() for k in range(3)], R, late, tuple(_late_inputs(inputs, late, system)))
+
+
+def _late_inputs(inputs, late, system):
+    """Yield (row, input, transfer function) of the signals that read an input at an earlier time."""
+    for number, one in enumerate(inputs):
+        at = place_of(system, one.signal)[0] if one.signal else -1
+        yield from ((row, number, f) for row, column, f in late if column == at)
 
 
 def _late(deck, system):
@@ -235,7 +243,7 @@ def _static(slowest, slow):
 def _without_effect(plant, inputs, values, question) -> Iterator[str]:
     """Yield warnings about inputs that nothing reads, and about pairs without a connection."""
     for j, one in enumerate(inputs):
-        if not any(q[:, j].any() for q in plant.inputs):
+        if not any(q[:, j].any() for q in plant.inputs) and j not in [number for _, number, _ in plant.late_inputs]:
             yield f"the input {one.name} acts on nothing: no load, joint or signal reads it"
         elif not values[:, :, j].any():
             yield f"no output responds to the input {one.name}"

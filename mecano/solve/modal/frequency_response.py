@@ -35,6 +35,8 @@ class Plant:
     outputs: Sequence[sp.csr_matrix]  # R0, R1, R2, each (p, n)
     late: "Sequence[tuple[int, int, Callable[[complex], complex]]]" = ()
     """(row, column, f) of signals that read earlier values: -f(s) is their entry"""
+    late_inputs: "Sequence[tuple[int, int, Callable[[complex], complex]]]" = ()
+    """(row, input, f) of signals that read earlier values of an input: f(s) is its force"""
 
 
 class TransferFunction:
@@ -64,7 +66,10 @@ class TransferFunction:
         """
         Q0, Q1, Q2 = self.plant.inputs
         R0, R1, R2 = self.plant.outputs
-        found = self._solution(s, Q0 + s * Q1 + s**2 * Q2)
+        Q = Q0 + complex(s) * Q1 + complex(s) ** 2 * Q2
+        for row, number, f in self.plant.late_inputs:
+            Q[row, number] = f(s)
+        found = self._solution(s, Q)
         if found is None:
             return (np.full((R0.shape[0], Q0.shape[1]), np.inf + 0j),) * 2
         y, largest = found
