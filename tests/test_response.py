@@ -272,6 +272,17 @@ def test_delays_are_exact():
     assert not [text for text in found.warnings if "constant" in text]
 
 
+def test_late_feedback_damps_a_resonance():
+    """Without its delayed damper of 0.02 N s/m the oscillator has none: m s^2 + c s exp(-s T) + k."""
+    model = OSCILLATOR.replace(", damper: 4}", "}").replace("value: push}", "value: push - 0.02*late}")
+    model = model.replace("push: 0*time}", "push: 0*time, late: {type: delay, input: weight.velocity.z, time: 1 ms}}")
+    found = respond(model, ["push"], ["weight.position.z"])
+    s = s_of(found)
+    assert error(found, 1.0 / (2.0 * s**2 + 0.02 * s * np.exp(-0.001 * s) + 200.0)) < 1e-9
+    (peak,) = found.peaks
+    assert abs(peak.value) == pytest.approx(1.0 / (0.02 * 10.0), rel=1e-4)
+
+
 @pytest.mark.parametrize("kind", ["delay", "sample_and_hold"])
 def test_an_input_that_is_read_late(kind):
     """A sinusoid of a signal that only a delay, or a sampled value, reads."""

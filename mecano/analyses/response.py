@@ -224,7 +224,7 @@ def _sampled(plant, question):
     if question.refined and question.number > 1:
         poles = poles_up_to(plant.lin, BEYOND * base[-1])
         refine(sampled, base, poles)
-        found = peaks(sampled, poles)
+        found = peaks(sampled, () if plant.late else poles)  # without late feedback the poles are others
     else:
         for omega in base.tolist():
             sampled.at(omega)
