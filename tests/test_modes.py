@@ -585,7 +585,8 @@ def test_pictures(tmp_path):
 def test_options_of_runs_are_refused(tmp_path, options, named):
     modes(deck(column(1.0)), tmp_path / "c.h5")
     with pytest.raises(
-        UsageError, match=f"c.h5 is a file of modes, of a response, of a sweep or of a study: {named} for results"
+        UsageError,
+        match=f"c.h5 is a file of modes, of a response, of margins, of a sweep or of a study: {named} for results",
     ):
         list(post([tmp_path / "c.h5"], **options))
     assert [path.name for path in tmp_path.iterdir()] == ["c.h5"]

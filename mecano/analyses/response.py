@@ -47,22 +47,24 @@ MOST_POINTS = 100_000
 
 
 @dataclass(frozen=True, kw_only=True)
-class Question:
-    """What is asked for: names of inputs and outputs, frequencies [Hz], operating point."""
+class OverFrequency:
+    """Frequencies [Hz] and operating point for which something is asked."""
 
-    inputs: Sequence[str]
-    outputs: Sequence[str]
     low: float
     high: float
     number: int = 200
     linear: bool = False  # equal distances of the frequencies, else equal ratios
-    refined: bool = True  # with points around resonances and located peaks
     at: str | None = None
     at_rest: bool = False
     frame: str = "inertial"
 
+    @property
+    def grid(self) -> np.ndarray:
+        """The circular frequencies (number,) [rad/s]."""
+        return 2.0 * np.pi * grid(self.low, self.high, self.number, self.linear)
+
     def check(self) -> None:
-        """Raise UsageError for frequencies out of range, and for no or repeated channels."""
+        """Raise UsageError for frequencies out of range."""
         for option, value in (("from", self.low), ("to", self.high)):
             if not (np.isfinite(value) and value > 0.0):
                 raise UsageError(f"--{option} {value:g}: a frequency [Hz] is greater than zero")
@@ -70,6 +72,19 @@ class Question:
             raise UsageError(f"--to {self.high:g} is less than --from {self.low:g}")
         if not 1 <= self.number <= MOST_POINTS:
             raise UsageError(f"--number {self.number}: from 1 to {MOST_POINTS}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Question(OverFrequency):
+    """What is asked for: names of inputs and outputs, frequencies [Hz], operating point."""
+
+    inputs: Sequence[str]
+    outputs: Sequence[str]
+    refined: bool = True  # with points around resonances and located peaks
+
+    def check(self) -> None:
+        """Raise UsageError for frequencies out of range, and for no or repeated channels."""
+        super().check()
         for option, names in (("input", self.inputs), ("output", self.outputs)):
             if not names:
                 raise UsageError(f"--{option} is missing: give one or more")
@@ -137,17 +152,14 @@ def _find(deck, question):
     changed, inputs = with_inputs(deck, tuple(question.inputs))
     changed, outputs = with_outputs(changed, tuple(question.outputs))
     base = operating_point(changed, question.at, question.at_rest)
-    system, late = base.prepared.system, set(held_warnings(changed))
+    system = base.prepared.system
     turning = angular_velocity_of(system, base.state, question.frame)
-    plant = _plant(changed, base, inputs, outputs, turning)
+    plant = plant_of(changed, base, inputs, outputs, turning)
     omegas, values, found, static, error = call_interruptibly(_sampled, plant, question)
     warnings = [
-        *(text for text in base.warnings if text not in late),
-        *imbalance_warnings(base, turning, "the response is that"),
-        *sticking_warnings(deck, system, base.state),
-        *accuracy_warnings(plant.lin.variation, [], "the response holds"),
+        *state_warnings(changed, base, plant, turning, "the response"),
         *_without_effect(plant, inputs, values, question),
-        *_inaccurate(error),
+        *inaccurate(error),
     ]
     units = system.signal_units
     return Response(
@@ -157,6 +169,15 @@ def _find(deck, question):
         output_units=tuple(_unit_of(one, units) for one in outputs),
         static=static, peaks=found, about=base.words, warnings=tuple(warnings), plant=plant, base=base,
     )  # fmt: skip
+
+
+def state_warnings(deck: "Deck", base: OperatingPoint, plant: Plant, turning: np.ndarray, what: str) -> Iterator[str]:
+    """Yield warnings about the state of a deck for which ``what`` was computed, such as "the response"."""
+    late = set(held_warnings(deck))
+    yield from (text for text in base.warnings if text not in late)
+    yield from imbalance_warnings(base, turning, f"{what} is that")
+    yield from sticking_warnings(deck, base.prepared.system, base.state)
+    yield from accuracy_warnings(plant.lin.variation, [], f"{what} holds")
 
 
 def _unit_of(output, units):
@@ -170,7 +191,7 @@ def _known(of_signal, otherwise):
     return of_signal if of_signal and (of_signal != UNKNOWN or not otherwise) else otherwise
 
 
-def _plant(
+def plant_of(
     deck: "Deck",
     base: OperatingPoint,
     inputs: Sequence[Input],
@@ -219,7 +240,7 @@ def _sampled(plant, question):
     """Return (frequencies (n,) [rad/s], responses (n, p, m), Peaks, static gains (p, m), largest backward error)."""
     H = TransferFunction(plant)
     sampled = Sampled(lambda omega: H(1j * omega))
-    base = 2.0 * np.pi * grid(question.low, question.high, question.number, question.linear)
+    base = question.grid
     found: list[Peak] = []
     if question.refined and question.number > 1:
         poles = poles_up_to(plant.lin, BEYOND * base[-1])
@@ -229,12 +250,12 @@ def _sampled(plant, question):
         for omega in base.tolist():
             sampled.at(omega)
     omegas, values = sampled.values
-    return omegas, values, found, _static(*(H(1j * share * base[0]) for share in SLOW)), H.error
+    return omegas, values, found, static_gains(H, base[0]), H.error
 
 
-def _static(slowest, slow):
-    """Return the static gains (p, m) from the responses at two low frequencies; nan where they grow to infinity."""
-    slowest, slow = (np.where(np.isfinite(H), H, np.nan) for H in (slowest, slow))
+def static_gains(H: TransferFunction, lowest: float) -> np.ndarray:
+    """Return the limits (p, m) at low frequency, nan where infinite, from responses below ``lowest`` [rad/s]."""
+    slowest, slow = (np.where(np.isfinite(one), one, np.nan) for one in (H(1j * share * lowest) for share in SLOW))
     settled = np.abs(slow - slowest) <= STATIC * np.abs(slowest)
     vanishes = np.abs(slowest) < 0.5 * np.abs(slow)
     return np.where(settled, slowest.real, np.where(vanishes, 0.0, np.nan))
@@ -249,6 +270,7 @@ def _without_effect(plant, inputs, values, question) -> Iterator[str]:
             yield f"no output responds to the input {one.name}"
 
 
-def _inaccurate(error):
+def inaccurate(error: float) -> Iterator[str]:
+    """Yield a warning if the backward ``error`` of a response is large."""
     if error > ACCURATE:
         yield f"the equations are satisfied to {error:.1g} of their terms only: the response may be inaccurate"
