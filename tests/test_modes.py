@@ -71,6 +71,27 @@ def test_row_of_masses_dense_and_sparse(damping):
         assert np.abs(found.shapes).max(axis=1) == pytest.approx(1.0)
 
 
+def test_damping_in_proportion_to_the_stiffness_makes_eigenvalues_accumulate():
+    """At -1/T, T = 1 ms, where Arnoldi's method does not separate them: the three modes nearer to zero are found.
+
+    Their eigenvalues follow from the undamped frequencies, w (-w T/2 + i sqrt(1 - (w T/2)^2)).
+    """
+    beam = """
+        mecano: 1
+        gravity: none
+        nodes: {root: {position: [0, 0, 0], fixed: true}, tip: {position: [1, 0, 0]}}
+        sections:
+          steel: {type: rectangle, width: 4 cm, height: 2 cm, E: 210 GPa, nu: 0.3, density: 7850, damping: DAMPING}
+        elements: {beam: {type: beam, nodes: [root, tip], section: steel, up: [0, 0, 1], mesh: 70}}
+        time: {end: 1, step: 1 ms}
+        """
+    w = values_of(beam.replace("DAMPING", "0"), number=3, method="sparse").imag
+    found = solve(linearized(beam.replace("DAMPING", "1 ms")), 10, "sparse")
+    expected = w * (-0.5e-3 * w + 1j * np.sqrt(1.0 - (0.5e-3 * w) ** 2))
+    np.testing.assert_allclose(found.values[:3], expected, rtol=1e-8)
+    assert "of 32 eigenvalues: damping makes the others accumulate" in found.method
+
+
 @pytest.mark.parametrize("method", ["dense", "sparse"])
 def test_free_row_has_a_rigid_motion(method):
     """omega_j = 2 sqrt(k/m) sin(j pi/(2 n)), j = 0: all masses move alike."""
