@@ -629,6 +629,16 @@ class TestCommand:
         done = self.invoke(*arguments)
         assert isinstance(done.exception, UsageError) and message in str(done.exception)
 
+    def test_a_large_state_space_is_refused(self, tmp_path):
+        """Before the response is computed."""
+        mesh, none = "elements.rod.mesh=256", "loads.turn.value=0"
+        arguments = "--input", "turn.value", "--output", "tip.position.x", "--from", "1", "--to", "2"
+        model = str(INPUTS / "beam_roll_up.yaml"), "--set", mesh, "--set", none
+        done = CliRunner().invoke(commands, ["response", *model, *arguments, "--state-space", "a.npz"])
+        assert isinstance(done.exception, UsageError), done.output
+        assert "here, up to 3000: reduce flexible parts to superelements" in str(done.exception)
+        assert not list(tmp_path.iterdir())
+
     def test_an_input_that_acts_on_nothing(self):
         done = self.invoke("--output", "weight.position.z", "--input", "idle", "--set", "signals={idle: 0*time}")
         assert "mecano: the input idle acts on nothing: no load, joint or signal reads it" in done.output

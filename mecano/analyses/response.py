@@ -22,7 +22,7 @@ from mecano.analyses.observed_outputs import MemberOutput, NodeOutput
 from mecano.analyses.output_channels import Output, with_outputs
 from mecano.analyses.response_text import table
 from mecano.analyses.source import source_of
-from mecano.analyses.state_space_file import linear_model, refuse, write_state_space
+from mecano.analyses.state_space_file import linear_model, refuse, refuse_plant, write_state_space
 from mecano.errors import UsageError
 from mecano.model.signal_units import UNKNOWN
 from mecano.process.interrupt import call_interruptibly
@@ -135,7 +135,7 @@ def response(
             refuse_existing(path, force)
             if columns:
                 refuse_table(path, force)
-        found = _find(deck, question)
+        found = _find(deck, question, state_space is not None)
         matrices = None if state_space is None else linear_model(found)
         if path is not None:
             write_response(path, found, source_of(deck, warnings=found.warnings), force=force)
@@ -147,14 +147,16 @@ def response(
     return "\n".join(lines), found
 
 
-def _find(deck, question):
-    """Return the Response to a Question."""
+def _find(deck, question, to_export):
+    """Return the Response to a Question. Raises UsageError if it is ``to_export`` as a state space and has none."""
     changed, inputs = with_inputs(deck, tuple(question.inputs))
     changed, outputs = with_outputs(changed, tuple(question.outputs))
     base = operating_point(changed, question.at, question.at_rest)
     system = base.prepared.system
     turning = angular_velocity_of(system, base.state, question.frame)
     plant = plant_of(changed, base, inputs, outputs, turning)
+    if to_export:
+        refuse_plant(plant)
     omegas, values, found, static, error = call_interruptibly(_sampled, plant, question)
     warnings = [
         *state_warnings(changed, base, plant, turning, "the response"),
