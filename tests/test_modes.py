@@ -9,8 +9,10 @@ from equilibria import G, arm
 from scipy.linalg import block_diag
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
-from time_runs import deck, input_deck
+from time_runs import INPUTS, deck, input_deck
 
+import mecano
+from mecano.analyses.input_channels import place_of
 from mecano.analyses.modal import modes, operating_point
 from mecano.errors import ResultsError, UsageError
 from mecano.post.info import info
@@ -522,6 +524,20 @@ def test_about_a_saved_time(tmp_path):
             operating_point(pendulum, str(tmp_path / text))
     with pytest.raises(ResultsError, match="has no node 'hook'"):
         operating_point(input_deck("oscillator"), str(tmp_path / "p.h5"))
+
+
+def test_held_values_at_a_saved_time(tmp_path):
+    """A delay and a sampled value read their inputs between the saved times; the motor accelerates the cart by them."""
+    changes = {"output.every": 0.13, "time.end": 0.8}
+    checked = input_deck("digital_control", *(f"{name}={value}" for name, value in changes.items()))
+    with mecano.run(INPUTS / "digital_control.yaml", tmp_path / "d.h5", set=changes, quiet=True) as r:
+        for row in (3, 6):
+            base = operating_point(checked, f"{tmp_path / 'd.h5'}:{r.time[row]}")
+            system, s = base.prepared.system, base.state
+            for name in ("position", "command"):
+                assert s.z[place_of(system, name)[0]] == r[f"signals.{name}.value"].values[row]
+            cart = system.numbering.x[[node.name for node in system.nodes].index("cart")]
+            assert s.a[cart] == pytest.approx(r["command.value"].values[row] / 2.0, rel=1e-9)
 
 
 def test_about_a_saved_equilibrium(tmp_path):
