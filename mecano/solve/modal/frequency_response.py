@@ -50,6 +50,7 @@ class TransferFunction:
         self.pattern.sort_indices()
         self.column = np.repeat(np.arange(self.pattern.shape[0]), np.diff(self.pattern.indptr))
         self._balanced: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        self.outputs = [(k, R, abs(R)) for k, R in enumerate(plant.outputs) if R.nnz or k == 0]
         self.data = [_values_on(self.pattern, A) for A in parts]
         self.late = [
             (np.flatnonzero(_values_on(self.pattern, A)), f) for A, (_, _, f) in zip(late, plant.late, strict=True)
@@ -65,16 +66,15 @@ class TransferFunction:
         A smaller part than ROUNDED of that is zero.
         """
         Q0, Q1, Q2 = self.plant.inputs
-        R0, R1, R2 = self.plant.outputs
         Q = Q0 + complex(s) * Q1 + complex(s) ** 2 * Q2
         for row, number, f in self.plant.late_inputs:
             Q[row, number] = f(s)
         found = self._solution(s, Q)
         if found is None:
-            return (np.full((R0.shape[0], Q0.shape[1]), np.inf + 0j),) * 2
+            return (np.full((self.plant.outputs[0].shape[0], Q0.shape[1]), np.inf + 0j),) * 2
         y, largest = found
-        R, w = R0 + s * R1 + s**2 * R2, abs(s)
-        H, size = R @ y, (abs(R0) + w * abs(R1) + w**2 * abs(R2)) @ largest
+        H = sum(complex(s) ** k * (R @ y) for k, R, _ in self.outputs)
+        size = sum(abs(s) ** k * (terms @ largest) for k, _, terms in self.outputs)
         return np.where(np.abs(H) > ROUNDED * size, H, 0.0), size
 
     def _solution(self, s, b):
