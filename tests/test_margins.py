@@ -218,6 +218,42 @@ def test_integrator_with_a_delay(kT, growing):
     assert gain.delay_margin == pytest.approx(turned % (2 * np.pi) / (kT / 0.1), rel=1e-9)
 
 
+@pytest.mark.parametrize(("gain", "growing"), [(1.0, 0), (5.6, 1)])
+def test_a_sampled_loop(gain, growing):
+    """A cart of 2 kg, whose force is set every 0.05 s, its position 0.03 s late: difference equations of the samples.
+
+    At 5.50964 times the gain z = -1 is a pole: the margin is at half the sampling frequency.
+    """
+    h, late = 0.05, 0.03
+    law = f"signals.command.input={gain}*(40*(target - position) - 15*rail.velocity)"
+    found = loop(input_deck("digital_control", law), "command", 1.0, 200.0, number=6)
+    z = np.exp(s_of(found) * h)[:, None, None]
+    step, part = ((np.array([[1.0, t], [0.0, 1.0]]), np.array([0.5 * t**2, t]) / 2.0) for t in (h, h - late))
+    x = np.linalg.solve(z * np.eye(2) - step[0], np.broadcast_to(step[1][:, None], (len(z), 2, 1)))[:, :, 0]
+    position = (x @ part[0].T + part[1])[:, 0] / z[:, 0, 0]
+    assert np.abs(found.values / (gain * (40 * position + 15 * x[:, 1])) - 1.0).max() < 1e-5
+    assert found.frequency[-1] == pytest.approx(10.0) and found.growing == growing
+    assert found.crossovers[-1].gain_margin * gain == pytest.approx(5.50964187, rel=1e-5)
+    assert not [text for text in found.warnings if "sampled" in text]
+
+
+def test_a_sampled_loop_in_which_the_force_is_measured():
+    """The sample of the measured force is that before the jump: its part in L is 0.3/z."""
+    law = "signals.command.input=40*(target - rail.displacement) - 15*rail.velocity - 0.3*motor.force"
+    found = loop(input_deck("digital_control", law), "command", 1.0, 9.0, number=6)
+    z, h = np.exp(0.05 * s_of(found)), 0.05
+    position, velocity = 0.25 * h**2 * (z + 1.0) / (z - 1.0) ** 2, 0.5 * h / (z - 1.0)
+    assert np.abs(found.values / (40 * position + 15 * velocity + 0.3 / z) - 1.0).max() < 1e-5
+
+
+def test_other_places_of_a_sampled_loop():
+    found = loop(input_deck("digital_control"), "position", 0.3, 5.0, number=8)
+    assert found.growing is None
+    assert [text for text in found.warnings if "half the sampling frequency, 10 Hz; open it at 'command'" in text]
+    with pytest.raises(UsageError, match="--from 12: half the sampling frequency of the loop is 10 Hz"):
+        loop(input_deck("digital_control"), "command", 12.0, 20.0)
+
+
 class TestErrors:
     LIFT = "  lift: {type: prescribed_position, node: other, direction: [0, 0, 1], value: 0}\n"
 

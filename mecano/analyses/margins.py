@@ -1,7 +1,7 @@
 """Margins of stability of a loop of a deck, opened at a signal: computation, file, warnings."""
 
 from contextlib import nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -22,6 +22,7 @@ from mecano.solve.modal.frequency_response import Plant, TransferFunction
 from mecano.solve.modal.late_feedback import growing_poles
 from mecano.solve.modal.loop_transfer import Crossover, crossovers, highest, in_loops, opened, sample
 from mecano.solve.modal.modes import poles_up_to
+from mecano.solve.modal.sampled_loop import SampledLoop
 
 if TYPE_CHECKING:
     import os
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
     from mecano.model.system import System
 
 OPTION = "open-loop"
+CLOSE = 1.0 - 1e-9  # of half the sampling frequency: highest one
+BESIDE = 0.999  # of it: highest crossover of the phase besides the one there
 NOTHING = 1e-13  # of what L could be: rounding
 MOST = 8  # names in a message
 COLUMNS = ("frequency", "gain_margin", "phase_margin", "delay_margin")  # of crossovers
@@ -140,8 +143,12 @@ def _find(deck, question):
     closed = plant_of(changed, base, [one], [Output(one.name, "", (one.signal,))], turning)
     loop = opened(closed, place_of(system, one.signal)[0], unknowns_of(system, one.signal))
     _refuse_without_loop(question, changed, system, closed, loop, one.signal)
-    found = call_interruptibly(_margins, closed, loop, question)
-    warnings = [*state_warnings(changed, base, closed, turning, "the loop"), *_unsure(found, question)]
+    periods = {name: d["period"] for name, d in deck.values["signals"].items() if d["type"] == "sample_and_hold"}
+    found = call_interruptibly(_margins, closed, loop, question, one.signal, periods)
+    warnings = [
+        *state_warnings(changed, base, closed, turning, "the loop"), *_unsure(found, question),
+        *_averaged(one.signal, periods),
+    ]  # fmt: skip
     return Margins(signal=question.signal, about=base.words, warnings=tuple(warnings), plant=loop, **found[0])
 
 
@@ -170,20 +177,74 @@ def _in_loops(deck, system: "System", closed: Plant) -> "Iterator[str]":
             yield name
 
 
-def _margins(closed, loop, question):
-    """Return (the fields of Margins that are numbers, backward error)."""
-    H, base = TransferFunction(loop), question.grid
-    L = Sampled(lambda omega: H(1j * omega))
+def _margins(closed, loop, question, signal, periods):
+    """Return (the fields of Margins that are numbers, backward error); ``periods`` [s] of the sampled signals."""
+    H, base, half = TransferFunction(loop), question.grid, np.nan
+    transfer: TransferFunction | SampledLoop = H
+    if signal in periods:
+        transfer, base = SampledLoop(H, periods[signal], not _late_besides(closed)), _below(question, periods[signal])
+        half = float(transfer(1j * np.pi / periods[signal])[0, 0].real)
+    L = Sampled(lambda omega: transfer(1j * omega))
     own = poles_up_to(closed.lin, BEYOND * base[-1])
     S = sample(L, base, [*own, *poles_up_to(loop.lin, BEYOND * base[-1])])
-    static = float(static_gains(H, base[0])[0, 0])
-    sensitivity, found = Margin(*highest(S, () if closed.late else own)), crossovers(L, static)
+    static = float(static_gains(transfer, base[0])[0, 0])
+    found = crossovers(L, static)
+    if signal in periods:
+        found = list(_with_half(found, 0.5 / periods[signal], half))
     omegas, values = L.values
     numbers = {
         "frequency": omegas / (2.0 * np.pi), "values": values[:, 0, 0], "static": static, "crossovers": found,
-        "sensitivity": sensitivity, "growing": growing_poles(closed, base[0], base[-1]),
+        "sensitivity": Margin(*highest(S, () if closed.late else own)),
+        "growing": _growing(closed, loop, transfer, base, periods),
     }  # fmt: skip
     return numbers, H.error
+
+
+def _late_besides(closed):
+    """Return whether a loop has late signals besides that at which it is opened, whose sinusoid is the first output."""
+    loop, value = in_loops(closed.lin, closed.late), closed.outputs[0].indices[0]
+    return any(row != value and loop[row] == loop[value] for row, *_ in closed.late)
+
+
+def _with_half(found, frequency, half):
+    """Yield the Crossovers of a sampled loop, with that at half the sampling ``frequency``, where L is real: ``half``.
+
+    Beside it the sign of the imaginary part is rounding.
+    """
+    yield from (one for one in found if one.gain or one.frequency < BESIDE * frequency)
+    if half < 0.0:
+        yield Crossover(False, frequency, complex(half))
+
+
+def _below(question, period):
+    """Return the circular frequencies [rad/s] below half the sampling frequency, which is the last one if asked for.
+
+    Raises UsageError if there are none.
+    """
+    half = 0.5 / period
+    if question.low >= half:
+        raise UsageError(f"--from {question.low:g}: half the sampling frequency of the loop is {half:g} Hz")
+    return replace(question, high=min(question.high, CLOSE * half)).grid
+
+
+def _growing(closed, loop, transfer, base, periods):
+    """Return the number of growing poles of the closed loop, or None; of a sampled one, those of its samples."""
+    if not periods:
+        return growing_poles(closed, base[0], base[-1])
+    if len(periods) > 1 or isinstance(transfer, TransferFunction):
+        return None
+    open_poles, turns = growing_poles(loop, base[0], base[-1]), transfer.turns(base[0])
+    return None if open_poles is None or turns is None else open_poles + turns
+
+
+def _averaged(signal, periods) -> "Iterator[str]":
+    """Yield a warning about sampled signals that are not that at which the loop is opened."""
+    for name, period in periods.items():
+        if name != signal:
+            yield (
+                f"'{name}' is sampled: the loop is that of its mean over a period, right well below half the sampling "
+                f"frequency, {0.5 / period:g} Hz; open it at '{name}' for the margins of its samples"
+            )
 
 
 def _unsure(found, question) -> "Iterator[str]":

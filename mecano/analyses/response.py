@@ -1,6 +1,6 @@
 """Frequency response of a deck from inputs to outputs: computation, file, warnings; export of a state space."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -255,7 +255,7 @@ def _sampled(plant, question):
     return omegas, values, found, static_gains(H, base[0]), H.error
 
 
-def static_gains(H: TransferFunction, lowest: float) -> np.ndarray:
+def static_gains(H: Callable[[complex], np.ndarray], lowest: float) -> np.ndarray:
     """Return the limits (p, m) at low frequency, nan where infinite, from responses below ``lowest`` [rad/s]."""
     slowest, slow = (np.where(np.isfinite(one), one, np.nan) for one in (H(1j * share * lowest) for share in SLOW))
     settled = np.abs(slow - slowest) <= STATIC * np.abs(slowest)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.sparse as sp
 
-from mecano.solve.modal.frequency_grid import Sampled, grid, refine
+from mecano.solve.modal.encirclements import encirclements
 from mecano.solve.modal.frequency_response import Plant, TransferFunction
 from mecano.solve.modal.modes import DENSE, solve
 from mecano.solve.modal.tracking import unstable
@@ -24,11 +24,9 @@ from mecano.solve.modal.tracking import unstable
 if TYPE_CHECKING:
     from mecano.solve.modal.linearize import Linearization
 
-TILT = 1e-4  # damping ratio below zero of the contour: lightly damped poles are not on it
-SLOWEST = 1e-3  # of the lowest frequency: radius of the arc around zero
+SLOWEST = 1e-3  # of the lowest frequency: radius of the contour around zero
 FASTEST = 1e4  # of the highest frequency: end of the contour
 ENDED = 0.1  # distance of F from 1 there, at most
-ARC, RAY = 60, 200  # points
 
 
 def growing_poles(plant: Plant, low: float, high: float) -> int | None:
@@ -68,13 +66,8 @@ def _turns(plant, low, high):
     G = TransferFunction(Plant(plant.lin, [D, none, none], [E, sp.csr_matrix((k, n)), sp.csr_matrix((k, n))]))
 
     def factor(s):
-        return np.linalg.det(np.eye(k) - np.array([one(s) for one in f])[:, None] * G(s)).reshape(1, 1)
+        return complex(np.linalg.det(np.eye(k) - np.array([one(s) for one in f])[:, None] * G(s)))
 
-    along, first = np.exp(1j * (0.5 * np.pi - TILT)), SLOWEST * low
-    arc = [factor(first * along ** (i / ARC)) for i in range(ARC + 1)]
-    ray = Sampled(lambda omega: factor(omega * along))
-    refine(ray, grid(first, FASTEST * high, RAY), ())
-    F = np.concatenate([np.array(arc), ray.values[1][1:]]).ravel()
-    if not np.isfinite(F).all() or not abs(F[-1] - 1.0) <= ENDED:
+    if not abs(factor(1j * FASTEST * high) - 1.0) <= ENDED:
         return None
-    return -round(float(np.sum(np.angle(F[1:] / F[:-1]))) / np.pi)
+    return encirclements(factor, SLOWEST * low, FASTEST * high)
