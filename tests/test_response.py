@@ -156,6 +156,13 @@ def test_absorber_without_damping():
     assert dip == pytest.approx(10 / (2 * np.pi), rel=1e-3)
 
 
+def test_a_single_frequency():
+    """A range of no width is one frequency, whatever their number."""
+    found = respond(OSCILLATOR, ["push"], ["weight.position.z"], 1.0, 1.0)
+    assert found.frequency.tolist() == [1.0] and not found.peaks
+    assert error(found, 1.0 / (2.0 * s_of(found) ** 2 + 4.0 * s_of(found) + 200.0)) < 1e-12
+
+
 def test_a_narrow_resonance_is_not_missed():
     """Damping ratio 1e-5, and ten frequencies over two decades."""
     found = respond(row([1000], [10], [2e-3], PUSH), ["push.value"], ["p1.position.x"], number=10)
