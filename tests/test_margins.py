@@ -254,6 +254,23 @@ def test_other_places_of_a_sampled_loop():
         loop(input_deck("digital_control"), "command", 12.0, 20.0)
 
 
+@pytest.mark.parametrize("gain", [1.0, -1.0])
+def test_the_stability_of_a_large_model(gain):
+    """Only modes nearest to zero are known, of which a damper with the wrong sign makes some grow."""
+    model = f"""
+mecano: 1
+gravity: none
+nodes: {{root: {{position: [0, 0, 0], fixed: true}}, tip: {{position: [1, 0, 0]}}}}
+sections: {{steel: {{type: rectangle, width: 4 cm, height: 2 cm, E: 210 GPa, nu: 0.3, density: 7850}}}}
+elements: {{beam: {{type: beam, nodes: [root, tip], section: steel, up: [0, 0, 1], mesh: 70}}}}
+signals: {{damper: {-gain}*tip.velocity.z}}
+loads: {{damper: {{type: force, node: tip, direction: [0, 0, 1], value: damper}}}}
+{TIME}
+"""
+    growing = loop(model, "damper", 10.0, 20.0, number=4).growing
+    assert growing is None if gain > 0.0 else growing > 0
+
+
 class TestErrors:
     LIFT = "  lift: {type: prescribed_position, node: other, direction: [0, 0, 1], value: 0}\n"
 
@@ -324,7 +341,13 @@ class TestCommand:
         assert self.invoke("--force").exit_code == 0
 
     @pytest.mark.parametrize(
-        ("arguments", "message"), [(["--to", "0.01"], "--to 0.01 is less than"), (["-o", "a.csv"], "results are HDF5")]
+        ("arguments", "message"),
+        [
+            (["--to", "0.01"], "--to 0.01 is less than"),
+            (["--to", "0.1"], "margins are found in a range: --to greater than 0.1"),
+            (["--number", "1"], "margins are found in a range"),
+            (["-o", "a.csv"], "results are HDF5"),
+        ],
     )
     def test_errors(self, arguments, message):
         assert message in str(self.invoke(*arguments).exception)

@@ -16,4 +16,5 @@ def unknown(option: str, name: str, known: Iterable[str], hint: str = "") -> Usa
         hint = f"did you mean {' or '.join(near)}?"
     elif known:
         hint = hint or f"there are {name_list(known, MOST)}"
-    return UsageError(f"--{option} {name}: it is no {option}" + (f"; {hint}" if hint else ""))
+    what = {"open-loop": "signal"}.get(option, option)
+    return UsageError(f"--{option} {name}: it is no {what}" + (f"; {hint}" if hint else ""))

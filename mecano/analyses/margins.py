@@ -45,6 +45,12 @@ class LoopQuestion(OverFrequency):
 
     signal: str
 
+    def check(self) -> None:
+        """Raise UsageError for frequencies out of range, and for a single one."""
+        super().check()
+        if not self.low < self.high or self.number < 2:
+            raise UsageError(f"margins are found in a range: --to greater than {self.low:g}, --number 2 or more")
+
 
 class Margin(NamedTuple):
     """A margin and its frequency [Hz]; nan where there is none."""

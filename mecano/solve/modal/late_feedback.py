@@ -26,19 +26,23 @@ if TYPE_CHECKING:
 
 SLOWEST = 1e-3  # of the lowest frequency: radius of the contour around zero
 FASTEST = 1e4  # of the highest frequency: end of the contour
+NEAREST = 20  # modes of a large model that are computed
 ENDED = 0.1  # distance of F from 1 there, at most
 
 
 def growing_poles(plant: Plant, low: float, high: float) -> int | None:
-    """Return the number of growing poles; None for a large model, or if F does not tend to 1.
+    """Return the number of growing poles; None if it is not determined.
+
+    It is not if F does not tend to 1, and for a large model none of whose modes nearest to zero grows.
 
     ``low``, ``high`` [rad/s]: range of frequencies of interest, beyond which the contour reaches.
     """
-    if plant.lin.n_q > DENSE:
-        return None
     lin = _without_late(plant)
-    values = solve(lin, 1, "dense").values
+    large = lin.n_q > DENSE
+    values = solve(lin, NEAREST if large else 1, "sparse" if large else "dense").values
     number = sum(1 + int(value.imag > 0.0) for value in values if unstable(value) and value.real > lin.pace)
+    if large:
+        return number or None
     turns = _turns(replace(plant, lin=lin), low, high) if plant.late else 0
     return None if turns is None else number + turns
 
