@@ -15,6 +15,7 @@ from mecano.post.pictures import post
 from mecano.results.margins_file import read_margins
 
 TIME = "time: {end: 1, step: 1.0e-3}"
+SECTION = "Signals and control"
 
 
 def loop(model, signal, low=0.1, high=100.0, **options):
@@ -53,14 +54,16 @@ def of_servo(s, delay=0.01):
 
 
 @pytest.mark.parametrize("signal", ["error", "late", "thrust", "motor", "motor.value"])
-def test_pid_controller_of_a_mass_with_a_delay(signal):
+def test_pid_controller_of_a_mass_with_a_delay(verify, signal):
     """L is the same at each signal of the loop; its margins are those that SciPy finds from its formula."""
     found = loop(servo(), signal)
     assert np.abs(found.values / of_servo(s_of(found)) - 1.0).max() < 1e-10
     w = brentq(lambda w: abs(of_servo(1j * w)) - 1.0, 10.0, 40.0, xtol=1e-13)
     margin = np.pi + np.angle(of_servo(1j * w))
-    assert found.phase == pytest.approx((margin, w / (2 * np.pi)), rel=1e-9)
-    assert found.delay == pytest.approx((margin / w, w / (2 * np.pi)), rel=1e-9)
+    own = found.phase.value, found.delay.value, found.phase.frequency, found.delay.frequency
+    exact = margin, margin / w, w / (2 * np.pi), w / (2 * np.pi)
+    what = f"mass, PID controller, delay, opened at {signal}: phase margin [rad], delay margin [s], crossover [Hz]"
+    verify(SECTION, what, own, exact, "formula of L", relative=1e-9)
     for own, low, high in ((found.gain_reduction, 2.0, 5.0), (found.gain, 30.0, 60.0)):
         w = brentq(lambda w: of_servo(1j * w).imag, low, high, xtol=1e-13)
         assert own == pytest.approx((1.0 / abs(of_servo(1j * w)), w / (2 * np.pi)), rel=1e-9)
@@ -219,7 +222,7 @@ def test_integrator_with_a_delay(kT, growing):
 
 
 @pytest.mark.parametrize(("gain", "growing"), [(1.0, 0), (5.6, 1)])
-def test_a_sampled_loop(gain, growing):
+def test_a_sampled_loop(verify, gain, growing):
     """A cart of 2 kg, whose force is set every 0.05 s, its position 0.03 s late: difference equations of the samples.
 
     At 5.50964 times the gain z = -1 is a pole: the margin is at half the sampling frequency.
@@ -233,7 +236,8 @@ def test_a_sampled_loop(gain, growing):
     position = (x @ part[0].T + part[1])[:, 0] / z[:, 0, 0]
     assert np.abs(found.values / (gain * (40 * position + 15 * x[:, 1])) - 1.0).max() < 1e-5
     assert found.frequency[-1] == pytest.approx(10.0) and found.growing == growing
-    assert found.crossovers[-1].gain_margin * gain == pytest.approx(5.50964187, rel=1e-5)
+    own = found.crossovers[-1].gain_margin * gain
+    verify(SECTION, f"digital controller, {gain} times its gain: gain margin", own, 5.50964187, "z = -1", relative=1e-5)
     assert not [text for text in found.warnings if "sampled" in text]
 
 
