@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from scipy.optimize import brentq, fsolve, minimize_scalar
-from time_runs import deck, input_deck
+from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.margins import LoopQuestion, margins
 from mecano.analyses.modal import modes
@@ -239,6 +239,15 @@ def test_a_sampled_loop(verify, gain, growing):
     own = found.crossovers[-1].gain_margin * gain
     verify(SECTION, f"digital controller, {gain} times its gain: gain margin", own, 5.50964187, "z = -1", relative=1e-5)
     assert not [text for text in found.warnings if "sampled" in text]
+
+
+@pytest.mark.parametrize(("gain", "grows"), [(5.45, False), (5.57, True)])
+def test_runs_beside_the_gain_margin_of_a_sampled_loop(gain, grows):
+    """One percent below and above it the command of a run decays and grows."""
+    law = f"signals.command.input={gain}*(40*(target - position) - 15*rail.velocity)"
+    run = RecordedRun(input_deck("digital_control", law, "time.end=6"))
+    early, late = (np.ptp(run["signals/command/value"][(run.time > t) & (run.time <= t + 1)]) for t in (2, 5))
+    assert (late > 1.5 * early) if grows else (late < 0.7 * early)
 
 
 def test_a_sampled_loop_in_which_the_force_is_measured():
