@@ -1,7 +1,7 @@
 """mecano: flexible multibody dynamics by finite elements.
 
-``run``, ``check``, ``modes``, ``response`` and ``sweep`` are the commands of the same names; ``Deck`` is a deck of
-plain Python objects, ``Simulation`` a run that is advanced step by step, ``open_results`` reads a results file.
+``run``, ``check``, ``modes``, ``response``, ``margins`` and ``sweep`` are the commands of the same names; ``Deck`` is a
+deck of plain Python objects, ``Simulation`` a run that is advanced step by step, ``open_results`` reads a results file.
 ``MecanoError`` is the base class of their errors.
 """
 
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from mecano.errors import DeckError, MecanoError
     from mecano.interface.deck import Deck
+    from mecano.interface.margins import margins
     from mecano.interface.modes import modes
     from mecano.interface.plugins import load_plugin
     from mecano.interface.response import response
@@ -24,14 +25,15 @@ __version__ = "0.1.0"
 _MODULES = {  # imported at the first use of a name, so that `mecano --help` is fast
     "Deck": "mecano.interface.deck", "DeckError": "mecano.errors", "MecanoError": "mecano.errors",
     "Results": "mecano.interface.results", "Simulation": "mecano.interface.simulation",
-    "check": "mecano.interface.solving", "load_plugin": "mecano.interface.plugins", "modes": "mecano.interface.modes",
+    "check": "mecano.interface.solving", "load_plugin": "mecano.interface.plugins",
+    "margins": "mecano.interface.margins", "modes": "mecano.interface.modes",
     "open_results": "mecano.interface.results", "response": "mecano.interface.response",
     "run": "mecano.interface.solving", "sweep": "mecano.interface.studies",
 }  # fmt: skip
 
 __all__ = [
-    "Deck", "DeckError", "MecanoError", "Results", "Simulation", "check", "load_plugin", "modes", "open_results",
-    "response", "run", "sweep",
+    "Deck", "DeckError", "MecanoError", "Results", "Simulation", "check", "load_plugin", "margins", "modes",
+    "open_results", "response", "run", "sweep",
 ]  # fmt: skip
 
 

@@ -27,9 +27,9 @@ for _variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
 COMMANDS = {
     "check": "decks.check", "check-kind": "decks.check_kind", "completion": "shell.completion",
     "example": "decks.example", "explain": "decks.explain", "export": "results.export", "info": "results.info",
-    "list": "decks.list_", "modes": "solving.modes", "new": "decks.new", "post": "results.post",
-    "reduce": "solving.reduce_", "response": "response.response", "run": "solving.run", "schema": "decks.schema",
-    "sweep": "studies.sweep",
+    "list": "decks.list_", "margins": "response.margins", "modes": "solving.modes", "new": "decks.new",
+    "post": "results.post", "reduce": "solving.reduce_", "response": "response.response", "run": "solving.run",
+    "schema": "decks.schema", "sweep": "studies.sweep",
     "verify": "results.verify", "view": "viewing.view", "warmup": "studies.warmup",
 }  # fmt: skip
 """The function of each command, of a module of mecano/commands."""
@@ -74,6 +74,7 @@ def commands() -> None:
     mecano view deck.yaml           show the model in a browser before it runs
     mecano modes deck.yaml          modes about its start or equilibrium
     mecano response deck.yaml       transfer functions, linear model
+    mecano margins deck.yaml        stability margins of a control loop
     mecano sweep study.yaml         run a deck many times with varied values
     mecano post deck.h5             draw the standard plots
     mecano export deck.h5           write results as CSV, or for ParaView

@@ -13,6 +13,8 @@ from time_runs import RecordedRun, deck, input_deck
 
 import mecano
 from mecano.analyses.control_stability import instability_warnings
+from mecano.analyses.dynamic import run
+from mecano.analyses.modal import operating_point
 from mecano.analyses.prepare import integrator_of, prepare
 from mecano.elements.signals.delay import MOST, _kept
 from mecano.errors import AssemblyError
@@ -109,6 +111,28 @@ def test_a_loop_is_reported_before_values_that_are_not_finite():
     """acos(2 + first) is no number, and would be none of the undetermined signal first = 0."""
     with pytest.raises(AssemblyError, match="formula 'first' -> formula 'first'$"):
         prepare(deck(LOOP.replace("SIGNAL", "first, angle: acos(2 + first)")))
+
+
+@pytest.mark.parametrize("kind", ["delay, time: 0.05", "sample_and_hold, period: 0.05"])
+def test_late_feedback_in_equilibrium(kind, tmp_path):
+    """In equilibrium a late value is that of its input: a spring of 100 N/m and 50 N/m (0.4 m - x) hold a cart."""
+    model = f"""
+        mecano: 1
+        gravity: none
+        nodes: {{cart: {{position: [0, 0, 0]}}}}
+        elements: {{cart: {{type: rigid_body, node: cart, mass: 2, inertia: [1, 1, 1]}}}}
+        joints:
+          rail: {{type: prismatic, nodes: [ground, cart], axis: [1, 0, 0], sliding_law: {{spring: 100, damper: 20}}}}
+        signals: {{late: {{input: 50*(0.4 - rail.displacement), type: {kind}}}}}
+        loads: {{motor: {{type: joint_force, joint: rail, value: late}}}}
+        time: {{end: 0.3, step: 0.01}}
+        """
+    still = RecordedRun(deck(model + "initial: static\n"))
+    np.testing.assert_allclose(still["joints/rail/displacement"], 20.0 / 150.0, rtol=1e-9)
+    run(deck(model), tmp_path / "moving.h5")
+    base = operating_point(deck(model), f"{tmp_path / 'moving.h5'}:0.3", at_rest=True)
+    cart = base.prepared.system.numbering.x[[node.name for node in base.prepared.system.nodes].index("cart")]
+    assert base.state.z[cart] == pytest.approx(20.0 / 150.0, rel=1e-9)
 
 
 def ramp_response(t, w, d):

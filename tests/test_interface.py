@@ -22,12 +22,16 @@ from mecano.cli import commands
 from mecano.deck.read import read_deck
 from mecano.errors import DeckError, ResultsError, UnknownNameError, UsageError
 from mecano.interface import deck as deck_module
+from mecano.interface import margins as margins_module
 from mecano.interface import modes as modes_module
 from mecano.interface import response as response_module
 from mecano.interface import results as results_module
 from mecano.interface import simulation as simulation_module
 from mecano.interface import solving as solving_module
 
+MODULES = [
+    deck_module, margins_module, modes_module, response_module, results_module, simulation_module, solving_module,
+]  # fmt: skip
 ROOT = Path(__file__).parent.parent
 INPUTS = ROOT / "inputs"
 PENDULUM = INPUTS / "pendulum.yaml"
@@ -73,9 +77,7 @@ class TestNames:
         loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
         assert loaded.stdout.strip() == "['mecano']"
 
-    @pytest.mark.parametrize(
-        "module", [deck_module, modes_module, response_module, results_module, simulation_module, solving_module]
-    )
+    @pytest.mark.parametrize("module", MODULES)
     def test_examples_are_right(self, module, folder):
         tested = doctest.testmod(module, extraglobs={"mecano": mecano}, optionflags=doctest.ELLIPSIS)
         assert tested.failed == 0 and tested.attempted > 0

@@ -9,8 +9,10 @@ from equilibria import G, arm
 from scipy.linalg import block_diag
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
-from time_runs import deck, input_deck
+from time_runs import INPUTS, deck, input_deck
 
+import mecano
+from mecano.analyses.input_channels import place_of
 from mecano.analyses.modal import modes
 from mecano.analyses.operating_point import operating_point
 from mecano.errors import ResultsError, UsageError
@@ -70,6 +72,27 @@ def test_row_of_masses_dense_and_sparse(damping):
         np.testing.assert_allclose(found.natural_frequency, omega / (2.0 * np.pi), rtol=1e-11)
         assert found.residuals.max() < 1e-11 and set(found.kinds) == {"oscillation"}
         assert np.abs(found.shapes).max(axis=1) == pytest.approx(1.0)
+
+
+def test_damping_in_proportion_to_the_stiffness_makes_eigenvalues_accumulate():
+    """At -1/T, T = 1 ms, where Arnoldi's method does not separate them: the three modes nearer to zero are found.
+
+    Their eigenvalues follow from the undamped frequencies, w (-w T/2 + i sqrt(1 - (w T/2)^2)).
+    """
+    beam = """
+        mecano: 1
+        gravity: none
+        nodes: {root: {position: [0, 0, 0], fixed: true}, tip: {position: [1, 0, 0]}}
+        sections:
+          steel: {type: rectangle, width: 4 cm, height: 2 cm, E: 210 GPa, nu: 0.3, density: 7850, damping: DAMPING}
+        elements: {beam: {type: beam, nodes: [root, tip], section: steel, up: [0, 0, 1], mesh: 70}}
+        time: {end: 1, step: 1 ms}
+        """
+    w = values_of(beam.replace("DAMPING", "0"), number=3, method="sparse").imag
+    found = solve(linearized(beam.replace("DAMPING", "1 ms")), 10, "sparse")
+    expected = w * (-0.5e-3 * w + 1j * np.sqrt(1.0 - (0.5e-3 * w) ** 2))
+    np.testing.assert_allclose(found.values[:3], expected, rtol=1e-8)
+    assert "of 32 eigenvalues: damping makes the others accumulate" in found.method
 
 
 @pytest.mark.parametrize("method", ["dense", "sparse"])
@@ -504,6 +527,20 @@ def test_about_a_saved_time(tmp_path):
         operating_point(input_deck("oscillator"), str(tmp_path / "p.h5"))
 
 
+def test_held_values_at_a_saved_time(tmp_path):
+    """A delay and a sampled value read their inputs between the saved times; the motor accelerates the cart by them."""
+    changes = {"output.every": 0.13, "time.end": 0.8}
+    checked = input_deck("digital_control", *(f"{name}={value}" for name, value in changes.items()))
+    with mecano.run(INPUTS / "digital_control.yaml", tmp_path / "d.h5", set=changes, quiet=True) as r:
+        for row in (3, 6):
+            base = operating_point(checked, f"{tmp_path / 'd.h5'}:{r.time[row]}")
+            system, s = base.prepared.system, base.state
+            for name in ("position", "command"):
+                assert s.z[place_of(system, name)[0]] == r[f"signals.{name}.value"].values[row]
+            cart = system.numbering.x[[node.name for node in system.nodes].index("cart")]
+            assert s.a[cart] == pytest.approx(r["command.value"].values[row] / 2.0, rel=1e-9)
+
+
 def test_about_a_saved_equilibrium(tmp_path):
     from mecano.analyses.static import run
 
@@ -586,7 +623,8 @@ def test_pictures(tmp_path):
 def test_options_of_runs_are_refused(tmp_path, options, named):
     modes(deck(column(1.0)), tmp_path / "c.h5")
     with pytest.raises(
-        UsageError, match=f"c.h5 is a file of modes, of a response, of a sweep or of a study: {named} for results"
+        UsageError,
+        match=f"c.h5 is a file of modes, of a response, of margins, of a sweep or of a study: {named} for results",
     ):
         list(post([tmp_path / "c.h5"], **options))
     assert [path.name for path in tmp_path.iterdir()] == ["c.h5"]

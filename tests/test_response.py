@@ -156,6 +156,13 @@ def test_absorber_without_damping():
     assert dip == pytest.approx(10 / (2 * np.pi), rel=1e-3)
 
 
+def test_a_single_frequency():
+    """A range of no width is one frequency, whatever their number."""
+    found = respond(OSCILLATOR, ["push"], ["weight.position.z"], 1.0, 1.0)
+    assert found.frequency.tolist() == [1.0] and not found.peaks
+    assert error(found, 1.0 / (2.0 * s_of(found) ** 2 + 4.0 * s_of(found) + 200.0)) < 1e-12
+
+
 def test_a_narrow_resonance_is_not_missed():
     """Damping ratio 1e-5, and ten frequencies over two decades."""
     found = respond(row([1000], [10], [2e-3], PUSH), ["push.value"], ["p1.position.x"], number=10)
@@ -270,6 +277,31 @@ def test_delays_are_exact():
     loop *= (1 - np.exp(-0.02 * s)) / (0.02 * s)
     assert error(found, loop / (1 + loop)) < 1e-10
     assert not [text for text in found.warnings if "constant" in text]
+
+
+def test_late_feedback_damps_a_resonance():
+    """Without its delayed damper of 0.02 N s/m the oscillator has none: m s^2 + c s exp(-s T) + k."""
+    model = OSCILLATOR.replace(", damper: 4}", "}").replace("value: push}", "value: push - 0.02*late}")
+    model = model.replace("push: 0*time}", "push: 0*time, late: {type: delay, input: weight.velocity.z, time: 1 ms}}")
+    found = respond(model, ["push"], ["weight.position.z"])
+    s = s_of(found)
+    assert error(found, 1.0 / (2.0 * s**2 + 0.02 * s * np.exp(-0.001 * s) + 200.0)) < 1e-9
+    (peak,) = found.peaks
+    assert abs(peak.value) == pytest.approx(1.0 / (0.02 * 10.0), rel=1e-4)
+
+
+@pytest.mark.parametrize("kind", ["delay", "sample_and_hold"])
+def test_an_input_that_is_read_late(kind):
+    """A sinusoid of a signal that only a delay, or a sampled value, reads."""
+    key = {"delay": "time", "sample_and_hold": "period"}[kind]
+    late = f"late: {{type: {kind}, input: motor, {key}: 0.02}}"
+    late = SERVO.replace("value: motor}", "value: late}").replace("  motor: {", f"  {late}\n  motor: {{", 1)
+    found = respond(late, ["motor"], ["rail.displacement"])
+    s = s_of(found)
+    H = np.exp(-0.02 * s) if kind == "delay" else (1 - np.exp(-0.02 * s)) / (0.02 * s)
+    H = H / (2 * s**2)
+    assert error(found, H / (1 + (300 + 400 / s + 40 * s / (1 + 0.02 * s)) / (1 + 0.01 * s) * H)) < 1e-10
+    assert not [text for text in found.warnings if "acts on nothing" in text]
 
 
 def test_a_moving_set_point_acts_through_its_rate():
@@ -612,6 +644,16 @@ class TestCommand:
     def test_errors(self, arguments, message):
         done = self.invoke(*arguments)
         assert isinstance(done.exception, UsageError) and message in str(done.exception)
+
+    def test_a_large_state_space_is_refused(self, tmp_path):
+        """Before the response is computed."""
+        mesh, none = "elements.rod.mesh=256", "loads.turn.value=0"
+        arguments = "--input", "turn.value", "--output", "tip.position.x", "--from", "1", "--to", "2"
+        model = str(INPUTS / "beam_roll_up.yaml"), "--set", mesh, "--set", none
+        done = CliRunner().invoke(commands, ["response", *model, *arguments, "--state-space", "a.npz"])
+        assert isinstance(done.exception, UsageError), done.output
+        assert "here, up to 3000: reduce flexible parts to superelements" in str(done.exception)
+        assert not list(tmp_path.iterdir())
 
     def test_an_input_that_acts_on_nothing(self):
         done = self.invoke("--output", "weight.position.z", "--input", "idle", "--set", "signals={idle: 0*time}")

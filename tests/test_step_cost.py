@@ -1,5 +1,6 @@
 """Cost of a step in Python, in calls, which do not depend on the machine; docs/benchmarks.md has times."""
 
+import pytest
 from calls import calls
 from time_runs import input_deck
 
@@ -12,12 +13,13 @@ MOST_ADAPTIVE = 0.5  # where the step size changes, steps are rejected, and osci
 MOST_SAVED = 0.5  # with what goes into the results file, whose blocks have checksums
 
 
-def test_steps_make_hardly_any_calls():
-    """A thousand steps of one hinged bar, with what ends them at their time."""
-    prepared = prepare(input_deck("pendulum"))
+@pytest.mark.parametrize(("name", "steps"), [("pendulum", 1000), ("axle_on_slope", 2000)])
+def test_steps_make_hardly_any_calls(name, steps):
+    """Steps of one hinged bar, and of two wheels on one axle, with what ends them at their time."""
+    prepared = prepare(input_deck(name))
     integrator = integrator_of(prepared)
     run = integrator.to(0.1, integrator.begin(prepared.state, 1e-3))
-    assert calls(lambda: integrator.to(1.1, run)) <= MOST * 1000
+    assert calls(lambda: integrator.to(0.1 + 1e-3 * steps, run)) <= MOST * steps
 
 
 def test_step_sizes_change_in_compiled_code():

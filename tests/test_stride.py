@@ -34,6 +34,8 @@ def decks():
     return surviving.decks() | {
         "pendulum": input_deck("pendulum", "time.end=0.5", "output.every=0.00123"),
         "rolling_disc": input_deck("rolling_disc", "time.end=0.3"),
+        "axle_on_slope": input_deck("axle_on_slope", "time.end=0.5"),
+        "axle_on_slope, adaptive": input_deck("axle_on_slope", "time.end=1", "time.adaptive={tolerance: 1.0e-4}"),
         "two_hinges": deck(TWO_BARS),
         "two_hinges, radau": deck(TWO_BARS.replace("time: {", "time: {method: radau, ")),
     } | {f"{name}, radau": input_deck(name, *RADAU, *more) for name, *more in BY_RADAU}  # fmt: skip

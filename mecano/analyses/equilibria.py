@@ -61,7 +61,7 @@ def follow(prepared: Prepared, observers: Sequence[Observer] = ()) -> Result:
         return _follow_path(prepared, loaded(prepared, values), path(prepared, values), 0.0, observers)
     first = Relaxation(1.0) if values["method"] == "relaxation" else Steps(1.0, FIRST_STEPS, SMALLEST, grow=True)
     start = _follow_path(prepared, loaded(prepared, values), first, 0.0, ())
-    statics = _statics(prepared, values, Clock(system))
+    statics = _statics(prepared, values, Clock(system), past=True)
     return _follow_path(prepared, statics, _steps(prepared, values), values["start"], observers, start.point.state)
 
 
@@ -107,18 +107,21 @@ def rest(prepared: Prepared, state: "State") -> "tuple[State, tuple[str, ...]]":
     statics = Statics(system, prepared.linear, Clock(system), prepared.length, compliance=prepared.compliance,
                       monitor=NoEvents(system))  # fmt: skip
     follower = Follower(statics)
-    point = Relaxation(state.t, unstable_hint=REST_HINT).find(follower, statics.begin(state))
+    begun = statics.without_past(statics.begin(state))
+    point = Relaxation(state.t, unstable_hint=REST_HINT).find(follower, begun)
     s, monitor = statics.polish(point.state, state.t), EventMonitor(system)
     crossed = monitor.values(s) > CLOSED * prepared.length
     kept = [f"{event.element} ({event.name})" for event in monitor.apply(s, crossed)[1]]
+    s.memory = system.commit(s)
     warnings = [f"at rest these events would occur, and were ignored: {', '.join(kept)}"] if kept else []
     return s, (*warnings, *_stability_warnings(prepared, follower, point))
 
 
 def _follow_path(prepared, statics, path, start, observers, state=None):
     follower = Follower(statics, tuple(observers), _end_of_range_check(prepared))
-    first = follower.start(_settled(prepared) if state is None else state, start)
+    first = follower.start(statics.without_past(_settled(prepared)) if state is None else state, start)
     point, reason = path.follow(follower, first)
+    point.state.memory = statics.system.commit(point.state)
     missed = path.missed(point) if isinstance(path, ArcLength) else ()
     return Result(point, reason, (*missed, *_stability_warnings(prepared, follower, point)), statics.loading)
 
@@ -158,14 +161,14 @@ def _settled(prepared: Prepared) -> "State":
     return EventMonitor(prepared.system).settle(s)
 
 
-def _statics(prepared: Prepared, values: "Values", loading: Loading) -> Statics:
+def _statics(prepared: Prepared, values: "Values", loading: Loading, past: bool = False) -> Statics:
     newton, scale = values["newton"], values.get("scale", {})
     tolerances = Tolerances(newton["force_tolerance"], newton["constraint_tolerance"], INCREMENT,
                             newton["maximum_iterations"])  # fmt: skip
     return Statics(
         prepared.system, prepared.linear, loading, prepared.length, tolerances,
         k=or_default(scale.get("k", AUTOMATIC), None), penalty=or_default(scale.get("penalty", AUTOMATIC), None),
-        compliance=prepared.compliance,
+        compliance=prepared.compliance, past=past,
     )  # fmt: skip
 
 

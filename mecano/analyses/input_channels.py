@@ -77,30 +77,33 @@ def _unknowns(system, signal):
     raise AssertionError(f"there is no signal {signal}")
 
 
-def with_inputs(deck: "Deck", names: tuple[str, ...]) -> "tuple[Deck, list[Input]]":
-    """Return a Deck in which functions of time that are inputs are signals, and the Inputs. Raises UsageError."""
+def with_inputs(deck: "Deck", names: tuple[str, ...], channel: str = "input") -> "tuple[Deck, list[Input]]":
+    """Return a Deck in which functions of time that are inputs are signals, and the Inputs. Raises UsageError.
+
+    ``channel``: what the names stand for in messages.
+    """
     found, motions = [], _motions(deck)
     for number, name in enumerate(names, start=1):
         signal = name.removeprefix("signals.")
         if signal in deck.values["signals"]:
             found.append(Input(name, _unit_of_motion(deck, motions, signal), signal, motions))
         else:
-            deck, one = _law_as_signal(deck, name, f"input_{number}_of_response")
+            deck, one = _law_as_signal(deck, name, f"input_{number}_of_response", channel)
             found.append(one)
     return deck, found
 
 
-def _law_as_signal(deck, name, signal):
+def _law_as_signal(deck, name, signal, channel):
     """Return a Deck in which a function of time is the ``signal``, and its Input; ``name``: NAME.FIELD."""
     known = {".".join(path[1:]): (path, field, value) for path, field, value in _functions_of_time(deck)}
     known |= {".".join(path): one for path, *_ in known.values() for one in [known[".".join(path[1:])]]}
     if name not in known:
-        raise unknown("input", name, [*deck.values["signals"], *known], _no_inputs_hint(deck, known))
+        raise unknown(channel, name, [*deck.values["signals"], *known], _no_inputs_hint(deck, known))
     path, declared, value = known[name]
     if declared.type == MOTION:
         return deck, Input(name, declared.unit, "", {path: ""})
     if len(path) > 3:
-        raise UsageError(f"input {name}: write this function of time as a signal, and give its name")
+        raise UsageError(f"{channel} {name}: write this function of time as a signal, and give its name")
     deck, own = _with_value(deck, path, lambda value: signal), {"type": "curve", "input": "time", "law": value}
     if is_formula(value):
         own = {"type": "formula", "value": value}

@@ -1,17 +1,15 @@
 """Reconstruction of the state of a model at a saved time of a results file."""
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mecano.analyses.carry_over import saved_time
 from mecano.analyses.equilibria import loaded, rest
+from mecano.analyses.held_values import with_held_values
 from mecano.analyses.prepare import Prepared, integrator_of
 from mecano.analyses.replay import gaps_at_start, miscounted, replayed, scalars_in
-from mecano.elements.signals.external import with_external_values
 from mecano.errors import ResultsError, UsageError
-from mecano.model.model import title_of
 from mecano.results.opening import errors_as_damage
 from mecano.results.reader import Results, open_results
 
@@ -66,13 +64,12 @@ def _saved(prepared: Prepared, text: str) -> "tuple[State, float | None, str, tu
         state = _state_of_row(prepared, results, row)
         warnings = tuple(miscounted(prepared.system, state, results, row))
         axis = results.axis
+        state.t = float(results.time[row]) if axis.unit == "s" else state.t
+        state = with_held_values(prepared.system, state, results, row)
         words = f"{path} at {axis.path} {results.time[row]:.6g} {axis.unit}".rstrip()
         if "static/load_factor" not in results.series:
-            state.t = float(results.time[row])
             return state, None, words, warnings
-        factor = results["static/load_factor"].values[row]
-        state.t = float(results.time[row]) if results.axis.unit == "s" else state.t
-    return state, factor, words, warnings
+        return state, results["static/load_factor"].values[row], words, warnings
 
 
 def _state_of_row(prepared: Prepared, results: Results, row: int) -> "State":
@@ -87,18 +84,7 @@ def _state_of_row(prepared: Prepared, results: Results, row: int) -> "State":
         owner, name = unknown[0]
         raise ResultsError(f"{results.path} does not belong to this deck: it has no unknown '{name}' of {owner}")
     near = gaps_at_start(prepared.deck, system, prepared.length)
-    state = replayed(system, prepared.state, results, row, nodes, scalars, near)
-    return _with_external_values(prepared, state, results, row)
-
-
-def _with_external_values(prepared, state, results, row):
-    """Return the State with the values that a program gave to external signals."""
-    external = [name for name, d in prepared.deck.values["signals"].items() if d["type"] == "external"]
-    if not external:
-        return state
-    here = slice(row, row + 1)
-    given = {title_of("external", name): results.find(f"signals/{name}/value", here)[0] for name in external}
-    return replace(state, memory=with_external_values(prepared.system, state, given))
+    return replayed(system, prepared.state, results, row, nodes, scalars, near)
 
 
 def _dynamic_state(prepared: Prepared, state: "State") -> "State":

@@ -70,11 +70,13 @@ def _operating_point(deck: "Deck", at: str | None, at_rest: bool) -> OperatingPo
 
 def held_warnings(deck: "Deck") -> Iterator[str]:
     """Yield a warning about signals whose values small motions do not change."""
-    held = [f"{d['type']} '{name}'" for name, d in deck.values["signals"].items() if d["type"] in HELD]
+    held = [(d["type"], name) for name, d in deck.values["signals"].items() if d["type"] in HELD]
     if held:
+        names = ", ".join(f"{kind} '{name}'" for kind, name in held)
+        counted = "found by `mecano margins`, or " if any(kind != "external" for kind, _ in held) else ""
         yield (
-            f"{', '.join(held)}: modes take these values as constant, so that any feedback through them is missing; "
-            "whether it is stable is seen in a run"
+            f"{names}: modes take these values as constant, so that any feedback through them is missing; "
+            f"whether it is stable is {counted}seen in a run"
         )
 
 

@@ -1,6 +1,6 @@
 """Frequency response of a deck from inputs to outputs: computation, file, warnings; export of a state space."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.sparse as sp
 
-from mecano.analyses.input_channels import Input, unknowns_of, with_inputs
+from mecano.analyses.input_channels import Input, place_of, unknowns_of, with_inputs
 from mecano.analyses.observed_outputs import MemberOutput, NodeOutput
 from mecano.analyses.operating_point import OperatingPoint, angular_velocity_of, held_warnings, operating_point
 from mecano.analyses.output_channels import Output, with_outputs
 from mecano.analyses.response_text import table
 from mecano.analyses.small_motion_warnings import accuracy_warnings, imbalance_warnings, sticking_warnings
 from mecano.analyses.source import source_of
-from mecano.analyses.state_space_file import linear_model, refuse, write_state_space
+from mecano.analyses.state_space_file import linear_model, refuse, refuse_plant, write_state_space
 from mecano.errors import UsageError
 from mecano.model.signal_units import UNKNOWN
 from mecano.process.interrupt import call_interruptibly
@@ -40,22 +40,24 @@ MOST_POINTS = 100_000
 
 
 @dataclass(frozen=True, kw_only=True)
-class ResponseRequest:
-    """The requested response: names of inputs and outputs, frequencies [Hz], operating point."""
+class FrequencyRequest:
+    """Requested frequencies [Hz] and operating point."""
 
-    inputs: Sequence[str]
-    outputs: Sequence[str]
     low: float
     high: float
     number: int = 200
     linear: bool = False  # equal distances of the frequencies, else equal ratios
-    refined: bool = True  # with points around resonances and located peaks
     at: str | None = None
     at_rest: bool = False
     frame: str = "inertial"
 
+    @property
+    def grid(self) -> np.ndarray:
+        """The circular frequencies (number,) [rad/s]."""
+        return 2.0 * np.pi * grid(self.low, self.high, self.number, self.linear)
+
     def check(self) -> None:
-        """Raise UsageError for frequencies out of range, and for missing or repeated inputs and outputs."""
+        """Raise UsageError for frequencies out of range."""
         for which, value in (("lowest", self.low), ("highest", self.high)):
             if not (np.isfinite(value) and value > 0.0):
                 raise UsageError(f"the {which} frequency must be greater than zero, got {value:g} Hz")
@@ -63,6 +65,19 @@ class ResponseRequest:
             raise UsageError(f"the highest frequency, {self.high:g} Hz, is less than the lowest, {self.low:g} Hz")
         if not 1 <= self.number <= MOST_POINTS:
             raise UsageError(f"the number of frequencies must be from 1 to {MOST_POINTS}, got {self.number}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResponseRequest(FrequencyRequest):
+    """The requested response: names of inputs and outputs, frequencies [Hz], operating point."""
+
+    inputs: Sequence[str]
+    outputs: Sequence[str]
+    refined: bool = True  # with points around resonances and located peaks
+
+    def check(self) -> None:
+        """Raise UsageError for frequencies out of range, and for missing or repeated inputs and outputs."""
+        super().check()
         for channel, names in (("input", self.inputs), ("output", self.outputs)):
             if not names:
                 raise UsageError(f"no {channel} is given: name one or more")
@@ -113,7 +128,7 @@ def response(
             refuse_existing(path, force)
             if columns:
                 refuse_table(path, force)
-        found = _find(deck, request)
+        found = _find(deck, request, state_space is not None)
         matrices = None if state_space is None else linear_model(found)
         if path is not None:
             write_response(path, found, source_of(deck, warnings=found.warnings), force=force)
@@ -125,22 +140,21 @@ def response(
     return "\n".join(lines), found
 
 
-def _find(deck, request):
-    """Return the Response to a ResponseRequest."""
+def _find(deck, request, to_export):
+    """Return the Response to a ResponseRequest. Raises UsageError if it has no state space that is ``to_export``."""
     changed, inputs = with_inputs(deck, tuple(request.inputs))
     changed, outputs = with_outputs(changed, tuple(request.outputs))
     base = operating_point(changed, request.at, request.at_rest)
-    system, late = base.prepared.system, set(held_warnings(changed))
+    system = base.prepared.system
     turning = angular_velocity_of(system, base.state, request.frame)
-    plant = _plant(changed, base, inputs, outputs, turning)
+    plant = plant_of(changed, base, inputs, outputs, turning)
+    if to_export:
+        refuse_plant(plant)
     omegas, values, found, static, error = call_interruptibly(_sampled_response, plant, request)
     warnings = [
-        *(text for text in base.warnings if text not in late),
-        *imbalance_warnings(base, turning, "the response is that"),
-        *sticking_warnings(deck, system, base.state),
-        *accuracy_warnings(plant.lin.variation, [], "the response holds"),
+        *state_warnings(changed, base, plant, turning, "the response"),
         *_without_effect(plant, inputs, values, request),
-        *_inaccurate(error),
+        *inaccurate(error),
     ]
     units = system.signal_units
     return Response(
@@ -150,6 +164,15 @@ def _find(deck, request):
         output_units=tuple(_unit_of(one, units) for one in outputs),
         static=static, peaks=found, about=base.words, warnings=tuple(warnings), plant=plant, base=base,
     )  # fmt: skip
+
+
+def state_warnings(deck: "Deck", base: OperatingPoint, plant: Plant, turning: np.ndarray, what: str) -> Iterator[str]:
+    """Yield warnings about the state of a deck for which ``what`` was computed, such as "the response"."""
+    late = set(held_warnings(deck))
+    yield from (text for text in base.warnings if text not in late)
+    yield from imbalance_warnings(base, turning, f"{what} is that")
+    yield from sticking_warnings(deck, base.prepared.system, base.state)
+    yield from accuracy_warnings(plant.lin.variation, [], f"{what} holds")
 
 
 def _unit_of(output, units):
@@ -163,7 +186,7 @@ def _known(of_signal, otherwise):
     return of_signal if of_signal and (of_signal != UNKNOWN or not otherwise) else otherwise
 
 
-def _plant(
+def plant_of(
     deck: "Deck",
     base: OperatingPoint,
     inputs: Sequence[Input],
@@ -176,7 +199,15 @@ def _plant(
     columns = np.array([one.columns(lin, system, base.state, deck) for one in inputs])
     rows = [one.rows(system, base.state, turning) for one in outputs]
     R = [sp.csr_matrix(sp.vstack([row[k] for row in rows])) for k in range(3)]
-    return Plant(lin, [columns[:, k].T.copy() for k in range(3)], R, tuple(_delayed_signals(deck, system)))
+    late = tuple(_delayed_signals(deck, system))
+    return Plant(lin, [columns[:, k].T.copy() for k in range(3)], R, late, tuple(_late_inputs(inputs, late, system)))
+
+
+def _late_inputs(inputs, late, system):
+    """Yield (row, input, transfer function) of the signals that read an input at an earlier time."""
+    for number, one in enumerate(inputs):
+        at = place_of(system, one.signal)[0] if one.signal else -1
+        yield from ((row, number, f) for row, column, f in late if column == at)
 
 
 def _delayed_signals(deck, system):
@@ -204,22 +235,22 @@ def _sampled_response(plant, request):
     """Return (frequencies (n,) [rad/s], responses (n, p, m), Peaks, static gains (p, m), largest backward error)."""
     H = TransferFunction(plant)
     sampled = Sampled(lambda omega: H(1j * omega))
-    base = 2.0 * np.pi * grid(request.low, request.high, request.number, request.linear)
+    base = request.grid
     found: list[Peak] = []
     if request.refined and request.number > 1:
         poles = poles_up_to(plant.lin, BEYOND * base[-1])
         refine(sampled, base, poles)
-        found = peaks(sampled, poles)
+        found = peaks(sampled, () if plant.late else poles)  # without late feedback the poles are others
     else:
         for omega in base.tolist():
             sampled.at(omega)
     omegas, values = sampled.values
-    return omegas, values, found, _static(*(H(1j * share * base[0]) for share in SLOW)), H.error
+    return omegas, values, found, static_gains(H, base[0]), H.error
 
 
-def _static(slowest, slow):
-    """Return the static gains (p, m) from the responses at two low frequencies; nan where they grow to infinity."""
-    slowest, slow = (np.where(np.isfinite(H), H, np.nan) for H in (slowest, slow))
+def static_gains(H: Callable[[complex], np.ndarray], lowest: float) -> np.ndarray:
+    """Return the limits (p, m) at low frequency, nan where infinite, from responses below ``lowest`` [rad/s]."""
+    slowest, slow = (np.where(np.isfinite(one), one, np.nan) for one in (H(1j * share * lowest) for share in SLOW))
     settled = np.abs(slow - slowest) <= STATIC * np.abs(slowest)
     vanishes = np.abs(slowest) < 0.5 * np.abs(slow)
     return np.where(settled, slowest.real, np.where(vanishes, 0.0, np.nan))
@@ -228,12 +259,13 @@ def _static(slowest, slow):
 def _without_effect(plant, inputs, values, request) -> Iterator[str]:
     """Yield warnings about inputs that nothing reads, and about pairs without a connection."""
     for j, one in enumerate(inputs):
-        if not any(q[:, j].any() for q in plant.inputs):
+        if not any(q[:, j].any() for q in plant.inputs) and j not in [number for _, number, _ in plant.late_inputs]:
             yield f"the input {one.name} acts on nothing: no load, joint or signal reads it"
         elif not values[:, :, j].any():
             yield f"no output responds to the input {one.name}"
 
 
-def _inaccurate(error):
+def inaccurate(error: float) -> Iterator[str]:
+    """Yield a warning if the backward ``error`` of a response is large."""
     if error > ACCURATE:
         yield f"the equations are satisfied to {error:.1g} of their terms only: the response may be inaccurate"

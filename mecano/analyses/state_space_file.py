@@ -17,10 +17,12 @@ from mecano.solve.modal.state_space import ImproperError, StateSpace, state_spac
 if TYPE_CHECKING:
     from mecano.analyses.response import Response
     from mecano.model.system import System
+    from mecano.solve.modal.frequency_response import Plant
 
 ENDINGS = (".npz", ".mat")
 AGREES = 1e-3  # of a transfer function: largest difference of the state space from it
 COMPARED = 60  # frequencies
+MOST = 3000  # motions, rates and reactions: two minutes and 1 GB
 NOISE = 1e-6  # of the largest possible response: least size of a response
 SHIFT = 1e-5  # of the frequency: for the slope of the response
 
@@ -48,11 +50,7 @@ def linear_model(found: "Response") -> LinearModel:
 
     Raises UsageError if there is none, and ConvergenceError if it is not accurate.
     """
-    if found.plant.late:
-        raise UsageError(
-            "a model with a 'delay' or 'sample_and_hold' has no state space: replace them, such as by a 'lag' or a "
-            "'transfer_function' that approximates them"
-        )
+    refuse_plant(found.plant)
     try:
         model = state_space(found.plant)
     except ImproperError as error:
@@ -67,6 +65,22 @@ def linear_model(found: "Response") -> LinearModel:
     pairs = zip(model.states.tolist(), model.is_rate.tolist(), strict=True)
     named = [_named(system, i, is_rate) for i, is_rate in pairs]
     return LinearModel(model, difference, [name for name, _ in named], [unit for _, unit in named])
+
+
+def refuse_plant(plant: "Plant") -> None:
+    """Raise UsageError for a Plant with late signals, and for one of more than MOST unknowns and rates."""
+    if plant.late:
+        raise UsageError(
+            "a model with a 'delay' or 'sample_and_hold' has no state space: replace them, such as by a 'lag' or a "
+            "'transfer_function' that approximates them"
+        )
+    number = plant.lin.K.shape[0] + plant.lin.n_q
+    if number > MOST:
+        raise UsageError(
+            "the state space is found from dense matrices of all motions, their rates and reactions, "
+            f"{number} here, up to {MOST}: reduce flexible parts to superelements by `mecano reduce`, or give them "
+            "fewer elements by 'mesh'; transfer functions have no such limit"
+        )
 
 
 def _improper(found, i, j):

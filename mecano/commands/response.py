@@ -1,4 +1,4 @@
-"""The command for responses to sinusoidal inputs, and for linear models."""
+"""The commands for responses to sinusoidal inputs, for linear models, and for margins of stability."""
 
 import os
 
@@ -89,3 +89,73 @@ def response(
         from mecano.post.bode import draw_response
 
         show(str(draw_response(path)))
+
+
+@click.command(short_help="Compute gain, phase and delay margins of a loop.")
+@click.argument("deck", type=click.Path())
+@click.option(
+    "--open-loop", "signal", metavar="NAME", required=True,
+    help="The signal at which the loop is opened, or a load that is a formula of signals (motor.value).",
+)  # fmt: skip
+@click.option("--from", "low", type=float, required=True, metavar="HZ", help="Lowest frequency.")
+@click.option("--to", "high", type=float, required=True, metavar="HZ", help="Highest frequency.")
+@click.option(
+    "--number", type=click.IntRange(1), default=200, show_default=True,
+    help="Frequencies, at equal ratios; more are added around resonances and crossovers.",
+)  # fmt: skip
+@click.option("--linear", is_flag=True, help="Frequencies at equal distances.")
+@at_saved_state
+@at_equilibrium
+@axes
+@click.option(
+    "-o", "--output-file", "path", type=click.Path(),
+    help="File; default: the deck's name with _margins.h5, in this folder.",
+)  # fmt: skip
+@click.option("--plot", is_flag=True, help="Draw Bode and Nyquist diagrams into a picture beside the file.")
+@click.option("--csv", "columns", is_flag=True, help="Also write magnitude and phase as a table, beside the file.")
+@click.option("-q", "--quiet", is_flag=True, help="Do not print the progress of compilation.")
+@click.option("--force", is_flag=True, help="Replace existing files.")
+@overrides
+@plugins
+def margins(
+    deck: str,
+    signal: str,
+    low: float,
+    high: float,
+    number: int,
+    linear: bool,
+    at: str | None,
+    at_rest: bool,
+    frame: str,
+    path: str | None,
+    plot: bool,
+    columns: bool,
+    quiet: bool,
+    force: bool,
+    overrides: tuple[str, ...],
+) -> None:
+    """Compute the margins of stability of a loop that is opened at a signal.
+
+    In place of the signal, a small sinusoid u goes to whatever reads it; the signal returns y. The loop transfer
+    function is L = -y/u, so that the closed loop has the sensitivity 1/(1 + L). The command prints gain, phase and
+    delay margins, the sensitivity peak, all crossovers, and whether the closed loop is stable, and writes L to a file.
+    """
+    require_saved_state(at, at_rest)
+    from mecano.analyses.margins import LoopRequest
+    from mecano.analyses.margins import margins as find
+    from mecano.analyses.progress import SweepProgress
+    from mecano.deck.read import read_deck
+
+    path = path or f"{os.path.splitext(os.path.basename(deck))[0]}_margins.h5"
+    request = LoopRequest(
+        signal=signal, low=low, high=high, number=number, linear=linear, at=at, at_rest=at_rest, frame=frame
+    )
+    request.check()
+    checked = read_deck(deck, overrides)
+    with SweepProgress(quiet, path).announcing_compiling():
+        text, _ = find(checked, path, request, columns=columns, force=force)
+    show(text)
+    if plot:
+        from mecano.post.nyquist import draw_margins
+
+        show(str(draw_margins(path)))

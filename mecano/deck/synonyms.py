@@ -306,6 +306,10 @@ NOTES = {  # words with the same meaning: (targets, note)
         "`mecano response` finds transfer functions of small motions, and matrices A, B, C, D (docs/response.md); for "
         "large motions run a swept sine",
     ),
+    "gain margin, phase margin, delay margin, stability margin, loop transfer function, open loop, nyquist, "
+    "nyquist plot, sensitivity, loop gain, crossover": (
+        "signals pid delay", "`mecano margins` opens a loop at a signal (docs/margins.md)"
+    ),
     "noise, stochastic": ("random", ""),
     "sensor, probe, request, measure": (
         "output formula",

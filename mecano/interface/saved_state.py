@@ -1,4 +1,4 @@
-"""Saved states about which modes and responses are computed, as arguments of the Python interface."""
+"""Saved states about which modes, responses and margins are computed, as arguments of the Python interface."""
 
 import os
 from typing import TypeAlias

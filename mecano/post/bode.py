@@ -55,25 +55,25 @@ def response_figure(file: ResponseFile) -> "Figure":
             lower = figure.add_subplot(grid[2 * (k // columns) + 1, k % columns], sharex=upper)
             _magnitudes(upper, file, unit, pairs)
             _phases(lower, file, pairs)
-            _frequencies(upper, lower, file)
+            frequency_axis(upper, lower, file.frequency)
         figure.legend(handles=handles, loc="outside lower center", ncols=of_legend, **LEGEND)
     return figure
 
 
-def _frequencies(upper, lower, file):
-    """Set the common axis of the frequency of two panels."""
+def frequency_axis(upper: "Axes", lower: "Axes", frequency: np.ndarray) -> None:
+    """Set the common axis of the ``frequency`` (n,) [Hz], ascending, of two panels."""
     upper.set_xscale("log")
-    low, high = file.frequency[0], file.frequency[-1]
+    low, high = frequency[0], frequency[-1]
     if low < high:
         upper.set_xlim(low, high)
     lower.set_xlabel("frequency [Hz]")
     lower.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high / low < DECADES else (1.0,)))
-    lower.xaxis.set_major_formatter(FuncFormatter(_tick_label))
+    lower.xaxis.set_major_formatter(FuncFormatter(plain_number))
     lower.xaxis.set_minor_formatter(NullFormatter())
     upper.tick_params(labelbottom=False)
 
 
-def _tick_label(x, _):
+def plain_number(x: float, _: object = None) -> str:
     """Return the label of a number on a logarithmic axis."""
     if PLAIN[0] <= x <= PLAIN[1]:
         return f"{x:.6g}"
@@ -122,11 +122,16 @@ def _magnitudes(ax: "Axes", file, unit, pairs):
     seen = of_pairs[np.isfinite(of_pairs) & (of_pairs > 0.0)]
     ax.set_ylabel(f"magnitude [{unit}]" if unit else "magnitude")
     if len(seen):
-        ax.set_yscale("log")
-        ax.yaxis.set_major_formatter(FuncFormatter(_tick_label))
-        ax.yaxis.set_minor_formatter(NullFormatter())
-        if ax.get_ylim()[0] < (lowest := float(np.median(seen)) / RANGE):
-            ax.set_ylim(bottom=lowest)
+        magnitude_axis(ax, float(np.median(seen)))
+
+
+def magnitude_axis(ax: "Axes", median: float) -> None:
+    """Set the axis of magnitudes with this ``median``; magnitudes smaller by more than RANGE are not shown."""
+    ax.set_yscale("log")
+    ax.yaxis.set_major_formatter(FuncFormatter(plain_number))
+    ax.yaxis.set_minor_formatter(NullFormatter())
+    if ax.get_ylim()[0] < (lowest := median / RANGE):
+        ax.set_ylim(bottom=lowest)
 
 
 def _phases(ax: "Axes", file, pairs):
@@ -135,13 +140,23 @@ def _phases(ax: "Axes", file, pairs):
         H = file.values[:, i, j]
         if not np.any(H):
             continue
-        phase = np.degrees(np.unwrap(np.angle(np.where(np.isfinite(H), H, 1.0))))
-        phase -= 360.0 * np.round(phase[0] / 360.0)
+        phase = unwrapped(H)
         ax.plot(file.frequency, phase, **_style(file, i, j))
         low, high = min(low, phase.min()), max(high, phase.max())
     ax.set(ylabel="phase [deg]")
     if np.isfinite(low):
-        step = next((step for step in ROUND if high - low <= 5.0 * step), ROUND[-1])
-        ax.yaxis.set_major_locator(MultipleLocator(step))
-        margin = max(0.05 * (high - low), 5.0)
-        ax.set_ylim(low - margin, high + margin)
+        phase_axis(ax, low, high)
+
+
+def unwrapped(H: np.ndarray, centre: float = 0.0) -> np.ndarray:
+    """Return the phase (n,) [deg] of a transfer function (n,), at the first frequency within 180 of a ``centre``."""
+    phase = np.degrees(np.unwrap(np.angle(np.where(np.isfinite(H), H, 1.0))))
+    return phase - 360.0 * np.round((phase[0] - centre) / 360.0)
+
+
+def phase_axis(ax: "Axes", low: float, high: float) -> None:
+    """Set the axis of phases from ``low`` to ``high`` [deg]."""
+    step = next((step for step in ROUND if high - low <= 5.0 * step), ROUND[-1])
+    ax.yaxis.set_major_locator(MultipleLocator(step))
+    margin = max(0.05 * (high - low), 5.0)
+    ax.set_ylim(low - margin, high + margin)

@@ -13,13 +13,14 @@ from mecano.post.figure import overview_figure, save, sheet_figure
 from mecano.post.info import one_line
 from mecano.post.loci import draw_sweep
 from mecano.post.mode_shapes import draw_modes
+from mecano.post.nyquist import draw_margins
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import Run, opened_runs
 from mecano.post.sheets import default_sheets, overview
 from mecano.post.spectrum import spectrum_sheet
 from mecano.post.study_plots import draw_study
 from mecano.post.study_requests import requested_figures
-from mecano.results import modes_file, response_file, study_file, sweep_file
+from mecano.results import margins_file, modes_file, response_file, study_file, sweep_file
 from mecano.results.opening import format_of
 from mecano.results.whole_file import make_folder, refuse_foreign, write_csv
 
@@ -30,7 +31,7 @@ FORMATS = ("png", "svg")
 OTHER_FORMATS = ("jpg", "jpeg", "pdf", "eps", "ps", "tif", "tiff", "gif", "bmp", "webp")  # other dots are in names
 ALONE = {
     modes_file.FORMAT: draw_modes, sweep_file.FORMAT: draw_sweep, study_file.FORMAT: draw_study,
-    response_file.FORMAT: draw_response,
+    response_file.FORMAT: draw_response, margins_file.FORMAT: draw_margins,
 }  # fmt: skip
 LONGEST_STEM = 60
 
@@ -50,8 +51,8 @@ def post(
 ) -> Iterator[Path]:
     """Draw pictures of results files, with several runs in one picture, and yield the Path of each file written.
 
-    Files of modes, responses, sweeps and studies are drawn one by one; ``spectra``, ``columns``, ``title`` and ``at``
-    are for results of runs only, ``plots`` also for outputs and varied values of studies.
+    Files of modes, responses, margins, sweeps and studies are drawn one by one; ``spectra``, ``columns``, ``title`` and
+    ``at`` are for results of runs only, ``plots`` also for outputs and varied values of studies.
 
     Parameters
     ----------
@@ -127,14 +128,14 @@ def asked_sheets(plots: Iterable[str], spectra: Iterable[str], runs: Sequence[Ru
 
 
 def _refuse_together(formats, plots, of_runs):
-    """Raise UsageError if files of modes, responses, sweeps or studies come with other files, or options of runs.
+    """Raise UsageError if files other than results of runs come with such results, or with options of runs.
 
     ``formats``: {path: format}; ``of_runs``: {option: value} of those for runs only; ``plots`` are also for studies.
     """
     others = [path for path, format in formats.items() if format in ALONE]
     if not others:
         return
-    what = f"{others[0]} is a file of modes, of a response, of a sweep or of a study"
+    what = f"{others[0]} is a file of modes, of a response, of margins, of a sweep or of a study"
     if len(others) < len(formats):
         raise UsageError(f"{what}: it is not drawn together with results of runs")
     if any(formats[path] != study_file.FORMAT for path in others):

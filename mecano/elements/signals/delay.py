@@ -2,10 +2,11 @@ r"""Delay: the input at an earlier time.
 
 .. math::  y(t) = u(t - T)
 
-Before the start, the input has its initial value. The values of accepted steps are stored, at most one for each 1/256
-of the delay, and both values at events where it jumps, and interpolated by cubics that do not overshoot. In a step
-longer than the delay, the value at its end is part of a linear interpolation. Steps do not end where a delayed input
-jumps: fixed steps miss a jump by part of a step, adaptive ones resolve it to their tolerance.
+Before the start, the input has its initial value; in an equilibrium it has no other. The values of accepted steps are
+stored, at most one for each 1/256 of the delay, and both values at events where it jumps, and interpolated by cubics
+that do not overshoot. In a step longer than the delay, the value at its end is part of a linear interpolation. Steps do
+not end where a delayed input jumps: fixed steps miss a jump by part of a step, adaptive ones resolve it to their
+tolerance.
 """
 
 from mecano.constraints.along_coordinate.signal import signal_of_input
@@ -115,4 +116,5 @@ DELAY = signal_of_input(
     residual=residual,
     commit=commit,
     follows_jumps=True,
+    reads_past=True,
 )

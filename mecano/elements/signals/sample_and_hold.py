@@ -2,14 +2,14 @@ r"""Sample and hold: the input at the last sampling time, as in a digital contro
 
 .. math::  y(t) = u(t_k), \qquad t_k = t_0 + k T \le t < t_k + T
 
-Time steps end at all sampling times; the first one is the start of the run.
+Time steps end at all sampling times; the first one is the start of the run. In an equilibrium the value is the input.
 """
 
 import numpy as np
 
 from mecano.constraints.along_coordinate.signal import signal_of_input
 from mecano.jit.kernel import kernel
-from mecano.maths.dual import number
+from mecano.maths.dual import constant, number
 from mecano.schema import NUMBER, Field, positive
 
 OWN, U = 0, 1  # local unknowns: the value; the input
@@ -19,8 +19,9 @@ ROUNDING = 1e-9  # of the period: a step that ends by less before a sampling tim
 
 @kernel
 def residual(p, at, f):
-    """Add the equation of the value."""
-    f[OWN] += number(at.q[OWN]) - at.m[HELD]
+    """Add the equation of the value, which is that of the input until the first sample."""
+    u = number(at.q[U])
+    f[OWN] += number(at.q[OWN]) - (constant(at.m[HELD], u) if at.m[STARTED] != 0.0 else u)
 
 
 @kernel
@@ -46,5 +47,6 @@ SAMPLE_AND_HOLD = signal_of_input(
     memory=("held", "next", "started"),
     residual=residual,
     commit=commit,
+    reads_past=True,
     times=times,
 )

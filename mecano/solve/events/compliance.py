@@ -67,13 +67,18 @@ class Compliance:
         c = self.matrix
         return np.where(self.released_entries, (c.rows == c.columns) / c.values, 1.0)
 
+    @property
+    def largest_penalty_share(self) -> float:
+        """The largest penalty over the mean stiffness of the tangent, infinite without released constraints."""
+        return 1.0 / RELEASED_COMPLIANCE if len(self.released) else np.inf
+
     def largest_penalty(self, stiffness: float) -> float:
         """Return the largest penalty [N/m] with a negligible share of the reactions of compliant constraints.
 
         ``stiffness`` [N/m] is the mean stiffness of the tangent.
         """
         softest = self.matrix.values[~self.released_entries].max(initial=TINY)
-        return min(SHARE_OF_PENALTY / softest, stiffness / RELEASED_COMPLIANCE if len(self.released) else np.inf)
+        return min(SHARE_OF_PENALTY / softest, stiffness * self.largest_penalty_share)
 
     @property
     def rows(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -153,7 +158,7 @@ def compliances_of_a_step(compliance: Compliance | None) -> dict[str, Any]:
         return found | {"soft_values": NO_ROWS[2], "largest_penalty": np.inf, "largest_penalty_share": np.inf}
     return found | {
         "soft_values": compliance.values, "largest_penalty": compliance.largest_penalty(np.inf),
-        "largest_penalty_share": 1.0 / RELEASED_COMPLIANCE if len(compliance.released) else np.inf,
+        "largest_penalty_share": compliance.largest_penalty_share,
     }  # fmt: skip
 
 

@@ -61,8 +61,10 @@ def refine(sampled: Sampled, base: np.ndarray, poles: Iterable[complex]) -> None
     low, high, most = base[0], base[-1], MOST * len(base)
     for omega in base.tolist():
         sampled.at(omega)
+    if not low < high:
+        return
     for pole in poles:
-        for omega in _around(pole, np.log(max(high / low, 1.0 + NARROWEST)) / len(base)):
+        for omega in _around(pole, np.log(high / low) / len(base)):
             if low < omega < high:
                 sampled.at(omega)
     while True:

@@ -35,6 +35,8 @@ class Plant:
     outputs: Sequence[sp.csr_matrix]  # R0, R1, R2, each (p, n)
     late: "Sequence[tuple[int, int, Callable[[complex], complex]]]" = ()
     """(row, column, f) of signals that read earlier values: -f(s) is their entry"""
+    late_inputs: "Sequence[tuple[int, int, Callable[[complex], complex]]]" = ()
+    """(row, input, f) of signals that read earlier values of an input: f(s) is its force"""
 
 
 class TransferFunction:
@@ -48,6 +50,7 @@ class TransferFunction:
         self.pattern.sort_indices()
         self.column = np.repeat(np.arange(self.pattern.shape[0]), np.diff(self.pattern.indptr))
         self._balanced: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        self.outputs = [(k, R, abs(R)) for k, R in enumerate(plant.outputs) if R.nnz or k == 0]
         self.data = [_values_on(self.pattern, A) for A in parts]
         self.late = [
             (np.flatnonzero(_values_on(self.pattern, A)), f) for A, (_, _, f) in zip(late, plant.late, strict=True)
@@ -63,13 +66,15 @@ class TransferFunction:
         Entries of H below ROUNDED times that size are set to zero.
         """
         Q0, Q1, Q2 = self.plant.inputs
-        R0, R1, R2 = self.plant.outputs
-        found = self._solution(s, Q0 + s * Q1 + s**2 * Q2)
+        Q = Q0 + complex(s) * Q1 + complex(s) ** 2 * Q2
+        for row, number, f in self.plant.late_inputs:
+            Q[row, number] = f(s)
+        found = self._solution(s, Q)
         if found is None:
-            return (np.full((R0.shape[0], Q0.shape[1]), np.inf + 0j),) * 2
+            return (np.full((self.plant.outputs[0].shape[0], Q0.shape[1]), np.inf + 0j),) * 2
         y, largest = found
-        R, w = R0 + s * R1 + s**2 * R2, abs(s)
-        H, size = R @ y, (abs(R0) + w * abs(R1) + w**2 * abs(R2)) @ largest
+        H = sum(complex(s) ** k * (R @ y) for k, R, _ in self.outputs)
+        size = sum(abs(s) ** k * (terms @ largest) for k, _, terms in self.outputs)
         return np.where(np.abs(H) > ROUNDED * size, H, 0.0), size
 
     def _solution(self, s, b):

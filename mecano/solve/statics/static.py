@@ -73,6 +73,7 @@ class Statics:
         penalty: float | None = None,
         compliance: Compliance | None = None,
         monitor: EventMonitor | None = None,
+        past: bool = False,
     ):
         self.system, self.linear, self.loading, self.length = system, linear, loading, length
         self.tolerances, self.given_k, self.given_penalty, self.compliance = tolerances, k, penalty, compliance
@@ -85,6 +86,7 @@ class Statics:
         self._T = np.tile(np.eye(3), (3 * len(system.numbering.rotation_dof), 1, 1))
         self._rotations = np.flatnonzero(system.numbering.kind[: system.n_q] == ROTATION)
         self._angles = _prescribed_angles(system)
+        self._past = np.zeros(0, int) if past else _of_the_past(system)
 
     def scales(self, s: "State") -> tuple[float, float]:
         """Return k and penalty of the constraints [N/m] at ``s``: as given, or the mean stiffness of the tangent."""
@@ -288,7 +290,22 @@ class Statics:
     def committed(self, s: "State") -> "State":
         """Return ``s`` with committed memories, as an accepted point."""
         s.memory = self.system.commit(s)
+        return self.without_past(s)
+
+    def without_past(self, s: "State") -> "State":
+        """Return ``s`` in which delayed and sampled signals have no earlier inputs, unless the path has a past."""
+        s.memory[self._past] = 0.0
         return s
+
+
+def _of_the_past(system):
+    """Return the indices of the memory that holds earlier inputs of signals."""
+    found = [
+        np.arange(b.first_memory, b.first_memory + len(b.p) * len(b.kind.memory))
+        for b in system.batches
+        if b.kind.reads_past
+    ]
+    return np.concatenate([np.zeros(0, int), *found])
 
 
 def _prescribed_angles(system):

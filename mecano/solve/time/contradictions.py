@@ -31,6 +31,10 @@ class Contradictions:
     ----------
     released : (m,) int
         Indices of the deactivated constraints.
+    along : (m,) int
+        1 of those along a direction, whose rates are in m/s; 0 of those about one, rad/s.
+    fields : tuple
+        Names and values of the fields of the record STRIDE by which compiled code checks the constraints.
     share_of_gap : (n_l,) float
         Reciprocal of the violation of each constraint that is a contradiction; 0 if it is not checked.
     """
@@ -38,10 +42,14 @@ class Contradictions:
     def __init__(self, system: "System", length: float, compliance: Compliance | None):
         self.system, self.length = system, length
         self._redundant: tuple[Group, ...] | None = None  # found when a contradiction is described
-        self.released = NO_ROWS[1] if compliance is None else compliance.released
+        self.released = NO_ROWS[1] if compliance is None else compliance.released.astype(np.int64)
         self._soft = NO_ROWS[1] if compliance is None else compliance.soft
         of, allowed = system.numbering, GAP * constraint_scale(system, length)
+        self.along = (of.kind[of.n_q + self.released] == LENGTH_CONSTRAINT).astype(np.int64)
         self.share_of_gap = np.where(np.isin(np.arange(of.n_l), self._soft) & ~of.of_rates, 1.0 / allowed, 0.0)
+        arrays = {name: getattr(self, name) for name in ("share_of_gap", "released", "along")}
+        numbers = ("checks_gaps", self.possible), ("n_released", len(self.released))
+        self.fields = *numbers, *((name, array.ctypes.data) for name, array in arrays.items())
 
     @property
     def possible(self) -> bool:

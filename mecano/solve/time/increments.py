@@ -153,7 +153,8 @@ def longest_step(v: np.ndarray, of: Numbering, turn: float) -> float:
 def correct(of: Unknowns, length: float, dz: Vector, by: Weights, start: Motion, s_out: Motion) -> float:
     """Subtract the correction dz (n,), with the weights ``by``; return its ``largest`` component.
 
-    Rotations are counted from those of the Motion ``start``, in whose axes their corrections are.
+    Rotations are counted from those of the Motion ``start``, in whose axes their corrections are. Axes are turned by
+    exp(psi) alone: products of the matrices R, which rounding leaves orthogonal to 1e-14 only, would change rates.
     """
     for i in range(of.n_q):
         if of.kind[i] != ROTATION:
@@ -165,7 +166,7 @@ def correct(of: Unknowns, length: float, dz: Vector, by: Weights, start: Motion,
     for r in range(of.rotation_dof.shape[0]):
         d = of.rotation_dof[r]
         if d < of.n_q:
-            turn, change, omega = mat(start.R[r]).T @ mat(s_out.R[r]), vec(dz, d), vec(start.v, d)
+            turn, change, omega = exp(vec(s_out.z, d)), vec(dz, d), vec(start.v, d)
             put(s_out.v, d, turn @ vec(s_out.v, d) - by.cC * change)
             put(s_out.a, d, turn @ vec(s_out.a, d) - by.cM * change)
             put(s_out.z, d, vec(s_out.z, d) - change + (by.cC * axis_share(by.h, omega)) * cross(omega, change))
@@ -220,7 +221,7 @@ def finish(w, of, start, s, before, after_out):
 @kernel
 def carried_history(w):
     """Return the true and algorithmic accelerations (n_all,), slope and bend (n,) of BEGIN in the axes of TRIAL."""
-    start, R, of, (a0, slope, bend) = state_of(w, BEGIN), state_of(w, TRIAL).R, unknowns_of(w), history_of(w, BEGIN)
+    start, s, of, (a0, slope, bend) = state_of(w, BEGIN), state_of(w, TRIAL), unknowns_of(w), history_of(w, BEGIN)
     at, size = w.carried, 8 * w.n_all
     true, a, slope_out, bend_out = (
         floats(at, w.n_all), floats(at + size, w.n_all), floats(at + 2 * size, w.n), floats(at + 3 * size, w.n)
@@ -232,7 +233,7 @@ def carried_history(w):
     for r in range(w.n_rotations):
         d = of.rotation_dof[r]
         if d < of.n_q:
-            turn = mat(R[r]).T @ mat(start.R[r])
+            turn = exp(vec(s.z, d)).T
             put(true, d, turn @ vec(start.a, d))
             put(a, d, turn @ vec(a0, d))
             put(slope_out, d, turn @ vec(slope, d))

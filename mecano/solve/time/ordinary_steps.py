@@ -56,7 +56,7 @@ class OrdinarySteps:
 
         The trial is a step from the returned run, still to be accepted or rejected, or None.
         """
-        if len(self.method.released) or stop - run.motion.t < STRETCH * run.h:
+        if stop - run.motion.t < STRETCH * run.h:
             return run, None, True
         if self.workspace.held is not run:
             self._load(run)

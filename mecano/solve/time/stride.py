@@ -11,10 +11,12 @@ from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
 from mecano.model.assembly_driver import commit, constraint_derivatives, event_values, loops_at, observe
 from mecano.model.loop_records import SYSTEM, fields
-from mecano.model.numbering import ROTATION
+from mecano.model.numbering import ROTATION, TRANSLATION
 from mecano.model.state import Instant
+from mecano.solve.events.compliance import soften
 from mecano.solve.events.events import some_happened
 from mecano.solve.linear.newton import CONVERGED, DIVERGES, PAUSE, TOO_MANY
+from mecano.solve.time.contradictions import CREEPING, SLIPS
 from mecano.solve.time.error_bound import BOUND
 from mecano.solve.time.output import DONE, FULL, OUTPUT
 from mecano.solve.time.step_control import FORGOTTEN, HOLD, allowed, counted, factor, planned, retried
@@ -46,7 +48,7 @@ STRIDE = fields(
     "attempt attempt_words records record record_words bound bound_error bound_error_words "
     "n_events n_event_batches events event_batches before_values n_departing departing "
     "n_observed observed observed_batches n_committed committed committed_batches "
-    "checks_gaps share_of_gap change_step change_step_words observation",
+    "checks_gaps share_of_gap n_released released along change_step change_step_words observation",
 )
 
 
@@ -106,7 +108,7 @@ def tried(m, w, o):
             return REPEAT if m.rejections else DECIDE
         m.in_vain, w.begun, w.by_velocity = int(floats(w.report, 8)[0]), 0, 1  # as GeneralizedAlpha.step
         return AGAIN
-    if w.code != CONVERGED or w.turn > MOST_TURN or parts(m, w):
+    if w.code != CONVERGED or w.turn > MOST_TURN or parts(m, w) or slips(m, w):
         return REPEAT
     lag = counted(w.lag, FORGOTTEN, m.duration, w.h)
     plain = max(w.error * w.h * w.h * w.change, w.signalled, lag)
@@ -208,6 +210,29 @@ def parts(m, w):
     for i in range(n):
         largest += (g[i, 0] * weight[i]) * (g[i, 0] * weight[i])
     return largest > 0.25
+
+
+@kernel
+def slips(m, w):
+    """Return whether a deactivated constraint slips at TRIAL, by more than half of what is allowed of the speeds."""
+    if m.n_released == 0:
+        return False
+    s, kind, rates = state_of(w, TRIAL), integers(w.kind, w.n_all), floats(w.gap, w.n_l)
+    linear, angular = CREEPING * w.length, CREEPING
+    for i in range(w.n_q):
+        speed = abs(s.v[i]) + w.h * abs(s.a[i])
+        if kind[i] == TRANSLATION:
+            linear = max(linear, speed)
+        elif kind[i] == ROTATION:
+            angular = max(angular, speed)
+    rates[:] = 0.0
+    starts, columns = integers(w.soft_starts, w.n_l + 1), integers(w.soft_columns, w.n_entries)
+    soften(w.cC, starts, columns, floats(w.soft_values, w.n_entries), s.z[w.n_q : w.n], rates)
+    released, along = integers(m.released, m.n_released), integers(m.along, m.n_released)
+    for i in range(m.n_released):
+        if abs(rates[released[i]]) > 0.5 * SLIPS * (linear if along[i] else angular):
+            return True
+    return False
 
 
 @kernel

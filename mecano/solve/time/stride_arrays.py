@@ -102,8 +102,8 @@ class StrideArrays(Pointers):
         r["rejected"] = run.rejected
         r["dissipated"], r["given"] = run.dissipated, run.given
         r["power_dissipated"], r["power_given"] = run.powers
-        r["checks_gaps"] = contradictions.possible
-        r["share_of_gap"] = contradictions.share_of_gap.ctypes.data
+        for name, value in contradictions.fields:
+            r[name] = value
 
     def run(self, before: RunState, history: "History | RadauHistory") -> RunState:
         """Return the RunState at BEGIN with this history, after steps from the one ``before``."""

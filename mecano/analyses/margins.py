@@ -1,0 +1,288 @@
+"""Margins of stability of a loop of a deck, opened at a signal: computation, file, warnings."""
+
+from contextlib import nullcontext
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from mecano.analyses.input_channels import place_of, unknowns_of, with_inputs
+from mecano.analyses.margins_text import table
+from mecano.analyses.operating_point import angular_velocity_of, operating_point
+from mecano.analyses.output_channels import Output
+from mecano.analyses.response import BEYOND, FrequencyRequest, inaccurate, plant_of, state_warnings, static_gains
+from mecano.analyses.source import source_of
+from mecano.errors import UsageError, name_list
+from mecano.process.interrupt import call_interruptibly
+from mecano.results.file_names import refuse_existing, refuse_other_ending
+from mecano.results.lock import locked
+from mecano.results.margins_file import refuse_table, write_margins, write_table
+from mecano.solve.modal.frequency_grid import Sampled
+from mecano.solve.modal.frequency_response import Plant, TransferFunction
+from mecano.solve.modal.late_feedback import growing_poles
+from mecano.solve.modal.loop_transfer import Crossover, crossovers, highest, in_loops, opened, sample
+from mecano.solve.modal.modes import poles_up_to
+from mecano.solve.modal.sampled_loop import SampledLoop
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Iterator
+
+    from mecano.deck.deck import Deck
+    from mecano.model.system import System
+
+CLOSE = 1.0 - 1e-9  # of half the sampling frequency: highest one
+BESIDE = 0.999  # of it: highest crossover of the phase besides the one there
+NOTHING = 1e-13  # of what L could be: rounding
+MOST = 8  # names in a message
+COLUMNS = ("frequency", "gain_margin", "phase_margin", "delay_margin")  # of crossovers
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopRequest(FrequencyRequest):
+    """What is asked for: the name of a signal at which the loop is opened, frequencies [Hz], operating point."""
+
+    signal: str
+
+    def check(self) -> None:
+        """Raise UsageError for frequencies out of range, and for a single one."""
+        super().check()
+        if not self.low < self.high or self.number < 2:
+            raise UsageError(f"margins need two or more frequencies, the highest greater than {self.low:g} Hz")
+
+
+class Margin(NamedTuple):
+    """A margin and its frequency [Hz]; nan where there is none."""
+
+    value: float
+    frequency: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Margins:
+    """The loop transfer function L of a signal over the frequency, and its margins."""
+
+    signal: str
+    frequency: np.ndarray  # (n,) [Hz], ascending
+    values: np.ndarray  # (n,) complex L
+    static: float  # limit of L at low frequency; nan where there is none
+    crossovers: list[Crossover]
+    sensitivity: Margin  # largest modulus of 1/(1 + L)
+    growing: int | None  # poles of the closed loop that grow; None if not determined
+    about: str
+    warnings: tuple[str, ...] = ()
+    plant: Plant = field(repr=False)
+
+    def _least(self, name: str, sizes: list[float]) -> Margin:
+        """Return the margin ``name`` of the Crossover of the least of these sizes; nan without one."""
+        known = [(size, i) for i, size in enumerate(sizes) if size >= 0.0]
+        if not known:
+            return Margin(np.nan, np.nan)
+        one = self.crossovers[min(known)[1]]
+        return Margin(float(getattr(one, name)), one.frequency)
+
+    @property
+    def gain(self) -> Margin:
+        """The least factor from 1 on."""
+        factors = [one.gain_margin for one in self.crossovers]
+        return self._least("gain_margin", [factor if factor >= 1.0 else np.nan for factor in factors])
+
+    @property
+    def gain_reduction(self) -> Margin:
+        """The largest factor below 1."""
+        factors = [one.gain_margin for one in self.crossovers]
+        return self._least("gain_margin", [1.0 / factor if factor < 1.0 else np.nan for factor in factors])
+
+    @property
+    def phase(self) -> Margin:
+        """The phase margin [rad] with the least modulus."""
+        return self._least("phase_margin", [abs(one.phase_margin) for one in self.crossovers])
+
+    @property
+    def delay(self) -> Margin:
+        """The least delay margin [s]."""
+        return self._least("delay_margin", [one.delay_margin for one in self.crossovers])
+
+
+def margins(
+    deck: "Deck",
+    path: "str | os.PathLike[str] | None",
+    request: LoopRequest,
+    *,
+    columns: bool = False,
+    force: bool = False,
+) -> tuple[str, Margins]:
+    """Compute the Margins of a loop, write them to ``path`` unless it is None, and return (text of the table, Margins).
+
+    ``columns``: also write L as CSV beside ``path``. Raises UsageError, also if the signal is in no loop, the errors of
+    ``mecano run``, and, before anything is computed, ResultsError if a file exists.
+    """
+    request.check()
+    if path is not None:
+        refuse_other_ending(path, "--csv writes the numbers as a table")
+    with nullcontext() if path is None else locked(path):
+        if path is not None:
+            refuse_existing(path, force)
+            if columns:
+                refuse_table(path, force)
+        found = _find(deck, request)
+        if path is not None:
+            plain = contents(found)
+            write_margins(path, plain, source_of(deck, warnings=found.warnings), force=force)
+            if columns:
+                write_table(path, plain, force)
+    return "\n".join([*table(found), *(f"mecano: {text}" for text in found.warnings)]), found
+
+
+def _find(deck, request):
+    """Return the Margins that answer a LoopRequest."""
+    changed, (one,) = with_inputs(deck, (request.signal,), "signal")
+    if not one.signal:
+        raise UsageError(
+            f"{request.signal}: a prescribed motion is a function of time, so it closes no loop; give a "
+            "signal, or a load that depends on signals"
+        )
+    base = operating_point(changed, request.at, request.at_rest)
+    system = base.prepared.system
+    turning = angular_velocity_of(system, base.state, request.frame)
+    closed = plant_of(changed, base, [one], [Output(one.name, "", (one.signal,))], turning)
+    loop = opened(closed, place_of(system, one.signal)[0], unknowns_of(system, one.signal))
+    _refuse_without_loop(request, changed, system, closed, loop, one.signal)
+    periods = {name: d["period"] for name, d in deck.values["signals"].items() if d["type"] == "sample_and_hold"}
+    found = call_interruptibly(_margins, closed, loop, request, one.signal, periods)
+    warnings = [
+        *state_warnings(changed, base, closed, turning, "the loop"), *_unsure(found, request),
+        *_averaged(one.signal, periods),
+    ]  # fmt: skip
+    return Margins(signal=request.signal, about=base.words, warnings=tuple(warnings), plant=loop, **found[0])
+
+
+def _refuse_without_loop(request, deck, system, closed, loop, signal):
+    """Raise UsageError if what reads a signal does not act back on it."""
+    H = TransferFunction(loop)
+    for omega in request.grid[[0, len(request.grid) // 2, -1]]:
+        L, size = H.with_size(1j * omega)
+        if np.any(np.abs(L) > NOTHING * np.where(np.isfinite(size), size, 1.0)):
+            return
+    if not any(q.any() for q in loop.inputs) and not loop.late_inputs:
+        reason = "nothing that moves reads it at this state"
+    else:
+        reason = "what it drives does not act back on it at this state"
+    loops = list(_in_loops(deck, system, closed))
+    there = f"signals in loops: {name_list(loops, MOST)}" if loops else "no signal of the deck is in a loop"
+    raise UsageError(f"{request.signal}: the signal is in no loop: {reason}; {there}")
+
+
+def _in_loops(deck, system: "System", closed: Plant) -> "Iterator[str]":
+    """Yield the signals of a deck whose readers act back on them."""
+    loop = in_loops(closed.lin, closed.late)
+    for name in deck.values["signals"]:
+        at, own = place_of(system, name)[0], unknowns_of(system, name)
+        if np.sum(loop == loop[at]) > np.sum(loop[own] == loop[at]):
+            yield name
+
+
+def _margins(closed, loop, request, signal, periods):
+    """Return (the fields of Margins that are numbers, backward error); ``periods`` [s] of the sampled signals."""
+    H, base, half = TransferFunction(loop), request.grid, np.nan
+    transfer: TransferFunction | SampledLoop = H
+    if signal in periods:
+        transfer, base = SampledLoop(H, periods[signal], not _late_besides(closed)), _below(request, periods[signal])
+        half = float(transfer(1j * np.pi / periods[signal])[0, 0].real)
+    L = Sampled(lambda omega: transfer(1j * omega))
+    own = poles_up_to(closed.lin, BEYOND * base[-1])
+    S = sample(L, base, [*own, *poles_up_to(loop.lin, BEYOND * base[-1])])
+    static = float(static_gains(transfer, base[0])[0, 0])
+    found = crossovers(L, static)
+    if signal in periods:
+        found = list(_with_half(found, 0.5 / periods[signal], half))
+    omegas, values = L.values
+    numbers = {
+        "frequency": omegas / (2.0 * np.pi), "values": values[:, 0, 0], "static": static, "crossovers": found,
+        "sensitivity": Margin(*highest(S, () if closed.late else own)),
+        "growing": _growing(closed, loop, transfer, base, periods),
+    }  # fmt: skip
+    return numbers, H.error
+
+
+def _late_besides(closed):
+    """Return whether a loop has late signals besides that at which it is opened, whose sinusoid is the first output."""
+    loop, value = in_loops(closed.lin, closed.late), closed.outputs[0].indices[0]
+    return any(row != value and loop[row] == loop[value] for row, *_ in closed.late)
+
+
+def _with_half(found, frequency, half):
+    """Yield the Crossovers of a sampled loop, with that at half the sampling ``frequency``, where L is real: ``half``.
+
+    Beside it the sign of the imaginary part is rounding.
+    """
+    yield from (one for one in found if one.gain or one.frequency < BESIDE * frequency)
+    if half < 0.0:
+        yield Crossover(False, frequency, complex(half))
+
+
+def _below(request, period):
+    """Return the circular frequencies [rad/s] below half the sampling frequency, which is the last one if asked for.
+
+    Raises UsageError if there are none.
+    """
+    half = 0.5 / period
+    if request.low >= half:
+        raise UsageError(f"from {request.low:g} Hz: half the sampling frequency of the loop is {half:g} Hz")
+    return replace(request, high=min(request.high, CLOSE * half)).grid
+
+
+def _growing(closed, loop, transfer, base, periods):
+    """Return the number of growing poles of the closed loop, or None; of a sampled one, those of its samples."""
+    if not periods:
+        return growing_poles(closed, base[0], base[-1])
+    if len(periods) > 1 or isinstance(transfer, TransferFunction):
+        return None
+    open_poles, turns = growing_poles(loop, base[0], base[-1]), transfer.turns(base[0])
+    return None if open_poles is None or turns is None else open_poles + turns
+
+
+def _averaged(signal, periods) -> "Iterator[str]":
+    """Yield a warning about sampled signals that are not that at which the loop is opened."""
+    for name, period in periods.items():
+        if name != signal:
+            yield (
+                f"'{name}' is sampled: the loop is that of its mean over a period, right well below half the sampling "
+                f"frequency, {0.5 / period:g} Hz; open it at '{name}' for the margins of its samples"
+            )
+
+
+def _unsure(found, request) -> "Iterator[str]":
+    """Yield warnings about margins that do not say how far the loop is from instability."""
+    numbers, error = found
+    if numbers["growing"]:
+        yield (
+            "the closed loop is unstable already: the margins tell where poles cross the axis, not how far a stable "
+            "loop is from that"
+        )
+    if abs(numbers["values"][-1]) >= 1.0:
+        yield f"the loop gain is not below 1 at {request.high:g} Hz: crossovers above it are not seen"
+    yield from inaccurate(error)
+
+
+def contents(found: Margins) -> dict[str, Any]:
+    """Return the content of the file as plain numbers; see docs/results-file.md."""
+    named = {"gain": found.gain, "gain_reduction": found.gain_reduction, "phase": found.phase, "delay": found.delay}
+    named["sensitivity_peak"] = found.sensitivity
+    margins = {name: margin.value for name, margin in named.items()}
+    margins |= {f"{name}_frequency": margin.frequency for name, margin in named.items()}
+    crossovers = {name: [getattr(one, name) for one in found.crossovers] for name in COLUMNS}
+    values = np.array([one.value for one in found.crossovers], complex)
+    return {
+        "about": found.about, "signal": found.signal,
+        "loop": {
+            "frequency": found.frequency, "real_part": found.values.real, "imaginary_part": found.values.imag
+        },
+        "crossovers": {
+            **crossovers, "of_gain": [one.gain for one in found.crossovers], "real_part": values.real,
+            "imaginary_part": values.imag,
+        },
+        "margins": {
+            **margins, "growing": -1 if found.growing is None else found.growing, "static_gain": found.static
+        },
+    }  # fmt: skip

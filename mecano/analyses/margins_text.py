@@ -1,0 +1,63 @@
+"""The table of the margins of a loop for a terminal: the margins, then all crossovers."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from mecano.analyses.margins import Margins
+
+HEAD = ("margin", "value", "", "frequency [Hz]")
+CROSSOVERS = (
+    "crossover", "frequency [Hz]", "magnitude", "phase [deg]", "gain margin", "phase margin [deg]", "delay margin [s]"
+)  # fmt: skip
+
+
+def table(found: "Margins") -> list[str]:
+    """Return the lines of the table."""
+    low, high = found.frequency[[0, -1]]
+    head = f"loop opened at {found.signal}, about: {found.about}; {len(found.frequency)} frequencies from {low:.6g} to "
+    rows = [HEAD, *_margins(found)]
+    crossovers = [CROSSOVERS, *(_crossover(one) for one in found.crossovers)]
+    return [
+        f"{head}{high:.6g} Hz", f"closed loop: {stability(found.growing)}", "", *_aligned(rows, "<><>"), "",
+        *(_aligned(crossovers, "<>>>>>>") if found.crossovers else ["no crossovers in this range"]),
+    ]  # fmt: skip
+
+
+def stability(growing: int | None) -> str:
+    """Return whether a closed loop with this number of growing poles is stable, as text."""
+    if growing is None:
+        return "stability not determined"
+    return f"unstable, {growing} growing pole{'s' if growing > 1 else ''}" if growing else "stable"
+
+
+def _margins(found):
+    for name, (factor, frequency) in (("gain", found.gain), ("gain reduction", found.gain_reduction)):
+        if np.isfinite(factor):
+            yield name, f"{factor:.6g}", f"{20.0 * np.log10(factor):.4g} dB", f"{frequency:.6g}"
+        elif name == "gain":
+            yield name, "-", "", ""
+    phase, frequency = found.phase
+    yield "phase", _number(np.degrees(phase)), "deg" if np.isfinite(phase) else "", _number(frequency, "")
+    delay, frequency = found.delay
+    yield "delay", _number(delay), "s" if np.isfinite(delay) else "", _number(frequency, "")
+    peak, frequency = found.sensitivity
+    yield "sensitivity peak", f"{peak:.6g}" if np.isfinite(peak) else "undamped", "", f"{frequency:.6g}"
+
+
+def _number(value, otherwise="-"):
+    return f"{value:.6g}" if np.isfinite(value) else otherwise
+
+
+def _crossover(one):
+    numbers = one.gain_margin, np.degrees(one.phase_margin), one.delay_margin
+    phase = f"{np.degrees(np.angle(one.value)) if one.gain else -180.0:.4f}"
+    value = f"{abs(one.value):.6g}"
+    return "gain" if one.gain else "phase", f"{one.frequency:.6g}", value, phase, *(_number(x, "") for x in numbers)
+
+
+def _aligned(rows, signs):
+    widths = [max(len(row[i]) for row in rows) for i in range(len(signs))]
+    lines = ["  ".join(f"{x:{s}{w}}" for x, s, w in zip(row, signs, widths, strict=True)) for row in rows]
+    return [line.rstrip() for line in lines]
