@@ -67,7 +67,9 @@ def _values(record):
 def _history(plain):
     if "tangent" not in plain:
         return RadauHistory(**plain)
-    return History(**(plain | {"tangent": plain["tangent"] and _state(plain["tangent"])}))
+    tangent = plain["tangent"] and _state(plain["tangent"])
+    known = tangent and tangent.start_spins is not None  # not in files of earlier versions: a new one is evaluated
+    return History(**(plain | {"tangent": tangent if known else None}))
 
 
 def _state(plain):
