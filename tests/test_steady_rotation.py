@@ -228,3 +228,30 @@ def test_a_support_that_does_not_turn():
     np.testing.assert_allclose(place(base, "pylon"), [0.2, 1, 3], atol=1e-10)
     np.testing.assert_allclose(place(base, "tip"), place(alone, "tip"), rtol=1e-9)
     assert "not an equilibrium" not in modes(deck(text), None, frame="root")[0]
+
+
+BEAD = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {hoop: {position: [0, 0, 0]}, bead: {position: [0.1, 0, 0]}}
+    elements:
+      hoop: {type: rigid_body, node: hoop, mass: 1, inertia: [1.0e-3, 1.0e-3, 1.0e-3]}
+      bead: {type: point_mass, node: bead, mass: 0.1}
+    joints:
+      shaft: {type: hinge, nodes: [ground, hoop], axis: [0, 0, 1]}
+      wire:
+        type: point_on_curve
+        nodes: [hoop, bead]
+        center: [0, 0, 0]
+        semi_axis_1: [0.1, 0, 0]
+        semi_axis_2: [0, 0, 0.1]
+    initial: {steady: {angular_velocity: [0, 0, 12], about: [0, 0, 0]}}
+    time: {end: 1, step: 1 ms}
+"""
+
+
+def test_the_bead_on_a_turning_hoop_is_displaced_and_not_the_hoop():
+    """The bead slides from the height of the centre to cos p = g/(w^2 r), where 0.1 m is the radius."""
+    base, p = operating_point(deck(BEAD)), math.acos(9.81 / (144.0 * 0.1))
+    assert place(base, "bead") == pytest.approx([0.1 * math.sin(p), 0.0, -0.1 * math.cos(p)], abs=1e-9)
+    assert f"node 'bead' moves by {0.2 * math.sin(0.25 * math.pi - 0.5 * p):.3g} m" in base.warnings[0]

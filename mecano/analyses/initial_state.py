@@ -38,7 +38,7 @@ def set_initial_state(prepared: "Prepared", disturbed: bool = True) -> tuple[str
         raise ConvergenceError("".join([str(error), *_wobble_warnings(prepared)])) from None
     if disturbed:
         prepared.state.v += asked
-    return tuple(_displacement_warnings(prepared, before))
+    return tuple(_displacement_warnings(prepared, steady.change_of_shape(before, prepared.state)))
 
 
 def _steady_motion(prepared):
@@ -84,11 +84,10 @@ def describe(deck: "Deck") -> str:
     return f"saved state of {initial['from']}" if initial["from"] else "initial state"
 
 
-def _displacement_warnings(prepared, before):
-    """Yield a warning about the node that moved most from its position in the deck, the mean translation removed."""
-    from mecano.solve.modal.steady import NOTICEABLE, change_of_shape
+def _displacement_warnings(prepared, size):
+    """Yield a warning about the node that moved most from its position in the deck; ``size`` (n_nodes,) [m]."""
+    from mecano.solve.modal.steady import NOTICEABLE
 
-    size = change_of_shape(prepared.system, before, prepared.state)
     i = int(np.argmax(size))
     if size[i] > NOTICEABLE * prepared.length:
         name = prepared.system.nodes[i].name

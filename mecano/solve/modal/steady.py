@@ -112,8 +112,17 @@ class Steady:
         return s
 
     def reshaped(self, start: "State", s: "State") -> float:
-        """Return the largest displacement [m] of a node from ``start`` to ``s``, the mean translation removed."""
-        return float(change_of_shape(self.system, start, s).max(initial=0.0))
+        """Return the largest change of shape [m] of a node from ``start`` to ``s``."""
+        return float(self.change_of_shape(start, s).max(initial=0.0))
+
+    def change_of_shape(self, before: "State", after: "State") -> np.ndarray:
+        """Return the displacements (n_nodes,) [m] of all nodes between two states, without those of no consequence.
+
+        Nodes that are not part of the deck, such as those of the ground, count as undisplaced.
+        """
+        own = ~np.array([node.internal for node in self.system.nodes])
+        shift = (after.z - before.z)[self.system.numbering.x[:, None] + np.arange(3)]
+        return np.where(own, np.linalg.norm(shift - self.motion.drift(shift[own]), axis=1), 0.0)
 
     def correct(self, s: "State") -> "tuple[State, bool]":
         """Return (state, whether Newton's method converged) near ``s``, by full steps.
@@ -251,13 +260,3 @@ class Steady:
         """Return the mean stiffness [N/m] of the tangent."""
         diagonal = np.abs(np.diag(K)[: self.n_q]) / self.root**2
         return float(diagonal[diagonal > 0].mean()) if np.any(diagonal > 0) else 1.0
-
-
-def change_of_shape(system: "System", before: "State", after: "State") -> np.ndarray:
-    """Return the displacements (n_nodes,) [m] of all nodes between two states, the mean translation removed.
-
-    Nodes that are not part of the deck, such as those of the ground, count as undisplaced.
-    """
-    shift = (after.z - before.z)[system.numbering.x[:, None] + np.arange(3)]
-    own = ~np.array([node.internal for node in system.nodes])
-    return np.where(own, np.linalg.norm(shift - shift[own].mean(axis=0), axis=1), 0.0)

@@ -76,6 +76,10 @@ class Rotation:
         """Return the state unchanged: relaxation does not turn it about the axis."""
         return s
 
+    def drift(self, shift: np.ndarray) -> np.ndarray:
+        """Return the translation (3,) [m] that is no change of shape: none, as the axis stays where it is."""
+        return np.zeros(3)
+
     def follow(self, steady: "Steady", start: "State", s: "State") -> "tuple[State, bool]":
         """Return (state, whether it is steady) by continuation from ``start``, where Newton's method ended at ``s``."""
         found, arrived = spin_up(steady, self, start)

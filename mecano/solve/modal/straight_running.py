@@ -66,6 +66,10 @@ class Straight:
         s.z[self.free] -= float(direction @ (s.z - start.z)[self.free].mean(axis=0)) * direction
         return s
 
+    def drift(self, shift: np.ndarray) -> np.ndarray:
+        """Return the translation (3,) [m] that is no change of shape: the mean of the displacements (n, 3) of nodes."""
+        return shift.mean(axis=0)
+
     def follow(self, steady: "Steady", start: "State", s: "State") -> "tuple[State, bool]":
         """Return (``s``, False): there is no alternative to Newton's method, which ended at ``s``."""
         return s, False
