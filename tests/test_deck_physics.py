@@ -71,6 +71,51 @@ def test_an_angle_is_prescribed_about_the_axis_of_the_hinge():
     assert problem.mark.text[problem.mark.column - 1 :].startswith("[0, 1, 1]")
 
 
+WORM = """
+mecano: 1
+gravity: none
+nodes:
+  frame: {position: [0, 0, 0]}
+  seat: {position: [0, 0, 0.1], orientation: [0.1, 0, 0]}
+  worm: {position: [0, 0, 0]}
+  wheel: {position: [0, 0, 0.1]}
+  rack: {position: [0, 0, 0.2]}
+elements:
+  housing: {type: rigid_body, node: frame, mass: 1, inertia: [1, 1, 1], attached: [seat]}
+  worm: {type: rigid_body, node: worm, mass: 1, inertia: [1, 1, 1]}
+  wheel: {type: rigid_body, node: wheel, mass: 1, inertia: [1, 1, 1]}
+  rack: {type: rigid_body, node: rack, mass: 1, inertia: [1, 1, 1]}
+joints:
+  hold: {type: fixed, nodes: [ground, frame]}
+  a: {type: hinge, nodes: [frame, worm], axis: [1, 0, 0]}
+  b: {type: hinge, nodes: [seat, wheel], axis: [0, -2, 0]}
+  guide: {type: prismatic, nodes: [frame, rack], axis: [1, 0, 0]}
+  gears: {type: gear_pair, nodes: [ground, worm, wheel], axis_a: [1, 0, 0], axis_b: [0, 1, 0], radius_a: 0.02, ratio: 9}
+  teeth: {type: rack_and_pinion, nodes: [rack, wheel], axis: [0, 1, 0], direction: [1, 0, 0], radius: 0.1}
+time: {end: 1, step: 0.1}
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "caret", "words"),
+    [
+        ("axis_a: [1, 0, 0]", "axis_a: [1, 0.1, 0]", "[1, 0.1, 0]", "gear_pair 'gears': 'axis_a' is not that of hinge "
+         "'a' between the bodies of 'ground' and 'worm', [1, 0, 0], the only axis about which they can turn"),
+        ("axis_b: [0, 1, 0], ", "", "gears:", "gear_pair 'gears': its axis [1, 0, 0], without 'axis_b' that of a, is "
+         "not that of hinge 'b' between the bodies of 'ground' and 'wheel', [0, -2, 0], the only axis about which"),
+        ("axis: [0, 1, 0], dir", "axis: [0, 0, 1], dir", "[0, 0, 1]", "rack_and_pinion 'teeth': 'axis' is not that of "
+         "hinge 'b' between the bodies of 'rack' and 'wheel'"),
+    ],
+)  # fmt: skip
+def test_gears_turn_about_the_axes_of_their_bearings(old, new, caret, words):
+    """The carrier is the ground, and the bearings are on a housing fixed to it, or along which a rack slides."""
+    assert problems(WORM) == []
+    assert WORM.count(old) == 1
+    (problem,) = problems(WORM.replace(old, new))
+    assert problem.message.startswith(words)
+    assert problem.mark.text[problem.mark.column - 1 :].startswith(caret)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words", "hint"),
     [

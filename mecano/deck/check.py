@@ -22,6 +22,7 @@ from mecano.deck.scope import INVALID, Invalid, Scope
 from mecano.deck.sections import SECTIONS, shortest_interval
 from mecano.deck.similar_names import similar
 from mecano.deck.templates import arguments
+from mecano.deck.turning_axes import check_axes
 from mecano.deck.units import ANY
 from mecano.deck.wording import found, quoted
 from mecano.elements.members.cross_section import SHAPES
@@ -150,6 +151,7 @@ def checked_values(root: "Node", sections: Sequence[Field], scope: Scope) -> Val
     check_named_laws(root, scope)
     check_continuous(result, scope)
     check_model(result, root, scope)
+    check_axes(result, root, scope)
     _stop_at(problems)
     return result
 

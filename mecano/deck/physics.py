@@ -9,9 +9,9 @@ import numpy as np
 from mecano.deck.error_location import pointed_at
 from mecano.deck.limits import ARITHMETIC, BEYOND_FLOATS
 from mecano.deck.profile_curvature import check_profile_curvature
-from mecano.deck.scope import Scope, place_of
+from mecano.deck.scope import Scope
 from mecano.deck.wording import quoted
-from mecano.element_interface import BY_COMMAND, FREELY, SECTIONS, Kind
+from mecano.element_interface import SECTIONS, Kind
 from mecano.model.mesh import divides, place_members
 from mecano.model.model import GROUND, Element, beside_ground
 
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from mecano.schema import Values
 
 Poses: TypeAlias = dict[str, tuple[np.ndarray, np.ndarray]]  # of nodes by name: x (3,) [m], R (3, 3)
-OTHER_AXIS = 1e-3  # rad
 
 
 def own_nodes(kind: Kind, values: "Values") -> list[str]:
@@ -87,25 +86,8 @@ def check_model(values: "Values", root: "Node", scope: Scope) -> None:
                 if checked or _check_element(kind, element, names, at, (key, node), root, scope, noted):
                     sound.add((section, name))
     check_profile_curvature(values, at, sound, root, scope)
-    _check_axes(values["joints"], root, scope)
     _check_latches(values["joints"], root, scope)
     _check_unused(values["nodes"], used, root, scope)
-
-
-def _check_axes(joints, root, scope):
-    """Report angles prescribed about another axis than the free axis of a joint between the same two nodes."""
-    free = {frozenset(d["nodes"]): (name, d) for name, d in joints.items() if scope.kinds[d["type"]].turns == FREELY}
-    for name, d in joints.items():
-        if scope.kinds[d["type"]].turns != BY_COMMAND or frozenset(d["nodes"]) not in free:
-            continue
-        other, hinge = free[frozenset(d["nodes"])]
-        across = np.linalg.norm(np.cross(d["axis"], hinge["axis"]))
-        if across > OTHER_AXIS * np.linalg.norm(d["axis"]) * np.linalg.norm(hinge["axis"]):
-            key, node = root.value["joints"][1].value[name]
-            scope.subject = f"{d['type']} {quoted(name)}"
-            free_axis = ", ".join(f"{c:g}" for c in hinge["axis"])
-            text = f"'axis' is not that of {hinge['type']} {quoted(other)} between the same nodes, [{free_axis}]"
-            scope.refuse(place_of(text, node, key), f"{text}, the only axis about which they can turn")
 
 
 def _check_latches(joints, root, scope):

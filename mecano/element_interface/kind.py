@@ -106,7 +106,10 @@ class DeckEntry:
     """deck values -> formulas (texts) of its ``inputs``; by default the fields of these names"""
     turns: str = ""
     """FREELY, for a joint that leaves free only the angle about its 'axis'; BY_COMMAND, for one that prescribes the
-    angle about its 'axis': two between the same nodes must have the same axis"""
+    angle about its 'axis'"""
+    counts_angles: Callable = nothing
+    """deck values -> [(field of the axis, axis (3,), (node a, node b))] of a joint that holds angles of b relative to
+    a: a joint of their bodies that turns FREELY must have the same axis"""
     limits: Callable = nothing
     """deck values -> [(output, value, text)]: a warning with the text when |output| exceeds the value in a run"""
     end_conditions: Callable = nothing

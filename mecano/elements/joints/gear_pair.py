@@ -107,6 +107,13 @@ def check(d, nodes):
     return [f"{text} (gears with a chain or other gears between them have a 'ratio' in place of 'radius_b')"]
 
 
+def angles(d):
+    """Return the angles that it holds, as in ``Kind.counts_angles``: those of both gears relative to the carrier."""
+    carrier, a, b = d["nodes"]
+    axis_b = d["axis_a"] if d["axis_b"] is None else d["axis_b"]
+    return [("axis_a", d["axis_a"], (carrier, a)), ("axis_b", axis_b, (carrier, b))]
+
+
 def sample(rng):
     """Return external, internal and bevel gears in general position, and a ratio."""
     frame, x = triad(rng.normal(size=3)), rng.normal(size=3)
@@ -154,6 +161,7 @@ _PAIR = Kind(
     commit=GEAR_MESH.commit,
     prepare=prepare,
     check=check,
+    counts_angles=angles,
     sample=sample,
 )  # fmt: skip
 GEAR_PAIR = with_teeth(_PAIR, Mesh(GEAR_MESH, gear_travel, driver=0), _put_motion, "radius_a")

@@ -153,6 +153,7 @@ PRESCRIBED_ANGLE = _prescribed(
     "prescribed_angle", ANGLE, TWIST, RELATIVE_ANGLE, _angle,
     display=Display("nothing", pictures=("angles",)),
     turns=BY_COMMAND,
+    counts_angles=lambda d: [("axis", d["axis"], d["nodes"])],
     fields=(
         NODES,
         Field("axis", DIRECTION, "-", "axis at the start, inertial; fixed in both nodes"),

@@ -84,6 +84,7 @@ _RIGID = Kind(
     ),
     prepare=prepare,
     check=check,
+    counts_angles=lambda d: [("axis", d["axis"], d["nodes"])],
     sample=sample,
 )  # fmt: skip
 RACK_AND_PINION = with_teeth(_RIGID, Mesh(GEARED_SLIDE, slide_travel, driver=1), _put_motion, "radius")
