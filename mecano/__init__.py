@@ -38,6 +38,8 @@ __all__ = [
 
 
 def __getattr__(name):
+    if name == "errors":
+        return import_module("mecano.errors")
     if name in _MODULES:
         return getattr(import_module(_MODULES[name]), name)
     raise AttributeError(f"module 'mecano' has no attribute '{name}'")

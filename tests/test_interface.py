@@ -77,6 +77,11 @@ class TestNames:
         loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
         assert loaded.stdout.strip() == "['mecano']"
 
+    def test_the_classes_of_errors_are_at_hand_before_the_first_call(self):
+        code = "import mecano; print(issubclass(mecano.errors.ConvergenceError, mecano.MecanoError))"
+        printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        assert printed.stdout.strip() == "True"
+
     @pytest.mark.parametrize("module", MODULES)
     def test_examples_are_right(self, module, folder):
         tested = doctest.testmod(module, extraglobs={"mecano": mecano}, optionflags=doctest.ELLIPSIS)
