@@ -8,6 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from time_runs import RecordedRun, deck, input_deck
 
+from mecano.analyses.prepare import integrator_of, prepare
 from mecano.solve.events.complementarity import solve_complementarity
 from mecano.solve.events.impact_friction import solve_with_friction, within_disc
 from mecano.solve.time.consistent import Consistent
@@ -239,3 +240,94 @@ def test_the_nearest_impulse_within_a_disc():
             np.testing.assert_allclose(gradient, 0.0, atol=1e-9)
         else:
             np.testing.assert_allclose(gradient, -np.linalg.norm(gradient) * x / radius, atol=1e-8)
+
+
+STACK = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {low: {position: [0, 0, 0.1]}, high: {position: [0, 0, 0.3]}}
+    elements:
+      low: {type: rigid_body, node: low, mass: 2, inertia: [8.0e-3, 8.0e-3, 8.0e-3]}
+      high: {type: rigid_body, node: high, mass: 2, inertia: [8.0e-3, 8.0e-3, 8.0e-3]}
+      floor: {type: contact, nodes: [ground, low], plane: {normal: [0, 0, 1], point: [0, 0, 0]}, radius: 0.1}
+      stack: {type: contact, nodes: [low, high], sphere: {radius: 0.1}, radius: 0.1}
+      wall: {type: contact, nodes: [ground, low], plane: {normal: [1, 0, 0], point: [-0.1, 0, 0]}, radius: 0.1}
+    time: {end: 1, step: 1.0e-3}
+"""
+
+
+@pytest.mark.parametrize(("towards_wall", "upward"), [(1e-18, 1e-22), (1e-9, 1e-13)])
+def test_a_stack_does_not_part_when_it_leans_on_a_wall(towards_wall, upward):
+    """Velocities that are rounding, or below the speed of rest, do not lift what 20 and 39 N press together."""
+    prepared = prepare(deck(STACK))
+    integrator, s = integrator_of(prepared), prepared.state
+    s.memory = integrator.system.commit(s)
+    floor, stack, wall = integrator.shocks.impact_candidates
+    s = integrator.shocks.impact_candidates.in_phase(s, [floor, stack], "after")
+    s, _ = integrator.method.start(s, 1e-3)
+    x = integrator.system.numbering.x[[node.name for node in integrator.system.nodes].index("low")]
+    s.v[x : x + 3] = -towards_wall, 0.0, upward
+    hit = np.zeros(integrator.system.n_events, bool)
+    hit[wall.event] = True
+    shock = integrator.shocks.solve_impact(s, hit, h=1e-3)
+    assert [(record.element, record.name) for record in shock.event_records] == [("contact 'wall'", "closes")]
+    s, _ = integrator.method.start(shock.state, 1e-3, shock.consistent)
+    forces = s.z[integrator.system.n_q + np.array([floor.lead, stack.lead, wall.lead])]
+    assert forces == pytest.approx([4 * 9.81, 2 * 9.81, 0.0], rel=1e-12, abs=1e-12)
+
+
+WALLS = {  # normals and points
+    "floor": ("[0, 0, 1]", "[0, 0, 0]"),
+    "left": ("[1, 0, 0]", "[-0.06, 0, 0]"),
+    "right": ("[-1, 0, 0]", "[0.18, 0, 0]"),
+    "front": ("[0, 1, 0]", "[0, -0.06, 0]"),
+    "rear": ("[0, -1, 0]", "[0, 0.06, 0]"),
+}
+ROUGH = "radius: 0.05, restitution: 0.3, friction: {coefficient: 0.3, regularization: 1.0e-3}"
+
+
+def box_of_balls():
+    """Balls of 0.5 kg that fall into a box little wider than two of them, side by side and on one another."""
+    rng, nodes, elements = np.random.default_rng(1), [], []
+    for i in range(4):
+        place = [0.105 * (i % 2) + 0.01 * rng.random(), 0.008 * (rng.random() - 0.5), 0.06 + 0.12 * (i // 2)]
+        nodes += [f"  b{i}: {{position: {place}}}"]
+        elements += [f"  b{i}: {{type: rigid_body, node: b{i}, mass: 0.5, inertia: [5.0e-4, 5.0e-4, 5.0e-4]}}"]
+        elements += [
+            f"  {name}{i}: {{type: contact, nodes: [ground, b{i}], plane: {{normal: {n}, point: {x}}}, {ROUGH}}}"
+            for name, (n, x) in WALLS.items()
+        ]
+        elements += [
+            f"  pair{j}{i}: {{type: contact, nodes: [b{j}, b{i}], sphere: {{radius: 0.05}}, {ROUGH}}}" for j in range(i)
+        ]
+    head, steps = ["mecano: 1", "gravity: [0, 0, -9.81]"], "{end: 0.6, step: 1 ms, adaptive: {tolerance: 1.0e-3}}"
+    lines = [*head, "nodes:", *nodes, "elements:", *elements, f"time: {steps}", "output: {every: 10 ms}"]
+    return deck("\n".join(lines))
+
+
+@pytest.mark.slow  # 7 s
+def test_balls_settle_in_a_box():
+    """Contacts touch, press and part by rounding, dozens at a time: their energy falls, and they hardly overlap."""
+    run = RecordedRun(box_of_balls())
+    energy = run["energy/kinetic"] + run["energy/potential"]
+    assert np.diff(energy).max() < 1e-6 < 0.3 < energy[0] - energy[-1]
+    assert min(run[f"elements/{name}{i}/gap"].min() for i in range(4) for name in WALLS) > -1e-7
+
+
+@pytest.mark.parametrize(
+    ("overlap", "later", "keeps"),
+    [(2e-9, 1e-9, True), (2e-9, 3e-9, False), (0.0, 1e-10, True), (0.0, 3e-9, False)],
+)
+def test_a_ball_that_lifts_off_keeps_its_phase_where_rounding_decides(overlap, later, keeps):
+    """Ten times the tolerance of constraints are 2e-10 m here: a larger overlap counts, unless it shrinks."""
+    prepared = prepare(deck(STACK))
+    integrator, s = integrator_of(prepared), prepared.state
+    s.memory = integrator.system.commit(s)
+    stack = next(c for c in integrator.shocks.impact_candidates if c.element == "contact 'stack'")
+    s, _ = integrator.method.start(s, 1e-3)
+    x = integrator.system.numbering.x[[node.name for node in integrator.system.nodes].index("high")]
+    s.z[x + 2], s.a[x + 2] = 0.3 - overlap, 1e-3
+    g0 = integrator.shocks.departing(s, integrator.monitor.values(s))
+    end = s.copy()
+    end.t, end.z[x + 2] = s.t + 1e-3, 0.3 - later
+    assert integrator.shocks.undecided(g0, s, end, 1e6)[stack.event] == keeps

@@ -126,6 +126,7 @@ class ImpactSolution:
         If the rebound with friction creates energy, e is reduced to the value at which it conserves energy.
         """
         free = self._rates(self._moved(change))[self.leads]
+        free[np.abs(free) <= STILL * self.shocks.least[self.leads]] = 0.0  # rounding, which friction might amplify
         if not self.rough:
             return self._solve(free + self.e * self.before[self.leads]), np.zeros(0)
         n, slides = len(free), self._sliding(self._moved(change))
@@ -194,7 +195,8 @@ class ImpactSolution:
         lost = self.friction_losses - 0.5 * self.impulses * (self.before + self.after)
         still = self.system.constraint_derivatives(replace(self.all_held, v=np.zeros_like(s.v)))[:, 1]
         new = set(closing)
-        stay = {c: True for c in closing + resting if self._stays(c, c in new)}  # in their order
+        slow = all(self._is_slow(c) for c in closing)
+        stay = {c: True for c in closing + resting if self._stays(c, c in new, slow)}  # in their order
         gone = [c for c in resting if c not in stay]
         end = self.shocks.impact_candidates.in_phase(replace(s, v=self.held.v), stay, "after")
         happened = [*event_records, *(self._met(s.t, c, c in stay, lost) for c in closing if self._meets(c, stay))]
@@ -211,8 +213,12 @@ class ImpactSolution:
         given = -float(self.impulses @ still)
         return Shock(end, happened, float(lost.sum()), given, self.impulses, consistent, compliance, redundant)
 
-    def _stays(self, candidate, closes):
-        """Return whether the contact is closed after the impact."""
+    def _is_slow(self, candidate):
+        """Return whether a contact that closes would not rebound, whatever its restitution; latches are none."""
+        return candidate.restitution >= 0.0 and self.before[candidate.lead] >= -self.shocks.least[candidate.lead]
+
+    def _stays(self, candidate, closes, slow):
+        """Return whether the contact is closed after the impact; contacts at rest are not parted by a ``slow`` one."""
         if candidate.restitution < 0.0:
             return True
         if candidate not in self.uncoupled:
@@ -220,9 +226,11 @@ class ImpactSolution:
         before, after, rest = self.before[candidate.lead], self.after[candidate.lead], self.shocks.rest[candidate.lead]
         if closes and before >= -rest:
             return after <= max(before, rest)
+        if slow and not closes:
+            return after <= self.shocks.least[candidate.lead]
         rebounds = closes and self.e[self.uncoupled[candidate]] > 0.0 and self.impulses[candidate.lead] > 0.0
         largest = np.abs(self.before[self.leads]).max() + np.abs(self.after[self.leads]).max()
-        return not rebounds and after <= STILL * largest
+        return not rebounds and after <= STILL * max(largest, self.shocks.least[candidate.lead])
 
     def _meets(self, candidate, stay):
         return candidate in stay or self.impulses[candidate.lead] != 0.0

@@ -28,8 +28,7 @@ if TYPE_CHECKING:
 TOGETHER = 1e-6  # of a step: impacts closer in time than this are simultaneous
 NEAR = 10.0  # times the tolerance of constraints: impacts of contacts with a smaller gap are simultaneous, too
 STILL = 1e-10  # of the largest approach: a rate below this is zero
-STANDS = 1e-4  # of the gap within which contacts touch: a smaller change in a step is rounding error
-DEPARTING = -1e-300  # event value of a contact that is touching and separating
+STANDS = 1e-4  # of the gap within which contacts touch: a smaller change in a step, by an acceleration, is rounding error
 
 
 def touching_gaps(system: "System", tolerance: float, length: float) -> np.ndarray:
@@ -38,24 +37,31 @@ def touching_gaps(system: "System", tolerance: float, length: float) -> np.ndarr
 
 
 class Shocks:
-    """Impact solver of a system; ``rest`` (n_l,) approach speeds below which contacts do not rebound [m/s, rad/s]."""
+    """Impact solver of a system; ``rest`` (n_l,) approach speeds below which contacts do not rebound [m/s, rad/s].
+
+    ``least`` (n_l,) are these speeds without those contacts whose rebound is suppressed at any speed.
+    """
 
     def __init__(self, system: "System", method: "Method", monitor: EventMonitor, rest: float):
         self.system, self.linear, self.monitor, self.length = system, method.linear, monitor, method.length
         scale = constraint_scale(system, method.length)
-        self._least, self.near = rest * scale, touching_gaps(system, method.tolerances.constraint, method.length)
-        self.rest = self._least
+        self.least, self.near = rest * scale, touching_gaps(system, method.tolerances.constraint, method.length)
+        self.rest = self.least
         self.unit = method.length / scale  # of reactions: moments count as forces at the length scale
         self.impact_candidates = ImpactCandidates(system)
         self.touching = self.impact_candidates.touching(self.near)
 
     def suppress_rebound(self, elements: Container[str]) -> None:
         """Treat impacts of the contacts of these ``elements``, and of no others, as perfectly plastic."""
-        self.rest = self._least.copy()
+        self.rest = self.least.copy()
         self.rest[[candidate.lead for candidate in self.impact_candidates if candidate.element in elements]] = np.inf
 
     def departing(self, s: "State", g: np.ndarray) -> np.ndarray:
-        """Return the event values ``g`` at the beginning of a step, DEPARTING for open contacts that are separating."""
+        """Return the event values ``g`` at the beginning of a step, those of separating contacts that touch changed.
+
+        Rounding decides the sign of their gap. The value is that of the gap up to which contacts touch: a search for
+        their next impact would else be led to the beginning of the step, where rounding shows one.
+        """
         if not self.impact_candidates.all:  # called in every step
             return g
         candidates = self.impact_candidates.standing_open(g)
@@ -66,7 +72,7 @@ class Shocks:
         for candidate in candidates:
             rate, second = derivatives[candidate.lead, 1:]
             if rate > 0.0 or (rate >= -self.rest[candidate.lead] and second > 0.0):
-                g[candidate.event] = DEPARTING
+                g[candidate.event] = -self.near[candidate.lead]
         return g
 
     def undecided(self, g0: np.ndarray, s0: "State", s: "State", k: float) -> np.ndarray:
@@ -74,8 +80,9 @@ class Shocks:
 
         Rounding errors decide whether such a contact is open or closed, so it keeps its phase: an open one whose gap is
         below the tolerance of constraints at both ends of the step (event values ``g0`` and those at ``s``) and whose
-        relative acceleration is rounding error; a separating one whose overlap at ``s0`` shrinks, however slowly; and a
-        closed one whose reaction is rounding error, k [N/m] being the mean stiffness of the step.
+        relative acceleration is rounding error; a separating one whose overlap at ``s0`` shrinks, however slowly, or is
+        below that tolerance at ``s``; and a closed one whose reaction is rounding error, k [N/m] being the mean
+        stiffness of the step.
         """
         found, candidates = np.zeros(len(g0), bool), self.impact_candidates.opening
         if not candidates:
@@ -88,9 +95,10 @@ class Shocks:
             second, h = self._derivatives(s, touching)[:, 2], s.t - s0.t
             for c in touching:
                 found[c.event] = abs(second[c.lead]) * h * h <= STANDS * self.near[c.lead]
-        separating = [c.event for c in touching if g0[c.event] == DEPARTING and g[c.event] > 0.0]
-        if separating:
-            found[separating] |= g[separating] < self.monitor.values(s0)[separating]
+        separating = np.array([(c.event, c.lead) for c in candidates if g0[c.event] == -self.near[c.lead]], np.int64)
+        if len(separating):
+            events, leads = separating.T
+            found[events] |= g[events] <= np.maximum(self.near[leads], self.monitor.values(s0)[events])
         return found
 
     def pressed(self, s: "State", h: float) -> np.ndarray:
