@@ -92,10 +92,13 @@ NOTES = {  # words with the same meaning: (targets, note)
         "prescribed_position generic planar",
         "a node stays in a plane with a prescribed_position along its normal and 'value: 0', or with a generic joint",
     ),
-    "inline, in line, point on line, pin in slot, slotted link, geneva, scotch yoke": (
+    "inline, in line, point on line, pin in slot, slotted link, scotch yoke": (
         "point_on_curve prismatic generic",
         "a point of one body slides along a curve of another; in a straight slot it is a generic joint with all axes "
         "free but one of the translations",
+    ),
+    "geneva, geneva wheel, geneva drive, maltese cross": (
+        "contact hinge", "a pin that enters and leaves a slot touches its walls, capsules, by a contact with a 'law'"
     ),
     "support, ground joint, fixation, boundary condition, constraint": (
         "nodes fixed prescribed_position held_rotation",
@@ -245,7 +248,22 @@ NOTES = {  # words with the same meaning: (targets, note)
         "torsion_spring_damper dry_friction grip",
         "between two shafts, a torsion_spring_damper whose law is dry_friction; a dog clutch is a grip",
     ),
-    "railway, wheelset, conicity, hunting, creep force": (
+    "freewheel, overrunning clutch, one way clutch, sprag clutch, backstop, ratchet": (
+        "torsion_spring_damper damper_table latch",
+        "a torsion_spring_damper between two shafts, whose damper_table is zero in one sense of rotation and steep in "
+        "the other; a latch locks for good",
+    ),
+    "escapement, pawl, pallet": (
+        "contact rigid_body hinge", "a tooth is a node 'attached' to its wheel, and touches a capsule of the other body"
+    ),
+    "mecanum wheel, mecanum, omni wheel, omnidirectional wheel": (
+        "rigid_body hinge contact",
+        "each roller is a body on a hinge in the wheel, a ball with a contact, which has 'friction' and a 'law'",
+    ),
+    "tracked vehicle, crawler, caterpillar, track chain": (
+        "belt wheel", "not available; wheels that a belt joins turn and skid like those of a track"
+    ),
+    "railway, rail vehicle, train, wheelset, conicity, hunting, creep force": (
         "force moment formula",
         "contact of wheel and rail is not available; linear creep forces are loads that are formulas of the velocities",
     ),
