@@ -242,6 +242,12 @@ def test_the_nearest_impulse_within_a_disc():
             np.testing.assert_allclose(gradient, -np.linalg.norm(gradient) * x / radius, atol=1e-8)
 
 
+def test_a_disc_of_no_size_has_no_impulse():
+    """Its radius is the friction of an impulse that has vanished: numbers do not overflow."""
+    with np.errstate(all="raise"):
+        assert not within_disc(np.diag([1.0, 2.0]), np.array([3.0, 4.0]), 1e-310).any()
+
+
 STACK = """
     mecano: 1
     gravity: [0, 0, -9.81]

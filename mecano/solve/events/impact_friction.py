@@ -91,7 +91,9 @@ def solve_with_friction(
     def sweep(along):
         pushes = normal(b + W_nt @ along)
         change = _along_surfaces(W_tt, u + W_nt.T @ pushes, mu * pushes[bound_of], along) - along
-        return np.abs(change).max() / max(pushes.max(initial=0.0), TINY), change, pushes, along
+        with np.errstate(over="ignore"):  # of sweeps that diverge
+            size = np.abs(change).max() / max(pushes.max(initial=0.0), TINY)
+        return size, change, pushes, along
 
     best = last = sweep(np.zeros(len(u)))
     points: list[np.ndarray] = []
@@ -145,7 +147,7 @@ def within_disc(A: np.ndarray, c: np.ndarray, radius: float) -> np.ndarray:
 
     On the edge A x + c = -s x with s >= 0: the remaining velocity of sliding is opposite to x.
     """
-    if radius <= 0.0 or not c.any():
+    if radius <= TINY or not c.any():
         return np.zeros(2)
     of, Q = np.linalg.eigh(A)
     d = Q.T @ c
