@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 TOGETHER = 1e-6  # of a step: impacts closer in time than this are simultaneous
 NEAR = 10.0  # times the tolerance of constraints: impacts of contacts with a smaller gap are simultaneous, too
 STILL = 1e-10  # of the largest approach: a rate below this is zero
-STANDS = 1e-4  # of the gap within which contacts touch: a smaller change in a step, by an acceleration, is rounding error
+STANDS = 1e-4  # of the gap within which contacts touch: a smaller change in a step by an acceleration is rounding error
 
 
 def touching_gaps(system: "System", tolerance: float, length: float) -> np.ndarray:
