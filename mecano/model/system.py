@@ -240,6 +240,7 @@ class System:
         s: State,
         k: float = 1.0,
         penalty: float = 0.0,
+        *,
         cK: float = 0.0,
         cC: float = 0.0,
         cM: float = 0.0,

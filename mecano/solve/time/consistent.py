@@ -136,7 +136,7 @@ class Consistent:
         best: tuple[float, np.ndarray] | None = None  # the least residual so far, by its size
         rates = s.v[own].copy()  # of it
         for _ in range(RATE_ITERATIONS):
-            assembly = system.assemble(s, 1.0, 0.0, 0.0, 1.0, 0.0)
+            assembly = system.assemble(s, cC=1.0)
             r = assembly.residual[own]
             if np.abs(r).max() <= RATE_TOLERANCE * assembly.size.max():
                 return
@@ -192,7 +192,7 @@ class Consistent:
 
     def _own(self, s, cK, cC):
         """Return cK K + cC C of the massless unknowns, dense."""
-        return self._block(self.system.assemble(s, 1.0, 0.0, cK, cC, 0.0))
+        return self._block(self.system.assemble(s, cK=cK, cC=cC))
 
     def _block(self, assembly):
         """Return the block of the massless unknowns of the assembled tangent, dense."""
@@ -210,14 +210,14 @@ class Consistent:
         return entries, rows[entries] * len(self.massless) + columns[entries]
 
     def _unbalanced(self, s):
-        return self.system.assemble(s, 1.0, 0.0, 0.0, 0.0, 0.0).residual[self.massless]
+        return self.system.assemble(s).residual[self.massless]
 
     def accelerate(self, s: "State") -> None:
         """Set accelerations and multipliers of ``s`` in place from the equations of motion at its q and v."""
         system = self.system
         bare = _with(self.bare, s.v, np.zeros_like(s.a))
         gamma = system.constraint_derivatives(bare)[:, 2]
-        residual = system.assemble(bare, 1.0, 0.0, 0.0, 0.0, 0.0).residual
+        residual = system.assemble(bare).residual
         top = np.where(self.loose, 0.0, -residual[: system.n_q])
         a, reaction = self._solve_again(top, self.k * gamma)
         s.a[system.n_q :] = 0.0
@@ -275,9 +275,9 @@ class Consistent:
         The unknown of a signal is its value, or its rate if it has a state.
         """
         system, n_q = self.system, self.system.n_q
-        assembly = system.assemble(s, self.k, 0.0, 1.0, 0.0, 0.0)
+        assembly = system.assemble(s, self.k, cK=1.0)
         by_value, residual = assembly.data[: system.nnz].copy(), assembly.residual.copy()
-        by_rate = system.assemble(s, self.k, 0.0, 0.0, 1.0, 0.0).data[: system.nnz]
+        by_rate = system.assemble(s, self.k, cC=1.0).data[: system.nnz]
         row, column = (np.append(signals, np.zeros(system.n_l, bool))[i] for i in (system.rows, system.cols))
         has_state = np.append(system.states, np.zeros(system.n_l, bool))[system.cols]
         values = np.where(has_state, by_rate, by_value)

@@ -377,7 +377,7 @@ class GeneralizedAlpha:
         k, penalty, cC, cM = scales
         T = self.workspace.array("T")
         self._tangents(s.start_spins, s, Weights(k, cC, cM, self.coefficients.gamma / (self.coefficients.beta * cC)), T)
-        self.system.assemble(s, k, penalty, 1.0, cC, cM, T, self.assembly)
+        self.system.assemble(s, k, penalty, cK=1.0, cC=cC, cM=cM, T=T, into=self.assembly)
         if self.compliance is not None:
             n_q, n = self.system.n_q, self.system.n
             soften(k, *self._rows, s.z[n_q:n], self.equations[n_q:])

@@ -288,7 +288,7 @@ def _sums(system):
     row of the unknown, row of the constraint, the same entry.
     """
     n, n_q = system.n, system.n_q
-    mass = system.assemble(system.initial_state(), 1.0, 0.0, 0.0, 0.0, 1.0).data[system.diagonal[:n_q]]
+    mass = system.assemble(system.initial_state(), cM=1.0).data[system.diagonal[:n_q]]
     without = np.append((mass == 0.0) & ~system.signals, np.zeros(system.n_l, bool))
     gradients = np.flatnonzero((system.rows >= n_q) & without[system.cols])
     starts, code = np.searchsorted(system.rows, np.arange(n + 1)), system.rows * n + system.cols

@@ -104,8 +104,8 @@ class _Equations:
         """
         n, is_state, found = len(self.own), self.system.states[self.own], self._assembly
         J = np.zeros((2, n, n))
-        for i, weights in enumerate(((1.0, 0.0), (0.0, 1.0))):
-            self.system.assemble(s, 1.0, 0.0, *weights, 0.0, into=found)
+        for i, (cK, cC) in enumerate(((1.0, 0.0), (0.0, 1.0))):
+            self.system.assemble(s, cK=cK, cC=cC, into=found)
             J[i][self._places] = found.data[self._entries]
         return np.where(is_state, J[1], J[0]), found.residual[self.own], bool(J[1][:, ~is_state].any())
 
