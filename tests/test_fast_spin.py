@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import eigvals
 from scipy.sparse import coo_array
+from scipy.spatial.transform import Rotation
 from test_generalized_alpha import GYRO
 from time_runs import RecordedRun, deck, input_deck
 
@@ -147,6 +148,26 @@ def spectral_radius(turned, rho, ring, disc):
     new[14, 2 * n], new[15, [2 * n + 1, angle]] = 1, (1, 1)
     roots = eigvals(old, new)
     return np.abs(roots[np.isfinite(roots)]).max()
+
+
+ROD = """
+    mecano: 1
+    gravity: none
+    nodes: {rod: {position: [0, 0, 0]}}
+    elements: {rod: {type: rigid_body, node: rod, mass: 1, inertia: [0.2, 1, 1]}}
+    initial: {velocities: [{nodes: [rod], angular_velocity: [100, 1, 0]}]}
+    time: {end: 30, step: 6 ms, rho_inf: RHO}
+"""
+
+
+@pytest.mark.parametrize(("rho", "grows"), [(1.0, 1e-4), (0.8, 0.01), (0.5, 0.5)])
+def test_the_nutation_of_a_free_rod_grows_by_numerical_damping(rho, grows):
+    """Damping takes energy at constant momentum, so that the rod tends to turn about an axis across it."""
+    recorded = RecordedRun(deck(ROD.replace("RHO", str(rho))))
+    turns = Rotation.from_quat(recorded["nodes/rod/rotation"], scalar_first=True)
+    across = np.linalg.norm(turns.inv().apply(recorded["nodes/rod/angular_velocity"])[:, 1:], axis=1)
+    assert -1e-4 < across[-1] / across[0] - 1.0 < grows
+    assert (across[-1] - across[0] > 0.003) == (rho < 1.0)
 
 
 @pytest.mark.parametrize("rho", [0.8, 0.95])
