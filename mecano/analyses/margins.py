@@ -1,6 +1,5 @@
 """Margins of stability of a loop of a deck, opened at a signal: computation, file, warnings."""
 
-from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -10,13 +9,19 @@ from mecano.analyses.input_channels import place_of, unknowns_of, with_inputs
 from mecano.analyses.margins_text import table
 from mecano.analyses.operating_point import angular_velocity_of, operating_point
 from mecano.analyses.output_channels import Output
-from mecano.analyses.response import BEYOND, FrequencyRequest, inaccurate, plant_of, state_warnings, static_gains
+from mecano.analyses.response import (
+    BEYOND,
+    FrequencyRequest,
+    inaccurate,
+    new_file,
+    plant_of,
+    state_warnings,
+    static_gains,
+)
 from mecano.analyses.source import source_of
 from mecano.errors import UsageError, name_list
 from mecano.process.interrupt import call_interruptibly
-from mecano.results.file_names import refuse_existing, refuse_other_ending
-from mecano.results.lock import locked
-from mecano.results.margins_file import refuse_table, write_margins, write_table
+from mecano.results.margins_file import write_margins, write_table
 from mecano.solve.modal.frequency_grid import Sampled
 from mecano.solve.modal.frequency_response import Plant, TransferFunction
 from mecano.solve.modal.late_feedback import growing_poles
@@ -118,13 +123,7 @@ def margins(
     ``mecano run``, and, before anything is computed, ResultsError if a file exists.
     """
     request.check()
-    if path is not None:
-        refuse_other_ending(path, "--csv writes the numbers as a table")
-    with nullcontext() if path is None else locked(path):
-        if path is not None:
-            refuse_existing(path, force)
-            if columns:
-                refuse_table(path, force)
+    with new_file(path, columns, force):
         found = _find(deck, request)
         if path is not None:
             plain = contents(found)

@@ -1,7 +1,7 @@
 """Frequency response of a deck from inputs to outputs: computation, file, warnings; export of a state space."""
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import nullcontext
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -121,13 +121,7 @@ def response(
     request.check()
     if state_space is not None:
         refuse(state_space, force)
-    if path is not None:
-        refuse_other_ending(path, "--csv writes the numbers as a table")
-    with nullcontext() if path is None else locked(path):
-        if path is not None:
-            refuse_existing(path, force)
-            if columns:
-                refuse_table(path, force)
+    with new_file(path, columns, force):
         found = _find(deck, request, state_space is not None)
         matrices = None if state_space is None else linear_model(found)
         if path is not None:
@@ -138,6 +132,24 @@ def response(
     if state_space is not None and matrices is not None:
         lines.append(write_state_space(state_space, found, matrices))
     return "\n".join(lines), found
+
+
+@contextmanager
+def new_file(path: "str | os.PathLike[str] | None", columns: bool, force: bool) -> "Iterator[None]":
+    """Lock a file of numbers over frequencies that is to be written; do nothing if ``path`` is None.
+
+    Raises UsageError if its name is that of a table, and ResultsError if it or, with ``columns``, the table next to it
+    exists, unless ``force``.
+    """
+    if path is None:
+        yield
+        return
+    refuse_other_ending(path, "--csv writes the numbers as a table")
+    with locked(path):
+        refuse_existing(path, force)
+        if columns:
+            refuse_table(path, force)
+        yield
 
 
 def _find(deck, request, to_export):

@@ -6,6 +6,10 @@ import click
 
 from mecano.commands import at_equilibrium, at_saved_state, axes, overrides, plugins, require_saved_state, show
 
+lowest = click.option("--from", "low", type=float, required=True, metavar="HZ", help="Lowest frequency.")
+highest = click.option("--to", "high", type=float, required=True, metavar="HZ", help="Highest frequency.")
+equal_distances = click.option("--linear", is_flag=True, help="Frequencies at equal distances.")
+
 
 @click.command(short_help="Compute frequency responses; export a linear model.")
 @click.argument("deck", type=click.Path())
@@ -18,13 +22,13 @@ from mecano.commands import at_equilibrium, at_saved_state, axes, overrides, plu
     help="An output, as in formulas of signals (body.position.z, strut.force), an acceleration of a node, or a "
     "formula; may be repeated.",
 )  # fmt: skip
-@click.option("--from", "low", type=float, required=True, metavar="HZ", help="Lowest frequency.")
-@click.option("--to", "high", type=float, required=True, metavar="HZ", help="Highest frequency.")
+@lowest
+@highest
 @click.option(
     "--number", type=click.IntRange(1), default=200, show_default=True,
     help="Frequencies, at equal ratios; more are added around resonances.",
 )  # fmt: skip
-@click.option("--linear", is_flag=True, help="Frequencies at equal distances.")
+@equal_distances
 @click.option("--unrefined", is_flag=True, help="Add no frequencies around resonances, and locate no peaks.")
 @at_saved_state
 @at_equilibrium
@@ -97,13 +101,13 @@ def response(
     "--open-loop", "signal", metavar="NAME", required=True,
     help="The signal at which the loop is opened, or a load that is a formula of signals (motor.value).",
 )  # fmt: skip
-@click.option("--from", "low", type=float, required=True, metavar="HZ", help="Lowest frequency.")
-@click.option("--to", "high", type=float, required=True, metavar="HZ", help="Highest frequency.")
+@lowest
+@highest
 @click.option(
     "--number", type=click.IntRange(1), default=200, show_default=True,
     help="Frequencies, at equal ratios; more are added around resonances and crossovers.",
 )  # fmt: skip
-@click.option("--linear", is_flag=True, help="Frequencies at equal distances.")
+@equal_distances
 @at_saved_state
 @at_equilibrium
 @axes
@@ -111,8 +115,8 @@ def response(
     "-o", "--output-file", "path", type=click.Path(),
     help="File; default: the deck's name with _margins.h5, in this folder.",
 )  # fmt: skip
-@click.option("--plot", is_flag=True, help="Draw Bode and Nyquist diagrams into a picture beside the file.")
-@click.option("--csv", "columns", is_flag=True, help="Also write magnitude and phase as a table, beside the file.")
+@click.option("--plot", is_flag=True, help="Draw Bode and Nyquist diagrams into a picture next to the file.")
+@click.option("--csv", "columns", is_flag=True, help="Also write magnitude and phase as a table next to the file.")
 @click.option("-q", "--quiet", is_flag=True, help="Do not print the progress of compilation.")
 @click.option("--force", is_flag=True, help="Replace existing files.")
 @overrides

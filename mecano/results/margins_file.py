@@ -12,7 +12,7 @@ from mecano.results.disk import atomic_hdf5_file
 from mecano.results.file_names import refuse_existing
 from mecano.results.opening import open_checked
 from mecano.results.table import describe
-from mecano.results.whole_file import put_source, refuse_present, write_csv
+from mecano.results.whole_file import put_source, write_csv
 
 if TYPE_CHECKING:
     import os
@@ -95,13 +95,8 @@ def read_margins(path: "str | os.PathLike[str]") -> MarginsFile:
         )  # fmt: skip
 
 
-def refuse_table(path: "str | os.PathLike[str]", force: bool) -> None:
-    """Raise ResultsError if the table beside a file of margins exists, unless ``force``."""
-    refuse_present(Path(path).with_suffix(".csv"), force)
-
-
 def write_table(path: "str | os.PathLike[str]", plain: Mapping[str, Any], force: bool) -> None:
-    """Write the loop transfer function as CSV beside a file, a row for each frequency. Raises ResultsError."""
+    """Write the loop transfer function as CSV next to a file, a row for each frequency. Raises ResultsError."""
     write_csv(Path(path).with_suffix(".csv"), _rows(plain["loop"]), force)
 
 
