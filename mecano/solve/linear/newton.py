@@ -1,7 +1,9 @@
 """Newton's iterations of a step, in one compiled call.
 
 The factor of an earlier tangent is used as long as the residual falls quickly enough; otherwise the tangent is
-evaluated and factored again. The call returns to Python, which then calls again, to look at signals of the process
+evaluated and factored again. With a factor of an earlier step the residual must fall below SHARE of its tolerance; if
+one correction from a residual within the tolerance is expected to reach that, it is the last, and the residual after it
+is not evaluated. The call returns to Python, which then calls again, to look at signals of the process
 before a factorization (PAUSE), or if the fixed order of elimination cannot factor the matrix (OTHERWISE).
 
 In a step that is cut because a longer one failed, corrections of massless unknowns that overshoot are halved (Matthies
@@ -42,6 +44,7 @@ MOST_HALVINGS = 8  # of one correction
 MOST_MOVED = 3.0  # length scales, or rad, in one correction: iterations that move farther diverge
 
 CONVERGED, STALE, NOT_FINITE, TOO_MANY, SINGULAR, DIVERGES, PAUSE, OTHERWISE = range(8)
+CONTINUE, FINISH = -1, -2  # with the current factor; FINISH by one correction whose residual is not evaluated
 MESSAGES = {
     NOT_FINITE: "a residual is not finite",
     TOO_MANY: "no convergence in {} iterations",
@@ -112,6 +115,10 @@ def iterate(w):
             return code
         call(w.substitute, w.substitute_words, 0)
         w.pending = 1
+        if code == FINISH:
+            report[INCREMENT] = correct(of, w.length, x, by, start, s) / w.increment_tolerance
+            report[ITERATIONS] += 1
+            return CONVERGED
 
 
 @kernel
@@ -151,7 +158,7 @@ def present_norms(w, share, most, reach):
 
 @kernel
 def judge(w, report, signals):
-    """Return one of the codes for the current norms, or -1 to continue with the current factor."""
+    """Return one of the codes for the current norms."""
     worst, iteration = report[WORST], report[ITERATIONS]
     if iteration == 0:
         report[FIRST] = worst
@@ -174,9 +181,11 @@ def judge(w, report, signals):
     if not w.usable:
         return STALE
     if iteration == 0:
-        return -1
-    with_old = w.kept and iteration < w.most_kept
-    return STALE if (worst * rate ** (w.most_kept - iteration) > 1.0 if with_old else rate > SLOW) else -1
+        return CONTINUE
+    with_old = w.kept and not w.renewed and iteration < w.most_kept
+    if with_old and not w.strict and worst * SHARE <= 1.0 and worst * rate <= 1.0:  # within the tolerance already
+        return FINISH
+    return STALE if (worst * rate ** (w.most_kept - iteration) > 1.0 if with_old else rate > SLOW) else CONTINUE
 
 
 @kernel
