@@ -69,6 +69,7 @@ class History:
     age: int = 0  # accepted steps since that state
     drift: float = 0.0  # fraction of the residual that an iteration with an old tangent leaves, per step of its age
     taken: float = 0.0  # size of the last step [s]; 0 at a start
+    spent: float = 0.0  # iterations since the tangent was factored, with those that its factorization is worth
 
 
 @dataclass(eq=False, repr=False)

@@ -1,51 +1,45 @@
 """Decide when to refactor the Newton tangent.
 
-An iteration with a tangent that is ``age`` steps old reduces the residual to about drift * age of its norm. A few such
-iterations, more in larger models, cost less than a new tangent with its factorization; a tangent is kept as long as
-that number is expected to converge.
+An iteration with a tangent that is ``age`` steps old reduces the residual to about drift * age of its norm. The tangent
+is kept as long as the iterations expected in the next step are not more than a step has cost on average since it was
+factored, the factorization included: this average is then least.
 """
 
 import math
 
 from mecano.jit.kernel import kernel
-from mecano.solve.linear.newton import FIRST, ITERATIONS, SECOND, SHARE
+from mecano.solve.linear.newton import FIRST, ITERATIONS, SECOND, SHARE, TINY
 
-FEW = 2  # iterations with a kept tangent in small models
 LARGER = 90  # unknowns from which a model is not small
+LEAST_PRICE = 5.0  # iterations that cost as much as a new tangent and its factorization, in small models
 TRUST = 0.5  # of the residual norm: expected residual after the iterations up to which a tangent is kept
 FORGET = 0.9  # factor of the drift in every step without an old tangent
 IN_VAIN = 0.3  # least drift after a step in which the tangent of the last one did not suffice
 
 
-def most_kept(n):
-    """Return how many iterations with a kept tangent cost less than a new one of n unknowns.
+def price(n):
+    """Return the number of iterations that cost as much as a new tangent of n unknowns and its factorization.
 
-    Fitted to the fastest choice among 2 to 12 for ten four-bars and for chains of 10 to 1000 bars (104 to 11,000
-    unknowns), which is 4 to 8. In small models more than two gain 4 % at most, and leave larger residuals.
+    Fitted to the fastest choice among 3 to 20 for linkages, chains, wheels and lattice masts of 9 to 9720 unknowns.
     """
-    return FEW if n < LARGER else round(0.6 * math.log2(n))
+    return max(LEAST_PRICE, 0.6 * math.log2(n)) if n else LEAST_PRICE
 
 
 @kernel
-def choose_tangent(has, age, drift, renewed, report, most_kept):
-    """Decide whether the next step uses the tangent of this one; return (decision, age in steps, drift).
+def choose_tangent(has, age, drift, spent, renewed, report, price):
+    """Decide whether the next step uses the tangent of this one; return (decision, age in steps, drift, spent).
 
-    ``has``, ``age`` and ``drift`` are those with which this step began; ``renewed``: it evaluated a tangent;
-    ``most_kept``: iterations that may be made with an old one.
+    ``has``, ``age``, ``drift`` and ``spent`` are those with which this step began; ``renewed``: it evaluated a tangent;
+    ``spent``: iterations since the factorization, which counts as ``price`` iterations.
     """
-    first, before = report[FIRST], age
-    age, drift = age + 1, drift * FORGET
-    if not has:
-        first /= SHARE
-    elif first > 0.0:
-        drift = report[SECOND] / first / before
-    if renewed:  # keep it if it converges quickly, unless that of the step before did not suffice in this one
-        if has and before == 1:
-            has, drift = False, max(drift, IN_VAIN)
-        else:
-            has = report[ITERATIONS] <= (most_kept if has else 1.0)
-        age = 1 if has else 0
-    share = drift * age
-    if not first * share**most_kept <= TRUST:
-        has = False
-    return has, age, drift
+    first, before, ratio = report[FIRST], age, report[SECOND] / max(report[FIRST], TINY)
+    age, spent, drift = age + 1, spent + report[ITERATIONS], ratio / before if has else drift * FORGET
+    keeps = True
+    if renewed:
+        age, spent = 1, price + 1.0
+        if has and before == 1:  # the tangent of the step before did not suffice
+            keeps, drift = False, max(drift, IN_VAIN)
+        elif not has:
+            first, drift = first / SHARE, max(drift, ratio)
+    keeps = keeps and first * (drift * age) ** (spent // age) <= TRUST
+    return keeps, age if keeps else 0, drift, spent

@@ -40,7 +40,7 @@ from mecano.solve.linear.newton import (
     SINGULAR,
     STALE,
 )
-from mecano.solve.linear.refactorization import LARGER, most_kept
+from mecano.solve.linear.refactorization import LARGER, price
 from mecano.solve.time.consistent import Consistent, consistent_state
 from mecano.solve.time.contradictions import Contradictions
 from mecano.solve.time.error_bound import ErrorBound, bound_error
@@ -166,7 +166,7 @@ class GeneralizedAlpha:
             am=c.am, af=c.af, beta=c.beta, gamma=c.gamma, error=c.error, length=self.length, duration=self.duration,
             farthest_fixed=self.workspace.farthest_fixed / self.length,
             force_tolerance=to.force, constraint_tolerance=to.constraint, increment_tolerance=to.increment,
-            most=to.max_iterations, most_kept=most_kept(self.system.n),
+            most=to.max_iterations, price=price(self.system.n),
             n_massless=len(self._massless), massless=self._massless,
             increment=self.increment, kind=self._kind,
             fixed_k=self.k or 0.0, fixed_penalty=-1.0 if self.penalty is None else self.penalty,

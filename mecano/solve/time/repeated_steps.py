@@ -14,6 +14,7 @@ import numpy as np
 
 from mecano.model.numbering import SIGNAL
 from mecano.solve.linear.newton import CONVERGED
+from mecano.solve.linear.refactorization import price
 from mecano.solve.time.step_change import change_step
 from mecano.solve.time.workspace import BEGIN
 
@@ -131,4 +132,5 @@ class RepeatedSteps:
         signals = of.kind[: of.n] == SIGNAL  # whose rates follow from their own differences
         slope, bend = (np.where(signals, *both) for both in ((history.slope, slope), (history.bend, 0.0)))
         tangent = self.method.linear.label if similar else None
-        return replace(history, slope=slope, bend=bend, tangent=tangent, age=1, drift=0.0)
+        spent = price(self.method.system.n) + 1.0
+        return replace(history, slope=slope, bend=bend, tangent=tangent, age=1, drift=0.0, spent=spent)

@@ -59,6 +59,7 @@ def begin(w):
     floats(w.report, 8)[:] = 0.0
     w.pending = 0
     w.kept = 1 if w.has and not w.renewed else 0
+    w.most_kept = int(w.spent / max(w.age, 1)) + 1
     w.stale = 0 if w.kept and w.usable else 1
 
 
@@ -84,6 +85,6 @@ def complete(w):
         largest = max(largest, abs(ended[massless[i]] - began[massless[i]]))
     w.lag = w.error * w.h * w.h * largest / w.length
     w.next_known = min(w.known + 1, 2)
-    w.next_has, w.next_age, w.next_drift = choose_tangent(
-        w.has, w.age, w.drift, w.renewed, floats(w.report, 8), w.most_kept
+    w.next_has, w.next_age, w.next_drift, w.next_spent = choose_tangent(
+        w.has, w.age, w.drift, w.spent, w.renewed, floats(w.report, 8), w.price
     )

@@ -83,7 +83,7 @@ def change_step(work: Records(STEP)):
     else:
         scale_constraints(w, w.h, True)
     w.has = w.has if longer or w.delegated else 0
-    w.factored, w.age, w.code = 0, 1, CONVERGED
+    w.factored, w.age, w.spent, w.code = 0, 1, w.price + 1.0, CONVERGED
 
 
 @kernel
@@ -91,7 +91,8 @@ def remember(w):
     """Keep the history before the change, with which an interrupted run is resumed."""
     copy_history(w, BEGIN, UNCHANGED)
     copy_state(w, TANGENT, FORMER)
-    w.changed, w.last_h, w.last_stiffness, w.last_age, w.last_has = 1, w.h, w.stiffness, w.age, w.has
+    w.changed, w.last_h, w.last_stiffness = 1, w.h, w.stiffness
+    w.last_age, w.last_has, w.last_spent = w.age, w.has, w.spent
 
 
 @kernel
@@ -99,7 +100,8 @@ def go_back(w):
     """Restore the history before the last change."""
     copy_history(w, UNCHANGED, BEGIN)
     copy_state(w, FORMER, TANGENT)
-    w.h, w.stiffness, w.age, w.has = w.last_h, w.last_stiffness, w.last_age, w.last_has
+    w.h, w.stiffness = w.last_h, w.last_stiffness
+    w.age, w.has, w.spent = w.last_age, w.last_has, w.last_spent
 
 
 @kernel

@@ -316,5 +316,5 @@ def move_on(m, w):
         copy_state(w, RENEWED, TANGENT)
         m.renewed_tangents += 1
         w.renewed = 0
-    w.known, w.has, w.age, w.drift = w.next_known, w.next_has, w.next_age, w.next_drift
+    w.known, w.has, w.age, w.drift, w.spent = w.next_known, w.next_has, w.next_age, w.next_drift, w.next_spent
     m.phase = READY

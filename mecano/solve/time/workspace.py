@@ -33,6 +33,7 @@ STEP = fields(
     floats="due am af beta gamma error length duration force_tolerance constraint_tolerance increment_tolerance "
     "h taken k penalty cC cM stiffness reach farthest farthest_fixed loudest motion last_motion "
     "change lag turn signalled drift next_drift "
+    "spent next_spent last_spent price "
     "next_h last_h last_stiffness metric_k similar_stiffness fixed_k fixed_penalty "
     "largest_penalty largest_penalty_share",
     words="code begun strict by_velocity paused factored delegated similar masses_kept changed has kept "
@@ -224,13 +225,14 @@ class Workspace(Pointers):
         r["known"], r["stiffness"], r["h"], r["changed"] = history.known, history.k, history.h, False
         r["taken"] = history.taken
         r["has"], r["age"], r["drift"] = history.tangent is not None, history.age, history.drift
+        r["spent"] = history.spent
 
     def put_unchanged(self, history: History) -> None:
         """Enter the History at BEGIN before the change of its step size; a second change starts from it again."""
         n, row, r = self.system.n, self.history[UNCHANGED], self.record
         row[: len(history.a)], row[-2 * n : -n], row[-n:] = history.a, history.slope, history.bend
         r["changed"], r["last_h"], r["last_stiffness"] = True, history.h, history.k
-        r["last_has"], r["last_age"] = history.tangent is not None, history.age
+        r["last_has"], r["last_age"], r["last_spent"] = history.tangent is not None, history.age, history.spent
 
     def last_history(self, tangent: State | None) -> History:
         """Return the History at BEGIN with which the last step ended; ``tangent`` is a State."""
@@ -240,7 +242,12 @@ class Workspace(Pointers):
         former = self.state(FORMER, self.phases.copy()) if r["last_has"] else None
         changed = self.new_history(UNCHANGED, np.zeros(len(self.v_shift)), former)
         return replace(
-            changed, h=float(r["last_h"]), k=float(r["last_stiffness"]), age=int(r["last_age"]), tangent=former
+            changed,
+            h=float(r["last_h"]),
+            k=float(r["last_stiffness"]),
+            age=int(r["last_age"]),
+            tangent=former,
+            spent=float(r["last_spent"]),
         )
 
     def new_history(self, which: int, v_shift: np.ndarray, tangent: State | None) -> History:
@@ -249,7 +256,7 @@ class Workspace(Pointers):
         return History(
             row[: -2 * n].copy(), float(r["h"]), row[-2 * n : -n].copy(), row[-n:].copy(), int(r[f"{now}known"]),
             v_shift, float(r["stiffness"]), tangent if r[f"{now}has"] else None, int(r[f"{now}age"]),
-            float(r[f"{now}drift"]), float(r["h"] if now else r["taken"]),
+            float(r[f"{now}drift"]), float(r["h"] if now else r["taken"]), float(r[f"{now}spent"]),
         )  # fmt: skip
 
 
