@@ -3,7 +3,7 @@
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats
-from mecano.model.assembly_driver import assemble_residual, loops_at
+from mecano.model.assembly_driver import assemble_residual, constraint_derivatives, loops_at
 from mecano.solve.linear.newton import CONVERGED, PAUSE
 from mecano.solve.time.output import DONE, FULL, OUTPUT
 from mecano.solve.time.radau_workspace import RADAU, copy_numbers, stage_of
@@ -24,8 +24,8 @@ from mecano.solve.time.stride import (
     WAIT,
     count,
     departs,
+    exceeds_gap,
     happens,
-    parts,
     plan,
     take,
 )
@@ -79,7 +79,7 @@ def tried(m, w, r, o):
         return WAIT
     if w.code != CONVERGED:
         return REPEAT if m.rejections else DECIDE
-    if not r.projected or w.turn > MOST_TURN or parts(m, w):
+    if not r.projected or w.turn > MOST_TURN or contradict(m, w):
         return REPEAT
     share = allowed(m.tolerance, m.duration, w.h)
     change = factor_of_order(r.error, share, ORDER)
@@ -94,6 +94,19 @@ def tried(m, w, r, o):
         return REPEAT if m.rejections else DECIDE
     accept(m, w, r, o, change, share)
     return ADVANCED
+
+
+@kernel
+def contradict(m, w):
+    """Return whether redundant constraints contradict one another at TRIAL by more than half the admissible gap."""
+    if not m.checks_gaps:
+        return False
+    loops, gap = loops_at(w.n_constraints, w.constraints, w.constraint_batches), floats(w.gap, w.n_l)
+    derivatives = floats(w.derivatives, (w.n_l, 3))
+    constraint_derivatives(loops, system_of(w), state_of(w, TRIAL), derivatives)
+    for i in range(w.n_l):
+        gap[i] = derivatives[i, 0]
+    return exceeds_gap(m, gap)
 
 
 @kernel

@@ -9,7 +9,7 @@ import numpy as np
 from mecano.jit.entry import Records, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers, items
-from mecano.model.assembly_driver import commit, constraint_derivatives, event_values, loops_at, observe
+from mecano.model.assembly_driver import commit, event_values, loops_at, observe
 from mecano.model.loop_records import SYSTEM, fields
 from mecano.model.numbering import ROTATION, TRANSLATION
 from mecano.model.state import Instant
@@ -108,7 +108,7 @@ def tried(m, w, o):
             return REPEAT if m.rejections else DECIDE
         m.in_vain, w.begun, w.by_velocity = int(floats(w.report, 8)[0]), 0, 1  # as GeneralizedAlpha.step
         return AGAIN
-    if w.code != CONVERGED or w.turn > MOST_TURN or parts(m, w) or slips(m, w):
+    if w.code != CONVERGED or w.turn > MOST_TURN or contradict(m, w) or slips(m, w):
         return REPEAT
     lag = counted(w.lag, FORGOTTEN, m.duration, w.h)
     plain = max(w.error * w.h * w.h * w.change, w.signalled, lag)
@@ -199,17 +199,34 @@ def happens(m, w, s):
 
 
 @kernel
-def parts(m, w):
-    """Return whether redundant constraints contradict one another at TRIAL by more than the admissible gap."""
+def contradict(m, w):
+    """Return whether redundant constraints contradict one another at TRIAL by more than half the admissible gap.
+
+    Their values are those to which their compliances give way under the reactions.
+    """
     if not m.checks_gaps:
         return False
-    n, weight = w.n_l, floats(m.share_of_gap, w.n_l)
-    g, loops = floats(w.derivatives, (n, 3)), loops_at(w.n_constraints, w.constraints, w.constraint_batches)
-    constraint_derivatives(loops, system_of(w), state_of(w, TRIAL), g)
-    largest = 0.0
-    for i in range(n):
-        largest += (g[i, 0] * weight[i]) * (g[i, 0] * weight[i])
+    gap = floats(w.gap, w.n_l)
+    deflections(w, w.k, gap)
+    return exceeds_gap(m, gap)
+
+
+@kernel
+def exceeds_gap(m, violations):
+    """Return whether the ``violations`` (n_l,) of redundant constraints exceed half the admissible gap."""
+    weight, largest = floats(m.share_of_gap, violations.size), 0.0
+    for i in range(violations.size):
+        largest += (violations[i] * weight[i]) * (violations[i] * weight[i])
     return largest > 0.25
+
+
+@kernel
+def deflections(w, k, out):
+    """Write -k c Lambda (n_l,) at TRIAL, with the compliances c of redundant and deactivated constraints."""
+    out[:] = 0.0
+    starts, columns = integers(w.soft_starts, w.n_l + 1), integers(w.soft_columns, w.n_entries)
+    multipliers = state_of(w, TRIAL).z[w.n_q : w.n]
+    soften(k, starts, columns, floats(w.soft_values, w.n_entries), multipliers, out)
 
 
 @kernel
@@ -225,9 +242,7 @@ def slips(m, w):
             linear = max(linear, speed)
         elif kind[i] == ROTATION:
             angular = max(angular, speed)
-    rates[:] = 0.0
-    starts, columns = integers(w.soft_starts, w.n_l + 1), integers(w.soft_columns, w.n_entries)
-    soften(w.cC, starts, columns, floats(w.soft_values, w.n_entries), s.z[w.n_q : w.n], rates)
+    deflections(w, w.cC, rates)
     released, along = integers(m.released, m.n_released), integers(m.along, m.n_released)
     for i in range(m.n_released):
         if abs(rates[released[i]]) > 0.5 * SLIPS * (linear if along[i] else angular):
