@@ -11,15 +11,18 @@ from mecano.maths.vector import EYE, Vec3, cross, dot, skew
 
 TINY = 1e-150  # half the angle [rad] below which a rotation has no axis
 SERIES = 1e-2  # below this angle [rad] the series of four terms is exact to round-off
+F3, F4, F5, F6 = 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0  # 1/k!, as a division takes as long as four products
+F7, F8, F9 = 1.0 / 5040.0, 1.0 / 40320.0, 1.0 / 362880.0
+D1, D2, D3 = 1.0 / 12.0, 1.0 / 720.0, 1.0 / 30240.0
 
 
 @kernel
 def coefficients(t2):
     """Return sin(t)/t, (1 - cos t)/t^2, (t - sin t)/t^3 for t2 = t^2."""
     is_small = t2 < SERIES * SERIES
-    s = 1.0 - t2 / 6.0 * (1.0 - t2 / 20.0 * (1.0 - t2 / 42.0))
-    c = 0.5 * (1.0 - t2 / 12.0 * (1.0 - t2 / 30.0 * (1.0 - t2 / 56.0)))
-    b = (1.0 - t2 / 20.0 * (1.0 - t2 / 42.0 * (1.0 - t2 / 72.0))) / 6.0
+    s = 1.0 - t2 * (F3 - t2 * (F5 - t2 * F7))
+    c = 0.5 - t2 * (F4 - t2 * (F6 - t2 * F8))
+    b = F3 - t2 * (F5 - t2 * (F7 - t2 * F9))
     if everywhere(is_small):
         return s, c, b
     t = sqrt(t2)
@@ -100,7 +103,7 @@ def tangent(psi):
 def inverse_coefficient(t2):
     """Return d = (1 - t/2 cot(t/2))/t^2 of an angle t with the square t2, for t < 2 pi; 1/12 for small ones."""
     if t2 < SERIES * SERIES:
-        return (1.0 + t2 / 60.0 * (1.0 + t2 / 42.0)) / 12.0
+        return D1 + t2 * (D2 + t2 * D3)
     t = sqrt(t2)
     return (1.0 - 0.5 * t / tan(0.5 * t)) / t2
 

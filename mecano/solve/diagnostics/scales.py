@@ -141,11 +141,12 @@ def norms(
         elif kind[i] == STATE:
             signal = max(signal, x * duration / state_size(duration, s.z[i], s.v[i]))
         elif kind[i] == LENGTH_CONSTRAINT:
-            distance = max(distance, x / k)
+            distance = max(distance, x)
         elif kind[i] == RELEASED:
-            shared = max(shared, x / k)
+            shared = max(shared, x)
         else:
-            angle = max(angle, x / k)
+            angle = max(angle, x)
+    distance, shared, angle = distance / k, shared / k, angle / k
     f = max(force_size, ANGULAR_SHARE * moment_size / length)
     m = max(moment_size, ANGULAR_SHARE * force_size * length)
     g = max(scalar_size, ANGULAR_SHARE * f) * limits.force
