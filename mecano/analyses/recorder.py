@@ -22,10 +22,7 @@ if TYPE_CHECKING:
 
 INTERVAL = 0.2  # s of wall-clock time after which rows go to the writer
 FORCES = ("N", "N m", "Pa")  # units of outputs that are monitored for ringing
-REMEDY = (
-    "laws that stay finite near this state; a smaller time.step or time.adaptive, if the motion so far is not as "
-    "expected; a smaller time.rho_inf, if a rotor turns by more than 0.03 rad in a step"
-)
+REMEDY = "laws that stay finite near this state; a smaller time.step or time.adaptive, if the motion so far looks wrong"
 
 
 class Recorder:

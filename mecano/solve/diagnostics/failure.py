@@ -29,8 +29,8 @@ TRY = {
     Failure.CONTRADICTION: "remove one of these constraints, or make their laws of time consistent; where a linkage "
     "comes to a flat or straight position, time.method: radau, which passes singular positions or names them",
     Failure.SINGULAR: "a mass, an inertia or a stiffness where one is missing above; `mecano check` for mechanisms",
-    Failure.NOT_CONVERGED: "a smaller time.step; a smaller time.rho_inf (not of radau); laws without jumps near "
-    "this state; `mecano check` for redundant constraints and mechanisms",
+    Failure.NOT_CONVERGED: "a smaller time.step; a time.rho_inf of 0.9 or less, as near 1 errors of constraints "
+    "grow (not of radau); laws without jumps near this state; `mecano check` for redundant constraints and mechanisms",
 }
 
 
