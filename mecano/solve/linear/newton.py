@@ -110,7 +110,8 @@ def iterate(w):
             correct(of, w.length, x, by, start, s)
             residual(loops, system, w.k, w.penalty)
             soften_rows(w, s.z, r)
-        code = judge(w, report, measure(w, report, share))
+        before = report[FORCES], report[CONSTRAINTS]
+        code = judge(w, report, before, measure(w, report, share))
         if code >= 0:
             return code
         call(w.substitute, w.substitute_words, 0)
@@ -157,8 +158,8 @@ def present_norms(w, share, most, reach):
 
 
 @kernel
-def judge(w, report, signals):
-    """Return one of the codes for the current norms."""
+def judge(w, report, before, signals):
+    """Return one of the codes for the current norms; those of forces and constraints ``before`` the correction."""
     worst, iteration = report[WORST], report[ITERATIONS]
     if iteration == 0:
         report[FIRST] = worst
@@ -170,6 +171,7 @@ def judge(w, report, signals):
     reduction = w.motion / max(w.last_motion, TINY)  # the correction is of the motion alone
     if iteration and report[INCREMENT] * min(reduction, 1.0) <= 1.0:  # the next correction would be within tolerance
         rounded = at_rounding(report[INCREMENT] * w.increment_tolerance, reduction, w.renewed, w.reach, ROUNDING)
+        rounded = rounded and (w.renewed or reduction > SLOW)  # reactions converge with the residual of an old tangent
         if worst <= 1.0 or (signals <= 1.0 and rounded and not w.strict):
             return CONVERGED
         if signals <= 1.0 and rounded:  # the residual may be the rounding error of positions
@@ -183,9 +185,17 @@ def judge(w, report, signals):
     if iteration == 0:
         return CONTINUE
     with_old = w.kept and not w.renewed and iteration < w.most_kept
-    if with_old and not w.strict and worst * SHARE <= 1.0 and worst * rate <= 1.0:  # within the tolerance already
-        return FINISH
+    if with_old and not w.strict and worst * SHARE <= 1.0:  # within the tolerance already
+        forces, constraints = after_next(report[FORCES], before[0]), after_next(report[CONSTRAINTS], before[1])
+        if max(forces, constraints) <= 1.0:
+            return FINISH
     return STALE if (worst * rate ** (w.most_kept - iteration) > 1.0 if with_old else rate > SLOW) else CONTINUE
+
+
+@kernel
+def after_next(norm, before):
+    """Return the norm that the next correction is expected to leave, as the one from the norm ``before`` did."""
+    return norm * min(norm / max(before, TINY), 1.0)
 
 
 @kernel
