@@ -223,7 +223,7 @@ class TestRun:
 
     def test_no_convergence(self, call, folder):
         time = (
-            "time: {end: 1, step: 0.1, adaptive: {tolerance: 0.5, minimum_step: 0.1}, newton: {maximum_iterations: 1}}"
+            "time: {end: 1, step: 0.2, adaptive: {tolerance: 0.5, minimum_step: 0.2}, newton: {maximum_iterations: 1}}"
         )
         (folder / "deck.yaml").write_text(DECK.partition("time:")[0] + time)
         code, _, err = call("run", "deck.yaml")

@@ -7,12 +7,12 @@ from mecano.jit.ahead import compile_ahead
 from mecano.model import assembly_driver, extremes, sampler
 from mecano.solve.events.events import some_happened
 from mecano.solve.linear import multifrontal
-from mecano.solve.linear.refactorization import LARGER
 from mecano.solve.time import increments
 from mecano.solve.time.constrained_mass import assemble_mass
 from mecano.solve.time.error_bound import bound_error
 from mecano.solve.time.interpolate import between_states
 from mecano.solve.time.output import record_step
+from mecano.solve.time.repeated_steps import LARGER
 from mecano.solve.time.step import attempt
 from mecano.solve.time.step_change import change_step
 from mecano.solve.time.stride import stride
@@ -66,7 +66,7 @@ def compile_time_integration(system: "System", time: "Values") -> None:
     else:
         own = (*GENERALIZED_ALPHA, bound_error) if time["adaptive"] else GENERALIZED_ALPHA
     own += EVENTS if system.n_events else ()
-    own += (multifrontal.residual,) if system.n_events and system.n >= LARGER else ()  # repeated_steps.py
+    own += (multifrontal.residual,) if system.n_events and system.n >= LARGER else ()
     further = [] if system.halves is None else divided()
     codes = [*(entry.code for entry in (*own, *TIME_INTEGRATION)), *system.codes(), *further]
     compile_ahead(codes)

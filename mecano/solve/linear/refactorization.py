@@ -1,7 +1,7 @@
 """Decide when to refactor the Newton tangent.
 
 An iteration with a tangent that is ``age`` steps old reduces the residual to about drift * age of its norm. The tangent
-is kept as long as the iterations expected in the next step are not more than a step has cost on average since it was
+is kept as long as the iterations expected in the next step are fewer than a step has cost on average since it was
 factored, the factorization included: this average is then least.
 """
 
@@ -10,36 +10,37 @@ import math
 from mecano.jit.kernel import kernel
 from mecano.solve.linear.newton import FIRST, ITERATIONS, SECOND, SHARE, TINY
 
-LARGER = 90  # unknowns from which a model is not small
-LEAST_PRICE = 5.0  # iterations that cost as much as a new tangent and its factorization, in small models
+PRICE = 6.0  # iterations that cost as much as a new tangent and its factorization, for 9 to 10,000 unknowns
 TRUST = 0.5  # of the residual norm: expected residual after the iterations up to which a tangent is kept
 FORGET = 0.9  # factor of the drift in every step without an old tangent
 IN_VAIN = 0.3  # least drift after a step in which the tangent of the last one did not suffice
 
 
-def price(n):
-    """Return the number of iterations that cost as much as a new tangent of n unknowns and its factorization.
+@kernel
+def most_kept(spent, age, most):
+    """Return how many iterations with the tangent are too many: they cost as much as a step has cost on average.
 
-    Fitted to the fastest choice among 3 to 20 for linkages, chains, wheels and lattice masts of 9 to 9720 unknowns.
+    Of ``most`` iterations of a step, half are left for a new tangent.
     """
-    return max(LEAST_PRICE, 0.6 * math.log2(n)) if n else LEAST_PRICE
+    return min(math.ceil(spent / max(age, 1)), (most - 1) // 2)
 
 
 @kernel
-def choose_tangent(has, age, drift, spent, renewed, report, price):
+def choose_tangent(has, age, drift, spent, renewed, report, most):
     """Decide whether the next step uses the tangent of this one; return (decision, age in steps, drift, spent).
 
     ``has``, ``age``, ``drift`` and ``spent`` are those with which this step began; ``renewed``: it evaluated a tangent;
-    ``spent``: iterations since the factorization, which counts as ``price`` iterations.
+    ``spent``: iterations since the factorization, which counts as PRICE iterations; ``most``: of a step.
     """
     first, before, ratio = report[FIRST], age, report[SECOND] / max(report[FIRST], TINY)
     age, spent, drift = age + 1, spent + report[ITERATIONS], ratio / before if has else drift * FORGET
     keeps = True
     if renewed:
-        age, spent = 1, price + 1.0
+        age, spent = 1, PRICE + 1.0
         if has and before == 1:  # the tangent of the step before did not suffice
             keeps, drift = False, max(drift, IN_VAIN)
         elif not has:
             first, drift = first / SHARE, max(drift, ratio)
-    keeps = keeps and first * (drift * age) ** (spent // age) <= TRUST
+    fewer = most_kept(spent, age, most) - 1
+    keeps = keeps and fewer > 0 and first * (drift * age) ** fewer <= TRUST
     return keeps, age if keeps else 0, drift, spent

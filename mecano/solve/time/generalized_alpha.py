@@ -40,13 +40,12 @@ from mecano.solve.linear.newton import (
     SINGULAR,
     STALE,
 )
-from mecano.solve.linear.refactorization import LARGER, price
 from mecano.solve.time.consistent import Consistent, consistent_state
 from mecano.solve.time.contradictions import Contradictions
 from mecano.solve.time.error_bound import ErrorBound, bound_error
 from mecano.solve.time.increments import Weights, motion_tangents
 from mecano.solve.time.ordinary_steps import OrdinarySteps
-from mecano.solve.time.repeated_steps import RepeatedSteps
+from mecano.solve.time.repeated_steps import LARGER, RepeatedSteps
 from mecano.solve.time.step import attempt
 from mecano.solve.time.step_change import change_step
 from mecano.solve.time.step_info import MOST_TURN, PATIENCE, TURNS_TOO_FAR, StepInfo, Trial
@@ -166,8 +165,7 @@ class GeneralizedAlpha:
             am=c.am, af=c.af, beta=c.beta, gamma=c.gamma, error=c.error, length=self.length, duration=self.duration,
             farthest_fixed=self.workspace.farthest_fixed / self.length,
             force_tolerance=to.force, constraint_tolerance=to.constraint, increment_tolerance=to.increment,
-            most=to.max_iterations, price=price(self.system.n),
-            n_massless=len(self._massless), massless=self._massless,
+            most=to.max_iterations, n_massless=len(self._massless), massless=self._massless,
             increment=self.increment, kind=self._kind,
             fixed_k=self.k or 0.0, fixed_penalty=-1.0 if self.penalty is None else self.penalty,
             exact_rates=exact_rates, solve=new.function, solve_words=new.words,

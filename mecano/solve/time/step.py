@@ -6,7 +6,7 @@ from mecano.jit.memory import floats, integers
 from mecano.model.numbering import SIGNAL
 from mecano.solve.diagnostics.scales import state_size
 from mecano.solve.linear.newton import CONVERGED, newton
-from mecano.solve.linear.refactorization import choose_tangent
+from mecano.solve.linear.refactorization import choose_tangent, most_kept
 from mecano.solve.time.increments import carried_history, finish, predict
 from mecano.solve.time.step_control import SUDDEN, counted
 from mecano.solve.time.workspace import (
@@ -58,8 +58,8 @@ def begin(w):
     w.reach = max(w.farthest, 1.0)
     floats(w.report, 8)[:] = 0.0
     w.pending = 0
-    w.kept = 1 if w.has and not w.renewed else 0
-    w.most_kept = int(w.spent / max(w.age, 1)) + 1
+    w.most_kept = most_kept(w.spent, w.age, w.most)
+    w.kept = 1 if w.has and not w.renewed and w.most_kept > 0 else 0
     w.stale = 0 if w.kept and w.usable else 1
 
 
@@ -86,5 +86,5 @@ def complete(w):
     w.lag = w.error * w.h * w.h * largest / w.length
     w.next_known = min(w.known + 1, 2)
     w.next_has, w.next_age, w.next_drift, w.next_spent = choose_tangent(
-        w.has, w.age, w.drift, w.spent, w.renewed, floats(w.report, 8), w.price
+        w.has, w.age, w.drift, w.spent, w.renewed, floats(w.report, 8), w.most
     )

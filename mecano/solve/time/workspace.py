@@ -33,7 +33,7 @@ STEP = fields(
     floats="due am af beta gamma error length duration force_tolerance constraint_tolerance increment_tolerance "
     "h taken k penalty cC cM stiffness reach farthest farthest_fixed loudest motion last_motion "
     "change lag turn signalled drift next_drift "
-    "spent next_spent last_spent price "
+    "spent next_spent last_spent "
     "next_h last_h last_stiffness metric_k similar_stiffness fixed_k fixed_penalty "
     "largest_penalty largest_penalty_share",
     words="code begun strict by_velocity paused factored delegated similar masses_kept changed has kept "
