@@ -314,3 +314,36 @@ def test_planets_share_the_load_at_any_speed():
     a = 3 * 3 / (9 * 0.012 + 0.016 + 3 * (0.3 * 0.15**2 + 9 * 0.0011))
     for i in range(3):
         np.testing.assert_allclose(run[f"joints/inner{i}/force"], -(3 - 3 * 0.012 * a) / 0.3, rtol=1e-4)
+
+
+@pytest.mark.parametrize(("joints", "share"), [(1, 1.0), (2, 0.5)])
+def test_redundant_joints_of_a_mass_that_circles_take_no_energy(joints, share):
+    """A mass on equal joints of a hub that turns freely at 100 rad/s, in steps of 0.1 and 0.01 rad.
+
+    The rate is constant by the moment of momentum, and each joint carries its share of m r w^2. One joint has an error
+    of 2.4e-9 in steps of 0.1 rad, that of the method.
+    """
+    for step, lost in ((1e-3, 1e-8), (1e-4, 1e-11)):
+        run = RecordedRun(
+            deck(f"""
+            mecano: 1
+            gravity: none
+            nodes:
+              hub: {{position: [0, 0, 0]}}
+              seat: {{position: [0.05, 0.01, 0]}}
+              mass: {{position: [0.05, 0.01, 0]}}
+            elements:
+              hub: {{type: rigid_body, node: hub, mass: 1, inertia: [0.001, 0.001, 0.001], attached: [seat]}}
+              mass: {{type: rigid_body, node: mass, mass: 1, inertia: [0.001, 0.001, 0.001]}}
+            joints:
+              axle: {{type: hinge, nodes: [ground, hub], axis: [0, 0, 1]}}
+              pin$i:
+                {{repeat: {{i: 1..{joints}}}, type: generic, nodes: [seat, mass], axis: [0, 0, 1], free: [about_axis]}}
+            initial: {{velocities: [{{nodes: all, angular_velocity: [0, 0, 100], about: [0, 0, 0]}}]}}
+            time: {{end: {100 * step}, step: {step}, method: radau}}
+        """)
+        )
+        np.testing.assert_allclose(run["joints/axle/rate"], 100.0, rtol=lost)
+        pull = [[-500.0 * share, -100.0 * share, 0.0]]
+        for i in range(joints):
+            np.testing.assert_allclose(run[f"joints/pin{i + 1}/force"], pull * len(run.time), rtol=0, atol=1e-4)

@@ -59,7 +59,7 @@ class Consistent:
         bare = s.copy()
         bare.a[:] = 0.0
         bare.z[system.n_q : system.n] = 0.0
-        data, self.loose, self.k = system.kept(ConstrainedMass).at(s, length, compliance)
+        data, self.loose, self.k, self.softness = system.kept(ConstrainedMass).at(s, length, compliance)
         self.massless = np.flatnonzero(self.loose & (system.numbering.kind[: system.n_q] == SCALAR))
         self.data, self.bare, self.compliance = data, bare, compliance
         self._factor()
@@ -92,10 +92,17 @@ class Consistent:
         return x
 
     def _solve_again(self, top, bottom):
-        n_q, x = self.system.n_q, self._solution(top, bottom)
-        if self.compliance is not None and len(self.compliance.released):
-            x = self._solution(top, self.compliance.sharing(self.k, bottom, x[n_q:]))
+        n_q, x = self.system.n_q, self._sharing(top, bottom)
+        if self.compliance is not None:
+            yielding = self.softness * self.compliance.deflection(self.k * x[n_q:])
+            x += self._sharing(np.zeros(n_q), -self.k * yielding)
         return x[:n_q], self.k * x[n_q:]
+
+    def _sharing(self, top, bottom):
+        x = self._solution(top, bottom)
+        if self.compliance is not None and len(self.compliance.released):
+            x = self._solution(top, self.compliance.sharing(self.k, bottom, x[self.system.n_q :]))
+        return x
 
     def _solution(self, top, bottom):
         x = np.zeros(self.system.n)
@@ -115,14 +122,17 @@ class Consistent:
         return self._solve_again(np.zeros(self.system.n_q), -self.k * rate)
 
     def share(self, reactions: np.ndarray) -> np.ndarray:
-        """Return reactions or impulses (n_l,) of the same effect and of least norm, without rounding errors of rates.
+        """Return reactions or impulses (n_l,) of the same effect and of least norm.
 
-        Compliances amplify relative errors of 1e-16 of the rates, or second rates, to 1e-4 and more of the reactions;
-        here all rates are small.
+        The first correction makes their norm the least, but yields to the compliances; the second takes that back.
         """
         if self.compliance is None:
             return reactions
-        return reactions + self.exchange(-self.compliance.deflection(reactions))[1]
+        none, out = np.zeros(self.system.n_q), reactions
+        for sign in (1.0, -1.0):
+            yielding = self.softness * self.compliance.deflection(out)
+            out = out + self.k * self._sharing(none, sign * self.k * yielding)[self.system.n_q :]
+        return out
 
     def project_velocity(self, s: "State") -> None:
         """Change v of ``s`` in place so that the rates of the constraints become zero."""
@@ -327,8 +337,6 @@ def consistent_state(
     if again or len(system.sensed_multipliers):
         consistent.settle(s, h)
         consistent.accelerate(s)
-    if compliance is not None:
-        s = consistent.apply_compliance(s, compliance)
     return s, consistent
 
 

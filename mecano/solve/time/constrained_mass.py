@@ -18,9 +18,9 @@ from mecano.model.loop_records import SYSTEM, Pointers, fields
 from mecano.model.loops import constraint_derivatives as of_constraints
 from mecano.model.loops import residual as of_residuals
 from mecano.model.loops import tangent as of_tangents
-from mecano.model.numbering import ROTATION, SCALAR
+from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SCALAR
 from mecano.model.state import Instant, State
-from mecano.solve.events.compliance import OF_RELEASED, RELEASED_COMPLIANCE, Compliance, compliance_fields
+from mecano.solve.events.compliance import OF_RELEASED, RELEASED_COMPLIANCE, TINY, Compliance, compliance_fields
 from mecano.solve.linear import multifrontal
 from mecano.solve.linear.sparse import ACCEPT_BELOW, LinearSolver
 
@@ -29,15 +29,16 @@ if TYPE_CHECKING:
 
 # Numbers and addresses; flags of the unknowns: ``signals``, ``massless`` (by their kinds), ``loose`` (at the state)
 MASS = fields(
-    floats="k length",
+    floats="k length softness",
     words="n_q n_l n n_all n_rotations nnz n_data system z a T kind rows columns diagonal signals massless loose alone "
     "n_residuals residuals residual_batches n_tangents tangents tangent_batches "
     "n_positions positions position_batches n_rates rates rate_batches by_positions plain penalized "
     "n_constraints constraints constraint_batches derivatives "
-    "n_entries entry_places soft_starts soft_columns soft_base soft_kinds soft_in_tangent deflection "
+    "n_entries entry_places soft_starts soft_columns soft_base soft_kinds soft_in_tangent deflection violated "
     "solve solve_words solve_results substitute substitute_words right solution",
 )
 SECOND = 2  # column of the second rates of the constraints
+SOFTNESS = 1e-8  # of the accelerations, those by compliances: rounding disturbs the reactions by as much of themselves
 
 
 @entry
@@ -137,13 +138,34 @@ def hold_loose(m):
 
 @kernel
 def soften_mass(m):
-    """Add the compliances of redundant constraints, -k^2 c (compliance.py)."""
+    """Add the compliances of redundant constraints (compliance.py), -k^2 c times their ``softness`` in this metric.
+
+    In the metric of positions the least of them would be lost in the rounding of the elimination.
+    """
     n, data = m.n_entries, values_of(m)
+    m.softness = softness(m)
     base, kinds, in_tangent = floats(m.soft_base, n), integers(m.soft_kinds, n), floats(m.soft_in_tangent, n)
     places = integers(m.entry_places, n)
     for i in range(n):
-        c = base[i] * (RELEASED_COMPLIANCE / m.k if kinds[i] == OF_RELEASED else 1.0)
+        c = base[i] * (RELEASED_COMPLIANCE / m.k if kinds[i] == OF_RELEASED else m.softness)
         data[places[i]] -= m.k * m.k * c * in_tangent[i]
+
+
+@kernel
+def softness(m):
+    """Return the factor [1/s2] with which the largest compliance is SOFTNESS over the mean mass."""
+    base, kinds, places = (
+        floats(m.soft_base, m.n_entries),
+        integers(m.soft_kinds, m.n_entries),
+        integers(m.entry_places, m.n_entries),
+    )
+    rows, columns, kind = integers(m.rows, m.nnz), integers(m.columns, m.nnz), integers(m.kind, m.n_all)
+    largest = TINY
+    for i in range(m.n_entries):
+        if kinds[i] != OF_RELEASED and places[i] < m.nnz and rows[places[i]] == columns[places[i]]:
+            lever = 1.0 if kind[rows[places[i]]] == LENGTH_CONSTRAINT else m.length
+            largest = max(largest, base[i] * lever * lever)
+    return SOFTNESS / (m.k * largest)
 
 
 @kernel
@@ -189,25 +211,44 @@ def accelerate(m, s, v, z_out, a_out):
     for i in range(m.n_l):
         z_out[m.n_q + i] = m.k * x[m.n_q + i] + m.k * g[i, SECOND]
     if m.n_entries:
-        share(m, z_out[m.n_q : m.n])
+        kept = floats(m.violated, m.n_l)
+        deflect(m, x[m.n_q : m.n], m.k, kept)
+        share(m, z_out[m.n_q : m.n], kept, a_out)
 
 
 @kernel
-def share(m, reactions):
-    """Change reactions (n_l,) to those of the same effect and of least norm (``Consistent.share``)."""
-    c, starts, columns = (
+def deflect(m, reactions, factor, rates_out):
+    """Compute the rates (n_l,) at which compliances yield to reactions (n_l,) times a factor."""
+    c, kinds, starts, columns = (
         floats(m.soft_base, m.n_entries),
+        integers(m.soft_kinds, m.n_entries),
         integers(m.soft_starts, m.n_l + 1),
         integers(m.soft_columns, m.n_entries),
     )
-    deflection = floats(m.deflection, m.n_l)
     for i in range(m.n_l):
-        deflection[i] = 0.0
+        rates_out[i] = 0.0
         for j in range(starts[i], starts[i + 1]):
-            deflection[i] += c[j] * reactions[columns[j]]
-    x = change(m, deflection, -1.0)
-    for i in range(m.n_l):
-        reactions[i] += m.k * x[m.n_q + i]
+            if kinds[j] != OF_RELEASED:
+                rates_out[i] += m.softness * factor * c[j] * reactions[columns[j]]
+
+
+@kernel
+def share(m, reactions, violated, a):
+    """Change reactions (n_l,) to those of least norm and the same effect, which the compliances do not disturb.
+
+    ``violated`` (n_l,) are the second rates that the compliances have left to the accelerations ``a`` (n_q,), which
+    receive them (``Consistent.share``).
+    """
+    yielding, signals = floats(m.deflection, m.n_l), integers(m.signals, m.n_q)
+    for turn in range(2):
+        deflect(m, reactions, 1.0 if turn else -1.0, yielding)
+        for i in range(m.n_l):
+            yielding[i] += violated[i] if turn else 0.0
+        x = change(m, yielding, 1.0)
+        for i in range(m.n_q):
+            a[i] += 0.0 if signals[i] else x[i]
+        for i in range(m.n_l):
+            reactions[i] += m.k * x[m.n_q + i]
 
 
 class ConstrainedMass(Pointers):
@@ -222,7 +263,8 @@ class ConstrainedMass(Pointers):
             T=np.tile(np.eye(3), (3 * len(of.rotation_dof), 1, 1)), kind=of.kind, rows=system.rows, columns=system.cols,
             diagonal=system.diagonal, signals=system.signals.astype(np.int64),
             massless=system.massless.astype(np.int64), loose=np.zeros(of.n_q, np.int64), alone=np.zeros(of.n, np.int64),
-            derivatives=np.zeros((of.n_l, 3)), deflection=np.zeros(of.n_l), right=np.zeros(of.n),
+            derivatives=np.zeros((of.n_l, 3)), deflection=np.zeros(of.n_l),
+            violated=np.zeros(of.n_l), right=np.zeros(of.n),
             solution=np.zeros(of.n), solve_results=np.zeros(len(multifrontal.solve.returns)),
             **compliance_fields(None),
         )  # fmt: skip
@@ -247,9 +289,10 @@ class ConstrainedMass(Pointers):
         self._calls = new, kept = linear.calls(self.assembly.data, self.array("right"), self.array("solution"))
         self.point_to(solve=new.function, solve_words=new.words, substitute=kept.function, substitute_words=kept.words)
 
-    def at(self, s: State, length: float, compliance: Compliance | None) -> tuple[np.ndarray, np.ndarray, float]:
-        """Return the values (n_data,) of the matrix at ``s``, the loose unknowns (n_q,) bool, and k."""
+    def at(self, s: State, length: float, compliance: Compliance | None) -> tuple[np.ndarray, np.ndarray, float, float]:
+        """Return the values (n_data,) of the matrix at ``s``, the loose unknowns (n_q,) bool, k and the softness."""
         self.use(compliance)
         self.record["length"] = length
         assemble_mass(self.record, s)
-        return self.assembly.data.copy(), self.array("loose").astype(bool), float(self.record["k"][0])
+        k, softness = float(self.record["k"][0]), float(self.record["softness"][0])
+        return self.assembly.data.copy(), self.array("loose").astype(bool), k, softness

@@ -174,6 +174,14 @@ class GeneralizedAlpha:
         )  # fmt: skip
         self._packed = new, kept
 
+    def consistent(self, s: State, h: float, consistent: Consistent | None = None) -> tuple[State, Consistent]:
+        """Return a consistent state for steps of size h, and its Consistent.
+
+        Its positions have the deflection of the compliances, which they would otherwise oscillate about.
+        """
+        s, used = consistent_state(self.system, self.linear, s, h, self.contradictions, self.compliance, consistent)
+        return (s if self.compliance is None else used.apply_compliance(s, self.compliance)), used
+
     def start(self, s: State, h: float, consistent: Consistent | None = None) -> tuple[State, History]:
         """Return a consistent state and history for steps of size h, at the start and after events.
 
@@ -186,7 +194,7 @@ class GeneralizedAlpha:
         The accelerations of the history are those that a step of h resolves (modal_filter.py): those of a member that
         oscillates much faster would give it the velocity h q''_0 in the first step, with (omega h)^2 times its energy.
         """
-        s, _ = consistent_state(self.system, self.linear, s, h, self.contradictions, self.compliance, consistent)
+        s, _ = self.consistent(s, h, consistent)
         none, at_once = np.zeros(self.system.n), self.system.numbering.kind[: self.system.n] == SIGNAL
         slope = np.where(at_once, h * s.v[: self.system.n], none)
         return s, self.restart(s, History(s.a, h, slope, none, 0, self._no_shift, 1.0), h)

@@ -91,12 +91,16 @@ class Radau:
             projects=not (by_multipliers or len(self.contradictions.released)),
         )  # fmt: skip
 
+    def consistent(self, s: State, h: float, consistent: Consistent | None = None) -> tuple[State, Consistent]:
+        """Return a consistent state for steps of size h, and its Consistent."""
+        return consistent_state(self.system, self.linear, s, h, self.contradictions, self.compliance, consistent)
+
     def start(self, s: State, h: float, consistent: Consistent | None = None) -> tuple[State, RadauHistory]:
         """Return a consistent state and the history for a first step of size h, at the start and after events.
 
         ``consistent``, if given, is factored for ``s``. Raises AssemblyError where constraints contradict one another.
         """
-        s, used = consistent_state(self.system, self.linear, s, h, self.contradictions, self.compliance, consistent)
+        s, used = self.consistent(s, h, consistent)
         none, amplified = (np.zeros((4, self.system.n_q)), np.zeros((3, self.system.n_l))), self.amplification.at(used)
         return s, RadauHistory(s.a, h, *none, 0, self._stiffness(s, h), amplified, amplified)
 

@@ -9,7 +9,7 @@ from mecano.maths.vector import mat, put, put_matrix, vec
 from mecano.model.assembly_driver import assemble_residual, constraint_derivatives, loops_at
 from mecano.model.numbering import ROTATION, SIGNAL, STATE
 from mecano.solve.diagnostics.scales import SMALL
-from mecano.solve.events.compliance import soften
+from mecano.solve.events.compliance import OF_RELEASED
 from mecano.solve.time.radau_workspace import row_of, stage_of, weight
 from mecano.solve.time.workspace import BEGIN, state_of, system_of
 
@@ -167,6 +167,19 @@ def residual(w, r, s, F_out):
         for j in range(n_l):
             F_out[n_q + j] = -w.k * g[j, SECOND]
     if w.n_entries:
-        starts, columns = integers(w.soft_starts, n_l + 1), integers(w.soft_columns, w.n_entries)
-        c, factor = floats(w.soft_values, w.n_entries), w.k * (r.real / w.h) * (r.real / w.h)
-        soften(factor, starts, columns, c, s.z[n_q : w.n], F_out[n_q:])
+        soften(w, w.k * (r.real / w.h) * (r.real / w.h), s.z[n_q : w.n], F_out[n_q:])
+
+
+@kernel
+def soften(w, factor, reactions, F_out):
+    """Subtract the compliances times the change of the reactions since the beginning from the constraints (n_l,).
+
+    The reactions at the beginning are those of least norm. Under all of the reactions the stages would leave the
+    constraints, and the projection at the end of each step would take energy from a mechanism that turns.
+    """
+    starts, columns = integers(w.soft_starts, w.n_l + 1), integers(w.soft_columns, w.n_entries)
+    c, kinds, first = floats(w.soft_values, w.n_entries), integers(w.soft_kinds, w.n_entries), state_of(w, BEGIN).z
+    for i in range(w.n_l):
+        for j in range(starts[i], starts[i + 1]):
+            before = 0.0 if kinds[j] == OF_RELEASED else first[w.n_q + columns[j]]
+            F_out[i] -= factor * c[j] * (reactions[columns[j]] - before)

@@ -17,7 +17,6 @@ from mecano.solve.events.events import EventMonitor, EventRecord
 from mecano.solve.events.location import look_ahead
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.binding import refuse_binding
-from mecano.solve.time.consistent import consistent_state
 from mecano.solve.time.increments import longest_step
 from mecano.solve.time.rounding_limit import RoundingLimit
 from mecano.solve.time.run_state import Method, RunState
@@ -280,7 +279,7 @@ class TimeIntegrator:
         the step size. Before an ``impact`` the positions are those without the deflection of compliances.
         """
         method = self.method
-        s, consistent = consistent_state(self.system, method.linear, s, h, method.contradictions, method.compliance)
+        s, consistent = method.consistent(s, h)
         if impact and method.compliance is not None:
             s = consistent.without_compliance(s)
         return s
