@@ -255,3 +255,41 @@ def test_the_bead_on_a_turning_hoop_is_displaced_and_not_the_hoop():
     base, p = operating_point(deck(BEAD)), math.acos(9.81 / (144.0 * 0.1))
     assert place(base, "bead") == pytest.approx([0.1 * math.sin(p), 0.0, -0.1 * math.cos(p)], abs=1e-9)
     assert f"node 'bead' moves by {0.2 * math.sin(0.25 * math.pi - 0.5 * p):.3g} m" in base.warnings[0]
+
+
+BOLTED = """
+    mecano: 1
+    gravity: none
+    sections: {strip: {type: rectangle, width: 10 mm, height: 4 mm, E: 70 GPa, nu: 0.3, density: 2700}}
+    nodes: {hub: {position: [0, 0, 0]}, seat: {position: [0.05, 0, 0]}, root: {position: [0.05, 0, 0]},
+            tip: {position: [0.25, 0, 0]}}
+    elements:
+      hub: {type: rigid_body, node: hub, mass: 1, inertia: [0.1, 0.1, 0.1], attached: [seat]}
+      blade: {type: beam, nodes: [root, tip], section: strip, up: [0, 0, 1], mesh: 4}
+    joints:
+      axle: {type: hinge, nodes: [ground, hub], axis: [0, 0, 1]}
+      bolt$i: {repeat: {i: 1..BOLTS}, type: generic, nodes: [seat, root], axis: [0, 0, 1]}
+    initial: {steady: {angular_velocity: [0, 0, 300], about: [0, 0, 0]}}
+    time: {end: 0.2 ms, step: 10 us}
+"""
+
+
+def test_a_second_bolt_changes_neither_modes_nor_forces():
+    """A redundant joint at the root of a blade; its compliance must not strain the stiff blade from the start.
+
+    The modes are those with one bolt; the free rotation neither oscillates nor grows. Shares of the centrifugal force
+    stay within 1e-4 of it, those of one bolt within 1e-5.
+    """
+    decks = [deck(BOLTED.replace("BOLTS", str(bolts))) for bolts in (1, 2)]
+    one, two = (modes(d, None, number=4, frame="hub")[1] for d in decks)
+    assert one.kinds == two.kinds == ["free"] + 3 * ["oscillation"]
+    np.testing.assert_allclose(two.values, one.values, rtol=1e-8)
+    for bolts, d in enumerate(decks, start=1):
+        pull = RecordedRun(d)["joints/bolt1/force"][:, 0]
+        np.testing.assert_allclose(pull, pull[0], rtol=1e-4)
+        np.testing.assert_allclose(bolts * pull[0], -(300.0**2) * blade_moment(), rtol=1e-3)
+
+
+def blade_moment():
+    """Return the integral of the mass over the radius [kg m] of the unstrained blade."""
+    return 2700 * 0.01 * 0.004 * (0.25**2 - 0.05**2) / 2

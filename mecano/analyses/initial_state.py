@@ -7,6 +7,7 @@ import numpy as np
 from mecano.analyses.lint import node_at_start
 from mecano.errors import ConvergenceError
 from mecano.model.mesh import inner_names
+from mecano.solve.events.compliance import compliance
 
 if TYPE_CHECKING:
     from mecano.analyses.prepare import Prepared
@@ -34,6 +35,7 @@ def set_initial_state(prepared: "Prepared", disturbed: bool = True) -> tuple[str
     steady = Steady(prepared.system, prepared.length, _steady_motion(prepared))
     try:
         prepared.state = steady.find(before)
+        prepared.compliance = compliance(prepared.system, prepared.state, prepared.length, prepared.analysis)
     except ConvergenceError as error:
         raise ConvergenceError("".join([str(error), *_wobble_warnings(prepared)])) from None
     if disturbed:

@@ -13,11 +13,13 @@ from mecano.analyses.load_state import rest_at, state_at
 from mecano.analyses.prepare import Prepared, integrator_of, prepare, startup_warnings
 from mecano.errors import UsageError
 from mecano.solve.modal.linearize import Assemble
+from mecano.solve.time.consistent import Consistent
 
 if TYPE_CHECKING:
     from mecano.deck.deck import Deck
     from mecano.model.state import State
     from mecano.model.system import System
+    from mecano.solve.time.run_state import RunState
 
 LARGEST = 1e100  # rad/s
 HELD = "delay", "sample_and_hold", "external"  # signals whose value does not depend on the current motion
@@ -63,9 +65,19 @@ def _operating_point(deck: "Deck", at: str | None, at_rest: bool) -> OperatingPo
         )
     reported = (*set_initial_state(prepared, disturbed=False), *held)
     run = integrator_of(prepared).begin(prepared.state, deck.values["time"]["step"])
-    return OperatingPoint(
-        prepared, run.motion, None, describe(deck), (*startup_warnings(prepared, run), *reported), is_start=True
-    )
+    reported = (*startup_warnings(prepared, run), *reported)
+    return OperatingPoint(prepared, _undeflected(prepared, run), None, describe(deck), reported, is_start=True)
+
+
+def _undeflected(prepared: Prepared, run: "RunState") -> "State":
+    """Return the state at the start of a run without the deflection of the compliances of redundant constraints.
+
+    It strains stiff members next to these constraints, which would act as an unbalanced force.
+    """
+    s, soft = run.motion, run.compliance
+    if soft is None:
+        return s
+    return Consistent(prepared.system, prepared.linear, s, prepared.length, soft).without_compliance(s)
 
 
 def held_warnings(deck: "Deck") -> Iterator[str]:
