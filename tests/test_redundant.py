@@ -5,6 +5,7 @@ import pytest
 from linkage import FourBar
 from time_runs import INPUTS, RecordedRun, deck, input_deck
 
+from mecano.analyses.equilibria import follow
 from mecano.analyses.prepare import prepare, startup_warnings
 from mecano.analyses.summary import summary
 from mecano.errors import AssemblyError, ConvergenceError
@@ -347,3 +348,27 @@ def test_redundant_joints_of_a_mass_that_circles_take_no_energy(joints, share):
         pull = [[-500.0 * share, -100.0 * share, 0.0]]
         for i in range(joints):
             np.testing.assert_allclose(run[f"joints/pin{i + 1}/force"], pull * len(run.time), rtol=0, atol=1e-4)
+
+
+def test_a_load_that_grows_does_not_displace_redundant_supports():
+    """A stiff cantilever on two bolts, loaded by 1 MN from zero: the tip sinks by F L/(G A) + F L^3/(3 E I).
+
+    Terms of second order are the square of the slope, 5e-6; the supports yield by 1e-8 of the deflection.
+    """
+    bracket = deck("""
+        mecano: 1
+        gravity: none
+        sections:
+          s: {type: stiffness, EA: 1.2e10, GA2: 4.0e9, GA3: 4.0e9, GJ: 2.0e7, EI2: 4.0e7, EI3: 4.0e7,
+              mass_per_length: 470, rotary_inertia: [1, 1, 1]}
+        nodes: {root: {position: [0, 0, 0]}, tip: {position: [0.5, 0, 0]}}
+        elements: {bracket: {type: beam, nodes: [root, tip], section: s, up: [0, 0, 1], mesh: 2}}
+        joints: {bolt$i: {repeat: {i: 1..2}, type: generic, nodes: [ground, root], axis: [0, 0, 1]}}
+        loads: {load: {type: force, node: tip, direction: [0, 0, -1], value: {linear: {slope: 1 MN/s}}}}
+        static: {over: time, end: 1, steps: 2}
+    """)
+    prepared = prepare(bracket)
+    end = follow(prepared).point.state
+    tip = prepared.system.numbering.x[[node.name for node in prepared.system.nodes].index("tip")]
+    sinks = 1e6 * 0.5 / 4e9 + 1e6 * 0.5**3 / (3 * 4e7)
+    np.testing.assert_allclose(-end.z[tip + 2], sinks, rtol=1e-5)

@@ -35,7 +35,9 @@ def set_initial_state(prepared: "Prepared", disturbed: bool = True) -> tuple[str
     steady = Steady(prepared.system, prepared.length, _steady_motion(prepared))
     try:
         prepared.state = steady.find(before)
-        prepared.compliance = compliance(prepared.system, prepared.state, prepared.length, prepared.analysis)
+        prepared.compliance = compliance(
+            prepared.system, prepared.state, prepared.length, prepared.analysis, before=prepared.compliance
+        )
     except ConvergenceError as error:
         raise ConvergenceError("".join([str(error), *_wobble_warnings(prepared)])) from None
     if disturbed:

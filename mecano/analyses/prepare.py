@@ -68,7 +68,7 @@ class Prepared:
 
     def at(self, state: "State") -> "Prepared":
         """Return the same model at another state, whose phases may make other constraints redundant."""
-        analysis, soft = _redundancy(self.system, state, self.length)
+        analysis, soft = _redundancy(self.deck, self.system, state, self.length)
         return replace(self, state=state, analysis=analysis, compliance=soft)
 
 
@@ -96,14 +96,15 @@ def _prepare(deck: "Deck", compile_ahead: Callable[[System], object]) -> Prepare
     state.v += begin.v
     _refuse_circles(deck, system, state)
     off = most_off(system, begin, length) if displacement > MOVED * length else ""
-    analysis, soft = _redundancy(system, state, length)
+    analysis, soft = _redundancy(deck, system, state, length)
     return Prepared(deck, system, linear, length, state, displacement, analysis, soft, tuple(carried), off)
 
 
-def _redundancy(system, state, length):
+def _redundancy(deck, system, state, length):
     """Return the Analysis of the constraints at a state, and the Compliance of the redundant ones, or None."""
-    analysis = analyse(system, state, length)
-    return analysis, compliance(system, state, length, analysis)
+    analysis, time, static = analyse(system, state, length), deck.values["time"], deck.values["static"]
+    over = static if static and static["over"] == "time" else time
+    return analysis, compliance(system, state, length, analysis, over["end"] if over else None)
 
 
 def _refuse_fixed(deck, system):

@@ -5,6 +5,7 @@ projector P on the reactions that the position constraints could balance. See do
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
@@ -14,6 +15,7 @@ from mecano.immutable import immutable
 from mecano.jit.entry import Indices, Vector, entry
 from mecano.maths.distinct import distinct
 from mecano.maths.sparse_rows import SparseRows, sparse_rows
+from mecano.model.assembly import Assembly
 from mecano.model.numbering import LENGTH_CONSTRAINT, ROTATION, SIGNAL
 
 if TYPE_CHECKING:
@@ -24,7 +26,8 @@ if TYPE_CHECKING:
 SOFTNESS = 1e-11  # of the length scale, or rad: a tenth of the tolerance of the constraints
 SHARE_OF_PENALTY = 1e-3
 RELEASED_COMPLIANCE = 1e3  # over the mean stiffness of the tangent: compliance of a released constraint
-LEAST_ACCELERATION = 1.0  # [m/s2] of the mean mass, where no forces act at the start
+LEAST_ACCELERATION = 1.0  # [m/s2] of the mean mass, where no forces act
+TIMES = 20  # at which loads are evaluated, from the start to the end
 TINY = 1e-300
 
 
@@ -43,6 +46,7 @@ class Compliance:
     of_rates: np.ndarray  # (nnz,) bool
     released_entries: np.ndarray  # (nnz,) bool: P
     active: np.ndarray  # (n_l,) bool: constraints whose redundancies the compliances account for
+    force: float  # [N] that displaces a length constraint by SOFTNESS of the length scale
     values: np.ndarray  # (nnz,) in a step
 
     @cached_property
@@ -120,14 +124,15 @@ class Compliance:
         """Return a dict of arrays from which ``from_plain`` restores the compliances."""
         c = self.matrix
         of = {"data": c.values, "indices": c.columns, "indptr": c.starts}
-        own = {"places": self.places, "of_rates": self.of_rates, "active": self.active, "values": self.values}
+        own = {"places": self.places, "of_rates": self.of_rates, "active": self.active, "force": self.force,
+               "values": self.values}  # fmt: skip
         return {**of, **own, "let_go": self.released_entries}
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, np.ndarray]) -> Self:
         """Restore the compliances from the dict of ``to_plain``."""
         matrix = SparseRows(plain["indptr"].astype(np.int64), plain["indices"].astype(np.int64), plain["data"])
-        own = (plain[name] for name in ("places", "of_rates", "let_go", "active"))
+        own = (plain[name] for name in ("places", "of_rates", "let_go", "active", "force"))
         return cls(matrix, *own, plain["values"].copy())
 
 
@@ -170,20 +175,24 @@ def soften(k: float, starts: Indices, columns: Indices, values: Vector, multipli
             rows_out[i] -= k * values[j] * multipliers[columns[j]]
 
 
-def compliance(system: "System", s: "State", length: float, analysis: "Analysis") -> Compliance | None:
+def compliance(
+    system: "System",
+    s: "State",
+    length: float,
+    analysis: "Analysis",
+    end: float | None = None,
+    before: Compliance | None = None,
+) -> Compliance | None:
     """Return the Compliance of a model from the ``analysis`` of its constraints; None if none is redundant.
 
     Reactions in the directions that the projector ``analysis.dependent`` (n_l, n_l) holds have a compliance: the forces
-    acting in ``s``, or those that accelerate the mean mass by LEAST_ACCELERATION, displace the constraints by SOFTNESS
-    of the length scale, or rad. All other directions are exact. Signals are ignored, as they may not be known yet.
+    acting in ``s``, with the loads until ``end`` [s], or those that accelerate the mean mass by LEAST_ACCELERATION,
+    displace the constraints by SOFTNESS of the length scale, or rad; so do those of the compliance ``before``. All
+    other directions are exact. Signals are ignored, as they may not be known yet.
     """
     if analysis.dependent is None and analysis.release_matrix is None:
         return None
-    assembly, of = system.assemble(s, cM=1.0), system.numbering
-    sizes = np.where(of.kind == ROTATION, assembly.size / length, assembly.size)[of.kind < SIGNAL]
-    inertias = assembly.data[system.diagonal[: system.n_q]]
-    masses = np.where(of.kind[: system.n_q] == ROTATION, inertias / length**2, inertias)
-    force = max(sizes.max(), LEAST_ACCELERATION * masses.sum() / max(np.count_nonzero(masses), 1), TINY)
+    of, force = system.numbering, max(_largest_force(system, s, length, end), before.force if before else 0.0)
     angular = of.kind[system.n_q : system.n] != LENGTH_CONSTRAINT
     root = np.sqrt(SOFTNESS * np.where(angular, 1.0 / (force * length), length / force))
     parts = []
@@ -196,7 +205,25 @@ def compliance(system: "System", s: "State", length: float, analysis: "Analysis"
     rows, is_released = matrix.rows, np.zeros(system.n_l, bool)
     is_released[analysis.released] = True
     places, released = _places(system, rows, matrix.columns), is_released[rows]
-    return Compliance(matrix, places, of.of_rates[rows], released, analysis.active, matrix.values.copy())
+    return Compliance(matrix, places, of.of_rates[rows], released, analysis.active, force, matrix.values.copy())
+
+
+def _largest_force(system, s, length, end):
+    """Return the largest force [N] in ``s``, with loads at times until ``end``, at least that on the mean mass."""
+    of, assembly = system.numbering, system.assemble(s, cM=1.0)
+    inertias, kind = assembly.data[system.diagonal[: system.n_q]], of.kind[: system.n_q]
+    masses = np.where(kind == ROTATION, inertias / length**2, inertias)[kind < SIGNAL]
+    least = max(LEAST_ACCELERATION * masses.sum() / max(np.count_nonzero(masses), 1), TINY)
+    loads = [_loads(system, replace(s, t=t)) for t in np.linspace(s.t, end, TIMES)] if end is not None else []
+    sizes = np.max([assembly.size, *loads], axis=0)
+    return float(max(np.where(of.kind == ROTATION, sizes / length, sizes)[of.kind < SIGNAL].max(), least))
+
+
+def _loads(system, s):
+    """Return the sizes (n_all,) of the loads at ``s``, except those by signals."""
+    alone = Assembly(system)
+    system.scale_loads(alone, s, 2.0, 0.0, 0.0, 0.0)
+    return np.abs(alone.residual)
 
 
 def _places(system, rows, cols):

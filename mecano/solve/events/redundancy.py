@@ -42,7 +42,7 @@ def reanalyse_redundancy(
     analysis = analyse(system, s, length)
     if consistent is not None and not repeats and not len(added) and not _missed(soft, analysis):
         return consistent, soft, ()
-    new = compliance(system, s, length, analysis)
+    new = compliance(system, s, length, analysis, before=soft)
     found = redundant_groups(system, s, length, analysis) if repeats or len(added) else ()
     if len(added):
         found = _with_any(found, system, added)
