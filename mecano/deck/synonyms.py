@@ -32,6 +32,7 @@ NOTES = {  # words with the same meaning: (targets, note)
         "a belt, a gear_pair with a 'ratio', or a coupler of the angles of two hinges"
     ),
     "synchronisation, synchronization, differential, transmission, linear relation": ("coupler", ""),
+    "rack, pinion": ("rack_and_pinion", ""),
     "gear, gear train, gear wheel, planetary gear, epicyclic, sun gear, ring gear": ("gear_pair rack_and_pinion", ""),
     "oldham, oldham coupling": (
         "prismatic hinge", "two prismatic joints across one another, and a disc between them, join shafts on hinges"
@@ -199,7 +200,7 @@ NOTES = {  # words with the same meaning: (targets, note)
         "a formula or a table of time of each coordinate of the tool; a curve of time is a command of a controller",
     ),
     "helicopter, rotor blade, rotordynamics, flap, lag, lead lag, campbell, campbell diagram, critical speed, ground "
-    "resonance, whirl, rotor, shaft, spindle, turbine, blade flapping, southwell": (
+    "resonance, whirl, rotor, jeffcott, shaft, spindle, turbine, blade flapping, southwell": (
         "beam hinge bushing rigid_body",
         "`mecano modes --sweep speed=... --campbell NODE`; 'initial: {steady: {angular_velocity: ...}}', docs/modes.md",
     ),
@@ -270,6 +271,13 @@ NOTES = {  # words with the same meaning: (targets, note)
     "variable mass, rocket, propellant": ("follower_force", "a thrust; bodies whose mass varies are not available"),
     "box contact, polyhedron, stacked boxes": (
         "contact", "corners are balls of radius 0 that touch planes of other bodies; edges that touch are not available"
+    ),
+    "stribeck, stribeck curve, stiction": (
+        "hinge.friction contact.friction formula",
+        "the 'coefficient' of friction may be a curve of the sliding speed; a formula of a velocity is any other force",
+    ),
+    "axially moving beam, ale, arbitrary lagrangian eulerian, moving support": (
+        "slider_on_beam", "the beam slides over a support: a slider_on_beam whose node is fixed or attached to a body"
     ),
     "lugre, dahl, bristle, presliding": (
         "integrator dry_friction",
