@@ -18,6 +18,7 @@ from beam_cases import (
     straight,
     torque_buckling,
 )
+from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 from static_solution import Equilibrium
@@ -85,6 +86,21 @@ def euler_load_of_cubic_beams(n):
 def test_euler_load(verify, n):
     what = f"Euler load of a cantilever, {n} element(s): relative error"
     verify(REST, what, euler_load(n), euler_load_of_cubic_beams(n), "cubic beam elements", absolute=1e-6)
+
+
+def test_a_cantilever_curls_under_a_follower_force(verify):
+    """EI theta'' = -F cos(theta) from the tip, where theta = theta' = 0; the force turns the tip by 171 degrees."""
+
+    def from_tip(s, y):
+        return [y[1], -10.0 * np.cos(y[0]), np.cos(y[0]), np.sin(y[0])]
+
+    theta, _, x, y = solve_ivp(from_tip, (1.0, 0.0), np.zeros(4), rtol=1e-10, atol=1e-12).y[:, -1]
+    tip = -np.array([x * np.cos(theta) + y * np.sin(theta), y * np.cos(theta) - x * np.sin(theta)])
+    loads = "push: {type: follower_force, node: tip, direction: [0, 1, 0], value: 10}"
+    section = stiffness(EA=1e7, GA=1e7, GJ=1.0, EI2=1.0, EI3=1.0)
+    found = Equilibrium(straight(section, 1.0, 16, loads).replace("static: {}", "static: {steps: 5}"))
+    what = "cantilever under a follower force of 10 EI/L2: tip over length"
+    verify(REST, what, found.position("tip")[:2], tip, "elastica", absolute=2e-5)
 
 
 def test_lateral_buckling_load(verify):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from convergence import at_times, check_second_order
 from scipy.integrate import solve_ivp
+from scipy.optimize import fsolve
 from static_solution import Equilibrium
 from time_runs import RecordedRun, deck, input_deck
 
@@ -255,6 +256,51 @@ RAMP = """
     joints: {sliding: {type: slider_on_beam, node: ring, line: [top, ramp.1, ramp.2, ramp.3, tip]}}
     time: {end: 0.75, step: STEP}
 """
+
+
+def over_an_edge(unknowns, load):
+    """Return the misfits (4,) at the edge and the tip, and the tip (2,), of a beam with EI = 1 clamped at the origin.
+
+    ``unknowns``: force and moment of the clamp, and the length of the beam up to the edge at x = 0.5; the other end of
+    1 m bears the ``load`` downwards. With the force N of a section, M' = N_x sin(theta) - N_y cos(theta).
+    """
+    *force, moment, at = unknowns
+
+    def along(start, N, s, end):
+        def rate(s, y):
+            cosine, sine = np.cos(y[0]), np.sin(y[0])
+            return [y[1], N[0] * sine - N[1] * cosine, cosine, sine]
+
+        return solve_ivp(rate, (s, end), start, rtol=1e-10, atol=1e-11).y[:, -1]
+
+    edge = along([0, moment, 0, 0], force, 0.0, at)
+    tip = along(edge, [0, -load], at, 1.0)
+    reaction = force[0] * np.cos(edge[0]) + (force[1] + load) * np.sin(edge[0])  # of the edge, along the beam
+    return [edge[2] - 0.5, edge[3], reaction, tip[1]], tip[2:]
+
+
+def test_a_beam_that_slides_over_an_edge(verify):
+    """An edge is a slider on a fixed node; the beam is inclined by 19 degrees there and drawn over it by 4 mm."""
+    found = Equilibrium("""
+        mecano: 1
+        gravity: none
+        sections:
+          s: {type: stiffness, EA: 1.0e7, GA2: 1.0e7, GA3: 1.0e7, GJ: 1, EI2: 1, EI3: 1, mass_per_length: 1,
+              rotary_inertia: [1, 1, 1]}
+        nodes: {clamp: {position: [0, 0, 0], fixed: true}, tip: {position: [1, 0, 0]},
+                edge: {position: [0.5, 0, 0], fixed: true}}
+        elements: {beam: {type: beam, nodes: [clamp, tip], section: s, up: [0, 0, 1], mesh: 16}}
+        joints: {edge: {type: slider_on_beam, node: edge, line: beam}}
+        loads: {load: {type: force, node: tip, direction: [0, -1, 0], value: 8}}
+        static: {steps: 4}
+    """)
+    exact = fsolve(lambda unknowns: over_an_edge(unknowns, 8.0)[0], [6.0, 8.0, 1.0, 0.5], xtol=1e-10)
+    tip = over_an_edge(exact, 8.0)[1]
+    source = "elastica, by shooting"
+    verify("Beams at rest", "beam over an edge: tip [m]", found.position("tip")[:2], tip, source, relative=1e-5)
+    what = "beam over an edge: length up to it, force of the edge"
+    own = [*found.output("joints/edge/position"), *found.output("joints/edge/normal_force")]
+    verify("Beams at rest", what, own, [exact[3], np.hypot(exact[0], exact[1] + 8.0)], source, relative=1e-4)
 
 
 def test_ring_slides_down_a_rod_that_swings():
