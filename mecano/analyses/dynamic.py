@@ -26,6 +26,7 @@ from mecano.analyses.initial_velocities import set_in_motion
 from mecano.analyses.prepare import chosen_values, integrator_of, model_facts, prepare, startup_warnings
 from mecano.analyses.recorder import Recorder
 from mecano.analyses.source import source_of
+from mecano.analyses.yielding import yielding_warnings
 from mecano.errors import ConvergenceError, MecanoError, NonFiniteError, ResultsError
 from mecano.model.model import title_of
 from mecano.model.sampler import Sampler
@@ -293,6 +294,8 @@ class Ongoing:
         warnings += energy_warnings(values, sampler, extremes)
         warnings += circle_warnings(values, integrator.method, self.state, sampler, extremes)
         length = integrator.method.length
+        if integrator.method.order == 2:
+            warnings += yielding_warnings(integrator.system, self.state.compliance, length, sampler, extremes)
         return [*warnings, *oscillation_warnings(values, sampler, recorder.ringing, extremes, length)]
 
     def leave(self) -> None:

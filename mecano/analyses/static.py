@@ -11,6 +11,7 @@ from mecano.analyses.failure_text import locating_formulas
 from mecano.analyses.not_finite import output_not_finite
 from mecano.analyses.prepare import model_facts, prepare, startup_warnings
 from mecano.analyses.source import source_of
+from mecano.analyses.yielding import yielding_warnings
 from mecano.model.batch import is_scaled
 from mecano.model.sampler import Sampler, StaticSample
 from mecano.model.system import System
@@ -159,7 +160,11 @@ def _follow(
             result = follow(prepared, (recorder, *observers))
         where = f"{axis.path.replace('_', ' ')} {{:.4g}} {axis.unit}".rstrip()
         limits = limit_warnings(deck, recorder.sampler, writer.extremes, recorder.places, where)
-        for text in (*result.warnings, *limits):
+        yielding = yielding_warnings(
+            prepared.system, prepared.compliance, prepared.length, recorder.sampler, writer.extremes, recorder.places
+        )
+        warnings = [*result.warnings, *limits, *yielding]
+        for text in warnings:
             announce(text)
-        writer.close("complete", with_warnings(result.reason, [*result.warnings, *limits]))
+        writer.close("complete", with_warnings(result.reason, warnings))
     return result.point
