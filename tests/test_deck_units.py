@@ -279,3 +279,21 @@ def test_other_names_of_the_modulus():
 )
 def test_units_of_signals_in_si(unit, si):
     assert written_in_si(unit) == si
+
+
+@pytest.mark.parametrize(
+    ("signal", "field", "wanted"),
+    [
+        ("{type: switch, input: time, upper: 600 ms, lower: 0.1 s}", "upper", 0.6),
+        ("{type: switch, input: hinge.angle, upper: $most}", "upper", math.pi / 6),
+        ("{type: pid, input: hinge.angle, proportional: 2, upper: 3 kN m, unit: N m}", "upper", 3e3),
+        ("{type: lag, input: hinge.angle, time_constant: 1, initial: 20 deg}", "initial", math.pi / 9),
+        ("{type: washout, input: hinge.angle, time_constant: 1, initial_state: 20 deg}", "initial_state", math.pi / 9),
+    ],
+)
+def test_levels_and_limits_of_signals_take_the_unit_of_input_or_value(signal, field, wanted):
+    """The input of a switch may be any quantity; its levels are of the same one."""
+    text = (INPUTS / "pendulum.yaml").read_text().replace("elements:", f"signals: {{s: {signal}}}\nelements:", 1)
+    text = f"parameters: {{most: 30 deg}}\n{text}"
+    given = deck_of_bytes(text.encode(), "deck.yaml")
+    assert given.values["signals"]["s"][field] == pytest.approx(wanted, rel=1e-14)

@@ -4,11 +4,11 @@ from mecano.element_interface import Kind, Output
 from mecano.jit.kernel import kernel
 from mecano.schema import FORMULA, NUMBER, UNIT, Field
 
-OF_VALUE, OF_INPUT = "unit of the value", "unit of the input"  # units of outputs, which the deck determines
+OF_VALUE, OF_INPUT = "unit of the value", "unit of the input"  # units that the deck determines
 SIGNAL = {"scalars": ("value",), "of_signals": True}
 VALUE = Output("value", "SI", "value of the signal, in SI units")
 INPUT = Field("input", FORMULA, "-", "the input: a formula of signals, outputs of elements, motions of nodes, time")
-INITIAL = Field("initial", NUMBER, "-", "value at the start", 0.0)
+INITIAL = Field("initial", NUMBER, OF_VALUE, "value at the start", 0.0)
 UNIT_OF_VALUE = Field(
     "unit", UNIT, "-", "unit of the value, such as N m or deg; values are in SI units, which results state: N m, rad. "
     "When absent, the unit of the input, formula or use, where it follows from these", None,

@@ -150,8 +150,8 @@ PID = signal_of_input(
     Field("integral", NUMBER, "-", "K_I, per second", 0.0),
     Field("derivative", NUMBER, "-", "K_D, times seconds", 0.0),
     Field("derivative_time", NUMBER, "s", "T_D of the filter of the derivative", None, positive),
-    Field("lower", NUMBER, "-", "lower limit of the value; none when absent", -math.inf),
-    Field("upper", NUMBER, "-", "upper limit of the value; none when absent", math.inf),
+    Field("lower", NUMBER, OF_VALUE, "lower limit of the value; none when absent", -math.inf),
+    Field("upper", NUMBER, OF_VALUE, "upper limit of the value; none when absent", math.inf),
     Field(
         "tracking_time", NUMBER, "s",
         "T_t of the reset of the integral at a limit; when absent K_P/K_I, or 1 s if either is zero", None, positive,

@@ -7,7 +7,7 @@ formula ``high`` or ``low``; with the numbers 1 and 0 it is a condition, for use
 events.
 """
 
-from mecano.constraints.along_coordinate.signal import signal_of_input
+from mecano.constraints.along_coordinate.signal import OF_INPUT, signal_of_input
 from mecano.element_interface import Event, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select
@@ -50,8 +50,8 @@ def sample(rng):
 SWITCH = signal_of_input(
     "switch",
     __doc__,
-    Field("upper", NUMBER, "-", "level of the input above which the switch becomes high", 0.0),
-    Field("lower", NUMBER, "-", "level below which it becomes low again; 'upper' when absent", None),
+    Field("upper", NUMBER, OF_INPUT, "level of the input above which the switch becomes high", 0.0),
+    Field("lower", NUMBER, OF_INPUT, "level below which it becomes low again; 'upper' when absent", None),
     Field("high", FORMULA, "-", "value when it is high", "1"),
     Field("low", FORMULA, "-", "value when it is low", "0"),
     jumps=lambda d: True,
