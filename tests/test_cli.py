@@ -478,6 +478,14 @@ class TestResults:
         assert (code, err) == (0, "") and "100 steps" in out and "joints.hinge.angle" in out
         assert "joints.hinge.angle [rad]\n    rotation of b" in call("info", "deck.h5", "--names")[1]
 
+    def test_info_of_an_element_or_of_an_output(self, call, results):
+        """By its name alone; an output that two elements have is listed for both."""
+        every, named = (call("info", "deck.h5", "--names", pattern)[1] for pattern in ("hinge.*", "hinge"))
+        assert named == every and "joints.hinge.rate [rad/s]" in named
+        assert "nodes.pin.velocity" in call("info", "deck.h5", "--names", "velocity")[1]
+        code, _, err = call("info", "deck.h5", "--names", "hing")
+        assert code == 2 and "matches 'hing'" in err
+
     @pytest.mark.parametrize("command", ["post", "info"])
     def test_files_that_are_not_results(self, call, folder, command):
         code, _, err = call(command, "other.h5")

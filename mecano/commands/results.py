@@ -148,7 +148,7 @@ def export(results: str, output: str | None, series: tuple[str, ...], vtk: bool,
 @click.argument("results", type=click.Path())
 @click.option(
     "--names", "pattern", is_flag=False, flag_value="*", metavar="[PATTERN]",
-    help="List outputs with units and descriptions, all or those matching a pattern such as 'wheel.*'.",
+    help="List outputs with units and descriptions: all, those of an element, of a name or a pattern, 'w*.force'.",
 )  # fmt: skip
 @click.option("--events", is_flag=True, help="List all events, one per line.")
 def info(results: str, pattern: str | None, events: bool) -> None:

@@ -34,7 +34,7 @@ ENDS = {"running": "still running", "killed": "killed, all acknowledged steps ar
 
 
 def info(path: "str | os.PathLike[str]", pattern: str | None = None, every_event: bool = False) -> str:
-    """Return the summary of a results file or, with a ``pattern`` such as "wheel.*" or "*", of the matching outputs.
+    """Return the summary of a results file or, with a ``pattern`` such as "wheel", "wheel.*" or "*", of these outputs.
 
     Similar events at one instant are merged into one line, and only the first lines are listed, unless ``every_event``.
     ``pattern`` does not apply to files of modes. Raises ResultsError, and UnknownNameError if no output matches.
@@ -43,7 +43,8 @@ def info(path: "str | os.PathLike[str]", pattern: str | None = None, every_event
         return info_other(path)
     with open_results(path) as results:
         if pattern is not None:
-            return "\n".join([*_names(results, pattern), "", *_extremes(results, results.names(pattern), math.inf)])
+            paths = _matching(results, pattern)
+            return "\n".join([*_names(results, paths), "", *_extremes(results, paths, math.inf)])
         events = _events(results, every_event)
         return "\n".join([*_run(results), "", *events, "", *_output_lines(results), "", *_extremes(results)])
 
@@ -231,12 +232,19 @@ def _event(group, unit, width):
     return f"  {group.time:12.6g} {unit:1}  {group.title:<{width}}  {text}"
 
 
-def _names(results, pattern):
+def _matching(results, pattern):
+    """Return the paths that match a pattern; the name of an element means all its outputs, that of an output any."""
     paths = results.names(pattern)
+    if not paths and "*" not in pattern and "?" not in pattern:
+        paths = results.names(f"{pattern}.*") or results.names(f"*.{pattern}")
     if not paths:
         near = similar_outputs(pattern, results.names())
         hint = f"did you mean {' or '.join(near)}?" if near else "'wheel.*' matches all of a wheel"
         raise UnknownNameError(f"no output of {results.path} matches '{pattern}'; {hint}")
+    return paths
+
+
+def _names(results, paths):
     lines, declared = [], results.series
     for path in paths:
         series = declared.get(path) or declared[path.rpartition(".")[0]]  # of a component
