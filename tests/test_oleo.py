@@ -8,9 +8,11 @@ from scipy.optimize import brentq
 from static_solution import Equilibrium
 from time_runs import INPUTS, RecordedRun, input_deck
 
+from mecano.analyses.dynamic import run
 from mecano.analyses.operating_point import operating_point
 from mecano.analyses.prepare import prepare, warnings_of
 from mecano.errors import DeckError
+from mecano.results.reader import open_results
 from mecano.solve.modal.linearize import linearize
 
 G, M, M_AXLE, AREA, LENGTH = 9.81, 1000.0, 40.0, 4e-3, 0.8
@@ -103,9 +105,28 @@ def test_what_is_refused(change, text):
         ("elements.strut.gas.volume=0.5e-3", "the stop is at a stroke of 0.3 m, but all gas is used up at"),
         ("elements.strut.oil.rebound_orifice=60", "an orifice has 60 m2, not less than"),
         ("elements.strut.extended_length=0.6", "it starts 0.201 m longer than its 'extended_length', 0.6 m: beyond"),
+        ("elements.strut.gas.volume=1.45", "the whole stroke of 0.3 m compresses the gas by 0.00083 of its volume"),
+        ("elements.strut.law.stop={stiffness: 5.0e6, lower: 0, upper: 0.3}",
+         "its stop at 'lower' = 0 prevents all compression, in which"),
+        ("elements.strut.oil.orifice={table: {points: [[0, 1.3e-4], [300, 6.0e-5]]}}",
+         "an orifice is given up to a stroke of 300 m, of a strut 0.8 m long; is it in mm?"),
+        ("elements.strut.oil.orifice=1.0e-4", ""),
         ("elements.strut.oil.discharge_coefficient=0.8", ""),
     ],
-)
+)  # fmt: skip
 def test_what_is_suspicious(change, text):
     found = warnings_of(prepare(input_deck("oleo_drop", change)))
     assert len(found) == bool(text) and all(f"oleo 'strut': {text}" in one for one in found)
+
+
+def test_oil_that_would_cavitate_is_warned_of(tmp_path):
+    """A rebound through a tenth of the orifice without a recoil chamber sucks the oil below zero pressure."""
+    said = {}
+    for name, area in (("wide", "0.6e-4"), ("narrow", "0.6e-5")):
+        given = input_deck("oleo_drop", f"elements.strut.oil.rebound_orifice={area}", "time.end=0.6")
+        run(given, tmp_path / f"{name}.h5")
+        with open_results(tmp_path / f"{name}.h5") as results:
+            said[name] = [text for text in results.warnings if "cavitates" in text]
+    assert said["wide"] == []
+    (text,) = said["narrow"]
+    assert text.startswith("oleo 'strut': oil_pressure reached -") and text.endswith("a larger 'oil.rebound_orifice'")

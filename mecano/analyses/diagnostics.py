@@ -166,7 +166,7 @@ def limit_warnings(
     places: np.ndarray | None = None,
     where: str = "t = {:.4g} s",
 ) -> list[str]:
-    """Return a warning for each output whose magnitude exceeded the limit of validity of its element.
+    """Return a warning for each output that left the range of validity of its element.
 
     ``places`` are the indices of the outputs of the ``extremes`` in a row of the ``sampler``, ascending; default: all.
     ``where`` is the text of a time, or of a load factor.
@@ -175,11 +175,16 @@ def limit_warnings(
     worst = np.where(below, extremes.low, extremes.high)
     when = np.where(below, extremes.low_time, extremes.high_time)
     found = []
-    for name, d, output, column, limit, text in watched_outputs(deck.values, sampler, "limits"):
-        i = column if places is None else np.searchsorted(places, column)
-        if abs(worst[i]) > limit:
-            at = where.format(when[i])
-            found.append(f"{d['type']} '{name}': {output} reached {worst[i]:.4g} at {at}, but {text}")
+
+    def report(what, values, times, beyond):
+        for name, d, output, column, limit, text in watched_outputs(deck.values, sampler, what):
+            i = column if places is None else np.searchsorted(places, column)
+            if beyond(values[i], limit):
+                at = where.format(times[i])
+                found.append(f"{d['type']} '{name}': {output} reached {values[i]:.4g} at {at}, but {text}")
+
+    report("limits", worst, when, lambda value, limit: abs(value) > limit)
+    report("lower_limits", extremes.low, extremes.low_time, lambda value, limit: value < limit)
     return found
 
 

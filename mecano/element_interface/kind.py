@@ -112,6 +112,8 @@ class DeckEntry:
     a: a joint of their bodies that turns FREELY must have the same axis"""
     limits: Callable = nothing
     """deck values -> [(output, value, text)]: a warning with the text when |output| exceeds the value in a run"""
+    lower_limits: Callable = nothing
+    """deck values -> [(output, value, text)]: a warning with the text when the output falls below the value in a run"""
     end_conditions: Callable = nothing
     """deck values -> [(output, value, text)]: the run fails with the text if |output| exceeds the value"""
     strains: tuple[float, ...] = ()

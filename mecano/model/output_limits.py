@@ -24,8 +24,8 @@ def has_watched_outputs(values: Values, what: str) -> bool:
 def watched_outputs(values: Values, sampler: "Sampler", what: str) -> list[Watched]:
     """Return the monitored outputs of the elements with the deck values ``values``.
 
-    ``what`` is "limits" or "end_conditions". The result is a list of (name, deck values of the element, output, its
-    column in the row, value, text), one for each component of a vector.
+    ``what`` is "limits", "lower_limits" or "end_conditions". The result is a list of (name, deck values of the element,
+    output, its column in the row, value, text), one for each component of a vector.
     """
     columns = {column.path: column for column in sampler.columns}
     return [

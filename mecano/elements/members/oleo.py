@@ -41,6 +41,8 @@ from mecano.maths.dual import chain, number, select, sqrt, value
 from mecano.schema import CURVE, LAW, NODE_PAIR, NUMBER, Field, mapping, positive
 
 OIL = 6  # local unknown: compression c of the oil [m], measured along the stroke
+LEAST_COMPRESSION = 0.1  # share of the gas volume that a full stroke displaces; two thirds or more in landing gears
+LONGEST_STROKE = 10.0  # times the length of the strut
 LONGER = 0.01  # of the extended length: beyond it the deformation of a stop is improbable
 RECORD = record(
     **LAW_RECORD, push=2, column=2, exponent=(), second=(), gas_area=(), ambient=(), oil_stiffness=(),
@@ -160,12 +162,16 @@ def _closed(name, area):
 
 def _areas(area):
     """Return the areas of an orifice at zero stroke and at the corners of its curve; none if it is absent."""
-    corners = [x for _, values in terms_of(area) for x, _ in values.get("points") or ()]
-    return [] if area is None else [curve_at(area, float(x))[0] for x in [0.0, *corners]]
+    return [] if area is None else [curve_at(area, float(x))[0] for x in [0.0, *_corners(area)]]
+
+
+def _corners(area):
+    """Return the strokes of the points of an orifice's curve."""
+    return [x for _, values in terms_of(area) for x, _ in values.get("points") or ()]
 
 
 def start_warnings(d, nodes):
-    """Return warnings about the gas, a strut that starts beyond its full extension, and too large orifices."""
+    """Return warnings about the gas, a strut that starts beyond its full extension, stops and orifices."""
     gas, second, texts = d["gas"], d["second_gas"], []
     full, length = d["extended_length"], float(np.linalg.norm(nodes[1].x - nodes[0].x))
     if full is not None and length > (1.0 + LONGER) * full:
@@ -178,12 +184,18 @@ def start_warnings(d, nodes):
             f"'gas.pressure' is {gas['pressure']:g} Pa, less than the {gas['ambient_pressure']:g} Pa of the air: "
             "the extended strut pulls; is this intended? Pressures are absolute"
         )
+    texts += _reversed_stops(d["law"]) + _beyond(d["oil"], length if full is None else full)
     used_up = (gas["volume"] + (0.0 if second is None else second["volume"])) / gas["area"]
     stroke = min((-values["lower"] for term, values in d["law"] or () if term == "stop"), default=0.0)
     if used_up <= stroke < FAR:
         texts.append(
             f"the stop is at a stroke of {stroke:g} m, but all gas is used up at {used_up:g} m (volume over area): the "
             "strut cannot reach the stop; is the volume right?"
+        )
+    if 0.0 < stroke < LEAST_COMPRESSION * used_up:
+        texts.append(
+            f"the whole stroke of {stroke:g} m compresses the gas by {stroke / used_up:.2g} of its volume, so that it "
+            "hardly springs; is 'gas.volume' right, in m3?"
         )
     widest = max(_areas(d["oil"]["orifice"]) + _areas(d["oil"]["rebound_orifice"]))
     if widest >= d["oil"]["area"]:
@@ -192,6 +204,31 @@ def start_warnings(d, nodes):
             "displaces the oil: is this intended, or is a unit missing?"
         )
     return texts
+
+
+def _reversed_stops(law):
+    """Return a text if the lower stop prevents all compression."""
+    lowest = [values["lower"] for term, values in law or () if term == "stop" and values["lower"] >= 0.0]
+    return [
+        f"its stop at 'lower' = {lower:g} prevents all compression, in which the extension is negative; for a stroke S "
+        "write 'lower: -S, upper: 0'"
+        for lower in lowest
+    ]
+
+
+def _beyond(oil, length):
+    """Return a text if a curve of an orifice extends to strokes much longer than the strut."""
+    last = max((x for name in ("orifice", "rebound_orifice") for x in _corners(oil[name])), default=0.0)
+    if last <= LONGEST_STROKE * length:
+        return []
+    return [f"an orifice is given up to a stroke of {last:g} m, of a strut {length:.3g} m long; is it in mm?"]
+
+
+def lower_limits(d):
+    """Return the limit of the oil pressure, at which the oil cavitates."""
+    chamber = "the recoil chamber needs" if d["oil"]["recoil_area"] else "without 'oil.recoil_area' the rebound needs"
+    text = f"below zero the oil cavitates, which is not modelled: {chamber} a larger 'oil.rebound_orifice'"
+    return [("oil_pressure", 0.0, text)]
 
 
 def sample(rng):
@@ -280,6 +317,7 @@ OLEO = Kind(
     prepare=prepare,
     check=check,
     start_warnings=start_warnings,
+    lower_limits=lower_limits,
     residual=residual,
     observe=observe,
     event_values=event_values,
