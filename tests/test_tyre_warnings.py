@@ -55,6 +55,8 @@ def test_a_wheel_that_starts_backward_or_deep_is_warned_of():
     assert len(warnings_of(prepare(input_deck("wheel_spin_up", reverse % "tire", *deep)))) == 2
     for speed in ("-60", "0"):
         assert warnings_of(prepare(input_deck("wheel_spin_up", reverse % "tire", f"parameters.speed={speed}"))) == []
+    (said,) = warnings_of(prepare(input_deck("wheel_spin_up", "gravity=[0, 0, 9.81]")))
+    assert "wheel 'tire': 'gravity' [0, 0, 9.81] pulls it off its ground, whose normal [0, 0, 1]" in said
     for name, wheel in (("step_slip", "tire"), ("nose_landing_gear", "wheel")):  # a transient and a flexible wheel
         warnings = warnings_of(prepare(input_deck(name, reverse % wheel)))
         assert any("it starts backward" in said for said in warnings)

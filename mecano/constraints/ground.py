@@ -88,7 +88,8 @@ def check_axle(ground, x, axis):
         size = np.linalg.norm(direction)
         height -= curve_at(profile["height"], direction @ arm / size)[0] if size > 0.0 else 0.0
     if height <= 0.0:
-        return [f"the wheel's centre is {abs(height):g} m below the ground"]
+        shown = ", ".join(f"{component:g}" for component in ground["plane"]["normal"])
+        return [f"the wheel's centre is {abs(height):g} m below the ground, on the side away from its normal [{shown}]"]
     return []
 
 

@@ -1,4 +1,4 @@
-"""Warnings about wheels with a tyre law at the start: backward or sideward motion, tyres deep in the ground."""
+"""Warnings about wheels with a tyre law at the start: gravity, backward or sideward motion, tyres in the ground."""
 
 from types import SimpleNamespace
 
@@ -18,8 +18,10 @@ def start_warnings(d, nodes):
     """Return warnings about the motion and the deformation of a wheel at the start, from its deck values and node."""
     (node,) = nodes
     axis, ground = node.R @ node.orientation.T @ unit(d["axis"]), d["ground"]
-    backward = () if ground.get("motion") else _astray(d, unit(ground["plane"]["normal"]), axis, node.v)
-    return [*backward, *_deep(d, *rim_above(ground, d["tire_law"]["radius"], node.x, axis))]
+    normal = unit(ground["plane"]["normal"])
+    backward = () if ground.get("motion") else _astray(d, normal, axis, node.v)
+    deep = _deep(d, *rim_above(ground, d["tire_law"]["radius"], node.x, axis))
+    return [*_falls_off(node.gravity, normal), *backward, *deep]
 
 
 def start_warnings_on_body(d, nodes):
@@ -33,6 +35,15 @@ def start_warnings_on_body(d, nodes):
     g = contact_at_start(record, places, axis, *place_at_start(d, places))
     above = g.r - d["tire_law"]["radius"]
     return [*_astray(d, np.array(g.n), axis, hub.v - body.v), *_deep(d, above, above * g.q)]
+
+
+def _falls_off(gravity, normal):
+    """Yield a warning about gravity that points away from the ground."""
+    if gravity @ normal > 0.0:
+        yield (
+            f"'gravity' {_vector(gravity)} pulls it off its ground, whose normal {_vector(normal)} points to the side "
+            "of the wheel; is a sign wrong?"
+        )
 
 
 def _astray(d, normal, axis, velocity):

@@ -98,7 +98,7 @@ def deepest(law):
     """Return the largest deformation [m] of a tyre at the start, and a text that gives the reason for this bound."""
     valid = law["valid_deformation"]
     if valid:
-        return valid, f", its law is valid up to {valid:g} m ('valid_deformation')"
+        return valid, f", its law is valid up to {valid:g} m ('valid_deformation') of its radius of {law['radius']:g} m"
     return MOST_DEFORMATION * law["radius"], ", more than half of its radius"
 
 
