@@ -430,3 +430,28 @@ def test_a_tolerance_relative_to_a_single_point(apart, length, warns):
     found = warned(ONE_POINT.replace("APART", apart).replace("LENGTH", length))
     assert len(found) == warns and all("all nodes are at one point" in one for one in found)
     assert all(one.startswith("test.yaml:5:") for one in found)
+
+
+@pytest.mark.parametrize(
+    ("name", "override", "said"),
+    [
+        (
+            "crosswind_landing",
+            "joints.left_bearing=null",
+            "flexible_wheel 'left_wheel': no joint or member holds its node",
+        ),
+        ("twin_wheel_gear", "joints.left_bearing.axis=[1, 0, 0]", "hinge 'left_bearing': its axis is not that of the"),
+        ("twin_wheel_gear", "joints.left_bearing.axis=[0, -1, 0.1]", ""),
+        ("paper_disc", "title=A disc on no axle", ""),
+        ("sleigh", "title=A blade turns with its body", ""),
+        (
+            "twin_wheel_gear",
+            "parameters.friction=65",
+            "tire law 'tyre': a coefficient of friction of 65 is larger than",
+        ),
+        ("friction_pendulum", "joints.hinge.friction.coefficient=15", "hinge 'hinge': a coefficient of friction of 15"),
+    ],
+)
+def test_bearings_and_frictions_of_wheels(name, override, said):
+    found = [problem.message for problem in input_deck(name, override).warnings]
+    assert len(found) == bool(said) and all(text.startswith(said) for text in found)

@@ -10,8 +10,10 @@ from collections.abc import Container, Mapping
 from typing import TYPE_CHECKING, TypeAlias
 
 from mecano.deck.containers import singular
+from mecano.deck.large_frictions import large_frictions
 from mecano.deck.past_triggers import past_triggers
 from mecano.deck.sampled_laws import unsampled
+from mecano.deck.wheel_bearings import misplaced_bearings
 from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS, Kind
 from mecano.errors import Problem, name_list
@@ -53,7 +55,8 @@ def suspicious(
     found = [
         *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values["sections"]),
         *_tires(values["tire_laws"]), *_loads_without_effect(values["loads"], values["nodes"]),
-        *unsampled(values, kinds), *past_triggers(values, kinds),
+        *large_frictions(values), *misplaced_bearings(values, kinds), *unsampled(values, kinds),
+        *past_triggers(values, kinds),
     ]  # fmt: skip
     return [Problem(text, _place(root, path).mark) for path, text in found] + list(_unused(root, used))
 
