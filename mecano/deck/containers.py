@@ -89,7 +89,8 @@ def filled(
     for key, (key_node, value_node) in node.value.items():
         if key in SECTION_NAMES and key not in known and _is_misplaced(key, value_node):
             scope.misplaced.add(key)
-            scope.refuse(key_node, f"{quoted(scope.name_of(key))} is a section", BEGIN)
+            of = " of decks, not of this file" if key_node.column == 0 else ""
+            scope.refuse(key_node, f"{quoted(scope.name_of(key))} is a section{of}", "" if of else BEGIN)
         elif key not in known:
             from mecano.deck.unknown_keys import refuse_key  # few decks need it
 

@@ -34,9 +34,10 @@ def rows_of(values: "Values", root: Node, source: "Callable[[str], Source | None
     given = {name: tables for name, tables in ways.items() if values[name] is not None}
     seen = dict.fromkeys(values["set"], "set")
     for name, tables in given.items():
-        for path in dict.fromkeys(path for rows in tables for row in rows for path in row):
+        entries = {path: entry for rows in tables for row in rows for path, entry in row.items()}
+        for path, entry in entries.items():
             if path in seen:
-                scope.refuse(root, f"{quoted(path)} is given by '{seen[path]}' and by '{name}': keep one")
+                scope.refuse(entry.key, f"{quoted(path)} is given by '{seen[path]}' and by '{name}': keep one")
             seen[path] = name
     if not given:
         names = "', '".join(ways)
