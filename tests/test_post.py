@@ -349,6 +349,10 @@ def test_equal_curves_are_drawn_once_with_all_names(runs):
     assert [h.get_label() for h in CurveStyles(Sheet("s", "", (panel, second))).handles()] == ["a = d", "b", "c"]
     overview = CurveStyles(Sheet("s", "", (panel, second)), panel_by_panel=True)
     assert [h.get_label() for h in overview.legend(second)] == ["a = d", "b = c"]
+    rate = replace(force, path="elements/a/rate", values=3.0 * force.values)
+    pairs = Panel("", tuple(Curve(time_of(y), y, 0, name) for y in (force, rate) for name in ("left_wheel", "right")))
+    labels = [h.get_label() for h in CurveStyles(Sheet("s", "", (pairs, panel)), panel_by_panel=True).legend(pairs)]
+    assert labels == [f"left_wheel = right: {what}" for what in (force.what, rate.what)]
     two = Panel("force", tuple(Curve(time_of(force), force, run, "a") for run in (0, 1)))
     assert len(CurveStyles(Sheet("s", "", (two,), (), ("x", "y"))).drawn(two)) == 2
 

@@ -110,7 +110,7 @@ class CurveStyles:
         handles, others = {}, set()
         for equal in self.drawn(panel):
             curve, style = equal[0], self.style(equal[0], panel)
-            text = joined(": ".join([one.subject] * several + [one.y.what] * named) for one in equal)
+            text = _text(equal, several, named)
             if style is OTHERS:
                 reported = several or curve.subject in self._subjects(panel)
                 others |= {text} if reported and text else set()
@@ -121,9 +121,17 @@ class CurveStyles:
         return list(handles.values()) + _others(len(others - set(handles)))
 
 
+def _text(equal, several, named):
+    """Return the entry of equal curves: elements, if there are ``several``, and quantities, if they are ``named``."""
+    quantities = {one.y.what for one in equal}
+    if several and named and len(quantities) == 1:
+        return f"{joined(one.subject for one in equal)}: {quantities.pop()}"
+    return joined(": ".join([one.subject] * several + [one.y.what] * named) for one in equal)
+
+
 def _handle(i, name):
     return Line2D([], [], color=COLOURS[i % len(COLOURS)], linestyle=DASHES[i // len(COLOURS)], label=name)
 
 
 def _others(count):
-    return [Line2D([], [], label=f"{count} others", **OTHERS)] if count else []
+    return [Line2D([], [], label=f"{count} other{'s' * (count > 1)}", **OTHERS)] if count else []

@@ -33,7 +33,8 @@ def joined(names: Iterable[str]) -> str:
     shown = names
     while len(shown) > 1 and len(" = ".join(shown)) > LONGEST:
         shown = shown[:-1]
-    return " = ".join([*shown, f"{len(names) - len(shown)} others"] if len(shown) < len(names) else shown)
+    hidden = len(names) - len(shown)
+    return " = ".join([*shown, f"{hidden} other{'s' * (hidden > 1)}"] if hidden else shown)
 
 
 def _alike(panels, one, other):
