@@ -535,6 +535,12 @@ class TestCatalogue:
             events = re.findall(r"^  (\S.*?):", lines, re.MULTILINE)
             assert len(set(events)) == len(events)
 
+    @pytest.mark.parametrize("name", KINDS)
+    def test_explain_lists_each_output_of_an_option_once(self, name):
+        for lines in re.findall(r"^Outputs with .*\n((?:  .*\n)+)", explain(name), re.MULTILINE):
+            outputs = re.findall(r"^  (\S+)", lines, re.MULTILINE)
+            assert len(set(outputs)) == len(outputs)
+
     @pytest.mark.parametrize("name", [*KINDS, *SHAPES, *TERMS])
     def test_explain_speaks_to_users(self, name):
         """No source files, nor reasons for their code."""

@@ -64,7 +64,7 @@ def _option(field, found):
         lines += ["", doc.strip()]
     lines += ["", f"Outputs with '{field}'"]
     named = [replace(output, name=output.name + label) for part, label in found for output in part.outputs]
-    lines += output_lines(dict.fromkeys(named))
+    lines += output_lines({(one.name, one.unit, one.doc): one for one in named}.values())
     return lines + _event_lines(f"Events with '{field}'", [part for part, _ in found])
 
 
