@@ -566,3 +566,14 @@ def test_progress_shows_hundredths_of_a_run_however_late(start, line, capsys):
     progress = Progress({"start": start, "end": start + 2.0}, quiet=False, path="results.h5")
     progress(SimpleNamespace(motion=SimpleNamespace(t=start + 1.53), h=1e-3))
     assert capsys.readouterr().err == f"{line}, step 0.001 s\n"
+
+
+@pytest.mark.parametrize(("rate", "warned"), [(0.99995, False), (0.999, True)])
+def test_velocities_with_the_digits_of_decks_are_not_reported(rate, warned, tmp_path):
+    """The upper bar turns at 1 rad/s, its end 1 m away moves at 1 m/s: that is corrected by 5e-5 or by 1e-3 of it."""
+    whole = "{nodes: [pin, elbow, lower_end], angular_velocity: [0, 1, 0], about: [0, 0, 0]}"
+    less = f"{{nodes: [elbow, lower_end], velocity: [0, 0, {1 - rate:.5f}]}}"
+    given = input_deck("double_pendulum", f"initial.velocities=[{whole}, {less}]", "time.end=0.002")
+    dynamic.run(given, tmp_path / "r.h5")
+    said = mecano.open_results(tmp_path / "r.h5").warnings
+    assert any("violate the constraints" in text for text in said) == warned

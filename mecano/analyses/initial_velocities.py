@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from mecano.model.state import State
     from mecano.model.system import System
 
-NOTICED = 1e-6  # of the fastest motion: a change of a velocity that is reported
+NOTICED = 1e-6  # of the fastest motion: a motion of a node that the deck leaves at rest, which is reported
+VIOLATED = 1e-4  # of the fastest motion: a reported change of a velocity, which decks give with some four digits
 MOST_NAMED = 3
 
 
@@ -39,7 +40,7 @@ def changed_velocities(deck: "Deck", system: "System", given: "State", start: "S
     for (names, asked, reached, unit), speed, least in zip(motions, fastest, _rounding(fastest, length), strict=True):
         rows = [i for i, node in enumerate(system.nodes) if node.name in names]
         change = np.linalg.norm((reached - asked)[rows], axis=1)
-        if change.max(initial=0.0) > max(NOTICED * speed, least):
+        if change.max(initial=0.0) > max(VIOLATED * speed, least):
             i = rows[int(np.argmax(change))]
             was, is_ = (_vector_text(vector, speed) for vector in (asked[i], reached[i]))
             return [
