@@ -42,6 +42,7 @@ from mecano.results.study_file import read_study as read_table
 from mecano.study import dask, slurm
 from mecano.study.execution import clear, collect, due
 from mecano.study.folder import COMPLETE, FAILED, Folder, Record
+from mecano.study.in_deck import values_in_deck
 from mecano.study.outputs import Output
 from mecano.study.pool import Limits
 from mecano.study.read import read_study, try_deck
@@ -98,6 +99,14 @@ class TestCases:
         assert [tuple(case.values.values()) for case in found.cases] == [(10.0, "hht"), ("20 km/h", "newmark")]
         assert found.overrides(found.cases[1]) == ('parameters.speed="20 km/h"', 'time.method="newmark"')
         assert found.cases[1].shown["parameters.speed"] == pytest.approx(20 / 3.6)
+
+    def test_rows_that_leave_a_value_show_that_of_the_deck(self, folder):
+        """Not those of expressions, which may vary with other values, and of sections that the deck does not have."""
+        (folder / "deck.yaml").write_text(BALL.replace("{speed: 10}", "{speed: 36 km/h, twice: 2 * $speed}"))
+        rows = "list: [{parameters.speed: 1, parameters.twice: 9}, {elements.ball.mass: 3, output.every: 1}]"
+        left = {"parameters.speed": pytest.approx(10.0), "elements.ball.mass": 2.0}
+        assert values_in_deck(study(folder, rows)) == left
+        assert values_in_deck(study(folder, "grid: {parameters.speed: [1, 2]}")) == {}
 
     def test_a_hypercube_has_one_value_in_each_part_of_every_range(self, folder):
         text = "latin_hypercube: {{ranges: {{parameters.speed: [10, 20], time.end: [1, 2 s]}}, number: 8, seed: {}}}"

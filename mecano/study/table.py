@@ -20,6 +20,7 @@ from mecano.results.study_file import (
     write_study,
 )  # fmt: skip
 from mecano.study.folder import COMPLETE, STATUSES, Folder, Record
+from mecano.study.in_deck import values_in_deck
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -87,12 +88,12 @@ class Table:
 
     def _columns(self):
         cases, records = self.study.cases, [self.records[case.number] for case in self.study.cases]
-        shown = [case.shown for case in cases]
+        shown, unchanged = [case.shown for case in cases], values_in_deck(self.study)
         yield column("case", "case", "", "number of the case, and name of its files", [case.number for case in cases])
         if any(case.name for case in cases):
             yield column("case", "name", "", "name of the case", [case.name for case in cases])
         for path in self.study.paths:
-            varied = [values.get(path) for values in shown]
+            varied = [values.get(path, unchanged.get(path)) for values in shown]
             yield column("parameters", path, self.varied.get(path, ""), "value of the deck", varied)
         for name, unit, doc in ENDED:
             reported = [getattr(record, name) for record in records]
