@@ -99,7 +99,7 @@ def deepest(law):
     valid = law["valid_deformation"]
     if valid:
         return valid, f", its law is valid up to {valid:g} m ('valid_deformation') of its radius of {law['radius']:g} m"
-    return MOST_DEFORMATION * law["radius"], ", more than half of its radius"
+    return MOST_DEFORMATION * law["radius"], f", more than half of its radius of {law['radius']:g} m"
 
 
 def range_of_law(d):
