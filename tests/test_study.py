@@ -422,6 +422,8 @@ def test_limits_of_outputs_give_verdicts_and_an_exit_code(folder):
         ("when", "time of max of ball.position.x", "none", "s", "", "0.3"),
     ]
     assert cases.marked == {(0, 2), (2, 2)} and not report.sound
+    assert [row[3:] for row in governing.rows] == [("2", "1", "6", "3"), ("0.2", "1", "0.2", "1")]
+    assert governing.governing == {(0, 5), (0, 6)}  # the times are equal
     assert page_of(report).count('class="number beyond"') == 2
     study = (folder / "study.yaml").read_text()
     (folder / "study.yaml").write_text(study.replace("at_least: 3 m, at_most: 500 cm", "at_most: 7 m"))

@@ -164,8 +164,8 @@ def test_how_far_a_rim_is_above_the_ground():
 @pytest.mark.parametrize(
     ("w", "valid", "text"),
     [
-        (0.16, "", "the rim is 0.16 m below the ground at the start, more than half of its radius of 0.3 m; it just touches "
-         "with its node 0.1404 m higher"),
+        (0.16, "", "the rim is 0.16 m below the ground at the start, more than half of its radius of 0.3 m; it just "
+         "touches with its node 0.1404 m higher"),
         (0.075, "valid_deformation: 0.07", "0.075 m below the ground at the start, its law is valid up to 0.07 m"),
     ],
 )  # fmt: skip

@@ -39,13 +39,15 @@ HEALTH = {
 class Table:
     """Rows of texts; columns with an index of at least ``first_number`` hold numbers.
 
-    ``marked`` cells (row, column) exceed a limit. A table with a ``title`` is in a collapsed block.
+    ``marked`` cells (row, column) exceed a limit, ``governing`` ones are the largest in magnitude. A table with a
+    ``title`` is in a collapsed block.
     """
 
     columns: tuple[str, ...]
     rows: Sequence[tuple[str, ...]]
     first_number: int = 1
     marked: frozenset[tuple[int, int]] = frozenset()
+    governing: frozenset[tuple[int, int]] = frozenset()
     title: str = ""
 
 

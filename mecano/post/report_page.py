@@ -108,6 +108,8 @@ def _class(table, row, column):
     """Return the attribute of the class of a cell; ``row`` is None in the head."""
     if (row, column) in table.marked:
         return ' class="number beyond"'
+    if (row, column) in table.governing:
+        return ' class="number governing"'
     return " class=number" if column >= table.first_number else ""
 
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 COLUMNS = 2
 WIDTH, ROW = 5.6, 0.19  # inches of a panel, and of a bar
+OVER_LIMITS = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"}  # of the numbers at bars
 BESIDE = 0.9  # inches of a panel, apart from its bars
 PALE = 0.45
 
@@ -43,7 +44,7 @@ def _panel(ax, output):
     bars = ax.barh(range(len(values)), np.nan_to_num(values), height=0.7, color=COLOURS[0], alpha=PALE)
     bars[governing].set_alpha(1.0)
     ax.bar_label(bars, [f"{value:.4g}" if np.isfinite(value) else "" for value in values], padding=3, fontsize=7,
-                 color=GREY)  # fmt: skip
+                 color=GREY, bbox=OVER_LIMITS)  # fmt: skip
     ax.margins(x=0.18)
     ax.axvline(0.0, color=GREY, linewidth=0.8)
     for limit in near_limits(output):

@@ -52,19 +52,24 @@ def _limits(table):
 
 
 def _extreme_cases(table):
-    """Yield the table of the smallest and largest value of each output, with their cases."""
-    names, rows = table.case_names, []
+    """Yield the table of the smallest and largest value of each output, of which the larger magnitude governs."""
+    rows: list[tuple[str, ...]] = []
+    names, governing = table.case_names, set()
     for output in displayed_outputs(table):
         if not np.any(np.isfinite(output.values)):
             continue
         factor, unit = shown_unit(output.unit, output.values)
         low, high = int(np.nanargmin(output.values)), int(np.nanargmax(output.values))
+        sizes = abs(output.values[low]), abs(output.values[high])
+        if sizes[0] != sizes[1]:
+            governing |= {(len(rows), column) for column in ((3, 4) if sizes[0] > sizes[1] else (5, 6))}
         rows.append((
             output.name.replace("_", " "), output.doc, unit, number(output.values[low] / factor), names[low],
             number(output.values[high] / factor), names[high],
         ))  # fmt: skip
     if rows:
-        yield Table(("output", "which is", "unit", "smallest", "in case", "largest", "in case"), rows, 3)
+        yield Table(("output", "which is", "unit", "smallest", "in case", "largest", "in case"), rows, 3,
+                    governing=frozenset(governing))  # fmt: skip
 
 
 def _cases(table):
