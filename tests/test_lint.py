@@ -455,3 +455,11 @@ def test_a_tolerance_relative_to_a_single_point(apart, length, warns):
 def test_bearings_and_frictions_of_wheels(name, override, said):
     found = [problem.message for problem in input_deck(name, override).warnings]
     assert len(found) == bool(said) and all(text.startswith(said) for text in found)
+
+
+@pytest.mark.parametrize(("to", "mass", "warned"), [(4.0, 0.8, True), (6.0, 0.8, False), (4.0, 0.0, False)])
+def test_a_line_whose_mass_does_not_follow_its_length(to, mass, warned):
+    """10 m of a wire of 0.8 kg/m are hauled in to 4 m."""
+    changes = (f"elements.wire.natural_length.step.to={to}", f"elements.wire.mass_per_length={mass}")
+    said = [text for text in warnings_of(prepare(input_deck("hoist", *changes))) if "its mass stays" in text]
+    assert len(said) == warned and all("8 kg of 10 m, while its natural length becomes 4 m" in text for text in said)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from mecano.model.state import State
     from mecano.model.system import System
 
+PAID_OUT = 2.0  # factor by which a natural length may change before its constant mass is reported
 MOST_NAMED = 10  # warnings of one type
 FAR = 1e5  # length scales from the origin, where a double pendulum has errors of 1e-6 in angles, 1 % in its forces
 
@@ -36,7 +37,8 @@ def suspicious_model(deck: "Deck", system: "System", s: "State", length: float) 
     firsts = [*_first(_without_copies(strained), "elements"), *_first(massless, "nodes"), *_first(started, "elements")]
     units = [*_other_units(deck, system.model), *_unit_warnings(deck, system.model)]
     turned = _first([*_turned(deck, system, s)], "joints")
-    return [*firsts, *_first(units, "formulas"), *placed, *turned]
+    paid_out = _first(_without_copies([*_paid_out(deck)]), "elements")
+    return [*firsts, *_first(units, "formulas"), *placed, *turned, *paid_out]
 
 
 def _other_units(deck, model):
@@ -146,6 +148,22 @@ def _one_point(deck, system):
             "'time.adaptive.length_scale', the size of the motion"
         )
         yield Problem(text, deck.mark("nodes", system.nodes[0].name))
+
+
+def _paid_out(deck):
+    """Yield warnings about lines that are paid out or hauled in while their mass stays that of the start."""
+    time = deck.values["time"]
+    for name, d in deck.values["elements"].items() if time else ():
+        length = d.get("natural_length")
+        if length is None or isinstance(length, float) or is_formula(length) or not d.get("mass_per_length"):
+            continue
+        first, last = (curve_at(length, t)[0] for t in (time["start"], time["end"]))
+        if max(first, last) > PAID_OUT * min(first, last):
+            text = (
+                f"{title_of(d['type'], name)}: its mass stays that of the start, {d['mass_per_length'] * first:.4g} kg "
+                f"of {first:.4g} m, while its natural length becomes {last:.4g} m; is this intended?"
+            )
+            yield Problem(text, deck.mark("elements", name))
 
 
 def _natural_length(d, positions, t):

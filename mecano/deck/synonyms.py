@@ -67,6 +67,7 @@ NOTES = {  # words with the same meaning: (targets, note)
         "a hanging rope is a line of cables, or a beam with a mesh",
     ),
     "boom, antenna, spar": ("beam superelement", ""),
+    "wire boom, radial wire": ("cable beam", "a wire that is paid out is a cable, its natural_length a law of time"),
     "domino, rocking block": ("contact", ""),
     "skid, landing skid": ("beam contact", "skids are beams with a contact at every node that may touch the ground"),
     "gripper, grab, hook, magnet, suction cup, docking, berthing, capture, attach, engage": (
@@ -306,7 +307,8 @@ NOTES = {  # words with the same meaning: (targets, note)
     "knife edge, blade, nonholonomic, sled": ("skate", ""),
     "runway, road, terrain, track surface, ground plane, floor": ("grounds", ""),
     "bump road, obstacle, roughness, unevenness": ("grounds bump random", "the 'profile' of a ground"),
-    "orbit, tidal force, libration, clohessy wiltshire, hill equations, satellite, tether": ("gravity_gradient", ""),
+    "orbit, tidal force, libration, clohessy wiltshire, hill equations, satellite": ("gravity_gradient", ""),
+    "tether": ("gravity_gradient cable", ""),
     "load, external force, weight": ("force moment gravity", ""),
     "torque": ("moment couple", ""),
     "thrust, thruster, following force": ("follower_force", ""),
