@@ -20,7 +20,15 @@ import mecano
 from mecano.analyses.dynamic import resume
 from mecano.cli import commands
 from mecano.deck.read import read_deck
-from mecano.errors import DeckError, ResultsError, UnknownNameError, UsageError
+from mecano.errors import (
+    AssemblyError,
+    ConvergenceError,
+    DeckError,
+    Failure,
+    ResultsError,
+    UnknownNameError,
+    UsageError,
+)
 from mecano.interface import deck as deck_module
 from mecano.interface import margins as margins_module
 from mecano.interface import modes as modes_module
@@ -28,6 +36,7 @@ from mecano.interface import response as response_module
 from mecano.interface import results as results_module
 from mecano.interface import simulation as simulation_module
 from mecano.interface import solving as solving_module
+from mecano.process.interrupt import Stopped
 
 MODULES = [
     deck_module, margins_module, modes_module, response_module, results_module, simulation_module, solving_module,
@@ -102,6 +111,20 @@ class TestErrors:
         passed = pickle.loads(pickle.dumps(caught.value))
         assert str(passed) == str(caught.value) and "did you mean 'mass'?" in str(passed)
         assert passed.problems[0].mark.line == caught.value.problems[0].mark.line
+
+    @pytest.mark.parametrize(
+        "error",
+        [
+            Stopped(signal.SIGINT, " at t = 1 s"),
+            AssemblyError("nothing fits", Failure.SINGULAR, timed=True),
+            ConvergenceError("no step"),
+        ],
+        ids=lambda error: type(error).__name__,
+    )
+    def test_what_ends_a_run_is_passed_between_processes(self, error):
+        """A pool of processes whose parent cannot make the exception of a worker waits for ever."""
+        passed = pickle.loads(pickle.dumps(error))
+        assert type(passed) is type(error) and str(passed) == str(error) and vars(passed) == vars(error)
 
 
 class TestRun:

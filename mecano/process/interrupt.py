@@ -32,8 +32,12 @@ class Stopped(KeyboardInterrupt):
     """The run was stopped by a signal or by the limit of wall-clock time; ``exit_code`` is that of the process."""
 
     def __init__(self, number: int, further: str = ""):
-        self.exit_code = EXIT_CODES[number]
+        self.number, self.further, self.exit_code = number, further, EXIT_CODES[number]
         super().__init__(f"stopped by {WORDS.get(number) or signal.Signals(number).name}{further}")
+
+    def __reduce__(self):
+        """Return what makes an equal exception in another process: a pool hangs if it cannot make that of a worker."""
+        return type(self), (self.number, self.further)
 
 
 class Interruption:
