@@ -844,3 +844,34 @@ def test_a_buckled_blade_diverges_in_any_direction():
     along, turned = (modes(input_deck("lateral_buckling", f"nodes.tip.position={tip}"), None)[1] for tip in tips)
     assert along.kinds.count("divergence") == turned.kinds.count("divergence") == 1
     assert max(turned.values.real) == pytest.approx(max(along.values.real), rel=1e-5)
+
+
+FLOATING = """
+    mecano: 1
+    gravity: none
+    sections:
+      mast: {type: tube, diameter: 60 mm, thickness: 1 mm, E: 70 GPa, nu: 0.3, density: 2700, damping: DAMPING}
+    nodes: {bus: {position: [0, 0, 0]}, tip: {position: [10, 0, 0]}}
+    elements:
+      bus: {type: rigid_body, node: bus, mass: 400, inertia: [100, 120, 140]}
+      tip: {type: rigid_body, node: tip, mass: 5, inertia: [0.1, 0.2, 0.3]}
+      mast: {type: beam, nodes: [bus, tip], section: mast, up: [0, 0, 1], mesh: MESH}
+    time: {end: 1, step: 1 ms}
+"""
+
+
+@pytest.mark.parametrize("mesh", [8, 20])
+def test_modes_of_a_free_satellite_by_sparse_matrices_are_those_of_dense_ones(mesh):
+    """The inverses of the eigenvalues, which ARPACK finds, differ by 1e5 between free motions and vibrations."""
+    lin = linearized(FLOATING.replace("MESH", str(mesh)).replace("DAMPING", "0.1 ms"))
+    found, exact = (solve(lin, 14, method) for method in ("sparse", "dense"))
+    assert found.method.startswith("sparse") and found.kinds == ["free"] * 6 + ["oscillation"] * 8
+    assert found.residuals.max() < 1e-6
+    np.testing.assert_allclose(found.values[6:], exact.values[6:], rtol=1e-6)
+
+
+def test_free_motions_of_a_large_satellite_are_converged():
+    """With 600 motions the rotation about the mast, which is soft in torsion, was mixed with strains."""
+    found = solve(linearized(FLOATING.replace("MESH", "100").replace("DAMPING", "1 us")), 8)
+    assert found.method.startswith("sparse") and found.kinds == ["free"] * 6 + ["oscillation"] * 2
+    assert found.converged.all()

@@ -14,6 +14,7 @@ import numpy as np
 from mecano.errors import ConvergenceError
 from mecano.solve.modal.modes_dense import dense
 from mecano.solve.modal.modes_sparse import sparse
+from mecano.solve.modal.refined_mode import refined, without_strain
 from mecano.solve.modal.separated_basis import separated_basis
 from mecano.solve.modal.small_motions import SmallMotions
 
@@ -122,8 +123,22 @@ def _found(scaled, lin, number, method):
     if residuals[free].max(initial=0.0) > CONVERGED and not exact and scaled.n_q <= DENSE:
         shapes[chosen[free]] -= _strained(scaled, shapes[chosen[free]])
         residuals = np.array([scaled.residual(values[i], shapes[i]) for i in chosen])
+    if method == "sparse":
+        residuals = _refined(scaled, values, shapes, chosen, residuals)
     shapes = np.array([_normal(shapes[i] * scaled.units) / lin.root for i in chosen]).reshape(len(chosen), lin.n_q)
     return Modes(values[chosen], shapes, residuals, text, len(values))
+
+
+def _refined(scaled, values, shapes, chosen, residuals):
+    """Refine those of the ``chosen`` modes that are not converged, in place; return the residuals of all."""
+    free, wrong = values[chosen] == 0.0, residuals > CONVERGED
+    if (wrong & free).any() and not free.all():
+        i = chosen[wrong & free]
+        shapes[i] = without_strain(scaled, shapes[i], float(np.abs(values[chosen[~free]]).min()))
+    for i in chosen[wrong & ~free]:
+        values[i], shapes[i] = refined(scaled, values[i], shapes[i])
+    again = [scaled.residual(values[i], shapes[i]) if bad else 0.0 for i, bad in zip(chosen, wrong, strict=True)]
+    return np.where(wrong, again, residuals)
 
 
 def _nearest_to_zero(scaled, lin, number, found):
@@ -193,7 +208,7 @@ def _is_free(scaled, value, y, largest):
     r = scaled.K @ y
     if scaled.D.shape[1]:
         r = r + scaled.D @ scaled.balancing_multipliers(r)
-    return np.linalg.norm(r) <= FREE * size
+    return np.linalg.norm(r) <= CONVERGED * size  # no inertia or damping balances it: an error of the shape
 
 
 def _one_of_each_pair(values, shapes):
