@@ -463,3 +463,11 @@ def test_a_line_whose_mass_does_not_follow_its_length(to, mass, warned):
     changes = (f"elements.wire.natural_length.step.to={to}", f"elements.wire.mass_per_length={mass}")
     said = [text for text in warnings_of(prepare(input_deck("hoist", *changes))) if "its mass stays" in text]
     assert len(said) == warned and all("8 kg of 10 m, while its natural length becomes 4 m" in text for text in said)
+
+
+@pytest.mark.parametrize(("inertia", "warned"), [("[100, 83333, 83333]", True), ("[10, 100, 100]", False)])
+def test_inertia_of_a_body_much_larger_than_the_model(inertia, warned):
+    """A bar of 1 kg and 1 m in kg mm2, and one that is heavy at distant places."""
+    model = prepare(input_deck("double_pendulum", f"elements.upper.inertia={inertia}"))
+    said = [text for text in warnings_of(model) if "radius of gyration" in text]
+    assert len(said) == warned and all("a radius of gyration of 289 m" in text for text in said)

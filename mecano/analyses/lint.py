@@ -13,6 +13,7 @@ from mecano.element_interface import BY_COMMAND, FREELY, NodeAtStart, nothing
 from mecano.elements import KINDS
 from mecano.errors import Problem, name_list
 from mecano.laws.probe import curve_at
+from mecano.maths.inertia import inertia_matrix
 from mecano.model.model import title_of
 from mecano.model.numbering import ROTATION
 from mecano.model.signal_units import drives_with_units, unlike_sums
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from mecano.model.state import State
     from mecano.model.system import System
 
+WIDE = 20.0  # sizes of the model: a ship whose deck carries a wheel has 10, and kg mm2 for kg m2 give 300 and more
 PAID_OUT = 2.0  # factor by which a natural length may change before its constant mass is reported
 MOST_NAMED = 10  # warnings of one type
 FAR = 1e5  # length scales from the origin, where a double pendulum has errors of 1e-6 in angles, 1 % in its forces
@@ -33,7 +35,7 @@ def suspicious_model(deck: "Deck", system: "System", s: "State", length: float) 
     """Return the warnings (list of Problem) about a model at its start ``s``; ``length`` [m] is its length scale."""
     strained, started = [*_strain_warnings(deck, system, s)], [*_start_warnings(deck, system, s)]
     massless = _massless(deck, system, s, length)
-    placed = [*_far(deck, system, s, length), *_one_point(deck, system)]
+    placed = [*_far(deck, system, s, length), *_one_point(deck, system), *_wide(deck, extent(system.nodes))]
     firsts = [*_first(_without_copies(strained), "elements"), *_first(massless, "nodes"), *_first(started, "elements")]
     units = [*_other_units(deck, system.model), *_unit_warnings(deck, system.model)]
     turned = _first([*_turned(deck, system, s)], "joints")
@@ -108,6 +110,19 @@ def _far(deck, system, s, length):
             "and accelerations; place the origin near the mechanism"
         )
         yield Problem(text, deck.mark("nodes", system.nodes[i].name))
+
+
+def _wide(deck, size):
+    """Yield warnings about bodies with the inertia of something much larger than the model, of the ``size`` [m]."""
+    for name, d in deck.values["elements"].items() if size else ():
+        if "inertia" in d and "mass" in d:
+            radius = float(np.sqrt(np.linalg.eigvalsh(inertia_matrix(d["inertia"]))[-1] / d["mass"]))
+            if radius > WIDE * size:
+                text = (
+                    f"{title_of(d['type'], name)}: mass and inertia are those of a body with a radius of gyration of "
+                    f"{radius:.3g} m, and the model has a size of {size:.3g} m; are they in kg and kg m2?"
+                )
+                yield Problem(text, deck.mark("elements", name))
 
 
 def _turned(deck, system, s):
