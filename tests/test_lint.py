@@ -314,7 +314,9 @@ def test_no_warning_of_the_text_of_good_decks(path):
     assert read_deck(path).warnings == ()
 
 
-@pytest.mark.parametrize("name", ["hoist", "pendulum", "cable_catch", "base_excitation", "slider_crank", "gears"])
+@pytest.mark.parametrize(
+    "name", ["hoist", "pendulum", "cable_catch", "base_excitation", "slider_crank", "gears", "fiala_sweep"]
+)
 def test_no_warning_of_good_models(name):
     said = warnings_of(prepare(input_deck(name)))
     assert len(said) == (name in SUSPICIOUS_INPUTS)
