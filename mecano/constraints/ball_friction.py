@@ -10,7 +10,7 @@ on a along w, on b against it: the ball bears at one point, assumed where the sl
 
 from mecano.constraints.along_coordinate.friction import FRICTION_RECORD, POWER, REGULARIZED, friction_record
 from mecano.constraints.body_fixed import relative_rotation
-from mecano.element_interface import Kind, Output, Row, record
+from mecano.element_interface import Kind, Output, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import friction
 from mecano.maths.vector import add_vec, dot, norm, vec
@@ -60,6 +60,5 @@ BALL_FRICTION = Kind(
         Output("normal_force", "N", "magnitude of the force that the ball transmits"),
         POWER,
     ),
-    residual=residual,
-    observe=observe,
+    **named(residual, observe),
 )

@@ -33,7 +33,7 @@ from mecano.constraints.body_fixed import whole_turns
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, SLACK, TAUT, put_line_events
 from mecano.constraints.release import detached
-from mecano.element_interface import Kind, Output, record
+from mecano.element_interface import Kind, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import atan2, select, sqrt, value
 from mecano.maths.vector import Vec3, cross, dot, mat, norm, vec
@@ -157,7 +157,7 @@ def _functions(geometry, angles, always):
         if angles > 1:
             m_out[1] = psi_1
 
-    return {"residual": residual, "observe": observe, "event_values": event_values, "commit": commit}
+    return named(residual, observe, event_values, commit)
 
 
 def _kind(name, doc, layout, geometry, radii):

@@ -43,7 +43,7 @@ from mecano.constraints.reeved_path import (
     span,
     strain_by,
 )
-from mecano.element_interface import Kind, Output, record
+from mecano.element_interface import Kind, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import regularization, sticking
 from mecano.maths.dual import at_least, constant, exp
@@ -161,7 +161,7 @@ def _functions(strain_of):
         y[0] = e[2] = lost
         e[3] = -cable[2] * (first - cable[3])
 
-    return {"residual": residual, "observe": observe}
+    return named(residual, observe)
 
 
 def friction_field():

@@ -8,6 +8,7 @@ import numpy as np
 
 from mecano.constraints.augmented_lagrangian import add_reaction
 from mecano.constraints.touching import ROUNDING, sliding
+from mecano.element_interface import named
 from mecano.jit.kernel import kernel
 from mecano.laws.contact_force import contact_force, elastic_energy, elastic_force
 from mecano.laws.friction import friction
@@ -155,7 +156,7 @@ def rigid(shapes, inputs=0):
     def commit(p, at, m_out):
         m_out[0] = at.m[0] if at.phase == CLOSED else touch(p, at).gap
 
-    return {"residual": residual, "constraints": constraints, "commit": commit}
+    return named(residual, constraints, commit)
 
 
 def observed_rigid(shapes, inputs=0):

@@ -21,7 +21,7 @@ from dataclasses import replace
 from mecano.constraints.belt_span import BELT_END, BELT_SPAN, RECORD, between_pulleys, tangent_direction, to_a_point
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.constraints.line_phases import RELAXING, TAUT, put_line_events
-from mecano.element_interface import Output, with_fields
+from mecano.element_interface import Output, named, with_fields
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select
 from mecano.maths.vector import cross, dot, mat, norm, vec
@@ -103,7 +103,7 @@ def _functions(geometry, own, creep):
         stretch, rate, _ = stretch_of(p, at)
         put_line_events(g, at.phase == TAUT, stretch, rate, p.damping)
 
-    return {"residual": residual, "observe": observe, "event_values": event_values}
+    return named(residual, observe, event_values)
 
 
 def _creeping(name, doc, span, geometry):

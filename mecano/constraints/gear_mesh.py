@@ -23,7 +23,7 @@ from mecano.constraints.coordinates.coordinate import rate_of
 from mecano.constraints.coordinates.slide import add_slide_curvature, slide, slide_gradient
 from mecano.constraints.coordinates.twist import twist, twist_curvature, twist_gradient
 from mecano.constraints.triads import triad
-from mecano.element_interface import Kind, Row, record
+from mecano.element_interface import Kind, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec
 
@@ -109,8 +109,5 @@ GEAR_MESH = Kind(
     layout=("x2", "R0", "x1", "R1", "R2"),  # order as in slide.py: x1 relative to x2, along an axis of node 0
     multipliers=(Row("force of the teeth", "N", "m"),),
     memory=("angle_1", "angle_2"),
-    force=force,
-    constraints=constraints,
-    commit=commit,
-    sample=sample,
+    **named(force, constraints, commit, sample),
 )

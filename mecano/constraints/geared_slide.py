@@ -16,7 +16,7 @@ from mecano.constraints.coordinates.coordinate import rate_of
 from mecano.constraints.coordinates.slide import slide, slide_gradient
 from mecano.constraints.coordinates.twist import twist, twist_gradient
 from mecano.constraints.triads import triad
-from mecano.element_interface import Kind, Row, record
+from mecano.element_interface import Kind, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec
 
@@ -72,7 +72,5 @@ GEARED_SLIDE = Kind(
     dtype=RECORD,
     layout=("x0", "R0", "x1", "R1"),
     multipliers=(Row("force of the thread or teeth", "N", "m"),),
-    residual=residual,
-    constraints=constraints,
-    sample=sample,
+    **named(residual, constraints, sample),
 )

@@ -6,7 +6,7 @@ numbers the time integration of the deck stewart takes 3 % more processor time, 
 
 from mecano.constraints.augmented_lagrangian import put_derivatives
 from mecano.constraints.body_fixed import carried
-from mecano.element_interface import Kind, Row, record
+from mecano.element_interface import Kind, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import EYE, add_mat, add_vec, cross, mat, skew, vec
 
@@ -66,7 +66,5 @@ RIGID_OFFSET = Kind(
     dtype=RECORD,
     layout=("x0", "R0", "x1"),
     multipliers=tuple(Row(f"force {axis} of the rigid offset", "N", "m") for axis in "xyz"),
-    force=force,
-    constraint_derivatives=constraint_derivatives,
-    sample=sample,
+    **named(force, constraint_derivatives, sample),
 )

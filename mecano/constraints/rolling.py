@@ -15,7 +15,7 @@ from mecano.constraints.augmented_lagrangian import deactivate
 from mecano.constraints.ground import GROUND_RECORD, touch
 from mecano.constraints.no_slip import MULTIPLIERS, put_slip
 from mecano.constraints.rolling_radius import AIR, leaning_discs
-from mecano.element_interface import Kind, Row, record
+from mecano.element_interface import Kind, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.force_at_point import add_force, add_multiplier_column, add_position_tangent, add_velocity_tangent
 from mecano.maths.surface import directions, directions_variation, disc_variation
@@ -108,7 +108,6 @@ ROLLING = Kind(
     layout=("x0", "R0"),
     multipliers=ROWS,
     phases=("contact", "air"),
-    force=force,
-    constraints=constraints,
+    **named(force, constraints),
     sample=leaning_discs,
 )

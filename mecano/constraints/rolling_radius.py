@@ -11,7 +11,7 @@ import numpy as np
 from mecano.constraints.augmented_lagrangian import deactivate
 from mecano.constraints.ground import GROUND_RECORD, normal_and_level, touch
 from mecano.constraints.triads import unit
-from mecano.element_interface import Kind, Row, record
+from mecano.element_interface import Kind, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.force_at_point import add_force, add_multiplier_column, add_position_tangent
 from mecano.maths.surface import disc_variation
@@ -79,7 +79,6 @@ ROLLING_RADIUS = Kind(
     layout=("x0", "R0"),
     multipliers=(Row("radial force of the ground", "N", "m", unilateral=True),),
     phases=("contact", "air"),
-    force=force,
-    constraints=constraints,
+    **named(force, constraints),
     sample=leaning_discs,
 )

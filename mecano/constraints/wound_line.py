@@ -33,7 +33,7 @@ from mecano.constraints.elastic_line import (
 from mecano.constraints.line import add_line_force, line
 from mecano.constraints.line_phases import put_line_events
 from mecano.constraints.stop_phases import FAR
-from mecano.element_interface import CONTACT, Event, Kind, Part, Row, record
+from mecano.element_interface import CONTACT, Event, Kind, Part, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.table import curve, evaluate_curve
 from mecano.maths.dual import chain, number, select, value
@@ -198,8 +198,7 @@ CATCH = Kind(
     memory=MEMORY,
     residual=catch_residual,
     constraints=catch_constraints,
-    commit=commit,
-    sample=sample,
+    **named(commit, sample),
 )
 ELASTIC = Kind(
     name="wound_line", doc=__doc__, dtype=RECORD, layout=("x0", "x1"), phases=PHASES, memory=MEMORY,

@@ -96,14 +96,15 @@ from mecano.element_interface.kind import (
     NodeAtStart,
     OwnOutput,
     Part,
+    named,
     nothing,
 )
 from mecano.element_interface.records import UNUSED, record, recorded, recorded_values, with_fields
 
 __all__ = [
     "BY_COMMAND", "CONTACT", "FREELY", "GRIP", "LOCK", "RELEASES", "SECTIONS", "UNUSED", "WAITS", "Context", "Display",
-    "Event", "Kind", "Measured", "NodeAtStart", "Output", "OwnOutput", "Part", "Place", "Row", "nothing", "record",
-    "recorded", "recorded_values", "with_fields",
+    "Event", "Kind", "Measured", "NodeAtStart", "Output", "OwnOutput", "Part", "Place", "Row", "named", "nothing",
+    "record", "recorded", "recorded_values", "with_fields",
 ]  # fmt: skip
 
 

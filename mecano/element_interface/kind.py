@@ -36,6 +36,11 @@ def never(_: Any) -> bool:
     return False
 
 
+def named(*functions: Any) -> dict[str, Any]:
+    """Return {name: function}: functions that are named as the fields of a Kind, as its arguments."""
+    return {function.__name__: function for function in functions}
+
+
 class NodeAtStart(NamedTuple):
     """A node in the assembled state at the start of an analysis."""
 

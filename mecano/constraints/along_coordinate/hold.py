@@ -16,7 +16,7 @@ from typing import NamedTuple
 from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.constraints.augmented_lagrangian import add_constraint, deactivate, put_derivatives
 from mecano.constraints.body_fixed import wrap
-from mecano.element_interface import Kind, Row, record
+from mecano.element_interface import Kind, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.formula import evaluate_formula
 from mecano.laws.formula_rate import with_rates
@@ -105,7 +105,7 @@ def holding(coordinate, target):
             Phi = side * difference(value(p, at), wanted)
             put_derivatives(g, 0, Phi, side * (rate - wanted_rate), side * (second - wanted_second))
 
-    return {"force": force, "constraint_derivatives": constraint_derivatives}
+    return named(force, constraint_derivatives)
 
 
 @kernel

@@ -1,6 +1,6 @@
 r"""Point mass: a mass at a node, without rotation: :math:`f_x = m (a - g)`."""
 
-from mecano.element_interface import Display, Kind, Output, record
+from mecano.element_interface import Display, Kind, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, dot, vec
 from mecano.schema import NODE, NUMBER, Field, positive
@@ -41,7 +41,5 @@ POINT_MASS = Kind(
         Field("mass", NUMBER, "kg", "mass", check=positive),
     ),
     outputs=(Output("kinetic_energy", "J", "kinetic energy"),),
-    residual=residual,
-    inertia=inertia,
-    observe=observe,
+    **named(residual, inertia, observe),
 )

@@ -14,7 +14,7 @@ import numpy as np
 
 from mecano.constraints.attachment import attached_rotations, attachment
 from mecano.constraints.joint_samples import ORIENTATIONS
-from mecano.element_interface import Display, Kind, Output, record
+from mecano.element_interface import Display, Kind, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.inertia import inertia_matrix
 from mecano.maths.vector import EYE, add_mat, add_vec, cross, dot, mat, put, skew, vec
@@ -123,11 +123,6 @@ RIGID_BODY = Kind(
         Output("velocity", "m/s", "velocity of the centre of mass, inertial", (3,)),
         Output("kinetic_energy", "J", "kinetic energy"),
     ),
-    prepare=prepare,
     shares=attached_rotations,
-    parts=parts,
-    check=check,
-    force=force,
-    observe=observe,
-    sample=sample,
+    **named(prepare, parts, check, force, observe, sample),
 )

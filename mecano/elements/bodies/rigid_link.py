@@ -10,7 +10,7 @@ held by three constraints.
 
 from mecano.constraints.attachment import attached_rotations, attachment, is_marker
 from mecano.constraints.joint_samples import two_parallel, two_places
-from mecano.element_interface import Display, Kind, Output, record
+from mecano.element_interface import Display, Kind, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.maths.vector import Vec3, mat, put, vec
@@ -57,10 +57,7 @@ RIGID_LINK = Kind(
         Output("force", "N", "force of the link on the follower, inertial axes", (3,)),
         Output("moment", "N m", "moment of the link on the follower, inertial axes", (3,)),
     ),
-    prepare=prepare,
     shares=attached_rotations,
-    parts=parts,
-    observe=observe,
     hidden={"moment": "use a 'generic' joint, which holds the second node in its initial place"},
-    sample=sample,
+    **named(prepare, parts, observe, sample),
 )

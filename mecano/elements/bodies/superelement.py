@@ -23,7 +23,7 @@ from functools import cache
 import numpy as np
 
 from mecano.constraints.joint_samples import rotation
-from mecano.element_interface import Display, Kind, Output, record
+from mecano.element_interface import Display, Kind, Output, named, record
 from mecano.elements.bodies.reduced_matrices import mass_moments, misplaced, problems, rigid_motions
 from mecano.elements.bodies.superelement_force import add_forces, add_product, state_of
 from mecano.elements.bodies.superelement_frame import MOMENTUM, ROWS, U_RATE, U, V
@@ -246,12 +246,7 @@ SUPERELEMENT = Kind(
         Field("stiffness_damping", NUMBER, "s", "damping per stiffness", 0.0, not_negative),
     ),
     flexible=True,
-    prepare=prepare,
-    check=check,
-    force=force,
-    observe=observe,
-    sample=sample,
-    variant=variant,
+    **named(prepare, check, force, observe, sample, variant),
     outputs=DECLARED,
     hidden=_hidden(DECLARED),
 )

@@ -28,7 +28,7 @@ from mecano.constraints.along_coordinate.demand import law_of, on_demand
 from mecano.constraints.ground import GROUND_RECORD, prepare_ground, slope_below, touch
 from mecano.constraints.triads import unit
 from mecano.constraints.wheels import carried_axis
-from mecano.element_interface import Kind, Output, record
+from mecano.element_interface import Kind, Output, named, record
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, prepare_radial, radial_force, speed_over_ground
 from mecano.jit.kernel import kernel
 from mecano.laws.table import curve
@@ -132,7 +132,7 @@ def _functions(demand):
         y[0], y[1], y[2], y[3], y[4] = tau, bound.B, rate, tau * rate, bound.slip
         e[2] = tau * rate
 
-    return {"residual": residual, "observe": observe}
+    return named(residual, observe)
 
 
 def prepare(d, nodes, context):
@@ -256,9 +256,7 @@ BRAKE = on_demand(
         layout=("R0", "x1", "R1"),
         fields=FIELDS,
         outputs=OUTPUTS,
-        prepare=prepare,
-        check=check,
-        sample=sample,
+        **named(prepare, check, sample),
     ),
     _functions, "torque", 9,
 )  # fmt: skip

@@ -11,7 +11,7 @@ so that node b is turned about +axis and node a about -axis; the surroundings (t
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import law_of, on_demand
-from mecano.element_interface import Kind, Output, record
+from mecano.element_interface import Kind, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, dot, mat, vec
 from mecano.schema import DIRECTION, DRIVE, NODE_PAIR, Field
@@ -35,7 +35,7 @@ def _functions(demand):
         y[0], y[1], y[2] = size, rate, size * rate
         e[3] = size * rate
 
-    return {"residual": residual, "observe": observe}
+    return named(residual, observe)
 
 
 def prepare(d, nodes, context):

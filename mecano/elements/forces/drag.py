@@ -11,7 +11,7 @@ The power of the force, F.v, is what the stream gives, F.w, less what is dissipa
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import law_of, on_demand
-from mecano.element_interface import Display, Kind, Output, record
+from mecano.element_interface import Display, Kind, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, dot, norm, put, vec
 from mecano.schema import DIRECTION, DRIVE, NODE, NUMBER, Field, positive
@@ -41,7 +41,7 @@ def _functions(speed):
         y[3] = lost
         e[2], e[3] = lost, dot(D, w)
 
-    return {"residual": residual, "observe": observe}
+    return named(residual, observe)
 
 
 def prepare(d, nodes, context):
@@ -89,9 +89,7 @@ DRAG = on_demand(
             Output("force", "N", "drag on the node, inertial", (3,)),
             Output("dissipated_power", "W", "power dissipated in the fluid"),
         ),
-        prepare=prepare,
-        check=check,
-        sample=sample,
+        **named(prepare, check, sample),
     ),
     _functions, "speed", 3,
 )  # fmt: skip

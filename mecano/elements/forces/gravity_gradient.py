@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from mecano.constraints.triads import triad
-from mecano.element_interface import Display, Kind, Output, record
+from mecano.element_interface import Display, Kind, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.inertia import inertia_matrix
 from mecano.maths.vector import ZERO, add_vec, cross, dot, mat, put, vec
@@ -145,11 +145,8 @@ GRAVITY_GRADIENT = Kind(
         Output("moment", "N m", "moment about the centre of mass, inertial", (3,)),
         Output("power", "W", "power of force and moment"),
     ),
-    prepare=prepare,
-    check=check,
-    variant=variant,
     residual=point_residual,
     observe=observe_point,
-    sample=sample,
+    **named(prepare, check, variant, sample),
 )  # fmt: skip
 ON_BODY = replace(GRAVITY_GRADIENT, layout=("x0", "R0"), residual=body_residual, observe=observe_body, variant=None)

@@ -18,7 +18,7 @@ from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
 from mecano.constraints.joint_nodes import check_apart
-from mecano.element_interface import Kind, Output, nothing, record
+from mecano.element_interface import Kind, Output, named, nothing, record
 from mecano.jit.kernel import kernel
 from mecano.schema import DRIVE, NODE_PAIR, Field, joint_with
 
@@ -39,7 +39,7 @@ def _functions(coordinate, demand):
         y[0], y[1], y[2] = size, rate, size * rate
         e[3] = size * rate
 
-    return {"residual": residual, "observe": observe}
+    return named(residual, observe)
 
 
 def _load(name, what, coordinate, field, prepare, check, sample=None):

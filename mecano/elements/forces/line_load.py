@@ -16,7 +16,7 @@ import numpy as np
 from mecano.constraints.along_coordinate.demand import by_law_and_signal, is_formula, law_of, on_demand, reads_of
 from mecano.constraints.line_of_nodes import LINE_FIELD, check_line, lengths, sample_line
 from mecano.constraints.triads import unit
-from mecano.element_interface import Kind, Output, Part, record
+from mecano.element_interface import Kind, Output, Part, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, dot, mat, vec
 from mecano.schema import BOOLEAN, DIRECTION, DRIVE, Field
@@ -61,7 +61,7 @@ def _share(name, layout, components):
         def observe(p, at, F, y, e):
             e[3] = demand(p, at) * dot(components(p, at), vec(at.v, 0))
 
-        return {"residual": residual, "observe": observe}
+        return named(residual, observe)
 
     kind = Kind(
         name=name, doc="Share of a node in a load along a line.", dtype=RECORD, layout=layout,
@@ -77,7 +77,7 @@ def _of_line(demand):
     def observe(p, at, F, y, e):
         y[0], y[1] = demand(p, at), p.length * demand(p, at)
 
-    return {"observe": observe}
+    return named(observe)
 
 
 def prepare(d, nodes, context):
@@ -128,10 +128,9 @@ class _Quantity:
                 Output("value", f"{self.unit}/m", per),
                 Output("total", self.unit, f"sum of the {self.name}s on all nodes, if they had one direction"),
             ),
-            prepare=prepare,
             parts=self.parts,
             check=check_line,
-            sample=sample,
+            **named(prepare, sample),
         )
         return on_demand(kind, _of_line, "value", 0)
 

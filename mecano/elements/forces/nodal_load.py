@@ -16,7 +16,7 @@ from functools import partial
 
 from mecano.constraints.along_coordinate.demand import law_of, on_demand
 from mecano.constraints.triads import unit
-from mecano.element_interface import Display, Kind, Output, record
+from mecano.element_interface import Display, Kind, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, dot, mat, put, vec
 from mecano.schema import DIRECTION, DRIVE, NODE, Field
@@ -66,7 +66,7 @@ def _functions(directions, demand):
         y[3] = size * dot(own, vec(at.v, 0))
         e[3] = y[3]
 
-    return {"residual": residual, "observe": observe}
+    return named(residual, observe)
 
 
 def prepare(d, nodes, context):

@@ -16,7 +16,7 @@ import numpy as np
 from mecano.constraints.along_coordinate.demand import by_law_and_signal, is_formula, law_of, on_demand, reads_of
 from mecano.constraints.line_of_nodes import LINE_FIELD, check_line, sample_line
 from mecano.constraints.triads import unit
-from mecano.element_interface import Kind, Output, Part, record
+from mecano.element_interface import Kind, Output, Part, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, cross, dot, mat, vec
 from mecano.schema import DIRECTION, DRIVE, NUMBER, Field, positive
@@ -48,7 +48,7 @@ def _of_segment(demand):
         first, second = _forces(p, at, demand(p, at))
         e[3] = dot(first, vec(at.v, 0)) + dot(second, vec(at.v, 6))
 
-    return {"residual": residual, "observe": observe}
+    return named(residual, observe)
 
 
 def _of_line(demand):
@@ -59,7 +59,7 @@ def _of_line(demand):
         y[0] = demand(p, at)
         y[1] = p.width * y[0]
 
-    return {"observe": observe}
+    return named(observe)
 
 
 def _sample_segment(rng):
@@ -131,10 +131,7 @@ PRESSURE = on_demand(
             Output("value", "Pa", "pressure"),
             Output("line_load", "N/m", "force per length, pressure times width"),
         ),
-        prepare=prepare,
-        parts=parts,
-        check=check,
-        sample=sample,
+        **named(prepare, parts, check, sample),
     ),
     _of_line,
     "value",

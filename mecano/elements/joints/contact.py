@@ -44,7 +44,7 @@ from mecano.constraints.touching_ellipsoid import ELLIPSOID, ELLIPSOIDS
 from mecano.constraints.touching_revolution import REVOLUTIONS
 from mecano.constraints.touching_rods import ROD, RODS
 from mecano.element_interface import CONTACT as SHOCK
-from mecano.element_interface import RELEASES, WAITS, Display, Event, Kind, Output, Part, Row, record
+from mecano.element_interface import RELEASES, WAITS, Display, Event, Kind, Output, Part, Row, named, record
 from mecano.laws.probe import curve_at
 from mecano.schema import CURVE, NODE_PAIR, NUMBER, Field, not_negative, share
 
@@ -162,9 +162,7 @@ _ALWAYS_ACTIVE = Kind(
     phases=PHASES,
     events=(CLOSES, OPENS),
     memory=("held",),
-    prepare=prepare,
-    variant=variant,
-    check=check,
+    **named(prepare, variant, check),
     sample=samples,
     **rigid(BALL),
     **observed_rigid(BALL),

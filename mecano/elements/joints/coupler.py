@@ -37,7 +37,7 @@ from mecano.constraints.coordinates.slide import SLIDE
 from mecano.constraints.coordinates.twist import TWIST
 from mecano.constraints.joint_samples import two_places
 from mecano.constraints.tooth_friction import friction_field, friction_values, tooth_friction
-from mecano.element_interface import Display, Kind, Output, Part, Place, Row, record, with_fields
+from mecano.element_interface import Display, Kind, Output, Part, Place, Row, named, record, with_fields
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.schema import NUMBER, Field, joint_with, list_of, not_zero, positive
@@ -327,12 +327,6 @@ COUPLER = Kind(
         Output("load_1", "N m", "moment or force along coordinate 1, > 0 increases it; and so on"),
         DISSIPATED,
     ),
-    prepare=prepare,
-    check=check,
-    variant=variant,
-    residual=residual,
-    constraints=constraints,
-    observe=observe,
-    sample=sample,
+    **named(prepare, check, variant, residual, constraints, observe, sample),
     **_declarations(1, 0),
 )  # fmt: skip

@@ -35,7 +35,7 @@ from mecano.constraints.along_coordinate.measure import angle_outputs
 from mecano.constraints.gear_mesh import GEAR_MESH, gear, gear_travel
 from mecano.constraints.gear_teeth import Mesh, with_teeth
 from mecano.constraints.triads import triad
-from mecano.element_interface import Display, Kind, Output
+from mecano.element_interface import Display, Kind, Output, named
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, vec
 from mecano.schema import DIRECTION, NODE, NUMBER, Field, Type, not_zero, positive
@@ -159,10 +159,8 @@ _PAIR = Kind(
     ),
     memory=("angle_a", "angle_b"),
     commit=GEAR_MESH.commit,
-    prepare=prepare,
-    check=check,
     counts_angles=angles,
-    sample=sample,
+    **named(prepare, check, sample),
 )  # fmt: skip
 GEAR_PAIR = with_teeth(_PAIR, Mesh(GEAR_MESH, gear_travel, driver=0), _put_motion, "radius_a")
 del _PAIR  # its record lacks the axes that `commit` reads: `mecano warmup` must not compile it

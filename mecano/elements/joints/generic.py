@@ -35,7 +35,7 @@ from mecano.constraints.pair import (
     put_reactions,
 )  # fmt: skip
 from mecano.constraints.triads import not_flipped
-from mecano.element_interface import Display, Kind, Output, record
+from mecano.element_interface import Display, Kind, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.formula import evaluate_formula
 from mecano.laws.table import evaluate_curve
@@ -180,12 +180,8 @@ GENERIC = Kind(
         *REACTIONS,
     ),
     optional=law_outputs("compliance", AXES),
-    prepare=prepare,
-    parts=parts,
-    check=check,
     observe=_observed(_rate_of_law),
     variant=lambda d: BY_FORMULA if _by_formula(d) else GENERIC,
-    admissible=admissible,
-    sample=sample,
+    **named(prepare, parts, check, admissible, sample),
 )  # fmt: skip
 BY_FORMULA = replace(GENERIC, dtype=RECORD_BY_FORMULA, observe=_observed(_rate_of_any))

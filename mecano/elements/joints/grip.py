@@ -16,7 +16,7 @@ from dataclasses import replace
 from mecano.constraints.along_coordinate.trigger import TRIGGER, check_trigger, trigger_of
 from mecano.constraints.augmented_lagrangian import add_reaction
 from mecano.constraints.joint_samples import two_parallel
-from mecano.element_interface import LOCK, RELEASES, Display, Event, Kind, Output, Row, record
+from mecano.element_interface import LOCK, RELEASES, Display, Event, Kind, Output, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.formula import difference_of
 from mecano.maths.so3 import exp, log
@@ -217,7 +217,6 @@ GRIP = Kind(
         *(Row(f"moment of the grip about axis {i} of b", "N m", "rad") for i in (1, 2, 3)),
     ),
     inputs=("closing", "opening"),
-    reads=reads,
     phases=PHASES,
     events=(
         Event("closes", "open", "closed", "the command to close; a shock", LOCK),
@@ -225,10 +224,7 @@ GRIP = Kind(
         Event("opens", "closed", "open", "the condition becomes false"),
     ),
     memory=tuple(f"held_{i}" for i in range(1, 7)),
-    prepare=prepare,
-    variant=variant,
-    check=check,
-    sample=sample,
+    **named(reads, prepare, variant, check, sample),
     **_functions(LAYOUT, True),
 )
 POSITION_GRIP = replace(

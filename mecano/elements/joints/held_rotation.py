@@ -5,7 +5,7 @@ With ground as the first node, the second one can only translate; the moment of 
 
 from mecano.constraints.joint_nodes import check_one_rotation, one_rotation
 from mecano.constraints.joint_samples import two_parallel
-from mecano.element_interface import Display, Kind, Output
+from mecano.element_interface import Display, Kind, Output, named
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import NODE_PAIR, Field
@@ -32,7 +32,6 @@ HELD_ROTATION = Kind(
     outputs=(Output("moment", "N m", "moment of a on b, inertial axes", (3,)),),
     shares=one_rotation,
     check=check_one_rotation,
-    observe=observe,
     hidden={"moment": "use a 'generic' joint with free: [along_1, along_2, along_axis]"},
-    sample=sample,
+    **named(observe, sample),
 )

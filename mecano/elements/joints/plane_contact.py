@@ -13,7 +13,7 @@ import numpy as np
 
 from mecano.constraints.augmented_lagrangian import add_reaction
 from mecano.constraints.triads import unit
-from mecano.element_interface import CONTACT, Event, Kind, Output, Row, record
+from mecano.element_interface import CONTACT, Event, Kind, Output, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, vec
 from mecano.schema import GROUND, NODE, NUMBER, Field, not_negative, share
@@ -113,12 +113,5 @@ PLANE_CONTACT = Kind(
         Event("lifts off", "contact", "air", "the normal force falls to zero"),
     ),
     memory=("held",),
-    prepare=prepare,
-    check=check,
-    residual=residual,
-    constraints=constraints,
-    observe=observe,
-    event_values=event_values,
-    commit=commit,
-    sample=sample,
+    **named(prepare, check, residual, constraints, observe, event_values, commit, sample),
 )  # fmt: skip

@@ -32,7 +32,7 @@ from mecano.constraints.augmented_lagrangian import add_reaction
 from mecano.constraints.coordinates.coordinate import rate_of
 from mecano.constraints.coordinates.slide import slide, slide_gradient
 from mecano.constraints.triads import triad
-from mecano.element_interface import Display, Kind, Output, Row, record
+from mecano.element_interface import Display, Kind, Output, Row, named, record
 from mecano.elements.joints.guiding_curve import (
     CURVE_RECORD,
     check_curve,
@@ -183,14 +183,6 @@ POINT_ON_CURVE = Kind(
         Output("overrun", "m", "how far b is beyond the end of an open curve", geometric=True),
     ),
     multipliers=tuple(Row(f"force of the curve along its axis {i}", "N", "m") for i in (1, 2, 3)),
-    prepare=prepare,
-    start=start,
-    variant=variant,
-    check=check,
-    end_conditions=end_conditions,
-    residual=residual,
-    constraints=constraints,
-    observe=observe,
-    sample=sample,
+    **named(prepare, start, variant, check, end_conditions, residual, constraints, observe, sample),
 )
 FLAT = replace(POINT_ON_CURVE, multipliers=POINT_ON_CURVE.multipliers[:2])

@@ -21,7 +21,7 @@ from mecano.constraints.coordinates.twist import turned
 from mecano.constraints.gear_teeth import Mesh, with_teeth
 from mecano.constraints.geared_slide import GEARED_SLIDE, slide_travel
 from mecano.constraints.triads import triad
-from mecano.element_interface import Display, Kind, Output
+from mecano.element_interface import Display, Kind, Output, named
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import vec
 from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field, positive
@@ -82,9 +82,7 @@ _RIGID = Kind(
         Output("velocity", "m/s", "rate of the displacement"),
         Output("force", "N", "tangential force of the teeth of a on b, along the direction, without friction"),
     ),
-    prepare=prepare,
-    check=check,
     counts_angles=lambda d: [("axis", d["axis"], d["nodes"])],
-    sample=sample,
+    **named(prepare, check, sample),
 )  # fmt: skip
 RACK_AND_PINION = with_teeth(_RIGID, Mesh(GEARED_SLIDE, slide_travel, driver=1), _put_motion, "radius")

@@ -2,7 +2,7 @@ r"""Rigid rod: two nodes keep their distance, :math:`|x_b - x_a| = L`; both ends
 
 from mecano.constraints.joint_nodes import ENDS, check_apart, distance
 from mecano.constraints.of_coordinates import DISTANCE
-from mecano.element_interface import Display, Kind, Output, Part
+from mecano.element_interface import Display, Kind, Output, Part, named
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import norm, vec
 from mecano.schema import NUMBER, Field, positive
@@ -39,8 +39,6 @@ RIGID_ROD = Kind(
         Output("tension", "N", "force in the rod, positive when it pulls its ends together"),
         Output("length", "m", "distance of the nodes", geometric=True),
     ),
-    parts=parts,
     check=check_apart,
-    observe=observe,
-    sample=sample,
+    **named(parts, observe, sample),
 )

@@ -24,7 +24,7 @@ import numpy as np
 
 from mecano.constraints.joint_samples import rotation
 from mecano.constraints.line_of_nodes import check_line, nearest_station, smooth_line
-from mecano.element_interface import Display, Event, Kind, Output, Row, record
+from mecano.element_interface import Display, Event, Kind, Output, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, number
 from mecano.maths.vector import add_vec, cross, dot, mat, norm, put, vec
@@ -215,15 +215,6 @@ SLIDER_ON_BEAM = Kind(
     multipliers=tuple(Row(f"force on the slider along {axis}", "N", "m") for axis in "xyz"),
     events=(Event("passes", "", "", "the slider passes from one element of the beam to the next"),),
     memory=("element",),
-    prepare=prepare,
-    start=start,
-    variant=variant,
-    check=check,
-    end_conditions=end_conditions,
-    residual=residual,
-    constraints=constraints,
-    observe=observe,
-    event_values=event_values,
-    commit=commit,
-    sample=sample,
+    **named(prepare, start, variant, check, end_conditions, sample),
+    **named(residual, constraints, observe, event_values, commit),
 )

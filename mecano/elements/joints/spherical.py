@@ -12,7 +12,7 @@ from mecano.constraints.ball_friction import BALL_FRICTION, ball_friction_record
 from mecano.constraints.joint_nodes import NODES, check_one_place, one_position
 from mecano.constraints.joint_samples import FALLING, one_place
 from mecano.constraints.rigid_offset import RIGID_OFFSET
-from mecano.element_interface import Display, Kind, Output, Part, nothing
+from mecano.element_interface import Display, Kind, Output, Part, named, nothing
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import put, vec
 
@@ -66,10 +66,8 @@ SPHERICAL_HELD = Kind(
     outputs=(Output("force", "N", "force of a on b, inertial axes", (3,)),),
     optional=(("friction", BALL_FRICTION, ""),),
     parts=parts_held,
-    variant=variant,
-    check=check,
     observe=observe_held,
-    sample=sample,
+    **named(variant, check, sample),
 )
 
 SPHERICAL = replace(

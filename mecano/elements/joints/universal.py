@@ -38,7 +38,7 @@ from mecano.constraints.pair import (
 from mecano.constraints.pin_friction import PIN_FRICTION, pin_friction_record
 from mecano.constraints.rigid_offset import RIGID_OFFSET
 from mecano.constraints.triads import triad
-from mecano.element_interface import Display, Kind, Output, Part, record
+from mecano.element_interface import Display, Kind, Output, Part, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.maths.vector import mat, put, vec
@@ -234,13 +234,9 @@ UNIVERSAL_RUBBING = Kind(
         ("compliance", TILT_LAW, f"_{CROSS}"), *law_outputs("compliance", ELASTIC[1:]),
     ),
     memory=("angle_a", "angle_b"),
-    prepare=prepare,
     parts=parts_with_friction,
-    variant=variant,
-    check=check,
     observe=observe_with_friction,
-    commit=commit,
-    sample=sample,
+    **named(prepare, variant, check, commit, sample),
 )  # fmt: skip
 
 UNIVERSAL_ELASTIC = replace(

@@ -23,7 +23,7 @@ import numpy as np
 from mecano.constraints.along_coordinate.demand import as_formula, is_formula
 from mecano.constraints.elastic_line import STRAIN_OF_STEEL
 from mecano.constraints.joint_samples import rotation
-from mecano.element_interface import Display, Kind, Output, record
+from mecano.element_interface import Display, Kind, Output, named, record
 from mecano.elements.members.beam_checks import check, check_mesh, start_warnings
 from mecano.elements.members.beam_elastic import (
     add_elastic,
@@ -238,16 +238,9 @@ BEAM = Kind(
     outputs=OUTPUTS,
     hidden=dict.fromkeys([output.name for output in OUTPUTS], "read the reaction of a joint at its end, such as fixed"),
     flexible=True,
-    variant=variant,
-    prepare=prepare,
-    divide=divide,
-    check=check,
-    start_warnings=start_warnings,
     strains=(-STRAIN_OF_STEEL, STRAIN_OF_STEEL),
-    force=force,
     by_lanes=True,
-    observe=observe,
-    sample=sample,
+    **named(variant, prepare, divide, check, start_warnings, force, observe, sample),
 )  # fmt: skip
 HEATED_BEAM = replace(
     BEAM,

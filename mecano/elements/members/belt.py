@@ -36,7 +36,7 @@ from mecano.constraints.elastic_line import AXIAL_STIFFNESS, DAMPING
 from mecano.constraints.joint_samples import rotation
 from mecano.constraints.release import check_release, elastic_release
 from mecano.constraints.triads import triad
-from mecano.element_interface import Display, Kind, OwnOutput, Part
+from mecano.element_interface import Display, Kind, OwnOutput, Part, named
 from mecano.schema import BOOLEAN, DIRECTION, NODES, NUMBER, NUMBERS, Field, not_negative
 
 
@@ -147,8 +147,5 @@ BELT = Kind(
         ("creep", CREEPING_SPAN, "_1"),
         ("creep", CREEPING_END, "_1"),
     ),
-    parts=parts,
-    check=check,
-    end_conditions=end_conditions,
-    sample=sample,
+    **named(parts, check, end_conditions, sample),
 )

@@ -32,7 +32,7 @@ from mecano.constraints.joint_samples import two_places
 from mecano.constraints.pair import AXES, AXIS_1, law_fields, law_outputs, law_parts, triads_together
 from mecano.constraints.release import with_release
 from mecano.constraints.triads import triad
-from mecano.element_interface import Kind, Output, record
+from mecano.element_interface import Kind, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.table import evaluate_curve
 from mecano.maths.dual import number
@@ -141,7 +141,7 @@ def _functions(set_points):
         e[2] = dot(rate[0], viscous[0]) + dot(rate[1], viscous[1])
         e[3] = -(dot(n, d_0_rate) + dot(m, psi_0_rate))
 
-    return {"residual": residual, "observe": observe}
+    return named(residual, observe)
 
 
 def matrix(values):
@@ -261,11 +261,7 @@ def _bushing(set_points):
             Output("moment", "N m", "moment of the matrices on b, about the axes", (3,)),
         ),
         optional=law_outputs("laws", AXES),
-        prepare=prepare,
-        parts=parts,
-        check=check,
-        limits=limits,
-        sample=sample,
+        **named(prepare, parts, check, limits, sample),
         **_functions(set_points),
     )
 

@@ -57,7 +57,7 @@ from mecano.constraints.line import add_line_force, line
 from mecano.constraints.line_phases import EVENTS, PHASES, RELAXING, TAUT, put_line_events
 from mecano.constraints.release import SAMPLE, with_release
 from mecano.constraints.wound_line import CATCHES
-from mecano.element_interface import Display, Kind, Measured, Output, record
+from mecano.element_interface import Display, Kind, Measured, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.laws.table import evaluate_curve, terms_of
@@ -117,7 +117,7 @@ def _functions(natural):
 def _bar_functions(natural):
     """Return the functions of a bar, which has no events."""
     residual, observe, _ = _functions(natural)
-    return {"residual": residual, "observe": observe}
+    return named(residual, observe)
 
 
 def _cable_functions(natural):
@@ -131,7 +131,7 @@ def _cable_functions(natural):
         put_no_push(y)
         y[6] = 1.0 if at.phase == TAUT else 0.0
 
-    return {"residual": residual, "observe": observe, "event_values": event_values}
+    return named(residual, observe, event_values)
 
 
 def prepare_stress_free(d, nodes, context):

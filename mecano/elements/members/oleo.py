@@ -32,7 +32,7 @@ from mecano.constraints.joint_nodes import check_apart, distance
 from mecano.constraints.joint_samples import at_distance
 from mecano.constraints.line import add_line_force, line
 from mecano.constraints.stop_phases import EVENTS, FAR, PHASES, put_stop_events
-from mecano.element_interface import Display, Kind, Measured, Output, record
+from mecano.element_interface import Display, Kind, Measured, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.gas_spring import gas_force, gas_work
 from mecano.laws.probe import curve_at
@@ -314,14 +314,7 @@ OLEO = Kind(
     ),
     phases=PHASES,
     events=EVENTS,
-    prepare=prepare,
-    check=check,
-    start_warnings=start_warnings,
-    lower_limits=lower_limits,
-    residual=residual,
-    observe=observe,
-    event_values=event_values,
-    sample=sample,
+    **named(prepare, check, start_warnings, lower_limits, residual, observe, event_values, sample),
     measures={
         "length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {}),
         "extension": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {}, extended(d, nodes)),

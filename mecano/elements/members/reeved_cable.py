@@ -59,7 +59,7 @@ from mecano.constraints.reeved_path import (
 )
 from mecano.constraints.release import SAMPLE, check_release, detached, elastic_release
 from mecano.constraints.triads import triad
-from mecano.element_interface import Display, Kind, Output, Part, record
+from mecano.element_interface import Display, Kind, Output, Part, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.maths.dual import at_least, number, select, value
@@ -138,7 +138,7 @@ def _functions(strain_of):
             strain, strain_rate = -1.0, 0.0
         put_line_events(g, at.phase == TAUT, strain, strain_rate, p.damping)
 
-    return {"residual": residual, "observe": observe, "event_values": event_values}
+    return named(residual, observe, event_values)
 
 
 def _start(d, nodes):
@@ -318,13 +318,7 @@ _ALWAYS_ACTIVE = Kind(
     dtype=record(**path_record(1)),
     **path_unknowns(1),
     optional=(("friction", CAPSTAN, ""),),
-    prepare=prepare,
-    parts=parts,
-    check=check,
-    variant=variant,
-    limits=limits,
-    end_conditions=end_conditions,
-    sample=sample,
+    **named(prepare, parts, check, variant, limits, end_conditions, sample),
     **_functions(strain_by(of_law)),
 )
 LYING = (6, 7, 8)  # indices of the outputs that say whether the cable lies on its pulleys

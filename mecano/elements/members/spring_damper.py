@@ -20,7 +20,7 @@ from mecano.constraints.joint_samples import at_distance
 from mecano.constraints.line import add_line_force, line
 from mecano.constraints.release import with_release
 from mecano.constraints.stop_phases import EVENTS, PHASES, put_stop_events
-from mecano.element_interface import Display, Kind, Measured, Output, record
+from mecano.element_interface import Display, Kind, Measured, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import curve_at
 from mecano.laws.table import law_force
@@ -62,7 +62,7 @@ def _functions(set_point):
     def event_values(p, at, g):
         put_stop_events(g, p.low, p.high, extension(p, set_point(p, at), line(at.q, at.v)[0]))
 
-    return {"residual": residual, "observe": observe, "event_values": event_values}
+    return named(residual, observe, event_values)
 
 
 def prepare(d, nodes, context):
@@ -133,10 +133,8 @@ def _spring(functions):
         ),
         phases=PHASES,
         events=EVENTS,
-        prepare=prepare,
-        check=check,
         strains=(-0.5, 0.5),
-        sample=sample,
+        **named(prepare, check, sample),
         measures={
             "length": lambda d, nodes, context: Measured(DISTANCE, (0, 1), {}),
         },

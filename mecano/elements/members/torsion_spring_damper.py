@@ -32,7 +32,7 @@ from mecano.constraints.of_coordinates import TWIST_LAW
 from mecano.constraints.release import with_release
 from mecano.constraints.stop_phases import EVENTS, PHASES
 from mecano.constraints.triads import triad
-from mecano.element_interface import Display, Kind, Measured, Output
+from mecano.element_interface import Display, Kind, Measured, Output, named
 from mecano.jit.kernel import kernel
 from mecano.schema import CONTINUOUS_DRIVE, DIRECTION, LAW, Field
 
@@ -121,8 +121,7 @@ def _spring(functions):
         phases=PHASES,
         events=EVENTS,
         memory=("angle",),
-        prepare=prepare,
-        sample=sample,
+        **named(prepare, sample),
         measures={"angle": _angle},
     )  # fmt: skip
     return with_release(on_demand(kind, functions, "natural_angle", 6, set_point_of_law, with_rate), "spring", (2,))

@@ -7,6 +7,7 @@ of the signal, as those of ``max`` and ``abs``.
 """
 
 from mecano.constraints.along_coordinate.signal import signal_of_input
+from mecano.element_interface import named
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import places_of_jumps
 from mecano.laws.table import breakpoints, curve
@@ -41,7 +42,5 @@ CURVE = signal_of_input(
     __doc__,
     Field("law", CURVE_LAW, VALUE_UNIT, "c, the value as a function of the input, both in SI units"),
     jumps=lambda d: bool(places_of_jumps(d["law"])),
-    residual=residual,
-    times=times,
-    sample=sample,
+    **named(residual, times, sample),
 )

@@ -10,6 +10,7 @@ tolerance.
 """
 
 from mecano.constraints.along_coordinate.signal import signal_of_input
+from mecano.element_interface import named
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import constant, number
 from mecano.schema import NUMBER, Field, positive
@@ -113,8 +114,7 @@ DELAY = signal_of_input(
     Field("time", NUMBER, "s", "T, by which the value is late", check=positive),
     same_unit_as=lambda d: d["input"],
     memory=("count", *(f"{name}_{i}" for i in range(MOST) for name in ("time", "value"))),
-    residual=residual,
-    commit=commit,
+    **named(residual, commit),
     follows_jumps=True,
     reads_past=True,
 )

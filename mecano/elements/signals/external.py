@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.constraints.along_coordinate.signal import IN_DECK, INITIAL, UNIT_OF_VALUE
-from mecano.element_interface import Kind
+from mecano.element_interface import Kind, named
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 
@@ -43,8 +43,7 @@ EXTERNAL = Kind(
     fields=(INITIAL, UNIT_OF_VALUE),
     jumps=lambda d: True,
     memory=("value", "started"),
-    residual=residual,
-    commit=commit,
+    **named(residual, commit),
 )
 
 

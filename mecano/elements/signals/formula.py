@@ -16,7 +16,7 @@ from dataclasses import replace
 from functools import cache
 
 from mecano.constraints.along_coordinate.signal import IN_DECK, UNIT_OF_VALUE
-from mecano.element_interface import Kind, record
+from mecano.element_interface import Kind, named, record
 from mecano.jit.kernel import kernel
 from mecano.laws.formula import evaluate_formula, read_formula
 from mecano.maths.dual import number
@@ -64,9 +64,6 @@ FORMULA = Kind(
     fields=(Field("value", FORMULA_TYPE, "-", "the formula"), UNIT_OF_VALUE),
     same_unit_as=lambda d: d["value"],
     reads=lambda d: read_formula(d["value"]).references,
-    prepare=prepare,
-    variant=variant,
-    residual=residual,
-    sample=sample,
+    **named(prepare, variant, residual, sample),
     **IN_DECK,
 )

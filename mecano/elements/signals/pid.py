@@ -20,7 +20,7 @@ from dataclasses import replace
 from functools import cache
 
 from mecano.constraints.along_coordinate.signal import INITIAL, OF_INPUT, OF_VALUE, VALUE, signal_of_input
-from mecano.element_interface import Event, Output, record
+from mecano.element_interface import Event, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select
 from mecano.schema import NUMBER, Field, positive
@@ -167,11 +167,5 @@ PID = signal_of_input(
         Event("lower limit left", "lower", "within", "the demand rises from the lower limit"),
     ),
     outputs=(VALUE, *STATES),
-    prepare=prepare,
-    check=check,
-    variant=variant,
-    residual=residual,
-    observe=observe,
-    event_values=event_values,
-    sample=sample,
+    **named(prepare, check, variant, residual, observe, event_values, sample),
 )  # fmt: skip

@@ -8,6 +8,7 @@ Time steps end at all sampling times; the first one is the start of the run. In 
 import numpy as np
 
 from mecano.constraints.along_coordinate.signal import signal_of_input
+from mecano.element_interface import named
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import constant, number
 from mecano.schema import NUMBER, Field, positive
@@ -45,8 +46,6 @@ SAMPLE_AND_HOLD = signal_of_input(
     jumps=lambda d: True,
     same_unit_as=lambda d: d["input"],
     memory=("held", "next", "started"),
-    residual=residual,
-    commit=commit,
     reads_past=True,
-    times=times,
+    **named(residual, commit, times),
 )

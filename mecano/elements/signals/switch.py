@@ -8,7 +8,7 @@ events.
 """
 
 from mecano.constraints.along_coordinate.signal import OF_INPUT, signal_of_input
-from mecano.element_interface import Event, record
+from mecano.element_interface import Event, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select
 from mecano.schema import FORMULA, NUMBER, Field
@@ -62,9 +62,5 @@ SWITCH = signal_of_input(
         Event("switches on", "low", "high", "the input rises through the upper level"),
         Event("switches off", "high", "low", "the input falls through the lower level"),
     ),
-    prepare=prepare,
-    check=check,
-    residual=residual,
-    event_values=event_values,
-    sample=sample,
+    **named(prepare, check, residual, event_values, sample),
 )

@@ -8,7 +8,7 @@ x follows the input with the time constant T. With the gain g = 1/T, y is the ra
 import math
 
 from mecano.constraints.along_coordinate.signal import OF_INPUT, VALUE, signal_of_input
-from mecano.element_interface import Output
+from mecano.element_interface import Output, named
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.schema import NUMBER, Field, positive
@@ -48,6 +48,5 @@ WASHOUT = signal_of_input(
     states=("state",),
     outputs=(VALUE, STATE),
     start=lambda p: [0.0, p["initial_state"]],
-    residual=residual,
-    observe=observe,
+    **named(residual, observe),
 )

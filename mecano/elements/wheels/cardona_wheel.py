@@ -18,7 +18,7 @@ from mecano.constraints.of_coordinates import HELD_COORDINATE
 from mecano.constraints.rolling import ROWS
 from mecano.constraints.triads import unit
 from mecano.constraints.wheels import FIELDS, OUTPUTS, WHEEL_DISPLAY, Wheel, carried_axis, check_touching, put_outputs
-from mecano.element_interface import Kind, Part, record
+from mecano.element_interface import Kind, Part, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.maths.surface import disc_contact
@@ -104,10 +104,5 @@ CARDONA_WHEEL = Kind(
     layout=("x0", "R0"),
     fields=FIELDS,
     outputs=OUTPUTS,
-    prepare=prepare,
-    parts=parts,
-    check=check,
-    end_conditions=end_conditions,
-    observe=observe,
-    sample=sample,
+    **named(prepare, parts, check, end_conditions, observe, sample),
 )

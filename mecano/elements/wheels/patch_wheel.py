@@ -12,7 +12,7 @@ import numpy as np
 from mecano.constraints.ground import GROUND_RECORD, end_conditions, touch
 from mecano.constraints.tire_patch import Y, add_patch_force
 from mecano.constraints.wheels import Wheel
-from mecano.element_interface import Kind, Output, record
+from mecano.element_interface import Kind, Output, named, record
 from mecano.elements.wheels.at_start import start_warnings
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD, surface_at
 from mecano.elements.wheels.lateral_law import (
@@ -263,16 +263,8 @@ def patch_wheel(name, doc, massless, residual, observe, events=EVENTS, **constra
         outputs=OUTPUTS,
         phases=PHASES,
         events=events,
-        prepare=prepare,
-        start=start,
-        check=check,
-        limits=limits,
         start_warnings=start_warnings_of_patch,
-        remedies=remedies,
-        end_conditions=end_conditions,
-        residual=residual,
-        observe=observe,
-        event_values=event_values,
-        sample=sample,
+        **named(prepare, start, check, limits, remedies, end_conditions, sample),
+        **named(residual, observe, event_values),
         **constraints,
     )

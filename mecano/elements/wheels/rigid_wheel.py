@@ -44,7 +44,7 @@ from mecano.constraints.rolling import ROLLING
 from mecano.constraints.rolling_radius import ROLLING_RADIUS
 from mecano.constraints.wheels import FIELDS, OUTPUTS, WHEEL_DISPLAY, Wheel, check_touching, disc_record, put_outputs
 from mecano.element_interface import CONTACT as SHOCK
-from mecano.element_interface import Event, Kind, Part, record
+from mecano.element_interface import Event, Kind, Part, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select
 from mecano.maths.vector import dot, mat, vec
@@ -186,13 +186,5 @@ RIGID_WHEEL = Kind(
         Event("bend", "contact", "contact", "it rolls over a point where the curvature of the ground jumps"),
     ),
     memory=("bends_passed",),
-    prepare=prepare,
-    at_start=at_start,
-    parts=parts,
-    check=check,
-    end_conditions=end_conditions,
-    observe=observe,
-    event_values=event_values,
-    commit=commit,
-    sample=sample,
+    **named(prepare, at_start, parts, check, end_conditions, observe, event_values, commit, sample),
 )

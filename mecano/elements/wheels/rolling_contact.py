@@ -11,7 +11,7 @@ import numpy as np
 
 from mecano.constraints.ground import end_conditions, touch
 from mecano.constraints.wheels import Wheel
-from mecano.element_interface import Kind, Output, record
+from mecano.element_interface import Kind, Output, named, record
 from mecano.elements.wheels.at_start import start_warnings
 from mecano.elements.wheels.ground_surface import Surface, surface_at
 from mecano.elements.wheels.slip_law import Slip, default_values
@@ -156,10 +156,7 @@ def wheel_with(law, compiled, own_record, prepare, **fields):
         phases=PHASES,
         events=EVENTS,
         prepare=prepare_all,
-        limits=limits,
-        end_conditions=end_conditions,
-        residual=residual,
-        observe=observe,
+        **named(limits, end_conditions, residual, observe),
         **fields,
     )
 
@@ -169,8 +166,7 @@ wheel_on_ground = partial(
     display=TYRE_DISPLAY,
     layout=("x0", "R0"),
     fields=FIELDS,
-    start_warnings=start_warnings,
-    event_values=event_values,
+    **named(start_warnings, event_values),
 )
 
 

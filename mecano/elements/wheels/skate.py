@@ -14,7 +14,7 @@ from mecano.constraints.ground import LEAN, check_axle, end_conditions, lean_of,
 from mecano.constraints.no_slip import add_slip_reactions, on_a_plane, put_slip
 from mecano.constraints.triads import unit
 from mecano.constraints.wheels import carried_axis
-from mecano.element_interface import Display, Kind, Output, Row, record
+from mecano.element_interface import Display, Kind, Output, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.maths.surface import directions, disc_contact
@@ -87,11 +87,5 @@ SKATE = Kind(
         LEAN,
     ),
     multipliers=(Row("force across the blade", "N", "m/s"),),
-    prepare=prepare,
-    check=check,
-    end_conditions=end_conditions,
-    residual=residual,
-    constraints=constraints,
-    observe=observe,
-    sample=sample,
+    **named(prepare, check, end_conditions, residual, constraints, observe, sample),
 )

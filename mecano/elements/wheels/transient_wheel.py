@@ -25,7 +25,7 @@ from functools import partial
 import numpy as np
 
 from mecano.constraints.ground import GROUND_RECORD
-from mecano.element_interface import Output
+from mecano.element_interface import Output, named
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import (
     FIRST,
@@ -155,13 +155,11 @@ with_law = partial(
     wheel_on_ground,
     compiled=compiled,
     own_record={**CARCASS_RECORD, **GROUND_RECORD, **SURFACE_RECORD},
-    prepare=prepare,
     name="transient_wheel",
     doc=__doc__,
     scalars=SCALARS,
     massless=SCALARS,
     outputs=(*OUTPUTS, *CARCASS_OUTPUTS),
-    check=check,
-    sample=sample,
+    **named(prepare, check, sample),
 )
 TRANSIENT_WHEEL = by_slip_law(with_law, SLIP_LAWS["fiala"])

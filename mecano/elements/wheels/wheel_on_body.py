@@ -34,7 +34,7 @@ from mecano.constraints.ground import LEAST_Q, too_low
 from mecano.constraints.touching import check_one_surface, named_surface
 from mecano.constraints.triads import unit
 from mecano.constraints.wheels import carried_axis
-from mecano.element_interface import Display
+from mecano.element_interface import Display, named
 from mecano.elements.wheels.at_start import start_warnings_on_body
 from mecano.elements.wheels.ground_surface import Surface
 from mecano.elements.wheels.rolling_contact import (
@@ -178,7 +178,6 @@ with_law = partial(
     wheel_with,
     compiled=compiled,
     own_record=CARRIED_RECORD,
-    prepare=prepare,
     name="wheel_on_body",
     doc=__doc__,
     display=Display("wheel_on_body", pictures=("wheels",), force="contact_force", force_at="contact_point"),
@@ -190,9 +189,7 @@ with_law = partial(
         Field("tire_law", TIRE_LAW, "-", "law of the tyre: radius, forces, friction"),
     ),
     outputs=OUTPUTS,
-    check=check,
     start_warnings=start_warnings_on_body,
-    event_values=event_values,
-    sample=sample,
+    **named(prepare, check, event_values, sample),
 )
 WHEEL_ON_BODY = by_slip_law(with_law, SLIP_LAWS["friction"])
