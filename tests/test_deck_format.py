@@ -21,15 +21,15 @@ def printed(text, overrides=()):
 def test_line_caret_hint_and_count():
     text = VALID.replace("axis: [0, 1, 0], stop_axis: [1, 0, 0]", "axsi: [0, 1, 0]").replace("sink: 3.05", "sink: x")
     assert printed(text, ["time.end=late"]) == (
-        "--set time.end:1:10: 'time.end' must be a number [s], got the text 'late'\n"
-        "    time.end=late\n"
-        "             ^\n"
         "deck.yaml:3:20: parameter 'sink': must be a number, got the text 'x'\n"
         "    parameters: {sink: x, mass: 82.0, steps: 4}\n"
         "                       ^\n"
         "deck.yaml:17:42: hinge 'pin': unknown key 'axsi'; did you mean 'axis'?\n"
         "      pin: {type: hinge, nodes: [top, knee], axsi: [0, 1, 0]}\n"
         "                                             ^\n"
+        "override time.end:1:10: 'time.end' must be a number [s], got the text 'late'\n"
+        "    time.end=late\n"
+        "             ^\n"
         f"3 errors; {UNCHECKED} once these errors are fixed"
     )
 

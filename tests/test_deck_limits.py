@@ -118,7 +118,7 @@ def test_errors_in_a_long_line_share_its_text():
 def test_an_override_with_a_line_break_in_its_key_has_its_place_in_the_first_line():
     with pytest.raises(DeckError) as info:
         deck_of_bytes(DECK.encode(), "deck.yaml", overrides=["time\u2028\n.end 11"])
-    assert deck_error_text(info.value).startswith("--set time\\u2028\\n.end 11:1:1: an override is written")
+    assert deck_error_text(info.value).startswith("override time\\u2028\\n.end 11:1:1: an override is written")
 
 
 def test_long_lists_are_refused_at_once(monkeypatch):

@@ -126,7 +126,7 @@ def test_wrong_overrides(override, problem):
     assert problems_of(VALID, [override]) == [problem]
     with pytest.raises(DeckError) as info:
         read_fake(VALID, overrides=[override])
-    assert info.value.problems[0].mark.file.startswith("--set")
+    assert info.value.problems[0].mark.file.startswith("override")
 
 
 def test_all_wrong_overrides_at_once_with_the_problems_of_the_deck():

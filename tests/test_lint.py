@@ -40,7 +40,7 @@ def test_negative_stiffness_and_damping():
     bars = [f"elements.{side}_bar.law={{spring: {{stiffness: {k}}}}}" for side, k in (("left", -2), ("right", -3))]
     given = input_deck("snap_through", *bars)
     (said,) = startup_warnings(prepare(given))
-    assert said.startswith("--set elements.left_bar.law:1:")
+    assert said.startswith("override elements.left_bar.law:1:")
     assert (
         "spring_damper 'left_bar', 'right_bar': 'law.spring.stiffness' is negative (-3 to -2): it pushes away" in said
     )
@@ -112,7 +112,7 @@ def test_suspicious_numbers(name, override, text):
     """With the place of the number, here on the command line."""
     found = input_deck(name, override).warnings
     assert len(found) == bool(text) and all(problem.message.startswith(text) for problem in found)
-    assert all(str(problem.mark).startswith(f"--set {override.split('=')[0]}:1:") for problem in found)
+    assert all(str(problem.mark).startswith(f"override {override.split('=')[0]}:1:") for problem in found)
 
 
 UNUSED = """

@@ -144,7 +144,7 @@ def _refuse_existing(path, force):
         refuse_existing(path, force)
     except ResultsError as error:
         if _resumable(path):
-            raise ResultsError(f"{error}, or --resume (resume=True) to continue it") from None
+            raise ResultsError(f"{error}, or --resume (in Python resume=True) to continue it") from None
         raise
 
 

@@ -144,7 +144,7 @@ def new_file(path: "str | os.PathLike[str] | None", columns: bool, force: bool) 
     if path is None:
         yield
         return
-    refuse_other_ending(path, "--csv writes the numbers as a table")
+    refuse_other_ending(path, "the command with --csv writes the numbers as a table")
     with locked(path):
         refuse_existing(path, force)
         if columns:

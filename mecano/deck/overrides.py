@@ -14,7 +14,7 @@ from mecano.errors import DeckError, Problem
 if TYPE_CHECKING:
     from mecano.schema import Field
 
-ADDING = "--set changes entries and does not add them: edit the deck, or use mecano.Deck in Python"
+ADDING = "an override changes entries and does not add them: edit the deck, or use mecano.Deck in Python"
 INDEX = re.compile("[0-9]{1,9}")
 
 
@@ -38,7 +38,7 @@ def overridden(root: Node, overrides: Iterable[str], sections: "Iterable[Field]"
 def shown(path: str) -> str:
     """Return the text shown in place of a file name in messages on an override."""
     printable = "".join(c if c.isprintable() else repr(c)[1:-1] for c in path)
-    return f"--set {printable if len(printable) <= 60 else printable[:57] + '...'}".strip()
+    return f"override {printable if len(printable) <= 60 else printable[:57] + '...'}".strip()
 
 
 def _applied(root, text, names):

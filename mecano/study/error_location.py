@@ -11,7 +11,7 @@ from mecano.study.grammar import Entries, Entry
 if TYPE_CHECKING:
     from mecano.study.read import Case, Study
 
-SET = re.compile(r"(--set .+?):1:(\d+)")
+OVERRIDE = re.compile(r"(override .+?):1:(\d+)")
 MOST_REPORTED = 3  # values of a case
 
 
@@ -28,7 +28,9 @@ def line_in_study(said: str, study: "Study", case: "Case") -> str:
 
 def _in_words(text: str, places: dict[str, tuple[str, Entry]]) -> str:
     """Return a text with the positions in the study of the values that it mentions."""
-    return SET.sub(lambda match: str(_mark(*places[match[1]], int(match[2]))) if match[1] in places else match[0], text)
+    return OVERRIDE.sub(
+        lambda match: str(_mark(*places[match[1]], int(match[2]))) if match[1] in places else match[0], text
+    )
 
 
 def _moved(problem, places, case):
