@@ -293,7 +293,7 @@ class TestDeck:
         place = re.search(r"<pendulum>:(\d+):(\d+): hinge 'hinge': unknown key 'axsi'", text)
         line, column = map(int, place.groups())
         assert deck.text.splitlines()[line - 1][column - 1 :].startswith("axsi")
-        with pytest.raises(mecano.DeckError, match=r"override time.ned:1:6: unknown key 'time.ned'; did you mean 'end'"):
+        with pytest.raises(mecano.DeckError, match=r"override time.ned:1:6: unknown key .*; did you mean 'end'"):
             mecano.check("pendulum.yaml", set={"time.ned": 1})
         with pytest.raises(mecano.DeckError, match="No such file"):
             mecano.Deck.read("other.yaml")
