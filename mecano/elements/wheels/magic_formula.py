@@ -23,7 +23,7 @@ rest is exchanged with the rolling.
 import math
 
 from mecano.elements.wheels.magic_equations import Slips, atan, formula, rolling_radius
-from mecano.elements.wheels.slip_law import Carcass, Slip, SlipForces, SlipLaw
+from mecano.elements.wheels.slip_law import Carcass, SlipForces, SlipLaw, slipping
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, at_most, atan2, sqrt, value
 from mecano.maths.vector import dot
@@ -187,7 +187,7 @@ def at_effective_radius(p, k):
     """Return the Slip of a rim of the effective rolling radius, on which the formula is based."""
     R_e = rolling_radius(p, at_least(k.N, LEAST_LOAD * p.FNOMIN), k.spin)
     ahead = ((R_e - (p.radius - at_least(k.w, 0.0))) * k.spin) * k.t
-    return Slip(k.N, k.w, k.grip, k.v - ahead, k.v_0 - ahead, k.u, k.omega, k.spin, k.lean, k.t, k.l, k.n, k.curvature)
+    return slipping(k, k.v - ahead, k.v_0 - ahead)
 
 
 @kernel

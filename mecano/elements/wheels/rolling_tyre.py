@@ -29,7 +29,7 @@ A wheel that rolls freely at a constant speed is braked by the force f g N. The 
 from dataclasses import replace
 from functools import cache
 
-from mecano.elements.wheels.slip_law import Slip, SlipForces
+from mecano.elements.wheels.slip_law import SlipForces, slipping
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import sticking
 from mecano.laws.probe import negative_curves
@@ -105,7 +105,7 @@ def at_effective_radius(p, k):
     """Return the Slip of a rim of the effective rolling radius."""
     extra, _, share = _radius(p, k)
     back = extra * share * dot(_axis(k), k.omega) * k.t
-    return Slip(k.N, k.w, k.grip, k.v - back, k.v_0 - back, k.u, k.omega, k.spin, k.lean, k.t, k.l, k.n, k.curvature)
+    return slipping(k, k.v - back, k.v_0 - back)
 
 
 def _prepare(d, context):

@@ -39,6 +39,12 @@ class Slip(NamedTuple):
 
 
 @kernel
+def slipping(k, v, v_0):
+    """Return the Slip ``k`` with other slip velocities."""
+    return Slip(k.N, k.w, k.grip, v, v_0, k.u, k.omega, k.spin, k.lean, k.t, k.l, k.n, k.curvature)
+
+
+@kernel
 def unchanged(p, k):
     """Return a Slip unchanged."""
     return k

@@ -39,7 +39,7 @@ from mecano.elements.wheels.rolling_contact import (
     with_slip,
 )
 from mecano.elements.wheels.rolling_tyre import with_rolling
-from mecano.elements.wheels.slip_law import Slip
+from mecano.elements.wheels.slip_law import slipping
 from mecano.elements.wheels.slip_laws import SLIP_LAWS, given_law
 from mecano.elements.wheels.tire_law import slip_law_of
 from mecano.elements.wheels.tire_wheel import AIR, CONTACT, check_wheel, prepare_wheel
@@ -64,11 +64,7 @@ BEHIND = FIRST + 5  # index of the first of these outputs
 @kernel
 def carried(at, slip):
     """Return the Slip of the contact that moves with its deflection."""
-    moved = number(at.v[X]) * slip.t + number(at.v[Y]) * slip.l
-    return Slip(
-        slip.N, slip.w, slip.grip, slip.v + moved, slip.v_0, slip.u, slip.omega, slip.spin, slip.lean, slip.t, slip.l,
-        slip.n, slip.curvature,
-    )  # fmt: skip
+    return slipping(slip, slip.v + (number(at.v[X]) * slip.t + number(at.v[Y]) * slip.l), slip.v_0)
 
 
 @kernel
