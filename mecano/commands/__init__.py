@@ -1,11 +1,13 @@
-"""Code shared by the commands: options, refusal of empty texts, printing. Each subject has a file of its commands.
+"""Code shared by the commands: options and groups of them, refusal of empty texts, printing.
 
-Their implementations are imported when they are called.
+Each subject has a file of its commands. Their implementations are imported when they are called.
 """
 
 import math
 import os
 import sys
+from collections.abc import Callable
+from functools import wraps
 from typing import Any
 
 import click
@@ -18,21 +20,33 @@ overrides = click.option(
     help="Override a value of the deck, such as time.end=2; may be repeated.",
 )
 
-at_saved_state = click.option(
-    "--at", metavar="RESULTS.h5:TIME", help="About the saved state nearest to a time; default: the start."
-)
-at_equilibrium = click.option(
-    "--at-rest", is_flag=True,
-    help="About the equilibrium near the state of --at: velocities zero, latches and contacts as they are there.",
-)  # fmt: skip
-axes = click.option(
-    "--frame", default="inertial", show_default=True, metavar="NODE|WX,WY,WZ|inertial",
-    help="Axes in which motions are measured, turning with a node or with an angular velocity [rad/s].",
-)  # fmt: skip
 
-BELOW = (
-    "Leave modes of higher frequency out of the picture of a sweep; default: far above growing or least damped ones."
-)
+def together(*options: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a decorator that adds several options to a command, in their order."""
+
+    def decorate(command):
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return decorate
+
+
+def grouped(**groups: type[Any]) -> Callable[..., Any]:
+    """Return a decorator by which a command receives the options that are the fields of a group as one argument.
+
+    ``groups`` are named tuples, by the names of these arguments.
+    """
+
+    def decorate(command):
+        @wraps(command)
+        def call(**given):
+            of = {name: group(**{field: given.pop(field) for field in group._fields}) for name, group in groups.items()}
+            return command(**given, **of)
+
+        return call
+
+    return decorate
 
 
 def _load(context, parameter, paths):
@@ -44,6 +58,22 @@ def _load(context, parameter, paths):
         found.load(path)
 
 
+saved_state = together(
+    click.option(
+        "--at", metavar="RESULTS.h5:TIME", help="About the saved state nearest to a time; default: the start."
+    ),
+    click.option(
+        "--at-rest", is_flag=True,
+        help="About the equilibrium near the state of --at: velocities zero, latches and contacts as they are there.",
+    ),
+)  # fmt: skip
+axes = click.option(
+    "--frame", default="inertial", show_default=True, metavar="NODE|WX,WY,WZ|inertial",
+    help="Axes in which motions are measured, turning with a node or with an angular velocity [rad/s].",
+)  # fmt: skip
+BELOW = (
+    "Leave modes of higher frequency out of the picture of a sweep; default: far above growing or least damped ones."
+)
 plugins = click.option(
     "--plugin", multiple=True, metavar="FILE.py", callback=_load, expose_value=False, is_eager=True,
     help="Python file with your own kinds, tyre laws and laws, which is executed; may be repeated.",

@@ -1,14 +1,52 @@
 """The commands for responses to sinusoidal inputs, for linear models, and for margins of stability."""
 
 import os
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from mecano.commands import at_equilibrium, at_saved_state, axes, overrides, plugins, require_saved_state, show
+from mecano.commands import axes, grouped, overrides, plugins, require_saved_state, saved_state, show, together
 
-lowest = click.option("--from", "low", type=float, required=True, metavar="HZ", help="Lowest frequency.")
-highest = click.option("--to", "high", type=float, required=True, metavar="HZ", help="Highest frequency.")
-equal_distances = click.option("--linear", is_flag=True, help="Frequencies at equal distances.")
+if TYPE_CHECKING:
+    from mecano.analyses.response import FrequencyRequest
+
+
+def frequencies(around: str) -> Callable[..., Any]:
+    """Return the options of the frequencies; more are added ``around`` some of them."""
+    return together(
+        click.option("--from", "low", type=float, required=True, metavar="HZ", help="Lowest frequency."),
+        click.option("--to", "high", type=float, required=True, metavar="HZ", help="Highest frequency."),
+        click.option(
+            "--number", type=click.IntRange(1), default=200, show_default=True,
+            help=f"Frequencies, at equal ratios; more are added around {around}.",
+        ),
+        click.option("--linear", is_flag=True, help="Frequencies at equal distances."),
+    )  # fmt: skip
+
+
+class Written(NamedTuple):
+    """What a command writes, and what it prints."""
+
+    path: str | None
+    plot: bool
+    columns: bool
+    quiet: bool
+    force: bool
+
+
+def files(suffix: str, picture: str, numbers: str) -> Callable[..., Any]:
+    """Return the options of the group ``Written``; the ``suffix`` ends the name of the file by default."""
+    return together(
+        click.option(
+            "-o", "--output-file", "path", type=click.Path(),
+            help=f"File; default: the deck's name with _{suffix}.h5, in this folder.",
+        ),
+        click.option("--plot", is_flag=True, help=f"Draw {picture} into a picture next to the file."),
+        click.option("--csv", "columns", is_flag=True, help=f"Also write {numbers} as a table next to the file."),
+        click.option("-q", "--quiet", is_flag=True, help="Do not print the progress of compilation."),
+        click.option("--force", is_flag=True, help="Replace existing files."),
+    )  # fmt: skip
 
 
 @click.command(short_help="Compute frequency responses; export a linear model.")
@@ -22,50 +60,20 @@ equal_distances = click.option("--linear", is_flag=True, help="Frequencies at eq
     help="An output, as in formulas of signals (body.position.z, strut.force), an acceleration of a node, or a "
     "formula; may be repeated.",
 )  # fmt: skip
-@lowest
-@highest
-@click.option(
-    "--number", type=click.IntRange(1), default=200, show_default=True,
-    help="Frequencies, at equal ratios; more are added around resonances.",
-)  # fmt: skip
-@equal_distances
+@frequencies("resonances")
 @click.option("--unrefined", is_flag=True, help="Add no frequencies around resonances, and locate no peaks.")
-@at_saved_state
-@at_equilibrium
+@saved_state
 @axes
 @click.option(
     "--state-space", "matrices", type=click.Path(), metavar="FILE.npz|.mat",
     help="Also write the linear model: matrices A, B, C, D, names and units of states, inputs and outputs.",
 )  # fmt: skip
-@click.option(
-    "-o", "--output-file", "path", type=click.Path(),
-    help="File; default: the deck's name with _response.h5, in this folder.",
-)  # fmt: skip
-@click.option("--plot", is_flag=True, help="Draw a Bode diagram into a picture next to the file.")
-@click.option("--csv", "columns", is_flag=True, help="Also write magnitudes and phases as a table next to the file.")
-@click.option("-q", "--quiet", is_flag=True, help="Do not print the progress of compilation.")
-@click.option("--force", is_flag=True, help="Replace existing files.")
+@files("response", "a Bode diagram", "magnitudes and phases")
 @overrides
 @plugins
+@grouped(written=Written)
 def response(
-    deck: str,
-    inputs: tuple[str, ...],
-    outputs: tuple[str, ...],
-    low: float,
-    high: float,
-    number: int,
-    linear: bool,
-    unrefined: bool,
-    at: str | None,
-    at_rest: bool,
-    frame: str,
-    matrices: str | None,
-    path: str | None,
-    plot: bool,
-    columns: bool,
-    quiet: bool,
-    force: bool,
-    overrides: tuple[str, ...],
+    deck: str, unrefined: bool, matrices: str | None, written: Written, overrides: tuple[str, ...], **asked: Any
 ) -> None:
     """Compute the response of small motions to a small sinusoid of each input.
 
@@ -73,23 +81,12 @@ def response(
     saved state. The command prints the static gain, the bandwidth and the peaks of each transfer function, and writes
     all of them to a file and, with --plot, to a picture.
     """
-    require_saved_state(at, at_rest)
-    from mecano.analyses.progress import SweepProgress
     from mecano.analyses.response import ResponseRequest
     from mecano.analyses.response import response as find
-    from mecano.deck.read import read_deck
 
-    path = path or f"{os.path.splitext(os.path.basename(deck))[0]}_response.h5"
-    request = ResponseRequest(
-        inputs=inputs, outputs=outputs, low=low, high=high, number=number, linear=linear, refined=not unrefined,
-        at=at, at_rest=at_rest, frame=frame,
-    )  # fmt: skip
-    request.check()
-    checked = read_deck(deck, overrides)
-    with SweepProgress(quiet, path).announcing_compiling():
-        text, _ = find(checked, path, request, state_space=matrices, columns=columns, force=force)
-    show(text)
-    if plot:
+    request = ResponseRequest(refined=not unrefined, **asked)
+    path = _compute(find, request, deck, overrides, "response", written, state_space=matrices)
+    if written.plot:
         from mecano.post.bode import draw_response
 
         show(str(draw_response(path)))
@@ -101,65 +98,43 @@ def response(
     "--open-loop", "signal", metavar="NAME", required=True,
     help="The signal at which the loop is opened, or a load that is a formula of signals (motor.value).",
 )  # fmt: skip
-@lowest
-@highest
-@click.option(
-    "--number", type=click.IntRange(1), default=200, show_default=True,
-    help="Frequencies, at equal ratios; more are added around resonances and crossovers.",
-)  # fmt: skip
-@equal_distances
-@at_saved_state
-@at_equilibrium
+@frequencies("resonances and crossovers")
+@saved_state
 @axes
-@click.option(
-    "-o", "--output-file", "path", type=click.Path(),
-    help="File; default: the deck's name with _margins.h5, in this folder.",
-)  # fmt: skip
-@click.option("--plot", is_flag=True, help="Draw Bode and Nyquist diagrams into a picture next to the file.")
-@click.option("--csv", "columns", is_flag=True, help="Also write magnitude and phase as a table next to the file.")
-@click.option("-q", "--quiet", is_flag=True, help="Do not print the progress of compilation.")
-@click.option("--force", is_flag=True, help="Replace existing files.")
+@files("margins", "Bode and Nyquist diagrams", "magnitude and phase")
 @overrides
 @plugins
-def margins(
-    deck: str,
-    signal: str,
-    low: float,
-    high: float,
-    number: int,
-    linear: bool,
-    at: str | None,
-    at_rest: bool,
-    frame: str,
-    path: str | None,
-    plot: bool,
-    columns: bool,
-    quiet: bool,
-    force: bool,
-    overrides: tuple[str, ...],
-) -> None:
+@grouped(written=Written)
+def margins(deck: str, written: Written, overrides: tuple[str, ...], **asked: Any) -> None:
     """Compute the margins of stability of a loop that is opened at a signal.
 
     In place of the signal, a small sinusoid u goes to whatever reads it; the signal returns y. The loop transfer
     function is L = -y/u, so that the closed loop has the sensitivity 1/(1 + L). The command prints gain, phase and
     delay margins, the sensitivity peak, all crossovers, and whether the closed loop is stable, and writes L to a file.
     """
-    require_saved_state(at, at_rest)
     from mecano.analyses.margins import LoopRequest
     from mecano.analyses.margins import margins as find
-    from mecano.analyses.progress import SweepProgress
-    from mecano.deck.read import read_deck
 
-    path = path or f"{os.path.splitext(os.path.basename(deck))[0]}_margins.h5"
-    request = LoopRequest(
-        signal=signal, low=low, high=high, number=number, linear=linear, at=at, at_rest=at_rest, frame=frame
-    )
-    request.check()
-    checked = read_deck(deck, overrides)
-    with SweepProgress(quiet, path).announcing_compiling():
-        text, _ = find(checked, path, request, columns=columns, force=force)
-    show(text)
-    if plot:
+    path = _compute(find, LoopRequest(**asked), deck, overrides, "margins", written)
+    if written.plot:
         from mecano.post.nyquist import draw_margins
 
         show(str(draw_margins(path)))
+
+
+def _compute(
+    find: Callable[..., Any], request: "FrequencyRequest", deck: str, overrides: tuple[str, ...], suffix: str,
+    written: Written, **more: Any,
+) -> str:  # fmt: skip
+    """Answer a request by ``find``, print its table and return the path of its file."""
+    require_saved_state(request.at, request.at_rest)
+    from mecano.analyses.progress import SweepProgress
+    from mecano.deck.read import read_deck
+
+    path = written.path or f"{os.path.splitext(os.path.basename(deck))[0]}_{suffix}.h5"
+    request.check()
+    checked = read_deck(deck, overrides)
+    with SweepProgress(written.quiet, path).announcing_compiling():
+        text, _ = find(checked, path, request, columns=written.columns, force=written.force, **more)
+    show(text)
+    return path

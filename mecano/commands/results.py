@@ -2,10 +2,28 @@
 
 from contextlib import contextmanager
 from pathlib import Path
+from typing import NamedTuple
 
 import click
 
-from mecano.commands import BELOW, plugins, show
+from mecano.commands import BELOW, grouped, plugins, show
+
+
+class Pictures(NamedTuple):
+    """What applies to pictures, not to pages."""
+
+    at: str | None
+    output: str | None
+    kind: str
+    columns: bool
+    below: float | None
+
+
+class Pages(NamedTuple):
+    """The pages to write in place of pictures."""
+
+    page: str | None
+    report: str | None
 
 
 @click.command(short_help="Draw pictures, films, pages and reports of results.")
@@ -34,18 +52,14 @@ from mecano.commands import BELOW, plugins, show
 @click.option("--report", metavar="PAGE.html", type=click.Path(), help="Write a report page on one run or study.")
 @click.option("--force", is_flag=True, help="Also replace films, and files that mecano has not written.")
 @plugins
+@grouped(pictures=Pictures, pages=Pages)
 def post(
     results: tuple[str, ...],
     plots: tuple[str, ...],
     spectra: tuple[str, ...],
-    at: str | None,
-    output: str | None,
-    kind: str,
-    columns: bool,
     title: str | None,
-    below: float | None,
-    page: str | None,
-    report: str | None,
+    pictures: Pictures,
+    pages: Pages,
     force: bool,
 ) -> None:
     """Draw pictures of results; several files are drawn into the same pictures.
@@ -61,20 +75,17 @@ def post(
     Pictures, pages and tables of mecano are replaced; films and files from elsewhere only with --force.
     """
     _refuse_names(results, plots)
-    if page or report:
-        _refuse_strays(results, at=at, output=output, format=kind != "png", csv=columns, below=below)
-    if page and spectra and not report:
+    if any(pages):
+        _refuse_strays(results, pictures)
+    if pages.page and spectra and not pages.report:
         raise click.UsageError("--spectrum: the page of --animate has plots over time only")
     with _reading(*results):
-        if page or report:
-            _write_pages(results[0], plots, spectra, title, page, report, force)
+        if any(pages):
+            _write_pages(results[0], plots, spectra, title, pages, force)
         else:
             from mecano.post.pictures import post as draw
 
-            for path in draw(
-                results, plots, spectra, output=output, kind=kind, columns=columns, title=title, at=at, below=below,
-                force=force,
-            ):  # fmt: skip
+            for path in draw(results, plots, spectra, title=title, force=force, **pictures._asdict()):
                 click.echo(path)
 
 
@@ -99,27 +110,28 @@ def _refuse_names(results, plots):
             )
 
 
-def _write_pages(results, plots, spectra, title, page, report, force):
-    """Write a ``page`` of the motion, a ``report``, or both, of one results file."""
+def _write_pages(results, plots, spectra, title, pages, force):
+    """Write a page of the motion, a report, or both, of one results file."""
     from mecano.results.whole_file import refuse_foreign
 
-    for name in (page, report):
-        if name:
-            refuse_foreign(Path(name), force)
-    if page:
+    for name in filter(None, pages):
+        refuse_foreign(Path(name), force)
+    if pages.page:
         from mecano.post.animation import animate
 
-        click.echo(animate(results, page, plots, title))
-    if report:
+        click.echo(animate(results, pages.page, plots, title))
+    if pages.report:
         from mecano.post.report_page import write_report
 
-        click.echo(write_report(results, report, title, plots, spectra))
+        click.echo(write_report(results, pages.report, title, plots, spectra))
 
 
-def _refuse_strays(results, **given):
+def _refuse_strays(results, pictures):
     """Raise UsageError for options that do not apply to pages."""
     if len(results) > 1:
         raise click.UsageError("--animate and --report take one results file")
+    at, output, kind, columns, below = pictures
+    given = {"at": at, "output": output, "format": kind != "png", "csv": columns, "below": below}
     strays = [f"--{name}" for name, value in given.items() if value]
     if strays:
         raise click.UsageError(f"{', '.join(strays)}: only for pictures, not drawn with --animate or --report")

@@ -1,10 +1,11 @@
 """Commands that solve decks."""
 
 import os
+from typing import NamedTuple
 
 import click
 
-from mecano.commands import BELOW, at_equilibrium, at_saved_state, axes, overrides, plugins, require_saved_state, show
+from mecano.commands import BELOW, axes, grouped, overrides, plugins, require_saved_state, saved_state, show
 from mecano.commands.viewing import live as shown
 from mecano.process.interrupt import Interruption, resume_command, seconds
 from mecano.solve.modal import SOLVERS
@@ -67,10 +68,33 @@ def run(
         )
 
 
+class About(NamedTuple):
+    """The state about which motions are small: that of the start, or a saved one."""
+
+    at: str | None
+    at_rest: bool
+
+    @property
+    def suffix(self) -> str:
+        """End of the name of a file of modes: one for the start, and one for each other state."""
+        if self.at is None:
+            return ""
+        return f"{'_at_rest' if self.at_rest else '_at'}_{os.path.basename(self.at.rpartition(':')[2])}"
+
+
+class Sweep(NamedTuple):
+    """The options of a sweep."""
+
+    sweeps: tuple[str, ...]
+    rotor: str | None
+    orders: tuple[float, ...]
+    columns: bool
+    below: float | None
+
+
 @click.command(short_help="Compute modes, root loci and critical values.")
 @click.argument("deck", type=click.Path())
-@at_saved_state
-@at_equilibrium
+@saved_state
 @click.option("--number", type=click.IntRange(1), help="Modes of lowest frequency; default: 10, in a sweep all.")
 @click.option(
     "--sweep", "sweeps", multiple=True, metavar="NAME=FROM:TO:STEP",
@@ -106,20 +130,16 @@ def run(
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @overrides
 @plugins
+@grouped(about=About, swept=Sweep)
 def modes(
     deck: str,
-    at: str | None,
-    at_rest: bool,
+    about: About,
+    swept: Sweep,
     number: int | None,
-    sweeps: tuple[str, ...],
-    rotor: str | None,
-    orders: tuple[float, ...],
     frame: str,
     solver: str,
     output: str | None,
     plot: bool,
-    below: float | None,
-    columns: bool,
     quiet: bool,
     force: bool,
     overrides: tuple[str, ...],
@@ -133,40 +153,40 @@ def modes(
     and, with --plot, to a picture. With --sweep it finds root loci and critical values, with
     --campbell also critical speeds.
     """
-    of_sweeps = {"--csv": columns, "--below": below, "--campbell": rotor, "--order": orders}
-    _refuse_unfit(sweeps, at, at_rest, of_sweeps)
+    _refuse_unfit(about, swept)
     stem = os.path.splitext(os.path.basename(deck))[0]
     options = {"frame": frame, "method": solver, "force": force}
-    if sweeps:
-        path, campbell = output or f"{stem}_sweep.h5", {"rotor": rotor or "", "orders": orders or (1.0,)}
-        _sweep(path, deck, overrides, sweeps, quiet, number=number, columns=columns, **options, **campbell)
+    if swept.sweeps:
+        path = output or f"{stem}_sweep.h5"
+        _sweep(path, deck, overrides, swept, quiet, number=number, **options)
         if plot:
             from mecano.post.loci import draw_sweep
 
-            show(str(draw_sweep(path, below=below)))
+            show(str(draw_sweep(path, below=swept.below)))
     else:
-        path = output or f"{stem}_modes{_of_state(at, at_rest)}.h5"
-        found = _modes_about(path, deck, overrides, quiet, number=number or 10, at=at, at_rest=at_rest, **options)
+        path = output or f"{stem}_modes{about.suffix}.h5"
+        found = _modes_about(path, deck, overrides, quiet, number=number or 10, **about._asdict(), **options)
         if plot:
             from mecano.post.mode_shapes import NO_SHAPES, draw_modes
 
             show(str(draw_modes(path)) if len(found.values) else NO_SHAPES)
 
 
-def _refuse_unfit(sweeps, at, at_rest, of_sweeps):
-    """Raise BadParameter for an option without the one to which it belongs; ``of_sweeps``: {option: value}."""
+def _refuse_unfit(about, swept):
+    """Raise BadParameter for an option without the one to which it belongs."""
+    of_sweeps = {"--csv": swept.columns, "--below": swept.below, "--campbell": swept.rotor, "--order": swept.orders}
     given = [option for option, value in of_sweeps.items() if value]
-    if sweeps and (at is not None or at_rest):
+    if swept.sweeps and (about.at is not None or about.at_rest):
         raise click.BadParameter(
             "takes one state, but --sweep has many; for modes about a saved state at each value use "
             "--set initial.from=FILE:TIME",
             param_hint="--at",
         )
-    if sweeps and "--order" in given and "--campbell" not in given:
+    if swept.sweeps and "--order" in given and "--campbell" not in given:
         raise click.BadParameter("belongs to --campbell", param_hint="--order")
-    if given and not sweeps:
+    if given and not swept.sweeps:
         raise click.BadParameter("belongs to --sweep", param_hint=given[0])
-    require_saved_state(at, at_rest)
+    require_saved_state(*about)
 
 
 def _modes_about(path, deck, overrides, quiet, **options):
@@ -182,12 +202,7 @@ def _modes_about(path, deck, overrides, quiet, **options):
     return found
 
 
-def _of_state(at, at_rest):
-    """Return the suffix of the name of a file of modes: one for the start, and one for each other state."""
-    return "" if at is None else f"{'_at_rest' if at_rest else '_at'}_{os.path.basename(at.rpartition(':')[2])}"
-
-
-def _sweep(path, deck, overrides, sweeps, quiet, **options):
+def _sweep(path, deck, overrides, swept, quiet, **options):
     """Write the modes of a sweep to ``path``, and print its table."""
     from mecano.analyses.progress import SweepProgress
     from mecano.analyses.sweep import sweep_into
@@ -195,7 +210,10 @@ def _sweep(path, deck, overrides, sweeps, quiet, **options):
     progress = SweepProgress(quiet, path)
     Interruption().listen()
     with progress.announcing_compiling():
-        text, total = sweep_into(path, deck, overrides, sweeps, progress=progress, **options)
+        text, total = sweep_into(
+            path, deck, overrides, swept.sweeps, progress=progress, columns=swept.columns, rotor=swept.rotor or "",
+            orders=swept.orders or (1.0,), **options,
+        )  # fmt: skip
     progress.done(total)
     show(text)
 

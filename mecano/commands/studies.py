@@ -4,10 +4,11 @@ import os
 import shlex
 import sys
 from functools import partial
+from typing import NamedTuple
 
 import click
 
-from mecano.commands import overrides, plugins, show
+from mecano.commands import grouped, overrides, plugins, show
 from mecano.process.cores import cores
 from mecano.process.interrupt import Interruption, seconds
 
@@ -18,6 +19,33 @@ def _as_words(context, parameter, text):
         return shlex.split(text)
     except ValueError as error:
         raise click.BadParameter(str(error).lower(), context, parameter) from None
+
+
+class Limits(NamedTuple):
+    """Limits of each case."""
+
+    time_limit: str | None
+    memory_limit: int | None
+
+
+class Wanted(NamedTuple):
+    """Which cases are run."""
+
+    resume: bool
+    again: str | None
+    force: bool
+    only_table: bool
+    number: int | None
+
+
+class Executor(NamedTuple):
+    """Who runs the cases, and how."""
+
+    executor: str
+    jobs: int | None
+    scheduler: str | None
+    options: list[str]
+    wait: bool
 
 
 @click.command(short_help="Run a deck many times with varied values.")
@@ -56,23 +84,9 @@ def _as_words(context, parameter, text):
 @click.option("--plot", is_flag=True, help="Draw the outputs over the varied parameters, next to the table.")
 @click.option("-q", "--quiet", is_flag=True, help="Print no progress.")
 @plugins
+@grouped(limited=Limits, wanted=Wanted, by=Executor)
 def sweep(
-    study: str,
-    output: str | None,
-    jobs: int | None,
-    time_limit: str | None,
-    memory_limit: int | None,
-    resume: bool,
-    again: str | None,
-    force: bool,
-    executor: str,
-    scheduler: str | None,
-    options: list[str],
-    wait: bool,
-    only_table: bool,
-    number: int | None,
-    plot: bool,
-    quiet: bool,
+    study: str, output: str | None, limited: Limits, wanted: Wanted, by: Executor, plot: bool, quiet: bool
 ) -> None:
     """Run a deck many times with varied values, each case in a separate process.
 
@@ -81,59 +95,58 @@ def sweep(
     failed case does not stop the others. Exit code 0: all cases are complete, 3: some are not, 8: some are beyond the
     limits of the outputs.
     """
-    elsewhere = {"scheduler": scheduler, "sbatch": options, "wait": wait}
-    _refuse_strays(executor, resume=resume or again, force=force, jobs=jobs, **elsewhere)
+    _refuse_strays(wanted, by)
     interruption = Interruption()
     interruption.listen()
-    from mecano.study import execution
+    from mecano.study import execution, pool
     from mecano.study.folder import Folder
-    from mecano.study.pool import Limits
     from mecano.study.read import read_study, try_deck
     from mecano.study.units import units_of
 
-    limits = Limits(seconds(time_limit) if time_limit else None, memory_limit and memory_limit * 10**6)
+    time, memory = limited
+    limits = pool.Limits(seconds(time) if time else None, memory and memory * 10**6)
     checked = read_study(study)
     folder = Folder(output or os.path.splitext(os.path.basename(study))[0] + "_runs", checked)
-    if number is not None:
-        sys.exit(execution.one_case(folder, number, limits))
+    if wanted.number is not None:
+        sys.exit(execution.one_case(folder, wanted.number, limits))
     deck = try_deck(checked)
     units = units_of(checked, deck)
-    if only_table:
+    if wanted.only_table:
         return _finish(execution.collect(folder, units), plot)
-    due = execution.due(folder, resume=resume, failed=again == "failed", force=force)
-    if executor == "slurm" and due.cases:
+    due = execution.due(folder, resume=wanted.resume, failed=wanted.again == "failed", force=wanted.force)
+    if by.executor == "slurm" and due.cases:
         from mecano.study.slurm import submit
 
-        show(submit(folder, due, limits, options, wait))
-        if not wait:
+        show(submit(folder, due, limits, by.options, by.wait))
+        if not by.wait:
             return show(f"`mecano sweep {study} -o {folder.path} --collect` writes the table")
         return _finish(execution.collect(folder, units), plot)
-    if executor == "dask":
+    if by.executor == "dask":
         from mecano.study.dask import require
 
-        require(scheduler)  # before cases are deleted that could not run again
-    run_cases = partial(_runner(executor, scheduler), limits=limits, jobs=jobs or cores())
+        require(by.scheduler)  # before cases are deleted that could not run again
+    run_cases = partial(_runner(by), limits=limits, jobs=by.jobs or cores())
     _finish(execution.execute(deck, folder, units, due, run_cases, interruption, quiet=quiet), plot)
 
 
-def _refuse_strays(executor, *, resume, force, jobs, scheduler, sbatch, wait):
+def _refuse_strays(wanted, by):
     """Raise UsageError for options that exclude each other."""
-    if resume and force:
+    if (wanted.resume or wanted.again) and wanted.force:
         raise click.UsageError("--resume and --again continue the cases, --force runs all anew")
-    if scheduler and executor != "dask":
+    if by.scheduler and by.executor != "dask":
         raise click.UsageError("--scheduler belongs to --executor dask")
-    if (sbatch or wait) and executor != "slurm":
+    if (by.options or by.wait) and by.executor != "slurm":
         raise click.UsageError("--sbatch and --wait belong to --executor slurm")
-    if jobs and (scheduler or executor == "slurm"):
+    if by.jobs and (by.scheduler or by.executor == "slurm"):
         raise click.UsageError("--jobs is for this machine: elsewhere Slurm, or the workers of Dask, set the number")
 
 
-def _runner(executor, scheduler):
-    """Return the function that runs cases for ``execution.execute``."""
-    if executor == "dask":
+def _runner(by):
+    """Return the function by which an Executor runs cases, for ``execution.execute``."""
+    if by.executor == "dask":
         from mecano.study.dask import run_in_tasks
 
-        return partial(run_in_tasks, scheduler=scheduler)
+        return partial(run_in_tasks, scheduler=by.scheduler)
     from mecano.study.pool import run_here
 
     return run_here
