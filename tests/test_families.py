@@ -11,7 +11,7 @@ from mecano.analyses import modal, sweep
 from mecano.analyses.modal import modes
 from mecano.analyses.operating_point import operating_point
 from mecano.analyses.sweep import sweep_into
-from mecano.post.info_modes import info_other
+from mecano.post.info_other_files import info_other
 from mecano.results.modes_file import read_modes
 from mecano.results.sweep_file import read_sweep
 from mecano.solve.modal.families import FAMILIES, families, running_axes

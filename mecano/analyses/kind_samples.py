@@ -45,17 +45,17 @@ class Motion:
     """Nodes in motion; material angular velocities and accelerations, everything else inertial."""
 
     t: float
-    x: np.ndarray  # (n, 3, 3): node, level (position, velocity, acceleration), component
+    x: np.ndarray  # (n, 3, 3): node; position, velocity, acceleration; component
     R: np.ndarray  # (n, 3, 3)
-    turn: np.ndarray  # (n, 3, 3): node, level (zero, velocity, acceleration), component
+    turn: np.ndarray  # (n, 3, 3): node; zero, velocity, acceleration; component
 
     def after(self, h: float) -> "Motion":
         """Return the motion h seconds later, exact to second order."""
         x, turn = self.x.copy(), self.turn.copy()
         x[:, 0] += h * x[:, 1] + 0.5 * h * h * x[:, 2]
         increments = h * turn[:, 1] + 0.5 * h * h * turn[:, 2]
-        for level in (x, turn):
-            level[:, 1] += h * level[:, 2]
+        for rates in (x, turn):
+            rates[:, 1] += h * rates[:, 2]
         return Motion(self.t + h, x, self.R @ Rotation.from_rotvec(increments).as_matrix(), turn)
 
     def moved(self, Q: np.ndarray, shift: np.ndarray) -> "Motion":
@@ -81,13 +81,13 @@ class Instance:
 
     def local(self, motion: Motion) -> Local:
         """Return (q, v, a, R) as defined in element_interface."""
-        constraint_derivatives, R = [], []
+        slots, R = [], []
         for slot in self.kind.layout:
             node = self.nodes[int(slot[1:])]
-            constraint_derivatives.append((motion.x if slot[0] == "x" else motion.turn)[node])
+            slots.append((motion.x if slot[0] == "x" else motion.turn)[node])
             R += [motion.R[node]] if slot[0] == "R" else []
         reactions = np.concatenate([self.multipliers, *(other.multipliers for other in self.coupled)])
-        q, v, a = np.concatenate([*constraint_derivatives, self.scalars, np.zeros((3, len(reactions)))], axis=1)
+        q, v, a = np.concatenate([*slots, self.scalars, np.zeros((3, len(reactions)))], axis=1)
         q[len(q) - len(reactions) :] = reactions
         return q, v, a, np.array(R).reshape(-1, 3, 3)
 

@@ -13,7 +13,7 @@ from mecano.element_interface import Display
 from mecano.errors import UnknownNameError, name_list
 from mecano.post.event_groups import groups
 from mecano.post.extremes import named, notable
-from mecano.post.info_modes import info_other, is_other
+from mecano.post.info_other_files import info_other, is_other
 from mecano.post.runs import Run
 from mecano.post.verdict import verdict
 from mecano.results.energy_balance import EXCHANGED, scale_of_balance

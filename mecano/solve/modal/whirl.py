@@ -1,4 +1,4 @@
-r"""Whirl of modes about the axis of a rotor, and the speeds at which a mode has a multiple of the speed of the rotor.
+r"""Whirl of modes about the axis of a rotor, and critical speeds, at which a mode has a multiple of the rotor's speed.
 
 In a shape y with time factor :math:`e^{\lambda t}` the displacement of each node, and its rotation, are split by the
 unit vector e of the angular velocity into

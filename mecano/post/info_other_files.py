@@ -1,4 +1,4 @@
-"""Summary of a file of modes, and of other files of mecano besides results, as text."""
+"""Summary, as text, of the files of mecano that are not results of a run: modes, sweeps, responses, studies."""
 
 from typing import TYPE_CHECKING
 
@@ -17,7 +17,7 @@ HEAD = ("mode", "damped [Hz]", "natural [Hz]", "damping", "growth [1/s]", "resid
 
 
 def is_other(path: "str | os.PathLike[str]") -> bool:
-    """Return whether a file is of mecano, but not a results file of a run."""
+    """Return whether mecano has written a file that is not the results file of a run."""
     return format_of(path).startswith(OWN) and format_of(path) != "mecano results"
 
 
