@@ -10,8 +10,8 @@ import time
 
 import pytest
 
-from mecano.jit import ahead, store
-from mecano.jit.store import Code
+from mecano.jit import ahead, machine_code, store
+from mecano.jit.machine_code import Code
 
 PATIENCE = 20.0  # s
 
@@ -19,7 +19,7 @@ PATIENCE = 20.0  # s
 @pytest.fixture
 def empty_store(tmp_path, monkeypatch):
     monkeypatch.setattr(store, "folder", lambda: tmp_path)
-    monkeypatch.setattr(store, "_listeners", [])
+    monkeypatch.setattr(machine_code, "_listeners", [])
     return tmp_path
 
 
@@ -43,9 +43,9 @@ def test_processes_share_the_work(empty_store, monkeypatch):
     codes = [made(name, empty_store, 0.2) for name in ("a", "b", "c", "d", "e")]
     store.write(codes[0].file, b"e\nmachine code")
     reported = []
-    with store.while_compiling(lambda *counts: reported.append(counts)):
+    with machine_code.while_compiling(lambda *counts: reported.append(counts)):
         ahead.compile_ahead([*codes, codes[1]])
-    with store.compiling(1):
+    with machine_code.compiling(1):
         pass  # no longer reported
     names, processes = zip(*(line.split() for line in (empty_store / "made.txt").read_text().splitlines()), strict=True)
     assert sorted(names) == ["b", "c", "d", "e"]
@@ -58,9 +58,9 @@ def test_code_that_fails_to_compile_ahead_is_compiled_at_its_first_use(empty_sto
     monkeypatch.setattr(ahead, "cores", lambda: 2)
     bad, good = made("bad", empty_store), [made(name, empty_store) for name in ("a", "b")]
     ahead.compile_ahead([bad, *good])
-    assert [store.holds(code.file) for code in (bad, *good)] == [False, True, True]
+    assert [store.contains(code.file) for code in (bad, *good)] == [False, True, True]
     with pytest.raises(SystemError, match="bad"):
-        store.address(bad)
+        machine_code.address(bad)
 
 
 def test_fewer_processes_than_wanted_do_the_work(empty_store, monkeypatch):
@@ -77,7 +77,7 @@ def test_fewer_processes_than_wanted_do_the_work(empty_store, monkeypatch):
     monkeypatch.setattr(os, "fork", once)
     codes, opened = [made(name, empty_store) for name in ("a", "b", "c")], os.listdir("/proc/self/fd")
     ahead.compile_ahead(codes)
-    assert all(store.holds(code.file) for code in codes)
+    assert all(store.contains(code.file) for code in codes)
     assert os.listdir("/proc/self/fd") == opened
     with pytest.raises(ChildProcessError):
         os.waitpid(-1, os.WNOHANG)
@@ -87,9 +87,9 @@ def test_a_file_is_compiled_by_one_process_at_a_time(empty_store):
     code = made("once", empty_store, 0.3)
     child = os.fork()
     if not child:
-        store.compile_code(code)
+        machine_code.compile_code(code)
         os._exit(0)
-    store.compile_code(code)
+    machine_code.compile_code(code)
     os.waitpid(child, 0)
     assert (empty_store / "made.txt").read_text().count("once") == 1
     assert not list(empty_store.glob("*.lock"))
@@ -107,7 +107,7 @@ def test_threads_compile_one_after_the_other(empty_store):
         return "name", b"machine code"
 
     codes = [Code(f"code_{i}", "0", generate) for i in range(3)]
-    threads = [threading.Thread(target=store.compile_code, args=(code,)) for code in codes]
+    threads = [threading.Thread(target=machine_code.compile_code, args=(code,)) for code in codes]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -119,7 +119,7 @@ def test_processes_end_with_the_one_that_started_them(tmp_path):
     script = """
         import os, pathlib, sys, time
         from mecano.jit import ahead
-        from mecano.jit.store import Code
+        from mecano.jit.machine_code import Code
 
         def generate(compiler):
             pathlib.Path(sys.argv[1], str(os.getpid())).touch()

@@ -21,7 +21,7 @@ import pytest
 from llvmlite.binding import get_host_cpu_features as host_features
 
 from mecano.errors import ResultsError
-from mecano.jit import compiler, shipped, store, trust
+from mecano.jit import compiler, machine_code, shipped, store, trust
 from mecano.jit.digest import digest, is_digested
 from mecano.jit.entry import Indices, Matrices, Matrix, Records, Short, Table, Vector, entry
 from mecano.jit.kernel import kernel
@@ -395,7 +395,8 @@ class TestStore:
         assert store.size() == 8
 
     def test_compiling_is_announced_once_and_only_where_something_is_compiled(self, tmp_path):
-        script = "from mecano.jit import store\nwith store.while_compiling(lambda done, n: print('compiling')):\n"
+        script = "from mecano.jit.machine_code import while_compiling\n"
+        script += "with while_compiling(lambda done, n: print('compiling')):\n"
         script += textwrap.indent(textwrap.dedent(SCRIPT), "    ")
         assert run_script(script, tmp_path).stdout.split()[0] == "compiling"
         assert "compiling" not in run_script(script, tmp_path).stdout
@@ -414,19 +415,19 @@ class TestStore:
         assert store.folder.__wrapped__() == found and found.parent == tmp_path
 
     def test_codes_are_loaded_as_one_library_and_only_once(self, monkeypatch):
-        codes = [half.code, one.code]
+        codes, addresses = [half.code, one.code], {}
         for code in codes:
-            store.compile_code(code)
-        monkeypatch.setattr(store, "_addresses", {})
-        libraries = len(store._kept)
+            machine_code.compile_code(code)
+        monkeypatch.setattr(machine_code, "_addresses", addresses)
+        libraries = len(machine_code._kept)
         for _ in range(2):
-            store.load(codes)
-            assert len(store._kept) == libraries + 1
-        assert set(store._addresses) == {code.file for code in codes} and len(set(store._addresses.values())) == 2
+            machine_code.load(codes)
+            assert len(machine_code._kept) == libraries + 1
+        assert set(addresses) == {code.file for code in codes} and len(set(addresses.values())) == 2
 
     def test_an_object_that_cannot_be_stored_leaves_no_file(self, tmp_path, monkeypatch):
         monkeypatch.setattr(Path, "replace", refuse)
-        store.put(tmp_path / "a.o", b"code")
+        store.write_atomically(tmp_path / "a.o", b"code")
         assert not list(tmp_path.iterdir())
 
     def test_folders_that_nobody_has_used_for_long_are_removed_when_one_is_made(self, tmp_path, monkeypatch):

@@ -235,4 +235,4 @@ def test_sensors_of_all_kinds_compile(monkeypatch):
                     (sensor.name, loop): codes_of(sensor, loop).function for loop in (loops.tangent, loops.residual)
                 }
     compile_ahead(list(codes.values()))
-    assert [name for (name, _), code in codes.items() if not store.holds(code.file)] == []
+    assert [name for (name, _), code in codes.items() if not store.contains(code.file)] == []

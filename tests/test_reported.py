@@ -23,7 +23,7 @@ from mecano.analyses.summary import summary
 from mecano.cli import commands
 from mecano.deck.read import deck_of_bytes
 from mecano.deck.run_size import result_bytes, saved_times, steps
-from mecano.jit import store
+from mecano.jit import machine_code
 from mecano.post.info import info as info_of
 from mecano.post.runs import open_runs
 from mecano.post.sheets import default_sheets
@@ -491,9 +491,9 @@ def test_modes_say_that_they_compile(options, tmp_path, monkeypatch, capsys):
 
 def test_time_for_compiling_is_separate(monkeypatch, capsys):
     """100 s before and 500 s in between, which count as if they had passed."""
-    monkeypatch.setattr(store, "_times", [100.0])
+    monkeypatch.setattr(machine_code, "_times", [100.0])
     progress = Progress({"start": 0.0, "end": 1.0}, False, "r.h5")
-    store._times.append(500.0)
+    machine_code._times.append(500.0)
     progress.begun -= 500.0
     progress.finished("3 steps")
     reported = capsys.readouterr().err

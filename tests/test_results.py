@@ -14,7 +14,7 @@ import results_samples as samples
 from calls import calls
 
 from mecano.errors import ResultsError, UnknownNameError
-from mecano.jit import store
+from mecano.jit import machine_code, store
 from mecano.results import empty_file
 from mecano.results.layout import Layout, Series
 from mecano.results.lookup import Lookup, similar_outputs
@@ -79,10 +79,10 @@ def test_the_number_of_threads_is_that_of_the_environment_or_of_the_processors(m
 
 def test_the_clock_of_the_run_leaves_compiling_out(tmp_path, monkeypatch):
     """3 s of compiling before the run, 500 s during it; older files have no separate compile time."""
-    monkeypatch.setattr(store, "_times", [3.0])
+    monkeypatch.setattr(machine_code, "_times", [3.0])
     with samples.create(tmp_path / "r.h5") as writer:
         writer._started -= 500.0
-        store._times.append(500.0)
+        machine_code._times.append(500.0)
         samples.append(writer, 0)
     with open_results(tmp_path / "r.h5") as results:
         assert 0 < results.metadata["wall_time"] < 60 and results.metadata["compile_time"] == 503.0

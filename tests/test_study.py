@@ -823,7 +823,9 @@ def test_warmup_compiles_on_a_single_core_what_it_compiles_on_several(monkeypatc
     ahead, used = [], []
     monkeypatch.setattr(warming, "compile_ahead", ahead.extend)
     # a copy, as modules imported meanwhile would keep the function that is replaced
-    monkeypatch.setattr(warming, "store", SimpleNamespace(**{**vars(warming.store), "address": used.append}))
+    monkeypatch.setattr(
+        warming, "machine_code", SimpleNamespace(**{**vars(warming.machine_code), "address": used.append})
+    )
     monkeypatch.setattr(warming, "starters", dict)
     list(warmup())
     assert used == ahead and "mecano.solve.time.radau_step.attempt" in [code.name for code in used]

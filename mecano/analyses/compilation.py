@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from mecano.jit import store
+from mecano.jit import machine_code
 from mecano.jit.ahead import compile_ahead
 from mecano.model import assembly_driver, extremes, sampler
 from mecano.solve.events.events import some_happened
@@ -20,7 +20,7 @@ from mecano.solve.time.unresolved_oscillation import count_changes
 
 if TYPE_CHECKING:
     from mecano.jit.entry import Entry
-    from mecano.jit.store import Code
+    from mecano.jit.machine_code import Code
     from mecano.model.system import System
     from mecano.schema import Values
 
@@ -70,4 +70,4 @@ def compile_time_integration(system: "System", time: "Values") -> None:
     further = [] if system.halves is None else divided()
     codes = [*(entry.code for entry in (*own, *TIME_INTEGRATION)), *system.codes(), *further]
     compile_ahead(codes)
-    store.load(codes)
+    machine_code.load(codes)

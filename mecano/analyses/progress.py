@@ -8,7 +8,7 @@ import time
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-from mecano.jit.store import compile_time, while_compiling
+from mecano.jit.machine_code import compile_time, while_compiling
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager

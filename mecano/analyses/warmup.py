@@ -16,7 +16,7 @@ from mecano.deck.read import deck_of_bytes, read_deck
 from mecano.deck.sample_decks import starters
 from mecano.element_interface import Kind
 from mecano.errors import ResultsError
-from mecano.jit import store
+from mecano.jit import machine_code, store
 from mecano.jit.ahead import compile_ahead
 from mecano.model.loop_code import all_codes
 from mecano.solve.time.error_bound import bound_error
@@ -89,7 +89,7 @@ def _compile(codes):
     """Compile on all cores, then compile the remaining code: all of it on a single core."""
     compile_ahead(codes)
     for code in codes:
-        store.address(code)
+        machine_code.address(code)
 
 
 def _compile_and_step(deck):

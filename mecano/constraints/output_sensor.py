@@ -14,7 +14,7 @@ import numpy as np
 from mecano.constraints.along_coordinate.signal import SIGNAL
 from mecano.element_interface import Kind, Row, with_fields
 from mecano.jit.kernel import kernel
-from mecano.jit.memory import give_back, take_items
+from mecano.jit.memory import allocate_items, free
 from mecano.maths.dual import number
 
 ENERGIES = 4  # number of energies that ``observe`` writes
@@ -34,10 +34,10 @@ def output_sensor(kind, n_multipliers):
 
     @kernel
     def residual(p, at, f):
-        y = take_items(n_outputs + ENERGIES + n_forces, f)
+        y = allocate_items(n_outputs + ENERGIES + n_forces, f)
         observe(p, at, y[n_outputs + ENERGIES :], y, y[n_outputs:])
         f[row] += number(at.q[row]) - number(y[p.sensed])
-        give_back(y)
+        free(y)
 
     return Kind(
         name=f"sensor_of_{kind.name}", doc=f"Sensor of an output of {kind.name}.",

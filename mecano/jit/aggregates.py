@@ -7,7 +7,7 @@ fewer instructions.
 from llvmlite import ir
 from numba.core import cgutils
 
-from mecano.jit.replaced import replaced
+from mecano.jit.patched import patched
 
 WORD = ir.IntType(64)
 COUNT, ITEM_SIZE, DATA, SHAPE, STRIDES = range(2, 7)  # fields of numba's arrays; two for an owner precede them
@@ -45,4 +45,4 @@ def array_at(context, builder, of, data, shape):
 
 def known_items():
     """Return the context in which numba takes no value out of a structure into which it has just been put."""
-    return replaced((ir.IRBuilder, "extract_value", item_of))
+    return patched((ir.IRBuilder, "extract_value", item_of))

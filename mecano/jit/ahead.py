@@ -6,7 +6,7 @@ import struct
 import threading
 from contextlib import suppress
 
-from mecano.jit import store
+from mecano.jit import machine_code, store
 from mecano.process.cores import cores
 
 MOST = 8  # processes; each takes 0.3 GB
@@ -14,12 +14,12 @@ INDEX = struct.Struct("H")  # of a code, as it passes through a pipe; the system
 
 
 def compile_ahead(codes):
-    """Compile those of the ``codes`` (store.Code) that no store contains, by one process per available core.
+    """Compile those of the ``codes`` (machine_code.Code) that no store contains, by one process per available core.
 
-    A code that a process fails to compile is left for ``store.address``, which reports why.
+    A code that a process fails to compile is left for ``machine_code.address``, which reports why.
     """
-    with store.alone:
-        missing = list({code.file: code for code in codes if not store.holds(code.file)}.values())
+    with machine_code.lock:
+        missing = list({code.file: code for code in codes if not store.contains(code.file)}.values())
         processes = min(cores(), MOST, len(missing))
         if processes > 1:
             with suppress(OSError):  # no pipe is left: each code is compiled when it is needed
@@ -28,8 +28,8 @@ def compile_ahead(codes):
 
 def _compile(codes, processes):
     """Compile ``codes`` in ``processes``, which end with this one."""
-    with store.compiling(len(codes)) as report:
-        store.imported_compiler().get_ready()  # once, for all processes
+    with machine_code.compiling(len(codes)) as report:
+        machine_code.imported_compiler().fill_tables()  # once, for all processes
         tasks, given = os.pipe()
         results, done = os.pipe()
         alive, held = os.pipe()
@@ -60,7 +60,7 @@ def _start(codes, tasks, done, alive, held):
         threading.Thread(target=_end_with_parent, args=(alive,), daemon=True).start()
         while index := os.read(tasks, INDEX.size):
             with suppress(Exception):
-                store.compile_code(codes[INDEX.unpack(index)[0]])
+                machine_code.compile_code(codes[INDEX.unpack(index)[0]])
             os.write(done, index)
     finally:
         os._exit(0)

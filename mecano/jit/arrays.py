@@ -28,7 +28,7 @@ def _type_of_array(item, shape, aligned=True):
     return types.Array(item, len(shape) if isinstance(shape, types.BaseTuple) else 1, "C", aligned=aligned)
 
 
-def _learn_arrays(function, item):
+def _register_arrays(function, item):
     """Register a function of memory.py that returns an array of items of one type."""
     type_callable(function)(lambda context: lambda address, shape: _type_of_array(item, shape))
     lower_builtin(function, types.Any, types.Any)(_generate_array)
@@ -44,8 +44,8 @@ def _generate_array(context, builder, signature, arguments):
     return _array(context, builder, signature.return_type, address, sizes)
 
 
-_learn_arrays(memory.floats, types.float64)
-_learn_arrays(memory.integers, types.int64)
+_register_arrays(memory.floats, types.float64)
+_register_arrays(memory.integers, types.int64)
 type_callable(memory.items)(lambda context: lambda address, shape, dtype: _type_of_array(dtype.dtype, shape))
 lower_builtin(memory.items, types.Any, types.Any, types.Any)(_generate_array)
 type_callable(memory.lanes)(lambda context: lambda address, shape: _type_of_array(Lanes, shape, aligned=False))
@@ -56,14 +56,14 @@ type_callable(memory.lanes_items)(
 lower_builtin(memory.lanes_items, types.Any, types.Any, types.Any)(_generate_array)
 
 
-def _learn_number(function, kind, of):
+def _register_number(function, kind, of):
     """Register a function of memory.py that returns a number."""
     type_callable(function)(lambda context: lambda address: kind)
     lower_builtin(function, types.Any)(lambda context, builder, _, arguments: _load(builder, arguments[0], of))
 
 
-_learn_number(memory.word, types.int64, WORD)
-_learn_number(memory.number, types.float64, ir.DoubleType())
+_register_number(memory.word, types.int64, WORD)
+_register_number(memory.number, types.float64, ir.DoubleType())
 
 
 @cache
@@ -114,8 +114,8 @@ _calloc = types.ExternalFunction("calloc", types.int64(types.uintp, types.uintp)
 _free = types.ExternalFunction("free", types.void(types.uintp))
 
 
-@overload(memory.take_zeros)
-def _take_zeros(shape):
+@overload(memory.allocate_zeros)
+def _allocate_zeros(shape):
     def take(shape):
         n = 1
         for size in shape:
@@ -135,14 +135,14 @@ def _array_like(typing_context, address, n, like):
     return of(types.int64, types.int64, like), generate
 
 
-@overload(memory.take_items)
-def _take_items(n, like):
+@overload(memory.allocate_items)
+def _allocate_items(n, like):
     size = like.dtype.size if isinstance(like.dtype, types.Record) else 8
     return lambda n, like: _array_like(_calloc(n, size), n, like)
 
 
-@overload(memory.give_back)
-def _give_back(array):
+@overload(memory.free)
+def _free_array(array):
     return lambda array: _free(array.ctypes.data)
 
 

@@ -1,39 +1,35 @@
 """Compilation of functions: numba generates optimized LLVM code, LLVM turns it into machine code for the store.
 
-Only this module imports numba. Division by zero gives infinity or nan, as in C; iterations that meet such values
-report non-finite results.
+Only this module and those that it imports use numba. Division by zero gives infinity or nan, as in C; iterations that
+meet such values report non-finite results.
 """
 
 import operator
 import os
-from functools import cache
 
 os.environ.setdefault("NUMBA_DISABLE_INTEL_SVML", "1")  # loaded code can call only the C library, without SVML
 
 import llvmlite.binding as llvm
 from llvmlite import ir
 from numba import cfunc, njit, types
-from numba.core import cgutils
 from numba.core.datamodel.models import OpaqueModel
-from numba.core.imputils import lower_builtin, lower_constant, lower_getattr
+from numba.core.imputils import lower_constant
 from numba.core.registry import cpu_target
-from numba.core.typing.templates import AbstractTemplate, AttributeTemplate, infer_getattr, infer_global, signature
 from numba.extending import overload, register_model
 
-from mecano.jit import convention, indexing, memory, methods, symbols  # noqa: F401  indexing registers itself
+from mecano.jit import convention, indexing, memory  # noqa: F401  indexing registers itself
 from mecano.jit.aggregates import known_items
 from mecano.jit.array_object import ALIGNED, C_CONTIGUOUS, WRITEABLE, fits
 from mecano.jit.arrays import array_object, refuse
 from mecano.jit.digest import digest
 from mecano.jit.entry import Array
-from mecano.jit.lanes import Lanes, Mask
 from mecano.jit.library import not_loaded
 from mecano.jit.named_tuple import classes, gathered
 from mecano.jit.null_matrix import NullMatrix, wanted
+from mecano.jit.numba_methods import register_methods
 from mecano.jit.passes import KernelCompiler
 from mecano.jit.shortcuts import shortcuts
 from mecano.jit.store import processor
-from mecano.jit.symbols import Condition, Symbol, any_many, is_number, value_of
 from mecano.process.interrupt import call_interruptibly
 
 # Functions that machine code may call: C mathematics, C memory, the rejection of the arguments of a call.
@@ -59,7 +55,6 @@ class PlainDispatcher(types.Dispatcher):
         return self.dispatcher.overloads[tuple(given)].signature.replace(pysig=python_signature)
 
 
-NUMERIC = (types.Number, types.Boolean, type(Lanes), type(Mask))
 LOOP = types.void(types.int64, types.int64)
 NUMBERS = {float: types.float64, int: types.int64, bool: types.int64}
 
@@ -74,9 +69,9 @@ def _no_data(context, builder, of, value):
     return ir.Constant(context.get_value_type(of), None)
 
 
-def get_ready():
+def fill_tables():
     """Fill the tables of numba and of LLVM, which takes most of a second, before processes are forked that compile."""
-    _learn_methods()
+    register_methods()
     cpu_target.typing_context.refresh()
     cpu_target.target_context.refresh()
 
@@ -154,7 +149,7 @@ def _machine_code(signature, function, key):
 
 
 def _code_of(signature, function, key):
-    _learn_methods()
+    register_methods()
     with not_loaded(), shortcuts(), known_items(), convention.without_errors_and_references():
         function = cfunc(signature, error_model="numpy", pipeline_class=KernelCompiler)(function)
     module = function._library.optimized(function.native_name)
@@ -163,7 +158,7 @@ def _code_of(signature, function, key):
         needs = ", ".join(sorted(needs))
         raise SystemError(f"{function.native_name} needs {needs}: a kernel may not allocate, print, or call libraries")
     variables = [variable.name for variable in module.global_variables if variable.is_declaration]
-    module.link_in(llvm.parse_assembly(str(_ending(variables))))
+    module.link_in(llvm.parse_assembly(str(_fatal_error(variables))))
     for name in variables:  # avoids a table of addresses, which a loader may place too far away
         module.get_global_variable(name).visibility = "hidden"
     symbol = f"mecano_{key}"
@@ -171,7 +166,7 @@ def _code_of(signature, function, key):
     return symbol, _target().emit_object(module)
 
 
-def _ending(variables):
+def _fatal_error(variables):
     """Return the function that ends the program at an error, of which kernels have none, and numba's variables."""
     module, pointer = ir.Module(), ir.IntType(8).as_pointer()
     content = ir.Constant(ir.ArrayType(ir.IntType(8), len(FATAL)), bytearray(FATAL))
@@ -214,158 +209,3 @@ def _zero(A, index):
 @overload(wanted)
 def _wanted(A):
     return (lambda A: False) if _is_null_matrix(A) else (lambda A: True)
-
-
-def _kind(argument):
-    """Return the type by which a method is dispatched, for an argument of this numba type."""
-    if isinstance(argument, types.BaseNamedTuple):
-        return argument.instance_class
-    if isinstance(argument, types.Record):
-        return methods.kind_of_record(argument.fields)
-    return tuple if isinstance(argument, types.BaseTuple) else float if isinstance(argument, NUMERIC) else None
-
-
-@overload(operator.setitem)
-def _store(array, index, value):
-    """Store a Dual, or a number as a constant Dual, in an array of records."""
-    if not (isinstance(array, types.Array) and isinstance(array.dtype, types.Record)):
-        return None
-    if isinstance(value, types.Number):
-        return _store_number
-    return _store_dual if _kind(value) is not None and _kind(value) is _kind(array.dtype) else None
-
-
-def _store_number(array, index, value):
-    item = array[index]
-    item.value = value
-    item.slope = 0.0
-
-
-def _store_dual(array, index, value):
-    item = array[index]
-    item.value = value.value
-    item.slope = value.slope
-
-
-IN_PLACE = {operator.add: operator.iadd, operator.sub: operator.isub, operator.mul: operator.imul}
-COMPOSED = (types.BaseNamedTuple, types.Record, type(Lanes))  # types of operands that numba does not know
-OPERANDS = (*COMPOSED, types.Float, types.Integer)
-_known = set()  # functions with methods that have been registered with numba
-methods.Generic.primitive = staticmethod(symbols.primitive)
-
-
-def _learn_methods():
-    """Register operators, functions with methods, and attributes, that numba does not know yet."""
-    operators = *methods.UNARY, *methods.BINARY  # those of Lanes need no methods
-    for function in [f for f in dict.fromkeys((*operators, *methods.functions())) if f not in _known]:
-        for named in {function, IN_PLACE.get(function, function)}:
-            _learn(function, named)
-        _known.add(function)
-    for name in [name for name in methods.attribute_names() if name not in _known]:
-        _learn_attribute(name)
-        _known.add(name)
-
-
-def _learn(function, named):
-    """Register a function, called under the name ``named``, with numba: its types and its code generation."""
-
-    class Template(AbstractTemplate):
-        key = named
-
-        def generic(self, arguments, _):
-            result = _result(function, arguments)
-            return result and signature(result, *arguments)
-
-    infer_global(named, types.Function(Template))
-
-    def generate(context, builder, of, arguments):
-        given = [_symbolic(context, builder, *pair) for pair in zip(of.args, arguments, strict=True)]
-        return _instructions(context, builder, of.return_type, function(*given))
-
-    if isinstance(function, methods.Generic):
-        lower_builtin(named, types.VarArg(types.Any))(generate)
-        return
-    unary = [(kind,) for kind in COMPOSED]
-    for operands in [*unary, *((a, b) for a in OPERANDS for b in OPERANDS if {a, b} & {*COMPOSED})]:
-        lower_builtin(named, *operands)(generate)
-
-
-def _learn_attribute(name):
-    class Attribute(AttributeTemplate):
-        key = types.BaseNamedTuple
-
-        def generic_resolve(self, of, attribute):
-            code = methods.attribute_of(_kind(of), name) if attribute == name else None
-            return code and _type_of(code(_stand_in(of)))
-
-    infer_getattr(Attribute)
-
-    def generate(context, builder, of, value):
-        found = methods.attribute_of(_kind(of), name)(_symbolic(context, builder, of, value))
-        return _instructions(context, builder, _type_of(found), found)
-
-    lower_getattr(types.BaseNamedTuple, name)(generate)
-
-
-@cache
-def _result(function, arguments):
-    """Return the result type of a function for arguments of these types, or None if it has no method for them."""
-    kinds = set(map(_kind, arguments))
-    plain = kinds == {float} and Lanes not in arguments
-    if None in kinds or (plain and not isinstance(function, methods.Generic)):
-        return None
-    try:
-        return _type_of(function(*map(_stand_in, arguments)))
-    except TypeError:
-        return None
-
-
-def _stand_in(of):
-    """Return a placeholder value of a numba type, without instructions; raise TypeError if it has no methods."""
-    kind = _kind(of)
-    if kind is None:
-        raise TypeError(f"{of} is no operand")
-    if kind is float:
-        placeholder = Condition if isinstance(of, types.Boolean) or of is Mask else Symbol
-        return placeholder(None, many=of in (Lanes, Mask))
-    parts = [of.typeof(name) for name in of.fields] if isinstance(of, types.Record) else of.types
-    return kind(*map(_stand_in, parts))
-
-
-def _type_of(value):
-    if isinstance(value, Condition | bool):
-        return Mask if any_many([value]) else types.boolean
-    if is_number(value):
-        return Lanes if any_many([value]) else types.float64
-    parts = [_type_of(part) for part in value]
-    if len(set(parts)) == 1:
-        return types.NamedUniTuple(parts[0], len(parts), type(value))
-    return types.NamedTuple(parts, type(value))
-
-
-def _symbolic(context, builder, of, value):
-    """Return a value of compiled code as Symbols."""
-    kind = _kind(of)
-    if of is Lanes:
-        return Symbol(builder, value)
-    if isinstance(of, types.Boolean) or of is Mask:
-        return Condition(builder, value if of is Mask else context.cast(builder, value, of, types.boolean))
-    if kind is float:
-        return Symbol(builder, context.cast(builder, value, of, types.float64))
-    if isinstance(of, types.Record):
-        places = [
-            cgutils.get_record_member(builder, value, of.offset(name), cgutils.ir.DoubleType()) for name in of.fields
-        ]
-        return kind(*(Symbol(builder, builder.load(place)) for place in places))
-    parts = cgutils.unpack_tuple(builder, value, len(of))
-    return kind(*(_symbolic(context, builder, *pair) for pair in zip(of.types, parts, strict=True)))
-
-
-def _instructions(context, builder, of, value):
-    """Return numba's value for a value made of Symbols."""
-    if isinstance(value, Condition | bool):
-        return value.value if isinstance(value, Condition) else context.get_constant(types.boolean, value)
-    if is_number(value):
-        return value_of(value)
-    parts = [_instructions(context, builder, *pair) for pair in zip(of.types, value, strict=True)]
-    return context.make_tuple(builder, of, parts)

@@ -12,7 +12,7 @@ from numba.core.callconv import RETCODE_OK, CPUCallConv, Status
 from numba.core.cpu import CPUContext
 from numba.core.runtime.context import NRTContext
 
-from mecano.jit.replaced import replaced
+from mecano.jit.patched import patched
 
 ERROR = "mecano_error"  # the function without arguments that ends the program
 FALSE, TRUE = ir.Constant(ir.IntType(1), 0), ir.Constant(ir.IntType(1), 1)
@@ -106,7 +106,7 @@ def _as_it_is(self, builder, ty, val):
 
 def without_errors_and_references():
     """Return the context in which numba compiles functions by this convention."""
-    return replaced(
+    return patched(
         (CPUContext, "call_conv", property(Convention)),
         (CPUContext, "create_cfunc_wrapper", _wrap),
         (CPUContext, "get_return_value", _as_it_is),

@@ -15,8 +15,8 @@ import numpy as np
 
 from mecano.jit.digest import digest
 from mecano.jit.kernel import Kernel
+from mecano.jit.machine_code import Code, address
 from mecano.jit.named_tuple import leaves, spread
-from mecano.jit.store import Code, address
 
 
 class Array(NamedTuple):

@@ -25,7 +25,7 @@ class _Lanes(types.Type):
     bitwidth = 64 * LANES
 
     def can_convert_from(self, typing_context, other):
-        """Return that a number of one element may take their place."""
+        """Return Conversion.safe for the number of one element, which then stands for all four."""
         return Conversion.safe if isinstance(other, PLAIN) else None
 
     def unify(self, typing_context, other):
@@ -42,7 +42,7 @@ class _LanesRecord(types.Record):
 
     @property
     def dtype(self):
-        """The size of it, as a type of NumPy."""
+        """A type of NumPy of the same size."""
         return np.dtype((np.void, self.size))
 
 

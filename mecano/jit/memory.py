@@ -64,18 +64,18 @@ def call_for_int(function, argument):
     raise RuntimeError("available in compiled code only")
 
 
-def take_zeros(shape):
-    """Return an array of zeros of this shape (a tuple), which must be freed with ``give_back``."""
+def allocate_zeros(shape):
+    """Return an array of zeros of this shape (a tuple), which must be freed with ``free``."""
     return np.zeros(shape)
 
 
-def take_items(n, like):
-    """Return a vector of n zeros, numbers or Duals as in ``like``, which must be freed with ``give_back``."""
+def allocate_items(n, like):
+    """Return a vector of n zeros, numbers or Duals as in ``like``, which must be freed with ``free``."""
     out = np.empty(n, like.dtype)
     for i in range(n):
         out[i] = 0.0 * like[0]
     return out
 
 
-def give_back(array):
-    """Free the memory of an array from ``take_zeros`` or ``take_items``."""
+def free(array):
+    """Free the memory of an array from ``allocate_zeros`` or ``allocate_items``."""

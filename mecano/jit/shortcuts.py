@@ -14,7 +14,7 @@ from numba.core.transforms import canonicalize_cfg
 from numba.core.types import Record
 from numba.core.types.functions import BaseFunction
 
-from mecano.jit.replaced import replaced
+from mecano.jit.patched import patched
 
 _by_templates = BaseFunction.get_call_type
 _named, _takes_place = cache(Record.__repr__), cache(base._has_loc)
@@ -51,7 +51,7 @@ def _with_lifetimes_on_demand(self, emit_dels=False, extend_lifetimes=False):
 
 def shortcuts():
     """Return the context in which numba does without this work."""
-    return replaced(
+    return patched(
         (BaseFunction, "get_call_type", _remembered),
         (event, "start_event", _unreported),
         (event, "end_event", _unreported),

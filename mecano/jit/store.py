@@ -1,29 +1,24 @@
-"""Machine code on disk, and its functions in memory.
+"""The store: files of machine code on disk, of the user, shared, or installed with the package.
 
 There is one file per function, named by the function and by a digest of everything that its code depends on
-(digest.py), in a folder named by a hash of the compiler, the processor and Python. Files are signed (trust.py). A
-process that finds all its functions there imports neither numba nor LLVM's compiler.
+(digest.py), in a folder named by a hash of the compiler, the processor and Python. Files are signed (trust.py).
+machine_code.py loads them.
 """
 
 import atexit
 import hashlib
 import os
 import sys
-import threading
 import time
-from collections.abc import Callable
 from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import NamedTuple
 
 import llvmlite
 
-from mecano.errors import UsageError
 from mecano.jit import shipped, trust
 from mecano.jit.llvm import llvm
-from mecano.process.memory import require_memory
 
 try:
     import fcntl
@@ -32,20 +27,13 @@ except ImportError:  # not a POSIX system
 
 COMPILER = (
     "aggregates", "array_object", "arrays", "compiler", "convention", "entry", "indexing", "kernel", "lanes",
-    "library", "memory", "methods", "named_tuple", "null_matrix", "passes", "symbols",
+    "library", "memory", "methods", "named_tuple", "null_matrix", "numba_methods", "passes", "symbols",
 )  # fmt: skip
 """Modules that generate code."""
 DAY = 86400.0  # s
 UNUSED = 90 * DAY  # files that have not been used for this long are removed when one is added
-TO_LOAD, TO_COMPILE = 16 * 2**20, 64 * 2**20  # bytes that must be free
 FOLDER = "MECANO_CACHE_DIR"  # environment variable: parent of the folders of compiled code
 SHARED = "MECANO_SHARED_CACHE"  # environment variable: a folder written by `mecano warmup --share`, read-only here
-
-_kept = []  # keeps alive the code that LLVM has loaded
-_addresses = {}  # of the functions that are loaded, by their file
-_times = []  # wall-clock time of each compilation of this process [s]
-_listeners = []  # called before and while something is compiled
-alone = threading.RLock()  # held by the thread that compiles, forks processes that compile, or loads machine code
 
 
 @cache
@@ -141,109 +129,13 @@ def _remove_old(paths):
                 shutil.rmtree(path) if path.is_dir() else path.unlink()
 
 
-class Code(NamedTuple):
-    """A C function that the store may contain."""
-
-    name: str
-    depends: str  # digest of everything that its code depends on
-    generate: Callable  # generate(compiler) -> (symbol, machine code)
-
-    @property
-    def file(self):
-        """The name of its file."""
-        return f"{self.name}-{self.depends}.o"
-
-
-def address(code):
-    """Return the address of a Code, compiled if no store contains it."""
-    if code.file not in _addresses:
-        found = read(code.file)
-        if found is None:
-            with compiling(1):
-                found = compile_code(code)
-        _load({code.file: found})
-    return _addresses[code.file]
-
-
-def load(codes):
-    """Load at once those of the ``codes`` that a store contains: one after the other, they take twice as long."""
-    found = {code.file: read(code.file) for code in codes if code.file not in _addresses}
-    if contents := {file: content for file, content in found.items() if content is not None}:
-        _load(contents)
-
-
-def compile_code(code):
-    """Compile a Code, or wait for another thread or process that does, and return the contents of its file."""
-    with alone, _locked(code.file):
-        found = read(code.file)
-        if found is None:
-            require_memory(TO_COMPILE)
-            compiler = imported_compiler()
-            from mecano.jit.compilation_error import compilation_errors
-
-            with compilation_errors():
-                symbol, machine_code = code.generate(compiler)
-            found = symbol.encode() + b"\n" + machine_code
-            write(code.file, found)
-    return found
-
-
-def imported_compiler():
-    """Return the module compiler.py; raises UsageError without numba, which only compilation needs."""
-    try:
-        from mecano.jit import compiler
-    except ModuleNotFoundError as error:
-        if error.name != "numba":
-            raise
-        text = "the model needs machine code that is not installed, and numba, which compiles it, is missing"
-        raise UsageError(f"{text}: pip install numba") from None
-    return compiler
-
-
-def holds(file):
+def contains(file):
     """Return whether the shared or the own store has a file of this name; its signature may be invalid."""
     return any((place / file).exists() for place in (*_trusted_folders(), folder()))
 
 
 @contextmanager
-def compiling(n):
-    """Count the wall-clock time of the block as compile time, and report the compilation of ``n`` codes.
-
-    Yields a function to be called after each of them. Listeners get (0, n) before and (done, n) after each.
-    """
-    begun, done = time.monotonic(), 0
-
-    def report():
-        nonlocal done
-        done += 1
-        for listener in _listeners:
-            listener(done, n)
-
-    for listener in _listeners:
-        listener(0, n)
-    try:
-        yield report
-    finally:
-        _times.append(time.monotonic() - begun)
-
-
-@contextmanager
-def while_compiling(listener):
-    """Within the block, call ``listener(done, n)`` before ``n`` functions are compiled at once, and after each."""
-    _listeners.append(listener)
-    try:
-        yield
-    finally:
-        _listeners.remove(listener)
-
-
-def compile_time():
-    """Return the wall-clock time [s] that this process has spent compiling."""
-    return sum(_times)
-
-
-@contextmanager
-def _locked(file):
+def locked(file):
     """Keep other processes from compiling the same file, where the file system can lock it."""
     path = folder() / f"{file}.lock"
     try:
@@ -276,7 +168,7 @@ def _size(of):
     return total
 
 
-def put(path, data):
+def write_atomically(path, data):
     """Write a file atomically, even with concurrent writers; leaves no file if the disk is full."""
     own = path.with_name(f"{path.name}.{os.urandom(8).hex()}")
     try:
@@ -332,7 +224,7 @@ def _remove_unused():
 
 
 def _write(path, key, data):
-    put(path, trust.sign(key, path.name, data).encode() + b"\n" + data)
+    write_atomically(path, trust.sign(key, path.name, data).encode() + b"\n" + data)
 
 
 def share(base):
@@ -366,24 +258,3 @@ def _copy_to(target):
             _write(target / path.name, b"", data)
             (target / path.name).chmod(0o644)
     return _size(target)
-
-
-@cache
-def _linker():
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    return llvm.create_lljit_compiler()
-
-
-def _load(files):
-    """Load the functions of ``files`` {name: contents} as one library."""
-    require_memory(TO_LOAD)
-    library, symbols = llvm.JITLibraryBuilder().add_current_process(), {}
-    for file, content in files.items():
-        symbol, machine_code = content.split(b"\n", 1)
-        symbols[file] = symbol.decode()
-        library.add_object_img(machine_code).export_symbol(symbols[file])
-    with alone:
-        loaded = library.link(_linker(), f"library {len(_kept)}")
-        _kept.append(loaded)
-        _addresses.update({file: loaded[symbol] for file, symbol in symbols.items()})

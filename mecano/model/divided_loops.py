@@ -11,8 +11,8 @@ import numpy as np
 
 from mecano.jit import thread_pool
 from mecano.jit.digest import digest
+from mecano.jit.machine_code import Code, address
 from mecano.jit.memory import call, floats, integers, items
-from mecano.jit.store import Code, address
 from mecano.jit.thread_pool import PARTS, run_parts
 from mecano.model.batch import calling
 from mecano.model.halves import BETWEEN, ONE, OTHER

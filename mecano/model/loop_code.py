@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from mecano.element_interface import UNUSED, Kind, record
 from mecano.jit.digest import digest
-from mecano.jit.store import Code, address
+from mecano.jit.machine_code import Code, address
 from mecano.model import element_calls, lane_loops, loops
 
 NO_PARAMETERS = record(**{UNUSED: ()})

@@ -26,7 +26,7 @@ from mecano.model.state import State
 from mecano.model.wiring import IN_PLACE
 
 if TYPE_CHECKING:
-    from mecano.jit.store import Code
+    from mecano.jit.machine_code import Code
     from mecano.model.divided_loops import DividedLoops
 
 

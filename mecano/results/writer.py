@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from mecano.errors import ResultsError
-from mecano.jit.store import compile_time
+from mecano.jit.machine_code import compile_time
 from mecano.model.extremes import Extremes
 from mecano.results.checkpoints import Slots
 from mecano.results.disk import Disk, deferring_signals, open_file

@@ -29,7 +29,7 @@ from mecano.elements.bodies.superelement_force import add_forces, add_product, s
 from mecano.elements.bodies.superelement_frame import MOMENTUM, ROWS, U_RATE, U, V
 from mecano.elements.bodies.superelement_tangent import TANGENT_ROWS, add_tangents
 from mecano.jit.kernel import kernel
-from mecano.jit.memory import give_back, take_zeros
+from mecano.jit.memory import allocate_zeros, free
 from mecano.jit.null_matrix import wanted
 from mecano.maths.so3 import quaternion
 from mecano.maths.vector import dot, mat, put, vec
@@ -58,20 +58,20 @@ MODE_OUTPUTS = (
 def force(p, at, f, K, C, M):
     """Add elastic forces, damping, weight and inertia; see element_interface for the arguments."""
     n = 6 * p.n_nodes + p.n_modes
-    work, turns = take_zeros((TANGENT_ROWS if wanted(K) else ROWS, n)), take_zeros((p.n_nodes, 2, 3, 3))
+    work, turns = allocate_zeros((TANGENT_ROWS if wanted(K) else ROWS, n)), allocate_zeros((p.n_nodes, 2, 3, 3))
     s = state_of(p, at, work, turns)
     add_forces(p, at.laws, s, f)
     if wanted(K):
         add_tangents(p, at.laws, s, K, C, M)
-    give_back(work)
-    give_back(turns)
+    free(work)
+    free(turns)
 
 
 @kernel
 def observe(p, at, F, y, e):
     """Write frame, amplitudes, coordinates, resultants, energies."""
     n = 6 * p.n_nodes + p.n_modes
-    work, turns, total = take_zeros((ROWS, n)), take_zeros((p.n_nodes, 2, 3, 3)), take_zeros((n,))
+    work, turns, total = allocate_zeros((ROWS, n)), allocate_zeros((p.n_nodes, 2, 3, 3)), allocate_zeros((n,))
     s = state_of(p, at, work, turns)
     y[0], kinetic, dissipated = _energies(p, at.laws, work)
     y[1] = kinetic
@@ -92,9 +92,9 @@ def observe(p, at, F, y, e):
     e[0] = kinetic
     e[1] = y[0] - p.mass * dot(vec(p.gravity, 0), s.centre) - dot(s.load, s.moment)
     e[2] = dissipated
-    give_back(work)
-    give_back(turns)
-    give_back(total)
+    free(work)
+    free(turns)
+    free(total)
 
 
 @kernel
@@ -103,7 +103,7 @@ def _energies(p, laws, work):
     n = work.shape[1]
     stiffness = p.table + 12 * p.n_nodes + 3 * n
     elastic, kinetic, dissipated = 0.0, 0.0, 0.0
-    scratch = take_zeros((2, n))
+    scratch = allocate_zeros((2, n))
     add_product(laws, stiffness, work[U], scratch[0])
     if p.damped > 0:
         add_product(laws, stiffness + 2 * n * n, work[U_RATE], scratch[1])
@@ -111,7 +111,7 @@ def _energies(p, laws, work):
         elastic += 0.5 * work[U, i] * scratch[0, i]
         dissipated += work[U_RATE, i] * scratch[1, i]
         kinetic += 0.5 * work[V, i] * work[MOMENTUM, i]
-    give_back(scratch)
+    free(scratch)
     return elastic, kinetic, dissipated
 
 

@@ -1,10 +1,10 @@
-"""Replacement of attributes of numba while kernels are compiled."""
+"""Attributes of numba that are patched while kernels are compiled."""
 
 from contextlib import contextmanager
 
 
 @contextmanager
-def replaced(*attributes):
+def patched(*attributes):
     """Have the ``attributes`` (owner, name, value) these values in the block, and their own ones after it."""
     before = [getattr(owner, name) for owner, name, _ in attributes]
     for owner, name, value in attributes:
