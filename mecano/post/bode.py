@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFormatter
 
-from mecano.post.figure import plain_figure, save
+from mecano.post.figure import plain_figure, save_beside
 from mecano.post.style import COLOURS, DASHES, LEGEND, SETTINGS, legend_columns, power_of_ten
 from mecano.results.response_file import ResponseFile, ratio_unit, read_response
 
@@ -33,9 +33,7 @@ def draw_response(
 ) -> Path:
     """Draw the picture of a response next to its file, or at ``output``; return its Path. Raises ResultsError."""
     file = read_response(path)
-    target = Path(output) if output else file.path.with_suffix(f".{kind}")
-    save(response_figure(file), target)
-    return target
+    return save_beside(response_figure(file), file.path, output, kind)
 
 
 def response_figure(file: ResponseFile) -> "Figure":

@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import IO
+from typing import IO, TYPE_CHECKING
 
 import matplotlib
 from matplotlib.figure import Figure
@@ -15,6 +15,9 @@ from mecano.post.draw_panel import draw_panel, room_above
 from mecano.post.draw_sketch import draw_sketch
 from mecano.post.sheet import Panel, Sheet
 from mecano.post.style import GREY, LEGEND, LINE_OF_TEXT, SETTINGS, legend_columns
+
+if TYPE_CHECKING:
+    import os
 
 PANEL = (4.6, 2.35)  # inches
 SKETCH_WIDTH, LOWEST, HIGHEST = 9.5, 2.0, 7.0
@@ -77,6 +80,13 @@ def save(figure: Figure, target: Path | IO[bytes], kind: str = "") -> None:
             figure.savefig(target, format=kind, metadata=METADATA[kind])
         except OSError as error:
             raise ResultsError(f"cannot write {target}: {error.strerror}") from error
+
+
+def save_beside(figure: Figure, path: Path, output: "str | os.PathLike[str] | None", kind: str) -> Path:
+    """Write a figure at ``output``, by default next to the file ``path``, and return its Path. Raises ResultsError."""
+    target = Path(output) if output else path.with_suffix(f".{kind}")
+    save(figure, target)
+    return target
 
 
 def _room(sheet, styles, cells, width):

@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from mecano.deck.unit_of import parameters_of, unit_of
 from mecano.errors import UsageError
 from mecano.post.campbell import campbell_figure
-from mecano.post.figure import plain_figure, save
+from mecano.post.figure import plain_figure, save_beside
 from mecano.post.style import COLOURS, DASHES, GREY, INK, SETTINGS, note_below, with_unit
 from mecano.results.opening import open_checked
 from mecano.results.sweep_file import SweepFile, read_sweep
@@ -51,10 +51,7 @@ def draw_sweep(
     for a map of stability with ``below``.
     """
     file = read_sweep(path)
-    target = Path(output) if output else file.path.with_suffix(f".{kind}")
-    figure = sweep_figure(file, below)
-    save(figure, target)
-    return target
+    return save_beside(sweep_figure(file, below), file.path, output, kind)
 
 
 def sweep_figure(file: SweepFile, below: float | None = None) -> "Figure":

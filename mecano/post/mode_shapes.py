@@ -13,7 +13,7 @@ import numpy as np
 
 from mecano.errors import ResultsError
 from mecano.post.draw_sketch import draw_sketch
-from mecano.post.figure import plain_figure, save
+from mecano.post.figure import plain_figure, save_beside
 from mecano.post.runs import SECTIONS
 from mecano.post.shapes import apart, shapes
 from mecano.post.sketch import Sketch
@@ -90,9 +90,7 @@ def draw_modes(
     file = read_modes(path)
     if not len(file.values):
         raise ResultsError(f"{path}: {NO_SHAPES}")
-    target = Path(output) if output else file.path.with_suffix(f".{kind}")
-    save(_figure(file, mode_sketches(file)), target)
-    return target
+    return save_beside(_figure(file, mode_sketches(file)), file.path, output, kind)
 
 
 def mode_sketches(file: ModesFile) -> list[Sketch]:

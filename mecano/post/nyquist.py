@@ -7,7 +7,7 @@ import matplotlib
 import numpy as np
 
 from mecano.post.bode import frequency_axis, magnitude_axis, phase_axis, unwrapped
-from mecano.post.figure import plain_figure, save
+from mecano.post.figure import plain_figure, save_beside
 from mecano.post.style import COLOURS, GREY, INK, LEGEND, SETTINGS
 from mecano.results.margins_file import MarginsFile, read_margins
 
@@ -26,9 +26,7 @@ def draw_margins(
 ) -> Path:
     """Draw the picture of a file of margins beside it, or at ``output``; return its Path. Raises ResultsError."""
     file = read_margins(path)
-    target = Path(output) if output else file.path.with_suffix(f".{kind}")
-    save(margins_figure(file), target)
-    return target
+    return save_beside(margins_figure(file), file.path, output, kind)
 
 
 def margins_figure(file: MarginsFile) -> "Figure":

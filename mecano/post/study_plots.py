@@ -8,7 +8,7 @@ import matplotlib
 import numpy as np
 
 from mecano.errors import ResultsError
-from mecano.post.figure import plain_figure, save
+from mecano.post.figure import plain_figure, save_beside
 from mecano.post.study_bars import bar_figure
 from mecano.post.study_outputs import displayed_outputs, near_limits
 from mecano.post.style import COLOURS, DASHES, GREY, LIMIT, SETTINGS, shown_unit, with_unit
@@ -31,12 +31,10 @@ def draw_study(
 ) -> Path:
     """Draw the picture of the table of a study next to it, or at ``output``; return its Path. Raises ResultsError."""
     table = read_study(path)
-    target = Path(output) if output else Path(path).with_suffix(f".{kind}")
     figure = study_figure(table)
     if figure is None:
         raise ResultsError(f"there is nothing to draw in {path}: it has no outputs, or nothing is varied")
-    save(figure, target)
-    return target
+    return save_beside(figure, Path(path), output, kind)
 
 
 def study_figure(table: StudyTable) -> "Figure | None":

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mecano.errors import ResultsError
 from mecano.results.disk import atomic_hdf5_file
 from mecano.results.file_names import refuse_existing
-from mecano.results.opening import open_checked
+from mecano.results.opening import open_format
 from mecano.results.table import describe
 from mecano.results.whole_file import put_source, write_csv
 
@@ -83,9 +82,7 @@ def write_margins(
 
 def read_margins(path: "str | os.PathLike[str]") -> MarginsFile:
     """Read a file of margins. Raises ResultsError."""
-    with open_checked(path) as file:
-        if file.attrs.get("format") != FORMAT:
-            raise ResultsError(f"{path} is not a file of margins; `mecano margins` writes them")
+    with open_format(path, FORMAT, "a file of margins; `mecano margins` writes them") as file:
         run = file["run"].attrs
         return MarginsFile(
             Path(path), run["title"], run["about"], run["signal"], file["frequency"][:],

@@ -10,10 +10,9 @@ import h5py
 import numpy as np
 
 from mecano.element_interface import Display
-from mecano.errors import ResultsError
 from mecano.results.disk import atomic_hdf5_file
 from mecano.results.file_names import refuse_existing
-from mecano.results.opening import open_checked
+from mecano.results.opening import open_format
 from mecano.results.provenance import Source, read_displays
 from mecano.results.table import describe
 from mecano.results.whole_file import put_source
@@ -113,9 +112,7 @@ def _put(group, name, values, unit, doc, scale=None):
 
 def read_modes(path: "str | os.PathLike[str]") -> ModesFile:
     """Read a file of modes. Raises ResultsError."""
-    with open_checked(path) as file:
-        if file.attrs.get("format") != FORMAT:
-            raise ResultsError(f"{path} is not a file of modes; `mecano modes` writes them")
+    with open_format(path, FORMAT, "a file of modes; `mecano modes` writes them") as file:
         numbers = {name: file[name][:] for name, _, _ in NUMBERS}
         nodes = {name: _places(group, PLACES, SHAPES) for name, group in _groups(file, "nodes")}
         inner = {name: _places(group, ("position",), ("translation",)) for name, group in _groups(file, "inner")}

@@ -34,6 +34,15 @@ def open_checked(path: str | os.PathLike[str]) -> Iterator[h5py.File]:
         source.close()
 
 
+@contextmanager
+def open_format(path: str | os.PathLike[str], format_: str, what: str) -> Iterator[h5py.File]:
+    """Open a file of mecano of this format, as ``open_checked`` does. Raises ResultsError if it is not ``what``."""
+    with open_checked(path) as file:
+        if file.attrs.get("format") != format_:
+            raise ResultsError(f"{path} is not {what}")
+        yield file
+
+
 def format_of(path: str | os.PathLike[str]) -> str:
     """Return the attribute ``format`` of a file of mecano, or "" if it cannot be read."""
     try:

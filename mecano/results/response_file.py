@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Protocol
 import h5py
 import numpy as np
 
-from mecano.errors import ResultsError
 from mecano.results.disk import atomic_hdf5_file
 from mecano.results.file_names import refuse_existing
-from mecano.results.opening import open_checked
+from mecano.results.opening import open_format
 from mecano.results.table import describe
 from mecano.results.whole_file import put_source, refuse_present, write_csv
 
@@ -118,9 +117,7 @@ def _put(file, name, values, unit, doc):
 
 def read_response(path: "str | os.PathLike[str]") -> ResponseFile:
     """Read a file of a response. Raises ResultsError."""
-    with open_checked(path) as file:
-        if file.attrs.get("format") != FORMAT:
-            raise ResultsError(f"{path} is not a file of a response; `mecano response` writes them")
+    with open_format(path, FORMAT, "a file of a response; `mecano response` writes them") as file:
         texts = {
             name: tuple(text.decode() for text in file[name][:])
             for name in ("input", "output", "input_unit", "output_unit")

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import h5py
 import numpy as np
 
-from mecano.errors import ResultsError
 from mecano.results.disk import atomic_hdf5_file
-from mecano.results.opening import open_checked
+from mecano.results.opening import open_format
 from mecano.results.provenance import provenance
 from mecano.results.table import describe
 from mecano.results.whole_file import atomic_file
@@ -148,9 +147,7 @@ def write_study(path: "str | os.PathLike[str]", table: StudyTable) -> None:
 
 def read_study(path: "str | os.PathLike[str]") -> StudyTable:
     """Read the StudyTable of a file. Raises ResultsError."""
-    with open_checked(path) as file:
-        if file.attrs.get("format") != FORMAT:
-            raise ResultsError(f"{path} is not a table of a study")
+    with open_format(path, FORMAT, "a table of a study") as file:
         columns = tuple(_read(file, name.decode()) for name in file["study/columns"][:])
         run = file["run"].attrs
         return StudyTable(run["title"], file["study/text"][()].decode(), run["deck_path"], columns)

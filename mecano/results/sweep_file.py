@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 import h5py
 import numpy as np
 
-from mecano.errors import ResultsError
 from mecano.results.disk import atomic_hdf5_file
 from mecano.results.file_names import refuse_existing
-from mecano.results.opening import open_checked
+from mecano.results.opening import open_format
 from mecano.results.table import describe
 from mecano.results.whole_file import put_source, refuse_present, write_csv
 
@@ -106,9 +105,7 @@ def _fill(file, plain, source):
 
 def read_sweep(path: "str | os.PathLike[str]") -> SweepFile:
     """Read a file of a sweep. Raises ResultsError."""
-    with open_checked(path) as file:
-        if file.attrs.get("format") != FORMAT:
-            raise ResultsError(f"{path} is not a file of a sweep")
+    with open_format(path, FORMAT, "a file of a sweep") as file:
         groups = {key: _columns(file.get(key, {}), columns) for key, columns in GROUPS}
         motions = [text.decode() for text in file["modes/motion"][:]] if groups["modes"] else []
         families = (
