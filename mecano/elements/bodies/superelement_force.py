@@ -32,10 +32,10 @@ from mecano.elements.bodies.superelement_frame import (
     V,
     axes,
     configuration,
+    frame_spin,
     place,
-    tail,
-    turning,
-    velocities,
+    put_rates,
+    trace_minus_transpose,
 )  # fmt: skip
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import ZERO, add_vec, cross, mat, vec
@@ -60,9 +60,9 @@ class State(NamedTuple):
 def state_of(p, at, work, turns):
     """Return the State; write ``work`` up to the row INERTIA, and ``turns``."""
     R, centre, D_inverse = configuration(p, at.laws, at.q, at.R, work, turns)
-    spin, load = turning(p, at.laws, at.v, R, D_inverse, turns), R.T @ vec(p.gravity, 0)
-    velocities(p, at.laws, at.v, at.a, R, spin, work, turns)
-    of_motion(p, at.laws, load, work)
+    spin, load = frame_spin(p, at.laws, at.v, R, D_inverse, turns), R.T @ vec(p.gravity, 0)
+    put_rates(p, at.laws, at.v, at.a, R, spin, work, turns)
+    put_forces(p, at.laws, load, work)
     moment = vec(p.moment, 0) + first_moment(p, at.laws, work[U])
     nu = D_inverse @ frame_moment(p, at.laws, load, moment, work, turns)
     return State(R, centre, D_inverse, spin, load, moment, mean_force(p, load, work[FORCE]), nu, work, turns)
@@ -89,7 +89,7 @@ def first_moment(p, laws, u):
 
 
 @kernel
-def products(p, laws, load, work, first, last):
+def put_products(p, laws, load, work, first, last):
     """Write coordinate forces, momenta and inertia forces of the rows ``first`` to 3 rows from ``last`` of ``work``."""
     n = work.shape[1]
     loads = p.table + 12 * p.n_nodes
@@ -108,9 +108,9 @@ def products(p, laws, load, work, first, last):
 
 
 @kernel
-def of_motion(p, laws, load, work):
+def put_forces(p, laws, load, work):
     """Write the rows FORCE, MOMENTUM, INERTIA."""
-    products(p, laws, load, work, (U, U_RATE, V, V_RATE), FORCE)
+    put_products(p, laws, load, work, (U, U_RATE, V, V_RATE), FORCE)
 
 
 @kernel
@@ -120,7 +120,7 @@ def material_moment(turns, work, i):
 
 
 @kernel
-def rotary(spin, work, i):
+def inertia_moment(spin, work, i):
     """Return the moment of the inertia forces on node i, in the axes of the frame."""
     momentum = vec(work[MOMENTUM], 6 * i + 3)
     turned = cross(spin - vec(work[V], 6 * i + 3), momentum)
@@ -161,8 +161,8 @@ def node_force(p, laws, s, i):
 def node_moment(p, s, i):
     """Return the moment on node i in the axes A_i."""
     E = mat(s.turns[i, 0])
-    own = material_moment(s.turns, s.work, i) + E.T @ rotary(s.spin, s.work, i)
-    return own + p.square / p.n_nodes * (tail(E).T @ s.nu)
+    own = material_moment(s.turns, s.work, i) + E.T @ inertia_moment(s.spin, s.work, i)
+    return own + p.square / p.n_nodes * (trace_minus_transpose(E).T @ s.nu)
 
 
 @kernel

@@ -30,7 +30,7 @@ ROWS = 15
 
 
 @kernel
-def tail(E):
+def trace_minus_transpose(E):
     """Return tr E - E^T, the moment of a rotating node about the frame."""
     t = E[0][0] + E[1][1] + E[2][2]
     return Mat3(
@@ -91,47 +91,47 @@ def configuration(p, laws, q, R, work, turns):
         H = H + (outer(y, X) + p.square * E)
     for j in range(6 * n, work.shape[1]):
         work[U, j] = q[j]
-    return R_f, centre, inverse(stiffened(H / n))
+    return R_f, centre, inverse(trace_minus(H / n))
 
 
 @kernel
-def stiffened(H):
+def trace_minus(H):
     """Return D = tr H - H."""
     return (H[0][0] + H[1][1] + H[2][2]) * EYE - H
 
 
 @kernel
-def own_spin(p, laws, v, i):
+def axes_spin(p, laws, v, i):
     """Return the material angular velocity (or variation) of A_i from that of node i in local unknowns."""
     return axes(p, laws, i).T @ vec(v, 6 * i + 3)
 
 
 @kernel
-def turning(p, laws, v, R_f, D_inverse, turns):
+def frame_spin(p, laws, v, R_f, D_inverse, turns):
     """Return the angular velocity (or variation) of the frame in its own axes, for velocities (or variations) ``v``."""
     total = ZERO
     for i in range(p.n_nodes):
-        r, phi = R_f.T @ vec(v, 6 * i), own_spin(p, laws, v, i)
-        total = total + (cross(place(p, laws, i), r) + p.square * (tail(mat(turns[i, 0])) @ phi))
+        r, phi = R_f.T @ vec(v, 6 * i), axes_spin(p, laws, v, i)
+        total = total + (cross(place(p, laws, i), r) + p.square * (trace_minus_transpose(mat(turns[i, 0])) @ phi))
     return D_inverse @ total / p.n_nodes
 
 
 @kernel
-def to_frame(p, laws, v, R_f, turns, out):
+def put_in_frame(p, laws, v, R_f, turns, out):
     """Write velocities or accelerations of the nodes in the axes of the frame to ``out`` (n,)."""
     for i in range(p.n_nodes):
         put(out, 6 * i, R_f.T @ vec(v, 6 * i))
-        put(out, 6 * i + 3, mat(turns[i, 0]) @ own_spin(p, laws, v, i))
+        put(out, 6 * i + 3, mat(turns[i, 0]) @ axes_spin(p, laws, v, i))
     for j in range(6 * p.n_nodes, out.shape[0]):
         out[j] = v[j]
 
 
 @kernel
-def velocities(p, laws, v, a, R_f, spin, work, turns):
+def put_rates(p, laws, v, a, R_f, spin, work, turns):
     """Write velocities, accelerations, rates of the velocities and of the elastic coordinates to ``work``."""
     n = p.n_nodes
-    to_frame(p, laws, v, R_f, turns, work[V])
-    to_frame(p, laws, a, R_f, turns, work[A])
+    put_in_frame(p, laws, v, R_f, turns, work[V])
+    put_in_frame(p, laws, a, R_f, turns, work[A])
     centre = mean(work[V], n)
     for j in range(6 * n, work.shape[1]):
         work[U_RATE, j] = v[j]
@@ -141,5 +141,5 @@ def velocities(p, laws, v, a, R_f, spin, work, turns):
     for i in range(n):
         y = place(p, laws, i) + vec(work[U], 6 * i)
         put(work[U_RATE], 6 * i, vec(work[V], 6 * i) - centre + cross(y, spin))
-        relative = own_spin(p, laws, v, i) - mat(turns[i, 0]).T @ spin
+        relative = axes_spin(p, laws, v, i) - mat(turns[i, 0]).T @ spin
         put(work[U_RATE], 6 * i + 3, mat(turns[i, 1]) @ relative)

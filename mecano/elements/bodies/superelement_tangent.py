@@ -8,7 +8,13 @@ of a superelement with 40 modes 2.4 times as much.
 
 from typing import NamedTuple
 
-from mecano.elements.bodies.superelement_force import first_moment, material_moment, mean_force, products, rotary
+from mecano.elements.bodies.superelement_force import (
+    first_moment,
+    inertia_moment,
+    material_moment,
+    mean_force,
+    put_products,
+)
 from mecano.elements.bodies.superelement_frame import (
     DFORCE,
     DINERTIA,
@@ -25,11 +31,11 @@ from mecano.elements.bodies.superelement_frame import (
     U,
     V,
     axes,
+    axes_spin,
     mean,
-    own_spin,
     place,
-    stiffened,
-    tail,
+    trace_minus,
+    trace_minus_transpose,
 )  # fmt: skip
 from mecano.jit.kernel import kernel
 from mecano.maths.rotation_vector import first_derivative, inverse_coefficients
@@ -60,10 +66,10 @@ def add_tangents(p, laws, s, K, C, M):
             work[DU:] = 0.0
             if column >= nodes:
                 change = UNCHANGED
-                amplitude(order, column, work)
+                vary_amplitude(order, column, work)
             else:
-                change = unknown(p, laws, s, order, column)
-            vary(p, laws, s, change)
+                change = vary_node(p, laws, s, order, column)
+            put_column(p, laws, s, change)
             for i in range(n):
                 if order == 0:
                     K[i, column] += work[COLUMN, i]
@@ -74,7 +80,7 @@ def add_tangents(p, laws, s, K, C, M):
 
 
 @kernel
-def amplitude(order, column, work):
+def vary_amplitude(order, column, work):
     """Write the variation of an amplitude, its rate or its second rate."""
     if order == 0:
         work[DU, column] = 1.0
@@ -86,29 +92,29 @@ def amplitude(order, column, work):
 
 
 @kernel
-def unknown(p, laws, s, order, column):
+def vary_node(p, laws, s, order, column):
     """Vary a node's position or rotation, velocity or acceleration; return the Change of the frame."""
     work, k = s.work, column // 6
     work[COLUMN, column] = 1.0
-    r, phi = s.R.T @ vec(work[COLUMN], 6 * k), own_spin(p, laws, work[COLUMN], k)
+    r, phi = s.R.T @ vec(work[COLUMN], 6 * k), axes_spin(p, laws, work[COLUMN], k)
     work[COLUMN, column] = 0.0
     if order == 2:
         put(work[DV_RATE], 6 * k, r)
         put(work[DV_RATE], 6 * k + 3, mat(s.turns[k, 0]) @ phi)
         return UNCHANGED
-    moving = cross(place(p, laws, k), r) + p.square * (tail(mat(s.turns[k, 0])) @ phi)
+    moving = cross(place(p, laws, k), r) + p.square * (trace_minus_transpose(mat(s.turns[k, 0])) @ phi)
     turn = s.D_inverse @ moving / p.n_nodes
     if order == 1:
-        velocity(p, laws, s, k, r, phi, turn)
+        vary_velocity(p, laws, s, k, r, phi, turn)
         return Change(ZERO, turn, NO_MATRIX)
-    D_change = position(p, laws, s, k, r, phi, turn)
-    spin_change = frame_spin(p, laws, s, D_change)
-    rates(p, laws, s, spin_change)
+    D_change = vary_position(p, laws, s, k, r, phi, turn)
+    spin_change = frame_spin_change(p, laws, s, D_change)
+    vary_rates(p, laws, s, spin_change)
     return Change(turn, spin_change, D_change)
 
 
 @kernel
-def velocity(p, laws, s, k, r, phi, spin_change):
+def vary_velocity(p, laws, s, k, r, phi, spin_change):
     """Vary the velocities r and phi of node k."""
     work, turns = s.work, s.turns
     put(work[DV], 6 * k, r)
@@ -119,11 +125,11 @@ def velocity(p, laws, s, k, r, phi, spin_change):
         put(work[DU_RATE], 6 * i, vec(work[DV], 6 * i) - centre + cross(y, spin_change))
         relative = mat(turns[i, 0]).T @ (vec(work[DV], 6 * i + 3) - spin_change)
         put(work[DU_RATE], 6 * i + 3, mat(turns[i, 1]) @ relative)
-    velocity_rates(p, s, spin_change)
+    vary_velocity_rates(p, s, spin_change)
 
 
 @kernel
-def velocity_rates(p, s, spin_change):
+def vary_velocity_rates(p, s, spin_change):
     """Subtract the variation of Omega x v from that of the rates of the velocities."""
     work = s.work
     for i in range(2 * p.n_nodes):
@@ -132,7 +138,7 @@ def velocity_rates(p, s, spin_change):
 
 
 @kernel
-def position(p, laws, s, k, r, phi, rho):
+def vary_position(p, laws, s, k, r, phi, rho):
     """Vary coordinates, velocities and accelerations with r and phi of node k; return the change of D."""
     work, turns = s.work, s.turns
     H, centre = NO_MATRIX, r / p.n_nodes
@@ -151,26 +157,26 @@ def position(p, laws, s, k, r, phi, rho):
         put(work[DV], 6 * i + 3, cross(turned, vec(work[V], 6 * i + 3)))
         put(work[DV_RATE], 6 * i, cross(vec(work[A], 6 * i), rho))
         put(work[DV_RATE], 6 * i + 3, cross(turned, vec(work[A], 6 * i + 3)))
-    return stiffened(H / p.n_nodes)
+    return trace_minus(H / p.n_nodes)
 
 
 @kernel
-def frame_spin(p, laws, s, D_change):
+def frame_spin_change(p, laws, s, D_change):
     """Return the change of the angular velocity of the frame with the positions."""
     work, total = s.work, ZERO
     for i in range(p.n_nodes):
         E = mat(s.turns[i, 0])
         own = E.T @ vec(work[V], 6 * i + 3)
-        turned = tail(cross_columns(E, vec(work[PSI], 6 * i))) @ own
+        turned = trace_minus_transpose(cross_columns(E, vec(work[PSI], 6 * i))) @ own
         total = total + (cross(place(p, laws, i), vec(work[DV], 6 * i)) + p.square * turned)
     return s.D_inverse @ (total / p.n_nodes - D_change @ s.spin)
 
 
 @kernel
-def rates(p, laws, s, spin_change):
+def vary_rates(p, laws, s, spin_change):
     """Write the changes of the rates of coordinates and velocities with the positions."""
     work, spin = s.work, s.spin
-    velocity_rates(p, s, spin_change)
+    vary_velocity_rates(p, s, spin_change)
     centre = mean(work[DV], p.n_nodes)
     for i in range(p.n_nodes):
         E, y = mat(s.turns[i, 0]), place(p, laws, i) + vec(work[U], 6 * i)
@@ -185,28 +191,28 @@ def rates(p, laws, s, spin_change):
 
 
 @kernel
-def vary(p, laws, s, change):
+def put_column(p, laws, s, change):
     """Write the column: the change of all forces, from those of coordinates, velocities and their rates."""
     work, n = s.work, p.n_nodes
     load_change = cross(s.load, change.rho)
-    products(p, laws, load_change, work, (DU, DU_RATE, DV, DV_RATE), DFORCE)
+    put_products(p, laws, load_change, work, (DU, DU_RATE, DV, DV_RATE), DFORCE)
     moment_change = first_moment(p, laws, work[DU])
     total = cross(moment_change, s.load) + cross(s.moment, load_change)
     for i in range(n):
-        total = total + turning_moment(p, laws, work, s.turns, i)
+        total = total + frame_moment_change(p, laws, work, s.turns, i)
     nu_change = -(s.D_inverse @ (total + change.D @ s.nu))
     mean_change = mean_force(p, load_change, work[DFORCE])
     for i in range(n):
-        z, dz = frame_force(p, laws, s, change.spin, mean_change, nu_change, i)
+        z, dz = node_force_change(p, laws, s, change.spin, mean_change, nu_change, i)
         put(work[COLUMN], 6 * i, s.R @ (dz + cross(change.rho, z)))
-        moment = moment_of(p, s, change.spin, nu_change, i)
+        moment = node_moment_change(p, s, change.spin, nu_change, i)
         put(work[COLUMN], 6 * i + 3, axes(p, laws, i) @ moment)
     for j in range(6 * n, work.shape[1]):
         work[COLUMN, j] = work[DFORCE, j] + work[DINERTIA, j]
 
 
 @kernel
-def moment_change_of(work, turns, i):
+def elastic_moment_change(work, turns, i):
     """Return the change of T_i^-T p_r."""
     theta = vec(work[U], 6 * i + 3)
     c, c1, _ = inverse_coefficients(dot(theta, theta))
@@ -215,12 +221,12 @@ def moment_change_of(work, turns, i):
 
 
 @kernel
-def turning_moment(p, laws, work, turns, i):
+def frame_moment_change(p, laws, work, turns, i):
     """Return the change of the contribution of node i to superelement_force.frame_moment, with the same sign."""
     y = place(p, laws, i) + vec(work[U], 6 * i)
     total = cross(vec(work[DU], 6 * i), vec(work[FORCE], 6 * i)) + cross(y, vec(work[DFORCE], 6 * i))
     own = cross(vec(work[PSI], 6 * i), material_moment(turns, work, i))
-    total = total + mat(turns[i, 0]) @ (own + moment_change_of(work, turns, i))
+    total = total + mat(turns[i, 0]) @ (own + elastic_moment_change(work, turns, i))
     for j in (6 * i, 6 * i + 3):
         total = total + cross(vec(work[DMOMENTUM], j), vec(work[V], j))
         total = total + cross(vec(work[MOMENTUM], j), vec(work[DV], j))
@@ -228,7 +234,7 @@ def turning_moment(p, laws, work, turns, i):
 
 
 @kernel
-def frame_force(p, laws, s, spin_change, mean_change, nu_change, i):
+def node_force_change(p, laws, s, spin_change, mean_change, nu_change, i):
     """Return the force on node i in the axes of the frame, and its change."""
     work, X, share = s.work, place(p, laws, i), 1.0 / p.n_nodes
     P, dP = vec(work[MOMENTUM], 6 * i), vec(work[DMOMENTUM], 6 * i)
@@ -239,11 +245,11 @@ def frame_force(p, laws, s, spin_change, mean_change, nu_change, i):
 
 
 @kernel
-def moment_of(p, s, spin_change, nu_change, i):
+def node_moment_change(p, s, spin_change, nu_change, i):
     """Return the change of the moment on node i, in the axes A_i."""
     work, E, psi, j = s.work, mat(s.turns[i, 0]), vec(s.work[PSI], 6 * i), 6 * i + 3
     P, dP, w, dw = vec(work[MOMENTUM], j), vec(work[DMOMENTUM], j), vec(work[V], j), vec(work[DV], j)
     inertia = vec(work[DINERTIA], j) + (cross(spin_change - dw, P) + cross(s.spin - w, dP))
-    turned = E.T @ inertia - cross(psi, E.T @ rotary(s.spin, work, i))
-    tails = tail(cross_columns(E, psi)).T @ s.nu + tail(E).T @ nu_change
-    return moment_change_of(work, s.turns, i) + turned + p.square / p.n_nodes * tails
+    turned = E.T @ inertia - cross(psi, E.T @ inertia_moment(s.spin, work, i))
+    tails = trace_minus_transpose(cross_columns(E, psi)).T @ s.nu + trace_minus_transpose(E).T @ nu_change
+    return elastic_moment_change(work, s.turns, i) + turned + p.square / p.n_nodes * tails
