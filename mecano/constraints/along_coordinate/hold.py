@@ -47,7 +47,8 @@ def _of_formula(p, at):
 
 
 BY_LAW = Motion({"law": "i", "offset": ()}, _of_law)
-"""law first, as numba does not distinguish a record from one with the same leading fields; law 0 is zero."""
+"""The law is the first field because numba does not distinguish a record from one with the same leading fields.
+Law 0 is zero."""
 BY_FORMULA = Motion({"motion": "i", "rate": "i", "second_rate": "i", "offset": ()}, _of_formula)
 
 

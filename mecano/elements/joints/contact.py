@@ -194,7 +194,7 @@ SWITCHES = {
     ],
     "at_start": lambda p: 2,
 }  # fmt: skip
-"""of a rigid contact that is activated or released; without a time or condition it is active at the start, for good."""
+"""Switches of a rigid contact: when it is activated and released. Without both it is active from the start, for good."""
 
 
 def _parts(held, friction):

@@ -82,7 +82,7 @@ def constraints(p, at, g):
 
 @kernel
 def observe(p, at, F, y, e):
-    """Place on the curve, force, pressure angle."""
+    """Write the position on the curve, the force and the pressure angle."""
     place, rate = number(at.q[S]), number(at.v[S])
     _, slope = curve_at(p, at.laws, place)
     along = norm(slope) * rate
