@@ -194,7 +194,7 @@ SWITCHES = {
     ],
     "at_start": lambda p: 2,
 }  # fmt: skip
-"""Switches of a rigid contact: when it is activated and released. Without both it is active from the start, for good."""
+"""Switches of a rigid contact: when it is activated and released. Without them it is always active."""
 
 
 def _parts(held, friction):
