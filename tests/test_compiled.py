@@ -372,7 +372,7 @@ class TestStore:
             found = read(path)
             if not others:
                 others.append(b"")
-                others[0] = trust._made(path)
+                others[0] = trust._create(path)
             return found
 
         monkeypatch.setattr(trust, "_read", late)

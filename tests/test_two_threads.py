@@ -269,7 +269,7 @@ class TestThreads:
         assert {thread for _, thread in seen} == {threading.get_native_id(), thread_pool._helpers[0].native_id}
 
     def test_without_semaphores_one_thread_does_all(self, monkeypatch):
-        monkeypatch.setattr(thread_pool, "_raise_semaphores", lambda: False)
+        monkeypatch.setattr(thread_pool, "_initialize_semaphores", lambda: False)
         monkeypatch.setattr(thread_pool, "_pool", np.zeros_like(thread_pool._pool))
         monkeypatch.setattr(thread_pool, "_helpers", [])
         expected = solved()

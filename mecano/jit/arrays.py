@@ -14,8 +14,8 @@ from mecano.jit.array_object import DATA, SHAPE
 from mecano.jit.lanes import Lanes, lanes_record
 
 
-def _load(builder, address, kind=WORD):
-    return builder.load(builder.inttoptr(address, kind.as_pointer()))
+def _load(builder, address, llvm_type=WORD):
+    return builder.load(builder.inttoptr(address, llvm_type.as_pointer()))
 
 
 def _array(context, builder, of, address, shape):
@@ -38,8 +38,8 @@ def _generate_array(context, builder, signature, arguments):
     address, shape = arguments[:2]
     of = signature.args[1]
     sizes = cgutils.unpack_tuple(builder, shape) if isinstance(of, types.BaseTuple) else [shape]
-    kinds = of.types if isinstance(of, types.BaseTuple) else [of]
-    sizes = [context.cast(builder, n, kind, types.intp) for n, kind in zip(sizes, kinds, strict=True)]
+    size_types = of.types if isinstance(of, types.BaseTuple) else [of]
+    sizes = [context.cast(builder, n, size_type, types.intp) for n, size_type in zip(sizes, size_types, strict=True)]
     address = context.cast(builder, address, signature.args[0], types.int64)
     return _array(context, builder, signature.return_type, address, sizes)
 
@@ -56,10 +56,10 @@ type_callable(memory.lanes_items)(
 lower_builtin(memory.lanes_items, types.Any, types.Any, types.Any)(_generate_array)
 
 
-def _register_number(function, kind, of):
+def _register_number(function, numba_type, llvm_type):
     """Register a function of memory.py that returns a number."""
-    type_callable(function)(lambda context: lambda address: kind)
-    lower_builtin(function, types.Any)(lambda context, builder, _, arguments: _load(builder, arguments[0], of))
+    type_callable(function)(lambda context: lambda address: numba_type)
+    lower_builtin(function, types.Any)(lambda context, builder, _, arguments: _load(builder, arguments[0], llvm_type))
 
 
 _register_number(memory.word, types.int64, WORD)
@@ -67,14 +67,14 @@ _register_number(memory.number, types.float64, ir.DoubleType())
 
 
 @cache
-def array_object(kind):
-    """Return the compiled function of an array object's address that returns the array, of a kind of entry.py."""
-    of = types.Array(from_dtype(kind.dtype), kind.dimensions, "C")
+def array_object(array):
+    """Return the compiled function of an array object's address that returns the array, an Array of entry.py."""
+    of = types.Array(from_dtype(array.dtype), array.dimensions, "C")
 
     def generate(context, builder, signature, arguments):
         at = [builder.add(arguments[0], WORD(offset)) for offset in (DATA, SHAPE)]
         data, sizes = (_load(builder, address) for address in at)
-        shape = [_load(builder, builder.add(sizes, WORD(8 * i))) for i in range(kind.dimensions)]
+        shape = [_load(builder, builder.add(sizes, WORD(8 * i))) for i in range(array.dimensions)]
         return _array(context, builder, of, data, shape)
 
     return intrinsic(lambda typing_context, address: (of(types.int64), generate))
@@ -83,8 +83,8 @@ def array_object(kind):
 @intrinsic
 def _call(typing_context, function, first, second):
     def generate(context, builder, signature, arguments):
-        kind = ir.FunctionType(ir.VoidType(), [WORD, WORD])
-        builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
+        function_type = ir.FunctionType(ir.VoidType(), [WORD, WORD])
+        builder.call(builder.inttoptr(arguments[0], function_type.as_pointer()), arguments[1:])
         return context.get_dummy_value()
 
     return types.void(types.int64, types.int64, types.int64), generate
@@ -98,8 +98,8 @@ def _call_at(function, first, second):
 @intrinsic
 def _call_for_int(typing_context, function, argument):
     def generate(context, builder, signature, arguments):
-        kind = ir.FunctionType(ir.IntType(32), [WORD])
-        return builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
+        function_type = ir.FunctionType(ir.IntType(32), [WORD])
+        return builder.call(builder.inttoptr(arguments[0], function_type.as_pointer()), arguments[1:])
 
     return types.int32(types.int64, types.int64), generate
 
@@ -116,13 +116,13 @@ _free = types.ExternalFunction("free", types.void(types.uintp))
 
 @overload(memory.allocate_zeros)
 def _allocate_zeros(shape):
-    def take(shape):
+    def allocate(shape):
         n = 1
         for size in shape:
             n *= size
         return memory.floats(_calloc(n, 8), shape)
 
-    return take
+    return allocate
 
 
 @intrinsic

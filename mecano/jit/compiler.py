@@ -49,8 +49,8 @@ class PlainDispatcher(types.Dispatcher):
 
     def get_call_type(self, context, arguments, keywords):
         """Return the signature of a call."""
-        plain = {name: types.unliteral(kind) for name, kind in keywords.items()}
-        plain_arguments = [types.unliteral(kind) for kind in arguments]
+        plain = {name: types.unliteral(argument) for name, argument in keywords.items()}
+        plain_arguments = [types.unliteral(argument) for argument in arguments]
         _, python_signature, given, _ = self.dispatcher.get_call_template(plain_arguments, plain)
         return self.dispatcher.overloads[tuple(given)].signature.replace(pysig=python_signature)
 
@@ -108,21 +108,21 @@ def _unpacking(entry):
     names = {"function": entry, "word": memory.word, "number": memory.number, "fits": fits, "refuse": refuse}
     lines, given = ["type = word(at)"], []  # the type of arrays precedes the arguments
     refused = "    return" if entry.several or not entry.returns else "    return 0"
-    for i, kind in enumerate(entry.signature, start=1):
+    for i, hint in enumerate(entry.signature, start=1):
         at = f"at + {8 * i}"
-        if isinstance(kind, Array):
-            names[f"array_{i}"] = array_object(kind)
+        if isinstance(hint, Array):
+            names[f"array_{i}"] = array_object(hint)
             given.append(f"array_{i}(word({at}))")
             lines += [
-                f"if not fits(word({at}), type, {_required(kind, entry.is_written(i - 1))}):",
+                f"if not fits(word({at}), type, {_required(hint, entry.is_written(i - 1))}):",
                 "    refuse()",
                 refused,
             ]
         else:
-            given.append({float: f"number({at})", bool: f"word({at}) != 0"}.get(kind, f"word({at})"))
-    kinds = entry.parameters.values()
-    names |= classes(kinds)
-    call = f"function({gathered(kinds, iter(given))})"
+            given.append({float: f"number({at})", bool: f"word({at}) != 0"}.get(hint, f"word({at})"))
+    hints = entry.parameters.values()
+    names |= classes(hints)
+    call = f"function({gathered(hints, iter(given))})"
     if entry.several:
         out = ", ".join(f"results[{i}]" for i in range(len(entry.returns)))
         names["floats"] = memory.floats
@@ -132,11 +132,11 @@ def _unpacking(entry):
     return "def entry(at, out):\n    " + "\n    ".join(lines) + "\n", names
 
 
-def _required(kind: Array, is_written):
+def _required(array: Array, is_written):
     """Return the source of the arguments of ``fits`` that describe the array of an argument."""
     flags = C_CONTIGUOUS | ALIGNED | (WRITEABLE if is_written else 0)
-    letters = ord(kind.dtype.char) | ord(kind.dtype.byteorder) << 8
-    return f"{kind.dimensions}, {flags}, {letters}, {kind.dtype.itemsize}"
+    letters = ord(array.dtype.char) | ord(array.dtype.byteorder) << 8
+    return f"{array.dimensions}, {flags}, {letters}, {array.dtype.itemsize}"
 
 
 def _machine_code(signature, function, key):

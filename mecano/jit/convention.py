@@ -72,30 +72,30 @@ def _call_of(function, libraries):
     return call
 
 
-def _argument(context, builder, kind, value):
+def _argument(context, builder, numba_type, value):
     """Return a value in the form of its numba type.
 
     numba makes structures of what ``*`` collects, and passes anything for an argument without a value.
     """
-    form = context.get_value_type(kind)
+    form = context.get_value_type(numba_type)
     if value.type == form:
         return value
     if isinstance(value.type, ir.Aggregate):
-        return context.make_tuple(builder, kind, cgutils.unpack_tuple(builder, value))
+        return context.make_tuple(builder, numba_type, cgutils.unpack_tuple(builder, value))
     return ir.Constant(form, ir.Undefined)
 
 
 def _wrap(self, library, fndesc, env, call_helper):
     """Add the C function that calls a compiled function, with the same arguments and result."""
     module = self.create_module("cfunc_wrapper")
-    kind = self.call_conv.get_function_type(fndesc.restype, fndesc.argtypes)
-    wrapper = ir.Function(module, kind, fndesc.llvm_cfunc_wrapper_name)
+    function_type = self.call_conv.get_function_type(fndesc.restype, fndesc.argtypes)
+    wrapper = ir.Function(module, function_type, fndesc.llvm_cfunc_wrapper_name)
     builder = ir.IRBuilder(wrapper.append_basic_block("entry"))
-    builder.ret(builder.call(ir.Function(module, kind, fndesc.llvm_func_name), wrapper.args))
+    builder.ret(builder.call(ir.Function(module, function_type, fndesc.llvm_func_name), wrapper.args))
     library.add_ir_module(module)
 
 
-def _ignore(self, builder, kind, value):
+def _ignore(self, builder, numba_type, value):
     """Leave the count of references as it is."""
 
 

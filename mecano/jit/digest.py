@@ -57,7 +57,7 @@ def _describe_function(function):
     used = {name: function.__globals__[name] for name in sorted(_names(code)) if name in function.__globals__}
     used |= dict(zip(code.co_freevars, (cell.cell_contents for cell in cells), strict=True))
     parts = [_describe_code(code, function.__doc__), _describe(function.__defaults__, ())]
-    parts += [f"{name}: {kind!r}" for name, kind in leaves(function.__annotations__).items()]
+    parts += [f"{name}: {hint!r}" for name, hint in leaves(function.__annotations__).items()]
     parts += [f"{name}={_describe(value, code.co_names)}" for name, value in used.items()]
     return "\n".join(parts)
 

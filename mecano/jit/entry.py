@@ -1,6 +1,6 @@
 """Compiled functions that are called from Python.
 
-The annotations of an entry are its signature: ``float``, ``int``, ``bool``, a contiguous array of one of the types
+The type hints of an entry are its signature: ``float``, ``int``, ``bool``, a contiguous array of one of the types
 below, or a named tuple of these (named_tuple.py); it returns nothing, a number, or several numbers. Each call packs
 array addresses and numbers into words of 8 bytes, which the compiled side unpacks (compiler.py); this takes a
 microsecond for a dozen words. Arguments that stay the same are packed once (``Entry.bind``).
@@ -64,7 +64,7 @@ class Entry(Kernel):
         """Return a function of the remaining arguments, like functools.partial, that packs the ``first`` ones once."""
         values = spread([*self.parameters.values()][: len(first)], first)
         n = len(values)
-        words = [id(x) if isinstance(kind, Array) else x for kind, x in zip(self.signature, values, strict=False)]
+        words = [id(x) if isinstance(hint, Array) else x for hint, x in zip(self.signature, values, strict=False)]
         head = struct.Struct(_layout(self.signature[:n], "q")).pack(id(np.ndarray), *words)
         pack = struct.Struct(_layout(self.signature[n:])).pack
         return _binding(self, len(first))(self, self.function, head, pack, values)
@@ -72,7 +72,7 @@ class Entry(Kernel):
     def call_from_compiled_code(self, *arguments):
         """Return what ``memory.call`` needs for a call with these arguments, as a PackedCall."""
         values = spread(self.parameters.values(), arguments)
-        words = [id(x) if isinstance(kind, Array) else x for kind, x in zip(self.signature, values, strict=True)]
+        words = [id(x) if isinstance(hint, Array) else x for hint, x in zip(self.signature, values, strict=True)]
         packed = np.frombuffer(self.pack(id(np.ndarray), *words), np.int64).copy()
         return PackedCall(self.address, packed, values)
 
@@ -105,30 +105,30 @@ class Entry(Kernel):
     def refusal(self, error, *values):
         """Return a TypeError that names the invalid numbers and arrays, or the ``error`` itself if all are valid."""
         wrong = [
-            f"{name} must be {_wanted(kind, self.is_written(i))}"
-            for i, (name, kind, value) in enumerate(zip(self.names, self.signature, values, strict=True))
-            if not _fits(kind, value, self.is_written(i))
+            f"{name} must be {_wanted(hint, self.is_written(i))}"
+            for i, (name, hint, value) in enumerate(zip(self.names, self.signature, values, strict=True))
+            if not _fits(hint, value, self.is_written(i))
         ]
         return TypeError(f"{self.__name__}: {'; '.join(wrong)}") if wrong else error
 
 
-def _layout(kinds, before=""):
+def _layout(hints, before=""):
     """Return the struct format of the words of the arguments, preceded by ``before``."""
-    return "=" + before + "".join(WORD.get(kind, "q") for kind in kinds)
+    return "=" + before + "".join(WORD.get(hint, "q") for hint in hints)
 
 
-def _fits(kind, value, is_written):
-    if not isinstance(kind, Array):
-        return kind is bool or isinstance(value, (int, np.integer) if kind is int else (int, float, np.number))
-    if type(value) is not np.ndarray or (value.dtype, value.ndim) != kind:
+def _fits(hint, value, is_written):
+    if not isinstance(hint, Array):
+        return hint is bool or isinstance(value, (int, np.integer) if hint is int else (int, float, np.number))
+    if type(value) is not np.ndarray or (value.dtype, value.ndim) != hint:
         return False
     return value.flags.c_contiguous and value.flags.aligned and (value.flags.writeable or not is_written)
 
 
-def _wanted(kind, is_written):
-    if not isinstance(kind, Array):
-        return "a number" if kind is float else "a whole number"
-    what = f"a contiguous array of {kind.dtype} with {kind.dimensions} dimensions"
+def _wanted(hint, is_written):
+    if not isinstance(hint, Array):
+        return "a number" if hint is float else "a whole number"
+    what = f"a contiguous array of {hint.dtype} with {hint.dimensions} dimensions"
     return f"{what} that can be written" if is_written else what
 
 
@@ -168,15 +168,15 @@ def _binding(entry, n):
 
 def _written_out(template, name, annotations, packed):
     """Return the function generated from a template above for arguments and results with these ``annotations``."""
-    parameters = {name: kind for name, kind in annotations.items() if name != "return"}
+    parameters = {name: hint for name, hint in annotations.items() if name != "return"}
     values = leaves(parameters)
-    words = [f"id({value})" if isinstance(kind, Array) else value for value, kind in values.items()]
+    words = [f"id({value})" if isinstance(hint, Array) else value for value, hint in values.items()]
     returns, packed = annotations.get("return"), packed.format(words=", ".join(words))
     scope = {"addressof": ctypes.addressof, "StructError": struct.error, "NDARRAY": id(np.ndarray)}
     body = f"return {'bool' if returns is bool else ''}(function({packed}, None))"
     if isinstance(returns, tuple):
         scope["Results"] = ctypes.c_double * len(returns)
-        numbers = ", ".join(f"{kind.__name__}(results[{i}])" for i, kind in enumerate(returns))
+        numbers = ", ".join(f"{hint.__name__}(results[{i}])" for i, hint in enumerate(returns))
         body = f"results = Results(); function({packed}, addressof(results)); return {numbers}"
     text = template.format(given=", ".join(parameters), values=", ".join(values), body=body)
     exec(compile(text, f"<call of {name}>", "exec"), scope)

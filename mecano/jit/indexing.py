@@ -12,8 +12,8 @@ from mecano.jit.aggregates import DATA, SHAPE, STRIDES, array_at
 
 def _number_of_integers(index):
     """Return how many integers an index of this type consists of, 0 if there is anything else in it."""
-    kinds = index.types if isinstance(index, types.BaseTuple) else [index]
-    return len(kinds) if all(isinstance(kind, types.Integer) for kind in kinds) else 0
+    integers = index.types if isinstance(index, types.BaseTuple) else [index]
+    return len(integers) if all(isinstance(integer, types.Integer) for integer in integers) else 0
 
 
 def _address(context, builder, array, value, index, given):
@@ -22,11 +22,11 @@ def _address(context, builder, array, value, index, given):
     An index with fewer integers than a contiguous array has dimensions gives the first of many items.
     """
     is_tuple = isinstance(index, types.BaseTuple)
-    kinds, given = (index.types, cgutils.unpack_tuple(builder, given)) if is_tuple else ([index], [given])
+    integers, given = (index.types, cgutils.unpack_tuple(builder, given)) if is_tuple else ([index], [given])
     data, shape, strides = (builder.extract_value(value, place) for place in (DATA, SHAPE, STRIDES))
     places = [
-        _from_start(context, builder, kind, i, shape, axis)
-        for axis, (kind, i) in enumerate(zip(kinds, given, strict=True))
+        _from_start(context, builder, integer, i, shape, axis)
+        for axis, (integer, i) in enumerate(zip(integers, given, strict=True))
     ]
     if array.layout == "C":
         place = places[0]
@@ -41,12 +41,12 @@ def _address(context, builder, array, value, index, given):
     return builder.inttoptr(builder.add(builder.ptrtoint(data, offset.type), offset), data.type)
 
 
-def _from_start(context, builder, kind, i, shape, axis):
+def _from_start(context, builder, integer, i, shape, axis):
     """Return the index along an axis that counts from the start, as negative constants count from the end.
 
     Other indices are not tested for being negative: that would be a third of the instructions of loops over elements.
     """
-    i = context.cast(builder, i, kind, types.intp)
+    i = context.cast(builder, i, integer, types.intp)
     is_negative = isinstance(i, ir.Constant) and i.constant < 0
     return builder.add(i, builder.extract_value(shape, axis)) if is_negative else i
 
@@ -68,8 +68,8 @@ def _get(context, builder, signature, arguments):
 
 @lower_builtin(operator.setitem, types.Array, types.Any, types.Any)
 def _set(context, builder, signature, arguments):
-    (array, index, kind), (value, given, new) = signature.args, arguments
-    if _number_of_integers(index) != array.ndim or isinstance(kind, types.Array):
+    (array, index, item_type), (value, given, new) = signature.args, arguments
+    if _number_of_integers(index) != array.ndim or isinstance(item_type, types.Array):
         return setitem_array(context, builder, signature, arguments)
     item = _address(context, builder, array, value, index, given)
-    return store_item(context, builder, array, context.cast(builder, new, kind, array.dtype), item)
+    return store_item(context, builder, array, context.cast(builder, new, item_type, array.dtype), item)

@@ -63,11 +63,11 @@ class Generic:
         return code
 
 
-def method(function, *kinds):
+def method(function, *types):
     """Register the decorated code as a method for arguments of these types; a tuple stands for each of its types."""
 
     def add(code):
-        for key in product(*(kind if isinstance(kind, tuple) else (kind,) for kind in kinds)):
+        for key in product(*(of if isinstance(of, tuple) else (of,) for of in types)):
             _methods.setdefault(function, {})[key] = code
         for codes in _known_codes:
             codes.clear()
@@ -76,20 +76,20 @@ def method(function, *kinds):
     return add
 
 
-def attribute(kind, name):
+def attribute(cls, name):
     """Register the decorated function as an attribute of the values of a type."""
 
     def add(function):
-        _attributes[kind, name] = function
-        setattr(kind, name, property(function))
+        _attributes[cls, name] = function
+        setattr(cls, name, property(function))
         return function
 
     return add
 
 
-def attribute_of(kind, name):
+def attribute_of(cls, name):
     """Return the function that implements this attribute of a type, or None."""
-    return _attributes.get((kind, name))
+    return _attributes.get((cls, name))
 
 
 def attribute_names():
@@ -97,13 +97,13 @@ def attribute_names():
     return sorted({name for _, name in _attributes})
 
 
-def code_for(function, kinds):
+def code_for(function, types):
     """Return the code of a function for arguments of these types, or None."""
-    found = _methods.get(function, {}).get(kinds)
+    found = _methods.get(function, {}).get(types)
     return function.__wrapped__ if found is None and isinstance(function, Generic) else found
 
 
-def kind_of_record(names):
+def type_of_record(names):
     """Return the type that a record with these fields represents in compiled code, or None."""
     return _records.get(tuple(names))
 
@@ -116,39 +116,39 @@ def functions():
 def methods_in(module):
     """Return [(name, code)] of all methods and attributes defined in this module, in a fixed order."""
     found = [
-        (f"{function.__name__} {[kind.__name__ for kind in kinds]}", code)
+        (f"{function.__name__} {[of.__name__ for of in types]}", code)
         for function, codes in _methods.items()
-        for kinds, code in codes.items()
+        for types, code in codes.items()
     ]
-    found += [(f"{kind.__name__}.{name}", function) for (kind, name), function in _attributes.items()]
+    found += [(f"{cls.__name__}.{name}", function) for (cls, name), function in _attributes.items()]
     found += [(function.__name__, function.__wrapped__) for function in _methods if isinstance(function, Generic)]
     return sorted((name, code) for name, code in found if code.__module__ == module)
 
 
-def algebraic(kind):
+def algebraic(cls):
     """Give a NamedTuple the operators defined by its methods, also in Python."""
     for function, name in UNARY.items():
-        setattr(kind, name, _applied_alone(kind, function))
+        setattr(cls, name, _applied_alone(cls, function))
     for function, names in BINARY.items():
         for name, applied in zip(names, (_applied, _applied_reflected), strict=False):
-            setattr(kind, name, applied(kind, function))
-    kind.has_methods = True
-    _records[kind._fields] = kind
-    kind.__array_ufunc__ = None  # lets NumPy numbers defer to the operators of this type
-    return kind
+            setattr(cls, name, applied(cls, function))
+    cls.has_methods = True
+    _records[cls._fields] = cls
+    cls.__array_ufunc__ = None  # lets NumPy numbers defer to the operators of this type
+    return cls
 
 
-def _applied_alone(kind, function):
-    return lambda a: (code_for(function, (kind,)) or _no_code)(a)
+def _applied_alone(cls, function):
+    return lambda a: (code_for(function, (cls,)) or _no_code)(a)
 
 
-def _applied(kind, function):
-    codes = _Codes(lambda of: _code_for_types(function, (kind, of)) or _no_code)
+def _applied(cls, function):
+    codes = _Codes(lambda of: _code_for_types(function, (cls, of)) or _no_code)
     return lambda a, b: codes[type(b)](a, b)
 
 
-def _applied_reflected(kind, function):
-    codes = _Codes(lambda of: _code_for_types(function, (of, kind)) or _no_code)
+def _applied_reflected(cls, function):
+    codes = _Codes(lambda of: _code_for_types(function, (of, cls)) or _no_code)
     return lambda b, a: codes[type(a)](a, b)
 
 
@@ -158,8 +158,9 @@ def _no_code(*_):
 
 def _code_for_types(function, types):
     """Return the code for arguments of these types of Python, or None."""
-    return code_for(function, tuple(map(_kind, types)))
+    return code_for(function, tuple(map(_dispatched_type, types)))
 
 
-def _kind(of):
+def _dispatched_type(of):
+    """Return the type by which a method is dispatched, for an argument of this type of Python."""
     return of if hasattr(of, "_fields") else tuple if issubclass(of, tuple) else float

@@ -5,42 +5,42 @@ from any object that has attributes of these names: a State for a Motion, say.
 """
 
 
-def is_named_tuple(kind):
+def is_named_tuple(hint):
     """Return whether an annotation is a class of named tuples."""
-    return isinstance(kind, type) and issubclass(kind, tuple)
+    return isinstance(hint, type) and issubclass(hint, tuple)
 
 
 def leaves(annotations):
     """Return {path: type} of the numbers and arrays of which arguments with these ``annotations`` consist."""
     found = {}
-    for name, kind in annotations.items():
-        own = leaves(kind.__annotations__) if is_named_tuple(kind) else None
-        found |= {name: kind} if own is None else {f"{name}.{path}": leaf for path, leaf in own.items()}
+    for name, hint in annotations.items():
+        own = leaves(hint.__annotations__) if is_named_tuple(hint) else None
+        found |= {name: hint} if own is None else {f"{name}.{path}": leaf for path, leaf in own.items()}
     return found
 
 
-def spread(kinds, values):
-    """Return the numbers and arrays of arguments of these ``kinds``, one after the other."""
+def spread(hints, values):
+    """Return the numbers and arrays of arguments with these type ``hints``, one after the other."""
     found = []
-    for kind, value in zip(kinds, values, strict=True):
-        if is_named_tuple(kind):
-            found += spread(kind.__annotations__.values(), [getattr(value, name) for name in kind.__annotations__])
+    for hint, value in zip(hints, values, strict=True):
+        if is_named_tuple(hint):
+            found += spread(hint.__annotations__.values(), [getattr(value, name) for name in hint.__annotations__])
         else:
             found.append(value)
     return found
 
 
-def gathered(kinds, leaf):
-    """Return the source of arguments of these ``kinds``, made of those that the iterator ``leaf`` gives."""
+def gathered(hints, leaf):
+    """Return the source of arguments with these type ``hints``, made of those that the iterator ``leaf`` gives."""
     return ", ".join(
-        f"{kind.__name__}({gathered(kind.__annotations__.values(), leaf)})" if is_named_tuple(kind) else next(leaf)
-        for kind in kinds
+        f"{hint.__name__}({gathered(hint.__annotations__.values(), leaf)})" if is_named_tuple(hint) else next(leaf)
+        for hint in hints
     )
 
 
-def classes(kinds):
-    """Return {name: class} of the named tuples among the ``kinds`` and their fields."""
+def classes(hints):
+    """Return {name: class} of the named tuples among the type ``hints`` and their fields."""
     found = {}
-    for kind in filter(is_named_tuple, kinds):
-        found |= {kind.__name__: kind} | classes(kind.__annotations__.values())
+    for hint in filter(is_named_tuple, hints):
+        found |= {hint.__name__: hint} | classes(hint.__annotations__.values())
     return found

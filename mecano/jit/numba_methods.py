@@ -18,12 +18,12 @@ from mecano.jit.symbols import Condition, Symbol, any_many, is_number, value_of
 NUMERIC = (types.Number, types.Boolean, type(Lanes), type(Mask))
 
 
-def _kind(argument):
+def _dispatched_type(argument):
     """Return the type by which a method is dispatched, for an argument of this numba type."""
     if isinstance(argument, types.BaseNamedTuple):
         return argument.instance_class
     if isinstance(argument, types.Record):
-        return methods.kind_of_record(argument.fields)
+        return methods.type_of_record(argument.fields)
     return tuple if isinstance(argument, types.BaseTuple) else float if isinstance(argument, NUMERIC) else None
 
 
@@ -34,7 +34,8 @@ def _store(array, index, value):
         return None
     if isinstance(value, types.Number):
         return _store_number
-    return _store_dual if _kind(value) is not None and _kind(value) is _kind(array.dtype) else None
+    item, of = _dispatched_type(array.dtype), _dispatched_type(value)
+    return _store_dual if of is not None and of is item else None
 
 
 def _store_number(array, index, value):
@@ -87,7 +88,7 @@ def _register(function, named):
     if isinstance(function, methods.Generic):
         lower_builtin(named, types.VarArg(types.Any))(generate)
         return
-    unary = [(kind,) for kind in COMPOSED]
+    unary = [(of,) for of in COMPOSED]
     for operands in [*unary, *((a, b) for a in OPERANDS for b in OPERANDS if {a, b} & {*COMPOSED})]:
         lower_builtin(named, *operands)(generate)
 
@@ -97,13 +98,13 @@ def _register_attribute(name):
         key = types.BaseNamedTuple
 
         def generic_resolve(self, of, attribute):
-            code = methods.attribute_of(_kind(of), name) if attribute == name else None
+            code = methods.attribute_of(_dispatched_type(of), name) if attribute == name else None
             return code and _type_of(code(_placeholder(of)))
 
     infer_getattr(Attribute)
 
     def generate(context, builder, of, value):
-        found = methods.attribute_of(_kind(of), name)(_symbolic(context, builder, of, value))
+        found = methods.attribute_of(_dispatched_type(of), name)(_symbolic(context, builder, of, value))
         return _instructions(context, builder, _type_of(found), found)
 
     lower_getattr(types.BaseNamedTuple, name)(generate)
@@ -112,9 +113,9 @@ def _register_attribute(name):
 @cache
 def _result(function, arguments):
     """Return the result type of a function for arguments of these types, or None if it has no method for them."""
-    kinds = set(map(_kind, arguments))
-    plain = kinds == {float} and Lanes not in arguments
-    if None in kinds or (plain and not isinstance(function, methods.Generic)):
+    dispatched_types = set(map(_dispatched_type, arguments))
+    plain = dispatched_types == {float} and Lanes not in arguments
+    if None in dispatched_types or (plain and not isinstance(function, methods.Generic)):
         return None
     try:
         return _type_of(function(*map(_placeholder, arguments)))
@@ -124,14 +125,14 @@ def _result(function, arguments):
 
 def _placeholder(of):
     """Return a placeholder value of a numba type, without instructions; raise TypeError if it has no methods."""
-    kind = _kind(of)
-    if kind is None:
+    cls = _dispatched_type(of)
+    if cls is None:
         raise TypeError(f"{of} is no operand")
-    if kind is float:
+    if cls is float:
         placeholder = Condition if isinstance(of, types.Boolean) or of is Mask else Symbol
         return placeholder(None, many=of in (Lanes, Mask))
     parts = [of.typeof(name) for name in of.fields] if isinstance(of, types.Record) else of.types
-    return kind(*map(_placeholder, parts))
+    return cls(*map(_placeholder, parts))
 
 
 def _type_of(value):
@@ -147,20 +148,20 @@ def _type_of(value):
 
 def _symbolic(context, builder, of, value):
     """Return a value of compiled code as Symbols."""
-    kind = _kind(of)
+    cls = _dispatched_type(of)
     if of is Lanes:
         return Symbol(builder, value)
     if isinstance(of, types.Boolean) or of is Mask:
         return Condition(builder, value if of is Mask else context.cast(builder, value, of, types.boolean))
-    if kind is float:
+    if cls is float:
         return Symbol(builder, context.cast(builder, value, of, types.float64))
     if isinstance(of, types.Record):
         places = [
             cgutils.get_record_member(builder, value, of.offset(name), cgutils.ir.DoubleType()) for name in of.fields
         ]
-        return kind(*(Symbol(builder, builder.load(place)) for place in places))
+        return cls(*(Symbol(builder, builder.load(place)) for place in places))
     parts = cgutils.unpack_tuple(builder, value, len(of))
-    return kind(*(_symbolic(context, builder, *pair) for pair in zip(of.types, parts, strict=True)))
+    return cls(*(_symbolic(context, builder, *pair) for pair in zip(of.types, parts, strict=True)))
 
 
 def _instructions(context, builder, of, value):

@@ -17,7 +17,7 @@ from numba.core.types.functions import BaseFunction
 from mecano.jit.patched import patched
 
 _by_templates = BaseFunction.get_call_type
-_named, _takes_place = cache(Record.__repr__), cache(base._has_loc)
+_record_text, _takes_location = cache(Record.__repr__), cache(base._has_loc)
 _found = {}  # (function, types of its arguments) -> signature
 
 
@@ -31,7 +31,7 @@ def _remembered(self, context, arguments, keywords):
     return _found[key]
 
 
-def _unreported(*_, **__):
+def _report_nothing(*_, **__):
     """Report nothing, as nothing listens."""
 
 
@@ -53,11 +53,11 @@ def shortcuts():
     """Return the context in which numba does without this work."""
     return patched(
         (BaseFunction, "get_call_type", _remembered),
-        (event, "start_event", _unreported),
-        (event, "end_event", _unreported),
+        (event, "start_event", _report_nothing),
+        (event, "end_event", _report_nothing),
         (PostProcessor, "run", _with_lifetimes_on_demand),
-        (Record, "__repr__", _named),
-        (base, "_has_loc", _takes_place),
+        (Record, "__repr__", _record_text),
+        (base, "_has_loc", _takes_location),
         (interpreter, "peep_hole_delete_with_exit", _unchanged),
         (interpreter, "peep_hole_fuse_dict_add_updates", _unchanged),
     )

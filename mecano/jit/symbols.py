@@ -184,5 +184,5 @@ def _call_for_one(builder, name, values):
 
 def _function(builder, name, number, n):
     """Return the function of this name of n numbers."""
-    kind = ir.FunctionType(number, [number] * n)
-    return builder.module.globals.get(name) or ir.Function(builder.module, kind, name)
+    function_type = ir.FunctionType(number, [number] * n)
+    return builder.module.globals.get(name) or ir.Function(builder.module, function_type, name)

@@ -126,7 +126,7 @@ def pool():
 def _start():
     """Start the threads that are missing; without semaphores, or where no thread can be started, one does all work."""
     wanted = min(threads(), PARTS)
-    if wanted > 1 and not _pool[POST] and not _raise_semaphores():
+    if wanted > 1 and not _pool[POST] and not _initialize_semaphores():
         wanted = 1
     while len(_helpers) < wanted - 1:
         helper = threading.Thread(target=_help, args=(help_out.address,), name="mecano helper", daemon=True)
@@ -142,7 +142,7 @@ def _start():
     _pool[THREADS] = wanted
 
 
-def _raise_semaphores():
+def _initialize_semaphores():
     """Initialize the semaphores, all at zero; return whether the C library has them."""
     library = ctypes.CDLL(None)
     if any(library.sem_init(ctypes.c_void_p(s.ctypes.data), 0, 0) for s in _semaphores):

@@ -80,7 +80,7 @@ def secret():
     """Return the user's secret (32 bytes), created at first use; valid for this process only if it cannot be saved."""
     path = _secret_path()
     with suppress(OSError):
-        return _read(path) or _made(path)
+        return _read(path) or _create(path)
     return os.urandom(LENGTH)
 
 
@@ -99,7 +99,7 @@ def _read(path):
     return None
 
 
-def _made(path):
+def _create(path):
     """Create a secret; if two processes do so at the same time, both get the one that was stored."""
     path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     if path.exists() and _read(path) is None:  # not usable; another process may have just created a good one
