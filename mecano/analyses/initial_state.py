@@ -31,7 +31,7 @@ def set_initial_state(prepared: "Prepared", disturbed: bool = True) -> tuple[str
         return ()
     from mecano.solve.modal.steady import Steady  # takes 0.2 s to import, and is not needed by other decks
 
-    asked, before = prepared.state.v.copy(), prepared.state
+    requested, before = prepared.state.v.copy(), prepared.state
     steady = Steady(prepared.system, prepared.length, _steady_motion(prepared))
     try:
         prepared.state = steady.find(before)
@@ -41,7 +41,7 @@ def set_initial_state(prepared: "Prepared", disturbed: bool = True) -> tuple[str
     except ConvergenceError as error:
         raise ConvergenceError("".join([str(error), *_wobble_warnings(prepared)])) from None
     if disturbed:
-        prepared.state.v += asked
+        prepared.state.v += requested
     return tuple(_displacement_warnings(prepared, steady.change_of_shape(before, prepared.state)))
 
 
@@ -50,14 +50,14 @@ def _steady_motion(prepared):
     from mecano.solve.modal.steady_rotation import Rotation
     from mecano.solve.modal.straight_running import Straight
 
-    asked, elements = prepared.deck.values["initial"]["steady"], prepared.deck.values["elements"]
-    if asked["velocity"] is not None:
-        return Straight(prepared.system, asked["velocity"])
-    resting = set(asked["at_rest"] or ())
+    requested, elements = prepared.deck.values["initial"]["steady"], prepared.deck.values["elements"]
+    if requested["velocity"] is not None:
+        return Straight(prepared.system, requested["velocity"])
+    resting = set(requested["at_rest"] or ())
     for name, d in elements.items():
         if d.get("mesh", 1) > 1 and resting.issuperset(d["nodes"]):
             resting |= set(inner_names(name, d))
-    return Rotation(prepared.system, asked["angular_velocity"], asked["about"], resting)
+    return Rotation(prepared.system, requested["angular_velocity"], requested["about"], resting)
 
 
 def _wobble_warnings(prepared):

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.deck.build import asked_velocities
+from mecano.deck.build import requested_velocities
 from mecano.errors import name_list
 from mecano.solve.linear.rounding import ROUNDING
 
@@ -30,19 +30,19 @@ def changed_velocities(deck: "Deck", system: "System", given: "State", start: "S
     turned = {name for entry in entries if any(entry["angular_velocity"]) for name in entry["nodes"]}
     turned &= _turning(system)
     motions = [  # fixed nodes did not receive the requested velocities
-        (names, np.where((first < of.n_q)[:, None], before, asked), reached, unit)
-        for names, first, asked, before, reached, unit in zip(
-            (named, turned), (of.x, of.r), asked_velocities(deck, system), _velocities(system, given),
+        (names, np.where((first < of.n_q)[:, None], before, wanted), reached, unit)
+        for names, first, wanted, before, reached, unit in zip(
+            (named, turned), (of.x, of.r), requested_velocities(deck, system), _velocities(system, given),
             _velocities(system, start), ("m/s", "rad/s"), strict=False,
         )
     ]  # fmt: skip
-    fastest = [np.linalg.norm(np.concatenate([asked, now]), axis=1).max(initial=0.0) for _, asked, now, _ in motions]
-    for (names, asked, reached, unit), speed, least in zip(motions, fastest, _rounding(fastest, length), strict=True):
+    fastest = [np.linalg.norm(np.concatenate([wanted, now]), axis=1).max(initial=0.0) for _, wanted, now, _ in motions]
+    for (names, wanted, reached, unit), speed, least in zip(motions, fastest, _rounding(fastest, length), strict=True):
         rows = [i for i, node in enumerate(system.nodes) if node.name in names]
-        change = np.linalg.norm((reached - asked)[rows], axis=1)
+        change = np.linalg.norm((reached - wanted)[rows], axis=1)
         if change.max(initial=0.0) > max(VIOLATED * speed, least):
             i = rows[int(np.argmax(change))]
-            was, is_ = (_vector_text(vector, speed) for vector in (asked[i], reached[i]))
+            was, is_ = (_vector_text(vector, speed) for vector in (wanted[i], reached[i]))
             return [
                 "the initial velocities violate the constraints and were replaced by the nearest admissible ones "
                 f"(momenta kept): node '{system.nodes[i].name}' from {was} to {is_} {unit}. Nodes that are not "
@@ -81,7 +81,7 @@ def set_in_motion(deck: "Deck", system: "System", given: "State", start: "State"
 
     Arguments as in ``changed_velocities``. A drive whose rate is not zero at the start moves what it drives.
     """
-    of, named = system.numbering, asked_velocities(deck, system)[2]
+    of, named = system.numbering, requested_velocities(deck, system)[2]
     quiet = np.array([node.internal for node in system.nodes])
     motions = [
         (first, np.linalg.norm(now - before, axis=1), np.linalg.norm(now, axis=1).max(initial=0.0), unit)
@@ -91,8 +91,8 @@ def set_in_motion(deck: "Deck", system: "System", given: "State", start: "State"
     ]
     found = []
     for (first, change, fastest, unit), least in zip(motions, _rounding([m[2] for m in motions], length), strict=True):
-        asked = np.isin(first, first[named])  # of a named node, or of one that shares its unknowns
-        moved = (change > max(NOTICED * fastest, least)) & ~quiet & ~asked
+        wanted = np.isin(first, first[named])  # of a named node, or of one that shares its unknowns
+        moved = (change > max(NOTICED * fastest, least)) & ~quiet & ~wanted
         found += [f"node '{system.nodes[i].name}' by {change[i]:.4g} {unit}" for i in np.argsort(-change) if moved[i]]
         quiet |= moved
     return name_list(found, MOST_NAMED, "; ")

@@ -73,7 +73,7 @@ def files(suffix: str, picture: str, numbers: str) -> Callable[..., Any]:
 @plugins
 @grouped(written=Written)
 def response(
-    deck: str, unrefined: bool, matrices: str | None, written: Written, overrides: tuple[str, ...], **asked: Any
+    deck: str, unrefined: bool, matrices: str | None, written: Written, overrides: tuple[str, ...], **requested: Any
 ) -> None:
     """Compute the response of small motions to a small sinusoid of each input.
 
@@ -84,7 +84,7 @@ def response(
     from mecano.analyses.response import ResponseRequest
     from mecano.analyses.response import response as find
 
-    request = ResponseRequest(refined=not unrefined, **asked)
+    request = ResponseRequest(refined=not unrefined, **requested)
     path = _compute(find, request, deck, overrides, "response", written, state_space=matrices)
     if written.plot:
         from mecano.post.bode import draw_response
@@ -105,7 +105,7 @@ def response(
 @overrides
 @plugins
 @grouped(written=Written)
-def margins(deck: str, written: Written, overrides: tuple[str, ...], **asked: Any) -> None:
+def margins(deck: str, written: Written, overrides: tuple[str, ...], **requested: Any) -> None:
     """Compute the margins of stability of a loop that is opened at a signal.
 
     In place of the signal, a small sinusoid u goes to whatever reads it; the signal returns y. The loop transfer
@@ -115,7 +115,7 @@ def margins(deck: str, written: Written, overrides: tuple[str, ...], **asked: An
     from mecano.analyses.margins import LoopRequest
     from mecano.analyses.margins import margins as find
 
-    path = _compute(find, LoopRequest(**asked), deck, overrides, "margins", written)
+    path = _compute(find, LoopRequest(**requested), deck, overrides, "margins", written)
     if written.plot:
         from mecano.post.nyquist import draw_margins
 

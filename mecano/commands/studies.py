@@ -28,7 +28,7 @@ class Limits(NamedTuple):
     memory_limit: int | None
 
 
-class Wanted(NamedTuple):
+class Cases(NamedTuple):
     """Which cases are run."""
 
     resume: bool
@@ -84,10 +84,8 @@ class Executor(NamedTuple):
 @click.option("--plot", is_flag=True, help="Draw the outputs over the varied parameters, next to the table.")
 @click.option("-q", "--quiet", is_flag=True, help="Print no progress.")
 @plugins
-@grouped(limited=Limits, wanted=Wanted, by=Executor)
-def sweep(
-    study: str, output: str | None, limited: Limits, wanted: Wanted, by: Executor, plot: bool, quiet: bool
-) -> None:
+@grouped(limited=Limits, cases=Cases, by=Executor)
+def sweep(study: str, output: str | None, limited: Limits, cases: Cases, by: Executor, plot: bool, quiet: bool) -> None:
     """Run a deck many times with varied values, each case in a separate process.
 
     STUDY is a file that names the deck, the variations (grid, list, csv, latin_hypercube, seeds) and the outputs of
@@ -95,7 +93,7 @@ def sweep(
     failed case does not stop the others. Exit code 0: all cases are complete, 3: some are not, 8: some are beyond the
     limits of the outputs.
     """
-    _refuse_strays(wanted, by)
+    _refuse_strays(cases, by)
     interruption = Interruption()
     interruption.listen()
     from mecano.study import execution, pool
@@ -107,13 +105,13 @@ def sweep(
     limits = pool.Limits(seconds(time) if time else None, memory and memory * 10**6)
     checked = read_study(study)
     folder = Folder(output or os.path.splitext(os.path.basename(study))[0] + "_runs", checked)
-    if wanted.number is not None:
-        sys.exit(execution.one_case(folder, wanted.number, limits))
+    if cases.number is not None:
+        sys.exit(execution.one_case(folder, cases.number, limits))
     deck = try_deck(checked)
     units = units_of(checked, deck)
-    if wanted.only_table:
+    if cases.only_table:
         return _finish(execution.collect(folder, units), plot)
-    due = execution.due(folder, resume=wanted.resume, failed=wanted.again == "failed", force=wanted.force)
+    due = execution.due(folder, resume=cases.resume, failed=cases.again == "failed", force=cases.force)
     if by.executor == "slurm" and due.cases:
         from mecano.study.slurm import submit
 
@@ -129,9 +127,9 @@ def sweep(
     _finish(execution.execute(deck, folder, units, due, run_cases, interruption, quiet=quiet), plot)
 
 
-def _refuse_strays(wanted, by):
+def _refuse_strays(cases, by):
     """Raise UsageError for options that exclude each other."""
-    if (wanted.resume or wanted.again) and wanted.force:
+    if (cases.resume or cases.again) and cases.force:
         raise click.UsageError("--resume and --again continue the cases, --force runs all anew")
     if by.scheduler and by.executor != "dask":
         raise click.UsageError("--scheduler belongs to --executor dask")

@@ -30,7 +30,7 @@ def build(deck: "Deck") -> Model:
     return Model(nodes, elements, LawTable(), np.array(values["gravity"], float))
 
 
-def asked_velocities(deck: "Deck", system: "System") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def requested_velocities(deck: "Deck", system: "System") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the velocities [m/s] and angular velocities [rad/s] (n_nodes, 3), inertial, of ``initial.velocities``.
 
     Entries add up. The third return value is a mask (n_nodes,) of the nodes named by an entry.
@@ -55,7 +55,7 @@ def set_velocities(deck: "Deck", system: "System", s: "State") -> None:
 
     A shared unknown takes the mean over the nodes named by an entry; fixed unknowns stay at rest.
     """
-    of, (v, omega, named) = system.numbering, asked_velocities(deck, system)
+    of, (v, omega, named) = system.numbering, requested_velocities(deck, system)
     sums, counts = np.zeros_like(s.v), np.zeros_like(s.v)
     for i in np.flatnonzero(named):
         for first, value in ((of.x[i], v[i]), (of.r[i], system.nodes[i].R.T @ omega[i])):

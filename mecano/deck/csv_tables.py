@@ -49,7 +49,7 @@ class Table:
 
 
 @dataclass(eq=False, repr=False)
-class Wanted:
+class ColumnRequest:
     """Request of a law to a table: for x and y (node of a header or number, or None) and (node of a unit, or None)."""
 
     columns: list[Node | None]
@@ -61,16 +61,16 @@ class Wanted:
         return tuple(node and node.value for node in (*self.columns, *self.units)), self.declared
 
 
-def table(name: str, node: Node, wanted: Wanted, scope: "Scope") -> Table | None:
+def table(name: str, node: Node, request: ColumnRequest, scope: "Scope") -> Table | None:
     """Return the Table of a file named in a deck at ``node``, or None after reporting the problems; each is read once.
 
     The file must be in the folder of the deck or below it.
     """
     name = os.path.normpath(os.path.join(scope.included.get(node.source.file, ""), name)) if name else name
-    key = (name, wanted.key())
+    key = (name, request.key())
     if key not in scope.tables:
         source = source_of(name, node, scope)
-        scope.tables[key] = _read(source, wanted, scope) if source else None
+        scope.tables[key] = _read(source, request, scope) if source else None
     return scope.tables[key]
 
 
@@ -84,11 +84,11 @@ def factor(unit: str, declared: str, place: Node, scope: "Scope") -> float | Non
         return None
 
 
-def _read(source, wanted, scope):
+def _read(source, request, scope):
     """Return the Table of a source, or None after reporting the problems."""
     before, subject = len(scope.problems), scope.subject
     scope.subject = ""
-    found = _Reading(source, wanted, scope).table()
+    found = _Reading(source, request, scope).table()
     if not found.rows and len(scope.problems) == before:
         scope.refuse(Node(None, source), "the table has no points")
     scope.subject = subject
@@ -98,8 +98,8 @@ def _read(source, wanted, scope):
 class _Reading:
     """One traversal of the rows of a table."""
 
-    def __init__(self, source, wanted, scope):
-        self.source, self.wanted, self.scope = source, wanted, scope
+    def __init__(self, source, request, scope):
+        self.source, self.request, self.scope = source, request, scope
         self.found = Table(source)
         self.columns: tuple[int, int] | None = None  # these three are set by the first row
         self.factors, self.width = (1.0, 1.0), 2
@@ -139,7 +139,7 @@ class _Reading:
             return False
         matches = [match for cell in cells if (match := HEADER.fullmatch(cell))] if header else []
         names = [match[1] for match in matches]
-        first, second = self.wanted.columns
+        first, second = self.request.columns
         x, y = 0, 1
         if first is None or second is None:
             if len(cells) > 2:
@@ -174,7 +174,7 @@ class _Reading:
 
     def _factor(self, i, column, units, line):
         """Return the factor from the ``column`` of x (i = 0) or y (1) to SI units; None after reporting its unit."""
-        declared, node = unit_of(self.wanted.declared, i, 2), self.wanted.units[i]
+        declared, node = unit_of(self.request.declared, i, 2), self.request.units[i]
         unit = node.value if node else (units[column] if column < len(units) else None)
         if not unit:
             self.found.units.append(None)
@@ -201,7 +201,7 @@ class _Reading:
 
     def _checked_point(self, cells, columns, line):
         """Return the point of a row; None after reporting the problem."""
-        if self.wanted.columns[0] is None and len(cells) != 2:
+        if self.request.columns[0] is None and len(cells) != 2:
             return self._refuse(line, f"two columns are needed, got {len(cells)}", SEPARATED)
         if max(columns) >= len(cells):
             text = f"the row has {len(cells)} columns, and column {max(columns) + 1} is needed"

@@ -6,7 +6,7 @@ from typing import TypeAlias
 
 from mecano.deck.compose import Node
 from mecano.deck.containers import IDENTIFIER, filled
-from mecano.deck.csv_tables import Wanted, factor, table
+from mecano.deck.csv_tables import ColumnRequest, factor, table
 from mecano.deck.scope import INVALID, Invalid, Reference, Scope, place_of
 from mecano.deck.units import unit_of
 from mecano.deck.values import number, plain_number
@@ -156,8 +156,8 @@ def _with_points(values, general, in_use, node, scope):
         scope.refuse(node.value["file"][0], "give either 'points' or 'file', not both")
         return False
     points, used = (next(field for field in fields if field.name == "points") for fields in (general, in_use))
-    wanted = Wanted(_pair(values, "columns", node), _pair(values, "units", node), points.unit)
-    found = table(values["file"], node.value["file"][1], wanted, scope)
+    request = ColumnRequest(_pair(values, "columns", node), _pair(values, "units", node), points.unit)
+    found = table(values["file"], node.value["file"][1], request, scope)
     if found is None or not _units_fit(found, used.unit, scope):
         return False
     values |= {"file": None, "columns": None, "units": None, "points": found.points}

@@ -20,7 +20,7 @@ class Refused(Exception):
     """Error for a parameter without a value, whose cause is reported at its own position."""
 
 
-class Circle(ExpressionError):
+class CircularParameter(ExpressionError):
     """Error for a parameter whose value depends on itself."""
 
     def __init__(self, names: list[str], node: "Node"):
@@ -78,7 +78,7 @@ class Parameters:
             raise ExpressionError(f"unknown parameter '{name}'", column, (name, self.names()))
         self.used.add(name)
         if name in self._open:
-            raise Circle([*self._open[self._open.index(name) :], name], self.nodes[name])
+            raise CircularParameter([*self._open[self._open.index(name) :], name], self.nodes[name])
         if self.word(name) and not _reads_as_number(self.nodes[name].value):
             raise ExpressionError(f"parameter '{name}' is the word '{self.nodes[name].value}', not a number", column)
         self._work_out(name)
@@ -110,10 +110,10 @@ class Parameters:
         return [other for other in names_in(value, self) if other in self.nodes and not self.word(other)]
 
     def _refuse_circle(self, path, name):
-        """Raise Circle where ``path`` returns to ``name``; it is refused once, and none of them has a value."""
+        """Raise CircularParameter where ``path`` returns to ``name``, refused once; none of them has a value."""
         first = path.index(name)
         self.values |= dict.fromkeys([other for other in path if other not in self._open])
-        raise Circle([*path[first:], name], self.nodes[name])
+        raise CircularParameter([*path[first:], name], self.nodes[name])
 
     def _worked_out(self, name):
         value = self.nodes[name].value

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from mecano.deck.compose import Given, Node
 from mecano.deck.expressions import ExpressionError, evaluate, is_evaluated, is_expression, names_in
-from mecano.deck.parameters import Circle, Parameters, Refused
+from mecano.deck.parameters import CircularParameter, Parameters, Refused
 from mecano.deck.similar_names import similar
 from mecano.deck.source import Source
 from mecano.deck.units import is_quantity
@@ -187,7 +187,7 @@ class Scope:
 
     def refuse_expression(self, node: Node, error: ExpressionError) -> Invalid:
         """Report an error of an expression, with names similar to an unknown one; that of a circle at its parameter."""
-        if isinstance(error, Circle):
+        if isinstance(error, CircularParameter):
             user, self.subject = self.subject, f"parameter '{error.name}'"
             try:
                 return self.refuse(error.node, error.message)

@@ -46,13 +46,15 @@ def resolve(name: str, entries: Entries, nodes: Collection[str]) -> tuple[str, s
         raise UnknownQuantity(f"there is no signal '{name}'{hint}", name, () if hint else signals)
     sections = dict.fromkeys(section for section, _ in entries)
     if words[0] in (*sections, "nodes") and len(words) > 2:
-        asked: tuple[str, ...] = (words[0],)
+        searched: tuple[str, ...] = (words[0],)
         owner, rest = words[1], ".".join(words[2:])
     else:
-        asked, owner, rest = (*sections, "nodes"), words[0], ".".join(words[1:])
-    owners = [section for section in asked if (owner in nodes if section == "nodes" else (section, owner) in entries)]
+        searched, owner, rest = (*sections, "nodes"), words[0], ".".join(words[1:])
+    owners = [
+        section for section in searched if (owner in nodes if section == "nodes" else (section, owner) in entries)
+    ]
     if not owners:
-        known = [*(n for section, n in entries if section in asked), *(nodes if "nodes" in asked else ())]
+        known = [*(n for section, n in entries if section in searched), *(nodes if "nodes" in searched else ())]
         raise UnknownQuantity(f"there is no '{owner}' with a measurable '{rest}'", owner, known)
     offered = {section: _offered(section, owner, entries) for section in owners}
     found = [section for section in owners if rest in offered[section]]

@@ -114,9 +114,9 @@ def _heading(run, travels, fixed):
     return of + ", all on one scale" + ", each about its middle" * travels + "; dots: fixed nodes" * fixed
 
 
-def _named(saved, asked):
+def _named(saved, requested):
     """Return a text with the time drawn, and the time requested if they differ."""
-    shown, wanted = f"t = {saved:.4g} s", f"{asked:.4g} s"
+    shown, wanted = f"t = {saved:.4g} s", f"{requested:.4g} s"
     return shown if shown.endswith(f" {wanted}") else f"{shown}, saved nearest to {wanted}"
 
 

@@ -102,8 +102,8 @@ def _pictures(runs, plots, spectra, at):
     """Return the pictures [(Sheet, function that draws it)] of runs, and the times [s] of their configurations."""
     if any(not len(run.results.time) for run in runs):
         raise ResultsError(f"{', '.join(str(run.results.path) for run in runs)}: no saved times yet")
-    times, asked = times_of(at) if at else [], asked_sheets(plots, spectra, runs)
-    return [(sheet, sheet_figure) for sheet in asked] if asked or times else _default_pictures(runs), times
+    times, requested = times_of(at) if at else [], requested_sheets(plots, spectra, runs)
+    return [(sheet, sheet_figure) for sheet in requested] if requested or times else _default_pictures(runs), times
 
 
 def _of_runs(runs, pictures, times, output, kind, columns, title, force):
@@ -121,7 +121,7 @@ def _of_runs(runs, pictures, times, output, kind, columns, title, force):
             yield _save_columns(sheet, target.with_suffix(".csv"), force)
 
 
-def asked_sheets(plots: Iterable[str], spectra: Iterable[str], runs: Sequence[Run]) -> "list[Sheet]":
+def requested_sheets(plots: Iterable[str], spectra: Iterable[str], runs: Sequence[Run]) -> "list[Sheet]":
     """Return the Sheets of ``plots`` "Y[,Y2]:X" and ``spectra`` "Y[,Y2]". Raises UsageError, UnknownNameError."""
     plotted = [requested_sheet(Request.parse(text), runs) for text in plots]
     return plotted + [spectrum_sheet(text, runs) for text in spectra]

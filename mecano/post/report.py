@@ -13,7 +13,7 @@ from mecano.errors import ResultsError
 from mecano.post.extremes import notable
 from mecano.post.figure import overview_figure, sheet_figure
 from mecano.post.info import count, facts, one_line
-from mecano.post.pictures import asked_sheets
+from mecano.post.pictures import requested_sheets
 from mecano.post.sheets import default_sheets, overview
 from mecano.post.verdict import is_sound, verdict
 from mecano.results.energy_balance import EXCHANGED, scale_of_balance
@@ -95,13 +95,13 @@ def report_of(run: "Run", title: str | None = None, plots: Sequence[str] = (), s
     results = run.results
     if not len(results.time):
         raise ResultsError(f"{results.path}: no saved times yet")
-    asked, sheets = asked_sheets(plots, spectra, [run]), default_sheets([run])
+    requested, sheets = requested_sheets(plots, spectra, [run]), default_sheets([run])
     sections = (
         Section("Warnings", tuple(Text(text) for text in results.warnings)),
         Section("Overview", tuple(_overview(run, sheets))), Section("Model", tuple(_model(run))),
         Section("Run", tuple(_provenance_table(results))), Section("Solution", tuple(_solver_history(results))),
         Section("Energy", tuple(_energy(results))), Section("Events", tuple(_events(results))),
-        Section("Pictures", tuple(_pictures([*asked, *sheets]))), Section("Extremes", tuple(_extremes(results))),
+        Section("Pictures", tuple(_pictures([*requested, *sheets]))), Section("Extremes", tuple(_extremes(results))),
         Section("Deck", tuple(_deck(results))),
     )  # fmt: skip
     reason = results.end.strip()

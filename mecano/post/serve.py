@@ -102,15 +102,15 @@ class _Handler(BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         """Answer GET "/" with the page and "/data" with the data of a run; 403 for a wrong host or token, else 404."""
-        asked = urlsplit(self.path)
-        query = {name: values[-1] for name, values in parse_qs(asked.query).items()}
+        url = urlsplit(self.path)
+        query = {name: values[-1] for name, values in parse_qs(url.query).items()}
         answers = {"/": self._page, "/data": self._data}
         if self.headers.get("Host") not in self.server.hosts or not self._knows(query.get("token", "")):
             self._answer(403, "text/plain", "mecano: use the address that the program printed\n")
-        elif asked.path not in answers:
+        elif url.path not in answers:
             self._answer(404, "text/plain", "mecano: there is no such page\n")
         else:
-            answers[asked.path](query)
+            answers[url.path](query)
 
     def _knows(self, token):
         return hmac.compare_digest(token.encode(), self.server.token.encode())

@@ -34,7 +34,7 @@ def empty_file(layout: Layout) -> bytes:
     kept = store.read(name)
     if kept is not None:
         return zlib.decompress(kept)
-    data = _made(layout)
+    data = _create(layout)
     store.write(name, zlib.compress(data, 1))
     store.keep_newest("*.blank", MOST_KEPT)
     return data
@@ -67,7 +67,7 @@ class _Memory(io.BytesIO):
         return super().truncate(size)
 
 
-def _made(layout):
+def _create(layout):
     memory = _Memory()
     with new_file(memory) as file:
         axes = Axes(file)
