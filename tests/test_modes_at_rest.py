@@ -11,7 +11,7 @@ from mecano.analyses.modal import modes
 from mecano.analyses.operating_point import operating_point
 from mecano.analyses.static import run as run_static
 from mecano.cli import commands
-from mecano.commands.solving import _of_state
+from mecano.commands.solving import About
 from mecano.deck.read import read_deck
 from mecano.errors import ConvergenceError, ResultsError, UsageError
 from mecano.post.mode_shapes import draw_modes
@@ -135,7 +135,7 @@ def test_at_rest_on_the_command_line(swinging, tmp_path, capsys):
         ["modes", str(file), "--at", f"{path}:2.0", "--at-rest", "-o", str(tmp_path / "m.h5")], standalone_mode=False
     )
     assert "modes about: equilibrium at rest near" in capsys.readouterr()[0]
-    assert [_of_state(at, rest) for at, rest in ((None, False), ("a:b.h5:0.25", False), ("b.h5:2.0", True))] == [
+    assert [About(at, rest).suffix for at, rest in ((None, False), ("a:b.h5:0.25", False), ("b.h5:2.0", True))] == [
         "", "_at_0.25", "_at_rest_2.0"
     ]  # fmt: skip
     with pytest.raises(click.BadParameter, match="belongs to --at"):
