@@ -1,6 +1,5 @@
 """Modes of a deck about its start, a static equilibrium or a saved state: computation, table, file, warnings."""
 
-from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,8 +14,7 @@ from mecano.analyses.small_motion_warnings import (
 )
 from mecano.analyses.source import source_of
 from mecano.process.interrupt import call_interruptibly
-from mecano.results.file_names import refuse_existing, refuse_other_ending
-from mecano.results.lock import locked
+from mecano.results.file_names import to_be_written
 from mecano.results.modes_file import write_modes
 from mecano.solve.modal.linearize import Linearization, linearize
 from mecano.solve.modal.modes import Modes, solve
@@ -49,40 +47,22 @@ def modes(
     or "wx,wy,wz" [rad/s]. Raises UsageError, the errors of ``mecano run``, and, before anything is computed,
     ResultsError if ``path`` exists.
     """
-    if path is not None:
-        refuse_other_ending(path, "the command prints the table of modes")
-    with nullcontext() if path is None else locked(path):
+    with to_be_written(path, force, "the command prints the table of modes"):
+        base = operating_point(deck, at, at_rest)
+        prepared, system = base.prepared, base.prepared.system
+        turning = angular_velocity_of(system, base.state, frame)
+        lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
+        found = call_interruptibly(solve, lin, number, method)
+        reported = [
+            *base.warnings,
+            *imbalance_warnings(base, turning),
+            *sticking_warnings(deck, system, base.state),
+            *accuracy_warnings(lin.variation, found.residuals),
+        ]
         if path is not None:
-            refuse_existing(path, force)
-        return _locked_modes(deck, path, at, at_rest, number, frame, method, force)
-
-
-def _locked_modes(
-    deck: "Deck",
-    path: "str | os.PathLike[str] | None",
-    at: str | None,
-    at_rest: bool,
-    number: int,
-    frame: str,
-    method: str,
-    force: bool,
-) -> tuple[str, Modes, OperatingPoint]:
-    """Do as ``modes``, with the lock on the file held."""
-    base = operating_point(deck, at, at_rest)
-    prepared, system = base.prepared, base.prepared.system
-    turning = angular_velocity_of(system, base.state, frame)
-    lin = linearize(system, base.state, prepared.length, turning, base.assemble, prepared.compliance)
-    found = call_interruptibly(solve, lin, number, method)
-    reported = [
-        *base.warnings,
-        *imbalance_warnings(base, turning),
-        *sticking_warnings(deck, system, base.state),
-        *accuracy_warnings(lin.variation, found.residuals),
-    ]
-    if path is not None:
-        inner = inner_motions(deck, system, base.state, found.shapes)
-        plain = contents(system, base.state, found, base.words, turning, inner)
-        write_modes(path, plain, source_of(deck, warnings=reported), force=force)
+            inner = inner_motions(deck, system, base.state, found.shapes)
+            plain = contents(system, base.state, found, base.words, turning, inner)
+            write_modes(path, plain, source_of(deck, warnings=reported), force=force)
     head = f"modes about: {base.words}; {found.method}; {found.found} computed"
     lines = [head, *table(system, base.state, found, lin)]
     return "\n".join([*lines, *(f"mecano: {text}" for text in reported)]), found, base

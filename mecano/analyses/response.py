@@ -19,8 +19,7 @@ from mecano.analyses.state_space_file import linear_model, refuse, refuse_plant,
 from mecano.errors import UsageError
 from mecano.model.signal_units import UNKNOWN
 from mecano.process.interrupt import call_interruptibly
-from mecano.results.file_names import refuse_existing, refuse_other_ending
-from mecano.results.lock import locked
+from mecano.results.file_names import to_be_written
 from mecano.results.response_file import refuse_table, write_response, write_table
 from mecano.solve.modal.frequency_grid import Peak, Sampled, grid, peaks, refine
 from mecano.solve.modal.frequency_response import Plant, TransferFunction
@@ -141,13 +140,8 @@ def new_file(path: "str | os.PathLike[str] | None", columns: bool, force: bool) 
     Raises UsageError if its name is that of a table, and ResultsError if it or, with ``columns``, the table next to it
     exists, unless ``force``.
     """
-    if path is None:
-        yield
-        return
-    refuse_other_ending(path, "the command with --csv writes the numbers as a table")
-    with locked(path):
-        refuse_existing(path, force)
-        if columns:
+    with to_be_written(path, force, "the command with --csv writes the numbers as a table"):
+        if path is not None and columns:
             refuse_table(path, force)
         yield
 

@@ -19,8 +19,7 @@ from mecano.deck.read import read_deck
 from mecano.deck.wording import suggestion
 from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError, UsageError
 from mecano.process.interrupt import call_interruptibly
-from mecano.results.file_names import refuse_existing, refuse_other_ending
-from mecano.results.lock import locked
+from mecano.results.file_names import to_be_written
 from mecano.results.sweep_file import refuse_tables, write_sweep, write_tables
 from mecano.solve.modal.critical import Critical, branch_end, critical
 from mecano.solve.modal.families import FAMILIES, families, running_axes
@@ -333,10 +332,8 @@ def sweep_into(
 
     Raises the errors of ``sweep``, and ResultsError if one of the files exists, unless ``force``, or cannot be written.
     """
-    refuse_other_ending(file, "--csv also writes the numbers")
     tables = Path(file).with_suffix(".csv")
-    with locked(file):
-        refuse_existing(file, force)
+    with to_be_written(file, force, "--csv also writes the numbers"):
         if columns:
             refuse_tables(tables, force)
         found = sweep(path, overrides, texts, **options)

@@ -2,10 +2,13 @@
 
 import glob
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from mecano.errors import ResultsError, UsageError
 from mecano.results.disk import SIGNATURE
+from mecano.results.lock import locked
 from mecano.results.provenance import is_running
 from mecano.results.whole_file import exists, hidden_name, refuse_other_than_file
 
@@ -34,6 +37,21 @@ def refuse_existing(path: str | os.PathLike[str], force: bool) -> None:
         raise ResultsError(f"cannot read {path}, which would be replaced: {error.strerror}") from error
     if begins != SIGNATURE:
         raise ResultsError(f"{path} already exists and is not a results file; give another name")
+
+
+@contextmanager
+def to_be_written(path: str | os.PathLike[str] | None, force: bool, instead: str) -> Iterator[None]:
+    """Lock a file within a block that computes and writes it, once its name is not refused; do nothing for None.
+
+    Raises the errors of ``refuse_other_ending``, ``refuse_existing`` and ``locked``.
+    """
+    if path is None:
+        yield
+        return
+    refuse_other_ending(path, instead)
+    with locked(path):
+        refuse_existing(path, force)
+        yield
 
 
 def remove_abandoned(path: Path) -> None:
