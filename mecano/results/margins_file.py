@@ -10,7 +10,7 @@ import numpy as np
 from mecano.results.disk import atomic_hdf5_file
 from mecano.results.file_names import refuse_existing
 from mecano.results.opening import open_format
-from mecano.results.table import describe
+from mecano.results.table import put_numbers
 from mecano.results.whole_file import put_source, write_csv
 
 if TYPE_CHECKING:
@@ -75,8 +75,7 @@ def write_margins(
     with atomic_hdf5_file(path) as file:
         for group, columns in (("", LOOP), ("crossovers/", CROSSOVERS), ("margins/", MARGINS)):
             for name, unit, doc in columns:
-                values = np.asarray(plain[group.rstrip("/") or "loop"][name], float)
-                describe(file.create_dataset(f"{group}{name}", data=values), units=unit, long_name=doc)
+                put_numbers(file, f"{group}{name}", plain[group.rstrip("/") or "loop"][name], unit, doc)
         put_source(file, source, FORMAT, FORMAT_VERSION, about=plain["about"], signal=plain["signal"])
 
 

@@ -14,7 +14,7 @@ from mecano.results.disk import atomic_hdf5_file
 from mecano.results.file_names import refuse_existing
 from mecano.results.opening import open_format
 from mecano.results.provenance import Source, read_displays
-from mecano.results.table import describe
+from mecano.results.table import put_numbers
 from mecano.results.whole_file import put_source
 
 if TYPE_CHECKING:
@@ -76,14 +76,8 @@ def _fill(file, contents, source):
     for name, unit, doc in NUMBERS:
         _put(file, name, given[name] if name in given else getattr(found, name), unit, doc, file["mode"])
     file.create_dataset("kind", data=[kind.encode() for kind in found.kinds], dtype=h5py.string_dtype())
-    _put(
-        file,
-        "converged",
-        found.converged,
-        "",
-        "1 where the mode satisfies the equations, 0 where it does not",
-        file["mode"],
-    )
+    doc = "1 where the mode satisfies the equations, 0 where it does not"
+    _put(file, "converged", found.converged, "", doc, file["mode"])
     for name, node in contents["nodes"].items():
         group = file.create_group(f"nodes/{name}")
         for key, (unit, doc) in PLACES.items():
@@ -104,8 +98,7 @@ def _fill(file, contents, source):
 
 
 def _put(group, name, values, unit, doc, scale=None):
-    dataset = group.create_dataset(name, data=np.asarray(values, float))
-    describe(dataset, units=unit, long_name=doc)
+    dataset = put_numbers(group, name, values, unit, doc)
     if scale is not None:
         dataset.dims[0].attach_scale(scale)
 

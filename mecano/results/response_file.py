@@ -11,7 +11,7 @@ import numpy as np
 from mecano.results.disk import atomic_hdf5_file
 from mecano.results.file_names import refuse_existing
 from mecano.results.opening import open_format
-from mecano.results.table import describe
+from mecano.results.table import put_numbers
 from mecano.results.whole_file import put_source, refuse_present, write_csv
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ def write_response(path: "str | os.PathLike[str]", found: Found, source: "Source
     """Write a file of a response, which appears only when complete. Raises ResultsError."""
     refuse_existing(path, force)
     with atomic_hdf5_file(path) as file:
-        _put(file, "frequency", found.frequency, "Hz", "frequency").make_scale("frequency")
+        put_numbers(file, "frequency", found.frequency, "Hz", "frequency").make_scale("frequency")
         for name, units in (("input", found.input_units), ("output", found.output_units)):
             names = found.inputs if name == "input" else found.outputs
             file.create_dataset(name, data=[text.encode() for text in names], dtype=h5py.string_dtype())
@@ -87,13 +87,14 @@ def write_response(path: "str | os.PathLike[str]", found: Found, source: "Source
             file[name].make_scale(name)
         for name, part in (("real_part", found.values.real), ("imaginary_part", found.values.imag)):
             doc = f"{name.replace('_', ' ')} of the transfer functions, output unit per input unit"
-            dataset = _put(file, name, part, "", doc)
+            dataset = put_numbers(file, name, part, "", doc)
             for axis, scale in enumerate(("frequency", "output", "input")):
                 dataset.dims[axis].attach_scale(file[scale])
-        _put(file, "static_gain", found.static, "", "limit at low frequency, output unit per input unit; nan if none")
+        doc = "limit at low frequency, output unit per input unit; nan if none"
+        put_numbers(file, "static_gain", found.static, "", doc)
         for name, values in _peaks(found).items():
             unit, doc = next((unit, doc) for one, unit, doc in PEAKS if one == name)
-            _put(file, f"peaks/{name}", values, unit, doc)
+            put_numbers(file, f"peaks/{name}", values, unit, doc)
         put_source(file, source, FORMAT, FORMAT_VERSION, about=found.about)
 
 
@@ -107,12 +108,6 @@ def _peaks(found):
         "magnitude": np.where(finite, np.abs(values), np.inf),
         "phase": np.where(finite, np.angle(np.where(finite, values, 1.0)), np.nan),
     }
-
-
-def _put(file, name, values, unit, doc):
-    dataset = file.create_dataset(name, data=np.asarray(values, float))
-    describe(dataset, units=unit, long_name=doc)
-    return dataset
 
 
 def read_response(path: "str | os.PathLike[str]") -> ResponseFile:

@@ -12,7 +12,7 @@ import numpy as np
 from mecano.results.disk import atomic_hdf5_file
 from mecano.results.file_names import refuse_existing
 from mecano.results.opening import open_format
-from mecano.results.table import describe
+from mecano.results.table import put_numbers
 from mecano.results.whole_file import put_source, refuse_present, write_csv
 
 if TYPE_CHECKING:
@@ -91,8 +91,7 @@ def _fill(file, plain, source):
     file["parameter"], file["other"] = plain["parameter"], plain["other"]
     for group, columns in GROUPS:
         for name, unit, doc in (column for column in columns if column[0] in plain.get(group, {})):
-            dataset = file.create_dataset(f"{group}/{name}", data=np.asarray(plain[group][name], float))
-            describe(dataset, units=unit, long_name=doc)
+            put_numbers(file, f"{group}/{name}", plain[group][name], unit, doc)
     if plain["modes"]:
         for name, texts in (("motion", plain["motions"]), ("family", plain["families"])):
             words = np.array(texts, dtype=object)

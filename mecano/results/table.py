@@ -35,6 +35,13 @@ def describe(item: h5py.Dataset, **texts: str) -> None:
         put_text(item.id, key.encode(), text)
 
 
+def put_numbers(group: h5py.Group, name: str, values: Any, unit: str, doc: str) -> h5py.Dataset:
+    """Create a dataset of floats with unit and description, and return it."""
+    dataset = group.create_dataset(name, data=np.asarray(values, float))
+    describe(dataset, units=unit, long_name=doc)
+    return dataset
+
+
 def put_text(identifier: h5py.h5d.DatasetID | h5py.h5g.GroupID, key: bytes, text: str) -> None:
     """Write a text attribute of the group or dataset with an HDF5 ``identifier``."""
     h5a.create(identifier, key, _TEXT, _ONE).write(_stored(text))
