@@ -251,4 +251,4 @@ def test_gears_and_couplers_turn_as_long_as_they_like():
     recorded = RecordedRun(deck(SHAFTS))
     for shaft, angle in (("a", 10500.0), ("b", -5250.0), ("c", -15000.0)):
         assert recorded[f"joints/bearing_{shaft}/angle"][-1] == pytest.approx(angle, rel=1e-12)
-    assert recorded.run.iterations < 1.2 * recorded.run.steps
+    assert recorded.run.iterations < 2.0 * recorded.run.steps

@@ -38,7 +38,7 @@ def outcome(data, file="deck.yaml", options=FAKE, overrides=()):
             assert problem.message and problem.message.isprintable()
             assert problem.hint.isprintable()
             assert problem.mark.line >= 1 and problem.mark.column >= 1
-            assert problem.mark.file == file or problem.mark.file.startswith(("--set", str(Path(file).parent)))
+            assert problem.mark.file == file or problem.mark.file.startswith(("override", str(Path(file).parent)))
         text = deck_error_text(error)
         text.encode()
         assert re.match(r".+:\d+:\d+: ", text) and re.search(r"\b\d+ errors?(; consistency is checked .*)?$", text)
