@@ -207,7 +207,7 @@ def contradict(m, w):
     if not m.checks_gaps:
         return False
     gap = floats(w.gap, w.n_l)
-    deflections(w, w.k, gap)
+    deflections(w, 1.0, gap)
     return exceeds_gap(m, gap)
 
 
@@ -221,12 +221,12 @@ def exceeds_gap(m, violations):
 
 
 @kernel
-def deflections(w, k, out):
-    """Write -k c Lambda (n_l,) at TRIAL, with the compliances c of redundant and deactivated constraints."""
+def deflections(w, factor, out):
+    """Write -c Lambda (n_l,) times a ``factor`` at TRIAL, with the compliances c of redundant and deactivated constraints."""
     out[:] = 0.0
     starts, columns = integers(w.soft_starts, w.n_l + 1), integers(w.soft_columns, w.n_entries)
     multipliers = state_of(w, TRIAL).z[w.n_q : w.n]
-    soften(k, starts, columns, floats(w.soft_values, w.n_entries), multipliers, out)
+    soften(factor, starts, columns, floats(w.soft_values, w.n_entries), multipliers, out)
 
 
 @kernel
