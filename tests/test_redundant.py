@@ -352,6 +352,32 @@ def test_redundant_joints_of_a_mass_that_circles_take_no_energy(joints, share):
             np.testing.assert_allclose(run[f"joints/pin{i + 1}/force"], pull * len(run.time), rtol=0, atol=1e-4)
 
 
+@pytest.mark.parametrize("step", [1e-3, 1e-5])
+def test_two_bearings_carry_the_whole_load_in_any_step(step):
+    """Each carries m g/2, with friction mu r m g in all: the penalty must not carry a share that friction ignores."""
+    run = RecordedRun(
+        deck(f"""
+        mecano: 1
+        gravity: [0, -9.81, 0]
+        nodes: {{shaft: {{position: [0, 0, 0]}}, end1: {{position: [0, 0, -0.3]}}, end2: {{position: [0, 0, 0.3]}}}}
+        elements: {{shaft: {{type: rigid_body, node: shaft, mass: 20, inertia: [1, 1, 0.1], attached: [end1, end2]}}}}
+        joints:
+          bearing$i:
+            repeat: {{i: 1..2}}
+            type: hinge
+            nodes: [ground, end$i]
+            axis: [0, 0, 1]
+            friction: {{coefficient: 0.1, radius: 0.03, regularization: 1 mm/s}}
+        initial: {{velocities: [{{nodes: all, angular_velocity: [0, 0, 50], about: [0, 0, 0]}}]}}
+        time: {{end: {20 * step}, step: {step}}}
+    """)
+    )
+    for bearing in (1, 2):
+        np.testing.assert_allclose(run[f"joints/bearing{bearing}/force"][:, 1], 98.1, rtol=1e-6)
+    slows = 0.1 * 0.03 * 196.2 / 0.1 * 20 * step
+    np.testing.assert_allclose(50.0 - run["joints/bearing1/rate"][-1], slows, rtol=1e-6)
+
+
 BRACKET = """
     mecano: 1
     gravity: none

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mecano.solve.diagnostics.mobility import Analysis
 
 SOFTNESS = 1e-11  # of the length scale, or rad: a tenth of the tolerance of the constraints
-SHARE_OF_PENALTY = 1e-3
+SHARE_OF_PENALTY = 1e-7  # of the reactions, which the multipliers do not contain
 RELEASED_COMPLIANCE = 1e3  # over the mean stiffness of the tangent: compliance of a released constraint
 LEAST_ACCELERATION = 1.0  # [m/s2] of the mean mass, where no forces act
 TIMES = 20  # at which loads are evaluated, from the start to the end
