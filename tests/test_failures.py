@@ -390,3 +390,34 @@ def test_a_rod_that_can_neither_slide_on_nor_part_is_told_to_be_elastic(tmp_path
     dynamic.run(deck(rod.replace("{type: contact, ", elastic)), tmp_path / "elastic.h5")
     with mecano.open_results(tmp_path / "elastic.h5") as results:
         assert results.status == "complete" and len(results["floor.gap"].values) > 100
+
+
+SHORT_ROCKER = """
+    mecano: 1
+    gravity: none
+    nodes:
+      crank: {position: [0, 0, 0]}
+      a: {position: [0.3, 0, 0]}
+      coupler: {position: [0.3, 0, 0]}
+      b: {position: [0.3, 0.4, 0]}
+      rocker: {position: [0.65, 0, 0]}
+      c: {position: [0.3, 0.4, 0]}
+    elements:
+      crank: {type: rigid_body, node: crank, mass: 1, inertia: [0.01, 0.01, 0.01], attached: [a]}
+      coupler: {type: rigid_body, node: coupler, mass: 1, inertia: [0.01, 0.01, 0.01], attached: [b]}
+      rocker: {type: rigid_body, node: rocker, mass: 1, inertia: [0.01, 0.01, 0.01], attached: [c]}
+    joints:
+      foot: {type: hinge, nodes: [ground, crank], axis: [0, 0, 1]}
+      knee: {type: hinge, nodes: [a, coupler], axis: [0, 0, 1]}
+      pin: {type: hinge, nodes: [b, c], axis: [0, 0, 1]}
+      hip: {type: hinge, nodes: [ground, rocker], axis: [0, 0, 1]}
+      motor: {type: prescribed_angle, nodes: [ground, crank], axis: [0, 0, 1], value: 2*time}
+    time: {end: 3, step: 5 ms, METHOD}
+"""
+
+
+@pytest.mark.parametrize("method", ["rho_inf: 0.8", "adaptive: {tolerance: 1.0e-4}", "method: radau"])
+def test_a_motor_beyond_the_reach_of_its_linkage_is_named(method):
+    """The crank comes no further than to 2.716 rad, where coupler and rocker of 0.9315 m in all are in one line."""
+    with pytest.raises(ConvergenceError, match="(?s)t = 1.35.* singular position.*prescribed_angle 'motor'.*reach"):
+        RecordedRun(deck(SHORT_ROCKER.replace("METHOD", method)))

@@ -28,7 +28,7 @@ from mecano.solve.time.radau_steps import RadauSteps
 from mecano.solve.time.radau_tableau import REAL
 from mecano.solve.time.radau_tangent import tables_of
 from mecano.solve.time.radau_workspace import RadauWorkspace
-from mecano.solve.time.singular_position import LOST, ROUNDED, Amplification, cannot_pass
+from mecano.solve.time.singular_position import LOST, ROUNDED, TAKE_PART, Amplification, cannot_pass
 from mecano.solve.time.step_control import StepControl
 from mecano.solve.time.step_info import MOST_TURN, PATIENCE, TURNS_TOO_FAR, StepInfo, Trial
 from mecano.solve.time.workspace import BEGIN, TRIAL, Workspace
@@ -205,7 +205,7 @@ class Radau:
         amplified = self.amplification.at(consistent)
         before, now = history.amplified / history.least_amplified, amplified / history.least_amplified
         if min(before, now) > LOST:
-            raise cannot_pass(self.amplification.dependent(consistent), stage.t, h)
+            raise cannot_pass(self.amplification.places(consistent, TAKE_PART), stage.t, h)
         if now > max(before, ROUNDED):
             return displaced(stage, np.zeros(n_q), of), 0.0, amplified
         gap = self.system.constraint_derivatives(stage)[:, 0]

@@ -16,17 +16,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.errors import ConvergenceError, name_list
+from mecano.errors import AssemblyError, ConvergenceError, name_list
 from mecano.solve.diagnostics.scales import constraint_scale
+from mecano.solve.time.consistent import Consistent
 from mecano.solve.time.increments import largest
 
 if TYPE_CHECKING:
-    from mecano.model.numbering import EquationName
+    from mecano.model.state import State
     from mecano.model.system import System
-    from mecano.solve.time.consistent import Consistent
+    from mecano.solve.time.run_state import Method
 
 ROUNDED, LOST = (float((share / np.finfo(float).eps) ** 0.25) for share in (1e-4, 1e-2))  # errors of reactions
+TOO_NEAR = 300.0  # amplification above which a step that fails is explained by the position
 TAKE_PART = 0.1  # of the largest share of a constraint in the dependence
+DRIVES = 1e-6  # of the same: share of a prescribed motion that may lead to it
 NAMED = 8  # constraints in the message
 
 
@@ -43,23 +46,56 @@ class Amplification:
         of = self.system.numbering
         return max(largest(consistent.change(self.violation), of.kind, of.n_q, self.length), 1.0)
 
-    def dependent(self, consistent: "Consistent") -> "list[EquationName]":
-        """Return the names of the constraints that become dependent at a factored ``Consistent``, in order of share."""
+    def places(self, consistent: "Consistent", least: float) -> list[str]:
+        """Return the owners of constraints that become dependent at a factored ``Consistent``, in order of share.
+
+        Their shares are at least ``least`` times the largest one.
+        """
         share, of = np.abs(consistent.exchange(self.violation)[1]), self.system.numbering
-        order = [i for i in np.argsort(-share, kind="stable") if share[i] >= TAKE_PART * share.max(initial=0.0)]
-        return [of.name[of.n_q + i] for i in order]
+        order = [i for i in np.argsort(-share, kind="stable") if share[i] >= least * share.max(initial=0.0)]
+        return list(dict.fromkeys(of.name[of.n_q + i].place for i in order))
 
 
-def cannot_pass(names: "Sequence[EquationName]", t: float, h: float) -> ConvergenceError:
+def refuse_singular(method: "Method", s: "State") -> None:
+    """Raise ConvergenceError if the constraints are almost dependent at ``s``, from which no step could be taken."""
+    if not method.system.n_l:
+        return
+    amplification = Amplification(method.system, method.length)
+    try:
+        consistent = Consistent(method.system, method.linear.twin(), s, method.length, method.compliance)
+    except AssemblyError:
+        return
+    if amplification.at(consistent) > TOO_NEAR:
+        drives = [place for place in amplification.places(consistent, DRIVES) if place.startswith("prescribed_")]
+        raise cannot_go_on(amplification.places(consistent, TAKE_PART), drives, s.t)
+
+
+def cannot_go_on(places: Sequence[str], drives: Sequence[str], t: float) -> ConvergenceError:
+    """Return the error of steps that fail at a singular position at ``t`` [s], to which the ``drives`` may lead."""
+    reach = f"it cannot go on if {name_list(drives, NAMED)} drives it beyond its reach\n" if drives else ""
+    within = "a prescribed motion within the reach of the mechanism; " if drives else ""
+    return _error(
+        places,
+        f"at t = {t:.9g} s the mechanism is at a singular position, where constraints become dependent: {{}}\n"
+        f"{reach}what to try: {within}if it passes this position, a fixed step, or time.method: radau; elasticity of a "
+        "joint or member of this loop",
+    )
+
+
+def cannot_pass(places: Sequence[str], t: float, h: float) -> ConvergenceError:
     """Return the error of a step of size h [s] up to ``t`` [s] that begins and ends near a singular position."""
-    places = list(dict.fromkeys(name.place for name in names))
-    error = ConvergenceError(
-        f"at t = {t:.9g} s the mechanism is at a singular position, where constraints become dependent: "
-        f"{name_list(places, NAMED)}\n"
+    return _error(
+        places,
+        f"at t = {t:.9g} s the mechanism is at a singular position, where constraints become dependent: {{}}\n"
         f"steps of {h:.3g} s are too short to pass it: the rounding of positions dominates the reactions\n"
         "what to try: a larger time.step or time.adaptive.tolerance, so that bodies turn by more than 2e-3 rad in a "
         "step; time.method: generalized_alpha with fixed steps; elasticity of a joint or member of this loop, if the "
-        "mechanism stops or turns back here"
+        "mechanism stops or turns back here",
     )
+
+
+def _error(places, text):
+    """Return the error with the ``places`` of constraints entered into the ``text``."""
+    error = ConvergenceError(text.replace("{}", name_list(places, NAMED), 1))
     error.elements = tuple(places)
     return error

@@ -100,6 +100,7 @@ class Trials:
             return None
         if h <= self.control.minimum:
             share = info.error / self.control.allowed(h)
+            self._refuse_singular(run.motion)
             rounded = self.method.order == 2 and below_rounding(info.error, run.motion, self.method)
             raise failure.minimum_step(self.system, run.history.a, history.a, share, run.motion.t, h, rounded)
         return self.control.retry(info.plain, h)  # the bounded one falls only once steps resolve oscillations
@@ -144,10 +145,16 @@ class Trials:
         remaining = np.nextafter(stop, run.motion.t) - run.motion.t  # the step ends before a jump of a law
         return remaining if run.motion.t + remaining < stop else np.nextafter(remaining, 0.0)  # the sum was rounded up
 
+    def _refuse_singular(self, s):
+        from mecano.solve.time.singular_position import refuse_singular  # no run that ends well needs it
+
+        refuse_singular(self.method, s)
+
     def _smaller(self, info, s, h, cuts):
         smaller = h * AFTER_FAILURE
         if smaller < self.control.minimum:
             refuse_binding(self.method, s)
+            self._refuse_singular(s)
             raise failure.no_step(self.system, self.method.assembly, info, s.t, h)
         cuts.append((s.t, smaller))
         return smaller
