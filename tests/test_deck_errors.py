@@ -194,6 +194,9 @@ STRUCTURE = [
      "'time.rho_inf' must lie between 0 and 1, got 1.1"),
     ("end: 4.0", "end: 4.0\n  rho_inf: 0.4\n  method: hht", 39, "0.4",
      "time: 'rho_inf' must be at least 0.5 with the method hht"),
+    ("end: 4.0", "end: 4.0\n  rho_inf: 0.9\n  method: newmark", 39, "0.9",
+     "time: 'rho_inf' must be 1 with the method newmark and 'adaptive': with numerical damping newmark is of first "
+     "order, and its errors exceed the tolerance"),
     ("end: 4.0", "end: 4.0\n  method: rk4", 39, "rk4",
      "'time.method' cannot be 'rk4'; known: generalized_alpha, hht, newmark, radau"),
     ("end: 4.0", "end: 4.0\n  newton: {maximum_iterations: 0}", 39, "0",

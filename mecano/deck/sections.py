@@ -60,6 +60,11 @@ def check_time(time: Values) -> str | None:
         return f"'step' must be at least {shortest:g} s here, because times have 16 digits"
     if time["method"] == "hht" and time["rho_inf"] < 0.5:
         return "'rho_inf' must be at least 0.5 with the method hht"
+    if time["method"] == "newmark" and time["rho_inf"] < 1.0 and time["adaptive"]:
+        return (
+            "'rho_inf' must be 1 with the method newmark and 'adaptive': with numerical damping newmark is of first "
+            "order, and its errors exceed the tolerance"
+        )
     bounds = time["adaptive"] or {"minimum_step": AUTOMATIC, "maximum_step": AUTOMATIC}
     low, high = bounds["minimum_step"], bounds["maximum_step"]
     if low != AUTOMATIC and low > time["step"]:
@@ -216,7 +221,8 @@ TIME_FIELDS = (
     Field("step", NUMBER, "s", "time step; with 'adaptive' the first one", check=positive),
     Field(
         "method", choice("generalized_alpha", "hht", "newmark", "radau"), "-",
-        "time integration (Lie group); radau: Radau IIA of order 5, for smooth motion and tight tolerances",
+        "time integration (Lie group); radau: Radau IIA of order 5, for smooth motion and tight tolerances; newmark is "
+        "of first order unless 'rho_inf' is 1",
         "generalized_alpha",
     ),
     Field(
