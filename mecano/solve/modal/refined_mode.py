@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from mecano.solve.modal.small_motions import SmallMotions
 
 STEPS = 3  # each squares the error
+ENOUGH = 1e-9  # residual that is not refined further
 NEAR = 1e-2  # relative change of an eigenvalue up to which it is that of the same mode
 SLOW = 1e-2  # of the lowest frequency: rate at which free motions are separated from the others
 REGULARIZED = 1e-13  # of the stiffness: compliance of constraints, of which some may be redundant
@@ -35,6 +36,8 @@ def refined(scaled: "SmallMotions", value: complex, y: np.ndarray) -> tuple[comp
     n_q, start, x = scaled.n_q, value, np.concatenate([y, np.zeros(M.shape[0] - scaled.n_q)])
     best = scaled.residual(value, y), value, y
     for _ in range(STEPS):
+        if best[0] <= ENOUGH:
+            break
         if (solved := _solver(scaled, value)) is None:  # singular: the eigenvalue is exact
             break
         u = solved(C @ x + 2.0 * value * (M @ x))
