@@ -255,6 +255,10 @@ def test_a_trace_stands_for_its_values(finished):
         np.testing.assert_array_equal(trace, trace.values)
         assert np.asarray(trace).shape == trace.values.shape == (len(trace.time), 3)
         assert trace[-1, 2] == trace.values[-1, 2] and np.max(trace) == trace.values.max()
+        assert np.array_equal(abs(2 * trace - trace), abs(trace.values)) and np.array_equal(-trace, -trace.values)
+        assert np.array_equal(trace > 0.1, trace.values > 0.1) and np.array_equal(
+            trace == trace[0], trace.values == trace[0]
+        )
 
 
 def test_closed_results_are_refused_until_they_are_opened_again(finished):

@@ -3,12 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
 
 MAGNITUDE = ".magnitude"  # of a vector, in the place of a component
 
 
-@dataclass(frozen=True, repr=False)
-class Trace:
+@dataclass(frozen=True, repr=False, eq=False)
+class Trace(NDArrayOperatorsMixin):
     """A series over the saved times, or one component of it, or a column of the solver history over the steps.
 
     Attributes
@@ -21,7 +22,7 @@ class Trace:
     time : (n,) array
         Saved times, or ends of the accepted steps [s].
     values : (n, ...) array
-        Functions of NumPy take them from the Trace itself, and so do indices.
+        Functions of NumPy, arithmetic, comparisons and indices take them from the Trace itself, and return arrays.
     """
 
     path: str
@@ -35,6 +36,10 @@ class Trace:
         """Return the values as an array."""
         values = np.asarray(self.values, dtype)
         return values.copy() if copy else values
+
+    def __array_ufunc__(self, ufunc, method, *inputs, **options):
+        """Return what a function of NumPy gives for the values."""
+        return getattr(ufunc, method)(*(np.asarray(x) if isinstance(x, Trace) else x for x in inputs), **options)
 
     def __getitem__(self, index):
         """Return values by index, as ``values[index]``."""
