@@ -78,6 +78,13 @@ def test_a_latched_array_that_swings(swinging):
     assert "equilibrium at rest near" in text and "not constant" not in text and "flutter" not in text
 
 
+@pytest.mark.parametrize("time", [-0.5, 9.0])
+def test_no_saved_state_beyond_the_run_is_taken(swinging, time):
+    checked, path = swinging
+    with pytest.raises(UsageError, match=f"has saved states from 0 to 2 s, and none near {time:g} s"):
+        modes(checked, None, at=f"{path}:{time}")
+
+
 def test_before_the_latch_the_elbow_is_free(swinging):
     """The modes of the unlatched array at rest are those of the same deck in static equilibrium, where it unfolds."""
     checked, path = swinging

@@ -60,7 +60,7 @@ def _saved(prepared: Prepared, text: str) -> "tuple[State, float | None, str, tu
     with errors_as_damage(path), open_results(path) as results:
         if not len(results.time):
             raise ResultsError(f"{path}: no saved times yet")
-        row = len(results.time) - 1 if time is None else int(np.argmin(np.abs(results.time - time)))
+        row = len(results.time) - 1 if time is None else _row_at(results, path, time)
         state = _state_of_row(prepared, results, row)
         warnings = tuple(miscounted(prepared.system, state, results, row))
         axis = results.axis
@@ -70,6 +70,16 @@ def _saved(prepared: Prepared, text: str) -> "tuple[State, float | None, str, tu
         if "static/load_factor" not in results.series:
             return state, None, words, warnings
         return state, results["static/load_factor"].values[row], words, warnings
+
+
+def _row_at(results: Results, path: str, time: float) -> int:
+    """Return the row of the saved time nearest to a time; raise UsageError if it is beyond the saved times."""
+    first, last, axis = results.time[0], results.time[-1], results.axis
+    apart = max(np.diff(results.time).max(initial=0.0), 1e-9 * abs(last))
+    if not first - apart <= time <= last + apart:
+        unit = f" {axis.unit}" if axis.unit else ""
+        raise UsageError(f"{path} has saved states from {first:g} to {last:g}{unit}, and none near {time:g}{unit}")
+    return int(np.argmin(np.abs(results.time - time)))
 
 
 def _state_of_row(prepared: Prepared, results: Results, row: int) -> "State":
