@@ -36,6 +36,7 @@ from mecano.post.study_plots import study_figure
 from mecano.post.study_report import study_report
 from mecano.post.study_requests import requested_figures
 from mecano.post.study_statistics import statistics
+from mecano.post.value_labels import LONGEST, short_texts
 from mecano.results.recorded import Event
 from mecano.results.study_file import Column, StudyTable, within
 from mecano.results.study_file import read_study as read_table
@@ -840,3 +841,12 @@ def test_warmup_leaves_nothing_to_be_compiled(tmp_path):
     deck, overrides = INPUTS / "nose_landing_gear.yaml", settings("time.end=0.05")
     subprocess.run([*COMMAND, "run", deck, "-q", "-o", tmp_path / "r.h5", *overrides], env=environment, check=True)
     assert len(before) > 400 and sorted((tmp_path / "cache").rglob("*.o")) == before
+
+
+def test_values_that_are_mappings_have_short_texts_in_pictures():
+    band = "{{'stiffness': 5, 'lower': '-{0} mrad', 'upper': '{0} mrad'}}"
+    shown = short_texts([band.format(1), band.format(3)])
+    assert list(shown.values()) == ["lower -1 mrad, upper 1 mrad", "lower -3 mrad, upper 3 mrad"]
+    assert short_texts(["radau", "generalized_alpha"]) == {name: name for name in ("radau", "generalized_alpha")}
+    long = short_texts(["a" * 90 + end for end in "xy"])
+    assert len(set(long.values())) == 2 and max(map(len, long.values())) <= LONGEST

@@ -12,6 +12,7 @@ from mecano.post.figure import plain_figure, save_beside
 from mecano.post.study_bars import bar_figure
 from mecano.post.study_outputs import displayed_outputs, near_limits
 from mecano.post.style import COLOURS, DASHES, GREY, LIMIT, SETTINGS, shown_unit, with_unit
+from mecano.post.value_labels import legible
 from mecano.results.study_file import Column, StudyTable, read_study
 
 if TYPE_CHECKING:
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 PANEL = (3.4, 2.4)  # inches
 MOST_COLOURS = 8  # values of another parameter distinguished by colours
 MOST_TICKS = 5  # intervals between the numbers below a panel
+BESIDE_ONE_ANOTHER = 36  # characters of texts below a panel; more of them are turned
+IN_A_ROW = 56  # characters of a row of a legend
 MOST_JOINED = 2  # number of parameters up to which dots that differ in one of them are joined by lines
 
 
@@ -40,7 +43,7 @@ def draw_study(
 def study_figure(table: StudyTable) -> "Figure | None":
     """Return the figure of a StudyTable: bars if its cases have names, else dots over each parameter; None if empty."""
     outputs = [column for column in displayed_outputs(table) if np.any(np.isfinite(column.values))]
-    parameters = varied(table)
+    parameters = [legible(column) for column in varied(table)]
     names = table.case_names if table.named else ()
     if not outputs or not (parameters or names):
         return None
@@ -67,6 +70,9 @@ def _figure(table, parameters, outputs):
                 grid[i, j].set_xlabel(with_unit(shown[parameter.name], parameter.unit))
                 if parameter.numeric:
                     grid[i, j].locator_params(axis="x", nbins=MOST_TICKS)
+                elif sum(map(len, set(parameter.values))) > BESIDE_ONE_ANOTHER:
+                    for label in grid[i, j].get_xticklabels():
+                        label.set(rotation=20, ha="right", rotation_mode="anchor", fontsize=7)
         if not output.unit:  # a count
             grid[i, 0].locator_params(axis="y", integer=True, min_n_ticks=1)
         _, unit = shown_unit(output.unit, output.values)
@@ -94,7 +100,8 @@ def panel(ax: "Axes", output: Column, parameter: Column, other: Column | None, j
     for limit in near_limits(output):
         ax.axhline(limit / factor, color=LIMIT, linewidth=0.8, linestyle=DASHES[1])
     if len(groups) > 1 and title:
-        ax.legend(title=title, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, fontsize=7, title_fontsize=7,
+        columns = max(1, min(4, IN_A_ROW // max(len(label) + 4 for label, _ in groups)))
+        ax.legend(title=title, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, fontsize=7, title_fontsize=7,
                   handlelength=0.8, columnspacing=0.8, borderaxespad=0.2, alignment="left",
                   labelcolor=GREY)  # fmt: skip
 
