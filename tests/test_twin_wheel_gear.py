@@ -78,3 +78,10 @@ def test_the_load_cases_can_be_run():
     study = read_study(INPUTS / "studies" / "twin_wheel_gear_loads.yaml")
     assert len(study.cases) == 6 and try_deck(study).file.endswith("twin_wheel_gear.yaml")
     assert len(read_study(INPUTS / "studies" / "solar_array_friction.yaml").cases) == 6
+
+
+def test_the_study_of_free_play_can_be_run():
+    study = read_study(INPUTS / "studies" / "twin_wheel_gear_play.yaml")
+    law = dict(try_deck(study).values["joints"]["tube"]["turning_law"])
+    assert len(study.cases) == 6 and set(law) == {"damper", "dead_band"}
+    assert law["dead_band"] == {"stiffness": 150e3, "lower": -1e-3, "upper": 1e-3}
