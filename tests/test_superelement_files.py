@@ -128,6 +128,7 @@ def test_errors_in_a_file_of_matrices(tmp_path, content, text):
         ("FILE", "{positions: [[0, 0, 0]], stiffness: K.csv, mass: [[1]]}", "must be .mtx (Matrix Market) or .npy"),
         ("[1, 2, 0]", "[1, 2.1, 0]", "'nodes': number 2 is 0.1 m from its position in the superelement"),
         (", orientation: [0, 0, 1.5707963267948966]", "", "whose axes are those of the first node"),
+        ("[1, 2, 0]", "[1, 0.002, 0]", "times as large as the model: are its file and matrices in mm, not in SI"),
         ("nodes: [a, b]", "nodes: [a, b, c]", "unknown node 'c'"),
     ],
 )

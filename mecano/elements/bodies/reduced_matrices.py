@@ -10,6 +10,7 @@ SYMMETRY = 1e-8  # of the largest entry
 RIGID = 1e-6  # forces of a rigid motion, relative to those that it would cause in springs to the ground
 NEGATIVE = 1e-8  # of the largest eigenvalue
 PLACE = 1e-6  # of the size of the superelement
+IN_MM = 500.0, 2000.0  # ratio of the sizes of a part in mm and of its nodes
 
 
 def rigid_motions(positions, n):
@@ -140,5 +141,12 @@ def misplaced(reduced, nodes):
         return ""
     return (
         f"'nodes': number {worst + 1} is {off[worst]:.3g} m from its position in the superelement, whose axes are "
-        "those of the first node"
+        f"those of the first node{_larger(np.ptp(x, axis=0).max(initial=0.0), size)}"
     )
+
+
+def _larger(model, part):
+    """Return a clause if the ``part`` is a thousand times as large as its nodes in the ``model`` [m] are apart."""
+    if not model or not IN_MM[0] < part / model < IN_MM[1]:
+        return ""
+    return f"; it is {part / model:.4g} times as large as the model: are its file and matrices in mm, not in SI units?"
