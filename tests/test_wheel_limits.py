@@ -286,3 +286,17 @@ def test_errors_of_a_tire_law_stand_at_the_law():
     [problem] = error.value.problems
     assert "flexible_wheel 'tire': 'tire_law.lateral' is missing" in problem.message
     assert problem.mark.text.strip() == "rubber:"
+
+
+@pytest.mark.parametrize(
+    ("points", "reported"),
+    [("[0, 0.6], [70, -0.2]", "; it is -0.2 at 70"), ("[0, -0.6], [70, 0.2]", ""), ("[0, 0.6], [70, 0]", None)],
+)
+def test_friction_must_not_be_negative_at_any_point_of_its_curve(points, reported):
+    change = f"tire_laws.linear.friction={{table: {{points: [{points}]}}}}"
+    if reported is None:
+        assert input_deck("wheel_spin_up", change)
+        return
+    with pytest.raises(DeckError) as info:
+        input_deck("wheel_spin_up", change)
+    assert info.value.problems[0].message.endswith(f"'tire_law.friction' must not be negative{reported}")

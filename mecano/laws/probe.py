@@ -7,6 +7,7 @@ from mecano.laws import TERMS
 from mecano.laws.table import LawTable, breakpoints, evaluate_curve, terms_of
 from mecano.maths.distinct import distinct
 
+ROUNDED = 1e-12  # of the largest value of a curve
 JUMP = 1e-6  # of a value, a derivative or a second derivative, in SI units: smaller jumps are round-off
 
 
@@ -24,9 +25,22 @@ def curve_values(law, s):
 
 
 def negative_curves(place, curves):
-    """Return an error for each of the ``curves`` {name: checked law, number or None} at ``place`` that is < 0 at 0."""
-    wrong = [name for name, law in curves.items() if law is not None and curve_at(law, 0.0)[0] < 0.0]
-    return [f"'{place}.{name}' must not be negative" for name in wrong]
+    """Return an error for each of the ``curves`` {name: checked law, number or None} at ``place`` that is negative.
+
+    A curve is evaluated at zero and at the points of its tables, between which it is not lower.
+    """
+    texts = []
+    for name, law in curves.items():
+        if law is None:
+            continue
+        s = np.array([0.0, *(x for _, values in terms_of(law) for x, _ in values.get("points") or ())], float)
+        y = curve_values(law, s)[:, 0]
+        least = -ROUNDED * np.abs(y).max()
+        lowest = 0 if y[0] < least else int(np.argmin(y))
+        if y[lowest] < least:
+            where = f"; it is {y[lowest]:g} at {s[lowest]:g}" if lowest else ""
+            texts.append(f"'{place}.{name}' must not be negative{where}")
+    return texts
 
 
 def shape_of_curve(law, low, high):
