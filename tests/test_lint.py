@@ -452,6 +452,11 @@ def test_a_tolerance_relative_to_a_single_point(apart, length, warns):
             "tire law 'tyre': a coefficient of friction of 65 is larger than",
         ),
         ("friction_pendulum", "joints.hinge.friction.coefficient=15", "hinge 'hinge': a coefficient of friction of 15"),
+        (
+            "landing_roll",
+            "tire_laws.tyre.rolling_resistance.coefficient=2",
+            "tire law 'tyre': a coefficient of rolling",
+        ),
     ],
 )
 def test_bearings_and_frictions_of_wheels(name, override, said):

@@ -111,6 +111,7 @@ def test_what_is_refused(change, text):
         ("elements.strut.oil.orifice={table: {points: [[0, 1.3e-4], [300, 6.0e-5]]}}",
          "an orifice is given up to a stroke of 300 m, of a strut 0.8 m long; is it in mm?"),
         ("elements.strut.oil.orifice=1.0e-4", ""),
+        ("elements.strut.oil.area=0.4", "'oil.area' is 0.4 m2 and 'gas.area' 0.004 m2: the same piston displaces oil"),
         ("elements.strut.oil.discharge_coefficient=0.8", ""),
     ],
 )  # fmt: skip

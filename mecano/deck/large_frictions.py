@@ -7,24 +7,30 @@ if TYPE_CHECKING:
     from mecano.deck.lint import Remark
     from mecano.schema import Values
 
-LARGEST = 3.0  # racing tyres reach 2
-OF_TYRES = (("friction",), ("fiala", "friction"), ("yawed_rolling", "friction"))  # paths in a tyre law
-OF_JOINTS = (("friction", "coefficient"),)
+OF_TYRES = {  # path in a tyre law: largest value; racing tyres reach 2, tyres in sand roll with 0.3
+    ("friction",): 3.0, ("fiala", "friction"): 3.0, ("yawed_rolling", "friction"): 3.0,
+    ("rolling_resistance", "coefficient"): 0.5,
+}  # fmt: skip
+OF_JOINTS = {("friction", "coefficient"): 3.0}
 LEVELS = {"constant": "value", "exponential": "start"}  # term of a curve: the field of its largest value
 
 
 def large_frictions(values: "Values") -> "Iterator[Remark]":
-    """Yield (path, text) on the tyre laws and joints with a coefficient of friction above ``LARGEST``."""
+    """Yield (path, text) on the tyre laws and joints with a coefficient of friction that is too large."""
     for section, paths in (("tire_laws", OF_TYRES), ("joints", OF_JOINTS)):
         for name, d in values[section].items():
-            for path in paths:
+            for path, largest in paths.items():
                 most = max(_levels(d, path), default=0.0)
-                if most > LARGEST:
+                if most > largest:
                     owner = f"{d.get('type', 'tire law')} '{name}'"
                     text = (
-                        f"{owner}: a coefficient of friction of {most:g} is larger than of any materials; is it in %?"
+                        f"{owner}: a coefficient {_of(path)} of {most:g} is larger than of any materials; is it in %?"
                     )
                     yield (section, name, *path), text
+
+
+def _of(path):
+    return "of rolling resistance" if "rolling_resistance" in path else "of friction"
 
 
 def _levels(d, path):

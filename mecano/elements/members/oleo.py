@@ -43,6 +43,7 @@ from mecano.schema import CURVE, LAW, NODE_PAIR, NUMBER, Field, mapping, positiv
 OIL = 6  # local unknown: compression c of the oil [m], measured along the stroke
 LEAST_COMPRESSION = 0.1  # share of the gas volume that a full stroke displaces; two thirds or more in landing gears
 LONGEST_STROKE = 10.0  # times the length of the strut
+UNLIKE = 20.0  # ratio of the areas by which a piston displaces oil and gas
 LONGER = 0.01  # of the extended length: beyond it the deformation of a stop is improbable
 RECORD = record(
     **LAW_RECORD, push=2, column=2, exponent=(), second=(), gas_area=(), ambient=(), oil_stiffness=(),
@@ -196,6 +197,11 @@ def start_warnings(d, nodes):
         texts.append(
             f"the whole stroke of {stroke:g} m compresses the gas by {stroke / used_up:.2g} of its volume, so that it "
             "hardly springs; is 'gas.volume' right, in m3?"
+        )
+    if not 1.0 / UNLIKE < d["oil"]["area"] / gas["area"] < UNLIKE:
+        texts.append(
+            f"'oil.area' is {d['oil']['area']:g} m2 and 'gas.area' {gas['area']:g} m2: the same piston displaces oil "
+            "and gas; is a unit missing?"
         )
     widest = max(_areas(d["oil"]["orifice"]) + _areas(d["oil"]["rebound_orifice"]))
     if widest >= d["oil"]["area"]:

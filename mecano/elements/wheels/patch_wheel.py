@@ -73,7 +73,7 @@ OUTPUTS = (
     Output("divergence", "-", "braking force relative to that at which y becomes unstable (Moreland: kap C K)"),
 )  # fmt: skip
 DIVERGENT = (
-    "braking exceeds the capacity of the torsional stiffness of the tyre: its patch is laterally unstable; "
+    "above 1 braking exceeds the capacity of the torsional stiffness of the tyre: its patch is laterally unstable; "
     "increase 'torsional_stiffness'"
 )
 RECORD = {"start": 3, **LATERAL_RECORD, "axis": 3, **GROUND_RECORD, **SURFACE_RECORD, **RADIAL_RECORD}
