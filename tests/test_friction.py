@@ -9,7 +9,7 @@ from time_runs import RecordedRun, deck, input_deck
 
 from mecano.analyses.prepare import prepare, startup_warnings
 from mecano.elements import KINDS
-from mecano.errors import ConvergenceError
+from mecano.errors import ConvergenceError, DeckError
 
 g = 9.81
 
@@ -258,10 +258,16 @@ def test_friction_in_an_elastic_seat():
 
 
 REFUSED = [
-    ("hinge", {"radius": 0.1, "collar_radius": 0.0, "length": None}, {}, "a coefficient that is not negative"),
+    ("hinge", {"radius": 0.1, "collar_radius": 0.0, "length": None}, {}, "'friction.coefficient' must not be negative"),
     ("hinge", {"coefficient": 0.1}, {"compliance": {"along_1": 1}}, "cannot be combined with 'compliance'"),
     ("prismatic", {"coefficient": 0.1}, {"compliance": {"along_1": 1}}, "cannot be combined with 'compliance'"),
 ]
+
+
+def test_friction_must_not_be_negative_at_any_speed():
+    falling = "joints.hinge.friction.coefficient={table: {points: [[0, 0.4], [1, -0.2]]}}"
+    with pytest.raises(DeckError, match=r"'friction.coefficient' must not be negative; it is -0.2 at 1"):
+        input_deck("friction_pendulum", falling)
 
 
 @pytest.mark.parametrize(("kind", "friction", "more", "text"), REFUSED)

@@ -4,7 +4,7 @@ from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.element_interface import Kind, Output, Row, record
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import friction, regularization
-from mecano.laws.probe import curve_at
+from mecano.laws.probe import negative_curves
 from mecano.maths.dual import sqrt
 from mecano.schema import CURVE, NUMBER, Field, mapping, not_negative, positive
 
@@ -117,9 +117,7 @@ def check_friction(d):
     """Return errors in a joint with the fields ``friction`` and ``compliance``."""
     if d["friction"] is None:
         return []
-    texts = []
-    if curve_at(d["friction"]["coefficient"], 0.0)[0] < 0.0:
-        texts.append("'friction' needs a coefficient that is not negative")
+    texts = negative_curves("friction", {"coefficient": d["friction"]["coefficient"]})
     if d.get("compliance"):
         texts.append(
             "'friction' is driven by the reactions of rigid directions: it cannot be combined with 'compliance'; put "
