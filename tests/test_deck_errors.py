@@ -44,6 +44,9 @@ STRUCTURE = [
      "node 'top': 'position[2]' must be a number [m], got the text 'nan'"),
     ("[0, 0, 2.1]", "", 6, ", f",
      "node 'top': 'position' must be a list of 3 numbers [m], got nothing"),
+    ("[0, 0, 2.1]", "'[0, 0, 2.1]'", 6, "'[0",
+     "node 'top': 'position' must be a list of 3 numbers [m], got the text '[0, 0, 2.1]'; write it without quotes; from "
+     "Python give a list or a dict, not its text"),
     ("position: [0, 0, 2.1], ", "", 6, "top",
      "node 'top': missing 'position', a list of 3 numbers [m]: position at the start, inertial"),
     ("fixed: true", "fixed: yes", 6, "yes",

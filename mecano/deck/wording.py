@@ -22,6 +22,7 @@ SLIPS = (  # as typed, as read
 )  # fmt: skip
 THOUSANDS_COMMA = re.compile(r"[^,.]*[0-9],[0-9]{3}(?![0-9])[^,.]*")
 LISTS = ("vector", "direction", "inertia", "numbers", "nodes")  # types whose values are lists
+QUOTED = re.compile(r"\[.*\]|\{.*\}", re.DOTALL)  # a list or mapping given as text
 AXES = {sign + axis: f"[{', '.join(f'{sign}1' if axis == other else '0' for other in 'xyz')}]".replace("+", "")
         for sign in ("", "+", "-") for axis in "xyz"}  # fmt: skip
 MAX_SHOWN = 60
@@ -80,6 +81,8 @@ def as_list(node: "Node", field: "Field") -> str:
         return f"write {AXES[node.value.lower()]}"
     if type(node.value) is str and field.type.name in LISTS and re.fullmatch(r"-[A-Za-z_]\w*", node.value):
         return "write a space after '-'"
+    if type(node.value) is str and field.type.name != "text" and QUOTED.fullmatch(node.value.strip()):
+        return "write it without quotes; from Python give a list or a dict, not its text"
     lone = node.value[0].value if type(node.value) is list and len(node.value) == 1 else node.value
     if type(lone) is not str or field.type.name not in LISTS or len(lone) > MAX_SHOWN:
         return ""
