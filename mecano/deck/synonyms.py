@@ -31,7 +31,8 @@ NOTES = {  # words with the same meaning: (targets, note)
         "belt gear_pair coupler",
         "a belt, a gear_pair with a 'ratio', or a coupler of the angles of two hinges"
     ),
-    "synchronisation, synchronization, differential, transmission, linear relation": ("coupler", ""),
+    "synchronisation, synchronization, synchronisation cable, synchronization cable, differential, transmission, "
+    "linear relation": ("coupler", ""),
     "rack, pinion": ("rack_and_pinion", ""),
     "gear, gear train, gear wheel, planetary gear, epicyclic, sun gear, ring gear": ("gear_pair rack_and_pinion", ""),
     "oldham, oldham coupling": (
@@ -130,10 +131,14 @@ NOTES = {  # words with the same meaning: (targets, note)
         "oleo takes pressures, volumes and areas; a spring_damper a law: gas spring, oil damper, stop"
     ),
     "gas, air spring, nitrogen": ("gas_spring", ""),
-    "landing gear, undercarriage, bogie, drag brace, side stay, spin up, crosswind": (
+    "landing gear, undercarriage, bogie, drag brace, side brace, side stay, spin up, spring back, trunnion, drop test, "
+    "crosswind": (
         "oleo wheel drag steady place",
         "see docs/struts.md; a brace is a bar or a rigid_rod; a bogie is a beam or a body with a wheel at "
         "each axle; in a crosswind give a lateral velocity in 'initial', and a drag to the airframe",
+    ),
+    "load case, certification loads, ground loads": (
+        "study", "the cases of a study are runs with names; its report gives the governing case of each output"
     ),
     "torque link, torque arm, scissors": (
         "cylindrical torsion_spring_damper",
@@ -174,6 +179,14 @@ NOTES = {  # words with the same meaning: (targets, note)
     ),
     "leaf spring": ("beam spring_damper", ""),
     "torsion bar": ("torsion_spring_damper beam", ""),
+    "spring hinge, damper hinge, spring loaded hinge": (
+        "turning_law natural_angle hinge.latch",
+        "a hinge with a 'turning_law' of spring, damper and dry friction; its 'natural_angle' is the unloaded position",
+    ),
+    "mast, deployable mast, deployable boom": (
+        "prismatic beam superelement turning_law",
+        "a telescope is prismatic, with a 'natural_displacement' that grows; segments unfold on hinges",
+    ),
     "tape spring, tape hinge, carpenter tape": (
         "turning_law table hinge.latch",
         "the moment of a hinge over its angle is a table, whose peak lies off the straight position",
@@ -300,7 +313,7 @@ NOTES = {  # words with the same meaning: (targets, note)
     "rolling resistance, rolling radius, effective radius, rolling drag": (
         "tire_laws", "'rolling_radius_coefficient' and 'rolling_resistance' of a tyre law"
     ),
-    "lift, spoiler, lift dumper, dynamic pressure, aerodynamic force": (
+    "lift, spoiler, lift dumper, dynamic pressure, aerodynamic force, aerodynamic drag": (
         "force signals drag", "a force by a law of time, or a formula of the speed: docs/tyres.md, Lift"
     ),
     "wheel": ("wheel_on_body flexible_wheel adhesive_wheel rigid_wheel cardona_wheel tire_laws", ""),
@@ -364,9 +377,9 @@ NOTES = {  # words with the same meaning: (targets, note)
     ),
     "unit, si, dimensions": ("units", ""),
     "parameter, variable, constant value": ("parameters", ""),
-    "sweep, doe, optimization, monte carlo, parameter study": (
+    "sweep, doe, optimization, optimisation, monte carlo, parameter study": (
         "study",
-        "`mecano sweep` runs the cases of a study file",
+        "`mecano sweep` runs the cases of a study file; docs/python.md has many runs in one process",
     ),
     "modes, mode, eigenvalues, eigenvalue, eigenfrequency, eigenmodes, frequency, frequencies, modal, linearize, "
     "natural frequency, stability, root locus": (
@@ -380,6 +393,19 @@ NOTES = {  # words with the same meaning: (targets, note)
     "group, assembly, subsystem, macro": ("templates place include", ""),
     "loop, copies, pattern, array": ("repeat templates", ""),
     "import, file": ("include", ""),
+    "python, notebook, jupyter, pandas, xarray, matlab": (
+        "", "mecano.run, modes, response and sweep; results become arrays, pandas or xarray: see docs/python.md"
+    ),
+    "report": ("", "`mecano post` with --report writes a page of a run, or of the table of a study"),
+    "steady state, steady motion, trim": (
+        "steady static", "'initial: {steady: ...}' starts in steady running or rotation, 'initial: static' at rest"
+    ),
+    "tire pressure, tyre pressure": (
+        "smiley_horne magic_formula", "an aircraft tyre by size and pressure; 'pressure' of a .tir file"
+    ),
+    "stiffness matrix, mass matrix": (
+        "superelement bushing matrix", "of a part, of a connection of two nodes, of the section of a beam"
+    ),
     "animation, picture, plot, graph": ("", "`mecano post` draws results, with --animate a page with the motion"),
 }  # fmt: skip
 SYNONYMS = {word: entry for words, entry in NOTES.items() for word in words.split(", ")}
