@@ -197,7 +197,9 @@ class TestTheCheckpoint:
 
     def test_messages_about_a_stopped_run_name_resume(self, left):
         deck, path = left
-        with pytest.raises(ResultsError, match=r"already exists; .*, or --resume \(in Python resume=True\) to continue it$"):
+        with pytest.raises(
+            ResultsError, match=r"already exists; .*, or --resume \(in Python resume=True\) to continue it$"
+        ):
             run(deck, path)
         assert " ".join(info(path).split()).count("--resume") == 1  # what it was stopped with names the command
         with h5py.File(path, "r+") as file:

@@ -222,7 +222,7 @@ def exceeds_gap(m, violations):
 
 @kernel
 def deflections(w, factor, out):
-    """Write -c Lambda (n_l,) times a ``factor`` at TRIAL, with the compliances c of redundant and deactivated constraints."""
+    """Write -c Lambda (n_l,) times a ``factor`` at TRIAL, with the compliances c of redundant constraints."""
     out[:] = 0.0
     starts, columns = integers(w.soft_starts, w.n_l + 1), integers(w.soft_columns, w.n_entries)
     multipliers = state_of(w, TRIAL).z[w.n_q : w.n]
