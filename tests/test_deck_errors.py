@@ -216,6 +216,8 @@ STRUCTURE = [
      "'output.every' must be a number or 'step' [s], got the text 'stop'; did you mean 'step'?"),
     ("every: 5e-3", "every: 0", 41, "0",
      "'output.every' must be greater than zero [s], got 0"),
+    ("output: {every: 5e-3}", "output: true", 41, "true",
+     "'output' must be a mapping, got true; write {}, for all its defaults"),
     ("output: {every: 5e-3}", "output: 3", 41, "3",
      "'output' must be a mapping, got 3; write {every: 3}"),
     ("  top: {", "  ground: {", 6, "ground",

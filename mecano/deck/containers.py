@@ -79,7 +79,7 @@ def filled(
 ) -> Values | Invalid:
     """Return a dict of the fields from a mapping; ``given`` are keys and values that the caller has already read."""
     if type(node.value) is not dict:
-        return scope.refuse_value(node, field, hint=_as_mapping(node, fields))
+        return scope.refuse_value(node, field, hint=_as_mapping(node, fields, of_deck=not scope.subject))
     before, owner = len(scope.problems), scope.owner or node
     values = dict(given or {})
     known = {inner.name for inner in fields}.union(values)
@@ -113,9 +113,14 @@ def filled(
     return INVALID if refused else values
 
 
-def _as_mapping(node, fields):
-    """Return a hint if a value may be the one required field, or 'points', of the expected mapping, or ""."""
+def _as_mapping(node, fields, of_deck):
+    """Return a hint if a value may be the one required field, or 'points', of the expected mapping, or "".
+
+    A section ``of_deck`` that requires nothing is chosen by an empty mapping.
+    """
     fields = tuple(fields)
+    if of_deck and node.value is True and fields and not any(field.required for field in fields):
+        return "write {}, for all its defaults"
     required = [field for field in fields if field.required or field.type.name == "points" or len(fields) == 1]
     if len(required) != 1:
         return ""
