@@ -207,6 +207,17 @@ def test_steps_stop_at_a_limit_point():
     assert "method: arc_length" in text and "the units of loads and stiffness" in text and caught.value.exit_code == 3
 
 
+def test_steps_that_fail_beside_a_free_motion_advise_to_hold_it():
+    """The truss snaps through next to a rotor that spins freely, which may be the cause."""
+    rotor = "hub: {type: rigid_body, node: hub, mass: 1, inertia: [1, 1, 1]}\n          a: {type: spring"
+    text = truss("{steps: 10}").replace("top: {position", "hub: {position: [0, 3, 0]}\n          top: {position", 1)
+    text = text.replace("a: {type: spring", rotor, 1).replace("joints:", "joints:\n          axle: AXLE", 1)
+    for axle, free in (("hinge, nodes: [ground, hub], axis: [0, 1, 0]", True), ("fixed, nodes: [ground, hub]", False)):
+        with pytest.raises(ConvergenceError) as caught:
+            Path(text.replace("AXLE", f"{{type: {axle}}}"))
+        assert ("a joint or spring that holds motions without stiffness" in str(caught.value)) == free
+
+
 def test_pendulum_falls_into_place():
     """A pendulum, horizontal and without stiffness at first, comes to hang; the joint carries its weight."""
     text = arm("static: {method: relaxation}", stiffness=1e-9)

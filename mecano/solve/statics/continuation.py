@@ -235,5 +235,7 @@ class Steps:
             if found.ok:
                 return follower.accept(s, p, p, h, found, rejected), h
             if h * SHRINK < self.minimum:
-                raise follower.failure(p, found, point.state, point.parameter, self.hint)
+                free = point.stability.neutral > 0 and found.failure is not Failure.SINGULAR
+                hint = f"a joint or spring that holds motions without stiffness; {self.hint}" if free else self.hint
+                raise follower.failure(p, found, point.state, point.parameter, hint)
             h, rejected = h * SHRINK, rejected + 1
