@@ -226,21 +226,28 @@ def test_massless_nodes(more, expected):
         assert line.endswith(f"or is a {missing} missing?")
 
 
-@pytest.mark.parametrize(("start", "earlier"), [(0.0, []), (0.5, []), (1.0, ["spring", "latch"])])
-def test_triggers_before_the_start(start, earlier):
-    """They happen at the start, without an event that would say so."""
+@pytest.mark.parametrize(
+    ("start", "end", "said"),
+    [
+        (0.0, 0.5, None), (0.5, 1.0, None),
+        (1.0, 2.0, "before the start at 1 s: it happens at the start, without an event"),
+        (0.0, 0.4, "after the end at 0.4 s: it does not happen in this run"),
+    ],
+)  # fmt: skip
+def test_triggers_outside_of_a_run(start, end, said):
     whole = (
-        HEAD.replace("time: {end: 1,", f"time: {{start: {start}, end: 2,")
+        HEAD.replace("time: {end: 1,", f"time: {{start: {start}, end: {end},")
         + """
       spring: {type: spring_damper, nodes: [a, b], law: {spring: 9}, activate: {time: 0.5}}
     joints:
       latch: {type: prismatic, nodes: [ground, b], axis: [1, 0, 0], latch: {displacement: 1, release: {time: 0.5}}}
 """
     )
-    said = [line for line in warned(whole) if "before the start" in line]
-    assert len(said) == len(earlier)
-    for line, name, field in zip(said, earlier, ("activate.time", "latch.release.time"), strict=False):
-        assert f"'{name}': '{field}' is 0.5 s, before the start at 1 s: it happens at the start" in line
+    fields = {"spring": "activate.time", "latch": "latch.release.time"} if said else {}
+    found = [line for line in warned(whole) if "is 0.5 s" in line]
+    assert len(found) == len(fields)
+    for line, (name, field) in zip(found, fields.items(), strict=True):
+        assert line.endswith(f"'{name}': '{field}' is 0.5 s, {said}")
 
 
 @pytest.mark.parametrize("other", ["cable", "bar"])

@@ -2,7 +2,7 @@
 
 They concern negative stiffness and damping, which some mechanisms need; angles of more than a turn in whole or half
 numbers, which look like degrees; gravity, moduli and densities in other units; tyres with unbounded rates of the patch;
-loads on fixed nodes; laws of time that the steps do not sample; triggers before the start; unused entries.
+loads on fixed nodes; laws of time that the steps do not sample; triggers outside of a run; unused entries.
 """
 
 import math
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mecano.deck.containers import singular
 from mecano.deck.large_frictions import large_frictions
-from mecano.deck.past_triggers import past_triggers
+from mecano.deck.missed_triggers import missed_triggers
 from mecano.deck.sampled_laws import unsampled
 from mecano.deck.wheel_bearings import misplaced_bearings
 from mecano.deck.wording import quoted
@@ -56,7 +56,7 @@ def suspicious(
         *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values["sections"]),
         *_tires(values["tire_laws"]), *_loads_without_effect(values["loads"], values["nodes"]),
         *large_frictions(values), *misplaced_bearings(values, kinds), *unsampled(values, kinds),
-        *past_triggers(values, kinds),
+        *missed_triggers(values, kinds),
     ]  # fmt: skip
     return [Problem(text, _place(root, path).mark) for path, text in found] + list(_unused(root, used))
 
