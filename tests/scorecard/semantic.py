@@ -166,6 +166,7 @@ def words(texts):
                 commented(text, match.start())
                 or match[0] in seen
                 or in_title(text, match.start())
+                or labels(text, match.start())
                 or text[match.end() : match.end() + 1] == "."
             ):
                 continue
@@ -180,6 +181,12 @@ def words(texts):
 def in_title(text, place):
     """Whether a place stands in the title."""
     return text[text.rfind("\n", 0, place) + 1 :].startswith("title:")
+
+
+def labels(text, place):
+    """Whether a place is that of a value in a list of copies, which may be any word: repeat: [{name: left}, ...]."""
+    line = text[text.rfind("\n", 0, place) + 1 : place]
+    return "repeat: [{" in line and line.rstrip().endswith(":")
 
 
 def defines(text, match):
