@@ -9,8 +9,9 @@ import scipy.sparse as sp
 from mecano.analyses.operating_point import OperatingPoint
 from mecano.model.numbering import TRANSLATION
 from mecano.solve.linear.rounding import ROUNDING
-from mecano.solve.modal.linearize import RESTING
+from mecano.solve.modal.linearize import RESTING, Linearization
 from mecano.solve.modal.modes import CONVERGED
+from mecano.solve.modal.tracking import unstable
 
 if TYPE_CHECKING:
     from mecano.deck.deck import Deck
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from mecano.model.system import System
 
 CONSTANT = 1e-3  # change by a turn of one radian below which matrices count as constant
+STEADY = 1e-8  # the same, below which a state is steady; rounding errors cause 1e-10
+SLOW = 10.0  # times the rate of change of the matrices: slower growth may be caused by this change
 BALANCED = 1e-6  # of the largest force: inertia forces below which a state at rest counts as an equilibrium
 NOT_CONVERGED = "not converged"
 
@@ -119,4 +122,18 @@ def accuracy_warnings(
         yield (
             f"modes marked '{NOT_CONVERGED}' do not satisfy the equations (residual up to {worst:.2g} of the terms): "
             "neither their eigenvalues nor their shapes are reliable; try the other solver, dense or sparse"
+        )
+
+
+def slow_growth_warnings(lin: Linearization, values: np.ndarray) -> Iterator[str]:
+    """Yield a warning if modes with eigenvalues ``values`` (m,) grow hardly faster than the matrices change.
+
+    CONSTANT refers to a turn of the fastest body, such as the wheel of a car, whose motion in a curve is far slower.
+    """
+    slow = values[unstable(values) & (np.abs(values) < SLOW * lin.pace)]
+    if STEADY < lin.variation <= CONSTANT and len(slow):
+        yield (
+            f"the linearized equations change at a rate of {lin.pace:.2g} 1/s in these axes: modes that grow hardly "
+            f"faster, such as one by {slow.real.max():.2g} 1/s, may grow for this reason alone; see --frame (in "
+            "Python frame=)"
         )
