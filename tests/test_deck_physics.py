@@ -133,6 +133,19 @@ def test_gears_turn_about_the_axes_of_their_bearings(old, new, caret, words):
         ("ground, a], axis", "ground, a], normal", "unknown key 'normal'", "here it is called 'axis'"),
         ("mass: 1,", "m: 1,", "unknown key 'm'", "here it is called 'mass'"),
         (
+            "axis: [0, 1, 0]",
+            "axis: [0, 1, 0], law: {spring: 1}",
+            "unknown key 'law'",
+            "here it is called 'turning_law'",
+        ),
+        ("axis: [0, 1, 0]", "axis: [0, 1, 0], spring: 1", "unknown key 'spring'", "write it in the 'turning_law': {sp"),
+        (
+            "axis: [0, 1, 0]",
+            "axis: [0, 1, 0], motor: 1",
+            "unknown key 'motor'",
+            "a torque is a load, {type: joint_moment",
+        ),
+        (
             "step: 0.1",
             "step: 0.1, adaptive: {tol: 1}",
             "unknown key 'time.adaptive.tol'",

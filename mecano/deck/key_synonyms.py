@@ -37,6 +37,8 @@ KEYS = {  # in small letters, without "_": names in mecano, best first
     "constraints, connections": "joints elements",
     "forces": "loads elements",
     "functions, curves": "laws",
+    "limits": "stops",
+    "law, springlaw": "turning_law sliding_law",
     "materials, properties, crosssections, profiles": "sections",
     "initialconditions, initialstate, initialvelocities": "initial",
     "results": "output outputs",

@@ -15,8 +15,9 @@ if TYPE_CHECKING:
     from mecano.deck.scope import Invalid, Scope
 
 EXPANDED_KEYS = ("include", "templates", "place", "repeat")  # of a deck or of an entry, removed by the expansion
+OF_LAWS = ("stiffness", "damping", "spring", "damper", "k", "c")
+LAWS = ("law", "turning_law", "sliding_law")  # that have them as terms
 IN_PLACE = {  # key -> (key that is known in its place, hint)
-    **dict.fromkeys(("stiffness", "damping", "k", "c"), ("law", "write it in the 'law': {spring: ..., damper: ...}")),
     "radius": ("diameter", "give the 'diameter', twice the radius"),
     "outer_radius": ("diameter", "give the 'diameter', twice the radius"),
     "diameter": ("radius", "give the 'radius', half the diameter"),
@@ -24,6 +25,10 @@ IN_PLACE = {  # key -> (key that is known in its place, hint)
 ELSEWHERE = {  # names of keys: a key that is known there, where the value is given
     ("velocity", "velocities", "angular_velocity"): (
         "position", "give it in 'initial': velocities: [{nodes: [...], velocity: [...], angular_velocity: [...]}]"
+    ),
+    ("torque", "moment", "motor", "drive", "actuator"): (
+        "turning_law",
+        "a torque is a load, {type: joint_moment, joint: ..., value: ...}; a given motion is a joint 'prescribed_angle'"
     ),
     ("relaxation_length", "relaxation_lengths"): (
         "carcass_stiffness", "it is cornering_stiffness / carcass_stiffness + creep_length"
@@ -65,6 +70,8 @@ def _meant(key, known, fields, field, scope):
     if key == "include" and not field.name:  # files were included before: this is of --set
         return f"{quoted(key)} is allowed in the file of the deck only"
     allowed = known if field.name else known.union(EXPANDED_KEYS)
+    if key.lower() in OF_LAWS and (laws := [quoted(name) for name in LAWS if name in known]):
+        return f"write it in the {' or '.join(laws)}: {{spring: ..., damper: ...}}"
     if key.lower() in IN_PLACE and IN_PLACE[key.lower()][0] in known:
         return IN_PLACE[key.lower()][1]
     here = [quoted(name) for name in keys_meant(key) if name in allowed]
