@@ -99,10 +99,11 @@ ROTOR = """
 """
 
 
-def whirl(speed):
+def whirl(speed, damping=0.0):
     """Eigenvalues [1/s] of the rotor by Timoshenko's finite elements with gyroscopic matrices (Nelson 1980).
 
-    The deflections z = y + i x of both planes and their slopes are complex: M z'' - i w G z' + K z = 0.
+    The deflections z = y + i x of both planes and their slopes are complex: M z'' - i w G z' + K z = 0. ``damping`` [s]
+    in proportion to the stiffness of the shaft, which turns, adds damping K (z' - i w z).
     """
     E, G, rho, radius = 2.1e11, 2.1e11 / 2.6, 7850.0, 0.01
     A, inertia, shear = math.pi * radius**2, math.pi * radius**4 / 4, 6 * 1.3 / (7 + 6 * 0.3)
@@ -121,8 +122,9 @@ def whirl(speed):
         M[at, at] += rho * A * h / 420 * m + rotary
         spin[at, at] += 2 * rotary
     M[16, 16], M[17, 17], spin[17, 17] = M[16, 16] + 5, M[17, 17] + 0.013, spin[17, 17] + 0.025
+    C, K = damping * K - 1j * speed * spin, (1 - 1j * speed * damping) * K
     K[0, 0], K[-2, -2] = K[0, 0] + 2e6, K[-2, -2] + 2e6
-    below = np.hstack([-np.linalg.solve(M, K), 1j * speed * np.linalg.solve(M, spin)])
+    below = -np.hstack([np.linalg.solve(M, K), np.linalg.solve(M, C)])
     return np.linalg.eigvals(np.vstack([np.hstack([np.zeros_like(K), np.eye(len(K))]), below]))
 
 
@@ -133,6 +135,21 @@ def test_a_shaft_with_a_disc_whirls(verify):
     exact = np.sort(np.abs(whirl(400.0).imag))[:4] / (2 * math.pi)
     lateral = [f for f in found if abs(f - 63.66) > 0.1]  # the shaft moves along itself
     verify(S, "rotor at 400 rad/s: whirl [Hz]", lateral[:4], exact, "finite elements of Nelson 1980", relative=1e-5)
+
+
+@pytest.mark.parametrize(("speed", "grows"), [(300.0, False), (400.0, True)])
+def test_internal_damping_makes_a_fast_shaft_unstable(speed, grows, verify):
+    """Damping of the beams turns with the shaft: above the critical speed of 320 rad/s it drives the forward whirl."""
+    damped = ROTOR.replace("density: 7850", "density: 7850, damping: 2.0e-5").replace("400", f"{speed}")
+    found, exact = eigenvalues(deck(damped), largest=350.0), whirl(speed, 2e-5)
+    found = found[found.imag > 310.0]
+    exact = exact[np.abs(exact) < 350.0]  # circles, of which the backward one has a negative rate
+    order, backward_first = np.argsort(found.real), np.argsort(exact.real)
+    assert np.any(found.real > 0.0) == grows
+    what = f"rotor with internal damping at {speed:g} rad/s: growth of backward and forward whirl [1/s]"
+    source = "finite elements of Nelson 1980"
+    verify(S, what, found.real[order], exact.real[backward_first], source, absolute=1e-5)
+    np.testing.assert_allclose(found.imag[order], np.abs(exact.imag[backward_first]), rtol=1e-6)
 
 
 def critical_speed(sense, near):
