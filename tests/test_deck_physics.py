@@ -131,6 +131,12 @@ def test_gears_turn_about_the_axes_of_their_bearings(old, new, caret, words):
         ("mecano: 1", "mecano: 1\nbodies: {}", "unknown key 'bodies'", "here it is called 'elements'"),
         ("mecano: 1", "mecano: 1\nuse: {}", "unknown key 'use'", "here it is called 'place'"),
         ("ground, a], axis", "ground, a], normal", "unknown key 'normal'", "here it is called 'axis'"),
+        (
+            "axis: [0, 1, 0]",
+            "axis: [0, 1, 0], turning_law: {spring: {stiffness: 3, preload: 2}}",
+            "unknown key 'turning_law.spring.preload'",
+            "it is a term of its own: {spring: ..., preload: ...}",
+        ),
         ("mass: 1,", "m: 1,", "unknown key 'm'", "here it is called 'mass'"),
         (
             "axis: [0, 1, 0]",

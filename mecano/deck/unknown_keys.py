@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from mecano.deck.key_synonyms import keys_meant
+from mecano.deck.laws import MEANT, TERM
 from mecano.deck.similar_names import similar
 from mecano.deck.synonyms import synonym
 from mecano.deck.wording import quoted
@@ -77,6 +78,8 @@ def _meant(key, known, fields, field, scope):
     here = [quoted(name) for name in keys_meant(key) if name in allowed]
     if here:
         return f"here it is called {' or '.join(here)}"
+    if field.type is TERM and (term := MEANT.get(key, key)) in scope.terms:
+        return f"it is a term of its own: {{{field.name}: ..., {term}: ...}}"
     for keys, (there, hint) in ELSEWHERE.items():
         if key in keys and there in known:
             return hint
