@@ -12,6 +12,7 @@ from scipy.optimize import root
 from time_runs import RecordedRun, deck
 
 from mecano.analyses.modal import modes
+from mecano.analyses.response import ResponseRequest, response
 
 MASS, YAW, SPIN, HEIGHT = 1200.0, 1800.0, 1.2, 0.3  # kg; kg m2, of the chassis about z and of a wheel; of the hubs, m
 LATERAL, DRIVING, FRICTION, CONTACT, SLOW, LOAD = 5e4, 8e4, 0.9, 0.12, 0.1, 3000.0  # as in 'fiala'; N
@@ -150,3 +151,9 @@ def test_growth_that_inertial_axes_cause_is_reported():
     assert "modes that grow hardly faster" in text and "see --frame" in text
     text, found, _ = modes(turning, None, number=12, frame="car")
     assert found.values.real.max() < 1e-6 and "in these axes" not in text
+    for frame, low, reported in (("inertial", 0.01, True), ("inertial", 1.0, False), ("car", 0.01, False)):
+        request = ResponseRequest(
+            inputs=["c.value"], outputs=["car.angular_velocity.z"], low=low, high=2.0, frame=frame
+        )
+        text, _ = response(turning, None, request)
+        assert ("Hz the response holds for this instant only" in text) == reported

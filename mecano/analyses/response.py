@@ -13,7 +13,12 @@ from mecano.analyses.observed_outputs import MemberOutput, NodeOutput
 from mecano.analyses.operating_point import OperatingPoint, angular_velocity_of, held_warnings, operating_point
 from mecano.analyses.output_channels import Output, with_outputs
 from mecano.analyses.response_text import table
-from mecano.analyses.small_motion_warnings import accuracy_warnings, imbalance_warnings, sticking_warnings
+from mecano.analyses.small_motion_warnings import (
+    accuracy_warnings,
+    imbalance_warnings,
+    slow_response_warnings,
+    sticking_warnings,
+)
 from mecano.analyses.source import source_of
 from mecano.analyses.state_space_file import linear_model, refuse, refuse_plant, write_state_space
 from mecano.errors import UsageError
@@ -159,6 +164,7 @@ def _find(deck, request, to_export):
     omegas, values, found, static, error = call_interruptibly(_sampled_response, plant, request)
     warnings = [
         *state_warnings(changed, base, plant, turning, "the response"),
+        *slow_response_warnings(plant.lin, float(omegas.min())),
         *_without_effect(plant, inputs, values, request),
         *inaccurate(error),
     ]

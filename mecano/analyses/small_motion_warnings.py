@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 CONSTANT = 1e-3  # change by a turn of one radian below which matrices count as constant
 STEADY = 1e-8  # the same, below which a state is steady; rounding errors cause 1e-10
-SLOW = 10.0  # times the rate of change of the matrices: slower growth may be caused by this change
+SLOW = 10.0  # times the rate of change of the matrices: slower motions are affected by this change
 BALANCED = 1e-6  # of the largest force: inertia forces below which a state at rest counts as an equilibrium
 NOT_CONVERGED = "not converged"
 
@@ -135,5 +135,15 @@ def slow_growth_warnings(lin: Linearization, values: np.ndarray) -> Iterator[str
         yield (
             f"the linearized equations change at a rate of {lin.pace:.2g} 1/s in these axes: modes that grow hardly "
             f"faster, such as one by {slow.real.max():.2g} 1/s, may grow for this reason alone; see --frame (in "
+            "Python frame=)"
+        )
+
+
+def slow_response_warnings(lin: Linearization, lowest: float) -> Iterator[str]:
+    """Yield a warning if the matrices change hardly more slowly than the ``lowest`` frequency [rad/s] of a response."""
+    if STEADY < lin.variation <= CONSTANT and lowest < SLOW * lin.pace:
+        yield (
+            f"the linearized equations change at a rate of {lin.pace:.2g} 1/s in these axes: below "
+            f"{SLOW * lin.pace / (2.0 * np.pi):.2g} Hz the response holds for this instant only; see --frame (in "
             "Python frame=)"
         )
