@@ -148,7 +148,7 @@ def test_growth_that_inertial_axes_cause_is_reported():
     turning = car(torques, start, radius=250.0)
     text, found, _ = modes(turning, None, number=12)
     assert found.values.real.max() > 0.5 * start[2]
-    assert "modes that grow hardly faster" in text and "see --frame" in text
+    assert "hold for this instant only, and may grow" in text and "see --frame" in text
     text, found, _ = modes(turning, None, number=12, frame="car")
     assert found.values.real.max() < 1e-6 and "in these axes" not in text
     for frame, low, reported in (("inertial", 0.01, True), ("inertial", 1.0, False), ("car", 0.01, False)):

@@ -10,7 +10,7 @@ from mecano.analyses.small_motion_warnings import (
     NOT_CONVERGED,
     accuracy_warnings,
     imbalance_warnings,
-    slow_growth_warnings,
+    slow_mode_warnings,
     sticking_warnings,
 )
 from mecano.analyses.source import source_of
@@ -59,7 +59,7 @@ def modes(
             *imbalance_warnings(base, turning),
             *sticking_warnings(deck, system, base.state),
             *accuracy_warnings(lin.variation, found.residuals),
-            *slow_growth_warnings(lin, found.values),
+            *slow_mode_warnings(lin, found.values),
         ]
         if path is not None:
             inner = inner_motions(deck, system, base.state, found.shapes)

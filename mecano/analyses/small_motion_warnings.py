@@ -125,17 +125,17 @@ def accuracy_warnings(
         )
 
 
-def slow_growth_warnings(lin: Linearization, values: np.ndarray) -> Iterator[str]:
-    """Yield a warning if modes with eigenvalues ``values`` (m,) grow hardly faster than the matrices change.
+def slow_mode_warnings(lin: Linearization, values: np.ndarray) -> Iterator[str]:
+    """Yield a warning if modes with eigenvalues ``values`` (m,) swing or grow hardly faster than the matrices change.
 
     CONSTANT refers to a turn of the fastest body, such as the wheel of a car, whose motion in a curve is far slower.
     """
-    slow = values[unstable(values) & (np.abs(values) < SLOW * lin.pace)]
-    if STEADY < lin.variation <= CONSTANT and len(slow):
+    slow = ((values.imag != 0.0) | unstable(values)) & (values != 0.0) & (np.abs(values) < SLOW * lin.pace)
+    if STEADY < lin.variation <= CONSTANT and np.any(slow):
         yield (
-            f"the linearized equations change at a rate of {lin.pace:.2g} 1/s in these axes: modes that grow hardly "
-            f"faster, such as one by {slow.real.max():.2g} 1/s, may grow for this reason alone; see --frame (in "
-            "Python frame=)"
+            f"the linearized equations change at a rate of {lin.pace:.2g} 1/s in these axes: modes with eigenvalues "
+            f"below {SLOW * lin.pace:.2g} 1/s hold for this instant only, and may grow for this reason alone; see "
+            "--frame (in Python frame=)"
         )
 
 

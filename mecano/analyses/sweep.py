@@ -10,7 +10,7 @@ import numpy as np
 
 from mecano.analyses.modal import largest_motions
 from mecano.analyses.operating_point import angular_velocity_of, operating_point
-from mecano.analyses.small_motion_warnings import STEADY, accuracy_warnings, imbalance_warnings, slow_growth_warnings
+from mecano.analyses.small_motion_warnings import STEADY, accuracy_warnings, imbalance_warnings, slow_mode_warnings
 from mecano.analyses.source import source_of
 from mecano.analyses.sweep_axis import NUMBER, Axis
 from mecano.analyses.sweep_contents import contents
@@ -135,7 +135,7 @@ class Case:
         self.about = base.words.partition(" at [")[0]
         self.variation = max(self.variation, lin.variation)
         self.residuals[settings] = float(found.residuals[found.values != 0.0].max(initial=0.0))
-        for text in (*base.warnings, *imbalance_warnings(base, turning), *slow_growth_warnings(lin, found.values)):
+        for text in (*base.warnings, *imbalance_warnings(base, turning), *slow_mode_warnings(lin, found.values)):
             self.warn(text, settings)
 
         def motion(value, shape):
