@@ -26,7 +26,7 @@ def mean_cost(drift, steps=2000):
         report[ITERATIONS], report[FIRST] = iterations, RESIDUAL / SHARE if has else RESIDUAL
         report[SECOND] = report[FIRST] * (drift * age if has else 1e-6)
         total += iterations + (0.0 if has else PRICE)
-        has, age, measured, spent = choose_tangent(has, age, measured, spent, not has, report, MOST)
+        has, age, measured, spent = choose_tangent(has, age, measured, spent, not has, report, MOST, 9)
     return total / steps
 
 
@@ -56,5 +56,5 @@ def test_a_tangent_that_serves_no_other_step_is_not_tried_again_and_again():
         if not has:
             report[ITERATIONS], report[FIRST], report[SECOND] = 1.0, RESIDUAL, 1e-6 * RESIDUAL
         tried += has
-        has, age, drift, spent = choose_tangent(has, age, drift, spent, True, report, MOST)
+        has, age, drift, spent = choose_tangent(has, age, drift, spent, True, report, MOST, 9)
     assert 0 < tried <= 100

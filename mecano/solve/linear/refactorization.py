@@ -10,10 +10,19 @@ import math
 from mecano.jit.kernel import kernel
 from mecano.solve.linear.newton import FIRST, ITERATIONS, SECOND, SHARE, TINY
 
-PRICE = 6.0  # iterations that cost as much as a new tangent and its factorization, for 9 to 10,000 unknowns
+PRICE, SMALL = 6.0, 450  # iterations that cost as much as a new tangent and its factorization; of so many unknowns
 TRUST = 0.5  # of the residual norm: expected residual after the iterations up to which a tangent is kept
 FORGET = 0.9  # factor of the drift in every step without an old tangent
 IN_VAIN = 0.3  # least drift after a step in which the tangent of the last one did not suffice
+
+
+@kernel
+def price(n):
+    """Return how many iterations cost as much as a new tangent of n unknowns and its factorization.
+
+    Fitted to the fastest choice among 3 to 20 for linkages, chains, wheels, a car and masts of 5 to 11,000 unknowns.
+    """
+    return PRICE if n < SMALL else PRICE * math.sqrt(math.sqrt(n / SMALL))
 
 
 @kernel
@@ -26,17 +35,17 @@ def most_kept(spent, age, most):
 
 
 @kernel
-def choose_tangent(has, age, drift, spent, renewed, report, most):
+def choose_tangent(has, age, drift, spent, renewed, report, most, n):
     """Decide whether the next step uses the tangent of this one; return (decision, age in steps, drift, spent).
 
     ``has``, ``age``, ``drift`` and ``spent`` are those with which this step began; ``renewed``: it evaluated a tangent;
-    ``spent``: iterations since the factorization, which counts as PRICE iterations; ``most``: of a step.
+    ``spent``: iterations since the factorization, which counts as ``price(n)`` of them; ``most``: of a step.
     """
     first, before, ratio = report[FIRST], age, report[SECOND] / max(report[FIRST], TINY)
     age, spent, drift = age + 1, spent + report[ITERATIONS], ratio / before if has else drift * FORGET
     keeps = True
     if renewed:
-        age, spent = 1, PRICE + 1.0
+        age, spent = 1, price(n) + 1.0
         if has and before == 1:  # the tangent of the step before did not suffice
             keeps, drift = False, max(drift, IN_VAIN)
         elif not has:

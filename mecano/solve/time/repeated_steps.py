@@ -14,7 +14,7 @@ import numpy as np
 
 from mecano.model.numbering import SIGNAL
 from mecano.solve.linear.newton import CONVERGED
-from mecano.solve.linear.refactorization import PRICE
+from mecano.solve.linear.refactorization import price
 from mecano.solve.time.step_change import change_step
 from mecano.solve.time.workspace import BEGIN
 
@@ -133,4 +133,5 @@ class RepeatedSteps:
         signals = of.kind[: of.n] == SIGNAL  # whose rates follow from their own differences
         slope, bend = (np.where(signals, *both) for both in ((history.slope, slope), (history.bend, 0.0)))
         tangent = self.method.linear.label if similar else None
-        return replace(history, slope=slope, bend=bend, tangent=tangent, age=1, drift=0.0, spent=PRICE + 1.0)
+        spent = price(of.n) + 1.0
+        return replace(history, slope=slope, bend=bend, tangent=tangent, age=1, drift=0.0, spent=spent)

@@ -86,5 +86,5 @@ def complete(w):
     w.lag = w.error * w.h * w.h * largest / w.length
     w.next_known = min(w.known + 1, 2)
     w.next_has, w.next_age, w.next_drift, w.next_spent = choose_tangent(
-        w.has, w.age, w.drift, w.spent, w.renewed, floats(w.report, 8), w.most
+        w.has, w.age, w.drift, w.spent, w.renewed, floats(w.report, 8), w.most, w.n
     )

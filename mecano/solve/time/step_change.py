@@ -21,7 +21,7 @@ from mecano.model.numbering import ROTATION, SIGNAL
 from mecano.model.state import Instant
 from mecano.solve.events.compliance import OF_RATES, OF_RELEASED, RELEASED_COMPLIANCE
 from mecano.solve.linear.newton import CONVERGED, OTHERWISE, soften_tangent
-from mecano.solve.linear.refactorization import PRICE
+from mecano.solve.linear.refactorization import price
 from mecano.solve.linear.sparse import ACCEPT_BELOW
 from mecano.solve.time.increments import extrapolate, largest_change
 from mecano.solve.time.stiff_members import follow_stiff_members, moves
@@ -84,7 +84,7 @@ def change_step(work: Records(STEP)):
     else:
         scale_constraints(w, w.h, True)
     w.has = w.has if longer or w.delegated else 0
-    w.factored, w.age, w.spent, w.code = 0, 1, PRICE + 1.0, CONVERGED
+    w.factored, w.age, w.spent, w.code = 0, 1, price(w.n) + 1.0, CONVERGED
 
 
 @kernel
