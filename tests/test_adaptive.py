@@ -31,6 +31,14 @@ def test_error_follows_the_tolerance(name):
     check_tolerances(name, FAST[name])
 
 
+def test_newton_leaves_less_than_a_tight_tolerance():
+    """A bicycle on rolling wheels at 1e-8, beside Radau IIA: forces of 1e-7 left by Newton would cause 9e-8."""
+    run = RecordedRun(input_deck("bicycle", "time.end=1", "time.adaptive={tolerance: 1e-8}"))
+    exact = RecordedRun(input_deck("bicycle", "time.end=1", "time.adaptive={tolerance: 1e-11}", "time.method=radau"))
+    for path in ("nodes/frame/position", "nodes/fork/position", "nodes/rear_hub/position"):
+        np.testing.assert_allclose(run[path][-1], exact[path][-1], rtol=0, atol=1e-8)
+
+
 PRECESSION = """
 mecano: 1
 gravity: [0, 0, -9.81]

@@ -280,7 +280,15 @@ def test_chosen_defaults_are_stored_and_shown(tmp_path):
     _, results = run_of(tmp_path, "double_pendulum", "time.end=0.01")
     chosen = results.automatic
     deck = input_deck("double_pendulum")
-    assert set(chosen) == {"length_scale", "minimum_step", "maximum_step", "k", "penalty", "increment_tolerance"}
+    assert set(chosen) == {
+        "length_scale",
+        "minimum_step",
+        "maximum_step",
+        "k",
+        "penalty",
+        "increment_tolerance",
+        "force_tolerance",
+    }
     positions = [node["position"] for node in deck.values["nodes"].values()]
     assert chosen["length_scale"] == length_scale([type("Node", (), {"x": x}) for x in positions])
     assert chosen["k"] > 0 and chosen["penalty"] == chosen["k"]

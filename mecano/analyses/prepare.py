@@ -44,6 +44,7 @@ SMALLEST_STEP = 1e-7  # of the first step, unless given in the deck
 MOVED = 1e-6  # of the length scale: larger displacements by the assembly are reported
 MOST_NAMES = 8  # constraints named in a warning
 AUTOMATIC = "automatic"
+SHARE_OF_TOLERANCE = 0.01  # of an adaptive run: residual forces relative to those at work
 
 
 @dataclass(eq=False, repr=False)
@@ -131,7 +132,7 @@ def integrator_of(prepared: Prepared, observers: Iterable[Callable[[Accepted], o
     deck, system, values = prepared.deck, prepared.system, prepared.deck.values["time"]
     newton, scale = values["newton"], values["scale"]
     tolerances = Tolerances(
-        force=newton["force_tolerance"],
+        force=force_tolerance(values),
         constraint=newton["constraint_tolerance"],
         max_iterations=newton["maximum_iterations"],
     )
@@ -152,6 +153,16 @@ def integrator_of(prepared: Prepared, observers: Iterable[Callable[[Accepted], o
         system, method, control, tuple(observers), time_breakpoints(deck), values["rest_speed"],
         most_located=values["located_events"],
     )  # fmt: skip
+
+
+def force_tolerance(time: "Values") -> float:
+    """Return the tolerance of Newton's iteration for residual forces in the checked section ``time``.
+
+    Residuals of a step are forces like any other, whose effects add up: adaptive ones are at most a share of the
+    tolerance of the run.
+    """
+    own, adaptive = time["newton"]["force_tolerance"], time["adaptive"]
+    return min(own, SHARE_OF_TOLERANCE * adaptive["tolerance"]) if adaptive else own
 
 
 def control_of(values: "Values") -> StepControl:
@@ -286,4 +297,5 @@ def chosen_values(prepared: Prepared, integrator: TimeIntegrator, start: "RunSta
         "k": method.k or start.history.k,
         "penalty": start.history.k if method.penalty is None else method.penalty,
         "increment_tolerance": method.tolerances.increment,
+        "force_tolerance": method.tolerances.force,
     }

@@ -209,7 +209,14 @@ ADAPTIVE_FIELDS = (
     Field("length_scale", either(NUMBER, AUTOMATIC), "m", "size of the mechanism", AUTOMATIC, positive),
 )
 NEWTON_FIELDS = (
-    Field("force_tolerance", NUMBER, "-", "residual forces relative to the forces at work", 1e-7, above_rounding),
+    Field(
+        "force_tolerance",
+        NUMBER,
+        "-",
+        "residual forces relative to the forces at work; at most a hundredth of 'adaptive.tolerance'",
+        1e-7,
+        above_rounding,
+    ),
     Field(
         "constraint_tolerance", NUMBER, "-", "constraints relative to the size of the mechanism", 1e-10, above_rounding
     ),
