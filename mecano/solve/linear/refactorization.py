@@ -10,7 +10,8 @@ import math
 from mecano.jit.kernel import kernel
 from mecano.solve.linear.newton import FIRST, ITERATIONS, SECOND, SHARE, TINY
 
-PRICE, SMALL = 6.0, 450  # iterations that cost as much as a new tangent and its factorization; of so many unknowns
+PRICE = 6.0  # iterations that cost as much as a new tangent and its factorization, in small models
+SMALL = 450  # unknowns up to which a model is small
 TRUST = 0.5  # of the residual norm: expected residual after the iterations up to which a tangent is kept
 FORGET = 0.9  # factor of the drift in every step without an old tangent
 IN_VAIN = 0.3  # least drift after a step in which the tangent of the last one did not suffice
@@ -27,7 +28,7 @@ def price(n):
 
 @kernel
 def most_kept(spent, age, most):
-    """Return how many iterations with the tangent are too many: they cost as much as a step has cost on average.
+    """Return the most iterations of a step with an old tangent: what a step has cost on average, rounded up.
 
     Of ``most`` iterations of a step, half are left for a new tangent.
     """
@@ -39,7 +40,8 @@ def choose_tangent(has, age, drift, spent, renewed, report, most, n):
     """Decide whether the next step uses the tangent of this one; return (decision, age in steps, drift, spent).
 
     ``has``, ``age``, ``drift`` and ``spent`` are those with which this step began; ``renewed``: it evaluated a tangent;
-    ``spent``: iterations since the factorization, which counts as ``price(n)`` of them; ``most``: of a step.
+    ``spent``: iterations since the factorization, which counts as ``price(n)`` of them; ``most``: those that a step may
+    make; ``n``: unknowns.
     """
     first, before, ratio = report[FIRST], age, report[SECOND] / max(report[FIRST], TINY)
     age, spent, drift = age + 1, spent + report[ITERATIONS], ratio / before if has else drift * FORGET
