@@ -348,3 +348,13 @@ def test_predicted_multipliers_do_not_grow_in_steps_of_changing_size():
         assert np.abs(history.slope + history.bend)[n_q:].max() < np.abs(reactions).max()
         s, history, info = method.step(s, history, size * step)
         assert info.ok
+
+
+def test_residuals_are_recorded_in_whole_tolerances(tmp_path):
+    """Also those of steps that end by a correction whose residual is not evaluated: below 1."""
+    path = tmp_path / "r.h5"
+    run(input_deck("double_pendulum", "time.end=1"), path)
+    with open_results(path) as results:
+        steps = results.steps
+    assert len(steps) == 1000 and (steps["iterations"] > 1).any()
+    assert max(steps["force_residual"].max(), steps["constraint_residual"].max()) <= 1.0

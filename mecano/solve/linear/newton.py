@@ -112,6 +112,8 @@ def iterate(w):
             soften_rows(w, s.z, r)
         before = report[FORCES], report[CONSTRAINTS]
         code = judge(w, report, before, measure(w, report, share))
+        if code == CONVERGED or code == FINISH:  # the report is in whole tolerances
+            report[FORCES], report[CONSTRAINTS] = share * report[FORCES], share * report[CONSTRAINTS]
         if code >= 0:
             return code
         call(w.substitute, w.substitute_words, 0)
