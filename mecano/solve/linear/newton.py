@@ -93,13 +93,15 @@ def iterate(w):
     loops = loops_at(w.n_loops, w.loops, w.batches)
     share = SHARE if w.kept and not w.renewed else 1.0
     bind_state(system, s)
-    system[0].lag = 1.0 / w.cC
+    system[0].lag, code = 1.0 / w.cC, CONTINUE
     while True:
         work, back = massless_work(of, r, x) if w.pending and w.strict else 0.0, -0.5
         if w.pending:
             report[LAST], w.last_motion = report[WORST], w.motion
             report[INCREMENT] = correct(of, w.length, x, by, start, s) / w.increment_tolerance
             report[ITERATIONS] += 1
+        if code == FINISH:
+            return CONVERGED
         residual(loops, system, w.k, w.penalty)
         soften_rows(w, s.z, r)
         for _ in range(MOST_HALVINGS if work else 0):
@@ -118,10 +120,6 @@ def iterate(w):
             return code
         call(w.substitute, w.substitute_words, 0)
         w.pending = 1
-        if code == FINISH:
-            report[INCREMENT] = correct(of, w.length, x, by, start, s) / w.increment_tolerance
-            report[ITERATIONS] += 1
-            return CONVERGED
 
 
 @kernel
