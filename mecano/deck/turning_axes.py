@@ -11,6 +11,8 @@ from mecano.element_interface import FREELY, SECTIONS
 from mecano.model.model import GROUND, beside_ground
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from mecano.deck.compose import Node
     from mecano.schema import Values
 
@@ -27,7 +29,7 @@ def check_axes(values: "Values", root: "Node", scope: Scope) -> None:
     bearings = {body(d["nodes"]): name for name, d in joints.items() if kinds[d["type"]].turns == FREELY}
     for name, field, axis, pair in counted:
         bearing = bearings.get(body(pair))
-        if bearing is None or _parallel(axis, joints[bearing]["axis"]):
+        if bearing is None or are_parallel(axis, joints[bearing]["axis"], OTHER_AXIS):
             continue
         key, node = root.value["joints"][1].value[name]
         scope.subject = f"{joints[name]['type']} {quoted(name)}"
@@ -37,23 +39,23 @@ def check_axes(values: "Values", root: "Node", scope: Scope) -> None:
 
 def _named(field, axis, d):
     """Return the words for the axis of a field, which may be absent."""
-    return quoted(field) if d[field] is not None else f"its axis {_vector(axis)}, without {quoted(field)} that of a,"
+    return quoted(field) if d[field] is not None else f"its axis {listed(axis)}, without {quoted(field)} that of a,"
 
 
 def _described(name, d, pair):
     """Return the words for a joint, the nodes between which it lies, and its axis."""
     bodies = "the same nodes" if set(d["nodes"]) == set(pair) else f"the bodies of {' and '.join(map(quoted, pair))}"
-    return f"{d['type']} {quoted(name)} between {bodies}, {_vector(d['axis'])}"
+    return f"{d['type']} {quoted(name)} between {bodies}, {listed(d['axis'])}"
 
 
-def _vector(axis):
+def listed(axis: "Sequence[float]") -> str:
     """Return the components of a vector (3,) as in a deck."""
     return f"[{', '.join(f'{c:g}' for c in axis)}]"
 
 
-def _parallel(a, b):
-    """Return whether two vectors (3,) have the same direction or opposite ones."""
-    return np.linalg.norm(np.cross(a, b)) <= OTHER_AXIS * np.linalg.norm(a) * np.linalg.norm(b)
+def are_parallel(a: "Sequence[float]", b: "Sequence[float]", sine: float) -> bool:
+    """Return whether two vectors (3,) have the same direction or opposite ones, to an angle with this ``sine``."""
+    return bool(np.linalg.norm(np.cross(a, b)) <= sine * np.linalg.norm(a) * np.linalg.norm(b))
 
 
 def _bodies(values, kinds):

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.deck.physics import own_nodes
+from mecano.deck.turning_axes import are_parallel, listed
 from mecano.element_interface import SECTIONS, Kind
 from mecano.element_interface.kind import FREELY
 
@@ -54,10 +55,9 @@ def _other_axis(axis, name, kind, d):
     """Return a text if the only joint of a wheel lets it turn about another axis than that of the wheel."""
     if kind.turns != FREELY:
         return ""
-    across = np.cross(axis, d["axis"])
-    if np.linalg.norm(across) <= APART * np.linalg.norm(axis) * np.linalg.norm(d["axis"]):
+    if are_parallel(axis, d["axis"], APART):
         return ""
-    shown = ", ".join(f"{component:g}" for component in axis)
     return (
-        f"{d['type']} '{name}': its axis is not that of the wheel '{{wheel}}' on it, [{shown}]: the wheel cannot spin"
+        f"{d['type']} '{name}': its axis is not that of the wheel '{{wheel}}' on it, {listed(axis)}: "
+        "the wheel cannot spin"
     )
