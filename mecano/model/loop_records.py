@@ -30,6 +30,8 @@ SYSTEM = fields(
     "n_transmitted partition_starts partition_members partition_weights transmitted "
     "outputs energies energy event_values n_constraints constraint_derivatives columns",
 )
+WORD = {name: offset // 8 for name, (_, offset) in SYSTEM.fields.items()}
+"""Places of the fields of SYSTEM, as words of eight bytes."""
 
 
 def record(dtype, **values):

@@ -15,7 +15,7 @@ from mecano.model.batch import Batch, acts_by_multipliers, batches, calling, fol
 from mecano.model.expansion import expand
 from mecano.model.halves import halves
 from mecano.model.loop_code import all_codes, calls_of
-from mecano.model.loop_records import SYSTEM, record
+from mecano.model.loop_records import SYSTEM, WORD, record
 from mecano.model.mesh import divided
 from mecano.model.model import Model, with_ground
 from mecano.model.numbering import SCALAR, SIGNAL, STATE, EquationName, number
@@ -107,10 +107,9 @@ class System:
 
     def record_with(self, **arrays: np.ndarray) -> np.ndarray:
         """Return a record SYSTEM (1,) of the loops that write these ``arrays``, by the names of its fields."""
-        out = self._record_of_tables.view(np.int64).copy().view(SYSTEM)  # a record is copied field by field
-        for name, array in arrays.items():
-            out[name] = array.ctypes.data
-        return out
+        words = self._record_of_tables.view(np.int64).copy()  # a record is copied, and written, field by field
+        words[[WORD[name] for name in arrays]] = [array.ctypes.data for array in arrays.values()]
+        return words.view(SYSTEM)
 
     def kept(self, make: "Callable[[System], Made]") -> Made:
         """Return ``make(system)``, computed once and kept as long as the system."""

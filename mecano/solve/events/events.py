@@ -33,7 +33,7 @@ class EventMonitor:
     """Event functions of a system, and the phase changes they cause."""
 
     def __init__(self, system: "System"):
-        self.system = system
+        self.system, self._batches = system, [batch for batch in system.batches if batch.kind.events]
         events = [e for batch in system.batches for _ in batch.names for e in batch.kind.events]
         self.within = np.array([e.before == e.after for e in events], bool)
         self.changes_energy = np.array([e.changes_energy for e in events], bool)
@@ -52,7 +52,7 @@ class EventMonitor:
         Parts of the same element may have the same names.
         """
         found, changes = {}, hit & self.changes_energy
-        for batch in self.system.batches if np.any(changes) else ():
+        for batch in self._batches if np.any(changes) else ():
             found |= {
                 batch.first_phase + e: (batch.names[e], batch.kind.events[k].name)
                 for e, k in zip(*np.nonzero(batch.events(changes)), strict=True)
@@ -80,7 +80,7 @@ class EventMonitor:
         reactions agree to rounding.
         """
         hit = hit | (self.within & np.isfinite(here) & (here != committed))
-        for batch in self.system.batches:
+        for batch in self._batches:
             of_batch, g0, g, within = (batch.events(values) for values in (hit, before, here, self.within))
             level = np.where(of_batch, g, np.inf).min(axis=0, initial=np.inf)
             near = np.isfinite(g0) & np.isfinite(g) & np.isfinite(level) & (g0 < 0.0)
@@ -91,7 +91,7 @@ class EventMonitor:
     def apply(self, s: "State", hit: np.ndarray) -> "tuple[State, list[EventRecord]]":
         """Apply the events ``hit`` (n_events,) bool; return (state with new phases, [EventRecord])."""
         phases, event_records = s.phases.copy(), []
-        for batch in self.system.batches:
+        for batch in self._batches:
             own = phases[batch.phases]
             for e, k in zip(*np.nonzero(batch.events(hit)), strict=True):
                 event = batch.kind.events[k]
@@ -103,7 +103,7 @@ class EventMonitor:
     def entered(self, s: "State", element: str, name: str, before: str, after: str) -> "State":
         """Return the state after the event ``name`` of an ``element``, if the element is in the phase before it."""
         phases = s.phases.copy()
-        for batch in self.system.batches:
+        for batch in self._batches:
             changes = [(event.name, event.before, event.after) for event in batch.kind.events]
             if element in batch.names and (name, before, after) in changes:
                 own, index = phases[batch.phases], batch.kind.phases.index

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.errors import AssemblyError, Failure
+from mecano.model.assembly import Assembly
 from mecano.model.numbering import SCALAR
 from mecano.solve.diagnostics.failure import not_finite
 from mecano.solve.time.constrained_mass import ConstrainedMass
@@ -33,6 +34,7 @@ FIRST_REACH = 1e-3  # m/s or rad/s
 RATE_TOLERANCE = 1e-12  # of the forces at work
 GROWTH = 1.5  # of the forces in one iteration, towards rest
 LEAST_DAMPING = 1e-12  # of the largest: a rate with less is not determined by its equation
+MOST_GAIN = 1e12  # relative: a matrix with a larger one is singular
 FAST = 1e-4  # of a step: a scalar without inertia that settles within this time counts as algebraic
 SETTLING = 3  # rounds in which values and rates of massless unknowns are fitted to one another
 RUBBING = 20  # iterations on the friction at most
@@ -55,7 +57,7 @@ class Consistent:
 
         Raises AssemblyError if the matrix is singular.
         """
-        self.system, self.linear = system, linear
+        self.system, self.linear, self._assembly = system, linear, system.kept(Assembly)
         bare = s.copy()
         bare.a[:] = 0.0
         bare.z[system.n_q : system.n] = 0.0
@@ -146,7 +148,7 @@ class Consistent:
         best: tuple[float, np.ndarray] | None = None  # the least residual so far, by its size
         rates = s.v[own].copy()  # of it
         for _ in range(RATE_ITERATIONS):
-            assembly = system.assemble(s, cC=1.0)
+            assembly = self._assemble(s, cC=1.0)
             r = assembly.residual[own]
             if np.abs(r).max() <= RATE_TOLERANCE * assembly.size.max():
                 return
@@ -177,10 +179,11 @@ class Consistent:
         for _ in range(SETTLING if len(own) else 0):
             last = s.z[own], s.v[own]
             self.settle_rates(s)
-            fast = self._fast(s, FAST * h)
+            K, C = self._block(self._assemble(s, cK=1.0)), self._block(self._assemble(s, cC=1.0))
+            fast = _fast(K, C, FAST * h)
             if fast is None:
                 return
-            s.v[own] -= fast @ self._own(s, 1.0, 0.0) @ s.v[own]
+            s.v[own] -= fast @ K @ s.v[own]
             s.z[own] -= fast @ self._unbalanced(s)
             dt, steady = DIFFERENCE * h, _with(s, s.v, np.zeros_like(s.a))
             now, next_, after = (self._unbalanced(moved(steady, i * dt, of)) for i in range(3))
@@ -188,21 +191,6 @@ class Consistent:
             s.z[own] -= fast @ self._unbalanced(s)
             if all(_same(*pair) for pair in zip(last, (s.z[own], s.v[own]), strict=True)):
                 return
-
-    def _fast(self, s, limit):
-        """Return P K^-1 (n, n), P the projector on massless unknowns settling within ``limit`` [s], or None."""
-        K, C = self._own(s, 1.0, 0.0), self._own(s, 0.0, 1.0)
-        if np.linalg.matrix_rank(K, LEAST_DAMPING) < len(K):
-            return None
-        times, X = np.linalg.eig(np.linalg.solve(K, C))
-        quick = np.abs(times) <= limit
-        if not quick.any() or np.linalg.matrix_rank(X, LEAST_DAMPING) < len(K):
-            return None
-        return (X * quick @ np.linalg.inv(X)).real @ np.linalg.inv(K)
-
-    def _own(self, s, cK, cC):
-        """Return cK K + cC C of the massless unknowns, dense."""
-        return self._block(self.system.assemble(s, cK=cK, cC=cC))
 
     def _block(self, assembly):
         """Return the block of the massless unknowns of the assembled tangent, dense."""
@@ -220,14 +208,18 @@ class Consistent:
         return entries, rows[entries] * len(self.massless) + columns[entries]
 
     def _unbalanced(self, s):
-        return self.system.assemble(s).residual[self.massless]
+        return self._assemble(s).residual[self.massless]
+
+    def _assemble(self, s, **coefficients):
+        """Return the Assembly at ``s``, as ``System.assemble`` does; the next call overwrites it."""
+        return self.system.assemble(s, into=self._assembly, **coefficients)
 
     def accelerate(self, s: "State") -> None:
         """Set accelerations and multipliers of ``s`` in place from the equations of motion at its q and v."""
         system = self.system
         bare = _with(self.bare, s.v, np.zeros_like(s.a))
         gamma = system.constraint_derivatives(bare)[:, 2]
-        residual = system.assemble(bare).residual
+        residual = self._assemble(bare).residual
         top = np.where(self.loose, 0.0, -residual[: system.n_q])
         a, reaction = self._solve_again(top, self.k * gamma)
         s.a[system.n_q :] = 0.0
@@ -285,9 +277,9 @@ class Consistent:
         The unknown of a signal is its value, or its rate if it has a state.
         """
         system, n_q = self.system, self.system.n_q
-        assembly = system.assemble(s, self.k, cK=1.0)
+        assembly = self._assemble(s, k=self.k, cK=1.0)
         by_value, residual = assembly.data[: system.nnz].copy(), assembly.residual.copy()
-        by_rate = system.assemble(s, self.k, cC=1.0).data[: system.nnz]
+        by_rate = self._assemble(s, k=self.k, cC=1.0).data[: system.nnz]
         row, column = (np.append(signals, np.zeros(system.n_l, bool))[i] for i in (system.rows, system.cols))
         has_state = np.append(system.states, np.zeros(system.n_l, bool))[system.cols]
         values = np.where(has_state, by_rate, by_value)
@@ -338,6 +330,35 @@ def consistent_state(
         consistent.settle(s, h)
         consistent.accelerate(s)
     return s, consistent
+
+
+def _fast(K, C, limit):
+    """Return P K^-1 (n, n), P the projector on unknowns with K z + C z' = 0 that settle within ``limit`` [s], or None.
+
+    The time constants t are the eigenvalues of K^-1 C. Those of (K + C / limit)^-1 K, 1 / (1 + t / limit), exist also
+    where K is singular.
+    """
+    both = _inverse(K + C / limit)
+    if both is None:
+        return None
+    shares, X = np.linalg.eig(both @ K)
+    quick = np.abs(1.0 - shares) <= np.abs(shares)
+    if quick.all():
+        return _inverse(K)
+    inverse = _inverse(X) if quick.any() else None
+    return None if inverse is None else (X[:, quick] / shares[quick] @ inverse[quick]).real @ both
+
+
+def _inverse(A):
+    """Return the inverse of a matrix, or None if it is singular to rounding at any scales of rows and columns.
+
+    The products of its entries with those of the transposed inverse, Bristol's relative gains, do not depend on scales.
+    """
+    try:
+        found = np.linalg.inv(A)
+    except np.linalg.LinAlgError:
+        return None
+    return found if np.abs(A * found.T).max(initial=0.0) <= MOST_GAIN else None
 
 
 def _same(before, now):

@@ -1,5 +1,6 @@
 """Consistent signals: values of algebraic signals, rates of those with a state of their own."""
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +18,7 @@ ITERATIONS = 30
 TOLERANCE = 1e-13  # of the signals
 SINGULAR = 1e-13  # of the largest singular value
 SWEEPS = 20  # of the balancing, which takes 2 or 3
+NONE, ABSENT = -1_000_000, -500_000  # exponent of zero, and a bound on it when it is shifted
 WORTH = 0.95  # of the sum of the norms of a row and a column: balancing must reduce it below
 PART = 1e-6  # of the largest entry of a singular vector: signals that take part in it
 ELSEWHERE = 1e-2  # m, rad, m/s, rad/s: distance of another state, in which a circle is tried again
@@ -30,7 +32,7 @@ def settle_signals(system: "System", s: "State", dt: float) -> None:
     signals depend on rates of the former, such as those of set points. Raises NonFiniteError where signals are not
     finite, AssemblyError where they form a loop without a unique solution.
     """
-    equations = _Equations(system)
+    equations = system.kept(_Equations)
     _solve(equations, s)
     reads_rates = _refuse_undetermined(equations, s)
     s.a[equations.own] = 0.0
@@ -56,7 +58,7 @@ def solve_signals(system: "System", s: "State") -> "State":
     A signal whose value is not finite is solved later, when the signals that it reads are known: all are zero at first,
     and may be denominators. It may remain non-finite before the velocities of a start are known.
     """
-    return _solve(_Equations(system), s) if system.signals.any() else s
+    return _solve(system.kept(_Equations), s) if system.signals.any() else s
 
 
 def _solve(equations, s):
@@ -64,28 +66,32 @@ def _solve(equations, s):
     for _ in range(ITERATIONS):
         J, r, _ = equations.at(s)
         known = _finite(J, r)
-        own = equations.own[known]
+        all_known = known.all()
+        own = equations.own if all_known else equations.own[known]
+        if not all_known:
+            J, r = J[np.ix_(known, known)], r[known]
         is_state = equations.system.states[own]
-        scales, (U, sigma, Vt) = equations.decomposed(J[np.ix_(known, known)])
+        scales, (U, sigma, Vt) = equations.decomposed(J)
         if not len(own) or sigma[-1] <= SINGULAR * sigma[0]:
             break
-        change = scales * (Vt.T @ ((U.T @ (r[known] / scales)) / sigma))
+        change = scales * (Vt.T @ ((U.T @ (r / scales)) / sigma))
         s.z[own] -= np.where(is_state, 0.0, change)
         s.v[own] -= np.where(is_state, change, 0.0)
         size = np.maximum(np.abs(np.where(is_state, s.v[own], s.z[own])), SMALL)
-        if known.all() and np.all(np.abs(change) <= TOLERANCE * size):
+        if all_known and np.all(np.abs(change) <= TOLERANCE * size):
             break
     return s
 
 
 def _finite(J, r):
-    return np.isfinite(r) & np.all(np.isfinite(J), axis=1)
+    return np.isfinite(r) & np.isfinite(J).all(axis=1)
 
 
 class _Equations:
     """The equations of the signals of a system, whose indices are ``own`` (n,).
 
-    The assembly is overwritten at every state. Most signals are linear: their Jacobian is decomposed once.
+    The assembly is overwritten at every state. Most signals are linear: their Jacobian is decomposed once. That of the
+    others seldom needs other scales.
     """
 
     def __init__(self, system: "System"):
@@ -95,7 +101,7 @@ class _Equations:
         rows, columns = place[system.rows], place[system.cols]
         self._entries = np.flatnonzero((rows >= 0) & (columns >= 0))
         self._places = rows[self._entries], columns[self._entries]
-        self._assembly, self._decomposed = Assembly(system), (None, None)
+        self._assembly, self._last, self._balanced = Assembly(system), (None, None), (None, None)
 
     def at(self, s: "State") -> tuple[np.ndarray, np.ndarray, bool]:
         """Return derivatives (n, n) by values of the signals, or rates of those with a state, and the residual (n,).
@@ -110,43 +116,56 @@ class _Equations:
         return np.where(is_state, J[1], J[0]), found.residual[self.own], bool(J[1][:, ~is_state].any())
 
     def decomposed(self, J):
-        """Return the scales and the singular values and vectors of a Jacobian, as ``_decomposed``."""
-        last, found = self._decomposed
+        """Return scales of the signals, which may have any units, and the singular values and vectors of J so scaled.
+
+        They follow from J alone, not from Jacobians before it.
+        """
+        last, found = self._last
         if last is None or not np.array_equal(J, last):
-            found = _decomposed(J)
-            self._decomposed = J, found
+            scales = self._scales(J)
+            found = scales, np.linalg.svd(J / scales[:, None] * scales)
+            self._last = J, found
+        return found
+
+    def _scales(self, J):
+        """Return the scales by which J is balanced."""
+        exponents = _exponents(J)
+        last, found = self._balanced
+        if last is None or not np.array_equal(exponents, last):
+            found = 2.0 ** _balancing(exponents)
+            self._balanced = exponents, found
         return found
 
 
-def _decomposed(J):
-    """Return scales of the signals, which may have any units, and the singular values and vectors of J so scaled."""
-    if not len(J):
-        return np.ones(0), np.linalg.svd(J)
-    scales = _balancing(J)
-    return scales, np.linalg.svd(J / scales[:, None] * scales)
+def _exponents(J):
+    """Return the exponents of 2 of the entries of J, NONE for zero."""
+    return np.where(J == 0.0, NONE, np.frexp(J)[1])
 
 
-def _balancing(J):
-    """Return powers of 2, d (n,), with which the rows and columns of D^-1 J D have similar largest entries.
+def _balancing(exponents):
+    """Return exponents d (n,) of 2 with which the largest entries of rows and columns of D^-1 J D are similar.
 
-    Parlett and Reinsch 1969, "Balancing a matrix for calculation of eigenvalues and eigenvectors", as LAPACK's gebal;
-    scipy.linalg takes as long to import as a short run.
+    ``exponents`` (n, n) are those of J. Parlett and Reinsch 1969, "Balancing a matrix for calculation of eigenvalues
+    and eigenvectors", as LAPACK's gebal; scipy.linalg takes as long to import as a short run.
     """
-    size, d = np.abs(J), np.ones(len(J))
+    size, d = exponents.copy(), np.zeros(len(exponents), int)
     for _ in range(SWEEPS):
         settled = True
-        for i in range(len(J)):
-            column, row = float(size[:, i].max()), float(size[i].max())
-            if column > 0.0 and row > 0.0:
-                factor = 2.0 ** round(0.5 * (np.log2(row) - np.log2(column)))
-                if column * factor + row / factor < WORTH * (column + row):
-                    settled = False
-                    d[i] *= factor
-                    size[:, i] *= factor
-                    size[i] /= factor
+        for i in range(len(size)):
+            column, row = int(size[:, i].max()), int(size[i].max())
+            by = (row - column) // 2
+            if min(column, row) > ABSENT and _sum(column + by, row - by) < WORTH * _sum(column, row):
+                settled = False
+                d[i] += by
+                size[:, i] += by
+                size[i] -= by
         if settled:
             break
     return d
+
+
+def _sum(i, j):
+    return math.ldexp(0.5, i) + math.ldexp(0.5, j)
 
 
 def _refuse_undetermined(equations, s):
@@ -171,7 +190,7 @@ def refuse_circles(system: "System", s: "State") -> None:
     """
     if not system.signals.any():
         return
-    equations = _Equations(system)
+    equations = system.kept(_Equations)
     elsewhere = displaced(s, ELSEWHERE * np.cos(np.arange(system.n_q)), system.numbering)
     elsewhere.v[: system.n_q] += ELSEWHERE * np.sin(1.0 + np.arange(system.n_q))
     circles = []
