@@ -263,7 +263,7 @@ class System:
 
     def forces(self, s: State) -> np.ndarray:
         """Return the forces (n_slots,) at ``s``: the reactions are the multipliers alone, without a penalty."""
-        return self.assemble(s).forces
+        return self.assemble(s, into=self.kept(Assembly)).forces.copy()
 
     def each_alone(self, s: State) -> Iterator[tuple[str, Assembly]]:
         """Yield (name, Assembly at ``s``, all weights one) of each element; the next one overwrites the Assembly.

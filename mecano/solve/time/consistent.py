@@ -142,7 +142,7 @@ class Consistent:
 
     def settle_rates(self, s: "State") -> None:
         """Set the rates of the massless unknowns of ``s`` in place from their own equations (Levenberg)."""
-        own, system, reach = self.massless, self.system, FIRST_REACH
+        own, reach = self.massless, FIRST_REACH
         if not len(own):
             return
         best: tuple[float, np.ndarray] | None = None  # the least residual so far, by its size

@@ -101,7 +101,9 @@ class _Equations:
         rows, columns = place[system.rows], place[system.cols]
         self._entries = np.flatnonzero((rows >= 0) & (columns >= 0))
         self._places = rows[self._entries], columns[self._entries]
-        self._assembly, self._last, self._balanced = Assembly(system), (None, None), (None, None)
+        self._assembly = Assembly(system)
+        self._last: tuple[np.ndarray, tuple] | None = None  # a Jacobian, and what ``decomposed`` returns for it
+        self._balanced: tuple[np.ndarray, np.ndarray] | None = None  # exponents, and the scales that follow from them
 
     def at(self, s: "State") -> tuple[np.ndarray, np.ndarray, bool]:
         """Return derivatives (n, n) by values of the signals, or rates of those with a state, and the residual (n,).
@@ -120,21 +122,17 @@ class _Equations:
 
         They follow from J alone, not from Jacobians before it.
         """
-        last, found = self._last
-        if last is None or not np.array_equal(J, last):
+        if self._last is None or not np.array_equal(J, self._last[0]):
             scales = self._scales(J)
-            found = scales, np.linalg.svd(J / scales[:, None] * scales)
-            self._last = J, found
-        return found
+            self._last = J, (scales, np.linalg.svd(J / scales[:, None] * scales))
+        return self._last[1]
 
     def _scales(self, J):
         """Return the scales by which J is balanced."""
         exponents = _exponents(J)
-        last, found = self._balanced
-        if last is None or not np.array_equal(exponents, last):
-            found = 2.0 ** _balancing(exponents)
-            self._balanced = exponents, found
-        return found
+        if self._balanced is None or not np.array_equal(exponents, self._balanced[0]):
+            self._balanced = exponents, 2.0 ** _balancing(exponents)
+        return self._balanced[1]
 
 
 def _exponents(J):
