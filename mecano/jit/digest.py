@@ -57,7 +57,7 @@ def _describe_function(function):
     used = {name: function.__globals__[name] for name in sorted(_names(code)) if name in function.__globals__}
     used |= dict(zip(code.co_freevars, (cell.cell_contents for cell in cells), strict=True))
     parts = [_describe_code(code, function.__doc__), _describe(function.__defaults__, ())]
-    parts += [f"{name}: {hint!r}" for name, hint in leaves(function.__annotations__).items()]
+    parts += [f"{name}: {_describe_hint(hint)}" for name, hint in leaves(function.__annotations__).items()]
     parts += [f"{name}={_describe(value, code.co_names)}" for name, value in used.items()]
     return "\n".join(parts)
 
@@ -107,9 +107,19 @@ def _describe(value, names):
     raise TypeError(f"a compiled function uses a global {type(value).__name__}, which machine code cannot depend on")
 
 
+def _describe_hint(hint):
+    """Return the text of an annotation: that of its dtype and of its dimensions if it is an Array (entry.py)."""
+    dtype = getattr(hint, "dtype", None)
+    return repr(hint) if dtype is None else f"{_describe_type(dtype)} {hint.dimensions}"
+
+
 @cache
 def _describe_type(dtype):
-    return repr(dtype)
+    """Return the text of a dtype; the ``repr`` of a record takes ten times as long."""
+    if dtype.fields is None:
+        return repr(dtype)
+    fields = [f"{name} {_describe_type(one)} {offset}" for name, (one, offset, *_) in dtype.fields.items()]
+    return f"{fields} {dtype.itemsize} {dtype.isalignedstruct}"
 
 
 def _describe_module(module, names):
