@@ -282,7 +282,7 @@ def test_an_error_in_a_study_leaves_no_orphans(folder, monkeypatch):
 
     def watch():
         if all(pool.folder.file(one.case, ".h5").exists() for one in pool.running):
-            numbers.extend(one.process.pid for one in pool.running)
+            numbers.extend(one.number for one in pool.running)
             raise ResultsError("no room")
 
     monkeypatch.setattr(pool, "_watch", watch)

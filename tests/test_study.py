@@ -366,7 +366,7 @@ def test_a_study_from_its_beginning_to_its_table(folder):
     np.testing.assert_allclose(table["outputs/when"], 0.2 + 0.0 * speed, rtol=1e-12)
     fall = np.hypot(speed[:, None], 9.81 * np.array([0.0, 0.1, 0.2]))  # at the saved times
     np.testing.assert_allclose(table["outputs/mean_speed"], fall @ [0.25, 0.5, 0.25], rtol=1e-9)
-    assert all(table["case/processor_time"] > 0.1) and table["case/exit_code"].tolist() == [0, 2, 0, 0]
+    assert all(table["case/processor_time"] > 0.01) and table["case/exit_code"].tolist() == [0, 2, 0, 0]
     with open("study_runs/table.csv") as file:
         rows = list(csv.DictReader(file))
     assert [row["parameters.speed [m/s]"] for row in rows] == ["10", "20", "10", "30"]  # one case says 36 km/h

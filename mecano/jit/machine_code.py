@@ -3,6 +3,7 @@
 A process that finds all its functions in a store (store.py) imports neither numba nor LLVM's compiler.
 """
 
+import os
 import threading
 import time
 from collections.abc import Callable
@@ -21,6 +22,7 @@ _kept = []  # keeps alive the code that LLVM has loaded
 _addresses = {}  # of the functions that are loaded, by their file
 _times = []  # wall-clock time of each compilation of this process [s]
 _listeners = []  # called before and while something is compiled
+os.register_at_fork(after_in_child=_times.clear)
 lock = threading.RLock()  # held by the thread that compiles, forks processes that compile, or loads machine code
 
 

@@ -1,5 +1,6 @@
 """Requests to end a process early: signals, the limit of wall-clock time, and the command that resumes the run."""
 
+import os
 import re
 import shlex
 import signal
@@ -136,6 +137,14 @@ class Interruption:
         """Return the exception that ends the run; ``where`` describes the place, such as "at t = 1 s"."""
         assert self._number is not None, "nothing has asked for the end"
         return Stopped(self._number, f" {where}; continue with: {self.again}" if self.again else f" {where}")
+
+
+def _begin():
+    global BEGUN
+    BEGUN = time.monotonic()
+
+
+os.register_at_fork(after_in_child=_begin)  # the fork is another process, with limits of its own
 
 
 def call_interruptibly(call: Callable[..., T], *arguments: Any) -> T:

@@ -15,8 +15,9 @@ from uuid import uuid4
 
 from mecano.errors import UsageError
 from mecano.process.lifeline import popen_options
+from mecano.study.case_processes import PROGRAM
 from mecano.study.folder import STOPPED, Folder, Record
-from mecano.study.pool import END_BY, LOOK, PROGRAM, Ended, Limits, case_words, reason_in
+from mecano.study.pool import END_BY, LOOK, Ended, Limits, case_words, reason_in
 
 if TYPE_CHECKING:
     import os

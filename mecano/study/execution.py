@@ -9,8 +9,9 @@ from mecano.analyses.progress import COMPILING, StudyProgress
 from mecano.errors import BeyondLimitsError, IncompleteStudyError, UsageError
 from mecano.process.interrupt import Interruption, Stopped, resume_command
 from mecano.process.lifeline import popen_options
+from mecano.study.case_processes import PROGRAM
 from mecano.study.folder import COMPLETE, FAILED, Folder, Record
-from mecano.study.pool import PROGRAM, Ended, Limits, Pool
+from mecano.study.pool import Ended, Limits, Pool
 from mecano.study.table import Table
 
 if TYPE_CHECKING:

@@ -4,8 +4,6 @@ import os
 import re
 import select
 import signal
-import subprocess
-import sys
 import time
 from collections.abc import Callable, Sequence
 from contextlib import contextmanager
@@ -14,17 +12,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from mecano.elements import plugins
-from mecano.jit import thread_pool
 from mecano.process.interrupt import CLOCK, EXIT_CODES, SIGNALS
-from mecano.process.lifeline import popen_options
+from mecano.study.case_processes import CAN_FORK, CaseProcesses, ForkedProcesses, SeparateProcesses
 from mecano.study.error_location import line_in_study
 from mecano.study.folder import COMPLETE, FAILED, RESUMABLE, STOPPED, Folder, Record
 
 if TYPE_CHECKING:
     from mecano.study.read import Case
 
-PROGRAM = (sys.executable, "-m", "mecano")
-ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"), "1")
+FEW = 4  # cases: for fewer, loading what they need once is not faster
 LOOK = 0.2  # s between two checks of memory and time
 GRACE, SHARE = 10.0, 0.1  # s, and share of its time limit, after which a case that does not end is killed
 END_BY = set(SIGNALS) - {CLOCK}
@@ -57,8 +53,11 @@ def plugin_words() -> list[str]:
 
 def run_here(folder: Folder, cases: "Sequence[Case]", ended: Ended, *, limits: Limits, jobs: int) -> int | None:
     """Run cases on this machine, ``jobs`` in parallel; ``ended`` and the return value: see ``Pool``."""
+    processes: CaseProcesses = SeparateProcesses()
+    if CAN_FORK and len(cases) >= FEW:
+        processes = ForkedProcesses(folder.study.deck, folder.study.overrides(cases[0]))
     with folder.held():
-        return Pool(folder, jobs, limits, ended).run(cases)
+        return Pool(folder, jobs, limits, ended, processes).run(cases)
 
 
 @dataclass
@@ -66,7 +65,7 @@ class Running:
     """A running case; ``before`` is the Record of its earlier processes."""
 
     case: "Case"
-    process: subprocess.Popen
+    number: int  # of its process
     before: Record
     log: Path
     log_start: int  # B in the log before this process
@@ -85,10 +84,20 @@ class Pool:
     limits : Limits
     ended : function
         Called with (case, Record) of each as it ends.
+    processes : CaseProcesses, optional
+        Default: separate ones.
     """
 
-    def __init__(self, folder: Folder, jobs: int, limits: Limits, ended: Ended = lambda case, record: None):
+    def __init__(
+        self,
+        folder: Folder,
+        jobs: int,
+        limits: Limits,
+        ended: Ended = lambda case, record: None,
+        processes: CaseProcesses | None = None,
+    ):
         self.folder, self.jobs, self.limits, self.ended = folder, jobs, limits, ended
+        self.processes = processes or SeparateProcesses()
         self.running: list[Running] = []
         self.received: list[int] = []  # signals that end the study
         self._forwarded = 0
@@ -107,7 +116,7 @@ class Pool:
         while (waiting and not self.received) or self.running:
             while waiting and not self.received and len(self.running) < self.jobs:
                 self.running.append(self._start(waiting.pop()))
-            _wait(wakeup)
+            self._wait(wakeup)
             self._forward()
             self._watch()
             self._gather()
@@ -115,9 +124,8 @@ class Pool:
     def _end(self):
         """End all processes if this one fails: each writes a checkpoint, and --resume continues from it."""
         for one in self.running:
-            os.kill(one.process.pid, signal.SIGTERM)
-        for one in self.running:
-            one.process.wait()
+            self.processes.send(one.number, signal.SIGTERM)
+        self.processes.close()
 
     def _start(self, case):
         folder, study, log = self.folder, self.folder.study, self.folder.file(case, ".log")
@@ -125,14 +133,8 @@ class Pool:
         settings = [word for text in study.overrides(case) for word in ("--set", text)]
         words = ["run", study.deck, "-o", str(folder.file(case, ".h5")), "-q", "--resume", *limit, *settings]
         words += plugin_words()
-        before, child = folder.record(case), popen_options()
-        child["env"] = {thread_pool.VARIABLE: "1", **child["env"], **ONE_THREAD}
-        with open(log, "ab") as stream:
-            log_start = stream.tell()
-            process = subprocess.Popen(
-                [*PROGRAM, *words], stdin=subprocess.DEVNULL, stdout=stream, stderr=stream, process_group=0, **child
-            )
-        return Running(case, process, before, log, log_start)
+        before, log_start = folder.record(case), os.path.getsize(log) if log.exists() else 0
+        return Running(case, self.processes.start(words, log), before, log, log_start)
 
     @contextmanager
     def _listening(self):
@@ -155,35 +157,44 @@ class Pool:
     def _receive(self, number, frame):
         self.received.append(number)
 
+    def _wait(self, wakeup):
+        """Wait until a process ends, a signal arrives, or some time has passed."""
+        select.select([wakeup, *self.processes.readable()], [], [], LOOK)
+        try:
+            os.read(wakeup, 4096)
+        except BlockingIOError:
+            pass
+
     def _forward(self):
         """Forward received signals to the processes, which are in process groups of their own."""
         for number in self.received[self._forwarded :]:
             for one in self.running:
-                os.kill(one.process.pid, number)  # Popen.send_signal would wait for it first
+                self.processes.send(one.number, number)
             self._forwarded += 1
 
     def _watch(self):
         """Kill processes that use too much memory, or exceed their time."""
         for one in self.running:
-            one.memory = max(one.memory, _memory(one.process.pid))
+            one.memory = max(one.memory, _memory(one.number))
             if self.limits.memory and one.memory > self.limits.memory:
                 one.killed = f"used more than {self.limits.memory / 1e6:.0f} MB of memory"
             elif self.limits.time and time.monotonic() > one.begun + (1.0 + SHARE) * self.limits.time + GRACE:
                 one.killed = f"did not end in its time of {self.limits.time} s"
             if one.killed:
-                os.kill(one.process.pid, signal.SIGKILL)
+                self.processes.send(one.number, signal.SIGKILL)
 
     def _gather(self):
         """Save the Records of ended processes."""
-        ended = [(one, used) for one in self.running if (used := _used(one.process)) is not None]
-        for one, used in ended:
+        running = {one.number: one for one in self.running}
+        for end in self.processes.ended():
+            one = running[end.number]
             self.running.remove(one)
-            record = self._record(one, used)
+            record = self._record(one, end)
             self.folder.write(one.case, record)
             self.ended(one.case, record)
 
-    def _record(self, one, used):
-        code, before = one.process.returncode, one.before
+    def _record(self, one, end):
+        code, before = end.code, one.before
         if code == 0:
             status, reason = COMPLETE, ""
         elif self.received or (code in RESUMABLE and not one.killed):
@@ -191,27 +202,9 @@ class Pool:
         else:
             status, reason = FAILED, line_in_study(_reason(one, code), self.folder.study, one.case)
         return Record(
-            status, code, before.processor_time + used.ru_utime + used.ru_stime,
+            status, code, before.processor_time + end.processor_time,
             before.wall_time + time.monotonic() - one.begun, max(before.memory, one.memory), reason,
         )  # fmt: skip
-
-
-def _wait(wakeup):
-    """Wait until a process ends, a signal arrives, or some time has passed."""
-    select.select([wakeup], [], [], LOOK)
-    try:
-        os.read(wakeup, 4096)
-    except BlockingIOError:
-        pass
-
-
-def _used(process):
-    """Return the resources used by an ended process, as from getrusage; None while it runs."""
-    number, status, used = os.wait4(process.pid, os.WNOHANG)
-    if number == 0:
-        return None
-    process.returncode = os.waitstatus_to_exitcode(status)
-    return used
 
 
 def _memory(number):

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from mecano.errors import ResultsError, UsageError
 from mecano.results.whole_file import make_folder
-from mecano.study.pool import PROGRAM, Limits, case_words
+from mecano.study.case_processes import PROGRAM
+from mecano.study.pool import Limits, case_words
 
 if TYPE_CHECKING:
     from mecano.study.execution import Due
