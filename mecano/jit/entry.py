@@ -153,8 +153,14 @@ def bind(_entry, function, _head, _pack, _first):
 
 def entry(function):
     """Return an Entry with a call generated for its signature; a loop over the arguments would be slower."""
-    call = _written_out(CALL, function.__qualname__, function.__annotations__, "self.pack(NDARRAY, {words})")
-    return type("Entry", (Entry,), {"__call__": call})(function)
+    return type("Entry", (Entry,), {"__call__": _first_call})(function)
+
+
+def _first_call(self, *arguments, **named):
+    """Generate the call of an Entry, which most processes only bind, and call it."""
+    hints = self.__wrapped__.__annotations__
+    type(self).__call__ = _written_out(CALL, self.__qualname__, hints, "self.pack(NDARRAY, {words})")
+    return self(*arguments, **named)
 
 
 @cache

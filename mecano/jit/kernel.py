@@ -4,14 +4,15 @@ A kernel is compiled into the loops and entries that call it; called from Python
 imported only when something must be compiled: most processes find all they need in the store.
 """
 
-from functools import cached_property, update_wrapper
+from functools import cached_property
 
 
 class Kernel:
     """A function that compiled functions can call."""
 
     def __init__(self, function):
-        update_wrapper(self, function)
+        self.__wrapped__, self.__doc__, self.__module__ = function, function.__doc__, function.__module__
+        self.__name__, self.__qualname__ = function.__name__, function.__qualname__
 
     def __call__(self, *arguments):  # noqa: D102
         return self.__wrapped__(*arguments)
