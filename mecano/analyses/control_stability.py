@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.solve.modal.linearize import linearize
+from mecano.solve.modal.modes import solve
+
 if TYPE_CHECKING:
     from mecano.analyses.prepare import Prepared
     from mecano.solve.modal.linearize import Linearization
@@ -27,8 +30,6 @@ def instability_warnings(prepared: "Prepared", start: "RunState") -> Iterator[st
     moving = np.any(start.motion.v[: system.n_q][~system.signals])
     if not system.signals.any() or system.n_q > MOST or (moving and not system.states.any()):
         return
-    from mecano.solve.modal.linearize import linearize  # no run without signals needs the modes
-
     lin = linearize(system, start.motion, prepared.length, compliance=start.compliance)
     if not all(np.isfinite(matrix.data).all() for matrix in (lin.M, lin.C, lin.K)):
         return
@@ -44,8 +45,6 @@ def instability_warnings(prepared: "Prepared", start: "RunState") -> Iterator[st
 
 def _largest_growth(lin: "Linearization") -> complex:
     """Return the eigenvalue of a Linearization with the largest real part, or 0 if none grows."""
-    from mecano.solve.modal.modes import solve
-
     return max(solve(lin, 1, "dense").values, key=lambda value: value.real, default=0j)
 
 

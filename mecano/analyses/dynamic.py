@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 from mecano.analyses.checkpoint_writer import INTERVAL, CheckpointWriter, restore
 from mecano.analyses.circle_accuracy import circle_warnings
 from mecano.analyses.compilation import compile_time_integration
-from mecano.analyses.control_stability import instability_warnings
 from mecano.analyses.diagnostics import (
     capture_warnings,
     energy_warnings,
@@ -123,8 +122,7 @@ def _from_the_start(deck, path, force, supervision):
     integrator, sampler = integrator_of(prepared), Sampler(prepared.system)
     with locating_formulas(deck):
         start = call_interruptibly(integrator.begin, prepared.state, deck.values["time"]["step"])
-    unstable = call_interruptibly(lambda: list(instability_warnings(prepared, start)))
-    notes = [*startup_warnings(prepared, start), *found, *unstable]
+    notes = [*startup_warnings(prepared, start), *found, *_unstable_control(prepared, start)]
     automatic, model = chosen_values(prepared, integrator, start), model_facts(prepared)
     if moved := set_in_motion(deck, prepared.system, prepared.state, start.motion, prepared.length):
         model["set_in_motion"] = moved
@@ -136,6 +134,15 @@ def _from_the_start(deck, path, force, supervision):
         recorder = Recorder(prepared, writer, sampler, integrator)
         recorder.first(start, integrator.start_events)
         yield Ongoing(deck, start, integrator, recorder, supervision, notes)
+
+
+def _unstable_control(prepared, start):
+    """Return the warnings about controllers that make the mechanism unstable at its ``start``."""
+    if not prepared.system.signals.any():
+        return []
+    from mecano.analyses.control_stability import instability_warnings  # few models have signals
+
+    return call_interruptibly(lambda: list(instability_warnings(prepared, start)))
 
 
 def _refuse_existing(path, force):

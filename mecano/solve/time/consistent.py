@@ -8,7 +8,6 @@ with right-hand sides that set the rate, the second rate, or its derivative, of 
 p makes it regular for nodes without mass; the compliances c are zero unless constraints are redundant.
 """
 
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +17,8 @@ from mecano.model.assembly import Assembly
 from mecano.model.numbering import SCALAR
 from mecano.solve.diagnostics.failure import not_finite
 from mecano.solve.time.constrained_mass import ConstrainedMass
-from mecano.solve.time.increments import displaced, moved
+from mecano.solve.time.increments import displaced
+from mecano.solve.time.massless_scalars import DIFFERENCE, MasslessScalars
 from mecano.solve.time.signals import settle_signals
 
 if TYPE_CHECKING:
@@ -28,15 +28,6 @@ if TYPE_CHECKING:
     from mecano.solve.linear.sparse import LinearSolver
     from mecano.solve.time.contradictions import Contradictions
 
-DIFFERENCE = 0.02  # of a step, for differences along the motion
-RATE_ITERATIONS = 100
-FIRST_REACH = 1e-3  # m/s or rad/s
-RATE_TOLERANCE = 1e-12  # of the forces at work
-GROWTH = 1.5  # of the forces in one iteration, towards rest
-LEAST_DAMPING = 1e-12  # of the largest: a rate with less is not determined by its equation
-MOST_GAIN = 1e12  # relative: a matrix with a larger one is singular
-FAST = 1e-4  # of a step: a scalar without inertia that settles within this time counts as algebraic
-SETTLING = 3  # rounds in which values and rates of massless unknowns are fitted to one another
 RUBBING = 20  # iterations on the friction at most
 DEPENDENT = 1e-10  # of a diagonal, after elimination: a constraint that repeats others
 ROUNDING = 1e-12  # of the largest multiplier, value or rate: an iteration on them has converged
@@ -62,7 +53,8 @@ class Consistent:
         bare.a[:] = 0.0
         bare.z[system.n_q : system.n] = 0.0
         data, self.loose, self.k, self.softness = system.kept(ConstrainedMass).at(s, length, compliance)
-        self.massless = np.flatnonzero(self.loose & (system.numbering.kind[: system.n_q] == SCALAR))
+        scalars = system.numbering.kind[: system.n_q] == SCALAR
+        self.massless = MasslessScalars(system, np.flatnonzero(self.loose & scalars))
         self.data, self.bare, self.compliance = data, bare, compliance
         self._factor()
 
@@ -140,86 +132,20 @@ class Consistent:
         """Change v of ``s`` in place so that the rates of the constraints become zero."""
         s.v[: self.system.n_q] += self.change(-self.system.constraint_derivatives(s)[:, 1])
 
-    def settle_rates(self, s: "State") -> None:
-        """Set the rates of the massless unknowns of ``s`` in place from their own equations (Levenberg)."""
-        own, reach = self.massless, FIRST_REACH
-        if not len(own):
-            return
-        best: tuple[float, np.ndarray] | None = None  # the least residual so far, by its size
-        rates = s.v[own].copy()  # of it
-        for _ in range(RATE_ITERATIONS):
-            assembly = self._assemble(s, cC=1.0)
-            r = assembly.residual[own]
-            if np.abs(r).max() <= RATE_TOLERANCE * assembly.size.max():
-                return
-            size = float(np.linalg.norm(r))
-            # friction that slips does not fall with the slip, and may grow on the way to rest: as long as the force
-            # keeps its direction the next step goes further
-            if best is None or size < 0.99 * best[0] or (size <= GROWTH * best[0] and r @ best[1] > 0.0):
-                best, rates, reach = (size, r), s.v[own].copy(), 2.0 * reach
-                C = self._block(assembly)
-            else:
-                reach = 0.25 * reach
-            change = np.linalg.lstsq(C + np.eye(len(own)) * (best[0] / reach), -best[1], rcond=LEAST_DAMPING)[0]
-            s.v[own] = rates + change
-        s.v[own] = rates
-
     def settle(self, s: "State", h: float) -> None:
-        """Set values and rates of the massless unknowns of ``s`` in place, consistent for steps of size h.
-
-        Rates follow from their own equations. In directions whose time constants, the eigenvalues of K^-1 C, are far
-        below h, the equations count as algebraic: they determine the values, and the rates keep them satisfied while
-        all velocities are constant.
-        """
-        own, of = self.massless, self.system.numbering
+        """Set signals, and values and rates of massless unknowns, of ``s`` in place, consistent for steps of size h."""
         if self.system.signals.any():
             settle_signals(self.system, s, DIFFERENCE * h)
             signals = np.flatnonzero(self.system.signals)
             self.bare.z[signals] = s.z[signals]
-        for _ in range(SETTLING if len(own) else 0):
-            last = s.z[own], s.v[own]
-            self.settle_rates(s)
-            K, C = self._block(self._assemble(s, cK=1.0)), self._block(self._assemble(s, cC=1.0))
-            fast = _fast(K, C, FAST * h)
-            if fast is None:
-                return
-            s.v[own] -= fast @ K @ s.v[own]
-            s.z[own] -= fast @ self._unbalanced(s)
-            dt, steady = DIFFERENCE * h, _with(s, s.v, np.zeros_like(s.a))
-            now, next_, after = (self._unbalanced(moved(steady, i * dt, of)) for i in range(3))
-            s.v[own] -= fast @ (4.0 * next_ - 3.0 * now - after) / (2.0 * dt)
-            s.z[own] -= fast @ self._unbalanced(s)
-            if all(_same(*pair) for pair in zip(last, (s.z[own], s.v[own]), strict=True)):
-                return
-
-    def _block(self, assembly):
-        """Return the block of the massless unknowns of the assembled tangent, dense."""
-        entries, places = self._of_block
-        n = len(self.massless)
-        return np.bincount(places, assembly.data[: self.system.nnz][entries], n * n).reshape(n, n)
-
-    @cached_property
-    def _of_block(self):
-        """Indices of the entries of the tangent of massless unknowns, and their places in the dense block."""
-        own = np.full(self.system.n, -1)
-        own[self.massless] = np.arange(len(self.massless))
-        rows, columns = own[self.system.rows], own[self.system.cols]
-        entries = np.flatnonzero((rows >= 0) & (columns >= 0))
-        return entries, rows[entries] * len(self.massless) + columns[entries]
-
-    def _unbalanced(self, s):
-        return self._assemble(s).residual[self.massless]
-
-    def _assemble(self, s, **coefficients):
-        """Return the Assembly at ``s``, as ``System.assemble`` does; the next call overwrites it."""
-        return self.system.assemble(s, into=self._assembly, **coefficients)
+        self.massless.settle(s, h)
 
     def accelerate(self, s: "State") -> None:
         """Set accelerations and multipliers of ``s`` in place from the equations of motion at its q and v."""
         system = self.system
         bare = _with(self.bare, s.v, np.zeros_like(s.a))
         gamma = system.constraint_derivatives(bare)[:, 2]
-        residual = self._assemble(bare).residual
+        residual = system.assemble(bare, into=self._assembly).residual
         top = np.where(self.loose, 0.0, -residual[: system.n_q])
         a, reaction = self._solve_again(top, self.k * gamma)
         s.a[system.n_q :] = 0.0
@@ -277,9 +203,9 @@ class Consistent:
         The unknown of a signal is its value, or its rate if it has a state.
         """
         system, n_q = self.system, self.system.n_q
-        assembly = self._assemble(s, k=self.k, cK=1.0)
+        assembly = system.assemble(s, self.k, cK=1.0, into=self._assembly)
         by_value, residual = assembly.data[: system.nnz].copy(), assembly.residual.copy()
-        by_rate = self._assemble(s, k=self.k, cC=1.0).data[: system.nnz]
+        by_rate = system.assemble(s, self.k, cC=1.0, into=self._assembly).data[: system.nnz]
         row, column = (np.append(signals, np.zeros(system.n_l, bool))[i] for i in (system.rows, system.cols))
         has_state = np.append(system.states, np.zeros(system.n_l, bool))[system.cols]
         values = np.where(has_state, by_rate, by_value)
@@ -325,45 +251,13 @@ def consistent_state(
     contradictions.refuse(s, h)
     consistent.settle(s, h)
     consistent.accelerate(s)
-    again = len(consistent.massless) and (system.n_l or system.signals.any())  # reactions and signals may act on these
+    again = len(consistent.massless.own) and (
+        system.n_l or system.signals.any()
+    )  # reactions and signals may act on these
     if again or len(system.sensed_multipliers):
         consistent.settle(s, h)
         consistent.accelerate(s)
     return s, consistent
-
-
-def _fast(K, C, limit):
-    """Return P K^-1 (n, n), P the projector on unknowns with K z + C z' = 0 that settle within ``limit`` [s], or None.
-
-    The time constants t are the eigenvalues of K^-1 C. Those of (K + C / limit)^-1 K, 1 / (1 + t / limit), exist also
-    where K is singular.
-    """
-    both = _inverse(K + C / limit)
-    if both is None:
-        return None
-    shares, X = np.linalg.eig(both @ K)
-    quick = np.abs(1.0 - shares) <= np.abs(shares)
-    if quick.all():
-        return _inverse(K)
-    inverse = _inverse(X) if quick.any() else None
-    return None if inverse is None else (X[:, quick] / shares[quick] @ inverse[quick]).real @ both
-
-
-def _inverse(A):
-    """Return the inverse of a matrix, or None if it is singular to rounding at any scales of rows and columns.
-
-    The products of its entries with those of the transposed inverse, Bristol's relative gains, do not depend on scales.
-    """
-    try:
-        found = np.linalg.inv(A)
-    except np.linalg.LinAlgError:
-        return None
-    return found if np.abs(A * found.T).max(initial=0.0) <= MOST_GAIN else None
-
-
-def _same(before, now):
-    """Return whether vectors differ by rounding only."""
-    return np.abs(now - before).max() <= ROUNDING * np.abs(now).max()
 
 
 def _with(s, v, a):

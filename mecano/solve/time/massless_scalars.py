@@ -1,0 +1,138 @@
+"""Scalars without inertia, such as deflections of tyres and pressures: values and rates from their own equations."""
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mecano.model.assembly import Assembly
+from mecano.solve.time.increments import moved
+
+if TYPE_CHECKING:
+    from mecano.model.state import State
+    from mecano.model.system import System
+
+DIFFERENCE = 0.02  # of a step, for differences along the motion
+RATE_ITERATIONS = 100
+FIRST_REACH = 1e-3  # m/s or rad/s
+RATE_TOLERANCE = 1e-12  # of the forces at work
+GROWTH = 1.5  # of the forces in one iteration, towards rest
+LEAST_DAMPING = 1e-12  # of the largest: a rate with less is not determined by its equation
+MOST_GAIN = 1e12  # relative: a matrix with a larger one is singular
+FAST = 1e-4  # of a step: a scalar without inertia that settles within this time counts as algebraic
+SETTLING = 3  # rounds in which values and rates of massless unknowns are fitted to one another
+ROUNDING = 1e-12  # of the largest value or rate: an iteration on them has converged
+
+
+class MasslessScalars:
+    """Scalars of a system without inertia, with the indices ``own`` (n,), and their equations."""
+
+    def __init__(self, system: "System", own: np.ndarray):
+        self.system, self.own, self._assembly = system, own, system.kept(Assembly)
+
+    def settle(self, s: "State", h: float) -> None:
+        """Set values and rates of these unknowns of ``s`` in place, consistent for steps of size h.
+
+        Rates follow from their own equations. In directions whose time constants, the eigenvalues of K^-1 C, are far
+        below h, the equations count as algebraic: they determine the values, and the rates keep them satisfied while
+        all velocities are constant.
+        """
+        own, of = self.own, self.system.numbering
+        for _ in range(SETTLING if len(own) else 0):
+            last = s.z[own], s.v[own]
+            self._settle_rates(s)
+            K, C = self._tangent(s, cK=1.0), self._tangent(s, cC=1.0)
+            fast = _fast(K, C, FAST * h)
+            if fast is None:
+                return
+            s.v[own] -= fast @ K @ s.v[own]
+            s.z[own] -= fast @ self._unbalanced(s)
+            dt, steady = DIFFERENCE * h, _without_acceleration(s)
+            now, next_, after = (self._unbalanced(moved(steady, i * dt, of)) for i in range(3))
+            s.v[own] -= fast @ (4.0 * next_ - 3.0 * now - after) / (2.0 * dt)
+            s.z[own] -= fast @ self._unbalanced(s)
+            if all(_same(*pair) for pair in zip(last, (s.z[own], s.v[own]), strict=True)):
+                return
+
+    def _settle_rates(self, s):
+        """Set the rates of these unknowns of ``s`` in place from their own equations (Levenberg)."""
+        own, reach = self.own, FIRST_REACH
+        best: tuple[float, np.ndarray] | None = None  # the least residual so far, by its size
+        rates = s.v[own].copy()  # of it
+        for _ in range(RATE_ITERATIONS):
+            assembly = self.system.assemble(s, cC=1.0, into=self._assembly)
+            r = assembly.residual[own]
+            if np.abs(r).max() <= RATE_TOLERANCE * assembly.size.max():
+                return
+            size = float(np.linalg.norm(r))
+            # friction that slips does not fall with the slip, and may grow on the way to rest: as long as the force
+            # keeps its direction the next step goes further
+            if best is None or size < 0.99 * best[0] or (size <= GROWTH * best[0] and r @ best[1] > 0.0):
+                best, rates, reach = (size, r), s.v[own].copy(), 2.0 * reach
+                C = self._block(assembly)
+            else:
+                reach = 0.25 * reach
+            change = np.linalg.lstsq(C + np.eye(len(own)) * (best[0] / reach), -best[1], rcond=LEAST_DAMPING)[0]
+            s.v[own] = rates + change
+        s.v[own] = rates
+
+    def _tangent(self, s, **coefficients):
+        return self._block(self.system.assemble(s, into=self._assembly, **coefficients))
+
+    def _block(self, assembly):
+        """Return the block of these unknowns of the assembled tangent, dense."""
+        entries, places = self._of_block
+        n = len(self.own)
+        return np.bincount(places, assembly.data[: self.system.nnz][entries], n * n).reshape(n, n)
+
+    @cached_property
+    def _of_block(self):
+        """Indices of the entries of the tangent of these unknowns, and their places in the dense block."""
+        own = np.full(self.system.n, -1)
+        own[self.own] = np.arange(len(self.own))
+        rows, columns = own[self.system.rows], own[self.system.cols]
+        entries = np.flatnonzero((rows >= 0) & (columns >= 0))
+        return entries, rows[entries] * len(self.own) + columns[entries]
+
+    def _unbalanced(self, s):
+        return self.system.assemble(s, into=self._assembly).residual[self.own]
+
+
+def _fast(K, C, limit):
+    """Return P K^-1 (n, n), P the projector on unknowns with K z + C z' = 0 that settle within ``limit`` [s], or None.
+
+    The time constants t are the eigenvalues of K^-1 C. Those of (K + C / limit)^-1 K, 1 / (1 + t / limit), exist also
+    where K is singular.
+    """
+    both = _inverse(K + C / limit)
+    if both is None:
+        return None
+    shares, X = np.linalg.eig(both @ K)
+    quick = np.abs(1.0 - shares) <= np.abs(shares)
+    if quick.all():
+        return _inverse(K)
+    inverse = _inverse(X) if quick.any() else None
+    return None if inverse is None else (X[:, quick] / shares[quick] @ inverse[quick]).real @ both
+
+
+def _inverse(A):
+    """Return the inverse of a matrix, or None if it is singular to rounding at any scales of rows and columns.
+
+    The products of its entries with those of the transposed inverse, Bristol's relative gains, do not depend on scales.
+    """
+    try:
+        found = np.linalg.inv(A)
+    except np.linalg.LinAlgError:
+        return None
+    return found if np.abs(A * found.T).max(initial=0.0) <= MOST_GAIN else None
+
+
+def _same(before, now):
+    """Return whether vectors differ by rounding only."""
+    return np.abs(now - before).max() <= ROUNDING * np.abs(now).max()
+
+
+def _without_acceleration(s):
+    out = s.copy()
+    out.a[:] = 0.0
+    return out
