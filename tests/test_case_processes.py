@@ -37,12 +37,16 @@ def forked():
         yield processes
 
 
-def test_a_fork_writes_what_a_separate_process_writes(forked, tmp_path):
+def test_a_fork_writes_what_a_separate_process_writes_in_half_of_its_time(forked, tmp_path):
+    """It takes about a fifth; the rest is that of imports."""
+    times = {}
     with closing(SeparateProcesses()) as separate:
         for name, processes in (("forked", forked), ("separate", separate)):
             number = processes.start(run(tmp_path / f"{name}.h5", *SHORT), tmp_path / "log")
             (end,) = ends(processes, [number]).values()
-            assert end.code == 0 and end.processor_time > 0.0
+            assert end.code == 0
+            times[name] = end.processor_time
+    assert 0.0 < times["forked"] < 0.5 * times["separate"]
     with h5py.File(tmp_path / "forked.h5") as one, h5py.File(tmp_path / "separate.h5") as other:
         for name in ("time", "elements", "energy"):
             same(one[name], other[name])
