@@ -139,3 +139,12 @@ def test_files_and_nodes_that_cannot_be(tmp_path, old, new, text):
     with pytest.raises(DeckError) as info:
         read(tmp_path, bar(), DECK.replace(old, new))
     assert text in info.value.problems[0].message
+
+
+def test_a_file_of_nastran_is_to_be_imported(tmp_path):
+    (tmp_path / "arm.pch").write_text("GRID*  1\n")
+    with pytest.raises(DeckError) as error:
+        deck_of_bytes(DECK.replace("FILE", "arm.pch").encode(), str(tmp_path / "deck.yaml"))
+    (problem,) = error.value.problems
+    assert problem.message.endswith("file 'arm.pch' is one of Nastran")
+    assert problem.hint == "`mecano import arm.pch` converts it"

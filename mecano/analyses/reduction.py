@@ -40,18 +40,24 @@ def reduce_part(
     ``elements`` names the elements and joints of the part (empty: all), ``nodes`` its boundary nodes; ``number`` of
     modes kept (None: all). Raises UsageError, AssemblyError, ResultsError.
     """
-    path = Path(path)
-    if path.suffix not in (".npz", ".h5"):
-        raise UsageError(f"reduced matrices are written to .npz or .h5 files, not '{path.name}'")
-    refuse_other_than_file(path)
-    if exists(path) and not force:
-        raise ResultsError(f"{path} exists; --force replaces it")
+    path = new_file(path, force)
     part = part_of(deck, elements, nodes)
     system = _system(part)
     result = reduce(system, list(nodes), number, length_scale(system.nodes))
     result.content.update(lines_of(part, [*nodes, *result.content.get("interior_names", ())]))
     write(path, result.content)
     return text(path, nodes, result), result
+
+
+def new_file(path: "str | os.PathLike[str]", force: bool) -> Path:
+    """Return the path of a file of reduced matrices to be written. Raises UsageError, ResultsError."""
+    path = Path(path)
+    if path.suffix not in (".npz", ".h5"):
+        raise UsageError(f"reduced matrices are written to .npz or .h5 files, not '{path.name}'")
+    refuse_other_than_file(path)
+    if exists(path) and not force:
+        raise ResultsError(f"{path} exists; --force replaces it")
+    return path
 
 
 def part_of(deck: "Deck", elements: Sequence[str], boundary: Sequence[str]) -> Model:

@@ -258,5 +258,39 @@ def reduce_(
     show(reported)
 
 
+@click.command(name="import")
+@click.argument("file", type=click.Path())
+@click.option("--length", metavar="UNIT", default="m", show_default=True, help="Unit of length of the file, as mm.")
+@click.option(
+    "--mass", metavar="UNIT", default="kg", show_default=True, help="Unit of mass of the file, as t or 'lbf s2/in'."
+)
+@click.option(
+    "-o", "--output", type=click.Path(), help="File .npz or .h5; default: the file's name with .npz, in this folder."
+)
+@click.option("--force", is_flag=True, help="Replace an existing file.")
+def import_(file: str, length: str, mass: str, output: str | None, force: bool) -> None:
+    """Import matrices of a part from Nastran for a superelement.
+
+    FILE is the punch file (.pch) of an external superelement, written by EXTSEOUT(EXTBULK,EXTID=1,DMIGPCH), with a
+    boundary of nodes with all six components. The command converts it to SI units and prints mass, centre of mass,
+    inertia and frequencies, to be compared with those of Nastran.
+    """
+    from mecano.analyses.nastran_matrices import Units, import_matrices
+
+    units = Units(_size(length, "m", "--length"), _size(mass, "kg", "--mass"))
+    path = output or os.path.splitext(os.path.basename(file))[0] + ".npz"
+    show(import_matrices(file, path, units, force=force))
+
+
+def _size(unit, of, option):
+    """Return the size of a unit in the SI unit ``of``."""
+    from mecano.deck.units import UnitError, factor_of
+
+    try:
+        return factor_of(unit, of)
+    except UnitError as error:
+        raise click.BadParameter(str(error), param_hint=option) from None
+
+
 def _names(text):
     return [name.strip() for name in text.split(",") if name.strip()] if text else []

@@ -39,6 +39,7 @@ UNREADABLE = (
     zlib.error,
 )  # fmt: skip
 MOST_NUMBERS = 4_000_000  # of one matrix, whatever size the header of a file claims
+NASTRAN = (".pch", ".bdf", ".nas", ".asm")
 KEYS = {field.name: field for field in CONTENT}
 
 
@@ -56,6 +57,8 @@ def reduced(node: Node, field: Field, scope: Scope) -> Values | Invalid:
 def _read(node, field, scope):
     name = node.value
     suffix = os.path.splitext(name)[1].lower()
+    if suffix in NASTRAN:
+        return scope.refuse(node, f"file {quoted(name)} is one of Nastran", f"`mecano import {name}` converts it")
     if suffix not in READERS:
         return scope.refuse_value(node, field)
     data = _bytes(name, node, scope)
