@@ -2,13 +2,15 @@
 
 They concern negative stiffness and damping, which some mechanisms need; angles of more than a turn in whole or half
 numbers, which look like degrees; gravity, moduli and densities in other units; tyres with unbounded rates of the patch;
-loads on fixed nodes; laws of time that the steps do not sample; triggers outside of a run; unused entries.
+joints that bind; loads on fixed nodes; laws of time that the steps do not sample; triggers outside of a run; unused
+entries.
 """
 
 import math
 from collections.abc import Container, Mapping
 from typing import TYPE_CHECKING, TypeAlias
 
+from mecano.deck.bound_joints import binding_joints
 from mecano.deck.containers import singular
 from mecano.deck.large_frictions import large_frictions
 from mecano.deck.missed_triggers import missed_triggers
@@ -55,8 +57,8 @@ def suspicious(
     found = [
         *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values["sections"]),
         *_tires(values["tire_laws"]), *_loads_without_effect(values["loads"], values["nodes"]),
-        *large_frictions(values), *misplaced_bearings(values, kinds), *unsampled(values, kinds),
-        *missed_triggers(values, kinds),
+        *large_frictions(values), *misplaced_bearings(values, kinds), *binding_joints(values, kinds),
+        *unsampled(values, kinds), *missed_triggers(values, kinds),
     ]  # fmt: skip
     return [Problem(text, _place(root, path).mark) for path, text in found] + list(_unused(root, used))
 

@@ -11,9 +11,11 @@ from mecano.element_interface import FREELY, SECTIONS
 from mecano.model.model import GROUND, beside_ground
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from mecano.deck.compose import Node
+    from mecano.deck.physics import Poses
+    from mecano.element_interface import Kind
     from mecano.schema import Values
 
 OTHER_AXIS = 1e-3  # rad
@@ -25,7 +27,7 @@ def check_axes(values: "Values", root: "Node", scope: Scope) -> None:
     counted = [(name, *angle) for name, d in joints.items() for angle in kinds[d["type"]].counts_angles(d)]
     if not counted:
         return
-    body = _bodies(values, kinds)
+    body = bodies(values, kinds, turning_together)
     bearings = {body(d["nodes"]): name for name, d in joints.items() if kinds[d["type"]].turns == FREELY}
     for name, field, axis, pair in counted:
         bearing = bearings.get(body(pair))
@@ -58,8 +60,13 @@ def are_parallel(a: "Sequence[float]", b: "Sequence[float]", sine: float) -> boo
     return bool(np.linalg.norm(np.cross(a, b)) <= sine * np.linalg.norm(a) * np.linalg.norm(b))
 
 
-def _bodies(values, kinds):
-    """Return a function of names of nodes that returns the set of the bodies with which they turn."""
+def bodies(
+    values: "Values", kinds: "Mapping[str, Kind]", together: "Callable[[Kind, Values, Poses], list[tuple[str, str]]]"
+) -> "Callable[[Sequence[str]], frozenset[str]]":
+    """Return a function of names of nodes that returns the set of the bodies to which they belong.
+
+    ``together`` returns the pairs of nodes of an element or joint that belong to one body.
+    """
     leader = {name: GROUND for name, node in values["nodes"].items() if node["fixed"]}
 
     def body(name):
@@ -71,13 +78,13 @@ def _bodies(values, kinds):
     at = poses(values["nodes"])
     for section in SECTIONS:
         for d in values[section].values():
-            for a, b in _turning_together(kinds[d["type"]], d, at):
+            for a, b in together(kinds[d["type"]], d, at):
                 if body(a) != body(b):
                     leader[body(a)] = body(b)
     return lambda names: frozenset(body(name) for name in names)
 
 
-def _turning_together(kind, d, at):
+def turning_together(kind: "Kind", d: "Values", at: "Poses") -> list[tuple[str, str]]:
     """Return the pairs of nodes of an element or joint that have one rotation, or a constant relative one."""
     names = own_nodes(kind, d)
     if "attached" in d:  # also nodes with an orientation of their own

@@ -112,6 +112,9 @@ class DeckEntry:
     turns: str = ""
     """FREELY, for a joint that leaves free only the angle about its 'axis'; BY_COMMAND, for one that prescribes the
     angle about its 'axis'"""
+    holds: Callable = nothing
+    """deck values -> names of the axes of constraints/pair.py along and about which a joint holds its two nodes rigidly
+    in the whole run; none if they are not those of 'axis' and 'axis_1' at the start"""
     counts_angles: Callable = nothing
     """deck values -> [(field of the axis, axis (3,), (node a, node b))] of a joint that holds angles of b relative to
     a: a joint of their bodies that turns FREELY must have the same axis"""

@@ -79,6 +79,12 @@ class LowerPair:
         given = (field.name for option in self.options if option.needs_reactions for field in option.fields)
         return any(d[name] for name in given)
 
+    def holds(self, d):
+        """Return the axes that it holds rigidly, see Kind.holds; none with ``axis_b``, as the assembly turns b."""
+        if d.get("release") or d.get("axis_b") is not None:
+            return ()
+        return tuple(axis for axis in self.held if not (d.get("compliance") or {}).get(axis))
+
     def observe(self, put):
         """Return the ``observe`` of a joint: its free motions, then the reactions, which ``put`` writes."""
         for motion in reversed(self.motions):
@@ -121,7 +127,8 @@ def rigid_pair(name, doc, pair, sample=None):
         commit=next((o.commit for o in outputs if o.commit), None),
         measures={output: measured(of) for o in outputs for output, of in o.measures.items()},
         prepare=pair.place, parts=parts, check=check, observe=pair.observe(pair.reactions.put),
-        admissible=not_flipped, turns="" if "about_axis" in pair.held else FREELY, sample=sample,
+        admissible=not_flipped, turns="" if "about_axis" in pair.held else FREELY, holds=pair.holds,
+        sample=sample,
     )  # fmt: skip
 
 

@@ -47,6 +47,11 @@ def check(d, nodes):
     return check_one_place(d, nodes) + check_friction(d)
 
 
+def holds(d):
+    """Return the three axes along which it holds its nodes."""
+    return ("along_1", "along_2", "along_axis")
+
+
 def sample(rng):
     """Return two nodes at the same position."""
     nodes, friction = one_place(rng), {"coefficient": FALLING, "regularization": 0.2, "radius": 0.3}
@@ -67,7 +72,7 @@ SPHERICAL_HELD = Kind(
     optional=(("friction", BALL_FRICTION, ""),),
     parts=parts_held,
     observe=observe_held,
-    **named(variant, check, sample),
+    **named(variant, check, holds, sample),
 )
 
 SPHERICAL = replace(
