@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from process import mecano_process
 from scipy.linalg import expm
 from time_runs import INPUTS, deck, input_deck
 
@@ -658,6 +659,22 @@ class TestCommand:
     def test_an_input_that_acts_on_nothing(self):
         done = self.invoke("--output", "weight.position.z", "--input", "idle", "--set", "signals={idle: 0*time}")
         assert "mecano: the input idle acts on nothing: no load, joint or signal reads it" in done.output
+
+    @pytest.mark.parametrize(
+        "arguments",
+        [
+            "modes pendulum.yaml",
+            "modes pendulum.yaml --sweep elements.bar.mass=1,2",
+            "response base_excitation.yaml --input shaker.value --output weight.position.z --from 1 --to 2",
+        ],
+    )
+    def test_warnings_are_apart_from_the_table(self, tmp_path, arguments):
+        """On the standard error, so that a pipe receives the table only."""
+        command, model, *options = arguments.split()
+        idle = ["--input", "idle", "--set", "signals={idle: 0*time}"] if command == "response" else []
+        code, out, errors = mecano_process(command, INPUTS / model, *options, *idle, cwd=tmp_path)
+        assert code == 0 and out.count("\n") > 1 and "mecano:" not in out
+        assert "mecano: the " in errors
 
     def test_a_start_that_is_no_equilibrium(self):
         found = respond(input_deck("controlled_cart"), ["cylinder.value"], ["cart.position.x"])

@@ -7,10 +7,13 @@ import math
 import os
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from functools import wraps
 from typing import Any
 
 import click
+
+WARNING = "mecano: "
 
 overrides = click.option(
     "--set",
@@ -96,6 +99,14 @@ def require_saved_state(at: str | None, at_rest: bool) -> None:
     """Raise BadParameter for --at-rest without --at."""
     if at_rest and at is None:
         raise click.BadParameter("belongs to --at RESULTS.h5:TIME", param_hint="--at-rest")
+
+
+def show_with_warnings(text: str) -> None:
+    """Print the lines of a table, and on the standard error those of its warnings, which begin with "mecano: "."""
+    lines = text.split("\n")
+    show("\n".join(line for line in lines if not line.startswith(WARNING)))
+    with suppress(OSError):  # the terminal may have been closed
+        click.echo("".join(f"{line}\n" for line in lines if line.startswith(WARNING)), err=True, nl=False)
 
 
 def show(text: str) -> None:

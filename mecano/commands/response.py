@@ -6,7 +6,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from mecano.commands import axes, grouped, overrides, plugins, require_saved_state, saved_state, show, together
+from mecano.commands import (
+    axes,
+    grouped,
+    overrides,
+    plugins,
+    require_saved_state,
+    saved_state,
+    show,
+    show_with_warnings,
+    together,
+)
 
 if TYPE_CHECKING:
     from mecano.analyses.response import FrequencyRequest
@@ -136,5 +146,5 @@ def _compute(
     checked = read_deck(deck, overrides)
     with SweepProgress(written.quiet, path).announcing_compiling():
         text, _ = find(checked, path, request, columns=written.columns, force=written.force, **more)
-    show(text)
+    show_with_warnings(text)
     return path

@@ -5,7 +5,17 @@ from typing import NamedTuple
 
 import click
 
-from mecano.commands import BELOW, axes, grouped, overrides, plugins, require_saved_state, saved_state, show
+from mecano.commands import (
+    BELOW,
+    axes,
+    grouped,
+    overrides,
+    plugins,
+    require_saved_state,
+    saved_state,
+    show,
+    show_with_warnings,
+)
 from mecano.commands.viewing import live as shown
 from mecano.process.interrupt import Interruption, resume_command, seconds
 from mecano.solve.modal import SOLVERS
@@ -198,7 +208,7 @@ def _modes_about(path, deck, overrides, quiet, **options):
     checked = read_deck(deck, overrides)
     with SweepProgress(quiet, path).announcing_compiling():
         text, found, _ = find(checked, path, **options)
-    show(text)
+    show_with_warnings(text)
     return found
 
 
@@ -215,7 +225,7 @@ def _sweep(path, deck, overrides, swept, quiet, **options):
             orders=swept.orders or (1.0,), **options,
         )  # fmt: skip
     progress.done(total)
-    show(text)
+    show_with_warnings(text)
 
 
 @click.command(name="reduce")
