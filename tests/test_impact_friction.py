@@ -320,6 +320,32 @@ def test_balls_settle_in_a_box():
     assert min(run[f"elements/{name}{i}/gap"].min() for i in range(4) for name in WALLS) > -1e-7
 
 
+FLUSH = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {body: {position: [0.2, 0, 2]}, low: {position: [0, 0, 1.5]}, high: {position: [0, 0, 2.5]}}
+    initial:
+      velocities:
+      - {nodes: [body, low, high], velocity: [-1, 0, -1], angular_velocity: [0, TURNING, 0], about: [0.2, 0, 2]}
+    elements:
+      box: {type: rigid_body, node: body, attached: [low, high], mass: 2, inertia: [1, 0.19, 1]}
+      low_edge: {type: contact, nodes: [ground, low], WALL}
+      high_edge: {type: contact, nodes: [ground, high], WALL}
+    joints: {plane: {type: planar, nodes: [ground, body], axis: [0, 1, 0]}}
+    time: {end: 0.5, step: 1.0e-3, rho_inf: 0}
+"""
+WALL = "plane: {normal: [1, 0, 0], point: [-0.1, 0, 0]}, friction: {coefficient: 0.5, regularization: 1.0e-3}"
+
+
+@pytest.mark.parametrize("turning", [-0.7, -0.1, 0.5])
+def test_a_box_falls_flush_with_a_wall(turning):
+    """Both edges touch the wall without a force: it falls with g, and rounding errors do not open and close them."""
+    run = RecordedRun(deck(FLUSH.replace("TURNING", str(turning)).replace("WALL", WALL)))
+    flush = run["nodes/body/velocity"][(run.time > 0.3) & (run.time < 0.4)]
+    np.testing.assert_allclose(np.diff(flush[:, 2]), -9.81 * 1e-3, rtol=1e-9)
+    np.testing.assert_allclose(flush[:, 0], 0.0, atol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("overlap", "later", "keeps"),
     [(2e-9, 1e-9, True), (2e-9, 3e-9, False), (0.0, 1e-10, True), (0.0, 3e-9, False)],
