@@ -231,6 +231,33 @@ def test_the_worst_equations_are_of_different_places_and_no_rounding():
     assert worst_equations(system, assembly) == "  node root: force x: residual inf N"
 
 
+SLIDER_WITHOUT_MASS = """
+mecano: 1
+gravity: none
+laws: {rough: {dry_friction: {force: 5, regularization: 1.0e-3}}}
+nodes: {slide: {position: [0, 0, 0]}, weight: {position: [1, 0, 0]}}
+elements:
+  load: {type: rigid_body, node: weight, mass: 1, inertia: [1, 1, 1]}
+  spring: {type: spring_damper, nodes: [slide, weight], law: {spring: {stiffness: 1000}}}
+joints:
+  rough: {type: prismatic, nodes: [ground, slide], axis: [1, 0, 0], sliding_law: rough}
+  smooth: {type: prismatic, nodes: [ground, weight], axis: [1, 0, 0]}
+initial: {velocities: [{nodes: [weight], velocity: [1, 0, 0]}]}
+time: {end: 2, step: 1.0e-3, method: radau, adaptive: {tolerance: 1.0e-5}}
+"""
+
+
+def test_the_end_without_mass_of_a_spring_is_named(tmp_path):
+    """Friction at its limit leaves its rate undetermined; the estimate of the error shows the mass at the other end."""
+    code, said, _ = failed_run(tmp_path, SLIDER_WITHOUT_MASS)
+    assert code == 3 and "the acceleration changes most in node weight: displacement x" in said
+    _, _, advice = said.partition("what to try")
+    assert "node slide: nothing gives mass to its displacement" in advice
+    mass = "elements:\n  small: {type: point_mass, node: slide, mass: 1.0e-3}"
+    run = RecordedRun(deck(SLIDER_WITHOUT_MASS.replace("elements:", mass)))
+    assert run.time[-1] == 2.0 and run["joints/rough/velocity"].max() > 0.1
+
+
 def test_a_step_of_the_least_size_that_is_too_rough_stops_the_run(tmp_path):
     adaptive = "time.adaptive={tolerance: 1.0e-3, minimum_step: 1.0e-3}"
     fast = "signals={fast: 1e6*ball.velocity.x}"  # the estimate leaves out signals

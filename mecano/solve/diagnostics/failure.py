@@ -193,7 +193,20 @@ def minimum_step(
         f"what to try: {smaller}laws without jumps near this state; a fixed step, if the mechanism passes a singular "
         "position"
     )
-    return of_equations(failed, system, [worst])
+    failed = of_equations(failed, system, [worst])
+    failed.places = tuple(dict.fromkeys((*failed.places, *_joined_to(system, worst))))
+    return failed
+
+
+def _joined_to(system, i):
+    """Return the places of the unknowns on which the elements that act on the unknown ``i`` also act.
+
+    A node without mass at the other end of a spring may be the cause of what happens to its mass.
+    """
+    for batch in system.batches:
+        if batch.kind.acts:
+            for dofs in batch.dofs[(batch.dofs == i).any(axis=1)]:
+                yield from (system.numbering.name[d].place for d in dofs if d < system.n_q)
 
 
 def _changing_most(system, change):
