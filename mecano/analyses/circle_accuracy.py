@@ -1,4 +1,4 @@
-"""Warnings about fixed steps that are too long for masses that move on circles."""
+"""Warnings about fixed steps that are too long, or unstable, for masses that move on circles."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -7,6 +7,7 @@ import numpy as np
 
 from mecano.maths.so3 import exp
 from mecano.maths.vector import Vec3
+from mecano.results.energy_balance import EXCHANGED, scale_of_balance
 
 if TYPE_CHECKING:
     from mecano.model.extremes import Extremes
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 OFF = 0.007  # error of the force of a circling mass above which it is reported: 0.2 rad in a step at rho_inf = 0.8
 ALIKE = 0.2  # relative difference of changes of an acceleration below which they turn with the node
+STABLE = 1.36  # rad in a step, times (1 - rho)/(1 + rho): more is unstable for a mass on a rigid arm
+GROWN = 0.5  # error of the energy balance over its scale above which a motion may be unstable
 SIMILAR = 2.0  # ratio of a speed over a radius to the angular velocity, and of two radii, below which a node circles
 
 
@@ -53,6 +56,35 @@ def circle_warnings(
         "more if the mass is large compared with its rotor; use a smaller 'time.step', 'time.adaptive', 'method: "
         "radau', or the 'center_of_mass' of the rotor instead of an attached mass"
     )
+
+
+def unstable_turning_warnings(values: "Values", sampler: "Sampler", extremes: "Extremes") -> Iterator[str]:
+    """Yield a warning if energy has grown in fixed steps that turn bodies farther than ``rho_inf`` allows.
+
+    ``values`` are the section ``time`` of the deck. With rho_inf = 1 no such steps are stable, which the documentation
+    says of constraints in general.
+    """
+    rho, h = values["rho_inf"], values["step"]
+    spins = _spins(sampler)
+    if values["adaptive"] or values["method"] != "generalized_alpha" or rho == 1.0 or not spins:
+        return
+    limit = STABLE * (1.0 - rho) / (1.0 + rho)
+    if _rates(spins, extremes).max() * h > limit and _has_grown(sampler, extremes):
+        yield (
+            f"energy grows, and bodies turn by more than {limit:.2g} rad in a step of {h:g} s: with rho_inf = {rho:g} "
+            "the motion of masses that stiff members or constraints lead around a centre is unstable then; use a "
+            "smaller 'time.step', 'time.adaptive' or 'method: radau' (a smaller 'time.rho_inf' allows longer steps, "
+            "but brakes the motion)"
+        )
+
+
+def _has_grown(sampler, extremes):
+    """Return whether the sum of the energies has grown by much of what was exchanged."""
+    at = {column.path: column.start for column in sampler.columns}
+    high, low, balance = extremes.high, extremes.low, at["energy/balance"]
+    ranges = {name: (low[at[f"energy/{name}"]], high[at[f"energy/{name}"]]) for name in (*EXCHANGED, "balance")}
+    grows = extremes.high_time[balance] > extremes.low_time[balance]
+    return grows and high[balance] - low[balance] > GROWN * scale_of_balance(ranges)[1]
 
 
 def _off(method, phases):

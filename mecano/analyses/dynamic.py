@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from mecano.analyses.checkpoint_writer import INTERVAL, CheckpointWriter, restore
-from mecano.analyses.circle_accuracy import circle_warnings
+from mecano.analyses.circle_accuracy import circle_warnings, unstable_turning_warnings
 from mecano.analyses.compilation import compile_time_integration
 from mecano.analyses.diagnostics import (
     capture_warnings,
@@ -267,7 +267,9 @@ class Ongoing:
         except (ConvergenceError, NonFiniteError) as error:
             known = [*self._notes, *self.integrator.warnings, *limit_warnings(deck, sampler, recorder.writer.extremes)]
             latches = open_latch_warnings(deck, recorder.row, sampler)
-            raise type(error)("\n".join([failure_text(error, deck, known), *latches])) from error
+            turning = unstable_turning_warnings(deck.values["time"], sampler, recorder.writer.extremes)
+            after = [*latches, *(f"warning: {text}" for text in turning)]
+            raise type(error)("\n".join([failure_text(error, deck, known), *after])) from error
 
     def _memory_with(self, given):
         from mecano.elements.signals.external import with_external_values  # not needed by runs without such signals
@@ -299,6 +301,7 @@ class Ongoing:
         warnings += untouched_ground_warnings(deck, sampler, extremes)
         warnings += wrap_warnings(deck, sampler, extremes)
         warnings += energy_warnings(values, sampler, extremes)
+        warnings += unstable_turning_warnings(values, sampler, extremes)
         warnings += circle_warnings(values, integrator.method, self.state, sampler, extremes)
         length = integrator.method.length
         if integrator.method.order == 2:
