@@ -13,6 +13,7 @@ from mecano.analyses.reduction import part_of, reduce_part
 from mecano.analyses.static import run as run_static
 from mecano.deck.build import build, set_velocities
 from mecano.deck.read import deck_of_bytes
+from mecano.elements.bodies.reduced_matrices import buckling_load, first_clamped_frequency
 from mecano.elements.bodies.superelement import SUPERELEMENT
 from mecano.errors import AssemblyError, UsageError
 from mecano.model.system import System
@@ -206,7 +207,7 @@ def test_thousand_turns_leave_no_strain():
         turn = Rotation.from_rotvec((10.0 * np.pi * i + 0.3) * np.array([0.48, 0.6, 0.64])).as_matrix()
         motion.x[:, 0], motion.R = x @ turn.T + 5.0, turn @ R
         y, _ = instance.observe(motion.t, instance.local(motion), np.zeros(12))
-        np.testing.assert_allclose(y[9:15], 0.0, atol=1e-13)  # displacement and rotation of the first node
+        np.testing.assert_allclose(y[12:18], 0.0, atol=1e-13)  # displacement and rotation of the first node
         assert y[0] < 1e-24
 
 
@@ -351,3 +352,43 @@ def test_static_deflection(tmp_path):
     L, E, area, inertia = np.sqrt(0.99), 7.0e10, 0.04 * 0.02, 0.02 * 0.04**3 / 12.0
     bending, shear = 0.01 * L**3 / (3 * E * inertia), 0.01 * L / (5 / 6 * E / 2.6 * area)
     assert np.linalg.norm(x) == pytest.approx(bending + shear, rel=1e-3)
+
+
+STIFFNESS, LENGTH, WEIGHT = 7.0e10 * 0.04 * 0.02**3 / 12.0, np.sqrt(0.99), 2700 * 0.04 * 0.02 * np.sqrt(0.99)
+
+
+def test_first_clamped_frequency_and_buckling_load():
+    """22.373 sqrt(EI/(m L^3)) of a bar with clamped ends, 3.516 with one, and Euler's pi^2 EI/L^2."""
+    both, one = (reduced(BAR, nodes, None)[1].content for nodes in (["root", "tip"], ["root"]))
+    bending = np.sqrt(STIFFNESS / (WEIGHT * LENGTH**3))
+    assert first_clamped_frequency(both) == pytest.approx(22.373 * bending, rel=0.01)
+    assert first_clamped_frequency(one) == pytest.approx(3.516 * bending, rel=0.01)
+    assert buckling_load(both) == pytest.approx(np.pi**2 * STIFFNESS / LENGTH**2, rel=0.02)
+    assert buckling_load(one) == np.inf
+
+
+@pytest.mark.parametrize(("share", "reported"), [(0.08, False), (0.15, True)])
+def test_forces_near_the_buckling_load_are_reported(tmp_path, share, reported):
+    """A superelement neither buckles nor stiffens; a tenth of its buckling load changes its stiffness by a tenth."""
+    size = share * np.pi**2 * STIFFNESS / LENGTH**2
+    load = f"f: {{type: force, node: tip, value: {size}, direction: [-0.9, -0.3, -0.3]}}"
+    run_static(clamped(tmp_path, f"loads: {{{load}}}\nstatic: {{}}\n"), tmp_path / "static.h5")
+    with open_results(tmp_path / "static.h5") as results:
+        assert ("forces in it would change its stiffness by more than a tenth" in results.reason) == reported
+
+
+@pytest.mark.parametrize(("share", "reported"), [(0.25, False), (0.4, True)])
+def test_fast_rotation_is_reported(tmp_path, share, reported):
+    """Above 0.316 of the first clamped frequency centrifugal terms are more than a tenth of the stiffness."""
+    reduce_part(deck(BAR), tmp_path / "bar.npz", nodes=["root"], number=2)
+    rate = share * 3.516 * np.sqrt(STIFFNESS / (WEIGHT * LENGTH**3))
+    head = BAR.split("sections:")[0].replace("  tip: {position: [1.1, 0.4, 0.3], orientation: [0, 0, 1.0]}\n", "")
+    text = f"""{head}elements: {{blade: {{type: superelement, nodes: [root], file: bar.npz}}}}
+joints: {{hub: {{type: hinge, nodes: [ground, root], axis: [0, 0, 1]}}}}
+initial: {{velocities: [{{nodes: [root], velocity: [0, 0, 0], angular_velocity: [0, 0, {rate}], about: own}}]}}
+time: {{end: 0.01, step: 1.0e-3}}
+"""
+    run(deck_of_bytes(text.encode(), str(tmp_path / "blade.yaml")), tmp_path / "blade.h5")
+    with open_results(tmp_path / "blade.h5") as results:
+        np.testing.assert_allclose(results["blade.frame_spin"].values[0], [0, 0, rate], atol=1e-9)
+        assert ("superelement 'blade': frame_spin.z reached" in results.reason) == reported

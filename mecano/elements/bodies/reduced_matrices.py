@@ -10,6 +10,7 @@ SYMMETRY = 1e-8  # of the largest entry
 RIGID = 1e-6  # forces of a rigid motion, relative to those that it would cause in springs to the ground
 NEGATIVE = 1e-8  # of the largest eigenvalue
 PLACE = 1e-6  # of the size of the superelement
+CLAMPED = 22.373  # square of the first root of cos(x) cosh(x) = 1: frequency of a clamped bar
 IN_MM = 500.0, 2000.0  # ratio of the sizes of a part in mm and of its nodes
 
 
@@ -44,6 +45,28 @@ def mass_moments(mass, positions):
     C = translations.T @ M @ rotations  # -hat(S)
     S = 0.5 * np.array([C[1, 2] - C[2, 1], C[2, 0] - C[0, 2], C[0, 1] - C[1, 0]])
     return np.trace(translations.T @ loads) / 3.0, S, rotations.T @ M @ rotations, loads
+
+
+def first_clamped_frequency(reduced):
+    """Return the lowest circular frequency [rad/s] with held boundary nodes; infinite without modes."""
+    inner = slice(6 * len(reduced["positions"]), None)
+    K, M = (np.array(reduced[key], float)[inner, inner] for key in ("stiffness", "mass"))
+    slowest = np.linalg.eigvals(np.linalg.pinv(K) @ M).real.max(initial=0.0)
+    return float(1.0 / np.sqrt(slowest)) if slowest > 0.0 else np.inf
+
+
+def buckling_load(reduced):
+    r"""Return the buckling load [N] of a part between two boundary nodes, hinged at both; infinite for others.
+
+    That of a uniform bar with its mass m, the distance L of its nodes and its first frequency with clamped ends:
+
+    .. math::  \frac{\pi^2 EI}{L^2}, \qquad \omega = 22.373 \sqrt{\frac{EI}{m L^3}}
+    """
+    X, frequency = np.array(reduced["positions"], float), first_clamped_frequency(reduced)
+    if len(X) != 2 or frequency == np.inf:
+        return np.inf
+    mass = mass_moments(reduced["mass"], X)[0]
+    return np.pi**2 * mass * np.linalg.norm(X[1] - X[0]) * (frequency / CLAMPED) ** 2
 
 
 def problems(reduced):

@@ -24,7 +24,14 @@ import numpy as np
 
 from mecano.constraints.joint_samples import rotation
 from mecano.element_interface import Display, Kind, Output, named, record
-from mecano.elements.bodies.reduced_matrices import mass_moments, misplaced, problems, rigid_motions
+from mecano.elements.bodies.reduced_matrices import (
+    buckling_load,
+    first_clamped_frequency,
+    mass_moments,
+    misplaced,
+    problems,
+    rigid_motions,
+)
 from mecano.elements.bodies.superelement_force import add_forces, add_product, state_of
 from mecano.elements.bodies.superelement_frame import MOMENTUM, ROWS, U_RATE, U, V
 from mecano.elements.bodies.superelement_tangent import TANGENT_ROWS, add_tangents
@@ -36,6 +43,7 @@ from mecano.maths.vector import dot, mat, put, vec
 from mecano.schema import NODES, NUMBER, REDUCED, Field, not_negative
 
 RECORD = record(n_nodes="i", n_modes="i", table="i", damped="i", mass=(), square=(), moment=3, gravity=3)
+NOTICED = 0.1  # of the stiffness: terms of second order that are reported
 NODE_OUTPUTS = (
     ("displacement", "m", "displacement of boundary node {} from its undeformed position, axes of the frame"),
     ("rotation", "rad", "rotation vector of boundary node {} from its undeformed orientation, axes of the frame"),
@@ -79,16 +87,17 @@ def observe(p, at, F, y, e):
     w = quaternion(s.R)
     for i in range(4):
         y[5 + i] = w[i]
+    put(y, 9, s.R @ s.spin)
     add_forces(p, at.laws, s, total)
     for i in range(p.n_nodes):
-        j = 9 + 12 * i
+        j = 12 + 12 * i
         put(y, j, vec(work[U], 6 * i))
         put(y, j + 3, vec(work[U], 6 * i + 3))
         put(y, j + 6, vec(total, 6 * i))
         put(y, j + 9, mat(at.R[i]) @ vec(total, 6 * i + 3))
     for i in range(p.n_modes):
-        y[9 + 12 * p.n_nodes + 2 * i] = at.q[6 * p.n_nodes + i]
-        y[10 + 12 * p.n_nodes + 2 * i] = at.v[6 * p.n_nodes + i]
+        y[12 + 12 * p.n_nodes + 2 * i] = at.q[6 * p.n_nodes + i]
+        y[13 + 12 * p.n_nodes + 2 * i] = at.v[6 * p.n_nodes + i]
     e[0] = kinetic
     e[1] = y[0] - p.mass * dot(vec(p.gravity, 0), s.centre) - dot(s.load, s.moment)
     e[2] = dissipated
@@ -162,6 +171,19 @@ def check(d, nodes):
     return found or ([off] if off else [])
 
 
+def limits(d):
+    """Return the spin and the forces above which what is neglected is a tenth of the stiffness."""
+    reduced = d["file"]
+    frequency, load = first_clamped_frequency(reduced), buckling_load(reduced)
+    spins = "its first frequency with held boundary nodes is {:.3g} rad/s: the centrifugal forces of its inner "
+    spins += "motions, which it neglects, are more than a tenth of its stiffness; divide it into several superelements"
+    presses = "its buckling load is of the order of {:.3g} N: forces in it would change its stiffness by more than a "
+    presses += "tenth, which it neglects; divide it into several superelements"
+    found = [("frame_spin", np.sqrt(NOTICED) * frequency, spins.format(frequency))] if frequency < np.inf else []
+    forces = [f"force_{i}" for i in (1, 2)] if load < np.inf else []
+    return found + [(output, NOTICED * load, presses.format(load)) for output in forces]
+
+
 def variant(d):
     """Return the kind of a superelement with the numbers of nodes and modes of these values."""
     n_nodes = len(d["file"]["positions"])
@@ -231,6 +253,7 @@ OUTPUTS = (
     Output("kinetic_energy", "J", "kinetic energy"),
     Output("frame_origin", "m", "mean of the boundary nodes, the origin of the frame, inertial", (3,), geometric=True),
     Output("frame_rotation", "-", "unit quaternion (w, x, y, z) from the axes of the frame to inertial axes", (4,)),
+    Output("frame_spin", "rad/s", "angular velocity of the frame, inertial axes", (3,)),
 )
 DECLARED = _outputs(1, 1, "; and so on")
 SUPERELEMENT = Kind(
@@ -246,7 +269,7 @@ SUPERELEMENT = Kind(
         Field("stiffness_damping", NUMBER, "s", "damping per stiffness", 0.0, not_negative),
     ),
     flexible=True,
-    **named(prepare, check, force, observe, sample, variant),
+    **named(prepare, check, force, observe, sample, variant, limits),
     outputs=DECLARED,
     hidden=_hidden(DECLARED),
 )
