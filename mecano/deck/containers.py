@@ -148,7 +148,8 @@ def named(node: "Node", field: Field, scope: Scope) -> Values | Invalid:
     """Return a dict from names chosen by the user to values of one type."""
     if type(node.value) is not dict:
         listed = type(node.value) is list and any(type(item.value) is dict for item in node.value)
-        hint = "begin each entry with its name and ':', not with '-'" if listed else ""
+        empty = "leave it out, or write {}" if node.value is None and not field.required else ""
+        hint = "begin each entry with its name and ':', not with '-'" if listed else empty
         return scope.refuse_value(node, field, hint=hint)
     before = len(scope.problems)
     values: Values = {}

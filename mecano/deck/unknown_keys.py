@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from mecano.deck.compose import Node
     from mecano.deck.scope import Invalid, Scope
 
+MERGED = "merge keys of YAML are not read; 'templates' and 'repeat' write similar entries"
 EXPANDED_KEYS = ("include", "templates", "place", "repeat")  # of a deck or of an entry, removed by the expansion
 OF_LAWS = ("stiffness", "damping", "spring", "damper", "k", "c")
 LAWS = ("law", "turning_law", "sliding_law")  # that have them as terms
@@ -67,7 +68,7 @@ def _meant(key, known, fields, field, scope):
     if "=" in key:
         return "write ': ' instead of '='"
     if key == "<<":
-        return "merge keys of YAML are not read; 'templates' and 'repeat' write similar entries"
+        return MERGED
     if key == "include" and not field.name:  # files were included before: this is of --set
         return f"{quoted(key)} is allowed in the file of the deck only"
     allowed = known if field.name else known.union(EXPANDED_KEYS)
@@ -127,6 +128,8 @@ def refuse_untyped(node: "Node", section: str, scope: "Scope") -> "Invalid":
     """Report an entry without 'type', or a key that resembles 'type'."""
     kinds = _kinds_of(section, scope)
     for key, (key_node, value) in node.value.items():
+        if key == "<<":  # it may have the type
+            return scope.refuse(key_node, f"unknown key {quoted(key)}", MERGED)
         if key in kinds:
             return scope.refuse(key_node, f"unknown key {quoted(key)}", f"write 'type: {key}'")
         if type(value.value) is not str or value.value not in kinds:
