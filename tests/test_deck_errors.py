@@ -403,8 +403,8 @@ def test_missing_sections_are_all_named():
 def test_empty_sections():
     text = "mecano: 1\nnodes: {}\nelements: {}\ntime: {end: 1, step: 0.1}\n"
     assert problems_of(text) == [
-        "2:8 'nodes' must not be empty, got a mapping",
-        "3:11 'elements' must not be empty, got a mapping",
+        "2:8 'nodes' must not be empty",
+        "3:11 'elements' must not be empty",
     ]
 
 

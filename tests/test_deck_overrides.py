@@ -94,6 +94,12 @@ place: {left: {template: leg}}
         ("joints.pim=null", "1:8 'joints' has no 'pim'; did you mean 'pin'?; " + ADDING),
         ("include=a.yaml", "1:1 unknown key 'include'; 'include' is allowed in the file of the deck only"),
         ("hub.mass=3", "1:1 unknown key 'hub'; write elements.hub.mass"),
+        ("mass=3", "1:1 unknown key 'mass'; write parameters.mass"),
+        ("gravity[2]=3", "1:1 unknown key 'gravity[2]'; an item of a list is written gravity.2"),
+        (
+            "joints.pin.nodes[1]=top",
+            "1:12 unknown key 'nodes[1]'; an item of a list is written joints.pin.nodes.1",
+        ),
         ("tme.end=3", "1:1 unknown key 'tme'; did you mean 'time'?"),
         ("time.edn=3", "1:6 unknown key 'time.edn'; did you mean 'end'?"),
         ("time.newton.iterations=3", "1:13 unknown key 'time.newton.iterations'; did you mean 'maximum_iterations'?"),

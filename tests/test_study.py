@@ -148,7 +148,7 @@ class TestCases:
         ("grid: {time.end: [1]}\nsignals: {a: time}", "4:1", "'signals' is a section of decks, not of this file"),
         ("grid: {}", "3:1", "grid: must not be empty"),
         ("list: []", "3:7", "'list' must not be empty, got []"),
-        ("list: [{}]", "3:8", "'list[0]' must not be empty, got a mapping"),
+        ("list: [{}]", "3:8", "'list[0]' must not be empty"),
         ("title: nothing", "1:1", "nothing is varied: a study has at least one of 'grid', 'list'"),
         ("grid: {a: {from: 1, to: 2, number: 90000}, b: [1, 2]}", "1:1", "180000 cases are more than 100000"),
         (

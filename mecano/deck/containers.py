@@ -43,6 +43,8 @@ def checked(node: "Node", field: Field, scope: Scope) -> Checked:
     if type(value) is dict and field.type.name != "named":
         path = scope.name_of(field.name)
         return scope.refuse(place_of(text, node, owner or node), f"{path}: {text}" if path else text)
+    if value == {}:  # of entries that were refused, or removed by an override
+        return scope.refuse(node, f"{quoted(scope.name_of(field.name))} {text}")
     return scope.refuse_value(node, field, text)
 
 

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 ADDING = "an override changes entries and does not add them: edit the deck, or use mecano.Deck in Python"
 INDEX = re.compile("[0-9]{1,9}")
+INDEXED = re.compile(r"\[([0-9]{1,9})\]")
+ITEM = re.compile(rf"([^\[\]]+)({INDEXED.pattern})+")  # as in messages: nodes[1]
 
 
 def overridden(root: Node, overrides: Iterable[str], sections: "Iterable[Field]", problems: list[Problem]) -> Node:
@@ -75,7 +77,11 @@ def _replaced(node, places, depth, new, names):
         if key not in known and depth == 1 and places[0].value in names:
             hints = [suggestion(key, known)] + ([ADDING] if depth + 1 == len(places) else [])
             _refuse(place, f"'{places[0].value}' has no {quoted(key)}", "; ".join(filter(None, hints)))
-        if key not in known and depth == 0 and (owner := _owner(key, known, names)) and len(places) > 1:
+        if key not in known and (item := ITEM.fullmatch(key)) and item[1] in known:
+            whole = [*(part.value for part in places[:depth]), INDEXED.sub(r".\1", key)]
+            _refuse(place, f"unknown key {quoted(key)}", f"an item of a list is written {'.'.join(whole)}")
+        owner = _owner(key, known, names) if key not in known and depth == 0 else None
+        if owner and (len(places) > 1 or owner == "parameters"):
             _refuse(place, f"unknown key {quoted(key)}", f"write {owner}.{'.'.join(part.value for part in places)}")
         if key not in known and depth + 1 < len(places) and INDEX.fullmatch(places[depth + 1].value):
             _refuse(place, f"the deck has no list {quoted(key)} whose item could be set", "set the whole list")
