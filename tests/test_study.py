@@ -149,6 +149,10 @@ class TestCases:
         ("grid: {}", "3:1", "grid: must not be empty"),
         ("list: []", "3:7", "'list' must not be empty, got []"),
         ("list: [{}]", "3:8", "'list[0]' must not be empty"),
+        (
+            "list:\n- {case: hard, time.end: 1}\n- {time.end: 2}\n- {case: hard, time.end: 3}", "6:10",
+            "case 'hard' is named twice, first in line 4",
+        ),
         ("title: nothing", "1:1", "nothing is varied: a study has at least one of 'grid', 'list'"),
         ("grid: {a: {from: 1, to: 2, number: 90000}, b: [1, 2]}", "1:1", "180000 cases are more than 100000"),
         (
@@ -168,6 +172,34 @@ def test_errors_of_a_study_have_places(folder, text, place, message):
         study(folder, text)
     reported = deck_error_text(info.value)
     assert re.match(rf"study.yaml:{place}.*", reported) and message in reported, reported
+
+
+@pytest.mark.parametrize(
+    "rows,messages",
+    [
+        ("time.end,case\n1\n", ["2:1: the row has 1 columns, the first line 2"]),
+        ("time.end;case\n1;1,5\n", ["1:1: the table has ';' between its columns; write ','"]),
+        ("time.end,case\n1,a\n2,a\n", ["3:1: case 'a' is named twice, first in line 2"]),
+        ("time.end\n# none\n", ["1:1: the table has no rows"]),
+    ],
+)
+def test_errors_of_a_table_of_rows(folder, rows, messages):
+    """Each mistake is reported once."""
+    (folder / "rows.csv").write_text(rows)
+    with pytest.raises(DeckError) as info:
+        study(folder, "csv: rows.csv")
+    reported = [
+        f"{problem.mark.line}:{problem.mark.column}: {problem.message}; {problem.hint}"
+        for problem in info.value.problems
+    ]
+    assert len(reported) == len(messages) and all(map(str.startswith, reported, messages)), reported
+
+
+def test_numbers_that_json_does_not_have(folder):
+    """They are passed to the deck as it writes them, so that its message is about them; a case may have no name."""
+    found = study(folder, "list: [{case: , parameters.speed: .inf, time.end: [-.inf]}, {parameters.speed: .nan}]")
+    assert found.overrides(found.cases[0])[0] == "parameters.speed=.inf" and found.cases[0].name == ""
+    assert found.overrides(found.cases[1]) == ("parameters.speed=.nan",)
 
 
 @pytest.mark.parametrize(

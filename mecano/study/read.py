@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from mecano.deck.deck import Deck
 
 TRIED = 5  # cases, spread over the study, of which at least one must have a valid deck
+NOT_FINITE = {"inf": ".inf", "-inf": "-.inf", "nan": ".nan"}  # as written in decks
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,7 @@ class Study:
 
     def overrides(self, case: Case) -> tuple[str, ...]:
         """Return the texts of `mecano run --set` for a case."""
-        return tuple(f"{path}={json.dumps(value)}" for path, value in _plain(self.entries(case)).items())
+        return tuple(f"{path}={_as_yaml(value)}" for path, value in _plain(self.entries(case)).items())
 
 
 def read_study(path: str | os.PathLike[str]) -> Study:
@@ -107,12 +108,18 @@ def try_deck(study: Study) -> "Deck":
 
 
 def _case(number, row):
-    name = str(shown(plain(row[NAME].node))) if NAME in row else ""
+    given = plain(row[NAME].node) if NAME in row else None
+    name = "" if given is None else str(shown(given))
     return Case(number, {path: entry for path, entry in row.items() if path != NAME}, name)
 
 
 def _plain(entries):
     return {path: plain(entry.node) for path, entry in entries.items()}
+
+
+def _as_yaml(value):
+    """Return a value as a text of YAML: that of JSON, but for numbers that JSON does not have."""
+    return NOT_FINITE.get(str(value)) or json.dumps(value) if isinstance(value, float) else json.dumps(value)
 
 
 def _source(path, mark, what):

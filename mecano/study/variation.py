@@ -11,7 +11,7 @@ import numpy as np
 from mecano.deck.compose import Node
 from mecano.deck.scalar import resolved
 from mecano.deck.wording import quoted
-from mecano.study.grammar import Entries, Entry, between, here, path_of
+from mecano.study.grammar import NAME, Entries, Entry, between, here, path_of
 
 if TYPE_CHECKING:
     from mecano.deck.scope import Scope
@@ -39,6 +39,8 @@ def rows_of(values: "Values", root: Node, source: "Callable[[str], Source | None
             if path in seen:
                 scope.refuse(entry.key, f"{quoted(path)} is given by '{seen[path]}' and by '{name}': keep one")
             seen[path] = name
+    for name in given.keys() & {"list", "csv"}:
+        _check_names(given[name][0], scope)
     if not given:
         names = "', '".join(ways)
         scope.refuse(root, f"nothing is varied: a study has at least one of '{names}'")
@@ -50,6 +52,16 @@ def rows_of(values: "Values", root: Node, source: "Callable[[str], Source | None
         scope.refuse(root, f"{count} cases are more than {MOST}")
         return []
     return [{path: entry for row in rows for path, entry in row.items()} for rows in product(*combined)]
+
+
+def _check_names(rows, scope):
+    """Report names of cases that a list or table gives to several rows: nothing would tell them apart."""
+    first: dict[str, Node] = {}
+    for entry in (row[NAME] for row in rows if NAME in row):
+        before = first.setdefault(str(entry.node.value), entry.node)
+        if before is not entry.node and entry.node.value is not None:
+            text = f"case {quoted(str(entry.node.value))} is named twice, first in line {before.line + 1}"
+            scope.refuse(entry.node, text)
 
 
 def _axes(grid):
@@ -85,11 +97,15 @@ def _table(name, source, scope):
     lines = csv.reader(found.lines, skipinitialspace=True)
     head: list[Node] = []
     rows: list[Entries] = []
+    before = len(scope.problems)
     try:
         for cells in lines:
             cells, place = [cell.strip() for cell in cells], Node(None, found, lines.line_num - 1)
             if not any(cells) or cells[0].startswith("#"):
                 continue
+            if not head and ";" in "".join(cells):
+                scope.refuse(place, "the table has ';' between its columns", "write ',', and points in decimals")
+                return []
             if not head:
                 head = [here(place, path_of(here(place, cell), scope)) for cell in cells]
             elif len(cells) != len(head):
@@ -99,6 +115,6 @@ def _table(name, source, scope):
                 rows.append({entry.key.value: entry for entry in entries})
     except csv.Error as error:
         scope.refuse(Node(None, found, lines.line_num - 1), f"not valid CSV: {error}")
-    if not rows:
+    if not rows and len(scope.problems) == before:
         scope.refuse(Node(None, found), "the table has no rows: the first line names the varied values")
     return rows
