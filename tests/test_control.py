@@ -8,6 +8,7 @@ import pytest
 from convergence import at_times
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicHermiteSpline
+from scipy.spatial.transform import Rotation
 from small_motions import eigenvalues
 from time_runs import RecordedRun, deck, input_deck
 
@@ -564,6 +565,37 @@ def test_a_controller_that_makes_a_mechanism_unstable_is_reported(mass, gains, g
         poles = np.roots([0.01, 1.0, 0.01 * p + d, p + 0.01 * i, i])
         assert f"by the factor e in {1.0 / poles.real.max():.3g} s" in found[0]
         assert ("as an oscillation of" in found[0]) == bool(i)
+
+
+def test_a_turn_by_reaction_wheels_is_not_taken_for_unstable():
+    """Torques of the attitude's error and of the rates, which only take energy: any turn comes to rest.
+
+    Two eigenvalues of the start, 0.7 rad off, grow by 0.24/s, because the wheels that it accelerates move their axes.
+    """
+    arms = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1]])
+    axes = Rotation.from_rotvec([0.4, -0.3, 0.5]).apply(arms).round(15).tolist()
+    nodes = {name: {"position": axes[i]} for i, name in enumerate(("nose", "side", "top"))}
+    wheels = {f"wheel_{k}": {"position": [0, 0, 0], "orientation": [0.4, -0.3, 0.5]} for k in "xyz"}
+    body = {"type": "rigid_body", "node": "hub", "mass": 200, "inertia": [30, 40, 25, 1.5, 0, -1], "attached": [*nodes]}
+    wheel = {"type": "rigid_body", "mass": 5, "inertia": [0.05, 0.05, 0.05]}
+    errors = {"x": "side.position.z - top.position.y", "y": "top.position.x - nose.position.z",
+              "z": "nose.position.y - side.position.x"}  # fmt: skip
+    ends = dict(zip("xyz", nodes, strict=True))
+    rates = {k: " + ".join(f"hub.angular_velocity.{c}*{ends[k]}.position.{c}" for c in "xyz") for k in "xyz"}
+    text = {
+        "mecano": 1, "gravity": "none",
+        "nodes": {"hub": {"position": [0, 0, 0], "orientation": [0.4, -0.3, 0.5]}, **nodes, **wheels},
+        "elements": {"body": body, **{name: {**wheel, "node": name} for name in wheels}},
+        "joints": {k: {"type": "hinge", "nodes": ["hub", f"wheel_{k}"], "axis": axes[i]} for i, k in enumerate("xyz")},
+        "signals": {f"torque_{k}": f"4*({errors[k]}) + 30*({rates[k]})" for k in "xyz"},
+        "loads": {f"motor_{k}": {"type": "joint_moment", "joint": k, "value": f"torque_{k}"} for k in "xyz"},
+        "time": {"end": 60, "step": 0.02},
+    }  # fmt: skip
+    prepared = prepare(deck(json.dumps(text)))
+    assert not list(instability_warnings(prepared, integrator_of(prepared).begin(prepared.state, 0.02)))
+    recorded = RecordedRun(deck(json.dumps(text)))
+    assert np.abs(recorded["joints/x/rate"][0]) < 1e-12 < 1.0 < np.abs(recorded["joints/x/rate"]).max()
+    np.testing.assert_allclose(np.abs(recorded["nodes/hub/rotation"][-1]), [1, 0, 0, 0], atol=1e-4)
 
 
 def test_bodies_that_attract_one_another_are_no_controller():

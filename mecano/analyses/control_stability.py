@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.model.numbering import ROTATION
 from mecano.solve.modal.linearize import linearize
 from mecano.solve.modal.modes import solve
 
@@ -23,8 +24,9 @@ def instability_warnings(prepared: "Prepared", start: "RunState") -> Iterator[st
     """Yield a warning if small motions about the ``start`` of a run, a RunState, grow only because of its signals.
 
     Not reported are motions that grow by less than a factor of GROWTH in the run, models with more than MOST motions,
-    and motions about a moving state if no signal has a state, such as those of bodies that attract one another. Values
-    of delays and of sampled signals count as constant.
+    and motions about a moving state if no signal has a state, such as those of bodies that attract one another. Nor are
+    motions slow beside the accelerations of the start, which turn axes and reactions while such motions would grow.
+    Values of delays and of sampled signals count as constant.
     """
     system, time = prepared.system, prepared.deck.values["time"]
     moving = np.any(start.motion.v[: system.n_q][~system.signals])
@@ -35,12 +37,23 @@ def instability_warnings(prepared: "Prepared", start: "RunState") -> Iterator[st
         return
     fastest = _largest_growth(lin)
     grows = (fastest.real - max(_largest_growth(_without_signals(lin)).real, 0.0)) * (time["end"] - time["start"])
-    if fastest.real > lin.pace and grows > math.log(GROWTH):
+    lasts = abs(fastest) ** 2 > _turning(prepared, start)
+    if fastest.real > lin.pace and grows > math.log(GROWTH) and lasts:
         as_what = f", as an oscillation of {abs(fastest.imag) / math.tau:.3g} Hz" if fastest.imag else ""
         yield (
             f"because of the signals, small motions about the start grow by the factor e in {1.0 / fastest.real:.3g} s"
             f"{as_what}: is a gain too large, or its sign wrong? `mecano modes` describes this motion"
         )
+
+
+def _turning(prepared: "Prepared", start: "RunState") -> float:
+    """Return the largest acceleration [rad/s2] at the start: of rotations, and of displacements over the length scale.
+
+    Accelerations turn the directions of constraints, by which squares of eigenvalues are uncertain by as much.
+    """
+    system = prepared.system
+    lengths = np.where(system.numbering.kind[: system.n_q] == ROTATION, 1.0, prepared.length)
+    return float(np.abs(start.motion.a[: system.n_q] / lengths)[~system.signals].max(initial=0.0))
 
 
 def _largest_growth(lin: "Linearization") -> complex:
