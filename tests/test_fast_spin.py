@@ -59,14 +59,33 @@ def test_a_gyrocompass_swings_about_north(verify):
     A a'' = A (w cos l)^2 sin a cos a - H w cos l sin a for the azimuth a, at the latitude l of a body that turns by w.
     """
     coarse, fine = compass(), compass(step="0.2 ms")
+    angles = coarse["joints/azimuth/angle"], fine["joints/azimuth/angle"][::2]
+    verify.second_order(S, "gyrocompass: azimuth [rad]", *angles, azimuth(coarse.time), 5e-8, "its equation, by SciPy")
+
+
+def azimuth(times, inertia=A):
+    """Return its solution, where ``inertia`` is that of the first term."""
     north, H = EARTH * math.cos(LATITUDE), C * (SPIN + EARTH * math.cos(LATITUDE))
 
     def equation(_, y):
-        return y[1], north**2 * math.sin(y[0]) * math.cos(y[0]) - H * north / A * math.sin(y[0])
+        return y[1], (A * north**2 * math.cos(y[0]) - H * north) / inertia * math.sin(y[0])
 
-    found = solve_ivp(equation, (0, 2), (0, RATE), t_eval=coarse.time, rtol=1e-11, atol=1e-13)
-    angles = coarse["joints/azimuth/angle"], fine["joints/azimuth/angle"][::2]
-    verify.second_order(S, "gyrocompass: azimuth [rad]", *angles, found.y[0], 5e-8, "its equation, by SciPy")
+    return solve_ivp(equation, (0, 2), (0, RATE), t_eval=times, rtol=1e-11, atol=1e-13).y[0]
+
+
+@pytest.mark.parametrize("rho", [0.8, 1.0])
+def test_steps_change_the_inertia_of_a_gyrocompass_that_swings(rho):
+    """It swings as one with the moment of inertia A + Ce (C - A) p^2 across its axis, for turns of p in a step.
+
+    Velocities of the method are off by Ce h^2 q''' in constrained directions: that across the axis by Ce h^2 s w',
+    for the spin s and the rate w at which the axis turns. Times s C that is a moment, as is the change of s A.
+    """
+    am, af = (2 * rho - 1) / (rho + 1), rho / (rho + 1)
+    Ce = 0.25 * (1 + af - am) ** 2 + 0.5 * (am - af) - 1 / 6
+    recorded = RecordedRun(deck(COMPASS.replace("step: 0.4 ms", f"step: 2 ms, rho_inf: {rho}")))
+    found = recorded["joints/azimuth/angle"]
+    changed, unchanged = (azimuth(recorded.time, A + Ce * (C - A) * turned**2) for turned in (0.002 * SPIN, 0.0))
+    assert np.abs(found - changed).max() < 5e-4 * np.abs(found).max() < 0.03 * np.abs(found - unchanged).max()
 
 
 @pytest.mark.parametrize("turned", [0.2, 0.6, 1.5])
