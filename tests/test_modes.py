@@ -573,6 +573,26 @@ def test_modes_of_a_string_are_named_by_the_displacements_of_its_antinodes():
         assert all(abs(np.sin(k * np.pi * int(i) / 20)) > 0.95 for i in named)
 
 
+def test_signals_in_small_units_do_not_hide_the_motion_of_a_mode():
+    """A mass on a spring of 100 N/m made of a signal in pm, which a filter reads: one mode each of mass and filter."""
+    text = f"""
+        mecano: 1
+        gravity: none
+        nodes: {{cart: {{position: [0, 0, 0]}}}}
+        elements: {{mass: {{type: rigid_body, node: cart, mass: 1, inertia: [1, 1, 1]}}}}
+        joints: {{rail: {{type: prismatic, nodes: [ground, cart], axis: [1, 0, 0]}}}}
+        signals:
+          picometres: 1.0e12*rail.displacement
+          seen: {{type: lag, input: picometres, time_constant: 0.5}}
+        loads: {{pull: {{type: joint_force, joint: rail, value: -1.0e-10*picometres}}}}
+        {TIME}
+        """
+    text, found, _ = modes(deck(text), None, number=5)
+    np.testing.assert_allclose(found.values, [-2.0, 10.0j], rtol=1e-9)
+    decay, oscillation = text.splitlines()[2:4]
+    assert "lag 'seen'" in decay and oscillation.endswith("node 'cart' moves along [1, 0, 0]")
+
+
 def test_table_and_file(tmp_path, monkeypatch):
     path = tmp_path / "m.h5"
     text, found, _ = modes(deck(row_of_masses(4)), path, number=3)

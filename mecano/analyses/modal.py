@@ -19,6 +19,7 @@ from mecano.results.file_names import to_be_written
 from mecano.results.modes_file import write_modes
 from mecano.solve.modal.linearize import Linearization, linearize
 from mecano.solve.modal.modes import Modes, solve
+from mecano.solve.modal.small_motions import signals_follow
 from mecano.solve.statics.stability import motion_text
 
 if TYPE_CHECKING:
@@ -88,7 +89,9 @@ def largest_motions(system: "System", s: "State", lin: Linearization, value: com
     """Return the nodes with the largest motions of a mode as text, those of an oscillation by their kinetic energies.
 
     Compared as displacements, the rotations of members with waves shorter than the length scale would dominate. A decay
-    or a divergence may involve no inertia: its motions are compared as displacements.
+    or a divergence may involve no inertia: its motions are compared as displacements. Signals that follow from the
+    motions are left out: in their units, which are arbitrary, the motions may look like rounding.
     """
     M = lin.M if value.imag or value == 0.0 else None
+    shape = np.where(lin.signals, 0.0, shape) if signals_follow(lin, value) else shape
     return motion_text(system, s, shape.real, float(lin.root.max(initial=1.0)), inertial=True, most=2, M=M)

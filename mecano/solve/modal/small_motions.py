@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 SYMMETRIC = 1e-9  # of the largest entry: largest asymmetry of a symmetric stiffness
 ROUNDED = 1e-8  # of the largest stiffness: lower bound of the magnitude to which residuals are relative
 ROUNDED_REACTION = 1e-12  # of the largest factor of a multiplier in a signal: rounding
+SINGULAR = 1e-8  # of the largest singular value of the equations of signals
 BALANCED = 20  # rounds of the balance of signals
 DENSE_ROWS = 1200  # motions up to which multipliers are found by dense least squares
 
@@ -113,6 +114,20 @@ def _least_squares(A, b):
     if max(A.shape) <= DENSE_ROWS:
         return np.linalg.lstsq(A.toarray(), b, rcond=1e-12)[0]
     return np.array([spla.lsqr(A, column, atol=1e-14, btol=1e-14, iter_lim=2000)[0] for column in b.T]).T
+
+
+def signals_follow(lin: "Linearization", value: complex) -> bool:
+    """Return whether the signals of a mode follow from its motions: ``value`` is no eigenvalue of the signals alone.
+
+    Otherwise its motions follow from the signals, or there are none, as where a filter only measures.
+    """
+    own = np.flatnonzero(lin.signals)
+    if not len(own):
+        return False
+    rows, units = (factors[own] for factors in _balance(lin))
+    M, C, K = (A.tocsr()[own][:, own].toarray() for A in (lin.M, lin.C, lin.K))
+    sizes = np.linalg.svd(rows[:, None] * (value * value * M + value * C + K) * units, compute_uv=False)
+    return bool(sizes[-1] > SINGULAR * sizes[0])
 
 
 def _balance(lin):
