@@ -144,6 +144,17 @@ def test_arc_length_passes_limit_points():
     np.testing.assert_array_equal(path.unstable, falls)
 
 
+@pytest.mark.parametrize("end", [1.5, 1000.0])
+def test_arc_length_does_not_skip_limit_points_on_its_way_to_a_displacement(end):
+    """However far the end of the load factor lies beyond them."""
+    until = "{node: top, direction: [0, 0, -1], displacement: 0.7}"
+    path = Path(truss(f"{{method: arc_length, end: {end}, until: {until}}}"))
+    z = path.positions("top")[:, 2]
+    np.testing.assert_allclose(30.0 * path.factors, truss_force(z), atol=1e-7)
+    assert z[-1] == pytest.approx(-0.4, abs=1e-9) and 8 <= len(z) <= 40
+    assert path.unstable.sum() >= 2 and path.factors[: len(z) // 2].max() > 0.9 * LIMIT / 30.0
+
+
 def test_arc_length_ends_where_it_is_reported():
     static = "{method: arc_length, until: {node: top, direction: [0, 0, -1], displacement: 0.25}}"
     path = Path(truss(static))

@@ -51,7 +51,7 @@ class ArcLength:
     """Continuation until the load factor reaches ``end`` or falls to ``lowest``, or a node reaches its target."""
 
     end: float
-    count: int  # number of steps to the end if the stiffness remained that of the start
+    count: int  # number of steps to the nearer end if the stiffness remained that of the start
     minimum: float  # smallest step, relative to the first one
     most: int  # largest number of steps
     lowest: float = -np.inf
@@ -67,7 +67,7 @@ class ArcLength:
             singular = Iterated(False, 0, (), SINGULAR, Failure.SINGULAR)
             raise self._failure(follower, point, point.parameter, statics.status_of(singular, s, s))
         arc = Arc(statics, rate)
-        first = ds = np.sqrt(2.0) * (self.end - point.parameter) / self.count
+        first = ds = self._first(point, rate)
         for _ in range(self.most):
             point, ds = self._advance(follower, arc, point, ds, self.minimum * first)
             if reason := self._arrived(point):
@@ -76,6 +76,16 @@ class ArcLength:
         why = f"{self.most} steps were made, as many as static.maximum_steps allows"
         free = freedom_text(follower.statics.system, point.state, point.stability, follower.statics.length)
         raise ConvergenceError(f"{self._stopped(point)}: {why}\nthere: {free}\nwhat to try: {self.more_steps}")
+
+    def _first(self, point: Point, rate: np.ndarray) -> float:
+        """Return the length of the first step, ``count`` of which would lead to the nearer end at the first stiffness.
+
+        The load factor of the end may be far above a limit load: one step by a share of it would skip the limit point.
+        """
+        way, target = self.end - point.parameter, self.target
+        if target and (slope := float(target.direction @ rate[target.place :][:3]) / target.value) > 0.0:
+            way = min(way, -target.gap(point.state) / slope)
+        return float(np.sqrt(2.0) * way / self.count)
 
     def missed(self, point: Point) -> Iterator[str]:
         """Yield a warning if the path ended, at ``point``, before the target was reached."""
