@@ -155,6 +155,13 @@ def test_arc_length_does_not_skip_limit_points_on_its_way_to_a_displacement(end)
     assert path.unstable.sum() >= 2 and path.factors[: len(z) // 2].max() > 0.9 * LIMIT / 30.0
 
 
+@pytest.mark.parametrize("end", [12, 20])
+def test_arc_length_steps_follow_a_path_whose_tangent_is_the_same_beyond_two_limit_points(end):
+    path = Path(truss(f"{{method: arc_length, end: {end}}}"))
+    np.testing.assert_allclose(30.0 * path.factors, truss_force(path.positions("top")[:, 2]), atol=1e-7 * 30 * end)
+    assert path.unstable.sum() >= 3 and path.factors.min() < -0.7 * LIMIT / 30.0
+
+
 def test_arc_length_ends_where_it_is_reported():
     static = "{method: arc_length, until: {node: top, direction: [0, 0, -1], displacement: 0.25}}"
     path = Path(truss(static))

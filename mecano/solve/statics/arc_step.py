@@ -101,7 +101,7 @@ class Arc:
             result.ok, result.message = False, "contacts do not settle"
         trial = Trial(s, mu, ds, statics.status_of(result, s, point.state), crossed=crossed)
         trial.found.event_records = tuple(reported)
-        return self._finished(trial) if trial.found.ok else trial
+        return self._finished(point, trial) if trial.found.ok else trial
 
     def corner(self, point: Point, trial: Trial) -> Trial:
         """Return the Trial that ends at the first event within ``trial``, with the tangent of the path after it."""
@@ -149,10 +149,17 @@ class Arc:
         self.statics.move(s, s0, guess, k)
         return s
 
-    def _finished(self, trial: Trial) -> Trial:
-        """Return the trial with tangent and rate at its end; it fails if the path turns too sharply."""
+    def _finished(self, point: Point, trial: Trial) -> Trial:
+        """Return the trial with tangent and rate at its end; it fails if the path turns too sharply.
+
+        Beyond two limit points the tangent may be the first one again: the chord must be near it, as on an arc that
+        turns by no more than the tangent may.
+        """
         trial = self._directed(trial)
-        if trial.found.ok and trial.tangent is not None and self._product(trial.tangent, self.tangent) < SHARPEST:
+        chord = np.append(self.statics.displacement(trial.state, point.state), trial.mu - point.parameter)
+        strays = trial.ds < np.sqrt(0.5 * (1.0 + SHARPEST) * self._product(chord, chord))
+        turns = trial.tangent is not None and self._product(trial.tangent, self.tangent) < SHARPEST
+        if trial.found.ok and (strays or turns):
             trial.found.ok, trial.found.message = False, "the path turns too sharply"
         return trial
 
