@@ -360,6 +360,13 @@ def test_quasi_static_over_time():
     np.testing.assert_allclose(-reaction, truss_force(z), atol=1e-9)
 
 
+def test_a_path_over_time_that_turns_back_advises_a_run():
+    """The load of the truss grows beyond its limit load; arc_length and relaxation do not follow a path over time."""
+    with pytest.raises(ConvergenceError, match="no equilibrium was found at t 0.33166") as caught:
+        Path(truss("{over: time, steps: 20}", load="{linear: {slope: 30}}"))
+    assert "a run (time: in place of static:" in str(caught.value) and "arc_length" not in str(caught.value)
+
+
 def test_prescribed_angles_turn_many_times_between_two_equilibria(tmp_path):
     """A motor turns a gear four times within each of two steps; a spring on the other gear feels all turns."""
     geared = """

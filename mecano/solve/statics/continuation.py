@@ -205,10 +205,7 @@ class Steps:
     count: int
     minimum: float
     grow: bool = False
-    hint: str = (
-        "the units of loads and stiffness (N, N/m, Pa); method: arc_length past a limit point; "
-        "method: relaxation, which lets a mechanism fall into place"
-    )
+    hint: str = "the units of loads and stiffness (N, N/m, Pa)"
 
     def follow(self, follower: Follower, point: Point) -> tuple[Point, str]:
         """Return (last Point, reason of the end). Raises ConvergenceError, NonFiniteError."""
@@ -236,6 +233,7 @@ class Steps:
                 return follower.accept(s, p, p, h, found, rejected), h
             if h * SHRINK < self.minimum:
                 free = point.stability.neutral > 0 and found.failure is not Failure.SINGULAR
-                hint = f"a joint or spring that holds motions without stiffness; {self.hint}" if free else self.hint
+                hint = f"{self.hint}; {follower.statics.loading.beyond}"
+                hint = f"a joint or spring that holds motions without stiffness; {hint}" if free else hint
                 raise follower.failure(p, found, point.state, point.parameter, hint)
             h, rejected = h * SHRINK, rejected + 1

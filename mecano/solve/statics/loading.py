@@ -32,6 +32,7 @@ class LoadFactor:
     """Load factor mu of all loads and of gravity; functions of time are evaluated at the time of the state."""
 
     name, unit, hint = "load factor", "", ""
+    beyond = "method: arc_length past a limit point; method: relaxation, which lets a mechanism fall into place"
 
     def __init__(self, system: "System", start: "State"):
         """Take ``start`` as the configuration whose imbalance without loads is removed along the path."""
@@ -81,6 +82,7 @@ class Clock:
     """Time [s] in the laws of the loads; all loads act in full."""
 
     name, unit, hint = "t", " s", ""
+    beyond = "a run (time: in place of static:, with initial: static and some damping), in which it jumps"
 
     def __init__(self, system: "System"):
         self.system = system
