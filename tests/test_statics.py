@@ -59,6 +59,34 @@ def test_arc_length_turns_back_at_a_stop():
     np.testing.assert_allclose(30.0 * path.factors[on_stop].min(), truss_force(height), atol=1e-6)
 
 
+def test_the_tension_of_guys_is_balanced_by_the_mast_at_every_load():
+    """Two guys at 12 m hold a mast of 20 m on a hinge; the one to the lee slackens: moments about the foot."""
+    text = """
+        mecano: 1
+        gravity: none
+        nodes:
+          foot: {position: [0, 0, 0]}
+          top: {position: [0, 0, 20]}
+          left: {position: [-12, 0, 0], fixed: true}
+          right: {position: [12, 0, 0], fixed: true}
+        elements:
+          mast: {type: rigid_body, node: foot, mass: 100, inertia: [100, 100, 100], attached: [top]}
+          windward: {type: cable, nodes: [left, top], axial_stiffness: 2 MN, pretension: 5 kN}
+          lee: {type: cable, nodes: [right, top], axial_stiffness: 2 MN, pretension: 5 kN}
+        joints: {hinge: {type: hinge, nodes: [ground, foot], axis: [0, 1, 0]}}
+        loads: {wind: {type: force, node: top, direction: [1, 0, 0], value: 20 kN}}
+        static: {steps: 8}
+        """
+    path = Path(text)
+    top, moments = path.positions("top"), 20e3 * path.factors * path.positions("top")[:, 2]
+    for x in (-12.0, 12.0):
+        guy = np.array([x, 0.0, 0.0]) - top
+        length, natural = np.linalg.norm(guy, axis=1), np.hypot(12.0, 20.0) / (1.0 + 5e3 / 2e6)
+        tension = 2e6 * np.maximum(length / natural - 1.0, 0.0)
+        moments += tension / length * (top[:, 2] * guy[:, 0] - top[:, 0] * guy[:, 2])
+    assert np.abs(moments).max() < 1e-3 and top[-1, 0] > 0.5  # N m, of 400,000
+
+
 def test_kinematics_without_forces():
     """A driven crank without springs and loads: over any number of steps, the slider is at 2 r cos(theta)."""
     path = Path("""
