@@ -253,6 +253,15 @@ def test_steps_stop_at_a_limit_point():
     assert "method: arc_length" in text and "the units of loads and stiffness" in text and caught.value.exit_code == 3
 
 
+@pytest.mark.parametrize("static", ["{steps: 1}", "{steps: 2}", "{end: 12, steps: 1}", "{end: 20}"])
+def test_steps_far_beyond_a_limit_load_do_not_snap_through(static):
+    """The loads are three times the limit load or more, under which the snapped truss is in equilibrium, too."""
+    with pytest.raises(ConvergenceError, match="arc_length past a limit point") as caught:
+        Path(truss(static))
+    reached = float(re.search(r"at load factor ([0-9.]+): stable", str(caught.value)).group(1))
+    assert 0.99 * LIMIT / 30.0 < reached < LIMIT / 30.0
+
+
 def test_steps_that_fail_beside_a_free_motion_advise_to_hold_it():
     """The truss snaps through next to a rotor that spins freely, which may be the cause."""
     rotor = "hub: {type: rigid_body, node: hub, mass: 1, inertia: [1, 1, 1]}\n          a: {type: spring"

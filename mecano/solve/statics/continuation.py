@@ -17,6 +17,7 @@ from mecano.errors import ConvergenceError, Failure, NonFiniteError
 from mecano.solve.diagnostics.failure import of_equations, worst_equations
 from mecano.solve.statics.stability import Stability, StabilityTest, freedom_text, motion_text
 from mecano.solve.statics.static import Statics, Status
+from mecano.solve.time.increments import largest
 
 if TYPE_CHECKING:
     from mecano.model.assembly import Observation
@@ -28,6 +29,7 @@ GROWTH, SHRINK = 2.0, 0.25
 BESIDE = 1e-4  # length scales or rad: if Newton's method moves a balanced state farther, it may have a free motion
 ROUNDED = 1e-9  # of the largest force on an unknown: smaller sums of forces may be rounding errors
 EASY = 12  # iterations up to which the next step grows
+SOFTER = 1.5  # multiple of the predicted change above which the stiffness has fallen on the way
 LEAP, NOTICEABLE = 4.0, 0.02  # a jump exceeds this multiple of the predicted change and this part of the length scale
 
 
@@ -226,7 +228,7 @@ class Steps:
             h = remaining if h >= 0.9999 * remaining else h
             p = target if h == remaining else point.parameter + h
             s, found = follower.find(point.state, p)
-            if found.ok and found.change > max(NOTICEABLE, LEAP * found.first):
+            if found.ok and found.change > NOTICEABLE and self._leaps(follower, point, s, found):
                 found.ok = False
                 found.message = "the next equilibrium is far from the last one, as beyond a limit point"
             if found.ok:
@@ -237,3 +239,19 @@ class Steps:
                 hint = f"a joint or spring that holds motions without stiffness; {hint}" if free else hint
                 raise follower.failure(p, found, point.state, point.parameter, hint)
             h, rejected = h * SHRINK, rejected + 1
+
+    def _leaps(self, follower, point, s, found):
+        """Return whether the step to ``s`` leads beyond a limit point, from where nothing leads back.
+
+        Newton's method is asked for the way back from a first step, which may be far too long, and where the stiffness
+        has fallen on the way. An equilibrium elsewhere, at the parameter of the last one, is beyond a snap, unless a
+        free motion leads there.
+        """
+        if found.change > LEAP * found.first:
+            return True
+        if point.stability.neutral > 0 or found.change <= SOFTER * found.first and point.step > 0.0:
+            return False
+        statics, of = follower.statics, follower.statics.system.numbering
+        s0, back = statics.correct(statics.begin(s), point.parameter)
+        away = statics.displacement(s, point.state) + statics.displacement(s0, s)
+        return back.ok and largest(away, of.kind, of.n_q, statics.length) > 0.5 * found.change
