@@ -80,7 +80,10 @@ class Straight:
         Elements are put into the phases that belong to the state.
         """
         s = steady.monitor.settle(s.copy())
-        omega, N = self._turning(steady, s)
+        at = steady.tangent(s)
+        if not np.all(np.isfinite(at.K)):  # a formula outside its domain: no spins follow, and its merit is not finite
+            return s, np.zeros((self.n_q, 0)), at
+        omega, N = self._turning(steady, s, at)
         s.v[: self.n_q] = self.along[: self.n_q] + omega + N @ (np.linalg.pinv(N) @ (s.v[: self.n_q] - omega))
         at = steady.tangent(s)
         if N.shape[1]:
@@ -91,11 +94,10 @@ class Straight:
             at = steady.tangent(s)
         return s, N, at
 
-    def _turning(self, steady, s):
+    def _turning(self, steady, s, at):
         """Return the angular velocities (n_q,) that follow from V, and the free spins N (n_q, spins)."""
         running = s.copy()
         running.v[:] = self.along
-        at = steady.tangent(s)
         K = at.K[:, : self.n_q].copy()
         for d in steady.system.numbering.rotation_dof:
             if d < self.n_q:  # out-of-balance moments are fixed in inertial axes: a spin does not rotate them

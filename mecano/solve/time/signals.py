@@ -1,6 +1,7 @@
 """Consistent signals: values of algebraic signals, rates of those with a state of their own."""
 
 import math
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +20,7 @@ TOLERANCE = 1e-13  # of the signals
 SINGULAR = 1e-13  # of the largest singular value
 SWEEPS = 20  # of the balancing, which takes 2 or 3
 NONE, ABSENT = -1_000_000, -500_000  # exponent of zero, and a bound on it when it is shifted
+MOST_PATTERNS = 64  # of Jacobians whose order and scales are kept
 WORTH = 0.95  # of the sum of the norms of a row and a column: balancing must reduce it below
 PART = 1e-6  # of the largest entry of a singular vector: signals that take part in it
 ELSEWHERE = 1e-2  # m, rad, m/s, rad/s: distance of another state, in which a circle is tried again
@@ -71,10 +73,10 @@ def _solve(equations, s):
         if not all_known:
             J, r = J[np.ix_(known, known)], r[known]
         is_state = equations.system.states[own]
-        scales, (U, sigma, Vt) = equations.decomposed(J)
-        if not len(own) or sigma[-1] <= SINGULAR * sigma[0]:
+        found = equations.decomposed(J)
+        if not len(own) or found.singular:
             break
-        change = scales * (Vt.T @ ((U.T @ (r / scales)) / sigma))
+        change = found.solve(r)
         s.z[own] -= np.where(is_state, 0.0, change)
         s.v[own] -= np.where(is_state, change, 0.0)
         size = np.maximum(np.abs(np.where(is_state, s.v[own], s.z[own])), SMALL)
@@ -90,8 +92,7 @@ def _finite(J, r):
 class _Equations:
     """The equations of the signals of a system, whose indices are ``own`` (n,).
 
-    The assembly is overwritten at every state. Most signals are linear: their Jacobian is decomposed once. That of the
-    others seldom needs other scales.
+    The assembly is overwritten at every state. Most signals are linear: their Jacobian is decomposed once.
     """
 
     def __init__(self, system: "System"):
@@ -102,8 +103,7 @@ class _Equations:
         self._entries = np.flatnonzero((rows >= 0) & (columns >= 0))
         self._places = rows[self._entries], columns[self._entries]
         self._assembly = Assembly(system)
-        self._last: tuple[np.ndarray, tuple] | None = None  # a Jacobian, and what ``decomposed`` returns for it
-        self._balanced: tuple[np.ndarray, np.ndarray] | None = None  # exponents, and the scales that follow from them
+        self._decomposed: _Decomposition | None = None
 
     def at(self, s: "State") -> tuple[np.ndarray, np.ndarray, bool]:
         """Return derivatives (n, n) by values of the signals, or rates of those with a state, and the residual (n,).
@@ -117,39 +117,81 @@ class _Equations:
             J[i][self._places] = found.data[self._entries]
         return np.where(is_state, J[1], J[0]), found.residual[self.own], bool(J[1][:, ~is_state].any())
 
-    def decomposed(self, J):
-        """Return scales of the signals, which may have any units, and the singular values and vectors of J so scaled.
-
-        They follow from J alone, not from Jacobians before it.
-        """
-        if self._last is None or not np.array_equal(J, self._last[0]):
-            scales = self._scales(J)
-            self._last = J, (scales, np.linalg.svd(J / scales[:, None] * scales))
-        return self._last[1]
-
-    def _scales(self, J):
-        """Return the scales by which J is balanced."""
-        exponents = _exponents(J)
-        if self._balanced is None or not np.array_equal(exponents, self._balanced[0]):
-            self._balanced = exponents, 2.0 ** _balancing(exponents)
-        return self._balanced[1]
+    def decomposed(self, J: np.ndarray) -> "_Decomposition":
+        """Return the _Decomposition of a Jacobian ``J``."""
+        if self._decomposed is None or not np.array_equal(J, self._decomposed.J):
+            self._decomposed = _Decomposition(J)
+        return self._decomposed
 
 
-def _exponents(J):
-    """Return the exponents of 2 of the entries of J, NONE for zero."""
-    return np.where(J == 0.0, NONE, np.frexp(J)[1])
+class _Decomposition:
+    """A Jacobian ``J`` (n, n) of signals: ``core`` are those of loops and between loops, solved simultaneously.
 
-
-def _balancing(exponents):
-    """Return exponents d (n,) of 2 with which the largest entries of rows and columns of D^-1 J D are similar.
-
-    ``exponents`` (n, n) are those of J. Parlett and Reinsch 1969, "Balancing a matrix for calculation of eigenvalues
-    and eigenvectors", as LAPACK's gebal; scipy.linalg takes as long to import as a short run.
+    Those that read ``first`` ones only, and those that only ``last`` ones read, follow one after another. So a quotient
+    that is huge before its denominator is known disturbs no signal but those that read it.
     """
-    size, d = exponents.copy(), np.zeros(len(exponents), int)
+
+    def __init__(self, J: np.ndarray):
+        self.J = J
+        reads = J != 0.0
+        np.fill_diagonal(reads, np.diag(J) != 1.0)
+        self.first, self.core, self.last = _order(reads.tobytes(), len(J))
+        within = J[np.ix_(self.core, self.core)]
+        self.scales = _scales(within)
+        self.U, self.sigma, self.Vt = np.linalg.svd(within / self.scales[:, None] * self.scales)
+        self.singular = len(self.core) > 0 and self.sigma[-1] <= SINGULAR * self.sigma[0]
+
+    def solve(self, r: np.ndarray) -> np.ndarray:
+        """Return x (n,) with J x = ``r``."""
+        x = np.zeros(len(r))
+        for i in self.first:
+            x[i] = r[i] - self.J[i] @ x
+        if len(self.core):
+            beyond = (r - self.J @ x)[self.core]
+            x[self.core] = self.scales * (self.Vt.T @ ((self.U.T @ (beyond / self.scales)) / self.sigma))
+        for i in self.last:
+            x[i] = r[i] - self.J[i] @ x
+        return x
+
+
+@lru_cache(maxsize=MOST_PATTERNS)
+def _order(pattern: bytes, n: int) -> tuple[list[int], np.ndarray, list[int]]:
+    """Return ``first``, ``core`` and ``last`` of a _Decomposition; ``pattern``: reads (n, n) bool."""
+    reads, remaining = np.frombuffer(pattern, bool).reshape(n, n), np.ones(n, bool)
+    first = _peeled(reads, remaining)
+    last = _peeled(reads.T, remaining)[::-1]
+    return first, np.flatnonzero(remaining), last
+
+
+def _peeled(reads, remaining):
+    """Return the signals that read no remaining one, in order, and take them out of ``remaining`` in place."""
+    order = []
+    while len(found := np.flatnonzero(remaining & ~np.any(reads & remaining, axis=1))):
+        order += found.tolist()
+        remaining[found] = False
+    return order
+
+
+def _scales(J: np.ndarray) -> np.ndarray:
+    """Return powers of 2, d (n,), with which the largest entries of rows and columns of D^-1 J D are similar.
+
+    They follow from the exponents of the entries, which seldom change.
+    """
+    exponents = np.where(J == 0.0, NONE, np.frexp(J)[1]).astype(np.int64)
+    return 2.0 ** _balancing(exponents.tobytes(), len(J))
+
+
+@lru_cache(maxsize=MOST_PATTERNS)
+def _balancing(exponents: bytes, n: int) -> np.ndarray:
+    """Return the exponents of ``_scales`` for those of J.
+
+    Parlett and Reinsch 1969, "Balancing a matrix for calculation of eigenvalues and eigenvectors", as LAPACK's gebal;
+    scipy.linalg takes as long to import as a short run.
+    """
+    size, d = np.frombuffer(exponents, np.int64).reshape(n, n).copy(), np.zeros(n, int)
     for _ in range(SWEEPS):
         settled = True
-        for i in range(len(size)):
+        for i in range(n):
             column, row = int(size[:, i].max()), int(size[i].max())
             by = (row - column) // 2
             if min(column, row) > ABSENT and _sum(column + by, row - by) < WORTH * _sum(column, row):
@@ -210,12 +252,12 @@ def _undetermined(equations, J, known):
 
 def _circle(equations, J):
     """Return the indices (list of int) into J of the equations of such a loop."""
-    _, (U, sigma, Vt) = equations.decomposed(J)
-    if not len(J) or sigma[-1] > SINGULAR * sigma[0]:
+    found = equations.decomposed(J)
+    if not found.singular:
         return []
-    taking_part = [np.abs(vector) > PART * np.abs(vector).max() for vector in (U[:, -1], Vt[-1])]
-    members = np.flatnonzero(taking_part[0] & taking_part[1])
-    circle = [int(members[0] if len(members) else np.argmax(np.abs(Vt[-1])))]
+    taking_part = [np.abs(vector) > PART * np.abs(vector).max() for vector in (found.U[:, -1], found.Vt[-1])]
+    members = found.core[taking_part[0] & taking_part[1]]
+    circle = [int(members[0] if len(members) else found.core[np.argmax(np.abs(found.Vt[-1]))])]
     while len(circle) < len(members):
         following = [int(i) for i in members if i not in circle and J[circle[-1], i]]
         if not following:
