@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from time_runs import RecordedRun, input_deck
 
+from mecano.analyses.modal import modes
+
 CORNERS = ("front_left", "front_right", "rear_left", "rear_right")
 WIDTH = 1.8  # m
 LANES = ((0.0, 15.0, 0.0, 1.1), (45.0, 70.0, 3.5, 1.2), (95.0, 110.0, 0.0, 1.3))
@@ -34,3 +36,12 @@ def test_the_driver_stays_in_the_lanes(lane_change):
         assert np.abs(y[inside] - middle).max() < ((share - 1.0) * WIDTH + 0.25) / 2
     speed = np.linalg.norm(lane_change["nodes/chassis/velocity"], axis=1)
     assert np.abs(speed / speed[0] - 1.0).max() < 0.01
+
+
+def test_a_car_that_is_steered_over_time_has_no_growing_mode():
+    """Position, heading and angles of the wheels are free; the damper of the rack acts on the rate of the steering."""
+    found = modes(input_deck("car", "signals.steer=0*time"), None)[1]
+    free, coasting = found.values == 0.0, found.natural_frequency > 0.05
+    assert np.count_nonzero(free) == 6  # two displacements and the angles of four wheels: headings belong to chains
+    assert np.all(free | coasting)
+    assert found.values.real.max() <= 0.0

@@ -895,3 +895,32 @@ def test_free_motions_of_a_large_satellite_are_converged():
     found = solve(linearized(FLOATING.replace("MESH", "100").replace("DAMPING", "1 us")), 8)
     assert found.method.startswith("sparse") and found.kinds == ["free"] * 6 + ["oscillation"] * 2
     assert found.converged.all()
+
+
+@pytest.mark.parametrize(
+    ("set_point", "polynomial"),
+    [
+        ("2 + 0.1*time", (2.0, 6.0, 400.0)),  # m s² + c s + k
+        ("2 - 0.5*rail.displacement", (2.0, 9.0, 600.0)),  # m s² + (1 + g)(c s + k)
+        ("2 - 0.05*rail.velocity", (2.3, 26.0, 400.0)),  # m s² + (1 + g s)(c s + k)
+    ],
+)
+def test_a_damper_with_a_set_point_that_moves(set_point, polynomial):
+    """Rates of set points act on dampers. The body that is free beside it keeps its eigenvalues, which are zero."""
+    text = f"""
+        mecano: 1
+        gravity: none
+        nodes: {{wall: {{position: [-2, 0, 0], fixed: true}}, a: {{position: [0, 0, 0]}}, b: {{position: [0, 1, 0]}}}}
+        elements:
+          body: {{type: point_mass, node: a, mass: 2}}
+          free: {{type: rigid_body, node: b, mass: 3, inertia: [1, 2, 2]}}
+          spring: {{type: spring_damper, nodes: [wall, a], law: {{spring: 400, damper: 6}}, natural_length: wanted}}
+        joints:
+          rail: {{type: prismatic, nodes: [ground, a], axis: [1, 0, 0]}}
+        signals: {{wanted: {set_point}}}
+        {TIME}
+        """
+    found = values_of(text)
+    assert np.all(found[:-1] == 0.0)
+    assert len(found) == 7
+    assert found[-1] == pytest.approx(max(np.roots(polynomial), key=lambda s: s.imag), rel=1e-12)

@@ -9,6 +9,7 @@ damping are condensed. A symmetric undamped problem is solved by eigh, any other
 rates of motions without inertia follow from their damping, by QZ if that damping is singular.
 """
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -74,29 +75,36 @@ def _workless(D, B, Z):
 def _without_signals(scaled):
     r"""Return (kept (n_q,) bool, their [M, C, K], function (values, shapes (m, kept)) -> shapes (m, n_q)).
 
-    Signals whose rates act on nothing are eliminated: :math:`s = -K_{ss}^{-1} (K_{sy} + \lambda C_{sy} + \lambda^2
-    M_{sy})\, y`.
+    Signals are eliminated: :math:`s = -K_{ss}^{-1} (K_{sy} + \lambda C_{sy} + \lambda^2 M_{sy})\, y`, also those whose
+    rates act, as those of set points do on dampers, unless that leads to higher powers of :math:`\lambda`.
     """
     M, C, K = (A.toarray() for A in (scaled.M, scaled.C, scaled.K))
-    at_once = scaled.signals & ~M.any(axis=0) & ~C.any(axis=0) & (np.diff(scaled.D.tocsr().indptr) == 0)
-    own = K[np.ix_(at_once, at_once)]
-    sigma = np.linalg.svd(own, compute_uv=False)
-    if len(sigma) and sigma[-1] <= SINGULAR * sigma[0]:
-        at_once[:] = False
-    kept = ~at_once
-    if kept.all():
-        return kept, (M, C, K), lambda values, shapes: shapes
-    by = [np.linalg.solve(own, A[np.ix_(at_once, kept)]) for A in (M, C, K)]
-    reduced = [A[np.ix_(kept, kept)] - K[np.ix_(kept, at_once)] @ part for A, part in zip((M, C, K), by, strict=True)]
+    functions = scaled.signals & ~M.any(axis=0) & (np.diff(scaled.D.tocsr().indptr) == 0)
+    acting = C.any(axis=0)
+    for at_once in (functions & ~(acting & C[functions].any(axis=0)), functions & ~acting):
+        own = K[np.ix_(at_once, at_once)]
+        sigma = np.linalg.svd(own, compute_uv=False)
+        if len(sigma) and sigma[-1] <= SINGULAR * sigma[0]:
+            continue
+        kept = ~at_once
+        by = [np.linalg.solve(own, A[np.ix_(at_once, kept)]) for A in (M, C, K)]
+        by_value, by_rate = (A[np.ix_(kept, at_once)] for A in (K, C))
+        if (by_rate @ by[0]).any():
+            continue
+        reduced = [A[np.ix_(kept, kept)] - by_value @ part for A, part in zip((M, C, K), by, strict=True)]
+        reduced[0] -= by_rate @ by[1]
+        reduced[1] -= by_rate @ by[2]
+        return kept, reduced, partial(_with_signals, kept, by)
+    return np.ones(len(M), bool), (M, C, K), lambda values, shapes: shapes
 
-    def follow(values, shapes):
-        whole = np.zeros((len(shapes), scaled.n_q), complex)
-        powers = (values[:, None] ** 2, values[:, None], 1.0)
-        whole[:, kept] = shapes
-        whole[:, at_once] = -sum(power * (shapes @ part.T) for power, part in zip(powers, by, strict=True))
-        return whole
 
-    return kept, reduced, follow
+def _with_signals(kept, by, values, shapes):
+    """Return the shapes (m, n_q) with eliminated signals that follow from those of the ``kept`` unknowns."""
+    whole = np.zeros((len(shapes), len(kept)), complex)
+    powers = (values[:, None] ** 2, values[:, None], 1.0)
+    whole[:, kept] = shapes
+    whole[:, ~kept] = -sum(power * (shapes @ part.T) for power, part in zip(powers, by, strict=True))
+    return whole
 
 
 def _condensed(M, C, K):
