@@ -42,7 +42,7 @@ class Curves {
     const options = {
       ...this.sizeOf(box), padding: [6, 10, 0, 0], cursor: { y: false, drag: { x: false, y: false } }, legend: { live: true },
       scales: { x: { time: false }, y: { range: (_, low, high) => spread(low, high) } },
-      axes: [{ ...axis, size: 26 }, { ...axis, size: 58 }],
+      axes: [{ ...axis, size: 26 }, { ...axis, size: 58, space: 16 }], // low panels, too, have two numbers
       series: [{ label: named, value: (_, v) => (v === null ? "" : `${number(v)} ${of}`) }, ...panel.curves.map(([name, , reference], i) => ({
         label: name, stroke: INKS[i % INKS.length] + (reference ? "66" : ""), width: reference ? 4 : 1.5, points: { show: false },
         value: (_, v) => (v === null ? "" : number(Math.abs(v) * factor < ROUNDING * largest ? 0 : v)),
