@@ -268,3 +268,30 @@ def test_signals_that_are_not_known_yet_do_not_make_compliances_infinite():
     recorded = RecordedRun(deck(text))
     assert recorded.prepared.compliance is not None
     assert recorded["signals/angle/value"] == pytest.approx(np.arccos(0.5 - recorded.time), rel=1e-9)
+
+
+SLIDE = """
+    mecano: 1
+    gravity: none
+    nodes: {a: {position: [0, 0, 0]}, b: {position: [0, 0, 0.5]}}
+    elements:
+      one: {type: rigid_body, node: a, mass: 1, inertia: [1, 1, 1]}
+      two: {type: rigid_body, node: b, mass: 1, inertia: [1, 1, 1]}
+    joints:
+      slide: {type: prismatic, nodes: [a, b], axis: [0, 1, 0]}
+      drive: {type: DRIVE}
+    time: {end: 1, step: 0.1}
+    """
+
+
+@pytest.mark.parametrize(
+    ("drive", "warned"),
+    [
+        ("prescribed_length, nodes: [a, b], value: 0.1*time", True),  # across the slide
+        ("prescribed_length, nodes: [a, b], value: 0", False),  # a rigid rod
+        ("prescribed_position, node: a, direction: [1, 0, 0], value: 0.1*time", False),
+    ],
+)
+def test_a_drive_across_its_motion_is_warned_of(drive, warned):
+    said = summary(deck(SLIDE.replace("DRIVE", drive)))
+    assert ("prescribed_length 'drive' is redundant with other constraints" in " ".join(said.split())) == warned

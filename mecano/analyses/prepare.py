@@ -226,7 +226,7 @@ def warnings_of(prepared: Prepared) -> list[str]:
             "nothing can move: the constraints leave no motion, and none is prescribed. Is an axis wrong, or a joint "
             "too many?"
         )
-    return texts
+    return texts + [text for group in prepared.redundant for text in _drives_in(deck, group)]
 
 
 def _is_immobile(prepared):
@@ -256,6 +256,24 @@ def model_facts(prepared: Prepared) -> dict[str, Any]:
 def mass_of(system: System) -> float:
     """Return the total mass [kg] of all elements whose record has a field "mass"."""
     return sum(float(batch.p["mass"].sum()) for batch in system.batches if "mass" in (batch.p.dtype.names or ()))
+
+
+def _drives_in(deck, group):
+    """Yield a warning for each drive of a redundant group, whose motion the others of the group hold or prescribe."""
+    places = {name.place for name in group.names}
+    for name, d in deck.values["joints"].items():
+        title = title_of(d["type"], name)
+        if d["type"].startswith("prescribed_") and title in places and _moves(d.get("length") or d["value"]):
+            yield (
+                f"{deck.mark('joints', name)}: {title} is redundant with other constraints at the start: either they "
+                "hold or prescribe the same motion, or it acts across the motion that it should drive; a "
+                "prescribed_length acts along the line of its nodes, a generic joint with 'driven' along an axis"
+            )
+
+
+def _moves(motion):
+    """Return whether a prescribed motion, a formula or the terms of a law, is not a constant."""
+    return isinstance(motion, str) or any(term != "constant" for term, _ in motion)
 
 
 def _friction_of(system, group):
