@@ -10,7 +10,7 @@ from mecano.jit import digest
 from mecano.jit.entry import Vector, entry
 from mecano.jit.kernel import kernel
 from mecano.jit.methods import code_for, method
-from mecano.maths.dual import Dual, atan2, chain, cos, exp, select, sin, sqrt, tan, value
+from mecano.maths.dual import Dual, atan2, chain, cos, exp, log, power, select, sin, sqrt, tan, value
 from mecano.maths.vector import EYE, ZERO, Mat3, Vec3, cross, dot, mat, norm, outer, skew, vec
 
 A, B = np.random.default_rng(1).normal(size=(2, 3, 3))
@@ -22,7 +22,7 @@ def expression(x, y):
     """Something of every operator and function."""
     M = outer(x, y) - 2.0 * EYE + skew(x) / norm(y)
     z = M.T @ (x - y * dot(x, y)) + -cross(x, M @ y)
-    s = sqrt(dot(z, z)) * exp(-x[0]) + sin(y[1]) / (2.0 + cos(x[2])) - atan2(x[1], y[2])
+    s = sqrt(dot(z, z)) * exp(-x[0]) + sin(y[1]) / (2.0 + cos(x[2])) - atan2(x[1], y[2]) + log(power(x[0] * x[0], 1.5))
     return select(s > 1e3, s, s * s) + dot(z, (M @ M) @ x)
 
 
@@ -70,7 +70,8 @@ def test_slopes_are_derivatives():
 @pytest.mark.parametrize("compute", [
     lambda a: a + 1.0, lambda a: 1.0 + a, lambda a: a - 1.0, lambda a: 1.0 - a, lambda a: -a, lambda a: 3.0 * a,
     lambda a: a * 3.0, lambda a: a / 3.0, lambda a: 3.0 / a, lambda a: a * a, lambda a: (a + 1.0) / a, sqrt, sin, cos,
-    exp, tan, abs, lambda a: abs(-a), lambda a: atan2(a, 2.0), lambda a: atan2(2.0, a),
+    exp, tan, log, abs, lambda a: power(a, 2.5), lambda a: power(a, -0.5), lambda a: abs(-a),
+    lambda a: atan2(a, 2.0), lambda a: atan2(2.0, a),
     lambda a: atan2(a, a * a), lambda a: a - a * a, lambda a: chain(a, value(a) ** 3, 3.0 * value(a) ** 2),
     lambda a: select(a > 0.5, a * a, 7.0), lambda a: select(a < 0.5, 7.0, a), lambda a: select(0.5 <= a, a, a * a),
 ])  # fmt: skip
@@ -82,6 +83,12 @@ def test_each_rule_of_dual_numbers(compute):
 
 def test_the_root_of_zero_has_no_slope():
     assert norm(Vec3(Dual(0.0, 1.0), Dual(0.0, 2.0), Dual(0.0, 3.0))) == Dual(0.0, 0.0)
+
+
+@pytest.mark.parametrize(("exponent", "slope"), [(1.0, 2.0), (1.5, 0.0), (2.0, 0.0)])
+def test_the_power_of_zero_has_the_slope_of_its_limit(exponent, slope):
+    found = power(Dual(0.0, 2.0), exponent)
+    assert found.value == 0.0 and found.slope == pytest.approx(slope, abs=1e-60)
 
 
 def test_what_is_not_defined_is_an_error():

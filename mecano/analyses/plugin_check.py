@@ -17,6 +17,8 @@ from mecano.model.loop_code import BY_LANES, calls_of
 if TYPE_CHECKING:
     from mecano.elements.plugins import Plugin
 
+NOT_FOR_DUALS = ("not Dual", "'Dual' does not support ufuncs", "** or pow(): 'Dual'")  # in messages of Python
+
 
 def check_plugin(plugin: "Plugin") -> tuple[str, int]:
     """Return (text, number of failures), with one line for each test of each item of a Plugin."""
@@ -80,5 +82,5 @@ def _described_error(error, text, path):
         (f"line {lines[-1]}: " if lines else "")
         + f"{type(error).__name__}: {text}"
         + (f"; known: {', '.join(known)}" if known else "")
-        + (f"; {PLAIN_MATH}" if "not Dual" in text else "")
+        + (f"; {PLAIN_MATH}" if any(sign in text for sign in NOT_FOR_DUALS) else "")
     )

@@ -14,7 +14,10 @@ COLOUR = re.compile("\x1b\\[[0-9;]*m")
 PLACE = re.compile(r"^During: .* at (\S+) \((\d+)\)$", re.MULTILINE)  # first the innermost one
 CALLED = re.compile(r"^During: resolving callee type: .*<function (?:\S+\.)?(\w+) at", re.MULTILINE)  # the same
 STAGES = ("Failed in", "During:", "File ", "[", "<source")  # beginnings of lines that give no reason
-PLAIN_MATH = "functions of Python's math take plain numbers only: write those of mecano.maths.dual"
+PLAIN_MATH = (
+    "functions of Python's math and the operator ** take plain numbers only, power(a, 3) any: "
+    "write those of mecano.maths.dual"
+)
 REMEDIES = (  # (what the reason contains, what to write instead)
     (re.compile(rf"function (?:{'|'.join(vars(math))})>.*signature: >>> \w+\(.*(?:Dual|Lanes)"), PLAIN_MATH),
     (

@@ -11,8 +11,8 @@ from mecano.jit.memory import LANES
 NUMBER, CONDITION = ir.DoubleType(), ir.IntType(1)
 NUMBERS, CONDITIONS = ir.VectorType(NUMBER, LANES), ir.VectorType(CONDITION, LANES)  # of as many elements at once
 LANE = ir.IntType(32)
-MATHEMATICS = ("sqrt", "sin", "cos", "tan", "exp", "atan2")  # functions of the C library, by name
-INTRINSIC = ("sin", "cos", "exp")  # those of them for which numba calls an LLVM intrinsic
+C_NAMES = {name: name for name in ("sqrt", "sin", "cos", "tan", "exp", "log", "atan2")} | {"power": "pow"}
+INTRINSIC = ("sin", "cos", "exp", "log", "pow")  # those of them for which numba calls an LLVM intrinsic
 
 
 class Symbol:
@@ -127,7 +127,7 @@ def primitive(function, arguments):
     name = function.__name__
     if name in CHOICES:
         return CHOICES[name](*arguments)
-    return _call(name, arguments) if name in MATHEMATICS else function.__wrapped__(*arguments)
+    return _call(C_NAMES[name], arguments) if name in C_NAMES else function.__wrapped__(*arguments)
 
 
 def _select(condition, a, b):

@@ -196,6 +196,31 @@ def _(a):
 
 
 @Generic
+def log(a):
+    """Return the natural logarithm."""
+    return math.log(a)
+
+
+@method(log, Dual)
+def _(a):
+    return Dual(log(a.value), a.slope / a.value)
+
+
+@Generic
+def power(a, exponent):
+    """Return a number that is not negative to the power of an ``exponent``, which has no slope.
+
+    At zero the slope is that of the number 1e-150: zero for an exponent above 1.
+    """
+    return math.pow(a, exponent)
+
+
+@method(power, Dual, NUMBER)
+def _(a, exponent):
+    return Dual(power(a.value, exponent), a.slope * (exponent * power(at_least(a.value, TINY), exponent - 1.0)))
+
+
+@Generic
 def atan2(a, b):
     """Return the angle of the point (b, a) in the plane."""
     return math.atan2(a, b)
