@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from process import COMMAND, mecano_process
+from scipy.integrate import solve_ivp
 
 import mecano
 from mecano.analyses.plugin_check import check_lanes
@@ -44,9 +45,9 @@ def call(*words, **environment):
 
 
 def test_the_files_of_the_page_are_short():
-    assert set(SOURCES) == {"my_drag.py", "my_tyre.py", "my_joint.py", "my_law.py"}
+    assert set(SOURCES) == {"my_drag.py", "my_hysteresis.py", "my_tyre.py", "my_joint.py", "my_law.py"}
     assert len([line for line in SOURCES["my_drag.py"].splitlines() if line.strip()]) <= 30
-    assert max(len(text.splitlines()) for text in SOURCES.values()) <= 40
+    assert max(len(text.splitlines()) for text in SOURCES.values()) <= 48
 
 
 @pytest.mark.parametrize("name", SOURCES)
@@ -134,6 +135,46 @@ def test_a_run_with_a_plugin(folder):
     digest = hashlib.sha256((folder / "my_drag.py").read_bytes()).hexdigest()
     assert recorded == {str(folder / "my_drag.py"): {"sha256": digest, "names": ["air_drag"]}}
     assert re.search(r"plugins +\S+my_drag.py\s+\(air_drag;", call("info", "fall.h5")[1])
+
+
+HYSTERESIS = """
+    mecano: 1
+    gravity: none
+    nodes: {wall: {position: [-1, 0, 0], fixed: true}, body: {position: [0, 0, 0]}}
+    elements:
+      mass: {type: point_mass, node: body, mass: 10}
+      yielding: {type: hysteresis, nodes: [wall, body], stiffness: 2000, beta: 30, gamma: 20, n: 1.5}
+    loads: {shaking: {type: force, node: body, direction: [1, 0, 0], value: 120*sin(9*time)}}
+    time: {end: 1, step: 1 ms}
+    """
+
+
+def test_an_element_with_a_state(folder):
+    """Its motion is that of its equations, integrated by SciPy; modes are found about a saved state, which has z."""
+
+    def rates(t, y):
+        _, v, z = y
+        return [v, (120 * np.sin(9 * t) - 2000 * z) / 10, v - abs(z) ** 0.5 * (30 * abs(v) * z + 20 * v * abs(z))]
+
+    (folder / "yielding.yaml").write_text(HYSTERESIS)
+    plugin = "--plugin", "my_hysteresis.py"
+    assert call("run", "yielding.yaml", "-q", *plugin)[0] == 0
+    with mecano.open_results("yielding.h5") as results:
+        expected = solve_ivp(rates, (0, 1), [0, 0, 0], t_eval=results.time, rtol=1e-9, atol=1e-11).y
+        np.testing.assert_allclose(results["body.position.x"].values, expected[0], atol=2e-5)
+        np.testing.assert_allclose(results["yielding.z"].values, expected[2], atol=2e-5)
+    code, out, err = call("modes", "yielding.yaml", "--at", "yielding.h5:0.5", *plugin)
+    assert code == 0 and "decay" in out, err
+
+
+def test_an_unknown_that_is_no_output_cannot_be_read(folder):
+    source = SOURCES["my_hysteresis.py"].replace('Output("z", "m", "state")', 'Output("inner", "m", "state")')
+    (folder / "my_hysteresis.py").write_text(source)
+    (folder / "yielding.yaml").write_text(HYSTERESIS.replace("end: 1", "end: 0.01"))
+    plugin = "--plugin", "my_hysteresis.py"
+    assert call("run", "yielding.yaml", "-q", *plugin)[0] == 0
+    code, _, err = call("modes", "yielding.yaml", "--at", "yielding.h5:0.01", *plugin)
+    assert code == 5 and "has to declare it among the outputs of 'hysteresis', as 'z'" in " ".join(err.split())
 
 
 def test_it_is_explained_listed_and_part_of_the_grammar(folder):

@@ -91,10 +91,20 @@ def _state_of_row(prepared: Prepared, results: Results, row: int) -> "State":
         raise ResultsError(f"{results.path} does not belong to this deck: it has no node '{missing[0]}'")
     scalars, unknown = scalars_in(system, results)
     if unknown:
-        owner, name = unknown[0]
-        raise ResultsError(f"{results.path} does not belong to this deck: it has no unknown '{name}' of {owner}")
+        raise ResultsError(_missing_unknown(results, *unknown[0]))
     near = gaps_at_start(prepared.deck, system, prepared.length)
     return replayed(system, prepared.state, results, row, nodes, scalars, near)
+
+
+def _missing_unknown(results, owner, name):
+    """Return the text on an unknown of an element that the results lack."""
+    kind, element, _ = owner.split("'")
+    if not any(path.split("/")[1] == element for path in results.series):
+        return f"{results.path} does not belong to this deck: it has no unknown '{name}' of {owner}"
+    return (
+        f"{results.path} does not contain the unknown '{name}' of {owner}: the plugin has to declare it among the "
+        f"outputs of '{kind.strip()}', as '{name}', and its rate as '{name}_rate' unless it is one of its 'states'"
+    )
 
 
 def _dynamic_state(prepared: Prepared, state: "State") -> "State":

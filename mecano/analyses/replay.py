@@ -137,7 +137,8 @@ def scalars_in(system: "System", results: "Results") -> tuple[list[Scalar], list
             path = f"{b.kind.section}/{owner.split(chr(39))[1]}"
             for i, name in enumerate(b.kind.scalars):
                 value, rate = f"{path}/{name}", f"{path}/{name}_rate"
-                if value not in results.series or (rate not in results.series and not b.kind.of_signals):
+                follows = b.kind.of_signals or name in b.kind.states  # its rate, from its equation
+                if value not in results.series or (rate not in results.series and not follows):
                     # algebraic signals follow from the rest
                     missing += [(owner, name)] if name in b.kind.states or not b.kind.of_signals else []
                     continue
