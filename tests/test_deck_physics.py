@@ -120,7 +120,12 @@ def test_gears_turn_about_the_axes_of_their_bearings(old, new, caret, words):
     ("old", "new", "words", "hint"),
     [
         ("type: hinge", "type: Revolute_joint", "unknown type 'Revolute_joint'", "here it is called 'hinge'"),
-        ("type: hinge", "type: clockwork", "unknown type 'clockwork'", "`mecano list` lists all"),
+        (
+            "type: hinge",
+            "type: clockwork",
+            "unknown type 'clockwork'",
+            "`mecano list` lists all; the file of a plugin is named by --plugin",
+        ),
         ("value: 1.0", "value: {linear: 3 rad/s}", "'value.linear' must be a mapping", "write {slope: 3 rad/s}"),
         ("axis: [0, 1, 0]", "axis: [0, 1, 0], latch: 1", "'latch' must be a mapping, got 1", "write {angle: 1}"),
         ("{position: [0", "{fixed:1, position: [0", "unknown key 'fixed:1'", "write a space after ':'"),

@@ -64,6 +64,8 @@ def test_the_files_of_the_page_pass_the_generic_tests(folder, name):
         ("e[2] = y[0]", "e[2] = -y[0]", "The power of the forces is the change of energy"),
         ("norm(v), v)", "(1.0 + v[2]), v)", "Forces rotate with the whole model"),
         ('"-", "node on which', '"", "node on which', "Fields, outputs, rows and events are declared"),
+        ('"force", "N",', '"force", "Nm",', "Fields, outputs, rows and events are declared"),
+        ('"force", "N",', '"force", "kN",', "Fields, outputs, rows and events are declared"),
         (
             "    observe=observe,",
             "    observe=observe, phases=('one', 'two'), sample=lambda rng: [({'coefficient': 1.0}, 1, 'one')],",
@@ -90,6 +92,12 @@ def test_an_exception_has_the_line_of_the_plugin(folder, wrong, said):
     line = text[: text.index(wrong)].count("\n") + 1
     code, out, _ = call("check-kind", "my_drag.py")
     assert code == 2 and f"line {line}: " in out and said in out
+
+
+def test_a_section_that_decks_lack_is_named(folder):
+    (folder / "my_drag.py").write_text(SOURCES["my_drag.py"].replace('section="loads"', 'section="load"'))
+    code, _, err = call("check-kind", "my_drag.py")
+    assert code == 2 and "the kind 'air_drag' has the section 'load'; known: elements, joints, loads" in err
 
 
 def test_a_wrong_tangent_by_hand_is_found(folder):

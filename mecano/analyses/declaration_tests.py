@@ -3,6 +3,7 @@
 import re
 
 from mecano.analyses.kind_samples import GRAVITY, samples
+from mecano.deck.units import UnitError, written_in_si
 from mecano.element_interface import Context, Kind, Output
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable
@@ -16,6 +17,7 @@ def check_declarations(kind: Kind) -> None:
     for item in declared:
         given = item.name.strip() and item.unit.strip() and item.doc.strip()
         assert given, f"'{item.name}' needs a name, a unit ('-' for none) and a meaning"
+        _check_unit(item)
     for row in kind.multipliers:
         assert row.name.strip() and row.unit.strip() and row.constraint_unit.strip(), f"{row} needs a name and units"
     for event in kind.events:
@@ -31,6 +33,18 @@ def check_declarations(kind: Kind) -> None:
     _check_pair(watched, kind.event_values, "'events' without a command", "'event_values'")
     assert kind.observe or not kind.outputs, "'outputs' need 'observe'"
     assert kind.acts or kind.observe or kind.optional, "'residual', 'force' or 'parts' with outputs are missing"
+
+
+def _check_unit(item):
+    """Raise AssertionError for a unit that is none, or an output that is not in SI units."""
+    for unit in re.split(", | or ", item.unit):
+        if unit in ("-", "SI") or unit.startswith("unit of"):
+            continue
+        try:
+            si = written_in_si(unit)
+        except UnitError as error:
+            raise AssertionError(f"'{item.name}': {error} ('-' for none)") from None
+        assert isinstance(item, Field) or si == unit, f"'{item.name}': outputs are in SI units: '{si}', not '{unit}'"
 
 
 def _check_unique(names, of):

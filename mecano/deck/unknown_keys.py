@@ -37,6 +37,7 @@ ELSEWHERE = {  # names of keys: a key that is known there, where the value is gi
     ),
 }  # fmt: skip
 FEW = 8  # kinds that have a field, which are named
+UNKNOWN_KIND = "`mecano list` lists all; the file of a plugin is named by --plugin, in Python by mecano.load_plugin"
 
 
 def refuse_key(
@@ -153,7 +154,7 @@ def refuse_kind(type_node: "Node", section: str, scope: "Scope") -> "Invalid":
     known = next((name for name in meant if name in _kinds_of(section, scope)), None)
     known = known or next((name for name in meant if name in scope.kinds), None)
     hint = f"here it is called {quoted(known)}" if known else ""
-    hint = hint or scope.suggest(type_node.value, _kinds_of(section, scope)) or "`mecano list` lists all"
+    hint = hint or scope.suggest(type_node.value, _kinds_of(section, scope)) or UNKNOWN_KIND
     return scope.refuse(type_node, f"unknown type {quoted(type_node.value)}", hint)
 
 

@@ -20,6 +20,7 @@ def register(source, module):
     """
     own = {id(value): value for name, value in vars(module).items() if not name.startswith("_") and _is_new(value)}
     found = tuple(own.values())
+    _refuse_sections(source, module)
     if not found:
         raise UsageError(f"plugin {source} defines no Kind, SlipLaw or Term at its top level")
     for item in found:
@@ -36,6 +37,14 @@ def register(source, module):
     if any(isinstance(item, Term) for item in found):
         number_terms()
     return found
+
+
+def _refuse_sections(source, module):
+    """Raise UsageError for a kind of a section that decks do not have; basic constraints belong to none."""
+    for value in vars(module).values():
+        if isinstance(value, Kind) and value.section and value.section not in SECTIONS:
+            text = f"the kind '{value.name}' has the section '{value.section}'"
+            raise UsageError(f"plugin {source}: {text}; known: {', '.join(SECTIONS)}")
 
 
 def _is_new(value):
