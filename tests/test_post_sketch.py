@@ -1,11 +1,15 @@
 """Views of mechanisms: shapes, plane or eye, instants, ground."""
 
+from dataclasses import replace
+
 import every_kind
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from mecano.elements import KINDS
-from mecano.post.draw_sketch import hull, zigzag
+from mecano.post.draw_sketch import draw_sketch, hull, zigzag
 from mecano.post.ground import ground_patch
 from mecano.post.runs import open_runs
 from mecano.post.shapes import BODY, JOINT, SPRING, SUPPORT, WHEEL, Shape
@@ -113,3 +117,18 @@ def test_outlines():
     assert {tuple(p) for p in hull(square)} == {(0, 0), (1, 0), (1, 1), (0, 1)}
     spring = zigzag(np.array([[0.0, 0.0], [2.0, 0.0]]))
     assert np.array_equal(spring[[0, -1]], [[0, 0], [2, 0]]) and spring[:, 1].max() == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize(("rise", "labels"), [(0.0, 7), (4.0, 1)])
+def test_the_times_below_a_view_do_not_overlap(flat_run, rise, labels):
+    """A mechanism that rises high beside its width is drawn narrow, with fewer times."""
+    found = sketch(flat_run)
+    shift = np.outer(np.arange(7.0), (2.0, rise))
+    shapes = tuple(replace(s, points=np.repeat(s.points[:1], 7, axis=0)) for s in found.shapes if s.style == WHEEL)
+    figure = Figure(figsize=(9.0, 2.0))
+    ax = figure.add_subplot()
+    draw_sketch(ax, replace(found, times=np.linspace(0.0, 0.6, 7), shapes=shapes, shift=shift, grounds=(), paths=()))
+    FigureCanvasAgg(figure).draw()
+    boxes = [text.get_window_extent() for text in ax.texts if text.get_text().endswith(" s")]
+    assert all(left.x1 < right.x0 for left, right in zip(boxes, boxes[1:], strict=False))
+    assert len(boxes) >= labels

@@ -83,7 +83,8 @@ def _label_instants(ax, sketch):
     for i in range(len(sketch.times)):
         x = np.concatenate([sketch.flat(shape.points[i], i)[:, 0] for shape in sketch.shapes])
         middles.append(0.5 * (x.min() + x.max()))
-    pitch = ax.get_figure().get_figwidth() / len(middles) * min(1.0, 1.0 / max(sketch.aspect, 1e-9))
+    width, height = ax.get_position().size * ax.get_figure().get_size_inches()  # before layout, which changes it little
+    pitch = min(width, height / max(sketch.aspect, 1e-9)) / len(middles)
     every = max(1, int(np.ceil(LABEL_WIDTH / pitch)))
     for i, t in list(enumerate(sketch.times))[::every]:
         place = (middles[i], 0.0)
