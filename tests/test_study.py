@@ -33,10 +33,10 @@ from mecano.post.pictures import post
 from mecano.post.report_page import page_of
 from mecano.post.study_outputs import displayed_outputs
 from mecano.post.study_plots import study_figure
-from mecano.post.study_report import study_report
+from mecano.post.study_report import _warnings, study_report
 from mecano.post.study_requests import requested_figures
 from mecano.post.study_statistics import statistics
-from mecano.post.value_labels import LONGEST, short_texts
+from mecano.post.value_labels import LONGEST, legible, short_texts
 from mecano.results.recorded import Event
 from mecano.results.study_file import Column, StudyTable, within
 from mecano.results.study_file import read_study as read_table
@@ -873,6 +873,20 @@ def test_warmup_leaves_nothing_to_be_compiled(tmp_path):
     deck, overrides = INPUTS / "nose_landing_gear.yaml", settings("time.end=0.05")
     subprocess.run([*COMMAND, "run", deck, "-q", "-o", tmp_path / "r.h5", *overrides], env=environment, check=True)
     assert len(before) > 400 and sorted((tmp_path / "cache").rglob("*.o")) == before
+
+
+def test_values_are_shown_in_usual_units():
+    pressure = Column("parameters", "parameters.pressure", "Pa", "", np.array([1.2e6, 1.6e6]))
+    shown = legible(pressure)
+    assert shown.unit == "kPa" and shown.values.tolist() == [1200.0, 1600.0]
+    assert legible(replace(pressure, unit="", values=np.array([1.0, 5.0]))).values.tolist() == [1.0, 5.0]
+
+
+def test_warnings_that_differ_in_numbers_are_one_row_of_the_report():
+    said = "oleo 'strut_{}': oil_pressure reached -{} at t = {} s, but below zero the oil cavitates"
+    warnings = [(said.format(1, "6.5e+05", 0.39),), (said.format(1, "81", 0.4),), (said.format(2, "81", 0.4),)]
+    [found] = _warnings(SimpleNamespace(case_names=["one", "two", "three"], warnings=warnings))
+    assert found.rows == [(warnings[0][0], "2", "one"), (warnings[2][0], "1", "three")]
 
 
 def test_values_that_are_mappings_have_short_texts_in_pictures():

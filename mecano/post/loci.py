@@ -266,8 +266,9 @@ def _map(file, units):
     lowest = min(float(growth.min()), -1e-3 * size)
     image = ax.pcolormesh(file.parameter, file.other, growth, cmap="RdBu_r", shading="nearest",
                           norm=TwoSlopeNorm(0.0, lowest, largest))  # fmt: skip
-    ticks = [tick for ends in ((lowest, 0.0), (0.0, largest)) for tick in MaxNLocator(4).tick_values(*ends)]
-    ticks = [tick for tick in ticks if lowest <= tick <= largest]  # the two sides differ in scale
+    sides = [(lowest, 0.0)] * bool(growth.min() < 0.0) + [(0.0, largest)] * bool(growth.max() > 0.0)  # scales differ
+    ticks = [tick for ends in sides for tick in MaxNLocator(4).tick_values(*ends)]
+    ticks = [tick for tick in ticks if lowest <= tick <= largest]
     figure.colorbar(image, ax=ax, label="largest growth [1/s]; red: unstable", ticks=ticks)
     if min(growth.shape) > 1 and growth.min() < 0.0 < growth.max():
         ax.contour(file.parameter, file.other, growth, levels=[0.0], colors=GREY, linewidths=0.8)

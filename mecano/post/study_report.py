@@ -1,5 +1,6 @@
 """The report on a study as data: governing cases, statistics, all cases, pictures, the study file."""
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     import os
 
 COMPLETE = "complete"
+NUMBER = re.compile(r"(?<![\w'.])-?\d[\d.]*(?:e[-+]?\d+)?(?![\w'])")  # in a warning, not in the name of an element
 MOST_WARNINGS = 20  # different ones that are shown
 MOST_CASES = 8  # beyond a limit, that are named
 
@@ -107,14 +109,18 @@ def _incomplete(table):
 
 
 def _warnings(table):
-    """Yield the table of the warnings of complete cases, those of most cases first."""
-    cases: dict[str, list[str]] = {}  # text of a warning -> names of the cases
+    """Yield the table of the warnings of complete cases, those of most cases first.
+
+    Warnings that differ in numbers only, which vary from case to case, are one row with the text of the first case.
+    """
+    cases: dict[str, list[tuple[str, str]]] = {}  # text of a warning without numbers -> (text, name) of the cases
     for name, warnings in zip(table.case_names, table.warnings, strict=False):
         for text in warnings:
-            cases.setdefault(text, []).append(name)
-    rows = [(text, str(len(names)), names[0]) for text, names in sorted(cases.items(), key=lambda row: -len(row[1]))]
+            cases.setdefault(NUMBER.sub("#", text), []).append((text, name))
+    ordered = sorted(cases.values(), key=lambda found: -len(found))
+    rows = [(found[0][0], str(len(found)), found[0][1]) for found in ordered]
     if rows:
-        yield Table(("warning", "cases", "first case"), rows[:MOST_WARNINGS], 1)
+        yield Table(("warning, with the numbers of the first case", "cases", "first case"), rows[:MOST_WARNINGS], 1)
     if len(rows) > MOST_WARNINGS:
         yield Text(f"and {len(rows) - MOST_WARNINGS} others, see table.csv")
 

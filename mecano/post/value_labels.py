@@ -1,4 +1,4 @@
-"""Short texts for the words, lists and mappings that a study varies, in the pictures of its table."""
+"""Values that a study varies as shown in the pictures of its table: short texts, numbers in usual units."""
 
 import ast
 from collections.abc import Iterable
@@ -7,15 +7,17 @@ from typing import Any
 
 import numpy as np
 
+from mecano.post.style import shown_unit
 from mecano.results.study_file import Column
 
 LONGEST = 32  # characters of a text
 
 
 def legible(column: Column) -> Column:
-    """Return a Column of texts with short ones, of mappings the values that differ; one of numbers as it is."""
+    """Return a Column of texts with short ones, of mappings the values that differ; one of numbers in a usual unit."""
     if column.numeric:
-        return column
+        factor, unit = shown_unit(column.unit, column.values)
+        return replace(column, values=column.values / factor, unit=unit)
     short = short_texts(dict.fromkeys(map(str, column.values)))
     return replace(column, values=np.array([short[str(value)] for value in column.values], object))
 
