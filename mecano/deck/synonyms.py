@@ -379,7 +379,8 @@ NOTES = {  # words with the same meaning: (targets, note)
     "parameter, variable, constant value": ("parameters", ""),
     "sweep, doe, optimization, optimisation, monte carlo, parameter study": (
         "study",
-        "`mecano sweep` runs the cases of a study file; docs/python.md has many runs in one process",
+        "`mecano sweep` runs the cases of a study file: 'latin_hypercube' and 'seeds' make random ones, 'csv' "
+        "reads values of any distribution; docs/python.md has many runs in one process",
     ),
     "modes, mode, eigenvalues, eigenvalue, eigenfrequency, eigenmodes, frequency, frequencies, modal, linearize, "
     "natural frequency, stability, root locus": (
