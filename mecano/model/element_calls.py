@@ -11,19 +11,9 @@ their globals.
 from mecano.jit.kernel import kernel
 from mecano.jit.memory import floats, items, lanes, lanes_items
 from mecano.jit.null_matrix import NULL_MATRIX
-from mecano.model.gather_scatter import (
-    dual_constraints,
-    dual_forces,
-    dual_place,
-    event_values_of,
-    lag_of,
-    lanes_place,
-    moving_place,
-    new_memory_of,
-    observed,
-    place,
-)
+from mecano.model.gather_scatter import event_values_of, lag_of, lanes_place, new_memory_of, observed, place
 from mecano.model.loop_records import batch_at, system_at
+from mecano.model.seeded_duals import dual_constraints, dual_forces, dual_place, moving_place
 
 
 @kernel

@@ -9,15 +9,11 @@ from mecano.jit.kernel import kernel
 from mecano.jit.memory import call, floats, integers
 from mecano.maths.vector import put, vec
 from mecano.model.gather_scatter import (
-    add_column,
-    add_dual_force,
     add_energies,
     add_forces,
     add_masses,
     clear_other_events,
     gather,
-    gather_duals,
-    gather_motion,
     gather_observed,
     gather_unknowns,
     is_idle,
@@ -25,12 +21,18 @@ from mecano.model.gather_scatter import (
     lag_of,
     put_commands,
     put_derivatives,
-    put_dual_derivatives,
     put_observation,
-    seed,
     work,
 )
 from mecano.model.loop_records import batch_at, system_at
+from mecano.model.seeded_duals import (
+    add_column,
+    add_dual_force,
+    gather_duals,
+    gather_motion,
+    put_dual_derivatives,
+    seed,
+)
 
 
 @kernel
