@@ -297,6 +297,11 @@ def test_chosen_defaults_are_stored_and_shown(tmp_path):
     assert f"automatic length scale {chosen['length_scale']:.4g}" in shown and f"k {chosen['k']:.4g}" in shown
 
 
+def test_radau_has_no_criteria_of_generalized_alpha(tmp_path):
+    _, results = run_of(tmp_path, "double_pendulum", "time.end=0.01", "time.method=radau")
+    assert set(results.automatic) == {"length_scale", "minimum_step", "maximum_step", "k"}
+
+
 def test_nodes_of_the_ground_are_no_outputs(tmp_path):
     """A joint to the ground makes a node of its own, which no deck names."""
     _, results = run_of(tmp_path, "double_pendulum", "time.end=0.01")

@@ -308,11 +308,15 @@ def _read_by_signals(system, group):
 def chosen_values(prepared: Prepared, integrator: TimeIntegrator, start: "RunState") -> dict[str, float]:
     """Return the values chosen where the deck says "automatic", by name, for the results file."""
     method, control = integrator.method, integrator.control
-    return {
+    chosen = {
         "length_scale": prepared.length,
         "minimum_step": control.minimum,
         "maximum_step": control.maximum,
         "k": method.k or start.history.k,
+    }
+    if prepared.deck.values["time"]["method"] == "radau":  # has no penalty, and limits errors instead of residuals
+        return chosen
+    return chosen | {
         "penalty": start.history.k if method.penalty is None else method.penalty,
         "increment_tolerance": method.tolerances.increment,
         "force_tolerance": method.tolerances.force,

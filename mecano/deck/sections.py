@@ -213,7 +213,7 @@ NEWTON_FIELDS = (
         "force_tolerance",
         NUMBER,
         "-",
-        "residual forces relative to the forces at work; at most a hundredth of 'adaptive.tolerance'",
+        "residual forces relative to the forces at work; at most a hundredth of 'adaptive.tolerance'; not of radau",
         1e-7,
         above_rounding,
     ),
@@ -233,8 +233,8 @@ TIME_FIELDS = (
         "generalized_alpha",
     ),
     Field(
-        "rho_inf", NUMBER, "-", "spectral radius at infinite frequency: 1 is no numerical damping, 0 most", 0.8,
-        spectral_radius,
+        "rho_inf", NUMBER, "-",
+        "spectral radius at infinite frequency: 1 is no numerical damping, 0 most; not of radau", 0.8, spectral_radius,
     ),
     Field("adaptive", mapping(*ADAPTIVE_FIELDS), "-", "step size from the error; a fixed step when absent", None),
     Field(
