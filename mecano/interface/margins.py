@@ -20,19 +20,12 @@ def margins(
 
     Parameters
     ----------
-    deck : str, Path, Deck or dict
+    deck, low, high, number, linear, set, at, at_rest, frame, force
+        As for `mecano.response`; frequencies are added around resonances and crossovers.
     path : str or Path
         File for the margins; by default none is written.
     open_loop : str
         A signal, or a load that is a formula of signals: "motor.value".
-    low, high : float
-        Lowest and highest frequency [Hz].
-    number : int
-        Number of frequencies; more are added around resonances and crossovers.
-    linear : bool
-        Frequencies at equal distances, not at equal ratios.
-    set, at, at_rest, frame, force
-        As of ``mecano.response``.
 
     Returns
     -------

@@ -25,7 +25,8 @@ def response(
 
     Parameters
     ----------
-    deck : str, Path, Deck or dict
+    deck, set, at, at_rest, frame, force
+        As for `mecano.modes`.
     path : str or Path
         File for the response; by default none is written.
     inputs : str or sequence of str
@@ -38,8 +39,6 @@ def response(
         Number of frequencies, at equal ratios, or at equal distances if ``linear``.
     refined : bool
         Add frequencies around resonances, and locate peaks.
-    set, at, at_rest, frame, force
-        As for `mecano.modes`.
 
     Returns
     -------
