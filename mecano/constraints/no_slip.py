@@ -11,9 +11,8 @@ import numpy as np
 from mecano.constraints.ground import normal_and_level
 from mecano.constraints.triads import unit
 from mecano.jit.kernel import kernel
-from mecano.maths.force_at_point import add_force
 from mecano.maths.surface import directions, disc_contact
-from mecano.maths.vector import ZERO, cross, dot, mat, vec
+from mecano.maths.vector import ZERO, add_vec, cross, dot, mat, vec
 
 MULTIPLIERS = 6
 
@@ -35,6 +34,13 @@ def leaning(rng):
 def velocity_at(at, arm):
     """Return the velocity [m/s] of the point of the body at ``arm``."""
     return vec(at.v, 0) + cross(mat(at.R[0]) @ vec(at.v, 3), arm)
+
+
+@kernel
+def add_force(f, Rn, arm, force):
+    """Add a ``force`` (inertial) at ``arm`` (inertial) from a node with rotation Rn, and its moment."""
+    add_vec(f, 0, 1.0, force)
+    add_vec(f, 3, 1.0, Rn.T @ cross(arm, force))
 
 
 @kernel

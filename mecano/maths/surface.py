@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, sqrt
-from mecano.maths.vector import EYE, Mat3, cross, dot, outer, skew
+from mecano.maths.vector import cross, dot
 
 LEAST_Q = 1e-3  # a disc flat on the ground (q = 0) has no lowest point: this bound keeps all values finite
 LEAST_MARGIN = 0.05  # of 1 - r/(radius of curvature): keeps values finite where the profile is too concave
@@ -39,14 +39,6 @@ class Contact(NamedTuple):
     q: float  # |n - s a|
     r: float  # distance of C from the centre [m]
     arm: tuple  # r c [m]
-
-
-class Block(NamedTuple):
-    """Derivatives of a contact with respect to three variables: 3x3, 3, 3x3."""
-
-    n: tuple
-    s: tuple
-    arm: tuple
 
 
 @kernel
@@ -86,48 +78,7 @@ def disc_contact(n, dn, height, a):
 
 
 @kernel
-def disc_variation(d, a, g):
-    """Return derivatives of the Contact ``g`` of a disc of axis ``a``: (Block by dx, Block by the inertial dtheta).
-
-    They include the implicit derivative of sigma along the profile's direction ``d``; da = dtheta x a.
-    """
-    # dc = C_n dn + C_a da
-    C_a = (outer(a, g.n) + g.s * EYE) / g.q + outer(g.s / g.q**2 * g.c, g.n)
-    bend = dot(a, g.dn)
-    turn = (bend * (a + g.s / g.q * g.c) - g.dn) / g.q  # C_n dn/dsigma
-    r_x = g.n / g.q
-    r_t = g.r / g.q * cross(g.c, g.n)
-    margin = 1.0 / max(1.0 - g.r * dot(d, turn), LEAST_MARGIN)
-    along = dot(d, g.c)
-    sigma_x = margin * (d + along * r_x)
-    sigma_t = margin * (along * r_t + g.r * cross(a, C_a.T @ d))
-    swing = -g.r * _times_skew(C_a, a)
-    slide = g.r * turn
-    by_x = Block(outer(g.dn, sigma_x), bend * sigma_x, outer(g.c, r_x) + outer(slide, sigma_x))
-    by_t = Block(
-        outer(g.dn, sigma_t),
-        bend * sigma_t + cross(a, g.n),
-        swing + (outer(g.c, r_t) + outer(slide, sigma_t)),
-    )
-    return by_x, by_t
-
-
-@kernel
 def directions(a, g):
     """Return driving direction t = a x n/q and lateral direction l = n x t at the Contact ``g``; ``a`` is the axis."""
     t = cross(a, g.n) / g.q
     return t, cross(g.n, t)
-
-
-@kernel
-def directions_variation(a, g, t, by, da):
-    """Return derivatives (dt, dl), 3x3, of the directions by the variables of the Block ``by``; ``da``, 3x3, of a."""
-    turn = -(skew(g.n) @ da) + skew(a) @ by.n
-    dt = turn / g.q + outer(g.s / g.q**2 * t, by.s)
-    return dt, -(skew(t) @ by.n) + skew(g.n) @ dt
-
-
-@kernel
-def _times_skew(A, a):
-    """Return A hat(a): row i is A_i x a."""
-    return Mat3(cross(A[0], a), cross(A[1], a), cross(A[2], a))
