@@ -27,7 +27,7 @@ def check_declarations(kind: Kind) -> None:
         )
     _check_unique([field.name for field in kind.fields], "fields")
     _check_unique([output.name for output in kind.outputs], "outputs")
-    _check_pair(kind.multipliers, kind.constraint_derivatives or kind.constraints, "'multipliers'", "'constraints'")
+    _check_pair(kind.multipliers, kind.constraints, "'multipliers'", "'constraints'")
     _check_pair(kind.memory, kind.commit, "'memory'", "'commit'")
     watched = any(not event.command for event in kind.events)
     _check_pair(watched, kind.event_values, "'events' without a command", "'event_values'")

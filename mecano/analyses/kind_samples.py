@@ -191,8 +191,6 @@ class Instance:
             rotations = duals(R, self._rotation_slopes(R, v))
             self.run("constraints", Dual(t, 1.0), (duals(q, v), duals(v, a), a, rotations), out)
             g[:] = [(number_in(x), number_in(rate), getattr(rate, "slope", 0.0)) for x, rate in out]
-        if self.kind.constraint_derivatives is not None:
-            self.run("constraint_derivatives", t, state, g)
         return g
 
     def observe(self, t: float, state: Local, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -44,11 +44,3 @@ def deactivate(f, K, row, k, multiplier):
     """Deactivate a constraint in the current phase: its reaction is zero. Its derivatives are not written."""
     f[row] -= multiplier
     K[row, row] -= k
-
-
-@kernel
-def put_derivatives(g, row, Phi, rate, second_rate):
-    """Write value, rate and second rate of one constraint."""
-    g[row, 0] = Phi
-    g[row, 1] = rate
-    g[row, 2] = second_rate

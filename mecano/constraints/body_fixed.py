@@ -1,4 +1,4 @@
-r"""Vectors fixed in nodes: their rates, and the scalar product of two of them.
+r"""Scalar product of two vectors fixed in nodes, and angles between nodes over whole turns.
 
 For m fixed in node 0 and s in node 1 (material components), with :math:`A = R_0^T R_1`, the product
 :math:`(R_0 m) \cdot (R_1 s)` has, in material variations, the gradients
@@ -13,20 +13,6 @@ import math
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import value
 from mecano.maths.vector import add_mat, cross, dot, mat, skew
-
-
-@kernel
-def carried(R, omega, alpha, m):
-    """Return R m and its first and second rate, inertial; omega, alpha: material angular velocity and acceleration."""
-    spin = cross(omega, m)
-    return R @ m, R @ spin, R @ (cross(alpha, m) + cross(omega, spin))
-
-
-@kernel
-def product_rates(u, w):
-    """Return u . w and its first two rates, for two vectors given with their rates."""
-    value, rate = dot(u[0], w[0]), dot(u[1], w[0]) + dot(u[0], w[1])
-    return value, rate, dot(u[2], w[0]) + 2.0 * dot(u[1], w[1]) + dot(u[0], w[2])
 
 
 @kernel

@@ -54,8 +54,6 @@ its memory takes the current one while the memory is zero, as it is in statics.
 Where a benchmark shows that derivatives by hand pay, ``force(p, at, f, K, C, M)`` replaces ``residual``: it also adds
 the exact derivatives K = df/dq, C = df/dv, M = df/da to (n_local, n_local) arrays that are zero on entry. The columns
 of multipliers in K are -k B^T; for constraints on velocities, B is in C and -k dPhi/dq in K.
-``constraint_derivatives(p, at, g)`` then replaces ``constraints``: it writes Phi, dPhi/dt, d2Phi/dt2 along v and a to
-``g`` (n_multipliers, 3); 0, Phi, dPhi/dt for constraints on velocities; zeros for inactive ones.
 
 A kind with ``by_lanes`` has ``force`` and ``observe`` compiled for LANES elements at once (jit/lanes.py), which makes
 large models faster: each number of ``p``, ``at.q``, ``at.v``, ``at.a``, ``at.R`` and of what is written stands for

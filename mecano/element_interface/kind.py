@@ -182,7 +182,6 @@ class Mechanics:
     inertia: Callable | None = None
     force: Callable | None = None
     constraints: Callable | None = None
-    constraint_derivatives: Callable | None = None
     observe: Callable | None = None
     impact_friction: Callable | None = None
     """(record, Place) -> (coefficient of friction, gradients (2, n_local) of the velocities of sliding along two

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 OF_ELEMENTS = "p", "dofs", "rots", "slots", "output_dofs", "output_slots", "multipliers", "entries"
 LINES = 128  # B, two lines of the cache
-WORK = ("q", "v", "a", "R", "f", "K", "C", "M", "seeded", "F", "g", "y", "energies")
+WORK = ("q", "v", "a", "R", "f", "K", "C", "M", "seeded", "F", "y", "energies")
 
 
 @dataclass(eq=False, repr=False)
@@ -58,7 +58,7 @@ class Batch:
         self.R = np.zeros((n_rotations, 3, 3, lanes))
         self.f, (self.K, self.C, self.M) = np.zeros((n, lanes)), (np.zeros((n, n, lanes)) for _ in range(3))
         self.seeded = np.zeros(4 * n + 9 * n_rotations, DUAL)
-        self.F, self.g = np.zeros((self.output_slots.shape[1], lanes)), np.zeros((len(kind.multipliers), 3))
+        self.F = np.zeros((self.output_slots.shape[1], lanes))
         self.groups = _of_groups(self.p) if kind.by_lanes else self.p[:0]
         self.n_outputs = sum(int(np.prod(o.shape, dtype=int)) for o in kind.outputs)
         self.y, self.energies = np.zeros((self.n_outputs, lanes)), np.zeros((4, lanes))

@@ -78,14 +78,7 @@ def inertia(batch, system):
     function(items(b.p, b.n, parameters)[b.element], place(b, s, 1.0), floats(b.f, b.n_local))  # noqa: F821
 
 
-def constraint_derivatives(batch, system):
-    """Call ``constraint_derivatives``."""
-    b, s = batch_at(batch), system_at(system)
-    p, g = items(b.p, b.n, parameters)[b.element], floats(b.g, (b.n_multipliers, 3))  # noqa: F821
-    function(p, place(b, s, 1.0), g)  # noqa: F821
-
-
-def moving_constraints(batch, system):
+def constraints(batch, system):
     """Call ``constraints`` with Duals whose slopes are rates in time."""
     b, s = batch_at(batch), system_at(system)
     function(items(b.p, b.n, parameters)[b.element], moving_place(b, s), dual_constraints(b))  # noqa: F821

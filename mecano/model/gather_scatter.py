@@ -134,16 +134,6 @@ def add_masses(b, s):
 
 
 @kernel
-def put_derivatives(b, s):
-    """Store values, rates and second rates of the constraints of an element."""
-    multipliers, g = integers(b.multipliers, (b.n, b.n_multipliers)), floats(b.g, (b.n_multipliers, 3))
-    g_out = floats(s.constraint_derivatives, (s.n_constraints, 3))
-    for i in range(b.n_multipliers):
-        for j in range(3):
-            g_out[multipliers[b.element, i], j] = g[i, j]
-
-
-@kernel
 def put_observation(b, s):
     """Copy the forces on an element to the work array F, and set its outputs and energies to zero."""
     slots, force = integers(b.output_slots, (b.n, b.n_forces)), floats(s.transmitted, s.n_transmitted)

@@ -17,9 +17,7 @@ NO_PARAMETERS = record(**{UNUSED: ()})
 PURPOSES = {
     loops.tangent: (loops.tangent, element_calls.tangent, "force"),
     loops.residual: (loops.residual, element_calls.force, "force"),
-    loops.constraint_derivatives: (
-        loops.constraint_derivatives, element_calls.constraint_derivatives, "constraint_derivatives"
-    ),
+    loops.constraint_derivatives: (loops.constraint_derivatives, element_calls.constraints, "constraints"),
     loops.observe: (loops.observe, element_calls.observe, "observe"),
     loops.event_values: (loops.event_values, element_calls.event_values, "event_values"),
     loops.commit: (loops.commit, element_calls.commit, "commit"),
@@ -31,7 +29,6 @@ BY_LANES = {
 }  # fmt: skip
 BY_DUALS = loops.dual_tangent, element_calls.dual_residual, "residual"
 BY_RESIDUAL = loops.residual, element_calls.residual, "residual"
-BY_MOTION = loops.dual_constraint_derivatives, element_calls.moving_constraints, "constraints"
 
 
 class Codes(NamedTuple):
@@ -85,8 +82,6 @@ def _of(kind, purpose):
         return BY_DUALS
     if kind.residual is not None and purpose is loops.residual:
         return BY_DUALS if kind.senses else BY_RESIDUAL  # a sensor takes longer, but is compiled once
-    if kind.constraints is not None and purpose is loops.constraint_derivatives:
-        return BY_MOTION
     return PURPOSES[purpose]
 
 

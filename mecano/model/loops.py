@@ -15,12 +15,10 @@ from mecano.model.gather_scatter import (
     clear_other_events,
     gather,
     gather_observed,
-    gather_unknowns,
     is_idle,
     keep_memory,
     lag_of,
     put_commands,
-    put_derivatives,
     put_observation,
     work,
 )
@@ -30,7 +28,7 @@ from mecano.model.seeded_duals import (
     add_dual_force,
     gather_duals,
     gather_motion,
-    put_dual_derivatives,
+    put_derivatives,
     seed,
 )
 
@@ -135,23 +133,13 @@ def residual(batch, system):
 
 
 def constraint_derivatives(batch, system):
-    """Compute values, rates and second rates of the constraints."""
-    b, s = batch_at(batch), system_at(system)
-    for e in range(b.n):
-        b.element = e
-        gather_unknowns(b, s)
-        call(b.function, batch, system)
-        put_derivatives(b, s)
-
-
-def dual_constraint_derivatives(batch, system):
     """Compute values, rates and second rates of the constraints; the last are slopes along the motion."""
     b, s = batch_at(batch), system_at(system)
     for e in range(b.n):
         b.element = e
         gather_motion(b, s)
         call(b.function, batch, system)
-        put_dual_derivatives(b, s)
+        put_derivatives(b, s)
 
 
 def observe(batch, system):

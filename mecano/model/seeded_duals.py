@@ -143,7 +143,7 @@ def gather_motion(b, s):
 
 
 @kernel
-def put_dual_derivatives(b, s):
+def put_derivatives(b, s):
     """Store values, rates and second rates of the constraints of an element; the last are slopes of the rates."""
     multipliers, g_1 = integers(b.multipliers, (b.n, b.n_multipliers)), dual_constraints(b)
     g_out = floats(s.constraint_derivatives, (s.n_constraints, 3))

@@ -39,12 +39,12 @@ STOP_EVENTS = (
 
 @kernel
 def _locked(p, at):
-    return 1.0 if at.phase == LOCKED else 0.0, at.m[0], 0.0, 0.0
+    return 1.0 if at.phase == LOCKED else 0.0, at.m[0], 0.0
 
 
 @kernel
 def _stopped(p, at):
-    return 0.0 if at.phase == BETWEEN else 1.0 if at.phase == LOWER else -1.0, at.m[0], 0.0, 0.0
+    return 0.0 if at.phase == BETWEEN else 1.0 if at.phase == LOWER else -1.0, at.m[0], 0.0
 
 
 def latch_kind(name, doc, coordinate):
@@ -91,7 +91,7 @@ def stop_kind(name, doc, coordinate):
 
     @kernel
     def observe(p, at, F, y, e):
-        side, _, _, _ = _stopped(p, at)
+        side, _, _ = _stopped(p, at)
         y[0], y[1] = side * at.q[row], 0.0 - side  # not -0
 
     @kernel

@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 from mecano.immutable import immutable
 from mecano.jit.kernel import kernel
+from mecano.maths.dual import constant, number
 from mecano.maths.vector import add_vec, dot, vec
 
 
@@ -25,7 +26,6 @@ class Coordinate:
     """(p, at) -> ((local index, b (3,)), ...): derivatives of c by position and material rotation of its slots"""
     add_curvature: Callable | None = None
     """(p, at, g, K): add g times the derivative of the gradient to K; None if nothing holds the coordinate"""
-    rates: Callable | None = None  # (p, at) -> dc/dt, d2c/dt2 along at.v, at.a; None if nothing holds it
     periodic: bool = False  # an angle, in (-pi, pi]
     inputs: int = 0  # number of inputs of the elements that hold it
 
@@ -48,9 +48,8 @@ class Coordinate:
 @kernel
 def rate_of(gradient, v):
     """Return the rate of a coordinate from its gradient and the velocities (n_local,)."""
-    first, b = gradient[0]
-    rate = dot(b, vec(v, first))
-    for i, b in gradient[1:]:
+    rate = constant(0.0, number(v[0]))
+    for i, b in gradient:
         rate = rate + dot(b, vec(v, i))
     return rate
 

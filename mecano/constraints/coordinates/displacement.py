@@ -20,16 +20,8 @@ def _add_curvature(p, at, g, K):
     pass
 
 
-@kernel
-def _rates(p, at):
-    n = vec(p.direction, 0)
-    return dot(n, vec(at.v, 0)), dot(n, vec(at.a, 0))
-
-
 def _sample(rng):
     return {"direction": rng.normal(size=3), "origin": rng.normal(size=3)}
 
 
-DISPLACEMENT = Coordinate(
-    ("x0",), "m", {"direction": 3, "origin": 3}, _sample, _value, _gradient, _add_curvature, _rates
-)
+DISPLACEMENT = Coordinate(("x0",), "m", {"direction": 3, "origin": 3}, _sample, _value, _gradient, _add_curvature)

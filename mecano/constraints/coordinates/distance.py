@@ -2,7 +2,7 @@ r"""Distance of two nodes: :math:`\ell = |x_1 - x_0|`. A force along it pushes t
 
 from mecano.constraints.coordinates.coordinate import Coordinate
 from mecano.jit.kernel import kernel
-from mecano.maths.vector import EYE, add_mat, dot, norm, outer, vec
+from mecano.maths.vector import EYE, add_mat, norm, outer, vec
 
 
 @kernel
@@ -28,12 +28,4 @@ def _add_curvature(p, at, g, K):
             add_mat(K, i, j, s * s_j, across)
 
 
-@kernel
-def _rates(p, at):
-    d, d1, d2 = vec(at.q, 3) - vec(at.q, 0), vec(at.v, 3) - vec(at.v, 0), vec(at.a, 3) - vec(at.a, 0)
-    length = norm(d)
-    rate = dot(d, d1) / length
-    return rate, (dot(d1, d1) + dot(d, d2) - rate * rate) / length
-
-
-DISTANCE = Coordinate(("x0", "x1"), "m", {}, lambda rng: {}, _value, _gradient, _add_curvature, _rates)
+DISTANCE = Coordinate(("x0", "x1"), "m", {}, lambda rng: {}, _value, _gradient, _add_curvature)

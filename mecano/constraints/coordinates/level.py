@@ -4,7 +4,6 @@ A force along it is a moment on the node about the driving direction a x n (equa
 Doan 1991).
 """
 
-from mecano.constraints.body_fixed import carried
 from mecano.constraints.coordinates.coordinate import Coordinate
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_mat, cross, dot, mat, skew, vec
@@ -25,15 +24,8 @@ def _add_curvature(p, at, g, K):
     add_mat(K, 0, 0, g, skew(vec(p.axis, 0)) @ skew(mat(at.R[0]).T @ vec(p.normal, 0)))
 
 
-@kernel
-def _rates(p, at):
-    _, rate, second = carried(mat(at.R[0]), vec(at.v, 0), vec(at.a, 0), vec(p.axis, 0))
-    n = vec(p.normal, 0)
-    return dot(rate, n), dot(second, n)
-
-
 def _sample(rng):
     return {"axis": rng.normal(size=3), "normal": rng.normal(size=3)}
 
 
-LEVEL = Coordinate(("R0",), "rad", {"axis": 3, "normal": 3}, _sample, _value, _gradient, _add_curvature, _rates)
+LEVEL = Coordinate(("R0",), "rad", {"axis": 3, "normal": 3}, _sample, _value, _gradient, _add_curvature)

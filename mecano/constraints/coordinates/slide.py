@@ -4,7 +4,6 @@ Its rate is :math:`\mu \cdot R_0^T (v_1 - v_0) + (\Omega_0 \times \mu) \cdot d`.
 x1 at 6.
 """
 
-from mecano.constraints.body_fixed import carried, product_rates
 from mecano.constraints.coordinates.coordinate import Coordinate
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_mat, cross, dot, mat, skew, vec
@@ -53,15 +52,7 @@ def _add_curvature(p, at, g, K):
     add_slide_curvature(K, g, at, vec(p.mu, 0))
 
 
-@kernel
-def _rates(p, at):
-    mu = carried(mat(at.R[0]), vec(at.v, 3), vec(at.a, 3), vec(p.mu, 0))
-    d, d_rate, d_second = vec(at.q, 6) - vec(at.q, 0), vec(at.v, 6) - vec(at.v, 0), vec(at.a, 6) - vec(at.a, 0)
-    _, rate, second = product_rates(mu, (d, d_rate, d_second))
-    return rate, second
-
-
 SLIDE = Coordinate(
     ("x0", "R0", "x1"), "m", {"mu": 3}, lambda rng: {"mu": rng.normal(size=3)},
-    _value, _gradient, _add_curvature, _rates,
+    _value, _gradient, _add_curvature,
 )  # fmt: skip

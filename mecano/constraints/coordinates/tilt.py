@@ -7,16 +7,14 @@ body_fixed.py (equations (12)-(17) of Cardona, Geradin & Doan 1991).
 
 from mecano.constraints.body_fixed import (
     add_blocks,
-    carried,
     product_curvature,
     product_gradient,
-    product_rates,
     relative_rotation,
     turning_rate,
 )  # fmt: skip
 from mecano.constraints.coordinates.coordinate import Coordinate
 from mecano.jit.kernel import kernel
-from mecano.maths.vector import dot, mat, vec
+from mecano.maths.vector import dot, vec
 
 
 @kernel
@@ -43,16 +41,8 @@ def _add_curvature(p, at, g, K):
     add_blocks(K, 0, 3, g, product_curvature(A, vec(p.mu, 0), vec(p.xi, 0)))
 
 
-@kernel
-def _rates(p, at):
-    mu = carried(mat(at.R[0]), vec(at.v, 0), vec(at.a, 0), vec(p.mu, 0))
-    xi = carried(mat(at.R[1]), vec(at.v, 3), vec(at.a, 3), vec(p.xi, 0))
-    _, rate, second = product_rates(mu, xi)
-    return rate, second
-
-
 def _sample(rng):
     return {"mu": rng.normal(size=3), "xi": rng.normal(size=3)}
 
 
-TILT = Coordinate(("R0", "R1"), "rad", {"mu": 3, "xi": 3}, _sample, _value, _gradient, _add_curvature, _rates)
+TILT = Coordinate(("R0", "R1"), "rad", {"mu": 3, "xi": 3}, _sample, _value, _gradient, _add_curvature)

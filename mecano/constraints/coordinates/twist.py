@@ -10,7 +10,7 @@ alignment, up to :math:`\xi_3 = -\mu_3`. With :math:`g = (\mu_3 + \xi_3)/(1 + \m
 :math:`\dot\theta = g \cdot (\omega_1 - \omega_0)`. The derivative of g does not vanish even where the axes are aligned.
 """
 
-from mecano.constraints.body_fixed import add_blocks, carried, product_rates, relative_rotation, turning_rate
+from mecano.constraints.body_fixed import add_blocks, relative_rotation, turning_rate
 from mecano.constraints.coordinates.coordinate import Coordinate
 from mecano.constraints.triads import triad
 from mecano.jit.kernel import kernel
@@ -77,23 +77,11 @@ def _add_curvature(p, at, g, K):
     add_blocks(K, 0, 3, g, twist_curvature(A, vec(p.mu[2], 0), vec(p.xi[2], 0)))
 
 
-@kernel
-def _rates(p, at):
-    A, omega_0, alpha_0 = mat(at.R[0]), vec(at.v, 0), vec(at.a, 0)
-    B, omega_1, alpha_1 = mat(at.R[1]), vec(at.v, 3), vec(at.a, 3)
-    mu, xi = carried(A, omega_0, alpha_0, vec(p.mu[2], 0)), carried(B, omega_1, alpha_1, vec(p.xi[2], 0))
-    spin, spin_rate = B @ omega_1 - A @ omega_0, B @ alpha_1 - A @ alpha_0
-    cosine, cosine_rate, _ = product_rates(mu, xi)
-    G = (mu[0] + xi[0]) / (1.0 + cosine)
-    G_rate = (mu[1] + xi[1] - cosine_rate * G) / (1.0 + cosine)
-    return dot(G, spin), dot(G_rate, spin) + dot(G, spin_rate)
-
-
 def _sample(rng):
     return {"mu": triad(rng.normal(size=3)), "xi": triad(rng.normal(size=3))}
 
 
 TWIST = Coordinate(
     ("R0", "R1"), "rad", {"mu": (3, 3), "xi": (3, 3)}, _sample,
-    _value, _gradient, _add_curvature, _rates, periodic=True,
+    _value, _gradient, _add_curvature, periodic=True,
 )  # fmt: skip

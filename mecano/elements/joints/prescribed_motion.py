@@ -10,6 +10,7 @@ import numpy as np
 from mecano.constraints.along_coordinate.hold import motion_values, with_motion
 from mecano.constraints.along_coordinate.measure import angle_outputs
 from mecano.constraints.body_fixed import follow
+from mecano.constraints.coordinates.coordinate import rate_of
 from mecano.constraints.coordinates.displacement import DISPLACEMENT
 from mecano.constraints.coordinates.distance import DISTANCE
 from mecano.constraints.coordinates.twist import TWIST
@@ -59,7 +60,7 @@ def _prescribed(name, doc, coordinate, constraint, motion_of, motions=("value",)
     ``motion_of(d, nodes)`` returns the axes of the coordinate, the motion of the deck and the value to which it counts;
     ``motions`` are the fields that may give it, ``declared`` other fields of the Kind.
     """
-    value, rates, row = coordinate.value, coordinate.rates, coordinate.row
+    value, gradient, row = coordinate.value, coordinate.gradient, coordinate.row
     nearest = follow if coordinate.periodic else _as_it_is
     on = tuple(range(len({slot[1] for slot in coordinate.layout})))
 
@@ -77,9 +78,9 @@ def _prescribed(name, doc, coordinate, constraint, motion_of, motions=("value",)
 
         @kernel
         def observe(p, at, F, y, e):
-            wanted, wanted_rate, _ = target(p, at)
+            wanted, wanted_rate = target(p, at)
             y[0] = nearest(wanted, value(p, at))
-            y[1] = rates(p, at)[0]
+            y[1] = rate_of(gradient(p, at), at.v)
             y[2] = at.q[row]
             e[3] = at.q[row] * wanted_rate
 
