@@ -10,11 +10,13 @@ import numpy as np
 
 from mecano.constraints.ground import normal_and_level
 from mecano.constraints.triads import unit
+from mecano.element_interface import named
 from mecano.jit.kernel import kernel
 from mecano.maths.surface import directions, disc_contact
 from mecano.maths.vector import ZERO, add_vec, cross, dot, mat, vec
 
 MULTIPLIERS = 6
+CONTACT, AIR = 0, 1  # phases
 
 
 @kernel
@@ -43,20 +45,31 @@ def add_force(f, Rn, arm, force):
     add_vec(f, 3, 1.0, Rn.T @ cross(arm, force))
 
 
-@kernel
-def add_slip_reactions(at, arm, directions, f):
-    """Add the forces that hold the point at ``arm`` along unit vectors: the ``residual`` of a part."""
-    Rn, u = mat(at.R[0]), velocity_at(at, arm)
-    for i in range(len(directions)):
-        e, row = directions[i], MULTIPLIERS + i
-        Phi = dot(e, u)
-        add_force(f, Rn, arm, (at.penalty * Phi - at.q[row]) * e)
-        f[row] -= at.k * Phi
+def no_slip(contact, rows):
+    """Return ``residual`` and ``constraints`` of a contact that does not slip; inactive in the phase AIR.
 
+    ``contact(p, at)`` returns the arm from the node and ``rows`` unit vectors, along which the point is held.
+    """
 
-@kernel
-def put_slip(at, arm, directions, g):
-    """Write the velocities along the unit vectors: the ``constraints`` of a part."""
-    u = velocity_at(at, arm)
-    for i in range(len(directions)):
-        g[i, 1] = dot(directions[i], u)
+    @kernel
+    def residual(p, at, f):
+        if at.phase == AIR:
+            for row in range(MULTIPLIERS, MULTIPLIERS + rows):
+                f[row] -= at.q[row]
+        else:
+            arm, along = contact(p, at)
+            Rn, u = mat(at.R[0]), velocity_at(at, arm)
+            for i in range(rows):
+                row, Phi = MULTIPLIERS + i, dot(along[i], u)
+                add_force(f, Rn, arm, (at.penalty * Phi - at.q[row]) * along[i])
+                f[row] -= at.k * Phi
+
+    @kernel
+    def constraints(p, at, g):
+        if at.phase != AIR:
+            arm, along = contact(p, at)
+            u = velocity_at(at, arm)
+            for i in range(rows):
+                g[i, 1] = dot(along[i], u)
+
+    return named(residual, constraints)

@@ -6,9 +6,9 @@ the lateral force on the disc, (22)-(24) of Cardona, Geradin & Doan 1991. They a
 """
 
 from mecano.constraints.ground import GROUND_RECORD, touch
-from mecano.constraints.no_slip import MULTIPLIERS, add_slip_reactions, put_slip
-from mecano.constraints.rolling_radius import AIR, leaning_discs
-from mecano.element_interface import Kind, Row, named, record
+from mecano.constraints.no_slip import no_slip
+from mecano.constraints.rolling_radius import leaning_discs
+from mecano.element_interface import Kind, Row, record
 from mecano.jit.kernel import kernel
 from mecano.maths.surface import directions
 from mecano.maths.vector import mat, vec
@@ -25,25 +25,6 @@ def _contact(p, at):
     return g.arm, directions(axis, g)
 
 
-@kernel
-def residual(p, at, f):
-    """Add tangential forces at C and their moment."""
-    if at.phase == AIR:
-        for row in range(MULTIPLIERS, MULTIPLIERS + 2):
-            f[row] -= at.q[row]
-        return
-    arm, along = _contact(p, at)
-    add_slip_reactions(at, arm, along, f)
-
-
-@kernel
-def constraints(p, at, g):
-    """Write the velocity of the contact."""
-    if at.phase != AIR:
-        arm, along = _contact(p, at)
-        put_slip(at, arm, along, g)
-
-
 ROLLING = Kind(
     name="rolling",
     doc=__doc__,
@@ -51,6 +32,6 @@ ROLLING = Kind(
     layout=("x0", "R0"),
     multipliers=ROWS,
     phases=("contact", "air"),
-    **named(residual, constraints),
+    **no_slip(_contact, len(ROWS)),
     sample=leaning_discs,
 )

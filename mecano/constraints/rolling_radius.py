@@ -8,14 +8,13 @@ the disc and the normal force N = k lambda/q. The constraint is inactive in the 
 import numpy as np
 
 from mecano.constraints.ground import GROUND_RECORD, normal_and_level, touch
-from mecano.constraints.no_slip import add_force, velocity_at
+from mecano.constraints.no_slip import AIR, CONTACT, add_force, velocity_at
 from mecano.constraints.triads import unit
 from mecano.element_interface import Kind, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import dot, mat, vec
 
 RECORD = record(axis=3, radius=(), **GROUND_RECORD)
-CONTACT, AIR = 0, 1
 MULTIPLIER = 6
 
 

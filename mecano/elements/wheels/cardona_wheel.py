@@ -13,7 +13,7 @@ exact one (``rigid_wheel``) falls over below v^2 = g r/3. A, C are the moments o
 import numpy as np
 
 from mecano.constraints.ground import check_axle, end_conditions, on_the_slope, slope_below
-from mecano.constraints.no_slip import add_slip_reactions, leaning, on_a_plane, put_slip
+from mecano.constraints.no_slip import leaning, no_slip, on_a_plane
 from mecano.constraints.of_coordinates import HELD_COORDINATE
 from mecano.constraints.rolling import ROWS
 from mecano.constraints.triads import unit
@@ -29,15 +29,9 @@ HEIGHT, DRIVING, LATERAL = 6, 7, 8  # multipliers of the parts, after its own un
 
 
 @kernel
-def residual(p, at, f):
-    """Add the tangential forces below the centre and their moment."""
-    add_slip_reactions(at, -p.radius * vec(p.normal, 0), on_a_plane(p, at.R), f)
-
-
-@kernel
-def constraints(p, at, g):
-    """Write the velocity of the point below the centre."""
-    put_slip(at, -p.radius * vec(p.normal, 0), on_a_plane(p, at.R), g)
+def _below(p, at):
+    """Return the arm to the point below the centre, and the directions in which it does not slip."""
+    return -p.radius * vec(p.normal, 0), on_a_plane(p, at.R)
 
 
 def _sample_rolling(rng):
@@ -48,7 +42,7 @@ def _sample_rolling(rng):
 
 UPRIGHT_ROLLING = Kind(
     name="upright_rolling", doc="Upright rolling: the point below the centre of a disc does not slip.", dtype=RECORD,
-    layout=("x0", "R0"), multipliers=ROWS, residual=residual, constraints=constraints, sample=_sample_rolling,
+    layout=("x0", "R0"), multipliers=ROWS, sample=_sample_rolling, **no_slip(_below, len(ROWS)),
 )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ force on the blade along l. Nothing keeps the node on the ground, and the blade 
 import numpy as np
 
 from mecano.constraints.ground import LEAN, check_axle, end_conditions, lean_of, slope_below
-from mecano.constraints.no_slip import add_slip_reactions, on_a_plane, put_slip
+from mecano.constraints.no_slip import no_slip, on_a_plane
 from mecano.constraints.triads import unit
 from mecano.constraints.wheels import carried_axis
 from mecano.element_interface import Display, Kind, Output, Row, named, record
@@ -26,15 +26,9 @@ LATERAL = 6  # local index of the multiplier
 
 
 @kernel
-def residual(p, at, f):
-    """Add the force across the blade."""
-    add_slip_reactions(at, ZERO, on_a_plane(p, at.R)[1:], f)
-
-
-@kernel
-def constraints(p, at, g):
-    """Write the velocity across the blade."""
-    put_slip(at, ZERO, on_a_plane(p, at.R)[1:], g)
+def _contact(p, at):
+    """Return no arm, and the direction across the blade."""
+    return ZERO, on_a_plane(p, at.R)[1:]
 
 
 @kernel
@@ -87,5 +81,6 @@ SKATE = Kind(
         LEAN,
     ),
     multipliers=(Row("force across the blade", "N", "m/s"),),
-    **named(prepare, check, end_conditions, residual, constraints, observe, sample),
+    **no_slip(_contact, 1),
+    **named(prepare, check, end_conditions, observe, sample),
 )
