@@ -23,7 +23,7 @@ the rolling, and so does the camber thrust the power with which it drives the sl
 slip speed.
 """
 
-from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipForces, SlipLaw, carcass_of
+from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipForces, SlipLaw
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import negative_curves
 from mecano.laws.table import curve
@@ -52,11 +52,6 @@ def check(law):
     d = law["fiala"]
     names = ("cornering_stiffness", "longitudinal_stiffness", "camber_stiffness", "friction")
     return negative_curves("tire_law.fiala", {name: d[name] for name in names})
-
-
-def carcass(law):
-    """Return the Carcass, or None if the deck gives no stiffness."""
-    return carcass_of(law["fiala"])
 
 
 @kernel
@@ -92,4 +87,4 @@ def sample(rng):
     ]
 
 
-FIALA = SlipLaw("fiala", __doc__, mapping(*FIELDS), forces, check=check, carcass=carcass, sample=sample, passive=False)
+FIALA = SlipLaw("fiala", __doc__, mapping(*FIELDS), forces, check=check, sample=sample, passive=False)

@@ -108,7 +108,7 @@ class SlipLaw:
     limits: Callable = lambda values: []
     """values of the tyre law -> [(output, value, text)], as ``Kind.limits``"""
     carcass: Callable | None = None
-    """values of the tyre law -> Carcass"""
+    """values of the tyre law -> Carcass, or None if they lack it; by default those of CARCASS_FIELDS, if it has them"""
     completed: Callable = lambda values: {}
     """values of the tyre law -> values that the law provides for its other fields, if the deck gives none"""
     sample: Callable | None = None
@@ -121,7 +121,7 @@ class SlipLaw:
     """True if the force never drives the slip: lost = -F.v, given = M.omega"""
 
     def __post_init__(self):
-        """Declare record and ``prepare`` by the fields if they are not given."""
+        """Declare record, ``prepare`` and ``carcass`` by the fields if they are not given."""
         fields = self.type.options
         if self.record is None:
             object.__setattr__(self, "record", recorded(fields))
@@ -129,6 +129,8 @@ class SlipLaw:
             object.__setattr__(
                 self, "prepare", lambda d, context: recorded_values(self.record, fields, d[self.name], context)
             )
+        if self.carcass is None and CARCASS_FIELDS[0] in fields:
+            object.__setattr__(self, "carcass", lambda d: carcass_of(d[self.name]))
 
     @property
     def summary(self):

@@ -19,7 +19,7 @@ thrust. The force dissipates -F.v >= 0; the moment exchanges the power M.omega w
 curve of the slip speed. With v_0 = ``least_speed`` the slip is finite at rest, where the tyre therefore creeps.
 """
 
-from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipForces, SlipLaw, carcass_of
+from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipForces, SlipLaw
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import negative_curves
 from mecano.laws.table import curve
@@ -53,11 +53,6 @@ def check(law):
     if d["cornering_stiffness"] is None:
         texts.append("'tire_law.yawed_rolling' has no 'cornering_stiffness': give it, or 'smiley_horne', which does")
     return texts + negative_curves("tire_law.yawed_rolling", {"friction": d["friction"]})
-
-
-def carcass(law):
-    """Return the Carcass, or None if the deck gives no stiffness."""
-    return carcass_of(law["yawed_rolling"])
 
 
 @kernel
@@ -97,4 +92,4 @@ def sample(rng):
     ]
 
 
-YAWED_ROLLING = SlipLaw("yawed_rolling", __doc__, mapping(*FIELDS), forces, check=check, carcass=carcass, sample=sample)
+YAWED_ROLLING = SlipLaw("yawed_rolling", __doc__, mapping(*FIELDS), forces, check=check, sample=sample)
