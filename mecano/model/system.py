@@ -305,8 +305,9 @@ class System:
             data[: self.nnz] += np.where(self.cols >= self.n_q, by_positions, of_motions)
 
     def scale_loads(
-        self, assembly: Assembly, s: State, factor: float, cK: float, cC: float, cM: float, T: np.ndarray | None = None
-    ) -> None:
+        self, assembly: Assembly, s: State, factor: float, *, cK: float = 0.0, cC: float = 0.0, cM: float = 0.0,
+        T: np.ndarray | None = None,
+    ) -> None:  # fmt: skip
         """Scale the contribution of the loads (``is_scaled``) by ``factor`` in the sums of an ``assembly`` at ``s``."""
         T, scratch = self._no_turn if T is None else T, np.zeros((2, self.n_slots))
         self._add_scaled_loads(assembly.record, s, T, cK, cC, cM, factor - 1.0, scratch)

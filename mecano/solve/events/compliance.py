@@ -222,7 +222,7 @@ def _largest_force(system, s, length, end):
 def _loads(system, s):
     """Return the sizes (n_all,) of the loads at ``s``, except those by signals."""
     alone = Assembly(system)
-    system.scale_loads(alone, s, 2.0, 0.0, 0.0, 0.0)
+    system.scale_loads(alone, s, 2.0)
     return np.abs(alone.residual)
 
 

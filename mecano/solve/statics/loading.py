@@ -11,7 +11,7 @@ otherwise the imbalance without loads is removed in proportion. Gravity is scale
 frame that falls with :math:`(1 - \mu) g` has the gravity :math:`\mu g`, for every element with mass.
 """
 
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -56,19 +56,18 @@ class LoadFactor:
         mu: float,
         k: float = 1.0,
         penalty: float = 0.0,
-        *,
-        cK: float = 0.0,
-        cC: float = 0.0,
-        cM: float = 0.0,
-        T: np.ndarray | None = None,
         into: "Assembly | None" = None,
+        **weights: Any,
     ) -> "Assembly":
-        """Assemble ``system`` at the load factor mu; sets the accelerations of ``s``, which replace gravity."""
+        """Assemble ``system`` at the load factor mu; sets the accelerations of ``s``, which replace gravity.
+
+        ``weights`` are cK, cC, cM and T of ``System.assemble``.
+        """
         system = self.system
         np.multiply(self.gravity, 1.0 - mu, out=s.a)
-        assembly = system.assemble(s, k, penalty, cK=cK, cC=cC, cM=cM, T=T, into=into)
+        assembly = system.assemble(s, k, penalty, into=into, **weights)
         if mu != 1.0:
-            system.scale_loads(assembly, s, mu, cK, cC, cM, T)
+            system.scale_loads(assembly, s, mu, **weights)
             with np.errstate(invalid="ignore"):  # a force that is not finite is reported by Newton's method
                 assembly.residual[: system.n_q] -= max(0.0, 1.0 - mu) * self.imbalance
         return assembly
@@ -91,22 +90,13 @@ class Clock:
         self.system = system
 
     def assemble(
-        self,
-        s: "State",
-        t: float,
-        k: float = 1.0,
-        penalty: float = 0.0,
-        *,
-        cK: float = 0.0,
-        cC: float = 0.0,
-        cM: float = 0.0,
-        T: np.ndarray | None = None,
-        into: "Assembly | None" = None,
-    ) -> "Assembly":
+        self, s: "State", t: float, k: float = 1.0, penalty: float = 0.0, into: "Assembly | None" = None,
+        **weights: Any,
+    ) -> "Assembly":  # fmt: skip
         """Assemble ``system`` at rest at the time t [s], to which the time of ``s`` is set."""
         s.t = t
         s.a[:] = 0.0
-        return self.system.assemble(s, k, penalty, cK=cK, cC=cC, cM=cM, T=T, into=into)
+        return self.system.assemble(s, k, penalty, into=into, **weights)
 
 
 def _without_reactions(system, assembly, forces):
