@@ -11,6 +11,8 @@ contact. Parallel lines touch along a part of both: the force then acts in its m
 Detection, 2005, section 5.1.9).
 """
 
+from types import SimpleNamespace
+
 import numpy as np
 
 from mecano.constraints.touching import (
@@ -85,17 +87,10 @@ def rod_gap_at_start(d, nodes):
     (x_a, R_a), (x_b, R_b) = nodes
     alpha, beta = R_a @ p["axis"], R_b @ p["axis_b"]
     r = x_b + R_b @ p["origin_b"] - x_a - R_a @ p["origin"]
-    ends = _Ends(p["first"], p["last"], p["length_b"])
+    ends = SimpleNamespace(**p)
     s, t = _nearest(ends, float(alpha @ r), float(beta @ r), float(alpha @ beta))
     distance = float(np.linalg.norm(r + t * beta - s * alpha))
     return distance - p["distance"] - p["radius"], distance
-
-
-class _Ends:
-    """The ends of both axes, as in a record."""
-
-    def __init__(self, first, last, length_b):
-        self.first, self.last, self.length_b = first, last, length_b
 
 
 def check_rod(d, nodes):

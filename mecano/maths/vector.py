@@ -37,34 +37,36 @@ NO_MATRIX = Mat3(ZERO, ZERO, ZERO)
 EYE = Mat3(Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, 1.0))
 
 
-@method(operator.add, Vec3, Vec3)
-def _(a, b):
-    return Vec3(a[0] + b[0], a[1] + b[1], a[2] + b[2])
+def _by_components(kind):
+    """Define sums, differences and multiples of vectors, or of matrices by their rows."""
+
+    @method(operator.add, kind, kind)
+    def _(a, b):
+        return kind(a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+    @method(operator.sub, kind, kind)
+    def _(a, b):
+        return kind(a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+    @method(operator.neg, kind)
+    def _(a):
+        return kind(-a[0], -a[1], -a[2])
+
+    @method(operator.mul, SCALAR, kind)
+    def _(a, b):
+        return kind(a * b[0], a * b[1], a * b[2])
+
+    @method(operator.mul, kind, SCALAR)
+    def _(a, b):
+        return kind(a[0] * b, a[1] * b, a[2] * b)
+
+    @method(operator.truediv, kind, SCALAR)
+    def _(a, b):
+        return (1.0 / b) * a
 
 
-@method(operator.sub, Vec3, Vec3)
-def _(a, b):
-    return Vec3(a[0] - b[0], a[1] - b[1], a[2] - b[2])
-
-
-@method(operator.neg, Vec3)
-def _(a):
-    return Vec3(-a[0], -a[1], -a[2])
-
-
-@method(operator.mul, SCALAR, Vec3)
-def _(a, b):
-    return Vec3(a * b[0], a * b[1], a * b[2])
-
-
-@method(operator.mul, Vec3, SCALAR)
-def _(a, b):
-    return Vec3(a[0] * b, a[1] * b, a[2] * b)
-
-
-@method(operator.truediv, Vec3, SCALAR)
-def _(a, b):
-    return (1.0 / b) * a
+_by_components(Vec3)
+_by_components(Mat3)
 
 
 @method(value, Vec3)
@@ -75,36 +77,6 @@ def _(a):
 @method(select, NUMBER, Vec3, Vec3)
 def _(condition, a, b):
     return Vec3(*(select(condition, one, other) for one, other in zip(a, b, strict=True)))
-
-
-@method(operator.add, Mat3, Mat3)
-def _(a, b):
-    return Mat3(a[0] + b[0], a[1] + b[1], a[2] + b[2])
-
-
-@method(operator.sub, Mat3, Mat3)
-def _(a, b):
-    return Mat3(a[0] - b[0], a[1] - b[1], a[2] - b[2])
-
-
-@method(operator.neg, Mat3)
-def _(a):
-    return Mat3(-a[0], -a[1], -a[2])
-
-
-@method(operator.mul, SCALAR, Mat3)
-def _(a, b):
-    return Mat3(a * b[0], a * b[1], a * b[2])
-
-
-@method(operator.mul, Mat3, SCALAR)
-def _(a, b):
-    return Mat3(a[0] * b, a[1] * b, a[2] * b)
-
-
-@method(operator.truediv, Mat3, SCALAR)
-def _(a, b):
-    return (1.0 / b) * a
 
 
 @method(operator.matmul, Mat3, Vec3)
