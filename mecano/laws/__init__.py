@@ -5,8 +5,7 @@ line each; see mecano.laws.table for their evaluation.
 """
 
 from mecano.laws.acceleration import ACCELERATION
-from mecano.laws.dampers import DAMPER_POLYNOMIAL, DAMPER_TABLE, METERING_PIN, OIL_DAMPER
-from mecano.laws.dry_friction import DRY_FRICTION
+from mecano.laws.dampers import DAMPER_POLYNOMIAL, DAMPER_TABLE, DRY_FRICTION, METERING_PIN, OIL_DAMPER
 from mecano.laws.gas_spring import GAS_SPRING
 from mecano.laws.linear_forces import DAMPER, PRELOAD, SPRING
 from mecano.laws.polynomial import CONSTANT, LINEAR, POLYNOMIAL

@@ -1,9 +1,13 @@
-r"""Nonlinear damper terms: polynomial and table of the rate, oil through orifices.
+r"""Nonlinear damper terms: polynomial and table of the rate, oil through orifices, dry friction.
 
 Oil of density :math:`\rho` forced by a piston of area A through an orifice of area :math:`A_o` causes the
 pressure :math:`p = \frac{\rho}{2} (A v / (C_d A_o))^2` (Bernoulli; Currey, Aircraft Landing Gear Design, 1988,
 chapter 5), hence the force :math:`F = \frac{\rho A^3}{2 (C_d A_o)^2} v |v|`. A metering pin makes
 :math:`A_o` a function of the stroke.
+
+Dry friction, regularized after Oden & Martins (1985), is :math:`F = F_f\,\phi(|v|)\,\mathrm{sign}(v)` with
+:math:`\phi(s) = (s/\epsilon)(2 - s/\epsilon)` for :math:`s < \epsilon`, 1 beyond: C1 everywhere (Cardona, Geradin &
+Doan 1991, eq. 34).
 """
 
 import numpy as np
@@ -38,6 +42,17 @@ def metering_pin(a, i, s, v):
     c = a[i] / (area * area)
     F = c * v * abs(v)
     return F, 2.0 * F * slope / area, 2.0 * c * abs(v)
+
+
+@kernel
+def dry_friction(a, i, s, v):
+    """Evaluate the term; numbers: force, regularization."""
+    if v >= a[i + 1]:
+        return a[i], 0.0, 0.0
+    if v <= -a[i + 1]:
+        return -a[i], 0.0, 0.0
+    u = abs(v) / a[i + 1]
+    return a[i] * v / a[i + 1] * (2.0 - u), 0.0, 2.0 * a[i] / a[i + 1] * (1.0 - u)
 
 
 def pack_metering_pin(values):
@@ -118,4 +133,15 @@ METERING_PIN = Term(
     pack=pack_metering_pin,
     evaluate=metering_pin,
     check=open_orifice,
+)
+
+DRY_FRICTION = Term(
+    name="dry_friction",
+    doc="F = force phi(|v|) sign(v), phi = u (2 - u) with u = |v|/regularization up to u = 1, then 1; C1.",
+    role="force",
+    fields=(
+        Field("force", NUMBER, "N or N m", "friction force in sliding", check=not_negative),
+        Field("regularization", NUMBER, "m/s or rad/s", "rate at which the full force is reached", check=positive),
+    ),
+    evaluate=dry_friction,
 )
