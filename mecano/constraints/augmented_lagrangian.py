@@ -7,8 +7,10 @@ equations (12)-(14) of Cardona, Geradin & Doan 1991):
            K_{q\lambda} = -k B^T, \quad K_{\lambda q} = -k B
 """
 
-from mecano.constraints.coordinates.coordinate import add_along
+from mecano.constraints.coordinates.coordinate import add_along, rate_of
+from mecano.element_interface import named
 from mecano.jit.kernel import kernel
+from mecano.maths.dual import number
 from mecano.maths.vector import add_col, add_mat, add_row, add_vec, outer
 
 
@@ -37,6 +39,47 @@ def add_reaction(f, row, k, penalty, Phi, multiplier, blocks):
     f[row] -= k * Phi
     add_along(f, g, blocks)
     return g
+
+
+@kernel
+def _always(p, at):
+    return 1.0
+
+
+def in_phase(phase):
+    """Return the side of ``scalar_constraint`` of a constraint that is active in this phase."""
+
+    @kernel
+    def side_of(p, at):
+        return 1.0 if at.phase == phase else 0.0
+
+    return side_of
+
+
+def scalar_constraint(value, row, side_of=_always):
+    """Return ``residual`` and ``constraints`` of side Phi = 0, whose multiplier has the local index ``row``.
+
+    ``value(p, at)`` returns Phi and its gradient by blocks, ``side_of(p, at)`` the side: 1, -1, or 0 while the
+    constraint is inactive.
+    """
+
+    @kernel
+    def residual(p, at, f):
+        side = side_of(p, at)
+        if side == 0.0:
+            f[row] -= at.q[row]
+        else:
+            Phi, gradient = value(p, at)
+            add_reaction(f, row, side * at.k, at.penalty, Phi, side * number(at.q[row]), gradient)
+
+    @kernel
+    def constraints(p, at, g):
+        side = side_of(p, at)
+        if side != 0.0:
+            Phi, gradient = value(p, at)
+            g[0, 0], g[0, 1] = side * Phi, side * rate_of(gradient, at.v)
+
+    return named(residual, constraints)
 
 
 @kernel

@@ -10,11 +10,9 @@ rebounds with the coefficient of ``restitution``, and opens where the force of t
 """
 
 from mecano.constraints.along_coordinate.stops import BETWEEN, LOWER, STOP_PHASES
-from mecano.constraints.augmented_lagrangian import add_reaction
-from mecano.constraints.coordinates.coordinate import rate_of
+from mecano.constraints.augmented_lagrangian import scalar_constraint
 from mecano.element_interface import CONTACT, Event, Kind, Row
 from mecano.jit.kernel import kernel
-from mecano.maths.dual import number
 
 EVENTS = tuple(
     event
@@ -39,18 +37,13 @@ def backlash_kind(mesh):
     commit_angles = mesh.held.commit or _keep_nothing
 
     @kernel
-    def residual(p, at, f):
-        if at.phase == BETWEEN:
-            f[row] -= at.q[row]
-        else:
-            side, (s, along) = side_of(at.phase), travel(p, at)[0]
-            add_reaction(f, row, side * at.k, at.penalty, s - at.m[kept], side * number(at.q[row]), along)
+    def side(p, at):
+        return side_of(at.phase)
 
     @kernel
-    def constraints(p, at, g):
-        if at.phase != BETWEEN:
-            side, (s, along) = side_of(at.phase), travel(p, at)[0]
-            g[0, 0], g[0, 1] = side * (s - at.m[kept]), side * rate_of(along, at.v)
+    def beyond(p, at):
+        s, along = travel(p, at)[0]
+        return s - at.m[kept], along
 
     @kernel
     def commit(p, at, m_out):
@@ -60,7 +53,7 @@ def backlash_kind(mesh):
     return Kind(
         name=f"{mesh.held.name}_backlash", doc=__doc__, dtype=mesh.held.dtype, layout=mesh.held.layout,
         multipliers=(Row(mesh.held.multipliers[0].name, "N", "m", unilateral=True),), phases=STOP_PHASES,
-        memory=(*mesh.held.memory, "held"), residual=residual, constraints=constraints, commit=commit,
+        memory=(*mesh.held.memory, "held"), commit=commit, **scalar_constraint(beyond, row, side),
     )  # fmt: skip
 
 

@@ -6,9 +6,8 @@ the multiplier of a rigid contact, held at the gap m[0]. ``shapes`` are Shapes (
 
 import numpy as np
 
-from mecano.constraints.augmented_lagrangian import add_reaction
+from mecano.constraints.augmented_lagrangian import in_phase, scalar_constraint
 from mecano.constraints.touching import ROUNDING, sliding
-from mecano.element_interface import named
 from mecano.jit.kernel import kernel
 from mecano.laws.contact_force import contact_force, elastic_energy, elastic_force
 from mecano.laws.friction import friction
@@ -133,30 +132,19 @@ def elastic(shapes, rubs):
 
 def rigid(shapes, inputs=0):
     """Return the functions of the constraint of a rigid contact with ``inputs`` inputs, as fields of a Kind."""
-    touch, approach, row = shapes.touch, shapes.approach, 3 * len(shapes.layout) + inputs
+    touch, row = shapes.touch, 3 * len(shapes.layout) + inputs
     gradient = _gradient if shapes.turning else _central_gradient
 
     @kernel
-    def residual(p, at, f):
-        if at.phase != CLOSED:
-            f[row] -= at.q[row]
-        else:
-            touched = touch(p, at)
-            Phi = touched.gap - at.m[0]
-            add_reaction(f, row, at.k, at.penalty, Phi, at.q[row], gradient(at, touched))
-
-    @kernel
-    def constraints(p, at, g):
-        g[0, 0] = g[0, 1] = 0.0
-        if at.phase == CLOSED:
-            touched = touch(p, at)
-            g[0, 0], g[0, 1] = touched.gap - at.m[0], -approach(touched, at)
+    def gap(p, at):
+        touched = touch(p, at)
+        return touched.gap - at.m[0], gradient(at, touched)
 
     @kernel
     def commit(p, at, m_out):
         m_out[0] = at.m[0] if at.phase == CLOSED else touch(p, at).gap
 
-    return named(residual, constraints, commit)
+    return {"commit": commit, **scalar_constraint(gap, row, in_phase(CLOSED))}
 
 
 def observed_rigid(shapes, inputs=0):

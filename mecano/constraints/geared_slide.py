@@ -10,13 +10,12 @@ so that any number of turns needs no memory. The multiplier is the force on the 
 accompanied by the moment :math:`-h` times that force about :math:`\mu_3`.
 """
 
-from mecano.constraints.augmented_lagrangian import add_reaction
+from mecano.constraints.augmented_lagrangian import scalar_constraint
 from mecano.constraints.body_fixed import relative_rotation, wrap
-from mecano.constraints.coordinates.coordinate import rate_of
 from mecano.constraints.coordinates.slide import slide, slide_gradient
 from mecano.constraints.coordinates.twist import twist, twist_gradient
 from mecano.constraints.triads import triad
-from mecano.element_interface import Kind, Row, named, record
+from mecano.element_interface import Kind, Row, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, vec
 
@@ -45,20 +44,6 @@ def slide_travel(p, at):
     return (Phi, gradient), (along - 0.5 * Phi, mean)
 
 
-@kernel
-def residual(p, at, f):
-    """Add forces and moments to both nodes."""
-    Phi, gradient = _coupling(p, at)
-    add_reaction(f, MULTIPLIER, at.k, at.penalty, Phi, at.q[MULTIPLIER], gradient)
-
-
-@kernel
-def constraints(p, at, g):
-    """Write value and rate."""
-    Phi, gradient = _coupling(p, at)
-    g[0, 0], g[0, 1] = Phi, rate_of(gradient, at.v)
-
-
 def sample(rng):
     """Return a screw of either hand, and a rack."""
     mu, xi = triad(rng.normal(size=3)), triad(rng.normal(size=3))
@@ -72,5 +57,6 @@ GEARED_SLIDE = Kind(
     dtype=RECORD,
     layout=("x0", "R0", "x1", "R1"),
     multipliers=(Row("force of the thread or teeth", "N", "m"),),
-    **named(residual, constraints, sample),
+    sample=sample,
+    **scalar_constraint(_coupling, MULTIPLIER),
 )

@@ -7,36 +7,25 @@ the disc and the normal force N = k lambda/q. The constraint is inactive in the 
 
 import numpy as np
 
+from mecano.constraints.augmented_lagrangian import in_phase, scalar_constraint
 from mecano.constraints.ground import GROUND_RECORD, normal_and_level, touch
-from mecano.constraints.no_slip import AIR, CONTACT, add_force, velocity_at
+from mecano.constraints.no_slip import CONTACT
 from mecano.constraints.triads import unit
-from mecano.element_interface import Kind, Row, named, record
+from mecano.element_interface import Kind, Row, record
 from mecano.jit.kernel import kernel
-from mecano.maths.vector import dot, mat, vec
+from mecano.maths.vector import cross, mat, vec
 
 RECORD = record(axis=3, radius=(), **GROUND_RECORD)
 MULTIPLIER = 6
 
 
 @kernel
-def residual(p, at, f):
-    """Add the force n/q at C, and its moment."""
-    if at.phase == AIR:
-        f[MULTIPLIER] -= at.q[MULTIPLIER]
-        return
+def _press(p, at):
+    """Return r - radius and its gradient."""
     Rn = mat(at.R[0])
     g = touch(p, at.laws, vec(at.q, 0), Rn @ vec(p.axis, 0))
-    Phi = g.r - p.radius
-    add_force(f, Rn, g.arm, (at.penalty * Phi - at.q[MULTIPLIER]) * (g.n / g.q))
-    f[MULTIPLIER] -= at.k * Phi
-
-
-@kernel
-def constraints(p, at, out):
-    """Write value and rate."""
-    if at.phase == CONTACT:
-        g = touch(p, at.laws, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0))
-        out[0, 0], out[0, 1] = g.r - p.radius, dot(g.n, velocity_at(at, g.arm)) / g.q
+    b = g.n / g.q
+    return g.r - p.radius, ((0, b), (3, Rn.T @ cross(g.arm, b)))
 
 
 def leaning_discs(rng):
@@ -57,6 +46,6 @@ ROLLING_RADIUS = Kind(
     layout=("x0", "R0"),
     multipliers=(Row("radial force of the ground", "N", "m", unilateral=True),),
     phases=("contact", "air"),
-    **named(residual, constraints),
+    **scalar_constraint(_press, MULTIPLIER, in_phase(CONTACT)),
     sample=leaning_discs,
 )

@@ -11,7 +11,7 @@ step before the impact.
 
 import numpy as np
 
-from mecano.constraints.augmented_lagrangian import add_reaction
+from mecano.constraints.augmented_lagrangian import in_phase, scalar_constraint
 from mecano.constraints.triads import unit
 from mecano.element_interface import CONTACT, Event, Kind, Output, Row, named, record
 from mecano.jit.kernel import kernel
@@ -19,7 +19,7 @@ from mecano.maths.vector import dot, vec
 from mecano.schema import GROUND, NODE, NUMBER, Field, not_negative, share
 
 RECORD = record(point=3, normal=3, radius=(), restitution=())
-AIR, CLOSED = 0, 1
+CLOSED = 1  # phase
 MULTIPLIER = 3
 
 
@@ -29,20 +29,9 @@ def _gap(p, q):
 
 
 @kernel
-def residual(p, at, f):
-    """Add the force along the normal."""
-    if at.phase == AIR:
-        f[MULTIPLIER] -= at.q[MULTIPLIER]
-    else:
-        gap, along = _gap(p, at.q) - at.m[0], ((0, vec(p.normal, 0)),)
-        add_reaction(f, MULTIPLIER, at.k, at.penalty, gap, at.q[MULTIPLIER], along)
-
-
-@kernel
-def constraints(p, at, g):
-    """Write the gap relative to the held one, and its rate."""
-    if at.phase == CLOSED:
-        g[0, 0], g[0, 1] = _gap(p, at.q) - at.m[0], dot(vec(p.normal, 0), vec(at.v, 0))
+def _held(p, at):
+    """Return the gap relative to the held one, and its gradient."""
+    return _gap(p, at.q) - at.m[0], ((0, vec(p.normal, 0)),)
 
 
 @kernel
@@ -113,5 +102,6 @@ PLANE_CONTACT = Kind(
         Event("lifts off", "contact", "air", "the normal force falls to zero"),
     ),
     memory=("held",),
-    **named(prepare, check, residual, constraints, observe, event_values, commit, sample),
+    **scalar_constraint(_held, MULTIPLIER, in_phase(CLOSED)),
+    **named(prepare, check, observe, event_values, commit, sample),
 )  # fmt: skip
