@@ -15,6 +15,7 @@ from dataclasses import replace
 
 from mecano.constraints.along_coordinate.trigger import TRIGGER, check_trigger, trigger_of
 from mecano.constraints.augmented_lagrangian import add_reaction
+from mecano.constraints.coordinates.coordinate import rate_of
 from mecano.constraints.joint_samples import two_parallel
 from mecano.element_interface import LOCK, RELEASES, Display, Event, Kind, Output, Row, named, record
 from mecano.jit.kernel import kernel
@@ -69,19 +70,6 @@ def _gradient_of_turn(at, S, i):
     return (3, -(mat(at.R[0]).T @ (mat(at.R[1]) @ on_b))), (9, on_b)
 
 
-@kernel
-def _rate_of_position(at):
-    """Return the velocity of b relative to a, in the axes of a."""
-    return mat(at.R[0]).T @ (vec(at.v, 6) - vec(at.v, 0)) - cross(vec(at.v, 3), _position(at))
-
-
-@kernel
-def _rate_of_turn(at, S):
-    """Return the rate of the turn."""
-    omega = vec(at.v, 9) - mat(at.R[1]).T @ (mat(at.R[0]) @ vec(at.v, 3))
-    return 0.5 * ((S[0][0] + S[1][1] + S[2][2]) * omega - S.T @ omega)
-
-
 def _holding(force, moment, turns):
     """Return ``residual`` and ``constraints`` of a grip whose multipliers have these local indices.
 
@@ -112,14 +100,14 @@ def _holding(force, moment, turns):
         """Write the constraints of a closed grip and their rates."""
         if at.phase != CLOSED:
             return
-        Phi, rate = _position(at) - vec(at.m, 0), _rate_of_position(at)
+        Phi = _position(at) - vec(at.m, 0)
         for i in range(3):
-            g[i, 0], g[i, 1] = Phi[i], rate[i]
+            g[i, 0], g[i, 1] = Phi[i], rate_of(_gradient_of_position(at, i), at.v)
         if turns:
             S = _turned(at)
-            Phi, rate = _turn(S), _rate_of_turn(at, S)
+            Phi = _turn(S)
             for i in range(3):
-                g[3 + i, 0], g[3 + i, 1] = Phi[i], rate[i]
+                g[3 + i, 0], g[3 + i, 1] = Phi[i], rate_of(_gradient_of_turn(at, S, i), at.v)
 
     return residual, constraints
 
