@@ -17,7 +17,7 @@ FORMULAS = ("formula", "condition", "drive", "signal_entry")  # types of texts t
 
 
 class Word(Node):
-    """A word from a parameter; ``rise`` counts the surrounding templates to which it does not belong as a name."""
+    """A word from a parameter, a name from outside: the prefixes of the next ``rise`` templates are not added to it."""
 
     __slots__ = ("rise",)
 

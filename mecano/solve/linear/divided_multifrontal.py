@@ -27,7 +27,7 @@ from mecano.solve.linear.multifrontal import (
 from mecano.solve.linear.ordering import FIRST, PIVOTS, SIZE, padded
 
 OWN = SIZES, ORDERED, WORK = range(3)  # rows (n + STRIP,) of a half: MAGNITUDE, PERMUTED and FRONT of multifrontal.py
-AT_HAND = DATA, LENGTH, B, X = range(4)  # addresses of the current arrays, and the length of the first
+CURRENT = DATA, LENGTH, B, X = range(4)  # addresses of the current arrays, and the length of the first
 RANGE = BEGIN, END, LOW, HIGH, MIDDLE = range(5)  # fronts of a half; its unknowns, and the first between, in order
 TASKS = FACTOR, FORWARD, BACKWARD = range(3)  # addresses of the functions below, and of their packed arguments
 
@@ -36,7 +36,7 @@ class Halves(NamedTuple):
     """Arrays, threads and tasks of both halves."""
 
     own: Matrices  # (PARTS, OWN, n + STRIP)
-    at_hand: Indices  # (AT_HAND,)
+    current: Indices  # (CURRENT,)
     ranges: Table  # (PARTS, RANGE)
     pool: int  # address
     tasks: Table  # (TASKS, 3): address, that of the arguments of the first half, distance to those of the other
@@ -52,12 +52,12 @@ class Work(NamedTuple):
 
 @entry
 def factor_half(
-    at_hand: Indices, own_range: Indices, tolerance: float, front: Vector, stack: Vector, lu: Factor, own: Matrix,
+    current: Indices, own_range: Indices, tolerance: float, front: Vector, stack: Vector, lu: Factor, own: Matrix,
     null_out: Indices,
 ):  # fmt: skip
     """Factor the fronts of a half."""
     own[SIZES][:] = 0.0
-    data, begin, end = floats(at_hand[DATA], at_hand[LENGTH]), own_range[BEGIN], own_range[END]
+    data, begin, end = floats(current[DATA], current[LENGTH]), own_range[BEGIN], own_range[END]
     null_out[0] = factor_fronts(begin, end, data, tolerance, front, stack, own[SIZES], lu)
     sizes = lu.vectors[MAGNITUDE]
     for i in range(own_range[LOW], own_range[HIGH]):
@@ -65,10 +65,10 @@ def factor_half(
 
 
 @entry
-def forward_half(at_hand: Indices, own_range: Indices, lu: Factor, own: Matrix):
+def forward_half(current: Indices, own_range: Indices, lu: Factor, own: Matrix):
     """Eliminate the unknowns of a half in the right-hand side."""
     order = lu.order
-    b, y = floats(at_hand[B], order.size), own[ORDERED]
+    b, y = floats(current[B], order.size), own[ORDERED]
     for i in range(own_range[LOW], own_range[HIGH]):
         y[i] = b[order[i]]
     y[own_range[MIDDLE] :] = 0.0
@@ -77,10 +77,10 @@ def forward_half(at_hand: Indices, own_range: Indices, lu: Factor, own: Matrix):
 
 
 @entry
-def backward_half(at_hand: Indices, own_range: Indices, lu: Factor, own: Matrix):
+def backward_half(current: Indices, own_range: Indices, lu: Factor, own: Matrix):
     """Solve for the unknowns of a half; those between the halves are known."""
     order = lu.order
-    x, y = floats(at_hand[X], order.size), own[ORDERED]
+    x, y = floats(current[X], order.size), own[ORDERED]
     for i in range(own_range[MIDDLE], order.size):
         y[i] = lu.vectors[PERMUTED, i]
     for f in range(own_range[END] - 1, own_range[BEGIN] - 1, -1):
@@ -93,7 +93,7 @@ def backward_half(at_hand: Indices, own_range: Indices, lu: Factor, own: Matrix)
 def substitute(b: Vector, lu: Factor, halves: Halves, x_out: Vector):
     """Solve with the kept factors: x_out (n,) from b (n,); b and x_out may be the same array."""
     order, n_fronts, pool, tasks = lu.order, lu.fronts.shape[0], halves.pool, halves.tasks
-    halves.at_hand[B], halves.at_hand[X] = b.ctypes.data, x_out.ctypes.data
+    halves.current[B], halves.current[X] = b.ctypes.data, x_out.ctypes.data
     begin, first = halves.ranges[PARTS - 1, END], halves.ranges[0, MIDDLE]
     run_parts(pool, tasks[FORWARD, 0], tasks[FORWARD, 1], tasks[FORWARD, 2])
     y = lu.vectors[PERMUTED]
@@ -117,7 +117,7 @@ def solve(
     again: Substitution, x_out: Vector,
 ) -> (int, bool, float):  # fmt: skip
     """Factor, solve A x = b, and refine once if that helps: (null pivots, refined, backward error)."""
-    halves.at_hand[DATA], halves.at_hand[LENGTH] = data.ctypes.data, data.size
+    halves.current[DATA], halves.current[LENGTH] = data.ctypes.data, data.size
     begin, first, own, tasks = halves.ranges[PARTS - 1, END], halves.ranges[0, MIDDLE], halves.own, halves.tasks
     run_parts(halves.pool, tasks[FACTOR, 0], tasks[FACTOR, 1], tasks[FACTOR, 2])
     sizes = lu.vectors[MAGNITUDE]
@@ -149,10 +149,10 @@ class Parts:
     def __init__(self, analysis, tolerance, lu):
         fronts, stack, nulls = lu.fronts, np.zeros(analysis.stack_length), np.zeros(PARTS, np.int64)
         ranges = _ranges(analysis)
-        own, at_hand = np.zeros((PARTS, len(OWN), lu.vectors.shape[1])), np.zeros(len(AT_HAND), np.int64)
+        own, current = np.zeros((PARTS, len(OWN), lu.vectors.shape[1])), np.zeros(len(CURRENT), np.int64)
         calls = {FACTOR: [], FORWARD: [], BACKWARD: []}
         for i, (begin, end, *_) in enumerate(ranges):
-            here, scratch, null = (at_hand, ranges[i]), np.zeros(_largest(fronts[begin:end])), nulls[i : i + 1]
+            here, scratch, null = (current, ranges[i]), np.zeros(_largest(fronts[begin:end])), nulls[i : i + 1]
             calls[FACTOR].append(
                 factor_half.call_from_compiled_code(*here, tolerance, scratch, stack, lu, own[i], null)
             )
@@ -161,7 +161,7 @@ class Parts:
         words = [np.array([call.words for call in calls[task]]) for task in TASKS]
         tasks = np.array([(calls[task][0].function, words[task].ctypes.data, words[task].strides[0]) for task in TASKS])
         self._kept = calls, words
-        self.halves = Halves(own, at_hand, ranges, thread_pool.pool(), tasks)
+        self.halves = Halves(own, current, ranges, thread_pool.pool(), tasks)
         self.work = Work(np.zeros(_largest(fronts[ranges[-1, END] :])), stack, nulls)
 
 

@@ -80,7 +80,7 @@ class LinearSolver:
         self.label: Any = None  # set and compared by the caller: identifies the factored matrix
 
     def _bind(self, analysis):
-        """Enter the entries that factor and substitute, and their constant arguments."""
+        """Set the compiled functions that factor and substitute, and their constant arguments."""
         self._substitute_arguments: tuple
         self._solve_arguments: tuple
         self._solve, self._substitute = multifrontal.solve, multifrontal.substitute
@@ -89,7 +89,7 @@ class LinearSolver:
         self._solve_arguments = self._lu, scratch, self._equations, self.tolerance, self._substitution()
 
     def _bind_divided(self, analysis):
-        """Enter the entries for a model in halves, and their constant arguments."""
+        """Set the functions for a model in halves, and their constant arguments."""
         from mecano.solve.linear import divided_multifrontal as divided  # no small model needs it
 
         self._solve, self._substitute = divided.solve, divided.substitute
