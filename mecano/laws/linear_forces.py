@@ -1,7 +1,6 @@
 """Linear force terms: spring, damper, preload."""
 
 from mecano.jit.kernel import kernel
-from mecano.laws.polynomial import constant_integral
 from mecano.laws.term import Term
 from mecano.schema import NUMBER, Field, not_negative
 
@@ -30,6 +29,12 @@ def preload(a, i, s, v):
     return a[i], 0.0, 0.0
 
 
+@kernel
+def preload_energy(a, i, s):
+    """Return the force times the extension."""
+    return a[i] * s
+
+
 SPRING = Term(
     name="spring",
     doc="F = stiffness s. For a nonlinear spring write 'polynomial' or 'table': they act on the extension.",
@@ -53,5 +58,5 @@ PRELOAD = Term(
     role="force",
     fields=(Field("force", NUMBER, "N or N m", "the force; > 0 pulls the two ends together"),),
     evaluate=preload,
-    integral=constant_integral,
+    integral=preload_energy,
 )

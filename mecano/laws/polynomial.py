@@ -15,30 +15,6 @@ def at_least_one(coefficients):
 
 
 @kernel
-def constant(a, i, s):
-    """Return value and zero derivatives."""
-    return a[i], 0.0, 0.0
-
-
-@kernel
-def constant_integral(a, i, s):
-    """Return value times s."""
-    return a[i] * s
-
-
-@kernel
-def linear(a, i, s):
-    """Return a straight line."""
-    return a[i] * s + a[i + 1], a[i], 0.0
-
-
-@kernel
-def linear_integral(a, i, s):
-    """Return a parabola through zero."""
-    return s * (0.5 * a[i] * s + a[i + 1])
-
-
-@kernel
 def polynomial(a, i, s):
     """Evaluate by Horner's scheme; a[i] is the number of coefficients."""
     y = d = h = 0.0
@@ -80,8 +56,9 @@ CONSTANT = Term(
     doc="The same value everywhere; a plain number means the same.",
     role="curve",
     fields=(Field("value", NUMBER, VALUE, "the value"),),
-    evaluate=constant,
-    integral=constant_integral,
+    pack=lambda values: [1, values["value"]],
+    evaluate=polynomial,
+    integral=polynomial_integral,
 )
 
 LINEAR = Term(
@@ -92,8 +69,9 @@ LINEAR = Term(
         Field("slope", NUMBER, SLOPE, "slope"),
         Field("offset", NUMBER, VALUE, "value at the argument zero", 0.0),
     ),
-    evaluate=linear,
-    integral=linear_integral,
+    pack=lambda values: [2, values["offset"], values["slope"]],
+    evaluate=polynomial,
+    integral=polynomial_integral,
 )
 
 POLYNOMIAL = Term(

@@ -14,7 +14,7 @@ from mecano.jit.kernel import kernel
 from mecano.laws import TERMS
 from mecano.maths.dual import chain, value
 
-CODES = {}  # name of a term -> its code in the table
+CODES = {}  # name of a term -> its code in the table, that of all terms with the same functions
 
 
 class LawTable:
@@ -93,14 +93,16 @@ def number_terms():
     Called again when terms are registered, before the first law of the process is packed or compiled.
     """
     global LAST_CURVE, curve_term, force_term, integral_term
+    functions: dict[str, dict[tuple, int]] = {"curve": {}, "force": {}}
     # curves first: one comparison then distinguishes a curve from a force
-    CODES.update((name, code) for code, name in enumerate(sorted(TERMS, key=lambda name: TERMS[name].role), 1))
-    curves, forces = (
-        {CODES[name]: term.evaluate for name, term in TERMS.items() if term.role == role} for role in ("curve", "force")
-    )
-    LAST_CURVE = max(curves)
+    for name, term in sorted(TERMS.items(), key=lambda item: item[1].role):
+        alike, known = (term.evaluate, term.integral), functions[term.role]
+        CODES[name] = known.setdefault(alike, 1 + sum(map(len, functions.values())))
+    LAST_CURVE = len(functions["curve"])
+    curves, forces = ({code: f for (f, _), code in functions[role].items()} for role in ("curve", "force"))
+    integrals = {code: f for known in functions.values() for (_, f), code in known.items()}
     curve_term, force_term = chosen_by_code(curves, "a, i, s", NANS), chosen_by_code(forces, "a, i, s, v", NANS)
-    integral_term = chosen_by_code({CODES[name]: term.integral for name, term in TERMS.items()}, "a, i, s", math.nan)
+    integral_term = chosen_by_code(integrals, "a, i, s", math.nan)
 
 
 number_terms()
