@@ -13,7 +13,8 @@ Doan 1991, eq. 34).
 import numpy as np
 
 from mecano.jit.kernel import kernel
-from mecano.laws.polynomial import COEFFICIENTS, pack_polynomial, polynomial
+from mecano.laws.linear_forces import VISCOUS
+from mecano.laws.polynomial import COEFFICIENTS, pack_polynomial
 from mecano.laws.tabulated import (
     BEYOND,
     FILE_FIELDS,
@@ -93,7 +94,7 @@ DAMPER_POLYNOMIAL = Term(
     role="force",
     fields=(COEFFICIENTS,),
     pack=pack_polynomial,
-    evaluate=of_rate(polynomial),
+    evaluate=VISCOUS,
     check=no_force_at_rest,
 )
 

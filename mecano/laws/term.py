@@ -31,6 +31,17 @@ def no_energy(a, i, s):
     return 0.0
 
 
+def of_extension(curve):
+    """Return ``evaluate`` of a force term that is a curve of the extension."""
+
+    @kernel
+    def spring(a, i, s, v):
+        y, d, _ = curve(a, i, s)
+        return y, d, 0.0
+
+    return spring
+
+
 def of_rate(curve):
     """Return ``evaluate`` of a force term that is a curve of the rate."""
 
