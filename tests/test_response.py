@@ -627,7 +627,7 @@ class TestCommand:
             (["--output", "weight.position.z", "--input", "shaker.value"], "the input shaker.value is given twice"),
             (
                 ["--output", "weight.position.z", "--from", "-1"],
-                "the lowest frequency must be greater than zero, got -1",
+                "the lowest frequency must be finite and greater than zero, got -1",
             ),
             (
                 ["--output", "weight.position.z", "--to", "0.01"],

@@ -64,7 +64,7 @@ class FrequencyRequest:
         """Raise UsageError for frequencies out of range."""
         for which, value in (("lowest", self.low), ("highest", self.high)):
             if not (np.isfinite(value) and value > 0.0):
-                raise UsageError(f"the {which} frequency must be greater than zero, got {value:g} Hz")
+                raise UsageError(f"the {which} frequency must be finite and greater than zero, got {value:g} Hz")
         if self.high < self.low:
             raise UsageError(f"the highest frequency, {self.high:g} Hz, is less than the lowest, {self.low:g} Hz")
         if not 1 <= self.number <= MOST_POINTS:
