@@ -87,6 +87,35 @@ def test_the_tension_of_guys_is_balanced_by_the_mast_at_every_load():
     assert np.abs(moments).max() < 1e-3 and top[-1, 0] > 0.5  # N m, of 400,000
 
 
+BALANCED = f"""
+    mecano: 1
+    gravity: [0, 0, -{G}]
+    parameters: {{k: {2 * G * 0.6 / (0.25 * 0.2)}}}
+    nodes:
+      arm: {{position: [0, 0, 0]}}
+      hook: {{position: [0.25, 0, 0]}}
+      mast: {{position: [0, 0, 0.2], fixed: true}}
+    elements:
+      arm: {{type: rigid_body, node: arm, mass: 2, center_of_mass: [0.6, 0, 0], inertia: [1, 1, 1], attached: [hook]}}
+      spring: {{type: spring_damper, nodes: [mast, hook], law: {{spring: $k}}, natural_length: 0}}
+    joints: {{elbow: {{type: hinge, nodes: [ground, arm], axis: [0, -1, 0]}}}}
+    static: {{METHOD}}
+    """
+
+
+@pytest.mark.parametrize("method", ["steps: 4", "method: relaxation"])
+def test_an_arm_balanced_by_a_spring_without_length_is_neutral(method):
+    """Its energy (m g c - k r h) sin t does not depend on the angle t: a lamp that stays where it is put."""
+    path = Path(BALANCED.replace("METHOD", method))
+    assert path.points[-1].stability.neutral == 1 and path.points[-1].stability.unstable == 0
+    np.testing.assert_allclose(path.turns_about_y("arm")[-1], 0.0, atol=1e-8)
+
+
+def test_arc_length_to_a_neutral_equilibrium_is_singular():
+    with pytest.raises(ConvergenceError, match="the tangent is singular"):
+        Path(BALANCED.replace("METHOD", "method: arc_length"))
+
+
 def test_kinematics_without_forces():
     """A driven crank without springs and loads: over any number of steps, the slider is at 2 r cos(theta)."""
     path = Path("""

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from mecano.model.state import State
 
 SHARPEST = 0.5  # least cosine between successive tangents of the path
+LOST = 1e-14  # of the terms of the rate along the tangent: a smaller sum is rounding
 MET = 1e-9  # relative tolerance of an end of the path
 AHEAD = 1e-3  # of a step: distance from a corner at which its two sides are compared
 
@@ -198,7 +199,10 @@ class Arc:
                 rate[:] = found
             statics.linear.solve_again(-r, x)
             gap = by_q @ statics.displacement(s, point.state) + by_mu * (mu - point.parameter) - ds
-            change = (-gap - by_q @ x[:n_q]) / (by_mu + by_q @ rate[:n_q])
+            along = by_mu + by_q @ rate[:n_q]
+            if abs(along) <= LOST * (abs(by_mu) + np.abs(by_q) @ np.abs(rate[:n_q])):
+                return None
+            change = (-gap - by_q @ x[:n_q]) / along
             return x + change * rate
 
         def move(dz):
