@@ -23,7 +23,9 @@ from process import mecano_process
 from time_runs import INPUTS
 
 from mecano.analyses.preview import preview
+from mecano.commands.viewing import live
 from mecano.deck.read import read_deck
+from mecano.errors import ConvergenceError
 from mecano.post.serve import LOOPBACK, Server, Source, serve
 from mecano.process.interrupt import Interruption, Stopped
 from mecano.results.reader import open_results
@@ -275,3 +277,23 @@ def test_the_model_is_seen_with_the_axes_of_its_joints(model, tmp_path):
     return [solids.axes.visible, byId("play").hidden, motion.shapes.map(shape => shape.name)];
     """)  # fmt: skip
     assert axes and hidden and "crankshaft" in names
+
+
+@pytest.mark.parametrize("written", [True, False])
+def test_a_run_that_fails_says_how_to_see_its_motion(written, tmp_path, capsys, monkeypatch):
+    class Ended:
+        def __init__(self, command, **options):
+            pass
+
+        def wait(self):
+            """As a process that has ended."""
+
+        terminate = wait
+
+    path = tmp_path / "gear.h5"
+    if written:
+        path.touch()
+    monkeypatch.setattr(subprocess, "Popen", Ended)
+    with pytest.raises(ConvergenceError), live(str(path), True):
+        raise ConvergenceError("no step could be taken")
+    assert (f"mecano view {path} shows the motion until the failure" in capsys.readouterr().err) == written

@@ -9,6 +9,7 @@ from contextlib import contextmanager, suppress
 import click
 
 from mecano.commands import overrides, plugins
+from mecano.errors import MecanoError
 
 UNTIL = "mecano: {} (until Ctrl-C)"
 
@@ -99,6 +100,10 @@ def live(path: str, wanted: bool) -> Iterator[None]:
         yield
         with suppress(KeyboardInterrupt):
             server.wait()
+    except MecanoError:
+        if os.path.exists(path):
+            click.echo(f"mecano: the page has ended; mecano view {path} shows the motion until the failure", err=True)
+        raise
     finally:
         server.terminate()
         server.wait()
