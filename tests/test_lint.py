@@ -89,6 +89,11 @@ def test_formulas_in_other_units_than_their_fields(value, angle, said):
         ("pendulum", "nodes.pin.orientation=[0, 90, 0]", "node 'pin': 'orientation' is 90 rad, more than a turn"),
         ("pendulum", "nodes.pin.orientation=[0, 90 deg, 0]", ""),
         ("panel_lock", "joints.hinge.latch.angle=90", "hinge 'hinge': 'latch.angle' is 90 rad, more than a turn"),
+        (
+            "solar_array",
+            "joints.hinge1.natural_angle=110",
+            "hinge 'hinge1': 'natural_angle' is 110 rad, more than a turn",
+        ),
         ("panel_lock", "joints.hinge.latch.angle==4*pi", ""),
         ("panel_lock", "joints.hinge.stops={upper: 450.5}", "hinge 'hinge': 'stops.upper' is 450.5 rad, more than a"),
         (

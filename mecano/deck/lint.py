@@ -161,8 +161,16 @@ def _degrees(values, kinds):
 def _angles(fields, values):
     """Yield (path, angle) of the angles among checked values."""
     for field, path, value in _leaves(fields, values):
-        if field.unit == "rad" and isinstance(value, float) and math.isfinite(value):
-            yield path, value
+        if field.unit != "rad":
+            continue
+        for angle in _constants(value):
+            if isinstance(angle, float) and math.isfinite(angle):
+                yield path, angle
+
+
+def _constants(value):
+    """Return the constant terms of a law, or the value itself."""
+    return [term["value"] for kind, term in value if kind == "constant"] if isinstance(value, tuple) else [value]
 
 
 def _is_half(number):
