@@ -6,6 +6,10 @@ NOTES = {  # words with the same meaning: (targets, note)
     "motor, actuator, drive, servo, angle driver, rheonomic": (
         "joint_moment joint_force line_force prescribed_angle prescribed_position prescribed_length", ""
     ),
+    "motion, imposed motion, prescribed motion, imposed displacement": (
+        "prescribed_angle prescribed_length prescribed_position generic",
+        "along the axis of a joint between moving bodies: a generic joint with that axis 'driven'",
+    ),
     "inverse dynamics, inverse kinematics, leg": (
         "prescribed_position prescribed_angle prescribed_length",
         "prescribe the motion and read the reactions; drive legs by tables of their lengths, with interpolation: spline"
@@ -407,6 +411,15 @@ NOTES = {  # words with the same meaning: (targets, note)
     "stiffness matrix, mass matrix": (
         "superelement bushing matrix", "of a part, of a connection of two nodes, of the section of a beam"
     ),
+    "torque margin, deployment margin, motorization margin, motorisation margin, deployment torque margin": (
+        "hinge.latch turning_law",
+        "`mecano post` draws the margin of hinges with a law and a latch (docs/shocks.md, What the results contain)",
+    ),
+    "cbar, cbeam": ("beam", ""), "crod, conrod": ("bar", ""), "conm2": ("rigid_body", ""), "cbush": ("bushing", ""),
+    "celas, celas1, celas2, cdamp, cvisc": ("spring_damper torsion_spring_damper", ""),
+    "rbe2, rbar": ("rigid_link rigid_body", "'attached' of a rigid_body lists the nodes that move with it"),
+    "mpc": ("coupler generic", ""), "spc": ("nodes fixed", "'fixed: true' of a node"),
+    "dmig": ("superelement", "matrices are read from a file (docs/superelements.md)"),
     "animation, picture, plot, graph": ("", "`mecano post` draws results, with --animate a page with the motion"),
 }  # fmt: skip
 SYNONYMS = {word: entry for words, entry in NOTES.items() for word in words.split(", ")}

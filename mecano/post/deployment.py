@@ -73,7 +73,7 @@ class _Curves:
 
     def __init__(self, number: int, times: np.ndarray, angle: np.ndarray):
         self.number, self.times = number, times
-        self.x = Quantity("motors/angle", "rad", "mean angle of the motors", ANGLES, times, angle)
+        self.x = Quantity("motors/mean_angle", "rad", "mean angle of the motors", ANGLES, times, angle)
 
     def of(self, name: str, unit: str, values: np.ndarray) -> Curve:
         """Return the Curve of one quantity."""
