@@ -212,13 +212,13 @@ def test_a_run_is_resumed_with_the_same_plugin_only(folder):
 
 def test_the_cases_of_a_study_get_the_plugins(folder):
     (folder / "study.yaml").write_text(
-        "study: 1\ndeck: fall.yaml\nset: {time.end: 0.1}\ngrid: {loads.air.coefficient: [0.05, 0.5]}\n"
+        "study: 1\ndeck: fall.yaml\nset: {time.end: 0.1}\ngrid: {loads.air.coefficient: [0.05, 0.1, 0.2, 0.5]}\n"
         "outputs: {drag: {of: air.force, take: max}}\n"
     )
     code, _, err = call("sweep", "study.yaml", "--plugin", "my_drag.py", "-q")
     assert code == 0, err
     table = (folder / "study_runs" / "table.csv").read_text()
-    assert table.count("complete") == 2
+    assert table.count("complete") == 4
 
 
 def test_a_tyre_law_and_a_law_in_a_deck(folder):

@@ -119,10 +119,12 @@ class ForkedProcesses:
         File of the deck.
     overrides : sequence of str
         Texts of `mecano run --set`.
+    plugins : sequence of str
+        Files that it needs.
     """
 
-    def __init__(self, deck: str, overrides: Sequence[str]):
-        self._words = [*SERVER, deck, *overrides]
+    def __init__(self, deck: str, overrides: Sequence[str], plugins: Sequence[str] = ()):
+        self._words = [*SERVER, json.dumps([deck, [*overrides], [*plugins]])]
         self._server: Server | None = None
         self._running: set[int] = set()
         self._started: list[int] = []  # numbers, and ends, that the server has reported

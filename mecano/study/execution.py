@@ -11,7 +11,7 @@ from mecano.process.interrupt import Interruption, Stopped, resume_command
 from mecano.process.lifeline import popen_options
 from mecano.study.case_processes import PROGRAM
 from mecano.study.folder import COMPLETE, FAILED, Folder, Record
-from mecano.study.pool import Ended, Limits, Pool
+from mecano.study.pool import Ended, Limits, Pool, plugin_words
 from mecano.study.table import Table
 
 if TYPE_CHECKING:
@@ -66,9 +66,12 @@ def _compile_first(deck, announce):
     """
     settings = [word for text in deck.overrides for word in ("--set", text)]
     process = subprocess.Popen(
-        [*PROGRAM, "warmup", deck.file, *settings], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+        [*PROGRAM, "warmup", deck.file, *settings, *plugin_words()],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
         **popen_options(),
-    )  # fmt: skip
+    )
     with process:
         try:
             for line in process.stderr or ():

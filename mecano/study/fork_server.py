@@ -1,8 +1,9 @@
 """The process that forks the processes of cases: it has loaded what they need, and executed the start of their deck.
 
-``python -m mecano.study.fork_server DECK [OVERRIDE ...]`` reads requests from its standard input, one a line: a JSON
-list of the words of a command and the file for its output. It writes the number of each process as it starts, and the
-number, exit code and processor time [s] of each as it ends. It ends with its standard input.
+``python -m mecano.study.fork_server LOADED`` reads requests from its standard input, one a line: a JSON list of the
+words of a command and the file for its output. It writes the number of each process as it starts, and the number, exit
+code and processor time [s] of each as it ends. It ends with its standard input. LOADED is a JSON list of the deck, its
+overrides and the files of plugins.
 """
 
 import contextlib
@@ -13,17 +14,21 @@ import runpy
 import signal
 import sys
 import traceback
+from collections.abc import Sequence
 
 from mecano.analyses.warmup import warmup
+from mecano.elements import plugins
 from mecano.process.lifeline import VARIABLE
 from mecano.study.case_processes import end_of
 
 
-def serve(deck: str, *overrides: str) -> None:
+def serve(deck: str, overrides: Sequence[str], plugin_files: Sequence[str]) -> None:
     """Execute the start of the ``deck``, then start and await processes, until the standard input ends."""
     replies = os.dup(1)
     os.dup2(2, 1)
-    with contextlib.suppress(Exception):  # of the deck: each case reports its own
+    with contextlib.suppress(Exception):  # of a plugin or the deck: each case reports its own
+        for file in plugin_files:
+            plugins.load(file)
         list(warmup([deck], overrides))
     gc.collect()
     gc.freeze()  # later collections would copy the pages that all processes share
@@ -68,4 +73,4 @@ def _run(words, log):
 
 if __name__ == "__main__":
     LIFELINE = os.environ.pop(VARIABLE)  # of all processes; this one ends with its standard input
-    serve(*sys.argv[1:])
+    serve(*json.loads(sys.argv[1]))

@@ -55,7 +55,7 @@ def run_here(folder: Folder, cases: "Sequence[Case]", ended: Ended, *, limits: L
     """Run cases on this machine, ``jobs`` in parallel; ``ended`` and the return value: see ``Pool``."""
     processes: CaseProcesses = SeparateProcesses()
     if CAN_FORK and len(cases) >= FEW:
-        processes = ForkedProcesses(folder.study.deck, folder.study.overrides(cases[0]))
+        processes = ForkedProcesses(folder.study.deck, folder.study.overrides(cases[0]), plugins.files())
     with folder.held():
         return Pool(folder, jobs, limits, ended, processes).run(cases)
 
