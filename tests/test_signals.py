@@ -231,9 +231,13 @@ def alive(number):
         return False
 
 
-@pytest.mark.parametrize("executor", ["local", "dask"])
-def test_a_killed_study_leaves_no_orphans(folder, started, executor):
-    """Its cases end as by SIGTERM, with checkpoints from which the study resumes."""
+@pytest.mark.parametrize(
+    ("executor", "further", "processes"),
+    [("local", "", 2), ("local", ", {time.end: 3.0e5}, {time.end: 4.0e5}", 3), ("dask", "", 4)],
+)
+def test_a_killed_study_leaves_no_orphans(folder, started, executor, further, processes):
+    """Its cases end as by SIGTERM, with checkpoints from which the study resumes; of four, a server forks them."""
+    (folder / "study.yaml").write_text(STUDY.replace("]\n", f"{further}]\n"))
     if executor == "dask":
         pytest.importorskip("distributed")
     words = ["sweep", "study.yaml", "--jobs", "2", "--executor", executor]
@@ -241,7 +245,7 @@ def test_a_killed_study_leaves_no_orphans(folder, started, executor):
     files = [folder / "study_runs" / name for name in ("0001.h5", "0002.h5")]
     wait_until(lambda: all(file.exists() for file in files))
     cases = children(process.pid)
-    assert len(cases) == {"local": 2, "dask": 4}[executor]
+    assert len(cases) == processes
     process.kill()
     process.wait()
     wait_until(lambda: not any(map(alive, cases)), 30.0)
@@ -249,7 +253,7 @@ def test_a_killed_study_leaves_no_orphans(folder, started, executor):
         with mecano.open_results(file) as results:
             assert results.status == "stopped" and "SIGTERM" in results.reason and results.checkpoint is not None
     code, out, _ = mecano_process("sweep", "study.yaml", "--resume", "--time-limit", "5")
-    assert code == 3 and "2 cases: 2 stopped" in out
+    assert code == 3 and f"{(n := 4 if further else 2)} cases: {n} stopped" in out
 
 
 def test_a_study_that_is_killed_while_it_compiles_leaves_no_orphans(folder, started):
