@@ -320,6 +320,34 @@ def test_balls_settle_in_a_box():
     assert min(run[f"elements/{name}{i}/gap"].min() for i in range(4) for name in WALLS) > -1e-7
 
 
+BELT = """
+    mecano: 1
+    gravity: [-3, 0, -9.3]
+    nodes: {belt: {position: [0, 0, 0]}, puck: {position: [0, 0, 0]}}
+    elements:
+      body: {type: rigid_body, node: puck, mass: 2, inertia: [0.1, 0.1, 0.1]}
+      bed: {type: contact, nodes: [belt, puck], plane: {normal: [0, 0, 1], point: [0, 0, 0]}, friction: FRICTION}
+      stop: {type: contact, nodes: [ground, puck], plane: {normal: [-1, 0, 0], point: [0.5, 0, 0]}}
+    joints:
+      upright: {type: held_rotation, nodes: [ground, puck]}
+      guide: {type: prismatic, nodes: [ground, belt], axis: [1, 0, 0]}
+      drive: {type: prescribed_position, node: belt, direction: [1, 0, 0], value: time}
+    time: {end: 1, step: 1.0e-3, rho_inf: 0}
+"""
+
+
+def test_friction_presses_what_would_part_without_it():
+    """A belt carries a puck uphill against a stop: the impact closes it for good, though gravity pulls it away."""
+    run = RecordedRun(deck(BELT.replace("FRICTION", "{coefficient: 0.8, regularization: 1.0e-3}")))
+    bed, stop = run.event_records
+    assert (bed.element, stop.element, stop.after) == ("contact 'bed'", "contact 'stop'", "closed")
+    creep = 1e-3 * (
+        1 - np.sqrt(1 - 3 / (0.8 * 9.3))
+    )  # at which the regularized friction, u (2 - u), carries the weight
+    assert stop.impulse == pytest.approx(2 * (1 - creep), rel=1e-7)
+    assert run["elements/stop/normal_force"][-1] == pytest.approx(0.8 * 2 * 9.3 - 2 * 3, rel=1e-9)
+
+
 FLUSH = """
     mecano: 1
     gravity: [0, 0, -9.81]

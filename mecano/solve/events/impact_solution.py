@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.errors import AssemblyError
 from mecano.immutable import immutable
 from mecano.solve.events.complementarity import solve_complementarity
 from mecano.solve.events.events import EventRecord
@@ -243,20 +244,50 @@ class ImpactSolution:
         )  # fmt: skip
 
     def _leaving(self, stay, h, no_force):
-        """Return the closed contacts, light ones excepted, that the accelerations separate by more than rounding."""
+        """Return the closed contacts, light ones excepted, that the accelerations separate by more than rounding.
+
+        Friction may press together what would part without it, as a belt presses a box against a stop.
+        """
         stay = [c for c in stay if not self.light[self.uncoupled[c]]]
         if not stay:
             return []
         moving = self.held.copy()
         self.consistent.accelerate(moving)
-        second = self.system.constraint_derivatives(replace(self.all_held, v=moving.v, a=moving.a))[:, 2]
+        second = self.system.constraint_derivatives(replace(self.all_held, v=moving.v, a=moving.a))[self.leads, 2]
         at = [self.uncoupled[c] for c in stay]
-        of_these = self.leads[at]
-        forces = self._solve(second[of_these], at)
-        parting = second[of_these] + self.W[np.ix_(at, at)] @ forces
-        least = np.maximum(STILL * np.abs(second[of_these]).max(), STILL * self.shocks.rest[of_these] / h)
-        least = np.maximum(least, np.diag(self.W)[at] * no_force[of_these])
-        return [c for c, *of in zip(stay, forces, parting, least, strict=True) if of[0] == 0.0 and of[1] > of[2]]
+        leads = self.leads[at]
+        least = np.maximum(STILL * np.abs(second[at]).max(), STILL * self.shocks.rest[leads] / h)
+        least = np.maximum(least, np.diag(self.W)[at] * no_force[leads])
+
+        def parted(forces, of_friction):
+            parting = second[at] + self.W[np.ix_(at, at)] @ forces + of_friction
+            return [c for c, *of in zip(stay, forces, parting, least, strict=True) if of[0] == 0.0 and of[1] > of[2]]
+
+        found = parted(self._solve(second[at], at), 0.0)
+        if not found or not self.rough or not h < np.inf:
+            return found
+        try:
+            forces, along = self._forces_with_friction(second, moving, at, h)
+        except AssemblyError:  # undetermined forces decide nothing
+            return found
+        return parted(forces[at], self.W[at, len(self.leads) :] @ along)
+
+    def _forces_with_friction(self, second, moving, at, h):
+        """Return the mean forces (n,) of the contacts ``at`` and along the surfaces (2 m,), over a step of h [s].
+
+        ``second`` (n,) are the accelerations along the normals without these forces, those of the state ``moving``.
+        Friction obeys Coulomb's law at the end of the step (Moreau 1988).
+        """
+        n = len(self.leads)
+
+        def normal(b):
+            pushes = np.zeros(n)
+            pushes[at] = self._solve(b[at], at)
+            return pushes
+
+        slides = self._sliding(moving.v) + h * self._sliding(moving.a)
+        pushes, along = solve_with_friction(normal, self.W[:n, n:], self.W[n:, n:], h * second, slides, self.rough)
+        return pushes / h, along / h
 
 
 def _opened(t, candidate):
