@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import threading
+from datetime import date
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -247,6 +248,8 @@ class TestDeck:
         places = {"nodes": {"a": {"position": [0, object(), 0]}}}
         with pytest.raises(TypeError, match=r"'nodes.a.position.1' is of the type object"):
             mecano.check(places)
+        with pytest.raises(TypeError, match="'elements.bar.mass' is of the type date"):  # 2026-11-29 would be 1986
+            mecano.check({"elements": {"bar": {"mass": date(2026, 11, 29)}}})
         places["nodes"]["a"]["position"] = {0.1, 0.2}
         with pytest.raises(TypeError, match=r"'nodes.a.position' is of the type set"):
             mecano.check(places)
@@ -385,8 +388,9 @@ class TestSimulation:
 
     def test_errors_of_a_simulation(self, folder):
         with mecano.Simulation("pendulum.yaml", set={"time.end": 0.01}) as s:
-            with pytest.raises(UsageError, match="greater than zero, in seconds, got -1"):
-                s.advance(-1)
+            for wrong in (-1, None, "1"):
+                with pytest.raises(UsageError, match=f"greater than zero, in seconds, got {wrong!r}"):
+                    s.advance(wrong)
             s.advance(5.0)
             assert s.time == 0.01
             with pytest.raises(UsageError, match="the deck ends at t = 0.01 s"):
@@ -472,6 +476,10 @@ class TestCheckAndModes:
             assert mecano.response("pendulum.yaml", at=at, set=motor, **channels).about == expected
         with pytest.raises(TypeError, match=r"write 'results.h5:1.25' or \('results.h5', 1.25\)"):
             mecano.response("pendulum.yaml", at=0.05, set=motor, **channels)
+        with pytest.raises(TypeError, match=r"write 'results.h5:1.25' or \('results.h5', 1.25\)"):
+            mecano.modes("pendulum.yaml", at=("pendulum.h5", "end"))
+        with pytest.raises(UsageError, match=r"frame=\(0, 0, 3\): write 'inertial', the name of a node, or 'wx,wy,wz'"):
+            mecano.modes("pendulum.yaml", frame=(0, 0, 3))
         for analysis in (mecano.modes, partial(mecano.response, **channels)):
             with pytest.raises(UsageError, match="at_rest=True belongs to a saved state"):
                 analysis("pendulum.yaml", at_rest=True)

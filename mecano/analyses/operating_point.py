@@ -94,6 +94,8 @@ def held_warnings(deck: "Deck") -> Iterator[str]:
 
 def angular_velocity_of(system: "System", s: "State", frame: str) -> np.ndarray:
     """Return the angular velocity (3,) [rad/s] of the axes ``frame``. Raises UsageError."""
+    if not isinstance(frame, str):
+        raise UsageError(f"frame={frame!r}: write 'inertial', the name of a node, or 'wx,wy,wz' [rad/s]")
     names = [node.name for node in system.nodes]
     if frame == "inertial":
         return np.zeros(3)

@@ -4,6 +4,7 @@ import os
 from collections.abc import Iterator, Mapping, MutableMapping
 from contextlib import contextmanager
 from copy import deepcopy
+from datetime import date, datetime
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, Self
 
@@ -205,8 +206,8 @@ def _text(dumper, value):
 
 
 _Dumper.add_representer(str, _text)
-_Dumper.add_representer(set, _Dumper.represent_undefined)  # decks have neither sets nor bytes
-_Dumper.add_representer(bytes, _Dumper.represent_undefined)
+for _kind in (set, bytes, date, datetime):  # decks have none of them; a date would be read as a difference
+    _Dumper.add_representer(_kind, _Dumper.represent_undefined)
 _Dumper.add_representer(np.ndarray, lambda dumper, value: dumper.represent_data(value.tolist()))
 _Dumper.add_multi_representer(np.generic, lambda dumper, value: dumper.represent_data(value.item()))
 _Dumper.add_multi_representer(PurePath, lambda dumper, value: dumper.represent_data(os.fspath(value)))

@@ -116,7 +116,7 @@ class Simulation(ByName):
             As ``mecano.run``.
         """
         self._require_running()
-        if isinstance(duration, str) or not duration > 0.0:
+        if not isinstance(duration, int | float | np.number) or not duration > 0.0:
             raise UsageError(f"a duration must be a number greater than zero, in seconds, got {duration!r}")
         if self.time >= self.end:
             raise UsageError(f"the deck ends at t = {self.end:g} s; set its 'time.end'")
