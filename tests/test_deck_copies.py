@@ -229,6 +229,7 @@ REPEATS = [  # what stands behind 'repeat' of p$i in CHAIN, the problem
     ("[{i: 1}, 2]", "4:17 node 'p$i': 'repeat' must be a mapping of names to values, or a list of rows"),
     ("{i: [0.5]}", "4:4 node 'p$i': only whole numbers and words can be part of a name; $i is 0.5"),
     ("{j: 0..3}", "4:4 node 'p$i': unknown parameter 'i'; known: j, count, pitch"),
+    ("{pitch: 0..3}", "4:4 node 'p$i': unknown parameter 'i'; known: pitch, count"),
     ("{i: [1, 1]}", "4:3 node 'p$i': 'p1' is given twice; first at deck.yaml:4:3"),
 ]  # fmt: skip
 

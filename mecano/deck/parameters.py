@@ -46,7 +46,7 @@ class Parameters:
 
     def names(self) -> list[str]:
         """Return the names of all parameters."""
-        return [*self.nodes, *(self.outer.names() if self.outer else ())]
+        return list(dict.fromkeys([*self.nodes, *(self.outer.names() if self.outer else ())]))
 
     def node(self, name: str) -> "Node | None":
         """Return the node of the value of a parameter, or None."""
