@@ -116,6 +116,39 @@ def test_arc_length_to_a_neutral_equilibrium_is_singular():
         Path(BALANCED.replace("METHOD", "method: arc_length"))
 
 
+ROBERVAL = f"""
+    mecano: 1
+    gravity: [0, -{G}, 0]
+    parameters: {{c: "0.3*cos(0.4)", s: "0.3*sin(0.4)"}}
+    nodes:
+      top: {{position: [0, 0.2, 0]}}
+      low: {{position: [0, 0, 0]}}
+      top_$side: {{repeat: &sides [{{side: left, x: -1}}, {{side: right, x: 1}}], position: [$x*$c, 0.2 + $x*$s, 0]}}
+      low_$side: {{repeat: *sides, position: [$x*$c, $x*$s, 0]}}
+      pan_$side: {{repeat: *sides, position: [$x*$c, 0.2 + $x*$s, 0]}}
+      foot_$side: {{repeat: *sides, position: [$x*$c, $x*$s, 0]}}
+    elements:
+      beam: {{type: rigid_body, node: top, mass: 1, inertia: [0.1, 0.1, 0.1], attached: [top_left, top_right]}}
+      stay: {{type: rigid_body, node: low, mass: 1, inertia: [0.1, 0.1, 0.1], attached: [low_left, low_right]}}
+      left: {{type: rigid_body, node: pan_left, mass: 2, center_of_mass: [-0.25, 0.1, 0], inertia: [0.1, 0.1, 0.1], attached: [foot_left]}}
+      right: {{type: rigid_body, node: pan_right, mass: 2, center_of_mass: [0.05, 0, 0], inertia: [0.1, 0.1, 0.1], attached: [foot_right]}}
+    joints:
+      pivot: {{type: hinge, nodes: [ground, top], axis: [0, 0, 1]}}
+      pivot_low: {{type: hinge, nodes: [ground, low], axis: [0, 0, 1]}}
+      hang_$side: {{repeat: *sides, type: hinge, nodes: [top_$side, pan_$side], axis: [0, 0, 1]}}
+      guide_$side: {{repeat: *sides, type: hinge, nodes: [low_$side, foot_$side], axis: [0, 0, 1]}}
+    static: {{METHOD}}
+    """  # noqa: E501
+
+
+@pytest.mark.parametrize("method", ["steps: 3", "method: relaxation"])
+def test_a_roberval_balance_stays_at_any_tilt(method):
+    """Equal weights anywhere on its pans move up and down alike: reactions change, no force acts along the motion."""
+    path = Path(ROBERVAL.replace("METHOD", method))
+    turn = path.rotations("top")[-1]
+    assert path.points[-1].stability.neutral == 1 and abs(turn[1, 0]) < 2e-3
+
+
 def test_kinematics_without_forces():
     """A driven crank without springs and loads: over any number of steps, the slider is at 2 r cos(theta)."""
     path = Path("""

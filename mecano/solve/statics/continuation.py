@@ -139,12 +139,26 @@ class Follower:
     def find(self, s0: "State", p: float) -> "tuple[State, Status]":
         """Return (state, Status) of the equilibrium at the parameter p near ``s0``, also for singular tangents."""
         s, found = self.statics.correct(s0, p)
+        neutral = self.last is not None and self.last.stability.neutral > 0
+        if found.ok and found.change > BESIDE and neutral and not self._balanced(s0, p):
+            beside, slight = self.statics.correct_singular(s0, p)
+            if slight.ok and (change := self._apart(beside, s0)) < 0.5 * found.change:
+                slight.change, slight.first = change, found.first  # Newton's method had followed a free motion
+                return beside, slight
         if found.ok and not (found.change > BESIDE and self._only_rounding(s0, p) and self._free(s0, p)):
             return s, found
         wanders = found.failure is Failure.NOT_CONVERGED and max(found.norms[:2], default=np.inf) <= 1.0
         if found.ok or found.failure is Failure.SINGULAR or wanders or self._balanced(s0, p):
             return self.statics.correct_singular(s0, p)
         return s, found
+
+    def _apart(self, s, s0):
+        """Return the largest displacement from ``s0`` to ``s`` over the length, or rotation [rad]."""
+        of = self.statics.system.numbering
+        moves = np.linalg.norm(s.z[of.x[:, None] + np.arange(3)] - s0.z[of.x[:, None] + np.arange(3)], axis=1)
+        cosines = 0.5 * (np.einsum("rij,rij->r", s.R, s0.R) - 1.0)
+        turns = np.arccos(np.clip(cosines, -1.0, 1.0))
+        return max(moves.max(initial=0.0) / self.statics.length, turns.max(initial=0.0))
 
     def _only_rounding(self, s, p):
         """Return whether ``s`` is an equilibrium, however soft, whose unbalanced forces are at rounding level."""
