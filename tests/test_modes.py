@@ -597,7 +597,10 @@ def test_table_and_file(tmp_path, monkeypatch):
     path = tmp_path / "m.h5"
     text, found, _ = modes(deck(row_of_masses(4)), path, number=3)
     lines = text.splitlines()
-    assert lines[0].startswith("modes about: initial state; dense, undamped; 4 computed") and len(lines) == 5
+    assert lines[0] == (
+        "modes about: initial state; dense, undamped; 4 computed, 3 of them shown (--number, in Python number=)"
+    )
+    assert len(lines) == 5
     assert "node 'p2' moves along [1, 0, 0]" in lines[2] and lines[2].split()[0] == "1"
     assert float(lines[2].split()[1]) == pytest.approx(found.frequency[0], rel=1e-5)
     file = read_modes(path)

@@ -66,7 +66,9 @@ def modes(
             inner = inner_motions(deck, system, base.state, found.shapes)
             plain = contents(system, base.state, found, base.words, turning, inner)
             write_modes(path, plain, source_of(deck, warnings=reported), force=force)
-    head = f"modes about: {base.words}; {found.method}; {found.found} computed"
+    shown = len(found.values)
+    part = f", {shown} of them shown (--number, in Python number=)" if shown < found.found else ""
+    head = f"modes about: {base.words}; {found.method}; {found.found} computed{part}"
     lines = [head, *table(system, base.state, found, lin)]
     return "\n".join([*lines, *(f"mecano: {text}" for text in reported)]), found, base
 
