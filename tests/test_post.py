@@ -14,7 +14,7 @@ import matplotlib.figure
 import matplotlib.image
 import numpy as np
 import pytest
-from time_runs import INPUTS
+from time_runs import INPUTS, deck
 
 import mecano
 from mecano.cli import commands
@@ -32,7 +32,7 @@ from mecano.post.info import info
 from mecano.post.panels import planned_panels, worth_showing
 from mecano.post.pictures import post
 from mecano.post.plans import Plan, View
-from mecano.post.quantity import find, time_of
+from mecano.post.quantity import find, peak_of, time_of
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import labels, open_runs
 from mecano.post.shapes import BODY, CABLE, Shape
@@ -856,3 +856,23 @@ def test_pictures_of_mecano_are_replaced_and_others_only_with_force(tmp_path, mo
     with pytest.raises(ResultsError, match="not known to be written by mecano"):
         commands(arguments, standalone_mode=False)
     commands([*arguments, "--force"], standalone_mode=False)
+
+
+def test_signals_are_drawn_in_the_unit_of_the_deck(tmp_path):
+    """Results are in SI units, values and peaks of pictures in degrees: those of the dots lie on the curve."""
+    given = deck("""
+        mecano: 1
+        gravity: none
+        nodes: {a: {position: [0, 0, 0]}}
+        elements: {body: {type: rigid_body, node: a, mass: 1, inertia: [1, 1, 1]}}
+        joints: {hinge: {type: hinge, nodes: [ground, a], axis: [0, 0, 1]}}
+        signals: {turned: {type: formula, value: hinge.angle, unit: deg}, plain: hinge.angle}
+        loads: {motor: {type: joint_moment, joint: hinge, value: 2}}
+        time: {end: 1, step: 0.01}
+        """)
+    with mecano.run(mecano.Deck(given.resolved()), tmp_path / "turned.h5", quiet=True) as results:
+        [shown], [plain] = (find(results, name) for name in ("turned", "plain"))
+        assert (shown.unit, plain.unit, results["turned.value"].unit) == ("deg", "rad", "rad")
+        np.testing.assert_allclose(shown.values, np.degrees(results["hinge.angle"].values), rtol=1e-12, atol=1e-12)
+        assert peak_of(results, shown) == pytest.approx((shown.values[-1], 1.0))
+        assert results.resolved["signals"]["turned"]["unit"] == "deg"

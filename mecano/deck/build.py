@@ -6,6 +6,7 @@ import numpy as np
 
 from mecano.constraints.along_coordinate.demand import is_formula
 from mecano.deck.physics import element_nodes, poses
+from mecano.deck.values import in_si
 from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
 from mecano.laws.table import LawTable, breakpoints
@@ -17,13 +18,18 @@ if TYPE_CHECKING:
     from mecano.model.system import System
 
 
+def _with_unit_in_si(d):
+    """Return the values of an entry; a signal whose unit is given has values in the corresponding SI unit."""
+    return {**d, "unit": in_si(d["unit"])} if d.get("unit") else d
+
+
 def build(deck: "Deck") -> Model:
     """Return the Model of a checked deck (deck.Deck)."""
     values = deck.values
     at = poses(values["nodes"])
     nodes = [Node(name, *at[name], d["fixed"]) for name, d in values["nodes"].items()]
     elements = [
-        Element(name, KINDS[d["type"]], tuple(element_nodes(KINDS[d["type"]], d)), d)
+        Element(name, KINDS[d["type"]], tuple(element_nodes(KINDS[d["type"]], d)), _with_unit_in_si(d))
         for section in SECTIONS
         for name, d in values[section].items()
     ]

@@ -93,13 +93,19 @@ def text(node: Node, field: Field, scope: Scope) -> str | Invalid:
 
 
 def unit(node: Node, field: Field, scope: Scope) -> str | Invalid:
-    """Return the SI unit of a quantity whose unit is given."""
+    """Return the unit of a quantity as written, in which pictures show it; the values are in SI."""
     if type(node.value) is not str:
         return scope.refuse_value(node, field)
     try:
-        return node.value if node.value == "-" else written_in_si(node.value)  # "-" of a resolved deck
+        in_si(node.value)
     except UnitError as error:
         return scope.refuse(node, f"{quoted(scope.name_of(field.name))}: {error}")
+    return node.value
+
+
+def in_si(written: str) -> str:
+    """Return the SI unit of a unit as written; "-" in a resolved deck stands for none. Raises UnitError."""
+    return written if written == "-" else written_in_si(written)
 
 
 def choice(node: Node, field: Field, scope: Scope) -> str | Invalid:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.deck.units import ANY, factor_of
 from mecano.deck.wording import suggestion
 from mecano.errors import UsageError
 from mecano.post import recovered
@@ -117,7 +118,21 @@ def find(results: "Results", name: str) -> list[Quantity]:
     Raises UnknownNameError with similar names, UsageError if nothing matches, ResultsError for an unreadable file.
     """
     axis = results.axis.path, results.axis.unit
-    return [replace(quantity, axis=axis) for quantity in _found(results, name)]
+    return [replace(_as_declared(results, quantity), axis=axis) for quantity in _found(results, name)]
+
+
+def _as_declared(results, quantity):
+    """Return the values of a signal in the unit that its deck declares, such as deg; the results have SI units."""
+    unit, factor = _declared_unit(results, quantity.path)
+    return replace(quantity, unit=unit, values=quantity.values / factor) if unit else quantity
+
+
+def _declared_unit(results, path):
+    """Return (unit, its value in SI) that the deck declares for an output, or ("", 1)."""
+    section, *owner, output = path.split("/")
+    known = results.resolved.get("signals", {}) if (section, output) == ("signals", "value") else {}
+    unit = known.get("/".join(owner), {}).get("unit", "-")
+    return ("", 1.0) if unit == "-" else (unit, factor_of(unit, ANY))
 
 
 def _found(results, name):
@@ -148,6 +163,7 @@ def peak_of(results: "Results", quantity: Quantity) -> "Peak":
     extreme = results.extremes.get(f"{owner}/{derived.needs[0]}" if derived else quantity.path)
     if extreme is None or not np.isfinite([extreme.maximum, extreme.minimum]).all():
         return ()
+    factor /= _declared_unit(results, quantity.path)[1]
     if abs(extreme.maximum) >= abs(extreme.minimum):
         return factor * extreme.maximum, extreme.maximum_time
     return factor * extreme.minimum, extreme.minimum_time
