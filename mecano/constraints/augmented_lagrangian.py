@@ -11,33 +11,30 @@ from mecano.constraints.coordinates.coordinate import add_along, rate_of
 from mecano.element_interface import named
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
-from mecano.maths.vector import add_col, add_mat, add_row, add_vec, outer
+from mecano.maths.vector import add_col, add_mat, add_row, outer
 
 
 @kernel
-def add_constraint(f, K, row, k, penalty, Phi, multiplier, blocks):
-    """Add one constraint without its curvature; return g = penalty Phi - k lambda [N, N m].
+def add_reaction(f, at, row, Phi, blocks, side=1.0):
+    """Add the constraint side Phi = 0 to a residual; return penalty Phi - side k lambda, the load along Phi [N, N m].
 
-    ``blocks`` is a tuple of (local index, gradient (3,)), ``row`` the local index of the multiplier, whose value
-    ``multiplier`` is k lambda.
+    ``row`` is the local index of the multiplier, ``blocks`` a tuple of (local index, gradient (3,) of Phi).
     """
-    g = penalty * Phi - multiplier
-    f[row] -= k * Phi
-    for i, b in blocks:
-        add_vec(f, i, g, b)
-        add_col(K, i, row, -k, b)
-        add_row(K, row, i, -k, b)
-        for j, c in blocks:
-            add_mat(K, i, j, penalty, outer(b, c))
+    g = at.penalty * Phi - side * number(at.q[row])
+    f[row] -= side * at.k * Phi
+    add_along(f, g, blocks)
     return g
 
 
 @kernel
-def add_reaction(f, row, k, penalty, Phi, multiplier, blocks):
-    """Add one constraint to a residual whose tangent is computed with dual numbers; see ``add_constraint``."""
-    g = penalty * Phi - multiplier
-    f[row] -= k * Phi
-    add_along(f, g, blocks)
+def add_constraint(f, K, at, row, Phi, blocks, side=1.0):
+    """Add the same to residual and tangent, without the curvature of the constraint."""
+    g, k = add_reaction(f, at, row, Phi, blocks, side), side * at.k
+    for i, b in blocks:
+        add_col(K, i, row, -k, b)
+        add_row(K, row, i, -k, b)
+        for j, c in blocks:
+            add_mat(K, i, j, at.penalty, outer(b, c))
     return g
 
 
@@ -70,7 +67,7 @@ def scalar_constraint(value, row, side_of=_always):
             f[row] -= at.q[row]
         else:
             Phi, gradient = value(p, at)
-            add_reaction(f, row, side * at.k, at.penalty, Phi, side * number(at.q[row]), gradient)
+            add_reaction(f, at, row, Phi, gradient, side)
 
     @kernel
     def constraints(p, at, g):
@@ -80,10 +77,3 @@ def scalar_constraint(value, row, side_of=_always):
             g[0, 0], g[0, 1] = side * Phi, side * rate_of(gradient, at.v)
 
     return named(residual, constraints)
-
-
-@kernel
-def deactivate(f, K, row, k, multiplier):
-    """Deactivate a constraint in the current phase: its reaction is zero. Its derivatives are not written."""
-    f[row] -= multiplier
-    K[row, row] -= k

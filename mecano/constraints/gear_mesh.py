@@ -73,7 +73,7 @@ def gear_travel(p, at):
 def force(p, at, f, K, C, M):
     """Add forces to both gears, moments to all three nodes."""
     gears, Phi, gradient = _coupling(p, at)
-    g = add_constraint(f, K, MULTIPLIER, at.k, at.penalty, Phi, at.q[MULTIPLIER], gradient)
+    g = add_constraint(f, K, at, MULTIPLIER, Phi, gradient)
     for i in range(2):
         curvature = twist_curvature(gears[i].Q, vec(p.mu[i][2], 0), vec(p.xi[i][2], 0))
         add_blocks(K, 3, 9 + 3 * i, p.travel[i] * g, curvature)

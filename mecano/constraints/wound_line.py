@@ -106,7 +106,7 @@ def catch_residual(p, at, f):
         return
     length, _, (_, u, _) = line(at.q, at.v)
     Phi = _full(p, at.laws, at.t)[0] + at.m[1] - length
-    add_reaction(f, MULTIPLIER, at.k, at.penalty, Phi, at.q[MULTIPLIER], ((0, u), (3, -u)))
+    add_reaction(f, at, MULTIPLIER, Phi, ((0, u), (3, -u)))
 
 
 @kernel

@@ -14,7 +14,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from mecano.constraints.along_coordinate.demand import is_formula
-from mecano.constraints.augmented_lagrangian import add_constraint, deactivate
+from mecano.constraints.augmented_lagrangian import add_constraint
 from mecano.constraints.body_fixed import wrap
 from mecano.constraints.coordinates.coordinate import rate_of
 from mecano.element_interface import Kind, Row, named, record
@@ -95,11 +95,11 @@ def holding(coordinate, target):
     def force(p, at, f, K, C, M):
         side, wanted, _ = target(p, at)
         if side != 0.0:
-            Phi, multiplier = difference(value(p, at), wanted), side * at.q[row]
-            g = add_constraint(f, K, row, side * at.k, at.penalty, Phi, multiplier, gradient(p, at))
-            add_curvature(p, at, g, K)
+            Phi = difference(value(p, at), wanted)
+            add_curvature(p, at, add_constraint(f, K, at, row, Phi, gradient(p, at), side), K)
         else:
-            deactivate(f, K, row, at.k, at.q[row])
+            f[row] -= at.q[row]
+            K[row, row] -= at.k
 
     @kernel
     def constraints(p, at, g):

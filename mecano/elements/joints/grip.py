@@ -86,14 +86,12 @@ def _holding(force, moment, turns):
             return
         Phi = _position(at) - vec(at.m, 0)
         for i in range(3):
-            row = force + i
-            add_reaction(f, row, at.k, at.penalty, Phi[i], at.q[row], _gradient_of_position(at, i))
+            add_reaction(f, at, force + i, Phi[i], _gradient_of_position(at, i))
         if turns:
             S = _turned(at)
             Phi = _turn(S)
             for i in range(3):
-                row = moment + i
-                add_reaction(f, row, at.k, at.penalty, Phi[i], at.q[row], _gradient_of_turn(at, S, i))
+                add_reaction(f, at, moment + i, Phi[i], _gradient_of_turn(at, S, i))
 
     @kernel
     def constraints(p, at, g):

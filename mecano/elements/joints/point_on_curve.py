@@ -68,7 +68,7 @@ def residual(p, at, f):
     X, slope = curve_at(p, at.laws, number(at.q[S]))
     for i in range(p.rows):
         Phi, along = _distance(p, at, X, i)
-        f[S] -= slope[i] * add_reaction(f, ROW + i, at.k, at.penalty, Phi, at.q[ROW + i], along)
+        f[S] -= slope[i] * add_reaction(f, at, ROW + i, Phi, along)
 
 
 @kernel
