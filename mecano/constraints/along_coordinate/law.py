@@ -51,12 +51,12 @@ def extension(p, set_point, c):
 
 
 @kernel
-def report(p, at, set_point, coordinate, rate, y, i, e):
-    """Write the force of the law to y[i], potential energy, dissipated and given power to e; return what dissipates."""
+def report(p, at, set_point, coordinate, rate, y, e):
+    """Write the force of the law to y[0], potential energy, dissipated and given power to e; return what dissipates."""
     s, s_rate = extension(p, set_point, coordinate), rate - set_point[1]
     P, elastic = law_force(at.laws, p.law, s, s_rate), law_force(at.laws, p.law, s, 0.0)
     dissipated = (P - elastic) * s_rate
-    y[i] = P
+    y[0] = P
     e[1] = potential(at.laws, p.law, value(s))
     e[2] = dissipated
     e[3] = P * (s_rate - rate)
@@ -96,7 +96,7 @@ def law_kind(name, doc, coordinate, set_point=set_point_of_law):
 
     @kernel
     def observe(p, at, F, y, e):
-        y[1] = report(p, at, set_point(p, at), count(p, at), rate_of(gradient(p, at), at.v), y, 0, e)
+        y[1] = report(p, at, set_point(p, at), count(p, at), rate_of(gradient(p, at), at.v), y, e)
 
     @kernel
     def event_values(p, at, g):

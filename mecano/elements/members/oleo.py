@@ -95,7 +95,7 @@ def observe(p, at, F, y, e):
     """Write length, extension, rate, force, stroke, pressures, flow, compression of the oil; energies."""
     length, rate, _ = line(at.q, at.v)
     s, oil, u = extension(p, STILL, length), number(at.q[OIL]), -rate - number(at.v[OIL])
-    report(p, at, STILL, length, rate, y, 3, e)
+    report(p, at, STILL, length, rate, y[3:], e)
     gas, F_h = gas_pull(p, s), through_orifice(p, at, s, u)
     y[0], y[1], y[2] = length, s, rate
     y[3] += gas + p.ambient * p.gas_area - F_h

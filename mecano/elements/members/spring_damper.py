@@ -54,7 +54,7 @@ def _functions(set_point):
         y[0] = length
         y[1] = extension(p, point, length)
         y[2] = rate
-        report(p, at, point, length, rate, y, 3, e)
+        report(p, at, point, length, rate, y[3:], e)
         y[4] = -extension(p, point, length)
         y[5] = rate - point[1]
 

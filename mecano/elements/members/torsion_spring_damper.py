@@ -80,7 +80,7 @@ def _functions(set_point):
     def observe(p, at, F, y, e):
         theta, rate = angle(p, at), rate_of(along(p, at), at.v)
         y[0], y[1] = theta, rate
-        report(p, at, set_point(p, at), theta, rate, y, 2, e)
+        report(p, at, set_point(p, at), theta, rate, y[2:], e)
 
     return {"residual": law.residual, "observe": observe, "event_values": law.event_values, "commit": law.commit}
 
