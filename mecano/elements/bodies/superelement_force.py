@@ -61,7 +61,7 @@ def state_of(p, at, work, turns):
     """Return the State; write ``work`` up to the row INERTIA, and ``turns``."""
     R, centre, D_inverse = configuration(p, at.laws, at.q, at.R, work, turns)
     spin, load = frame_spin(p, at.laws, at.v, R, D_inverse, turns), R.T @ vec(p.gravity, 0)
-    put_rates(p, at.laws, at.v, at.a, R, spin, work, turns)
+    put_rates(p, at, R, spin, work, turns)
     put_forces(p, at.laws, load, work)
     moment = vec(p.moment, 0) + first_moment(p, at.laws, work[U])
     nu = D_inverse @ frame_moment(p, at.laws, load, moment, work, turns)

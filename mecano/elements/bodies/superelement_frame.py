@@ -127,11 +127,11 @@ def put_in_frame(p, laws, v, R_f, turns, out):
 
 
 @kernel
-def put_rates(p, laws, v, a, R_f, spin, work, turns):
+def put_rates(p, at, R_f, spin, work, turns):
     """Write velocities, accelerations, rates of the velocities and of the elastic coordinates to ``work``."""
-    n = p.n_nodes
-    put_in_frame(p, laws, v, R_f, turns, work[V])
-    put_in_frame(p, laws, a, R_f, turns, work[A])
+    n, v, a = p.n_nodes, at.v, at.a
+    put_in_frame(p, at.laws, v, R_f, turns, work[V])
+    put_in_frame(p, at.laws, a, R_f, turns, work[A])
     centre = mean(work[V], n)
     for j in range(6 * n, work.shape[1]):
         work[U_RATE, j] = v[j]
@@ -139,7 +139,7 @@ def put_rates(p, laws, v, a, R_f, spin, work, turns):
     for i in range(2 * n):
         put(work[V_RATE], 3 * i, vec(work[A], 3 * i) - cross(spin, vec(work[V], 3 * i)))
     for i in range(n):
-        y = place(p, laws, i) + vec(work[U], 6 * i)
+        y = place(p, at.laws, i) + vec(work[U], 6 * i)
         put(work[U_RATE], 6 * i, vec(work[V], 6 * i) - centre + cross(y, spin))
-        relative = axes_spin(p, laws, v, i) - mat(turns[i, 0]).T @ spin
+        relative = axes_spin(p, at.laws, v, i) - mat(turns[i, 0]).T @ spin
         put(work[U_RATE], 6 * i + 3, mat(turns[i, 1]) @ relative)
