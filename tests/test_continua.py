@@ -1,9 +1,9 @@
-"""Modes of a hanging chain and of Beck's column against closed forms."""
+"""Modes of a hanging chain and of columns under follower forces against closed forms and published values."""
 
 import numpy as np
 import pytest
 from numpy.polynomial.laguerre import lagroots
-from scipy.optimize import fsolve
+from scipy.optimize import bisect, fsolve
 from scipy.special import jn_zeros
 from small_motions import eigenvalues
 from time_runs import deck
@@ -105,3 +105,62 @@ def test_becks_column_flutters(damping, published):
         assert found.converged.all()
         fastest = found.values[np.argmax(found.values.real)]
         assert (fastest.real > (0.0 if damping else 0.1)) == (load > critical) and abs(fastest.imag) > 5.0
+
+
+ROCKET = """
+    mecano: 1
+    gravity: [-$load, 0, 0] # of axes that move with the centre of mass
+    parameters: {load: LOAD}
+    sections:
+      rod:
+        {type: stiffness, EA: 1.0e6, GA2: 1.0e6, GA3: 1.0e6, GJ: 1, EI2: 1.0e4, EI3: 1, mass_per_length: 1,
+         rotary_inertia: [2.0e-7, 1.0e-7, 1.0e-7]}
+    nodes: {tail: {position: [0, 0, 0]}, nose: {position: [1, 0, 0]}}
+    elements: {rod: {type: beam, nodes: [tail, nose], section: rod, up: [0, 0, 1], mesh: 16}}
+    joints: {flight: {type: planar, nodes: [ground, tail], axis: [0, 0, 1]}}
+    loads: {thrust: {type: follower_force, node: tail, direction: [1, 0, 0], value: $load}}
+    initial: {static: {method: steps}}
+    time: {end: 1, step: 1 ms}
+    """
+
+
+def leipholz(load):
+    """Return the ROCKET as a cantilever that a load along it compresses, which follows it."""
+    text = ROCKET.replace("[-$load, 0, 0]", "none").replace("tail: {position", "tail: {fixed: true, position")
+    text = text.replace("joints: {flight: {type: planar, nodes: [ground, tail], axis: [0, 0, 1]}}", "")
+    old = "type: follower_force, node: tail, direction: [1, 0, 0]"
+    return text.replace(old, "type: line_load, line: rod, follows: true, direction: [-1, 0, 0]").replace("LOAD", load)
+
+
+def flutters_at(free):
+    """Return the load at which two frequencies of a beam of unit length, EI and mass meet, from 12 polynomials.
+
+    Free: EI w_xxxx + (load (1 - x) w_x)_x + w_tt = 0, w_xx = w_xxx = 0 at both ends, as the thrust follows the tail.
+    Clamped: EI w_xxxx + load (1 - x) w_xx + w_tt = 0.
+    """
+    x, weights = np.polynomial.legendre.leggauss(40)
+    x, weights = 0.5 * (x + 1.0), 0.5 * weights
+    w = [np.polynomial.Polynomial.basis(k + (0 if free else 2)) for k in range(12)]
+    at = [np.array([f.deriv(n)(x) for f in w]) for n in range(3)]
+    M, bending = (at[n] * weights @ at[n].T for n in (0, 2))
+    axial = at[0] * weights * (1.0 - x) @ at[2].T
+    if free:
+        axial = -(at[1] * weights * (1.0 - x) @ at[1].T) - np.outer([f(0.0) for f in w], [f.deriv()(0.0) for f in w])
+
+    def grows(load):
+        return np.abs(np.linalg.eigvals(np.linalg.solve(M, bending + load * axial)).imag).max() > 1.0
+
+    return bisect(lambda load: 0.5 - grows(load), 20.0, 150.0, xtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("text", "free", "published"), [(lambda load: ROCKET.replace("LOAD", load), True, 109.9), (leipholz, False, 40.05)]
+)
+def test_a_free_rocket_and_a_column_under_a_load_along_it_flutter(text, free, published):
+    """Beal 1965: thrust 109.9 EI/L^2; Leipholz 1962: 40.05 EI/L^3."""
+    critical = flutters_at(free)
+    assert critical == pytest.approx(published, rel=3e-3)
+    for load in (0.999 * critical, 1.001 * critical):
+        _, found, _ = modes(deck(text(repr(load))), None, number=8)
+        fastest = found.values[np.argmax(found.values.real)]
+        assert (fastest.real > 0.01) == (load > critical) and (load < critical or abs(fastest.imag) > 5.0)
