@@ -86,6 +86,31 @@ def test_rounding_of_a_free_motion_is_no_oscillation(tmp_path):
     assert not [line for line in said if "do not resolve" in line]
 
 
+def test_rounding_of_a_drive_that_needs_no_moment_is_no_oscillation(tmp_path):
+    """A balanced crank turns at a constant rate and moves rods without mass: its drive carries 2e-12 N m."""
+    said = []
+    text = """
+        mecano: 1
+        gravity: none
+        nodes:
+          o: {position: [0, 0, 0], fixed: true}
+          crank: {position: [0.2, 0, 0]}
+          pin: {position: [0.36506712298193567, 0, 0.11292849467900707]}
+          a: {position: [0.1956, 0, 0.4602]}
+        elements:
+          crank: {type: rigid_body, node: crank, mass: 1, inertia: [1.0e-3, 1.0e-3, 1.0e-3], attached: [pin]}
+        joints:
+          hinge: {type: hinge, nodes: [ground, crank], axis: [0, -1, 0]}
+          drive: {type: prescribed_angle, nodes: [ground, crank], axis: [0, -1, 0], value: -1.3*time}
+          outer: {type: rigid_rod, nodes: [o, a]}
+          inner: {type: rigid_rod, nodes: [pin, a]}
+          plane: {type: prescribed_position, node: a, direction: [0, 1, 0], value: 0}
+        time: {end: 1, step: 5 ms}
+        """
+    run(deck(text), tmp_path / "r.h5", announce=said.append)
+    assert not [line for line in said if "do not resolve" in line]
+
+
 def test_swings_are_counted_from_step_to_step():
     """Five changes of sign in eight steps; an event resets the count; the largest oscillation and its time are kept."""
     watch = OscillationMonitor(np.array([1]))

@@ -29,6 +29,7 @@ MOST_FORCES = 4
 MOST_NAMED = 4  # elements or formulas
 LEAST_SWING = 0.01  # of the largest force or moment of the model; smaller oscillations are noise
 ROUNDED = 1e-9  # of the kinetic energy over the length scale: smaller forces are rounding errors
+ROUNDED_POSITIONS = 1e-15  # of the length scale, some times the rounding of numbers
 
 NOTED = 0.01  # failed trials per step above which a fixed step is reported as too large
 UNBALANCED = 0.01  # of the largest change of an energy, above which an error of the balance is reported
@@ -115,12 +116,18 @@ def energy_warnings(values: "Values", sampler: "Sampler", extremes: "Extremes") 
 
 
 def oscillation_warnings(
-    values: "Values", sampler: "Sampler", ringing: "OscillationMonitor", extremes: "Extremes", length: float
+    values: "Values",
+    sampler: "Sampler",
+    ringing: "OscillationMonitor",
+    extremes: "Extremes",
+    length: float,
+    mass: float,
 ) -> Iterator[str]:
     """Yield a warning if forces oscillate from step to step, as found by the OscillationMonitor of the run.
 
     Moments are also compared with the forces of the model times its ``length`` [m]. Forces at the rounding level of the
-    kinetic energy over this length, as in a free motion, do not count.
+    kinetic energy over this length, as in a free motion, do not count, nor those that accelerate its ``mass`` [kg] by
+    the rounding of positions over the square of the step.
     """
     columns = sorted((c for c in sampler.columns if c.unit in FORCES), key=lambda column: column.start)
     starts = [column.start for column in columns]
@@ -129,7 +136,8 @@ def oscillation_warnings(
                for unit in FORCES}  # fmt: skip
     largest["N m"] = max(largest["N m"], length * largest["N"])
     moving = next(extremes.high[c.start] for c in sampler.columns if c.path == "energy/kinetic")
-    rounding = {"N": ROUNDED * moving / length, "N m": ROUNDED * moving, "Pa": 0.0}
+    work = max(ROUNDED * moving, mass * (length / values["step"]) ** 2 * ROUNDED_POSITIONS)
+    rounding = {"N": work / length, "N m": work, "Pa": 0.0}
     found = ringing.found(np.array([max(LEAST_SWING * largest[c.unit], rounding[c.unit]) for c in of]))
     if not found:
         return

@@ -22,7 +22,7 @@ from mecano.analyses.diagnostics import (
 from mecano.analyses.failure_text import failure_text, locating_formulas
 from mecano.analyses.initial_state import set_initial_state
 from mecano.analyses.initial_velocities import set_in_motion
-from mecano.analyses.prepare import chosen_values, integrator_of, model_facts, prepare, startup_warnings
+from mecano.analyses.prepare import chosen_values, integrator_of, mass_of, model_facts, prepare, startup_warnings
 from mecano.analyses.recorder import Recorder
 from mecano.analyses.source import source_of
 from mecano.analyses.yielding import yielding_warnings
@@ -306,7 +306,10 @@ class Ongoing:
         length = integrator.method.length
         if integrator.method.order == 2:
             warnings += yielding_warnings(integrator.system, self.state.compliance, length, sampler, extremes)
-        return [*warnings, *oscillation_warnings(values, sampler, recorder.ringing, extremes, length)]
+        return [
+            *warnings,
+            *oscillation_warnings(values, sampler, recorder.ringing, extremes, length, mass_of(integrator.system)),
+        ]
 
     def leave(self) -> None:
         """Close the file: as complete at the end time of the deck, otherwise with a checkpoint."""
