@@ -10,12 +10,10 @@ import math
 from collections.abc import Container, Mapping
 from typing import TYPE_CHECKING, TypeAlias
 
-from mecano.deck.bound_joints import binding_joints
 from mecano.deck.containers import singular
 from mecano.deck.large_frictions import large_frictions
 from mecano.deck.missed_triggers import missed_triggers
 from mecano.deck.sampled_laws import unsampled
-from mecano.deck.wheel_bearings import misplaced_bearings
 from mecano.deck.wording import quoted
 from mecano.element_interface import SECTIONS, Kind
 from mecano.errors import Problem, name_list
@@ -57,8 +55,7 @@ def suspicious(
     found = [
         *_gravity(values["gravity"]), *_signs(values, kinds), *_degrees(values, kinds), *_materials(values["sections"]),
         *_tires(values["tire_laws"]), *_loads_without_effect(values["loads"], values["nodes"]),
-        *large_frictions(values), *misplaced_bearings(values, kinds), *binding_joints(values, kinds),
-        *unsampled(values, kinds), *missed_triggers(values, kinds),
+        *large_frictions(values), *_bearings(values, kinds), *unsampled(values, kinds), *missed_triggers(values, kinds),
     ]  # fmt: skip
     return [Problem(text, _place(root, path).mark) for path, text in found] + list(_unused(root, used))
 
@@ -142,6 +139,18 @@ def _leaves(fields, values, path=""):
             yield from _leaves(field.type.options, value, f"{path}{field.name}.")
         else:
             yield field, f"{path}{field.name}", value
+
+
+def _bearings(values, kinds):
+    """Yield (path, text) on joints whose axes are not those of what they carry; few decks need both checks."""
+    if any("wheels" in kinds[d["type"]].display.pictures for d in values["elements"].values()):
+        from mecano.deck.wheel_bearings import misplaced_bearings
+
+        yield from misplaced_bearings(values, kinds)
+    if len(values["joints"]) > 1:
+        from mecano.deck.bound_joints import binding_joints
+
+        yield from binding_joints(values, kinds)
 
 
 def _degrees(values, kinds):
