@@ -443,6 +443,38 @@ SHORT_ROCKER = """
 """
 
 
+PULLED_SLIDER = """
+    mecano: 1
+    gravity: none
+    nodes:
+      crank: {position: [0, 0, 0]}
+      knee: {position: [0.18, 0.24, 0]}
+      rod: {position: [0.18, 0.24, 0]}
+      wrist: {position: [0.84, 0, 0]}
+      slider: {position: [0.84, 0, 0]}
+    elements:
+      crank: {type: rigid_body, node: crank, mass: 1, center_of_mass: [0.09, 0.12, 0], BAR, attached: [knee]}
+      rod: {type: rigid_body, node: rod, mass: 1, center_of_mass: [0.33, -0.12, 0], BAR, attached: [wrist]}
+      slider: {type: rigid_body, node: slider, mass: 1, BAR}
+    joints:
+      main: {type: hinge, nodes: [ground, crank], axis: [0, 0, 1]}
+      pin: {type: spherical, nodes: [knee, rod]}
+      end: {type: hinge, nodes: [wrist, slider], axis: [0, 0, 1]}
+      rail: {type: prismatic, nodes: [ground, slider], axis: [1, 0, 0]}
+      pull: {type: prescribed_position, node: slider, direction: [1, 0, 0], value: 0.3*time}
+    time: {end: 2, step: 1 ms, METHOD}
+""".replace("BAR", "inertia: [0.01, 0.04, 0.04]")
+
+
+@pytest.mark.parametrize("method", ["rho_inf: 0.8", "method: radau", "method: radau, adaptive: {tolerance: 1.0e-5}"])
+def test_a_slider_pulled_beyond_its_reach_is_named(method):
+    """Crank and rod, 0.3 m and sqrt(0.66^2 + 0.24^2) m, are in one line when it has moved from 0.84 m to their sum."""
+    t = (0.3 + np.hypot(0.66, 0.24) - 0.84) / 0.3
+    with pytest.raises(ConvergenceError, match="(?s)singular position.*prescribed_position 'pull'.*reach") as info:
+        RecordedRun(deck(PULLED_SLIDER.replace("METHOD", method)))
+    assert float(re.search("at t = ([0-9.]+) s", str(info.value))[1]) == pytest.approx(t, abs=1e-6)
+
+
 @pytest.mark.parametrize("method", ["rho_inf: 0.8", "adaptive: {tolerance: 1.0e-4}", "method: radau"])
 def test_a_motor_beyond_the_reach_of_its_linkage_is_named(method):
     """The crank comes no further than to 2.716 rad, where coupler and rocker of 0.9315 m in all are in one line."""

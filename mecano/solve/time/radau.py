@@ -205,7 +205,8 @@ class Radau:
         amplified = self.amplification.at(consistent)
         before, now = history.amplified / history.least_amplified, amplified / history.least_amplified
         if min(before, now) > LOST:
-            raise cannot_pass(self.amplification.places(consistent, TAKE_PART), stage.t, h)
+            places, drives = self.amplification.places(consistent, TAKE_PART), self.amplification.drives(consistent)
+            raise cannot_pass(places, drives, stage.t, h)
         if now > max(before, ROUNDED):
             return displaced(stage, np.zeros(n_q), of), 0.0, amplified
         gap = self.system.constraint_derivatives(stage)[:, 0]

@@ -19,7 +19,7 @@ import numpy as np
 from mecano.errors import AssemblyError, ConvergenceError, name_list
 from mecano.solve.diagnostics.scales import constraint_scale
 from mecano.solve.time.consistent import Consistent
-from mecano.solve.time.increments import largest
+from mecano.solve.time.increments import largest, moved
 
 if TYPE_CHECKING:
     from mecano.model.state import State
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 ROUNDED, LOST = (float((share / np.finfo(float).eps) ** 0.25) for share in (1e-4, 1e-2))  # errors of reactions
 TOO_NEAR = 300.0  # amplification above which a step that fails is explained by the position
+BACK = 1e-4  # length scales, or rad, from a singular position: near enough, and regular
 TAKE_PART = 0.1  # of the largest share of a constraint in the dependence
 DRIVES = 1e-6  # of the same: share of a prescribed motion that may lead to it
 NAMED = 8  # constraints in the message
@@ -55,42 +56,75 @@ class Amplification:
         order = [i for i in np.argsort(-share, kind="stable") if share[i] >= least * share.max(initial=0.0)]
         return list(dict.fromkeys(of.name[of.n_q + i].place for i in order))
 
+    def drives(self, consistent: "Consistent") -> list[str]:
+        """Return the prescribed motions that may lead to a singular position, at a factored ``Consistent``."""
+        return [place for place in self.places(consistent, DRIVES) if place.startswith("prescribed_")]
+
 
 def refuse_singular(method: "Method", s: "State") -> None:
     """Raise ConvergenceError if the constraints are almost dependent at ``s``, from which no step could be taken."""
     if not method.system.n_l:
         return
     amplification = Amplification(method.system, method.length)
+    # exactly there, the factors may be regular by rounding, and show nothing
+    near = [found for state in (s, _before(method, s)) if (found := _factored(method, state)) is not None]
+    consistent = max(near, key=amplification.at, default=None)
+    if consistent is not None and amplification.at(consistent) > TOO_NEAR:
+        raise cannot_go_on(amplification.places(consistent, TAKE_PART), amplification.drives(consistent), s.t)
+
+
+def _factored(method, s):
+    """Return the Consistent at ``s``, or None where it cannot be factored."""
     try:
-        consistent = Consistent(method.system, method.linear.twin(), s, method.length, method.compliance)
+        return Consistent(method.system, method.linear.twin(), s, method.length, method.compliance)
     except AssemblyError:
-        return
-    if amplification.at(consistent) > TOO_NEAR:
-        drives = [place for place in amplification.places(consistent, DRIVES) if place.startswith("prescribed_")]
-        raise cannot_go_on(amplification.places(consistent, TAKE_PART), drives, s.t)
+        return None
+
+
+def _before(method, s):
+    """Return the state ``s`` moved back along its velocities by BACK, as a share of the length scale or in rad."""
+    of = method.system.numbering
+    fastest, at_constant_rates = largest(s.v, of.kind, of.n_q, method.length), s.copy()
+    at_constant_rates.a[:] = 0.0
+    return moved(at_constant_rates, -BACK / fastest if fastest > 0.0 else 0.0, of)
 
 
 def cannot_go_on(places: Sequence[str], drives: Sequence[str], t: float) -> ConvergenceError:
     """Return the error of steps that fail at a singular position at ``t`` [s], to which the ``drives`` may lead."""
-    reach = f"it cannot go on if {name_list(drives, NAMED)} drives it beyond its reach\n" if drives else ""
-    within = "a prescribed motion within the reach of the mechanism; " if drives else ""
+    reach, within = _of_drives(drives)
     return _error(
         places,
-        f"at t = {t:.9g} s the mechanism is at a singular position, where constraints become dependent: {{}}\n"
-        f"{reach}what to try: {within}if it passes this position, a fixed step, or time.method: radau; elasticity of a "
-        "joint or member of this loop",
+        f"{_at(t)}{reach}what to try: {within}if it passes this position, a fixed step, or time.method: radau; "
+        "elasticity of a joint or member of this loop",
     )
 
 
-def cannot_pass(places: Sequence[str], t: float, h: float) -> ConvergenceError:
-    """Return the error of a step of size h [s] up to ``t`` [s] that begins and ends near a singular position."""
+def cannot_pass(places: Sequence[str], drives: Sequence[str], t: float, h: float) -> ConvergenceError:
+    """Return the error of a step of size h [s] up to ``t`` [s] that begins and ends near a singular position.
+
+    The ``drives`` may lead to it.
+    """
+    reach, within = _of_drives(drives)
     return _error(
         places,
-        f"at t = {t:.9g} s the mechanism is at a singular position, where constraints become dependent: {{}}\n"
-        f"steps of {h:.3g} s are too short to pass it: the rounding of positions dominates the reactions\n"
-        "what to try: a larger time.step or time.adaptive.tolerance, so that bodies turn by more than 2e-3 rad in a "
-        "step; time.method: generalized_alpha with fixed steps; elasticity of a joint or member of this loop, if the "
-        "mechanism stops or turns back here",
+        f"{_at(t)}steps of {h:.3g} s are too short to pass it: the rounding of positions dominates the reactions\n"
+        f"{reach}what to try: {within}a larger time.step or time.adaptive.tolerance, so that bodies turn by more than "
+        "2e-3 rad in a step; time.method: generalized_alpha with fixed steps; elasticity of a joint or member of this "
+        "loop, if the mechanism stops or turns back here",
+    )
+
+
+def _at(t):
+    return f"at t = {t:.9g} s the mechanism is at a singular position, where constraints become dependent: {{}}\n"
+
+
+def _of_drives(drives):
+    """Return a line on prescribed motions that may lead to a singular position, and an advice on them."""
+    if not drives:
+        return "", ""
+    return (
+        f"it cannot go on if {name_list(drives, NAMED)} drives it beyond its reach\n",
+        "a prescribed motion within the reach of the mechanism; ",
     )
 
 
