@@ -640,6 +640,33 @@ def test_pictures(tmp_path):
         draw_modes(picture)
 
 
+def test_the_title_of_a_picture_names_what_turns_only(tmp_path):
+    """A twisting shaft of two discs, and a row of masses that moves along itself."""
+    from mecano.post.mode_shapes import _title
+
+    shaft = f"""
+        mecano: 1
+        gravity: none
+        nodes: {{a: {{position: [0, 0, 0]}}, b: {{position: [1, 0, 0]}}}}
+        sections: {{rod: {{type: circle, diameter: 10 mm, E: 210 GPa, nu: 0.3, density: 7850}}}}
+        elements:
+          one: {{type: rigid_body, node: a, mass: 1, inertia: [0.2, 90, 90]}}
+          two: {{type: rigid_body, node: b, mass: 1, inertia: [0.1, 90, 90]}}
+          rod: {{type: beam, nodes: [a, b], section: rod, up: [0, 0, 1]}}
+        joints: {{bearing: {{type: hinge, nodes: [ground, a], axis: [1, 0, 0]}}}}
+        {TIME}
+        """
+    modes(deck(shaft), tmp_path / "s.h5")
+    file = read_modes(tmp_path / "s.h5")
+    titles = [_title(file, i) for i in range(len(file.values))]
+    twist = np.sqrt(80.8e9 * np.pi * 0.01**4 / 32 * (1 / 0.2 + 1 / 0.1)) / (2 * np.pi)
+    assert titles[0] == "mode 1: free"
+    [turning] = [i for i, title in enumerate(titles) if title.endswith(", b turns")]
+    assert file.numbers["frequency"][turning] == pytest.approx(twist, rel=1e-3)
+    modes(deck(row_of_masses(4)), tmp_path / "r.h5")
+    assert not any("turns" in _title(read_modes(tmp_path / "r.h5"), i) for i in range(4))
+
+
 @pytest.mark.parametrize(
     ("options", "named"), [({"at": "1"}, "--at"), ({"columns": True, "title": "t"}, "--csv, --title")]
 )

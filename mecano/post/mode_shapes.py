@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from mecano.schema import Values
 
+HARDLY = 0.05  # of the largest motion: displacements that hardly count beside rotations
 AMPLITUDE = 0.12  # of the size of the mechanism
 PHASES = np.radians((180.0, 135.0, 90.0, 45.0, 0.0))  # the last one, drawn darkest, is the real part
 MOTION_COUNTS = 4.0  # weight of motion over extent in the choice of the plane
@@ -118,7 +119,18 @@ def _sketch(run, file, mode):
 
 
 def _title(file, mode):
-    return _named(file, mode) + ("" if file.converged[mode] else ", not converged")
+    return _named(file, mode) + ("" if file.converged[mode] else ", not converged") + _turning(file, mode)
+
+
+def _turning(file, mode):
+    """Return the node that turns most if nothing moves as far: the twist of a line of beams cannot be seen."""
+    moves, turns = (
+        {name: float(np.linalg.norm(node[what][mode])) for name, node in file.nodes.items()}
+        for what in ("translation", "rotation")
+    )
+    if not turns or file.kinds[mode] == "free" or max(moves.values()) > HARDLY or not any(turns.values()):
+        return ""
+    return f", {max(turns, key=lambda name: turns[name])} turns"
 
 
 def _named(file, mode):
