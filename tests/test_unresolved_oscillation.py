@@ -7,6 +7,7 @@ import pytest
 from time_runs import deck
 
 from mecano import open_results
+from mecano.analyses.diagnostics import _remedy
 from mecano.analyses.dynamic import run
 from mecano.solve.time.unresolved_oscillation import OscillationMonitor
 
@@ -34,7 +35,13 @@ def test_a_spring_that_swings_within_a_step_is_named(phase, rings, tmp_path):
     texts = [text for text in said if "do not resolve" in text]
     assert len(texts) == rings and ("elements.spring.force by" in reason) == rings
     if rings:
-        assert "use a smaller 'time.step'" in texts[0] and texts[0] in reason
+        assert "use a smaller 'time.step'" in texts[0] and texts[0] in reason and "larger tolerance" not in texts[0]
+
+
+def test_a_run_with_error_control_may_need_a_larger_tolerance():
+    """The rounding of positions, divided by the squares of tiny steps, oscillates in forces, too."""
+    text = _remedy({"adaptive": {"tolerance": 1e-4}, "method": "generalized_alpha", "rho_inf": 0.9})
+    assert "use a smaller 'time.adaptive.tolerance'" in text and text.endswith("use a larger tolerance then")
 
 
 DRIVEN = """

@@ -159,6 +159,11 @@ def _remedy(values):
     """Return what to do about forces that oscillate."""
     smaller = "'time.adaptive.tolerance' or 'time.adaptive.maximum_step'" if values["adaptive"] else "'time.step'"
     text = f"use a smaller {smaller}, or add damping to the oscillating parts"
+    if values["adaptive"]:
+        text += (
+            "; in steps below some microseconds, which --plot solver.step_size shows, forces oscillate by the rounding "
+            "of positions: use a larger tolerance then"
+        )
     if values["method"] == "radau" or values["rho_inf"] < 1.0:
         return text
     return (
