@@ -21,6 +21,7 @@ from mecano.post.pictures import post
 from mecano.results.modes_file import read_modes
 from mecano.solve.modal.linearize import Linearization, linearize
 from mecano.solve.modal.modes import solve
+from mecano.solve.modal.modes_dense import EXACT_ZERO, _all, _without_zeros
 
 TIME = "time: {end: 1, step: 1.0e-3}"
 
@@ -638,6 +639,18 @@ def test_pictures(tmp_path):
     assert picture == tmp_path / "c.png" and picture.stat().st_size > 10_000
     with pytest.raises(ResultsError, match="is not a file of modes|is not a results file"):
         draw_modes(picture)
+
+
+@pytest.mark.parametrize(("slowest", "zeros"), [(-1.0, 1), (-3e-9, 0)])
+def test_a_chain_of_zeros_that_rounding_perturbs(slowest, zeros):
+    """It has the eigenvalue zero if a gap separates it from all others; else it may be a slow motion beside them."""
+    values = [slowest, -2.0, -3.0, -4.0, -5.0, -6.0]
+    Q = np.linalg.qr(np.random.default_rng(1).normal(size=(8, 8)))[0]
+    A = Q @ block_diag([[0.0, 1.0], [5e-13, 0.0]], np.diag(values)) @ Q.T
+    found, _ = _without_zeros(A, np.eye(8), EXACT_ZERO * np.linalg.norm(A, 2), _all)
+    assert np.count_nonzero(found == 0.0) == zeros
+    np.testing.assert_allclose(np.sort(found.real)[:5], np.sort(values)[:5], rtol=1e-12)
+    assert len(found) == (7 if zeros else 8)  # generalized eigenvectors are not returned
 
 
 def test_the_title_of_a_picture_names_what_turns_only(tmp_path):

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 MASSLESS = 1e-13  # of the largest inertia: a smaller one counts as zero
 ZERO, SINGULAR = 1e-12, 1e-9  # of the largest singular value: zero to rounding; zero in the test of a singular matrix
 EXACT_ZERO = 2e-14  # of the largest singular value: tighter bound of rounding, as stiff and soft motions occur together
+ROOM, GAP = 10.0, 1e-6  # factor on these bounds if no singular value lies between and this share of the largest
 ROUNDED_MASS = 1e-12  # of the largest inertia: asymmetry that is rounding error
 ROUNDED = 1e-15  # of the largest entry of its row: a smaller entry is rounding error
 COUPLED = 3e-14  # of the same: smaller entries do not scale unknowns, else undetermined angles would amplify rounding
@@ -224,16 +225,24 @@ def _on_velocities(E, F, D, M, C, K):
     return values * rate, vectors[: len(G)].T
 
 
+def _rank(sigma, least):
+    """Return the number of singular values (n,), in descending order, that are not zero."""
+    certain = int(np.sum(sigma > ROOM * least))
+    apart = certain > 0 and sigma[certain - 1] > GAP * sigma[0]
+    return certain if apart else int(np.sum(sigma > least))
+
+
 def _without_zeros(A, E, least, solve, chains=False):
     """Return finite eigenvalues and eigenvectors of A x = value E x; zero eigenvalues are deflated first, exactly.
 
     Undetermined positions and headings form Jordan chains of the eigenvalue zero (a change of heading makes the
     position drift): vectors for which A x is E times another vector of the chain. Without deflation they perturb all
     small eigenvalues by the square root of rounding. Eigenvectors of zero are returned, generalized ones are not; with
-    ``chains`` neither is. Singular values up to ``least`` are zero; ``solve(A, E)`` finds the remaining eigenvalues.
+    ``chains`` neither is. Singular values up to ``least``, or slightly larger ones below a gap, are zero.
+    ``solve(A, E)`` finds the remaining eigenvalues.
     """
     _, sigma, Vt = np.linalg.svd(A)
-    rank = int(np.sum(sigma > least))
+    rank = _rank(sigma, least)
     X1, X2 = Vt[rank:].T, Vt[:rank].T
     Q, R = np.linalg.qr(E @ X1, mode="complete")
     count = X1.shape[1]
