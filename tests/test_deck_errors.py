@@ -55,6 +55,8 @@ STRUCTURE = [
      "node 'top': 'fixed' must be true or false, got the text 'yes'"),
     ("mass: $mass", "mass: mass", 13, "mass,",
      "body 'hub': 'mass' must be a number [kg], got the text 'mass'; a parameter begins with '$': $mass"),
+    ("mass: $mass", "mass: 2026-11-29", 13, "2026-11-29",
+     "body 'hub': 'mass' must be a number [kg], got the text '2026-11-29'; a number is written as 2.5 or 2.5 kg"),
     ("mass: $mass", "mass: 2*mass", 13, "2*mass",
      "body 'hub': 'mass' must be a number [kg], got the text '2*mass'; a parameter begins with '$': 2*$mass"),
     ("fixed: true", "<<: true", 6, "<<",

@@ -35,6 +35,7 @@ FUNCTIONS = {name: getattr(math, name) for name in (*ANGLES, "sqrt", "exp", "log
 FUNCTIONS |= {"abs": abs, "min": min, "max": max}
 CONSTANTS = {"pi": math.pi}
 WORDS = "|".join([*FUNCTIONS, *CONSTANTS])
+DATE = re.compile("[0-9]{4}-[0-9]{1,2}-[0-9]{1,2}")
 ARITHMETIC = re.compile(rf"(?:[-+*/%(), .0-9]|(?<=[0-9.])[eE](?=[-+0-9])|\b(?:{WORDS})\b)+")
 
 
@@ -52,12 +53,16 @@ def is_expression(text: str) -> bool:
 
 
 def is_arithmetic(text: str) -> bool:
-    """Return True if a text is arithmetic of numbers, pi and functions, which needs no '='; "0" is, "pi" is a name."""
+    """Return True if a text is arithmetic of numbers, pi and functions, which needs no '='; "0" is, "pi" is a name.
+
+    A date, 2026-11-29, is no difference.
+    """
     return (
         len(text) <= LONGEST
         and ARITHMETIC.fullmatch(text) is not None
         and re.search("[0-9]|pi", text) is not None
         and not text.strip().isidentifier()
+        and not DATE.fullmatch(text)
         and ("," not in text or "(" in text)
     )
 
