@@ -74,6 +74,13 @@ def test_shimmy_begins_at_the_documented_speed_and_a_damper_prevents_it(speed, d
     assert (found.values.real.max() < 1e-6) == stable
 
 
+@pytest.mark.parametrize("speed", [80, 84.8])
+def test_rounding_spins_no_wheel_in_the_air(speed):
+    """While the wheels bounce in the search, moments of 1e-28 N m led to spins of 1e9 rad/s, and to no solution."""
+    found = modes(read_deck(INPUTS / "twin_wheel_gear.yaml", (*STEADY, f"parameters.speed={speed}")), None, number=30)
+    assert found[1].converged.all()
+
+
 def test_the_load_cases_can_be_run():
     study = read_study(INPUTS / "studies" / "twin_wheel_gear_loads.yaml")
     assert len(study.cases) == 6 and try_deck(study).file.endswith("twin_wheel_gear.yaml")

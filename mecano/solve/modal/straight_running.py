@@ -21,6 +21,7 @@ from mecano.errors import ConvergenceError, name_list
 from mecano.maths.vector import skew
 from mecano.model.numbering import SIGNAL
 from mecano.solve.diagnostics.failure import worst_equations
+from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.modal.separated_basis import separated_basis
 
 if TYPE_CHECKING:
@@ -90,7 +91,7 @@ class Straight:
             B = -np.where(steady.of_rates[:, None], at.C[self.n_q :], at.K[self.n_q :, : self.n_q]) @ N
             s.v[: self.n_q] -= N @ la.lstsq(B, at.rates, cond=SPINS)[0] if len(B) else 0.0
             for j in np.flatnonzero(np.abs(B).max(axis=0, initial=0.0) <= SPINS * steady.length):
-                self._roll(steady, s, N[:, j])
+                self._roll(steady, s, N[:, j], ROUNDING * steady.length * (at.size / steady.root).max())
             at = steady.tangent(s)
         return s, N, at
 
@@ -128,8 +129,11 @@ class Straight:
         K[self.at_once] = K[:, self.at_once] = 0.0
         return K
 
-    def _roll(self, steady, s, direction):
-        """Set the spin of ``s`` along ``direction`` (n_q,), in place, so that the moment about it vanishes."""
+    def _roll(self, steady, s, direction, rounding):
+        """Set the spin of ``s`` along ``direction`` (n_q,), in place, so that the moment about it vanishes.
+
+        A moment below ``rounding`` [N m], as of a wheel in the air, determines no spin.
+        """
         before = s.v[: self.n_q].copy()
 
         def moment(spin):
@@ -139,9 +143,7 @@ class Straight:
 
         here, width = moment(0.0), 1e-3 * steady.speed / steady.length
         low = high = found = 0.0
-        for _ in range(WIDENINGS):
-            if here == 0.0:
-                break
+        for _ in range(WIDENINGS if abs(here) > rounding else 0):
             low, high = high, -np.sign(here) * width
             if np.sign(moment(high)) != np.sign(here):  # their product may underflow
                 from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
