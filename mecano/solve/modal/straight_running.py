@@ -145,7 +145,7 @@ class Straight:
         low = high = found = 0.0
         for _ in range(WIDENINGS if abs(here) > rounding else 0):
             low, high = high, -np.sign(here) * width
-            if np.sign(moment(high)) != np.sign(here):  # their product may underflow
+            if np.sign(moment(high)) != np.sign(here):
                 from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
 
                 found = brentq(moment, low, high, xtol=1e-15 * width, rtol=1e-15)
