@@ -78,6 +78,15 @@ def test_an_arm_turns_stably_up_to_the_limit(share, grows):
     assert (run["energy/kinetic"].max() > 1.5 * run["energy/kinetic"][0]) == grows
 
 
+@pytest.mark.parametrize("step", [0.01, 0.03])
+def test_without_numerical_damping_errors_grow_by_e_in_each_radian(step):
+    """The error of the reaction m w^2 r = 5 N grows from 0.01 to 1 N while the arm turns by ln 100 rad, at any step."""
+    run = RecordedRun(deck(ARM.replace("STEP", str(step)).replace("END", "16").replace("RHO", "1")))
+    off = np.abs(np.linalg.norm(run["joints/hub/force"], axis=1) - 5.0)
+    first, last = (run.time[np.argmax(off > limit)] for limit in (0.01, 1.0))
+    assert last - first == pytest.approx(np.log(100.0), abs=0.1)
+
+
 def test_a_blade_that_fails_in_long_steps_is_explained(tmp_path):
     """0.3 rad in a step: unstable at rho_inf 0.8, stable at 0.3."""
     (tmp_path / "blade.yaml").write_text(BLADE)
