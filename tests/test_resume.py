@@ -328,6 +328,12 @@ class TestTheCheckpoint:
             assert len(results.checkpoint["run"]["text"]) == 120_000
 
 
+def saved(path):
+    """Return the number of saved times of a running or ended run."""
+    with mecano.open_results(path) as results:
+        return len(results.time)
+
+
 class TestTheCommand:
     @pytest.fixture
     def folder(self, tmp_path):
@@ -345,7 +351,8 @@ class TestTheCommand:
             process = self.started(folder, "--resume")
             while not path.exists() or path.stat().st_ino == file:  # the file of the first run
                 time.sleep(0.01)
-            time.sleep(0.2)
+            while saved(path) <= (len(reached[-1]) if reached else 1):
+                time.sleep(0.05)
             process.send_signal(number)
             reported = process.communicate()[1].decode()
             assert process.returncode == code and "mecano run deck.yaml -q --resume" in flowing(reported)
