@@ -186,7 +186,7 @@ def minimum_step(
     what, smaller = "", "a smaller time.adaptive.minimum_step; a larger time.adaptive.tolerance; "
     if rounded:
         what = ", although it is less than the rounding of positions"
-        smaller = "a larger time.adaptive.tolerance; time.method: radau; "
+        smaller = "a larger time.adaptive.tolerance; a shorter run, whose fewer steps share it; time.method: radau; "
     failed = ConvergenceError(
         f"at t = {t:.9g} s a step of {h:.3g} s, the smallest allowed, has {error:.3g} times the allowed error{what}\n"
         f"the acceleration changes most in {where}{acting_clause(system, worst)}\n"
