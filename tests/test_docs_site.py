@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from urllib.parse import unquote
 
 import pytest
 from verification import Verify
@@ -95,6 +96,15 @@ def test_pages_ask_for_nothing_from_elsewhere(site):
         asked = re.findall(r"<(?:script|img|iframe)[^>]*\bsrc=\"([^\"]*)\"", text)
         asked += re.findall(r"<link[^>]*rel=\"stylesheet\"[^>]*href=\"([^\"]*)\"", text)
         assert not [address for address in asked if re.match(r"(https?:)?//", address)], page.name
+
+
+def test_pages_and_pictures_that_are_linked_exist(site):
+    for page in site.rglob("*.html"):
+        if page.name != "search.html":
+            text = page.read_text(encoding="utf-8")
+            addresses = re.findall(r"<(?:a|img|script)[^>]*\b(?:href|src)=\"([^\"#?:]+)[\"#?]", text)
+            missing = {address for address in addresses if not (page.parent / unquote(address)).exists()}
+            assert not missing, f"{page.name}: {missing}"
 
 
 def test_the_manual_shows_the_values_reported_by_tests(site):
