@@ -325,6 +325,9 @@ except MemoryError:
         (("a.h5", "--animate", "a.html", "--format", "svg"), "--format: only for pictures"),
         (("a.h5", "--animate", "a.html", "--spectrum", "x"), "--spectrum: the page of --animate has plots over time"),
         (("a.h5", "b.h5", "--report", "a.html"), "--animate and --report take one results file"),
+        (("--animate", "a.h5"), "--animate takes the name of the page to write: mecano post a.h5 --animate a.html"),
+        (("--report", "a.h5"), "--report takes the name of the page to write: mecano post a.h5 --report a.html"),
+        ((), "Missing argument 'RESULTS...': the file that `mecano run` has written"),
         (("a.h5", "--plot", "x.angle", "y.rate"), "'y.rate' is not a file; --plot takes one text: --plot x.angle,"),
     ],
 )

@@ -27,7 +27,7 @@ class Pages(NamedTuple):
 
 
 @click.command(short_help="Draw pictures, films, pages and reports of results.")
-@click.argument("results", nargs=-1, required=True, type=click.Path())
+@click.argument("results", nargs=-1, type=click.Path(), metavar="RESULTS...")
 @click.option(
     "--plot",
     "plots",
@@ -74,6 +74,7 @@ def post(
 
     Pictures, pages and tables of mecano are replaced; films and files from elsewhere only with --force.
     """
+    _refuse_no_results(results, pages)
     _refuse_names(results, plots)
     if any(pages):
         _refuse_strays(results, pictures)
@@ -98,6 +99,17 @@ def _reading(*results):
         click.echo(f"mecano: {warning}", err=True)
     with errors_as_damage(*results):
         yield
+
+
+def _refuse_no_results(results, pages):
+    """Raise UsageError if no results file is named, or if it stands in place of a page: '--animate gear.h5'."""
+    if results:
+        return
+    for option, name in zip(("--animate", "--report"), pages, strict=True):
+        if name and name.endswith(".h5"):
+            page = Path(name).with_suffix(".html").name
+            raise click.UsageError(f"{option} takes the name of the page to write: mecano post {name} {option} {page}")
+    raise click.UsageError("Missing argument 'RESULTS...': the file that `mecano run` has written")
 
 
 def _refuse_names(results, plots):
