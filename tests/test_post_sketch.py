@@ -132,3 +132,18 @@ def test_the_times_below_a_view_do_not_overlap(flat_run, rise, labels):
     boxes = [text.get_window_extent() for text in ax.texts if text.get_text().endswith(" s")]
     assert all(left.x1 < right.x0 for left, right in zip(boxes, boxes[1:], strict=False))
     assert len(boxes) >= labels
+
+
+@pytest.mark.parametrize("width", [2.5, 9.0])
+def test_the_compass_is_beside_the_mechanism(runs, width):
+    """In a narrow view, too, where the first instant begins in the corner."""
+    found = sketch(runs[0])
+    wheels = tuple(shape for shape in found.shapes if shape.style == WHEEL)
+    beside = np.outer(np.arange(len(found.times)), (2.0, 0.0))
+    figure = Figure(figsize=(width, 2.0), layout="constrained")
+    ax = figure.add_subplot()
+    draw_sketch(ax, replace(found, shapes=wheels, shift=beside, grounds=(), paths=()), named=False)
+    FigureCanvasAgg(figure).draw()
+    letters = [text.get_window_extent() for text in ax.texts if text.get_text() in ("x", "y", "z")]
+    left = min(line.get_window_extent().x0 for line in ax.lines)
+    assert len(letters) == 3 and all(0.0 < box.x0 and box.x1 < left for box in letters)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
+from matplotlib.text import OffsetFrom
 
 from mecano.post.shapes import BODY, CABLE, GEAR, GUIDE, JOINT, MASS, ROD, SPRING, SUPPORT, WHEEL
 from mecano.post.style import COLOURS, GREY, INK, PALE, legend_above, note_below
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from mecano.post.sketch import Sketch
 
 LETTERS = "xyz"
+BESIDE = (-28.0, 20.0)  # points, of the compass, where the first instant is in the corner
 FAINTEST = 0.12  # opacity of the first instant if instants are superimposed
 COILS = 5
 MOST_NAMES = 8
@@ -49,7 +51,7 @@ def draw_sketch(ax: "Axes", sketch: "Sketch", title: str = "", named: bool = Tru
     if sketch.axes:
         ax.set_ylabel(f"{LETTERS[sketch.axes[1]]} [m]")
     else:
-        draw_compass(ax, sketch.projection)
+        draw_compass(ax, sketch.projection, *([] if sketch.in_place else [BESIDE]))
     taken = _draw_legend(ax, colours, sketch) if named else 0.0
     ax.set_title(title, loc="left", pad=4 + taken)
     if sketch.in_place:
@@ -100,18 +102,17 @@ def draw_patch(ax: "Axes", outline: np.ndarray) -> None:
     ax.plot(*outline.T, color="#d8cdb8", zorder=0.6, linewidth=0.7)
 
 
-def draw_compass(ax: "Axes", projection: np.ndarray) -> None:
-    """Draw the inertial axes in the corner of a view that has no coordinates of its own."""
+def draw_compass(ax: "Axes", projection: np.ndarray, centre: tuple[float, float] = (20.0, 20.0)) -> None:
+    """Draw the inertial axes of a view that has no coordinates of its own, ``centre`` [points] from its lower left."""
     ax.set_axis_off()
+    corner = OffsetFrom(ax.transAxes, (0.0, 0.0))
     for letter, end in zip(LETTERS, projection.T, strict=True):
         if not end.any():  # along the line of sight
             continue
-        ax.annotate(letter, (0.0, 0.0), xycoords="axes fraction", xytext=(20 + 22 * end[0], 20 + 22 * end[1]),
-                    textcoords="offset points", ha="center", va="center", fontsize=8, color=GREY)  # fmt: skip
-        ax.annotate("", (0.0, 0.0), xycoords="axes fraction", xytext=(20, 20), textcoords="offset points")
-        arrow = {"arrowstyle": "-", "color": GREY, "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
-        ax.annotate("", (20 + 16 * end[0], 20 + 16 * end[1]), xycoords="axes points", xytext=(20, 20),
-                    textcoords="axes points", arrowprops=arrow)  # fmt: skip
+        beyond = np.add(centre, (16 + 7 / np.hypot(*end)) * end)
+        ax.annotate(letter, beyond, xycoords=corner, ha="center", va="center", fontsize=8, color=GREY)
+        line = {"arrowstyle": "-", "color": GREY, "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
+        ax.annotate("", np.add(centre, 16 * end), xycoords=corner, xytext=centre, textcoords=corner, arrowprops=line)
 
 
 def _draw_ground(ax, line):
