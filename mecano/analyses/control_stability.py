@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.model.numbering import ROTATION
-from mecano.solve.modal.linearize import linearize
-from mecano.solve.modal.modes import solve
 
 if TYPE_CHECKING:
     from mecano.analyses.prepare import Prepared
@@ -32,6 +30,8 @@ def instability_warnings(prepared: "Prepared", start: "RunState") -> Iterator[st
     moving = np.any(start.motion.v[: system.n_q][~system.signals])
     if not system.signals.any() or system.n_q > MOST or (moving and not system.states.any()):
         return
+    from mecano.solve.modal.linearize import linearize  # takes 0.1 s to import, with SciPy
+
     lin = linearize(system, start.motion, prepared.length, compliance=start.compliance)
     if not all(np.isfinite(matrix.data).all() for matrix in (lin.M, lin.C, lin.K)):
         return
@@ -58,6 +58,8 @@ def _turning(prepared: "Prepared", start: "RunState") -> float:
 
 def _largest_growth(lin: "Linearization") -> complex:
     """Return the eigenvalue of a Linearization with the largest real part, or 0 if none grows."""
+    from mecano.solve.modal.modes import solve
+
     return max(solve(lin, 1, "dense").values, key=lambda value: value.real, default=0j)
 
 
