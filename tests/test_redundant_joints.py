@@ -294,4 +294,4 @@ SLIDE = """
 )
 def test_a_drive_across_its_motion_is_warned_of(drive, warned):
     said = summary(deck(SLIDE.replace("DRIVE", drive)))
-    assert ("prescribed_length 'drive' is redundant with other constraints" in " ".join(said.split())) == warned
+    assert ("prescribed_length 'drive' repeats other constraints" in " ".join(said.split())) == warned

@@ -265,7 +265,7 @@ def _drives_in(deck, group):
         title = title_of(d["type"], name)
         if d["type"].startswith("prescribed_") and title in places and _moves(d.get("length") or d["value"]):
             yield (
-                f"{deck.mark('joints', name)}: {title} is redundant with other constraints at the start: either they "
+                f"{deck.mark('joints', name)}: {title} repeats other constraints at the start: either they "
                 "hold or prescribe the same motion, or it acts across the motion that it should drive; a "
                 "prescribed_length acts along the line of its nodes, a generic joint with 'driven' along an axis"
             )
