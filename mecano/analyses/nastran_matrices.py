@@ -13,13 +13,12 @@ from typing import NamedTuple
 import numpy as np
 
 from mecano.analyses.bulk_data import Card, read_cards
-from mecano.analyses.reduction import new_file, write
+from mecano.analyses.reduction import boundary_held, new_file, write
 from mecano.elements.bodies.reduced_matrices import mass_moments, problems
 from mecano.errors import ResultsError, UsageError
 
 MATRICES = {"K": "stiffness", "M": "mass", "B": "damping"}  # by the first letter of their names
 SYMMETRIC = 6  # form of a matrix of which one triangle is given
-SHOWN = 5  # frequencies printed
 
 
 class Units(NamedTuple):
@@ -201,7 +200,5 @@ def _summary(path: Path, content: Mapping[str, np.ndarray], nodes: list[int]) ->
     ]
     if len(M) > n:
         squares = eigh(content["stiffness"][n:, n:], M[n:, n:], eigvals_only=True)
-        hertz = np.sqrt(np.maximum(squares, 0.0)) / (2.0 * np.pi)
-        lowest = ", ".join(f"{f:.6g}" for f in hertz[:SHOWN]) + (", ..." if len(hertz) > SHOWN else "")
-        lines.append(f"boundary held    {lowest} Hz, up to {hertz[-1]:.6g} Hz")
+        lines.append(boundary_held(np.sqrt(np.maximum(squares, 0.0)) / (2.0 * np.pi)))
     return "\n".join(lines)

@@ -128,7 +128,6 @@ def write(path: Path, content: Mapping[str, np.ndarray]) -> None:
 
 def text(path: Path, nodes: Sequence[str], result: Reduction) -> str:
     """Return a summary of the reduction for a terminal."""
-    lowest = ", ".join(f"{f:.6g}" for f in result.frequencies[:SHOWN])
     kept, of = len(result.frequencies), f" of {result.found}" if result.found >= 0 else ""
     lines = [
         f"{path}: {6 * len(nodes)} coordinates of the boundary nodes {', '.join(nodes)}; {kept}{of} modes",
@@ -136,7 +135,11 @@ def text(path: Path, nodes: Sequence[str], result: Reduction) -> str:
         f"inside           {result.inner} degrees of freedom besides the boundary",
     ]
     if kept:
-        lines.append(
-            f"boundary held    {lowest}{', ...' if kept > SHOWN else ''} Hz, up to {result.frequencies[-1]:.6g} Hz"
-        )
+        lines.append(boundary_held(result.frequencies))
     return "\n".join(lines)
+
+
+def boundary_held(frequencies: np.ndarray) -> str:
+    """Return the line of a summary with the ``frequencies`` [Hz] of modes with the boundary nodes held."""
+    lowest = ", ".join(f"{f:.6g}" for f in frequencies[:SHOWN])
+    return f"boundary held    {lowest}{', ...' if len(frequencies) > SHOWN else ''} Hz, up to {frequencies[-1]:.6g} Hz"
