@@ -36,7 +36,7 @@ def check_declarations(kind: Kind) -> None:
 
 
 def _check_unit(item):
-    """Raise AssertionError for a unit that is none, or an output that is not in SI units."""
+    """Raise AssertionError for an invalid unit, or for an output that is not in SI units."""
     for unit in re.split(", | or ", item.unit):
         if unit in ("-", "SI") or unit.startswith("unit of"):
             continue

@@ -175,7 +175,7 @@ def _peeled(reads, remaining):
 def _scales(J: np.ndarray) -> np.ndarray:
     """Return powers of 2, d (n,), with which the largest entries of rows and columns of D^-1 J D are similar.
 
-    They follow from the exponents of the entries, which seldom change.
+    They follow from the exponents of the entries, which rarely change.
     """
     exponents = np.where(J == 0.0, NONE, np.frexp(J)[1]).astype(np.int64)
     return 2.0 ** _balancing(exponents.tobytes(), len(J))
