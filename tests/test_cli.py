@@ -184,6 +184,11 @@ class TestRun:
         assert not {"scipy", "numpy.ma", "secrets"} & loaded
         assert sum(name.startswith("mecano") for name in loaded) <= most
 
+    @pytest.mark.parametrize("deck", ["rocking_block", "woodpecker"])
+    def test_shocks_import_no_scipy(self, folder, deck):
+        """Its import would take longer than all shocks of these decks."""
+        assert "scipy" not in loaded_by("run", INPUTS / f"{deck}.yaml", "-q", "-o", "shocks.h5")
+
     def test_quiet(self, call, folder):
         assert call("run", "deck.yaml", "-q", "-o", "quiet.h5") == (0, "", "")
         assert (folder / "quiet.h5").exists()

@@ -6,14 +6,15 @@ from mecano.errors import AssemblyError, Failure
 
 ROUNDING = 1e-13  # of the diagonal of W: makes it definite if contacts are redundant
 NEGLIGIBLE = 1e-11  # of the largest reaction: a smaller one counts as zero
+MOST = 3  # times the number of contacts: changes of the set of those that push, in nonnegative least squares
 FITS = 1e-9  # of the largest entry of b: largest residual of a solution in which all contacts push
 
 
 def solve_complementarity(W: np.ndarray, b: np.ndarray, unit: np.ndarray | None = None) -> np.ndarray:
     """Return the reactions (n,) of n unilateral constraints; W (n, n) symmetric, positive semidefinite, b (n,).
 
-    In most cases all contacts push. Otherwise the equivalent convex minimization is solved as a nonnegative least
-    squares problem (Lawson & Hanson 1974) in a factor of W. If contacts are redundant, the reactions are those of least
+    In most cases all contacts push. Otherwise the equivalent convex minimization is solved as a problem of nonnegative
+    least squares in a factor of W. If contacts are redundant, the reactions are those of least
     norm, in units of ``unit`` (n,), among the contacts that push, so that equal contacts share equally. Raises
     AssemblyError for a W that is not semidefinite, or not finite.
     """
@@ -50,10 +51,8 @@ def _least(W, b, share):
 
 def _of_some(W, b, share):
     """Return the reactions (n,) if not all contacts push."""
-    from scipy.optimize import nnls  # takes 0.3 s to import, hence only when needed
-
     root = np.linalg.cholesky(W + ROUNDING * len(b) * np.eye(len(b)))
-    reactions, _ = nnls(root.T, -np.linalg.solve(root, b))
+    reactions = _nonnegative(root.T, -np.linalg.solve(root, b))
     push = np.flatnonzero(reactions > NEGLIGIBLE * reactions.max(initial=0.0))
     if len(push):
         refined = _least(W[np.ix_(push, push)], b[push], share[push])
@@ -61,3 +60,24 @@ def _of_some(W, b, share):
             reactions[:] = 0.0
             reactions[push] = refined
     return reactions
+
+
+def _nonnegative(A, b):
+    """Return the x (n,) >= 0 that minimizes |A x - b|, by the active set method of Lawson & Hanson (1974, 23.3)."""
+    x, free = np.zeros(A.shape[1]), np.zeros(A.shape[1], bool)
+    for _ in range(MOST * len(x)):
+        descent = np.where(free, 0.0, A.T @ (b - A @ x))
+        if descent.max() <= NEGLIGIBLE:
+            break
+        free[np.argmax(descent)] = True
+        while True:
+            best = np.zeros(len(x))
+            best[free] = np.linalg.lstsq(A[:, free], b, rcond=None)[0]
+            if best[free].min(initial=1.0) > 0.0:
+                break
+            blocks = free & (best <= 0.0)
+            x += (x[blocks] / (x[blocks] - best[blocks])).min() * (best - x)
+            free &= x > NEGLIGIBLE * x.max()
+            x[~free] = 0.0
+        x = best
+    return x

@@ -151,21 +151,13 @@ def within_disc(A: np.ndarray, c: np.ndarray, radius: float) -> np.ndarray:
         return np.zeros(2)
     of, Q = np.linalg.eigh(A)
     d = Q.T @ c
-
-    def size(s):
-        return np.linalg.norm(d / (of + s))
-
-    with np.errstate(divide="ignore", invalid="ignore"):
-        if of[0] > MASSLESS * of[1] and size(0.0) <= radius:
-            return -Q @ (d / of)
-    from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
-
-    high = np.linalg.norm(d) / radius
-    low = max(high - of[1], MASSLESS * of[1])
-    if size(low) <= radius:
-        s = low
-    elif size(high) >= radius:  # the disc may be so small that A x is rounding error
-        s = high
-    else:
-        s = brentq(lambda s: size(s) - radius, low, high, xtol=1e-15 * high, rtol=1e-15)
+    if of[0] > MASSLESS * of[1] and np.linalg.norm(d / of) <= radius:
+        return -Q @ (d / of)
+    s = max(np.linalg.norm(d) / radius - of[1], MASSLESS * of[1])
+    while (size := np.linalg.norm(d / (of + s))) > radius:
+        # Newton's method on 1/size, which is concave (Hebden 1973): it approaches the root from below
+        larger = s + (size / radius - 1.0) * size * size / (d @ (d / (of + s) ** 3))
+        if not larger > s:
+            break
+        s = larger
     return -Q @ (d / (of + s))
