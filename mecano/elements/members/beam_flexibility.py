@@ -17,8 +17,6 @@ from functools import lru_cache
 
 import numpy as np
 
-from mecano.process.memory import reserve_blas_buffer
-
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(8)  # exact to round-off up to half a turn
 STRAIGHT = 1e-9  # rad: an element with a smaller rotation between its ends is straight
 
@@ -67,9 +65,8 @@ def shear_center(F):
 
 def element_stiffness(C, h0):
     """Return K_e (6, 6) [N/m, N, N m] for section stiffness C (6, 6) and strain-free screw h0 (6,) [m, rad]."""
-    X, length = adjoint(h0), np.linalg.norm(h0[:3])
-    stations, weights = 0.5 * (POINTS + 1.0), 0.5 * WEIGHTS
-    carried = _exponentials(X, stations)
+    length, weights = np.linalg.norm(h0[:3]), 0.5 * WEIGHTS
+    carried = _exponentials(h0, 0.5 * (POINTS + 1.0))
     T = np.tensordot(weights, carried, 1)  # twist of the end = T dh
     N = np.linalg.solve(T, carried).transpose(0, 2, 1)  # wrenches at the distances s L before the end
     F = length * np.tensordot(weights, N.transpose(0, 2, 1) @ np.linalg.inv(C) @ N, 1)
@@ -77,15 +74,23 @@ def element_stiffness(C, h0):
     return 0.5 * (K + K.T)
 
 
-def _exponentials(X, stations):
-    """Return exp(-s X) for each s; for a straight element the series ends after the square."""
-    s = stations[:, None, None]
-    if np.abs(X[:3, :3]).max() < STRAIGHT:
-        return np.eye(6) - s * X + 0.5 * s**2 * (X @ X)
-    import scipy.linalg as la  # not imported for decks without curved beams
+def _exponentials(h0, stations):
+    """Return exp(-s ad_h) for each s: the adjoint matrices of the rotations R by -s phi and displacements p.
 
-    reserve_blas_buffer(la.lapack.dgesv)
-    return la.expm(-s * X)
+    The series of a straight element ends after the square.
+    """
+    if np.abs(h0[3:]).max() < STRAIGHT:
+        s, X = stations[:, None, None], adjoint(h0)
+        return np.eye(6) - s * X + 0.5 * s**2 * (X @ X)
+    theta = np.linalg.norm(h0[3:])
+    n, t = -h0[3:] / theta, theta * stations[:, None, None]
+    N, sine, versine = hat(n), np.sin(t), 2.0 * np.sin(0.5 * t) ** 2
+    R = np.eye(3) + sine * N + versine * (N @ N)
+    p = (sine * np.eye(3) + versine * N + (t - sine) * np.outer(n, n)) @ (-h0[:3] / theta)
+    out = np.zeros((len(stations), 6, 6))
+    out[:, :3, :3] = out[:, 3:, 3:] = R
+    out[:, :3, 3:] = np.cross(p[:, None], R.transpose(0, 2, 1)).transpose(0, 2, 1)  # p x R, by columns
+    return out
 
 
 def bending_shares(C, K, length):
