@@ -16,6 +16,7 @@ import numpy as np
 
 from mecano.errors import AssemblyError
 from mecano.immutable import immutable
+from mecano.maths.root import root
 from mecano.solve.events.complementarity import solve_complementarity
 from mecano.solve.events.events import EventRecord
 from mecano.solve.events.impact_candidates import ImpactCandidate
@@ -148,9 +149,7 @@ class ImpactSolution:
         plastic = lost(solved(0.0))
         if lost(impulses) >= -STILL * abs(plastic):
             return impulses
-        from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
-
-        share = brentq(lambda share: lost(solved(share)), 0.0, 1.0) if plastic > 0.0 else 0.0
+        share = root(lambda share: lost(solved(share)), 0.0, 1.0) if plastic > 0.0 else 0.0
         impulses, self.e = solved(share), share * self.e
         return impulses
 

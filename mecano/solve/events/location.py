@@ -5,12 +5,12 @@ two trial steps, interpolated, crosses zero. Two repetitions suffice where the e
 from which the motion departs at the beginning of a step is sought later in that step (``look_ahead``).
 """
 
-import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from mecano.maths.root import chandrupatla
 from mecano.solve.events.events import EventMonitor, some_happened
 from mecano.solve.time.increments import moved
 from mecano.solve.time.interpolate import interpolate
@@ -26,14 +26,10 @@ BRIEFLY = 1e-3  # of a step: a one-sided event from which the motion departs wit
 PAST = 0.01  # of the tolerance: after a step that just misses the event, the next one aims past it by this
 MIDDLE = 0.5  # of the tolerance: the same for events without a jump of velocities, in every step
 TOGETHER = 1e-6  # of its change in the step: event values nearer to zero cross with the located one
-NEAR = 0.01  # of the interval: the first point tried is no nearer to its ends
 MOST_INTERPOLATED = 2  # steps that end where the interpolated motion crosses zero
 MOST_GUESSES = 6  # with those that end where a line through the last two crosses zero
 MOST_STEPS = 60
 MOST_EVALUATIONS = 20  # of an event value along the interpolated motion
-
-
-P = TypeVar("P", bound=tuple)  # a point of a search: x, the value there, and further items
 
 
 class Located(NamedTuple):
@@ -201,42 +197,3 @@ class Search:
     def _value(self, s):
         """Return the largest of the event values that crossed zero."""
         return float(self.monitor.values(s)[self.crossed].max())
-
-
-def chandrupatla(
-    at: Callable[[float], P | None], early: P, late: P, is_over: Callable[[P, P], bool], tolerance: float, most: int
-) -> tuple[P, P] | None:
-    """Return the ends of the interval around a zero, of which ``is_over`` is true, or None if ``at`` fails.
-
-    Points are tuples that begin with x and the value there; at(x) -> point, or None. Chandrupatla (Adv. Eng. Software
-    28, 1997, 145-149); at most ``most`` points.
-    """
-    newest, opposite, drop = late, early, late[1] - early[1]
-    share = late[1] / drop if 0.0 < drop < np.inf else 0.5
-    share = min(max(share, NEAR), 1.0 - NEAR)  # contacts that have just separated may close again
-    for _ in range(most):
-        if is_over(early, late):
-            break
-        least = 0.5 * tolerance / (late[0] - early[0])
-        point = at(newest[0] + min(max(share, least), 1.0 - least) * (opposite[0] - newest[0]))
-        if point is None:
-            return None
-        older, opposite = (newest, opposite) if (point[1] >= 0) == (newest[1] >= 0) else (opposite, newest)
-        newest = point
-        early, late = (early, point) if point[1] >= 0 else (point, late)
-        share = _share(newest, opposite, older)
-    return early, late
-
-
-def _share(newest, opposite, older):
-    """Return the fraction of the way from the ``newest`` point to the ``opposite`` one at which the value vanishes.
-
-    By inverse quadratic interpolation where it is monotonic, else by bisection.
-    """
-    (a, f_a), (b, f_b), (c, f_c) = newest[:2], opposite[:2], older[:2]
-    if not all(map(math.isfinite, (f_a, f_b, f_c))) or f_c == f_b:
-        return 0.5
-    x, f = (a - b) / (c - b), (f_a - f_b) / (f_c - f_b)
-    if f * f >= x or (1.0 - f) ** 2 >= 1.0 - x:
-        return 0.5
-    return f_a / (f_b - f_a) * f_c / (f_b - f_c) + (c - a) / (b - a) * f_a / (f_c - f_a) * f_b / (f_c - f_b)

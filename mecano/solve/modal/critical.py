@@ -12,6 +12,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from mecano.maths.root import root
 from mecano.solve.modal.tracking import GROWS, Spectrum, unstable
 
 TOLERANCE = 1e-11  # of the value of the parameter
@@ -57,9 +58,7 @@ def critical(spectrum_at: Callable[[float], Spectrum], left: End, right: End, br
     xtol = TOLERANCE * max(abs(low), abs(high))
     ends = [0.0 if not unstable(v) and not unstable(-v.real + 1j * v.imag) else v.real for _, v, _ in (left, right)]
     if ends[0] * ends[1] < 0.0:
-        from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
-
-        place = brentq(lambda p: trace(p).real, low, high, xtol=xtol, rtol=4e-16 + TOLERANCE)
+        place = root(lambda p: trace(p).real, low, high, xtol)
         value = trace(place)
         if abs(value.real) > SMALL * max(abs(value), abs(left[1]), abs(right[1])):
             return None

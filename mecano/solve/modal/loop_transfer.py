@@ -19,6 +19,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
+from mecano.maths.root import root
 from mecano.solve.modal.frequency_grid import Sampled, peaks, refine
 from mecano.solve.modal.frequency_response import Plant
 
@@ -152,6 +153,4 @@ def _sign_changes(omegas, distance, most) -> Iterator[tuple[float, float]]:
 
 def _zero(f, low, high):
     """Return the zero of a function of the frequency that changes its sign between two frequencies."""
-    from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
-
-    return float(np.exp(brentq(lambda x: f(np.exp(x)), np.log(low), np.log(high), xtol=LOCATED)))
+    return float(np.exp(root(lambda x: f(np.exp(x)), np.log(low), np.log(high), LOCATED)))

@@ -21,8 +21,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.linalg as la
-import scipy.sparse as sp
 
 from mecano.errors import ConvergenceError
 from mecano.model.numbering import ROTATION
@@ -207,10 +205,10 @@ class Steady:
 
     def matrix(self, s: "State", cK: float, cC: float, cM: float) -> "tuple[np.ndarray, Assembly]":
         """Return the weighted sum (n, n) of derivatives by positions, velocities and accelerations; the Assembly."""
-        system, n = self.system, self.system.n
-        assembly = system.assemble(s, cK=cK, cC=cC, cM=cM)
-        matrix = sp.csr_matrix((assembly.data[: system.nnz], (system.rows, system.cols)), shape=(n, n))
-        return matrix.toarray(), assembly
+        system = self.system
+        assembly, matrix = system.assemble(s, cK=cK, cC=cC, cM=cM), np.zeros((system.n, system.n))
+        matrix[system.rows, system.cols] = assembly.data[: system.nnz]
+        return matrix, assembly
 
     def _rounding(self, s, K):
         """Return the forces (n_q,) caused by rounding errors of positions, with the tangent ``K``."""
@@ -244,7 +242,7 @@ class Steady:
         size = np.abs(A).max(axis=0, initial=0.0)
         weight = np.ones(A.shape[1])  # signals, in any unit, balance forces rather than motions against the drag
         weight[self.signals] = size.max(initial=0.0) / np.maximum(size[self.signals], 1e-300)
-        x = weight * la.lstsq(A * weight, b, cond=RANK, lapack_driver="gelsy")[0]
+        x = weight * np.linalg.lstsq(A * weight, b, rcond=RANK)[0]
         spin, reaction = x[n_q : n_q + spins] * (self.speed / self.length), k * x[n_q + spins :]
         return (x[:n_q] / self.root, spin, reaction), float(np.abs(x[self.moving]).max(initial=0.0)) / self.length
 

@@ -20,7 +20,6 @@ from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.linalg as la
 
 from mecano.errors import ConvergenceError
 from mecano.maths.so3 import exp
@@ -142,6 +141,6 @@ class Rotation:
         K, assembly = steady.matrix(later, 1.0, 0.0, 0.0)
         f, D = assembly.residual[:n_q].copy(), K[:n_q, n_q:n]
         own = steady.moving
-        f[own] -= D[own] @ la.lstsq(D[own], f[own], cond=RANK)[0] if D.shape[1] else 0.0
+        f[own] -= D[own] @ np.linalg.lstsq(D[own], f[own], rcond=RANK)[0] if D.shape[1] else 0.0
         f[steady.signals] = 0.0
         return np.abs(f)

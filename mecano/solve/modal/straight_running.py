@@ -15,9 +15,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.linalg as la
 
 from mecano.errors import ConvergenceError, name_list
+from mecano.maths.root import root
 from mecano.maths.vector import skew
 from mecano.model.numbering import SIGNAL
 from mecano.solve.diagnostics.failure import worst_equations
@@ -89,7 +89,7 @@ class Straight:
         at = steady.tangent(s)
         if N.shape[1]:
             B = -np.where(steady.of_rates[:, None], at.C[self.n_q :], at.K[self.n_q :, : self.n_q]) @ N
-            s.v[: self.n_q] -= N @ la.lstsq(B, at.rates, cond=SPINS)[0] if len(B) else 0.0
+            s.v[: self.n_q] -= N @ np.linalg.lstsq(B, at.rates, rcond=SPINS)[0] if len(B) else 0.0
             for j in np.flatnonzero(np.abs(B).max(axis=0, initial=0.0) <= SPINS * steady.length):
                 self._roll(steady, s, N[:, j], ROUNDING * steady.length * (at.size / steady.root).max())
             at = steady.tangent(s)
@@ -109,7 +109,7 @@ class Straight:
             steady.of_rates, change[self.n_q :], -steady.system.constraint_derivatives(running)[:, 1]
         )
         scale = np.concatenate([1.0 / (at.k * steady.root), np.ones(steady.system.n_l)])
-        U, sigma, Vt = la.svd(K[:, steady.turning] * scale[:, None] / steady.length, full_matrices=True)
+        U, sigma, Vt = np.linalg.svd(K[:, steady.turning] * scale[:, None] / steady.length, full_matrices=True)
         rank = int(np.sum(sigma > SPINS * max(sigma.max(initial=0.0), 1e-300)))
         omega, N = np.zeros(self.n_q), np.zeros((self.n_q, Vt.shape[0] - rank))
         omega[steady.turning] = -Vt[:rank].T @ ((U[:, :rank].T @ (change * scale)) / sigma[:rank]) / steady.length
@@ -125,7 +125,7 @@ class Straight:
         if not len(self.at_once):
             return K
         own = K[self.at_once]
-        K = K - K[:, self.at_once] @ la.lstsq(own[:, self.at_once], own)[0]
+        K = K - K[:, self.at_once] @ np.linalg.lstsq(own[:, self.at_once], own, rcond=None)[0]
         K[self.at_once] = K[:, self.at_once] = 0.0
         return K
 
@@ -146,9 +146,7 @@ class Straight:
         for _ in range(WIDENINGS if abs(here) > rounding else 0):
             low, high = high, -np.sign(here) * width
             if np.sign(moment(high)) != np.sign(here):
-                from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
-
-                found = brentq(moment, low, high, xtol=1e-15 * width, rtol=1e-15)
+                found = root(moment, min(low, high), max(low, high))
                 break
             width *= WIDER
         s.v[: self.n_q] = before + found * direction

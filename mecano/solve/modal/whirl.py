@@ -20,6 +20,7 @@ import numpy as np
 import scipy.linalg as la
 
 from mecano.errors import AssemblyError, ConvergenceError, NonFiniteError
+from mecano.maths.root import root
 from mecano.maths.vector import skew
 from mecano.solve.modal.critical import Trace, branch_end
 
@@ -146,8 +147,6 @@ def _resonance(spectrum_at, ends, branch, order, *known):
 
     Raises ConvergenceError if the branch is not continuous between them, and the errors of ``spectrum_at``.
     """
-    from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
-
     spectra = {end[0]: spectrum for end, spectrum in zip(ends, known, strict=True)}
 
     def at(place):
@@ -157,7 +156,7 @@ def _resonance(spectrum_at, ends, branch, order, *known):
     trace = Trace(at, *ends)
     low, high = ends[0][0], ends[1][0]
     xtol = TOLERANCE * max(abs(low), abs(high))
-    place = brentq(lambda p: abs(trace(p).imag) - order * spectra[p].speed, low, high, xtol=xtol)
+    place = root(lambda p: abs(trace(p).imag) - order * spectra[p].speed, low, high, xtol)
     value, spectrum = trace(place), spectra[place]
     missed = abs(abs(value.imag) - order * spectrum.speed)
     if value.imag == 0.0 or missed > JUMPED * abs(value):

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.errors import Failure
+from mecano.maths.root import root
 from mecano.solve.linear.iteration import SINGULAR, Iterated, iterate
 from mecano.solve.statics.continuation import Point
 from mecano.solve.statics.loading import LoadFactor
@@ -116,9 +117,7 @@ class Arc:
 
         if not value(0.0) < 0.0 < value(trial.ds):
             return trial
-        from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
-
-        ds = brentq(value, 0.0, trial.ds, xtol=MET * trial.ds)
+        ds = root(value, 0.0, trial.ds, MET * trial.ds)
         s, mu, result = solved(ds)
         found = statics.status_of(result, s, point.state)
         hit = np.arange(statics.monitor.values(s).size) == crossed

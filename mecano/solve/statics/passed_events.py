@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.maths.root import root
+
 if TYPE_CHECKING:
     from mecano.model.state import State
     from mecano.solve.events.events import EventRecord
@@ -57,6 +59,4 @@ def _place(statics, s, s0, i):
 
     if not value(0.0) < 0.0 < value(1.0):
         return None
-    from scipy.optimize import brentq  # takes 0.3 s to import, hence only when needed
-
-    return at(brentq(value, 0.0, 1.0, xtol=ROUNDING, rtol=4.0 * np.finfo(float).eps))
+    return at(root(value, 0.0, 1.0, ROUNDING))
