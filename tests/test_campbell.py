@@ -10,8 +10,7 @@ from mecano.analyses.sweep import sweep
 from mecano.cli import commands
 from mecano.errors import UsageError
 from mecano.post.loci import sweep_figure
-from mecano.results.sweep_file import read_sweep
-from mecano.solve.modal.whirl import whirl_word
+from mecano.results.sweep_file import read_sweep, whirl_word
 
 S = "Campbell diagrams"
 MASS, POLAR, ACROSS = 10.0, 0.2, 0.7  # kg, kg m2

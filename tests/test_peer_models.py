@@ -17,7 +17,7 @@ from time_runs import RecordedRun, deck
 
 from mecano.analyses.static import run
 from mecano.analyses.sweep import sweep
-from mecano.solve.modal.whirl import whirl_word
+from mecano.results.sweep_file import whirl_word
 
 S, g = "Models of other programs", 9.81
 

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.results.sweep_file import whirl_word
 from mecano.solve.modal.families import FAMILIES
 from mecano.solve.modal.tracking import damping, least_damped
-from mecano.solve.modal.whirl import whirl_word
 
 if TYPE_CHECKING:
     from mecano.analyses.sweep import Sweep

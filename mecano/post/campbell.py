@@ -7,7 +7,7 @@ from matplotlib.lines import Line2D
 
 from mecano.post.figure import plain_figure
 from mecano.post.style import COLOURS, GREY, INK
-from mecano.solve.modal.whirl import whirl_word
+from mecano.results.sweep_file import whirl_word
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

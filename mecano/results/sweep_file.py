@@ -53,7 +53,13 @@ CRITICAL = (
     ("destabilizes", "", "1 where the mode becomes unstable as the parameter grows, 0 where it becomes stable"),
     ("of_instant", "", "1 where the states there are not steady: the modes and the value hold for an instant only"),
 )
+CLEAR = 0.1  # least whirl that is called forward or backward
 GROUPS = (("modes", MODES), ("map", MAP), ("critical", CRITICAL), ("rotor", ROTOR), ("resonances", RESONANCES))
+
+
+def whirl_word(whirl: float) -> str:
+    """Return "forward" or "backward", or "-" for a motion in a plane, along or about the axis, or if it is nan."""
+    return "forward" if whirl > CLEAR else "backward" if whirl < -CLEAR else "-"
 
 
 @dataclass(frozen=True)

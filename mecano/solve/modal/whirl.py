@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 
 EQUAL = 1e-7  # of an eigenvalue: difference of equal ones
 JUMPED = 1e-6  # of the eigenvalue: difference from a multiple of the speed, where branches were confused
-CLEAR = 0.1  # least whirl that is called forward or backward
 TOLERANCE = 1e-11  # of the value of the parameter
 
 
@@ -46,11 +45,6 @@ class Resonance:
     branch: int
     order: float
     whirl: float
-
-
-def whirl_word(whirl: float) -> str:
-    """Return "forward" or "backward", or "-" for a motion in a plane, along or about the axis, or if it is nan."""
-    return "forward" if whirl > CLEAR else "backward" if whirl < -CLEAR else "-"
 
 
 def whirling(found: "Modes", lin: "Linearization", of: "Numbering", omega: np.ndarray) -> "tuple[Modes, np.ndarray]":
