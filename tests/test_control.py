@@ -567,6 +567,21 @@ def test_a_controller_that_makes_a_mechanism_unstable_is_reported(mass, gains, g
         assert ("as an oscillation of" in found[0]) == bool(i)
 
 
+@pytest.mark.parametrize(("denominator", "grows"), [("[-50, 1]", True), ("[50, 1]", False), ("[0, 1]", False)])
+def test_a_filter_that_grows_by_itself_is_reported(denominator, grows):
+    """1/(s - 50) grows by the factor e in 20 ms, although it acts on nothing."""
+    prepared = prepare(
+        deck(
+            "{mecano: 1, gravity: [0, 0, -9.81], nodes: {bar: {position: [0.5, 0, 0]}}, elements: {mass: {type: "
+            "rigid_body, node: bar, mass: 1, inertia: [0.1, 0.1, 0.1]}}, joints: {pin: {type: hinge, nodes: [ground, "
+            "bar], axis: [0, 1, 0]}}, signals: {out: {type: transfer_function, input: pin.angle, numerator: [1], "
+            f"denominator: {denominator}}}}}, time: {{end: 1, step: 0.01}}}}"
+        )
+    )
+    found = list(instability_warnings(prepared, integrator_of(prepared).begin(prepared.state, 0.01)))
+    assert ["by the factor e in 0.02 s" in text for text in found] == [True] * grows
+
+
 def test_a_turn_by_reaction_wheels_is_not_taken_for_unstable():
     """Torques of the attitude's error and of the rates, which only take energy: any turn comes to rest.
 

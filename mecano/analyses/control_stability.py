@@ -11,10 +11,13 @@ from mecano.model.numbering import ROTATION
 
 if TYPE_CHECKING:
     from mecano.analyses.prepare import Prepared
+    from mecano.model.state import State
+    from mecano.model.system import System
     from mecano.solve.modal.linearize import Linearization
     from mecano.solve.time.run_state import RunState
 
 MOST = 100  # motions up to which modes are computed before a run
+ROUNDED = 1e-9  # of the largest eigenvalue of signals: a smaller real part is rounding
 GROWTH = 1e3  # growth of small motions in a run above which they are reported
 
 
@@ -30,6 +33,8 @@ def instability_warnings(prepared: "Prepared", start: "RunState") -> Iterator[st
     moving = np.any(start.motion.v[: system.n_q][~system.signals])
     if not system.signals.any() or system.n_q > MOST or (moving and not system.states.any()):
         return
+    if not _may_destabilize(system, start.motion):
+        return
     from mecano.solve.modal.linearize import linearize  # takes 0.1 s to import, with SciPy
 
     lin = linearize(system, start.motion, prepared.length, compliance=start.compliance)
@@ -44,6 +49,33 @@ def instability_warnings(prepared: "Prepared", start: "RunState") -> Iterator[st
             f"because of the signals, small motions about the start grow by the factor e in {1.0 / fastest.real:.3g} s"
             f"{as_what}: is a gain too large, or its sign wrong? `mecano modes` describes this motion"
         )
+
+
+def _may_destabilize(system: "System", s: "State") -> bool:
+    """Return whether signals read the motion at ``s`` and act on it, or may grow by themselves: others only measure."""
+    signal = np.append(system.signals, np.zeros(system.n_l, bool))
+    reads, acts = signal[system.rows], signal[system.cols]
+    K, C, M = (system.assemble(s, cK=k, cC=c, cM=m).data[: system.nnz].copy() for k, c, m in np.eye(3))
+    feedback = all(any(part[where].any() for part in (K, C, M)) for where in (acts & ~reads, reads & ~acts))
+    if feedback or M[acts & reads].any():
+        return True
+    own, blocks = np.cumsum(signal) - 1, np.zeros((2, signal.sum(), signal.sum()))
+    for block, part in zip(blocks, (K, C), strict=True):
+        block[own[system.rows[acts & reads]], own[system.cols[acts & reads]]] = part[acts & reads]
+    return _may_grow(blocks[0], blocks[1], system.states[system.signals])
+
+
+def _may_grow(K: np.ndarray, C: np.ndarray, states: np.ndarray) -> bool:
+    """Return whether the signals of K y + C y' = 0 grow, or are no functions of the ``states`` (n,) bool among them."""
+    others = ~states
+    if C[others].any() or C[:, others].any():
+        return True
+    try:
+        own = K[states][:, states] - K[states][:, others] @ np.linalg.solve(K[others][:, others], K[others][:, states])
+        values = np.linalg.eigvals(-np.linalg.solve(C[states][:, states], own))
+    except np.linalg.LinAlgError:
+        return True
+    return bool(values.real.max(initial=0.0) > ROUNDED * np.abs(values).max(initial=0.0))
 
 
 def _turning(prepared: "Prepared", start: "RunState") -> float:
