@@ -14,6 +14,8 @@ DECK = re.search("^```yaml\n(.*?)^```", TEXT, re.DOTALL | re.MULTILINE)[1]
 def test_it_is_short():
     assert len(TEXT.split()) <= 600
     assert len(DECK.splitlines()) == 10
+    blocks = re.findall("^```[a-z]*\n(.*?)^```", TEXT, re.DOTALL | re.MULTILINE)
+    assert max(len(line) for block in blocks for line in block.splitlines()) <= 66  # fit beside the pictures
     for picture in re.findall('<img src="(.*?)"', TEXT):
         assert (ROOT / picture).stat().st_size < 1_000_000
 
