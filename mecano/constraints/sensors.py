@@ -17,71 +17,52 @@ from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.maths.vector import dot, mat, vec
 
-ZERO = {"zero": ()}
-"""Field of the record, after the axes of the coordinate."""
 
-
-def _sensor(name, doc, coordinate):
-    """Return the Kind that senses a coordinate."""
-    value, row = counted(coordinate), 3 * len(coordinate.layout)
+def _sensor(name, doc, layout, dtype, measured, sample, **memory):
+    """Return the Kind of a signal that equals ``measured(p, at)``; ``sample(rng)`` returns values of its record."""
+    row = 3 * len(layout)
 
     @kernel
     def residual(p, at, f):
-        f[row] += number(at.q[row]) - (value(p, at) - p.zero)
+        f[row] += number(at.q[row]) - measured(p, at)
+
+    nodes = len({slot[1] for slot in layout})
+    return Kind(
+        name=name, doc=doc, dtype=dtype, layout=layout, residual=residual, **SIGNAL, **memory,
+        sample=lambda rng: [(sample(rng), nodes, "")],
+    )  # fmt: skip
+
+
+def _sensors(name, what, coordinate):
+    """Return the Kinds that sense a coordinate and its rate."""
+    value, gradient = counted(coordinate), coordinate.gradient
+
+    @kernel
+    def from_zero(p, at):
+        return value(p, at) - p.zero
+
+    @kernel
+    def rate(p, at):
+        return rate_of(gradient(p, at), at.v)
 
     @kernel
     def commit(p, at, m_out):
         m_out[0] = value(p, at)
 
-    return Kind(
-        name=name, doc=doc, dtype=record(**coordinate.axes, **ZERO), layout=coordinate.layout,
-        memory=("angle",) if coordinate.periodic else (), commit=commit if coordinate.periodic else None,
-        residual=residual, sample=_sample(coordinate), **SIGNAL,
-    )  # fmt: skip
+    def sample(rng):
+        return {**coordinate.sample(rng), "zero": 0.3}
 
-
-def _rate_sensor(name, doc, coordinate):
-    """Return the Kind that senses the rate of a coordinate."""
-    gradient, row = coordinate.gradient, 3 * len(coordinate.layout)
-
-    @kernel
-    def residual(p, at, f):
-        f[row] += number(at.q[row]) - rate_of(gradient(p, at), at.v)
-
-    return Kind(
-        name=name, doc=doc, dtype=record(**coordinate.axes, **ZERO), layout=coordinate.layout,
-        residual=residual, sample=_sample(coordinate), **SIGNAL,
-    )  # fmt: skip
-
-
-def _sample(coordinate):
-    nodes = len({slot[1] for slot in coordinate.layout})
-    return lambda rng: [({**coordinate.sample(rng), "zero": 0.3}, nodes, "")]
-
-
-@kernel
-def _velocity(p, at, f):
-    f[3] += number(at.q[3]) - dot(vec(p.direction, 0), vec(at.v, 0))
-
-
-@kernel
-def _turning(p, at, f):
-    f[3] += number(at.q[3]) - dot(vec(p.direction, 0), mat(at.R[0]) @ vec(at.v, 0))
-
-
-def _of_node(name, doc, slot, residual):
-    """Return the Kind of a sensor of the motion of a node along an inertial direction."""
-    return Kind(
-        name=name, doc=doc, dtype=record(direction=3), layout=(slot,), residual=residual,
-        sample=lambda rng: [({"direction": rng.normal(size=3)}, 1, "")], **SIGNAL,
-    )  # fmt: skip
-
-
-def _sensors(name, what, coordinate):
+    layout, dtype = coordinate.layout, record(**coordinate.axes, zero=())
+    memory = {"memory": ("angle",), "commit": commit} if coordinate.periodic else {}
     return (
-        _sensor(f"{name}_sensor", f"Sensor of {what}.", coordinate),
-        _rate_sensor(f"{name}_rate_sensor", f"Sensor of the rate of {what}.", coordinate),
+        _sensor(f"{name}_sensor", f"Sensor of {what}.", layout, dtype, from_zero, sample, **memory),
+        _sensor(f"{name}_rate_sensor", f"Sensor of the rate of {what}.", layout, dtype, rate, sample),
     )
+
+
+@kernel
+def _turning(p, at):
+    return dot(vec(p.direction, 0), mat(at.R[0]) @ vec(at.v, 0))
 
 
 SENSORS = {
@@ -89,7 +70,9 @@ SENSORS = {
     SLIDE: _sensors("slide", "the sliding of a node along an axis fixed in another", SLIDE),
     DISTANCE: _sensors("distance", "the distance between two nodes", DISTANCE),
 }
-PLACE_SENSOR = _sensor("place_sensor", "Sensor of the position of a node along a direction.", DISPLACEMENT)
-VELOCITY_SENSOR = _of_node("velocity_sensor", "Sensor of the velocity of a node along a direction.", "x0", _velocity)
-TURNING_SENSOR = _of_node("turning_sensor", "Sensor of the angular velocity of a node.", "R0", _turning)
-NODE_SENSORS = {"position": PLACE_SENSOR, "velocity": VELOCITY_SENSOR, "angular_velocity": TURNING_SENSOR}
+POSITION, VELOCITY = _sensors("place", "the position of a node along a direction", DISPLACEMENT)
+ANGULAR_VELOCITY = _sensor(
+    "turning_sensor", "Sensor of the angular velocity of a node about an inertial direction.", ("R0",),
+    record(direction=3), _turning, lambda rng: {"direction": rng.normal(size=3)},
+)  # fmt: skip
+NODE_SENSORS = {"position": POSITION, "velocity": VELOCITY, "angular_velocity": ANGULAR_VELOCITY}
