@@ -77,3 +77,22 @@ def scalar_constraint(value, row, side_of=_always):
             g[0, 0], g[0, 1] = side * Phi, side * rate_of(gradient, at.v)
 
     return named(residual, constraints)
+
+
+def held_from_event(value, row, side_of, kept=0):
+    """Return ``residual``, ``constraints`` and ``commit`` of a constraint that becomes active at an event.
+
+    It holds a quantity at that of the last step before the event, the memory of the index ``kept``. ``value(p, at)``
+    returns the quantity and its gradient by blocks; the other arguments are those of ``scalar_constraint``.
+    """
+
+    @kernel
+    def change(p, at):
+        c, gradient = value(p, at)
+        return c - at.m[kept], gradient
+
+    @kernel
+    def commit(p, at, m_out):
+        m_out[kept] = value(p, at)[0] if side_of(p, at) == 0.0 else at.m[kept]
+
+    return {**scalar_constraint(change, row, side_of), **named(commit)}

@@ -9,26 +9,12 @@ On a flank, the constraint holds the s at the end of the last step before the ev
 rebounds with the coefficient of ``restitution``, and opens where the force of the teeth falls to zero.
 """
 
-from mecano.constraints.along_coordinate.stops import BETWEEN, LOWER, STOP_PHASES
-from mecano.constraints.augmented_lagrangian import scalar_constraint
-from mecano.element_interface import CONTACT, Event, Kind, Row
+from mecano.constraints.along_coordinate.stops import STOP_PHASES, put_end_events, side_of, stop_events
+from mecano.constraints.augmented_lagrangian import held_from_event
+from mecano.element_interface import Kind, Row
 from mecano.jit.kernel import kernel
 
-EVENTS = tuple(
-    event
-    for side in ("lower", "upper")
-    for event in (
-        Event(f"meets {side} flank", "between", f"{side} stop", "it rests on the flank or rebounds; a shock", CONTACT,
-              "restitution"),
-        Event(f"leaves {side} flank", f"{side} stop", "between", "the force of the teeth falls to zero"),
-    )
-)  # fmt: skip
-
-
-@kernel
-def side_of(phase):
-    """Return 1 at the lower flank, -1 at the upper one, the sense in which it pushes s; 0 between."""
-    return 0.0 if phase == BETWEEN else 1.0 if phase == LOWER else -1.0
+EVENTS = stop_events("flank", "force of the teeth")
 
 
 def backlash_kind(mesh):
@@ -41,19 +27,21 @@ def backlash_kind(mesh):
         return side_of(at.phase)
 
     @kernel
-    def beyond(p, at):
-        s, along = travel(p, at)[0]
-        return s - at.m[kept], along
+    def error(p, at):
+        return travel(p, at)[0]
+
+    held = held_from_event(error, row, side, kept)
+    commit_error = held["commit"]
 
     @kernel
     def commit(p, at, m_out):
         commit_angles(p, at, m_out)
-        m_out[kept] = travel(p, at)[0][0] if at.phase == BETWEEN else at.m[kept]
+        commit_error(p, at, m_out)
 
     return Kind(
         name=f"{mesh.held.name}_backlash", doc=__doc__, dtype=mesh.held.dtype, layout=mesh.held.layout,
         multipliers=(Row(mesh.held.multipliers[0].name, "N", "m", unilateral=True),), phases=STOP_PHASES,
-        memory=(*mesh.held.memory, "held"), commit=commit, **scalar_constraint(beyond, row, side),
+        memory=(*mesh.held.memory, "held"), **held | {"commit": commit},
     )  # fmt: skip
 
 
@@ -68,8 +56,6 @@ def backlash_events(mesh):
 
     @kernel
     def event_values(p, at, g):
-        s = travel(p, at)[0][0]
-        g[0], g[1] = -p.half_play - s, -at.q[row]
-        g[2], g[3] = s - p.half_play, -at.q[row]
+        put_end_events(g, -p.half_play, p.half_play, travel(p, at)[0][0], at.q[row])
 
     return event_values

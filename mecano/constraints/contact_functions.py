@@ -6,7 +6,7 @@ the multiplier of a rigid contact, held at the gap m[0]. ``shapes`` are Shapes (
 
 import numpy as np
 
-from mecano.constraints.augmented_lagrangian import in_phase, scalar_constraint
+from mecano.constraints.augmented_lagrangian import held_from_event, in_phase
 from mecano.constraints.touching import ROUNDING, sliding
 from mecano.jit.kernel import kernel
 from mecano.laws.contact_force import contact_force, elastic_energy, elastic_force
@@ -138,13 +138,9 @@ def rigid(shapes, inputs=0):
     @kernel
     def gap(p, at):
         touched = touch(p, at)
-        return touched.gap - at.m[0], gradient(at, touched)
+        return touched.gap, gradient(at, touched)
 
-    @kernel
-    def commit(p, at, m_out):
-        m_out[0] = at.m[0] if at.phase == CLOSED else touch(p, at).gap
-
-    return {"commit": commit, **scalar_constraint(gap, row, in_phase(CLOSED))}
+    return held_from_event(gap, row, in_phase(CLOSED))
 
 
 def observed_rigid(shapes, inputs=0):

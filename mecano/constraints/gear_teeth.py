@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
-from mecano.constraints.along_coordinate.stops import STOP_PHASES
-from mecano.constraints.backlash import EVENTS, backlash_events, backlash_kind, side_of
+from mecano.constraints.along_coordinate.stops import STOP_PHASES, side_of
+from mecano.constraints.backlash import EVENTS, backlash_events, backlash_kind
 from mecano.constraints.coordinates.coordinate import rate_of
 from mecano.constraints.elastic_teeth import TEETH, check_teeth, elastic_teeth, teeth_values
 from mecano.constraints.stop_phases import PHASES as ELASTIC_PHASES

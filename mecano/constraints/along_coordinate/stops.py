@@ -27,14 +27,32 @@ LATCH_PHASES = ("free", "locked")
 STOP_PHASES = ("between", "lower stop", "upper stop")
 LATCH_EVENTS = (Event("locks", "free", "locked", "it reaches the latch; a shock", LOCK),)
 UNLOCKS = Event("unlocks", "locked", "released", "the latch is released, for good", command="release")
-STOP_EVENTS = (
-    Event("meets lower stop", "between", "lower stop", "it rests on the stop or rebounds; a shock", CONTACT,
-          "restitution"),
-    Event("leaves lower stop", "lower stop", "between", "the reaction of the stop falls to zero"),
-    Event("meets upper stop", "between", "upper stop", "it rests on the stop or rebounds; a shock", CONTACT,
-          "restitution"),
-    Event("leaves upper stop", "upper stop", "between", "the reaction of the stop falls to zero"),
-)  # fmt: skip
+
+
+def stop_events(end, reaction):
+    """Return the Events at the lower and the upper ``end`` ("stop", "flank"), which its ``reaction`` opens."""
+    return tuple(
+        event
+        for side in ("lower", "upper")
+        for event in (
+            Event(f"meets {side} {end}", "between", f"{side} stop", f"it rests on the {end} or rebounds; a shock",
+                  CONTACT, "restitution"),
+            Event(f"leaves {side} {end}", f"{side} stop", "between", f"the {reaction} falls to zero"),
+        )
+    )  # fmt: skip
+
+
+@kernel
+def put_end_events(g, lower, upper, c, reaction):
+    """Write the values of ``stop_events`` for a coordinate c between ``lower`` and ``upper``."""
+    g[0], g[1] = lower - c, -reaction
+    g[2], g[3] = c - upper, -reaction
+
+
+@kernel
+def side_of(phase):
+    """Return 1 at the lower end, -1 at the upper one, the sense in which it pushes the coordinate; 0 between."""
+    return 0.0 if phase == BETWEEN else 1.0 if phase == LOWER else -1.0
 
 
 @kernel
@@ -44,7 +62,7 @@ def _locked(p, at):
 
 @kernel
 def _stopped(p, at):
-    return 0.0 if at.phase == BETWEEN else 1.0 if at.phase == LOWER else -1.0, at.m[0], 0.0
+    return side_of(at.phase), at.m[0], 0.0
 
 
 def latch_kind(name, doc, coordinate):
@@ -91,14 +109,12 @@ def stop_kind(name, doc, coordinate):
 
     @kernel
     def observe(p, at, F, y, e):
-        side, _, _ = _stopped(p, at)
+        side = side_of(at.phase)
         y[0], y[1] = side * at.q[row], 0.0 - side  # not -0
 
     @kernel
     def event_values(p, at, g):
-        c = value(p, at)
-        g[0], g[1] = p.lower - c, -at.q[row]
-        g[2], g[3] = c - p.upper, -at.q[row]
+        put_end_events(g, p.lower, p.upper, value(p, at), at.q[row])
 
     @kernel
     def commit(p, at, m_out):
@@ -112,7 +128,8 @@ def stop_kind(name, doc, coordinate):
             Output("stopped", "-", "-1 at the lower stop, 1 at the upper one, 0 between"),
         ),
         multipliers=(Row(f"{what} of the stop", unit, coordinate.unit, unilateral=True),),
-        phases=STOP_PHASES, events=STOP_EVENTS, memory=("held",), sample=_samples(coordinate, STOP_PHASES),
+        phases=STOP_PHASES, events=stop_events("stop", "reaction of the stop"), memory=("held",),
+        sample=_samples(coordinate, STOP_PHASES),
         **holding(coordinate, _stopped), observe=observe, event_values=event_values, commit=commit,
     )  # fmt: skip
 

@@ -11,7 +11,7 @@ step before the impact.
 
 import numpy as np
 
-from mecano.constraints.augmented_lagrangian import in_phase, scalar_constraint
+from mecano.constraints.augmented_lagrangian import held_from_event, in_phase
 from mecano.constraints.triads import unit
 from mecano.element_interface import CONTACT, Event, Kind, Output, Row, named, record
 from mecano.jit.kernel import kernel
@@ -24,32 +24,22 @@ MULTIPLIER = 3
 
 
 @kernel
-def _gap(p, q):
-    return dot(vec(p.normal, 0), vec(q, 0) - vec(p.point, 0)) - p.radius
-
-
-@kernel
-def _held(p, at):
-    """Return the gap relative to the held one, and its gradient."""
-    return _gap(p, at.q) - at.m[0], ((0, vec(p.normal, 0)),)
+def _gap(p, at):
+    """Return the gap and its gradient."""
+    normal = vec(p.normal, 0)
+    return dot(normal, vec(at.q, 0) - vec(p.point, 0)) - p.radius, ((0, normal),)
 
 
 @kernel
 def observe(p, at, F, y, e):
     """Write gap, force, state."""
-    y[0], y[1], y[2] = _gap(p, at.q), at.q[MULTIPLIER], float(at.phase)
+    y[0], y[1], y[2] = _gap(p, at)[0], at.q[MULTIPLIER], float(at.phase)
 
 
 @kernel
 def event_values(p, at, g):
     """Write depth below the plane [m], -N [N]."""
-    g[0], g[1] = -_gap(p, at.q), -at.q[MULTIPLIER]
-
-
-@kernel
-def commit(p, at, m_out):
-    """Write the gap of the last step before the contact."""
-    m_out[0] = at.m[0] if at.phase == CLOSED else _gap(p, at.q)
+    g[0], g[1] = -_gap(p, at)[0], -at.q[MULTIPLIER]
 
 
 def prepare(d, nodes, context):
@@ -102,6 +92,6 @@ PLANE_CONTACT = Kind(
         Event("lifts off", "contact", "air", "the normal force falls to zero"),
     ),
     memory=("held",),
-    **scalar_constraint(_held, MULTIPLIER, in_phase(CLOSED)),
-    **named(prepare, check, observe, event_values, commit, sample),
+    **held_from_event(_gap, MULTIPLIER, in_phase(CLOSED)),
+    **named(prepare, check, observe, event_values, sample),
 )  # fmt: skip
