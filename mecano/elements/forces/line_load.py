@@ -9,8 +9,6 @@ or fixed in each node if the load ``follows`` them. Displacements converge with 
 elements; the twist and the rotation by a moment are exact.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import by_law_and_signal, is_formula, law_of, on_demand, reads_of
@@ -91,54 +89,47 @@ def sample(rng):
     return [({**values, "follows": follows}, nodes, "") for follows in (False, True)]
 
 
-@dataclass(frozen=True)
-class _Quantity:
-    """A quantity, force or moment, that a load along a line applies."""
+def _load(name, quantity, unit_of_load, dead, following):
+    """Return the Kind of a load along a line, a ``quantity`` per length.
 
-    name: str
-    unit: str
-    dead: tuple  # Kinds of the share of a node: of a law of time, and of a signal
-    following: tuple
+    ``dead`` and ``following`` are the Kinds of the share of a node: of a law of time, and of a signal.
+    """
 
-    def parts(self, d, nodes, context):
-        """Return the Parts: the share of each node."""
-        half = 0.5 * lengths(nodes)
+    def parts(d, nodes, context):
+        half, direction = 0.5 * lengths(nodes), unit(d["direction"])
         share = np.append(half, 0.0) + np.append(0.0, half)
-        direction = unit(d["direction"])
-        kind = (self.following if d["follows"] else self.dead)[is_formula(d["value"])]
+        kind = (following if d["follows"] else dead)[is_formula(d["value"])]
         law, reads = law_of(d["value"], context), reads_of(d["value"])
         turned = [R.T @ direction if d["follows"] else direction for _, R in nodes]
         return [Part(kind, (i,), {"load": share[i] * turned[i], "law": law}, reads=reads) for i in range(len(nodes))]
 
-    def kind(self, kind_name):
-        """Return the kind of load of this quantity."""
-        per = f"{self.name} per length"
-        kind = Kind(
-            name=kind_name,
-            section="loads",
-            doc=f"{self.name.capitalize()} per length along a line of nodes, such as those of a beam.\n\n{EQUATIONS}",
-            dtype=OF_LINE,
-            fields=(
-                LINE_FIELD,
-                Field("direction", DIRECTION, "-", "direction at the start, inertial, made a unit vector"),
-                Field("value", DRIVE, f"{self.unit}/m", f"{per}: a function of time [s], or a formula of signals"),
-                Field("follows", BOOLEAN, "-", "whether the direction turns with each node", False),
-            ),
-            outputs=(
-                Output("value", f"{self.unit}/m", per),
-                Output("total", self.unit, f"sum of the {self.name}s on all nodes, if they had one direction"),
-            ),
-            parts=self.parts,
-            check=check_line,
-            **named(prepare, sample),
-        )
-        return on_demand(kind, _of_line, "value", 0)
+    per = f"{quantity} per length"
+    kind = Kind(
+        name=name,
+        section="loads",
+        doc=f"{quantity.capitalize()} per length along a line of nodes, such as those of a beam.\n\n{EQUATIONS}",
+        dtype=OF_LINE,
+        fields=(
+            LINE_FIELD,
+            Field("direction", DIRECTION, "-", "direction at the start, inertial, made a unit vector"),
+            Field("value", DRIVE, f"{unit_of_load}/m", f"{per}: a function of time [s], or a formula of signals"),
+            Field("follows", BOOLEAN, "-", "whether the direction turns with each node", False),
+        ),
+        outputs=(
+            Output("value", f"{unit_of_load}/m", per),
+            Output("total", unit_of_load, f"sum of the {quantity}s on all nodes, if they had one direction"),
+        ),
+        check=check_line,
+        **named(prepare, parts, sample),
+    )
+    return on_demand(kind, _of_line, "value", 0)
 
 
-LINE_LOAD = _Quantity(
-    "force", "N", _share("dead_share", ("x0",), _constant), _share("following_share", ("x0", "R0"), _turned)
-).kind("line_load")
-LINE_MOMENT = _Quantity(
-    "moment", "N m", _share("dead_moment_share", ("R0",), _turned_back),
+LINE_LOAD = _load(
+    "line_load", "force", "N", _share("dead_share", ("x0",), _constant),
+    _share("following_share", ("x0", "R0"), _turned),
+)  # fmt: skip
+LINE_MOMENT = _load(
+    "line_moment", "moment", "N m", _share("dead_moment_share", ("R0",), _turned_back),
     _share("following_moment_share", ("R0",), _constant),
-).kind("line_moment")  # fmt: skip
+)  # fmt: skip

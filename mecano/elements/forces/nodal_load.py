@@ -11,7 +11,6 @@ and a moment M, in material axes,
 The tangents of the follower force and of the dead moment are not symmetric: these loads have no potential.
 """
 
-from dataclasses import dataclass
 from functools import partial
 
 from mecano.constraints.along_coordinate.demand import law_of, on_demand
@@ -80,41 +79,33 @@ def prepare_follower(d, nodes, context):
     return {**values, "direction": nodes[0][1].T @ values["direction"]}
 
 
-@dataclass(frozen=True)
-class _Quantity:
-    """A quantity, force or moment, that a load applies."""
-
-    name: str
-    unit: str
-
-    def kind(self, name, layout, follows, directions):
-        """Return a kind of load of this quantity with these ``directions`` (``_functions``)."""
-        carries = " and that carries its direction" if follows else ""
-        given = "direction at the start, inertial" if follows else "direction, inertial"
-        what = "that follows its node" if follows else "with a fixed direction"
-        kind = Kind(
-            name=name,
-            section="loads",
-            doc=f"{self.name.capitalize()} at a node, a function of time or a signal, {what}.\n\n{EQUATIONS}",
-            display=Display(force=self.name if self.unit == "N" else ""),
-            dtype=RECORD,
-            layout=layout,
-            fields=(
-                Field("node", NODE, "-", f"node that it acts on{carries}"),
-                Field("direction", DIRECTION, "-", f"{given}, made a unit vector"),
-                Field("value", DRIVE, self.unit, f"{self.name}: a function of time [s], or a formula of signals"),
-            ),
-            outputs=(
-                Output(self.name, self.unit, f"{self.name} on the node, inertial", (3,)),
-                Output("power", "W", "power given to the node"),
-            ),
-            prepare=prepare_follower if follows else prepare,
-        )
-        return on_demand(kind, partial(_functions, directions), "value", 3 * len(layout))
+def _load(quantity, unit, name, layout, directions, follows):
+    """Return the Kind of a load, a ``quantity`` at a node, with these ``directions`` (``_functions``)."""
+    carries = " and that carries its direction" if follows else ""
+    given = "direction at the start, inertial" if follows else "direction, inertial"
+    what = "that follows its node" if follows else "with a fixed direction"
+    kind = Kind(
+        name=name,
+        section="loads",
+        doc=f"{quantity.capitalize()} at a node, a function of time or a signal, {what}.\n\n{EQUATIONS}",
+        display=Display(force=quantity if unit == "N" else ""),
+        dtype=RECORD,
+        layout=layout,
+        fields=(
+            Field("node", NODE, "-", f"node that it acts on{carries}"),
+            Field("direction", DIRECTION, "-", f"{given}, made a unit vector"),
+            Field("value", DRIVE, unit, f"{quantity}: a function of time [s], or a formula of signals"),
+        ),
+        outputs=(
+            Output(quantity, unit, f"{quantity} on the node, inertial", (3,)),
+            Output("power", "W", "power given to the node"),
+        ),
+        prepare=prepare_follower if follows else prepare,
+    )
+    return on_demand(kind, partial(_functions, directions), "value", 3 * len(layout))
 
 
-_FORCE, _MOMENT = _Quantity("force", "N"), _Quantity("moment", "N m")
-FORCE = _FORCE.kind("force", ("x0",), False, _dead_force)
-FOLLOWER_FORCE = _FORCE.kind("follower_force", ("x0", "R0"), True, _follower_force)
-MOMENT = _MOMENT.kind("moment", ("R0",), False, _dead_moment)
-FOLLOWER_MOMENT = _MOMENT.kind("follower_moment", ("R0",), True, _follower_moment)
+FORCE = _load("force", "N", "force", ("x0",), _dead_force, follows=False)
+FOLLOWER_FORCE = _load("force", "N", "follower_force", ("x0", "R0"), _follower_force, follows=True)
+MOMENT = _load("moment", "N m", "moment", ("R0",), _dead_moment, follows=False)
+FOLLOWER_MOMENT = _load("moment", "N m", "follower_moment", ("R0",), _follower_moment, follows=True)
