@@ -87,6 +87,11 @@ def pair_parts(place, axes, compliance, context):
     ]
 
 
+def rigid_axes(axes, compliance):
+    """Return those of the ``axes`` for which ``compliance``, which may be None, has no law."""
+    return tuple(axis for axis in axes if not _law(compliance, axis))
+
+
 def law_outputs(field, axes):
     """Return ``Kind.optional`` for the laws of the mapping ``field``."""
     return tuple((field, HELD_BY[axis][1], f"_{axis}") for axis in _ordered(axes))

@@ -30,11 +30,11 @@ ATTACHED_PHASE, RELEASED_PHASE = "attached", "released"
 SAMPLE = {"release": {"time": 0.3, "when": None}}
 
 
-def releasable(kind, parts):
-    """Return the ``kind`` of a joint, all of whose axes are held by ``parts``, with a release; see FIRST_ROW."""
+def releasable(kind):
+    """Return the ``kind`` of a joint, all of whose axes are held by its parts, with a release; see FIRST_ROW."""
 
     def held(d, nodes, context):
-        return [replace(part, kind=RELEASED[part.kind]) for part in parts(d, nodes, context)]
+        return [replace(part, kind=RELEASED[part.kind]) for part in kind.parts(d, nodes, context)]
 
     return replace(
         kind, name=f"{kind.name}_release", phases=RELEASE_PHASES, events=(EVENT,), inputs=(COMMAND,), parts=held,

@@ -33,6 +33,7 @@ from mecano.constraints.pair import (
     pair_parts,
     pair_record,
     put_reactions,
+    rigid_axes,
 )  # fmt: skip
 from mecano.constraints.triads import not_flipped
 from mecano.element_interface import Display, Kind, Output, named, record
@@ -90,7 +91,7 @@ def _driven(d, axis):
 
 def holds(d):
     """Return the axes that are held rigidly; none if it drives another one."""
-    return () if d["driven"] else tuple(axis for axis in _bound(d) if not (d["compliance"] or {}).get(axis))
+    return () if d["driven"] else rigid_axes(_bound(d), d["compliance"])
 
 
 def _by_formula(d):

@@ -7,6 +7,7 @@ held axes: then each axis is held by a part of its own.
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from itertools import chain
 
 import numpy as np
@@ -23,6 +24,7 @@ from mecano.constraints.pair import (
     pair_parts,
     pair_record,
     put_reactions,
+    rigid_axes,
 )  # fmt: skip
 from mecano.constraints.release import FIRST_ROW, RELEASE, check_release, releasable
 from mecano.constraints.triads import not_flipped
@@ -70,9 +72,11 @@ class LowerPair:
         """The outputs of its options, see Kind.optional."""
         return tuple(chain.from_iterable(option.optional for option in self.options))
 
-    def parts(self, d, p, context):
-        """Return the [Part] of the options of a joint at the place p."""
-        return [part for option in self.options for part in option.parts(d, p, context)]
+    def parts(self, d, nodes, context, held=None):
+        """Return the [Part] that hold all axes, or those in ``held``, and those of the options."""
+        p = self.place(d, nodes, context)
+        holding = pair_parts(p, self.held if held is None else held, d.get("compliance"), context)
+        return holding + [part for option in self.options for part in option.parts(d, p, context)]
 
     def needs_reactions(self, d):
         """Return True if an option that is given needs the reactions along all axes."""
@@ -81,9 +85,8 @@ class LowerPair:
 
     def holds(self, d):
         """Return the axes that it holds rigidly, see Kind.holds; none with ``axis_b``, as the assembly turns b."""
-        if d.get("release") or d.get("axis_b") is not None:
-            return ()
-        return tuple(axis for axis in self.held if not (d.get("compliance") or {}).get(axis))
+        varies = d.get("release") or d.get("axis_b") is not None
+        return () if varies else rigid_axes(self.held, d.get("compliance"))
 
     def observe(self, put):
         """Return the ``observe`` of a joint: its free motions, then the reactions, which ``put`` writes."""
@@ -109,10 +112,6 @@ def _one_after_another(first, size, second):
 def rigid_pair(name, doc, pair, sample=None):
     """Return the Kind of a lower pair whose axes are held by one constraint each."""
 
-    def parts(d, nodes, context):
-        p = pair.place(d, nodes, context)
-        return pair_parts(p, pair.held, None, context) + pair.parts(d, p, context)
-
     def check(d, nodes):
         return check_axis_1(d, nodes) + [text for option in pair.options for text in option.check(d)]
 
@@ -126,7 +125,7 @@ def rigid_pair(name, doc, pair, sample=None):
         memory=tuple(chain.from_iterable(o.memory for o in outputs)),
         commit=next((o.commit for o in outputs if o.commit), None),
         measures={output: measured(of) for o in outputs for output, of in o.measures.items()},
-        prepare=pair.place, parts=parts, check=check, observe=pair.observe(pair.reactions.put),
+        prepare=pair.place, parts=pair.parts, check=check, observe=pair.observe(pair.reactions.put),
         admissible=not_flipped, turns="" if "about_axis" in pair.held else FREELY, holds=pair.holds,
         sample=sample,
     )  # fmt: skip
@@ -138,15 +137,11 @@ def lower_pair(name, doc, pair, sample):
     def prepare(d, nodes, context):
         return pair_record(pair.place(d, nodes, context), pair.held, d["compliance"], context)
 
-    def parts(d, nodes, context):
-        p = pair.place(d, nodes, context)
-        return pair_parts(p, pair.held, d["compliance"], context) + pair.parts(d, p, context)
-
     rigid = rigid_pair(name, doc, pair, sample)
     excluded = (*dict.fromkeys(field for field, _, _ in pair.optional), "compliance")
     kind = replace(
         rigid, dtype=PAIR_RECORD, fields=(*pair.declared, compliance_field(pair.held), RELEASE),
-        optional=(*pair.optional, *law_outputs("compliance", pair.held)), prepare=prepare, parts=parts,
+        optional=(*pair.optional, *law_outputs("compliance", pair.held)), prepare=prepare,
         check=lambda d, nodes: rigid.check(d, nodes) + check_release(d, excluded),
     )  # fmt: skip
     released = _released(kind, pair)
@@ -159,15 +154,12 @@ def sharing_pair(name, doc, pair, shared, sample):
     apart = replace(given, check=lambda d, nodes: shared.check(d, nodes) + given.check(d, nodes))
     released = _released(apart, pair)
 
-    def parts(d, nodes, context):
-        p = pair.place(d, nodes, context)
-        return pair_parts(p, shared.held, None, context) + pair.parts(d, p, context)
-
     def variant(d):
         return released if d["release"] else apart if d["compliance"] or pair.needs_reactions(d) else together
 
     together = replace(
-        apart, name=name, dtype=pair.record, prepare=pair.place, shares=shared.unknowns, parts=parts, variant=variant,
+        apart, name=name, dtype=pair.record, prepare=pair.place, shares=shared.unknowns,
+        parts=partial(pair.parts, held=shared.held), variant=variant,
         observe=pair.observe(shared.put_reactions), admissible=not_flipped if "about_2" in shared.held else None,
         hidden=dict.fromkeys(shared.hidden, ""), revealed=apart,
     )  # fmt: skip
@@ -180,7 +172,4 @@ def _released(kind, pair):
     def prepare(d, nodes, context):
         return pair_record(pair.place(d, nodes, context), pair.held, None, context, FIRST_ROW)
 
-    def parts(d, nodes, context):
-        return pair_parts(pair.place(d, nodes, context), pair.held, None, context)
-
-    return replace(releasable(kind, parts), prepare=prepare, admissible=None)
+    return replace(releasable(kind), prepare=prepare, admissible=None)
