@@ -1,8 +1,13 @@
-r"""Prescribed motions: a coordinate c of one or two nodes is a function of time, :math:`c - c_0 - f(t) = 0`.
+r"""Prescribed motions: a coordinate c of one or two nodes is a function of time.
 
-c is the displacement of a node along an inertial direction (``prescribed_position``), the angle between two nodes about
-an axis (``prescribed_angle``), or the distance of two nodes (``prescribed_length``). f is a law of time or a formula of
-the time. The multiplier is the load along c; its power :math:`k\lambda\, \dot f` is supplied by the surroundings.
+.. math::  c - c_0 - f(t) = 0
+
+c is the displacement :math:`n \cdot x` of a node along an inertial direction n (``prescribed_position``), the angle of
+node b relative to node a about an axis that another joint keeps aligned (``prescribed_angle``), or the distance
+:math:`|x_b - x_a|` of two nodes, whose ends rotate freely (``prescribed_length``). c_0 is its value in the deck, or
+zero if the deck gives the distance itself; an angle may cover many turns. f is a law of time or a formula of the time.
+The multiplier is the load along c: a force along n, a moment on b about the axis, or a force that pushes the nodes
+apart. Its power :math:`k\lambda\, \dot f` is supplied by the surroundings.
 """
 
 import numpy as np
@@ -19,34 +24,11 @@ from mecano.constraints.joint_samples import two_places
 from mecano.constraints.of_coordinates import DISTANCE as DRIVEN_DISTANCE
 from mecano.constraints.of_coordinates import HELD_COORDINATE, RELATIVE_ANGLE, drive_part
 from mecano.constraints.triads import triad
-from mecano.element_interface import BY_COMMAND, Display, Kind, Output, record
+from mecano.element_interface import BY_COMMAND, Display, Kind, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.schema import DIRECTION, MOTION, NODE, Field
 
-POSITION = r"""Prescribed position: a node is displaced along an inertial direction n as a function of time.
-
-.. math::  n \cdot (x - x_0) - f(t) = 0
-
-with x_0 the position in the deck. The multiplier is the force on the node along n; its power :math:`k\lambda\, \dot f`
-is supplied by the surroundings.
-"""
-ANGLE = r"""Prescribed angle: node b is rotated relative to node a about an axis, as a function of time.
-
-For two nodes that share this axis through another joint (a hinge, a cylindrical joint):
-
-.. math::  \theta - f(t) = 0
-
-with theta the angle of that joint, zero in the deck; f may cover many turns. The multiplier is the moment on b
-about the axis; its power :math:`k\lambda\, \dot f` is supplied by the surroundings.
-"""
-LENGTH = r"""Prescribed length: the distance of two nodes is a function of time, as for a driven strut or leg.
-
-.. math::  |x_b - x_a| - L - f(t) = 0
-
-with L the initial distance, or zero if the deck gives the length itself. Both ends rotate freely. The multiplier
-is the force of the drive, which pushes the nodes apart; its power :math:`k\lambda\, \dot f` is supplied by the
-surroundings.
-"""
+EQUATIONS = __doc__.partition("\n\n")[2]
 
 
 @kernel
@@ -54,7 +36,7 @@ def _as_it_is(wanted, c):
     return c
 
 
-def _prescribed(name, doc, coordinate, constraint, motion_of, motions=("value",), **declared):
+def _prescribed(name, what, coordinate, constraint, motion_of, motions=("value",), **declared):
     """Return the Kind of a joint that drives a ``coordinate`` by the Part ``constraint``.
 
     ``motion_of(d, nodes)`` returns the axes of the coordinate, the motion of the deck and the value to which it counts;
@@ -85,8 +67,8 @@ def _prescribed(name, doc, coordinate, constraint, motion_of, motions=("value",)
             e[3] = at.q[row] * wanted_rate
 
         return Kind(
-            name=name, section="joints", doc=doc, dtype=record(**coordinate.axes, **motion.fields),
-            layout=coordinate.layout, prepare=prepare, parts=parts, observe=observe, **declared,
+            name=name, section="joints", doc=f"{what}.\n\n{EQUATIONS}", layout=coordinate.layout,
+            dtype=record(**coordinate.axes, **motion.fields), **named(prepare, parts, observe), **declared,
         )  # fmt: skip
 
     return with_motion(kind, *motions)
@@ -136,7 +118,8 @@ def _sample_lengths(rng):
 
 
 PRESCRIBED_POSITION = _prescribed(
-    "prescribed_position", POSITION, DISPLACEMENT, HELD_COORDINATE, _displacement,
+    "prescribed_position", "Displacement of a node along an inertial direction, as a function of time", DISPLACEMENT,
+    HELD_COORDINATE, _displacement,
     display=Display("nothing", pictures=("slides",)),
     fields=(
         Field("node", NODE, "-", "node that is moved"),
@@ -151,7 +134,8 @@ PRESCRIBED_POSITION = _prescribed(
     sample=_sample_positions,
 )  # fmt: skip
 PRESCRIBED_ANGLE = _prescribed(
-    "prescribed_angle", ANGLE, TWIST, RELATIVE_ANGLE, _angle,
+    "prescribed_angle", "Rotation of node b relative to node a about an axis, as a function of time", TWIST,
+    RELATIVE_ANGLE, _angle,
     display=Display("nothing", pictures=("angles",)),
     turns=BY_COMMAND,
     counts_angles=lambda d: [("axis", d["axis"], d["nodes"])],
@@ -167,7 +151,8 @@ PRESCRIBED_ANGLE = _prescribed(
     sample=_sample_angles,
 )  # fmt: skip
 PRESCRIBED_LENGTH = _prescribed(
-    "prescribed_length", LENGTH, DISTANCE, DRIVEN_DISTANCE, _length, ("value", "length"),
+    "prescribed_length", "Distance of two nodes as a function of time, as for a driven strut or leg", DISTANCE,
+    DRIVEN_DISTANCE, _length, ("value", "length"),
     display=Display("line"),
     fields=(
         ENDS,
