@@ -52,16 +52,12 @@ def constraints(p, at, g):
         g[i, 0], g[i, 1] = Phi[i], rate[i]
 
 
-def sample(rng):
-    """Return a random offset."""
-    return [({"d": rng.normal(size=3)}, 2, "")]
-
-
 RIGID_OFFSET = Kind(
     name="rigid_offset",
     doc=__doc__,
     dtype=RECORD,
     layout=("x0", "R0", "x1"),
     multipliers=tuple(Row(f"force {axis} of the rigid offset", "N", "m") for axis in "xyz"),
-    **named(force, constraints, sample),
+    sample=lambda rng: [({"d": rng.normal(size=3)}, 2, "")],
+    **named(force, constraints),
 )

@@ -90,11 +90,6 @@ def check_random(values):
     return [] if values["highest"] > values["lowest"] else ["'highest' must be greater than 'lowest'"]
 
 
-def ends_of_lead_in(values):
-    """Return the arguments of both ends of the lead-in, if there is one."""
-    return [values["start"], values["start"] + values["lead_in"]] if values["lead_in"] else []
-
-
 def some(number):
     """Check that the number is between 1 and 2000."""
     return None if 1 <= number <= 2000 else "must lie between 1 and 2000"
@@ -155,6 +150,6 @@ RANDOM = Term(
     integral=waves_integral,
     shape=shape_of_random,
     frequency=lambda values: values["highest"] if values["density"] else 0.0,
-    breakpoints=ends_of_lead_in,
+    breakpoints=lambda values: [values["start"], values["start"] + values["lead_in"]] if values["lead_in"] else [],
     check=check_random,
 )  # fmt: skip

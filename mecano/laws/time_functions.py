@@ -103,11 +103,6 @@ def shape_of_sine(values, low, high):
     return zero + part * (first + np.arange(min(count, MOST_SHOWN)))
 
 
-def shape_of_step(values, low, high):
-    """Return equally spaced arguments of the edge."""
-    return values["time"] + values["rise"] * np.linspace(0.0, 1.0, OF_A_WAVE + 1)
-
-
 def shape_of_exponential(values, low, high):
     """Return equally spaced arguments of a decay to a few thousandths."""
     return values["origin"] + np.linspace(0.0, 6.0, OF_A_WAVE + 1) / values["rate"] if values["rate"] else []
@@ -168,7 +163,7 @@ STEP = Term(
     ),
     evaluate=step,
     integral=step_integral,
-    shape=shape_of_step,
+    shape=lambda values, low, high: values["time"] + values["rise"] * np.linspace(0.0, 1.0, OF_A_WAVE + 1),
     # A smooth edge has no corner, but a time step must not skip it.
     breakpoints=lambda values: sorted({values["time"], end_of_edge(values["time"], values["rise"])}),
 )

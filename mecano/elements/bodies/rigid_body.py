@@ -72,11 +72,6 @@ def prepare(d, nodes, context):
     return {"mass": d["mass"], "c": c, "J": J, "J_C": J_C, "gravity": context.gravity}
 
 
-def parts(d, nodes, context):
-    """Return the Parts that hold the attached nodes."""
-    return [part for i in range(1, len(nodes)) for part in attachment(nodes, i, context)]
-
-
 def check(d, nodes):
     """Check that the principal moments are positive and satisfy the triangle inequality."""
     J = inertia_matrix(d["inertia"])
@@ -124,5 +119,6 @@ RIGID_BODY = Kind(
         Output("kinetic_energy", "J", "kinetic energy"),
     ),
     shares=attached_rotations,
-    **named(prepare, parts, check, force, observe, sample),
+    parts=lambda d, nodes, context: [part for i in range(1, len(nodes)) for part in attachment(nodes, i, context)],
+    **named(prepare, check, force, observe, sample),
 )

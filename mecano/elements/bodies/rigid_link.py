@@ -10,7 +10,7 @@ held by three constraints.
 
 from mecano.constraints.attachment import attached_rotations, attachment, is_marker
 from mecano.constraints.joint_samples import two_parallel, two_places
-from mecano.element_interface import Display, Kind, Output, named, record
+from mecano.element_interface import Display, Kind, Output, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.maths.vector import Vec3, mat, put, vec
@@ -30,21 +30,6 @@ def observe(p, at, F, y, e):
         put(y, 3, -(mat(at.R[1]) @ vec(F, 9)))
 
 
-def prepare(d, nodes, context):
-    """Return whether the initial orientation of the follower differs."""
-    return {"turned": float(is_marker(nodes, 1))}
-
-
-def parts(d, nodes, context):
-    """Return the Parts that hold the follower."""
-    return attachment(nodes, 1, context)
-
-
-def sample(rng):
-    """Return two nodes with the same rotation, and two with different rotations."""
-    return [({}, two_parallel(rng), ""), ({}, two_places(rng), "")]
-
-
 RIGID_LINK = Kind(
     name="rigid_link",
     section="elements",
@@ -59,5 +44,8 @@ RIGID_LINK = Kind(
     ),
     shares=attached_rotations,
     hidden={"moment": "use a 'generic' joint, which holds the second node in its initial place"},
-    **named(prepare, parts, observe, sample),
+    prepare=lambda d, nodes, context: {"turned": float(is_marker(nodes, 1))},
+    parts=lambda d, nodes, context: attachment(nodes, 1, context),
+    sample=lambda rng: [({}, two_parallel(rng), ""), ({}, two_places(rng), "")],
+    observe=observe,
 )

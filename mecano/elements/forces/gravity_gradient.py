@@ -107,11 +107,6 @@ def check(d, nodes):
     return texts
 
 
-def variant(d):
-    """Return the kind of a point mass, or that of a body."""
-    return GRAVITY_GRADIENT if d["inertia"] is None else ON_BODY
-
-
 def sample(rng):
     """Return a body with an offset centre of mass, and a point mass."""
     A = rng.normal(size=(3, 3))
@@ -147,6 +142,7 @@ GRAVITY_GRADIENT = Kind(
     ),
     residual=point_residual,
     observe=observe_point,
-    **named(prepare, check, variant, sample),
+    variant=lambda d: GRAVITY_GRADIENT if d["inertia"] is None else ON_BODY,
+    **named(prepare, check, sample),
 )  # fmt: skip
 ON_BODY = replace(GRAVITY_GRADIENT, layout=("x0", "R0"), residual=body_residual, observe=observe_body, variant=None)

@@ -78,11 +78,6 @@ def _of_line(demand):
     return named(observe)
 
 
-def prepare(d, nodes, context):
-    """Return the record of the whole line."""
-    return {"length": lengths(nodes).sum(), "law": law_of(d["value"], context)}
-
-
 def sample(rng):
     """Return loads on three nodes, dead and following."""
     values, nodes = {"line": ["a", "b", "c"], "direction": rng.normal(size=3)}, sample_line(rng)
@@ -120,7 +115,8 @@ def _load(name, quantity, unit_of_load, dead, following):
             Output("total", unit_of_load, f"sum of the {quantity}s on all nodes, if they had one direction"),
         ),
         check=check_line,
-        **named(prepare, parts, sample),
+        prepare=lambda d, nodes, context: {"length": lengths(nodes).sum(), "law": law_of(d["value"], context)},
+        **named(parts, sample),
     )
     return on_demand(kind, _of_line, "value", 0)
 

@@ -75,11 +75,6 @@ SEGMENTS = by_law_and_signal(
 )  # fmt: skip
 
 
-def prepare(d, nodes, context):
-    """Return the record of the whole line."""
-    return {"width": d["width"], "law": law_of(d["value"], context)}
-
-
 def _across(d, nodes):
     """Return 'across' at the start, inertial, made normal to each of the n - 1 segments; not of unit length."""
     along = np.diff([x for x, _ in nodes], axis=0)
@@ -131,7 +126,8 @@ PRESSURE = on_demand(
             Output("value", "Pa", "pressure"),
             Output("line_load", "N/m", "force per length, pressure times width"),
         ),
-        **named(prepare, parts, check, sample),
+        prepare=lambda d, nodes, context: {"width": d["width"], "law": law_of(d["value"], context)},
+        **named(parts, check, sample),
     ),
     _of_line,
     "value",

@@ -257,11 +257,6 @@ def check(d, nodes):
     return texts
 
 
-def variant(d):
-    """Return the kind with these numbers of angles and displacements, with or without friction."""
-    return _of_size(len(d["angles"]), len(d["displacements"]), d["friction"] is not None)
-
-
 def sample(rng):
     """Return couplers of angles, of displacements, and of both."""
     joint, samples = {"type": "cylindrical", "axis_1": None}, []
@@ -327,6 +322,7 @@ COUPLER = Kind(
         Output("load_1", "N m", "moment or force along coordinate 1, > 0 increases it; and so on"),
         DISSIPATED,
     ),
-    **named(prepare, check, variant, residual, constraints, observe, sample),
+    variant=lambda d: _of_size(len(d["angles"]), len(d["displacements"]), d["friction"] is not None),
+    **named(prepare, check, residual, constraints, observe, sample),
     **_declarations(1, 0),
 )  # fmt: skip

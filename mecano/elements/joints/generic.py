@@ -89,11 +89,6 @@ def _driven(d, axis):
     return (d["driven"] or {}).get(axis)
 
 
-def holds(d):
-    """Return the axes that are held rigidly; none if it drives another one."""
-    return () if d["driven"] else rigid_axes(_bound(d), d["compliance"])
-
-
 def _by_formula(d):
     return any(is_formula(_driven(d, axis)) for axis in AXES)
 
@@ -188,6 +183,7 @@ GENERIC = Kind(
     optional=law_outputs("compliance", AXES),
     observe=_observed(_rate_of_law),
     variant=lambda d: BY_FORMULA if _by_formula(d) else GENERIC,
-    **named(prepare, parts, check, admissible, holds, sample),
+    holds=lambda d: () if d["driven"] else rigid_axes(_bound(d), d["compliance"]),
+    **named(prepare, parts, check, admissible, sample),
 )  # fmt: skip
 BY_FORMULA = replace(GENERIC, dtype=RECORD_BY_FORMULA, observe=_observed(_rate_of_any))

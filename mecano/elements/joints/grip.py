@@ -165,11 +165,6 @@ def check(d, nodes):
     return texts + [text for name in ("close", "release") for text in check_trigger(name, d[name])]
 
 
-def variant(d):
-    """Return the kind that holds position and rotation, or that of the position alone."""
-    return GRIP if d["rotation"] else POSITION_GRIP
-
-
 def sample(rng):
     """Return grips of position and rotation, and of the position, open and closed."""
     nodes = two_parallel(rng)
@@ -210,7 +205,8 @@ GRIP = Kind(
         Event("opens", "closed", "open", "the condition becomes false"),
     ),
     memory=tuple(f"held_{i}" for i in range(1, 7)),
-    **named(reads, prepare, variant, check, sample),
+    variant=lambda d: GRIP if d["rotation"] else POSITION_GRIP,
+    **named(reads, prepare, check, sample),
     **_functions(LAYOUT, True),
 )
 POSITION_GRIP = replace(

@@ -5,7 +5,7 @@ With ground as the first node, the second one can only translate; the moment of 
 
 from mecano.constraints.joint_nodes import check_one_rotation, one_rotation
 from mecano.constraints.joint_samples import two_parallel
-from mecano.element_interface import Display, Kind, Output, named
+from mecano.element_interface import Display, Kind, Output
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import mat, put, vec
 from mecano.schema import NODE_PAIR, Field
@@ -15,11 +15,6 @@ from mecano.schema import NODE_PAIR, Field
 def observe(p, at, F, y, e):
     """Write the reaction."""
     put(y, 0, -(mat(at.R[1]) @ vec(F, 3)))
-
-
-def sample(rng):
-    """Return two nodes with the same rotation."""
-    return [({}, two_parallel(rng), "")]
 
 
 HELD_ROTATION = Kind(
@@ -33,5 +28,6 @@ HELD_ROTATION = Kind(
     shares=one_rotation,
     check=check_one_rotation,
     hidden={"moment": "use a 'generic' joint with free: [along_1, along_2, along_axis]"},
-    **named(observe, sample),
+    sample=lambda rng: [({}, two_parallel(rng), "")],
+    observe=observe,
 )

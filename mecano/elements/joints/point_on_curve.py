@@ -109,16 +109,6 @@ def prepare(d, nodes, context):
     return {"axes": frame @ R_a, "rows": rows, "start": nearest(d, np.asarray(x_b, float)), **curve}
 
 
-def start(p):
-    """Return the initial position on the curve."""
-    return (p["start"],)
-
-
-def variant(d):
-    """Return the kind for a profile, which holds b only in its plane, or for a curve."""
-    return FLAT if d["across"] == "free" else POINT_ON_CURVE
-
-
 def check(d, nodes):
     """Check the curve, and that a profile is planar."""
     texts = check_curve(d)
@@ -183,6 +173,8 @@ POINT_ON_CURVE = Kind(
         Output("overrun", "m", "how far b is beyond the end of an open curve", geometric=True),
     ),
     multipliers=tuple(Row(f"force of the curve along its axis {i}", "N", "m") for i in (1, 2, 3)),
-    **named(prepare, start, variant, check, end_conditions, residual, constraints, observe, sample),
+    start=lambda p: (p["start"],),
+    variant=lambda d: FLAT if d["across"] == "free" else POINT_ON_CURVE,
+    **named(prepare, check, end_conditions, residual, constraints, observe, sample),
 )
 FLAT = replace(POINT_ON_CURVE, multipliers=POINT_ON_CURVE.multipliers[:2])

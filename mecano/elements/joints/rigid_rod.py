@@ -20,11 +20,6 @@ def parts(d, nodes, context):
     return [Part(DISTANCE, (0, 1), {"offset": distance(nodes) if d["length"] is None else d["length"], "law": 0})]
 
 
-def sample(rng):
-    """Return a rod that fits, and one to be assembled."""
-    return [({}, 2, ""), ({"length": 1.3}, 2, "")]
-
-
 RIGID_ROD = Kind(
     name="rigid_rod",
     section="joints",
@@ -40,5 +35,6 @@ RIGID_ROD = Kind(
         Output("length", "m", "distance of the nodes", geometric=True),
     ),
     check=check_apart,
-    **named(parts, observe, sample),
+    sample=lambda rng: [({}, 2, ""), ({"length": 1.3}, 2, "")],
+    **named(parts, observe),
 )

@@ -152,26 +152,6 @@ def prepare(d, nodes, context):
     return {"n_nodes": len(line), "table": table, "first": first, "start": start, "length": stations[-1]}
 
 
-def start(p):
-    """Return the initial position on the beam."""
-    return (p["start"],)
-
-
-def check(d, nodes):
-    """Return errors for an invalid line."""
-    return check_line(d, nodes[1:])
-
-
-def end_conditions(d):
-    """Return the end condition of a slider that reaches the end of the beam."""
-    return [("overrun", ROUNDING, "has reached the end of the beam")]
-
-
-def variant(d):
-    """Return the kind for a line with as many nodes as these values name."""
-    return _of_size(len(d["line"]))
-
-
 @cache
 def _of_size(n_nodes):
     layout = tuple(f"{slot}{i}" for i in range(1, n_nodes + 1) for slot in "xR")
@@ -215,6 +195,10 @@ SLIDER_ON_BEAM = Kind(
     multipliers=tuple(Row(f"force on the slider along {axis}", "N", "m") for axis in "xyz"),
     events=(Event("passes", "", "", "the slider passes from one element of the beam to the next"),),
     memory=("element",),
-    **named(prepare, start, variant, check, end_conditions, sample),
+    start=lambda p: (p["start"],),
+    check=lambda d, nodes: check_line(d, nodes[1:]),
+    end_conditions=lambda d: [("overrun", ROUNDING, "has reached the end of the beam")],
+    variant=lambda d: _of_size(len(d["line"])),
+    **named(prepare, sample),
     **named(residual, constraints, observe, event_values, commit),
 )

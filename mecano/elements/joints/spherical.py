@@ -12,7 +12,7 @@ from mecano.constraints.ball_friction import BALL_FRICTION, ball_friction_record
 from mecano.constraints.joint_nodes import NODES, check_one_place, one_position
 from mecano.constraints.joint_samples import FALLING, one_place
 from mecano.constraints.rigid_offset import RIGID_OFFSET
-from mecano.element_interface import Display, Kind, Output, Part, named, nothing
+from mecano.element_interface import Display, Kind, Output, Part, nothing
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import put, vec
 
@@ -37,21 +37,6 @@ def parts_held(d, nodes, context):
     return found
 
 
-def variant(d):
-    """Return the joint that shares its position, or the one that is held by multipliers."""
-    return SPHERICAL_HELD if d["friction"] else SPHERICAL
-
-
-def check(d, nodes):
-    """Check that the nodes coincide initially, and that friction is not negative."""
-    return check_one_place(d, nodes) + check_friction(d)
-
-
-def holds(d):
-    """Return the three axes along which it holds its nodes."""
-    return ("along_1", "along_2", "along_axis")
-
-
 def sample(rng):
     """Return two nodes at the same position."""
     nodes, friction = one_place(rng), {"coefficient": FALLING, "regularization": 0.2, "radius": 0.3}
@@ -72,7 +57,10 @@ SPHERICAL_HELD = Kind(
     optional=(("friction", BALL_FRICTION, ""),),
     parts=parts_held,
     observe=observe_held,
-    **named(variant, check, holds, sample),
+    variant=lambda d: SPHERICAL_HELD if d["friction"] else SPHERICAL,
+    check=lambda d, nodes: check_one_place(d, nodes) + check_friction(d),
+    holds=lambda d: ("along_1", "along_2", "along_axis"),
+    sample=sample,
 )
 
 SPHERICAL = replace(

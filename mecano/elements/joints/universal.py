@@ -161,11 +161,6 @@ def parts_elastic(d, nodes, context):
     return [perpendicular, *pair_parts(p, ELASTIC[1:], d["compliance"], context), *turning]
 
 
-def variant(d):
-    """Return the joint that shares its position, or one that holds it by multipliers or laws."""
-    return UNIVERSAL_ELASTIC if d["compliance"] else UNIVERSAL_RUBBING if d["friction"] else UNIVERSAL
-
-
 def check(d, nodes):
     """Check that the nodes coincide initially and that the pins are perpendicular."""
     cosine = triad(d["axis_a"])[2] @ triad(d["axis_b"])[2]
@@ -236,7 +231,8 @@ UNIVERSAL_RUBBING = Kind(
     memory=("angle_a", "angle_b"),
     parts=parts_with_friction,
     observe=observe_with_friction,
-    **named(prepare, variant, check, commit, sample),
+    variant=lambda d: UNIVERSAL_ELASTIC if d["compliance"] else UNIVERSAL_RUBBING if d["friction"] else UNIVERSAL,
+    **named(prepare, check, commit, sample),
 )  # fmt: skip
 
 UNIVERSAL_ELASTIC = replace(

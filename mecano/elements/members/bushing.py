@@ -169,11 +169,6 @@ def prepare(d, nodes, context):
     }
 
 
-def parts(d, nodes, context):
-    """Return the Parts for the laws of single axes."""
-    return law_parts(_place(d, nodes), AXES, d["laws"], d["natural"], context)
-
-
 def _set_points(d):
     """Return the set points of all axes in their order."""
     return [(d["natural"] or {}).get(axis) for axis in ORDER]
@@ -261,7 +256,8 @@ def _bushing(set_points):
             Output("moment", "N m", "moment of the matrices on b, about the axes", (3,)),
         ),
         optional=law_outputs("laws", AXES),
-        **named(prepare, parts, check, limits, sample),
+        parts=lambda d, nodes, context: law_parts(_place(d, nodes), AXES, d["laws"], d["natural"], context),
+        **named(prepare, check, limits, sample),
         **_functions(set_points),
     )
 

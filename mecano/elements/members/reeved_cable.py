@@ -225,11 +225,6 @@ def _check_length(d, nodes):
     return [f"'payout' is {paid_out:.4g} m at t = 0, and the cable is {length:.4g} m long"]
 
 
-def limits(d):
-    """Return the inclination up to which the length is a good approximation."""
-    return [("inclination", INCLINATION, "the length is exact only in the plane of the pulleys")]
-
-
 def end_conditions(d):
     """Return the end conditions of a cable that leaves a pulley, and of neighbours that leave no span between them."""
     return [
@@ -240,11 +235,6 @@ def end_conditions(d):
             "has no free span left between two neighbouring pulleys, or a pulley and its end: they are too close",
         ),
     ]
-
-
-def variant(d):
-    """Return the kind with this number of pulleys, with a payout by a law or a signal, and with a release if given."""
-    return _of(len(d["nodes"]) - 2, is_formula(d["payout"]), d["release"] is not None, is_stress_free(d))
 
 
 @cache
@@ -318,7 +308,9 @@ _ALWAYS_ACTIVE = Kind(
     dtype=record(**path_record(1)),
     **path_unknowns(1),
     optional=(("friction", CAPSTAN, ""),),
-    **named(prepare, parts, check, variant, limits, end_conditions, sample),
+    limits=lambda d: [("inclination", INCLINATION, "the length is exact only in the plane of the pulleys")],
+    variant=lambda d: _of(len(d["nodes"]) - 2, is_formula(d["payout"]), d["release"] is not None, is_stress_free(d)),
+    **named(prepare, parts, check, end_conditions, sample),
     **_functions(strain_by(of_law)),
 )
 LYING = (6, 7, 8)  # indices of the outputs that say whether the cable lies on its pulleys

@@ -32,16 +32,6 @@ def residual(p, at, f):
     f[OWN] += number(at.q[OWN]) - evaluate_formula(at.laws, p.program, at.t, at.q, OWN)
 
 
-def prepare(d, nodes, context):
-    """Return the record: start of the compiled formula in the table of laws."""
-    return {"program": context.laws.append(read_formula(d["value"]).numbers)}
-
-
-def variant(d):
-    """Return the kind with as many inputs as the formula has."""
-    return _of_size(len(read_formula(d["value"]).references))
-
-
 @cache
 def _of_size(n):
     return replace(FORMULA, inputs=tuple(f"input_{i}" for i in range(1, n + 1)), variant=None)
@@ -64,6 +54,8 @@ FORMULA = Kind(
     fields=(Field("value", FORMULA_TYPE, "-", "the formula"), UNIT_OF_VALUE),
     same_unit_as=lambda d: d["value"],
     reads=lambda d: read_formula(d["value"]).references,
-    **named(prepare, variant, residual, sample),
+    prepare=lambda d, nodes, context: {"program": context.laws.append(read_formula(d["value"]).numbers)},
+    variant=lambda d: _of_size(len(read_formula(d["value"]).references)),
+    **named(residual, sample),
     **IN_DECK,
 )

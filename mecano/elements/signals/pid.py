@@ -104,11 +104,6 @@ def _scalars(d):
     return ("value", *("integral",) * bool(d["integral"]), *("filtered",) * bool(d["derivative"]))
 
 
-def variant(d):
-    """Return the kind with the states of those parts that have a gain."""
-    return _with(_scalars(d))
-
-
 @cache
 def _with(scalars):
     return replace(
@@ -167,5 +162,6 @@ PID = signal_of_input(
         Event("lower limit left", "lower", "within", "the demand rises from the lower limit"),
     ),
     outputs=(VALUE, *STATES),
-    **named(prepare, check, variant, residual, observe, event_values, sample),
+    variant=lambda d: _with(_scalars(d)),
+    **named(prepare, check, residual, observe, event_values, sample),
 )  # fmt: skip

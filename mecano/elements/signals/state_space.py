@@ -80,16 +80,6 @@ def matrices_of(d):
     return np.array(d["A"], float), B, C, D
 
 
-def prepare_space(d, nodes, context):
-    """Return the record of a system in state space."""
-    return _packed(*matrices_of(d), context)
-
-
-def prepare_transfer(d, nodes, context):
-    """Return the record of a transfer function."""
-    return _packed(*canonical(d), context)
-
-
 def check_space(d, nodes):
     """Return errors for matrices of inconsistent shapes."""
     A, B, C, D = matrices_of(d)
@@ -159,7 +149,7 @@ STATE_SPACE = Kind(
         Field("D", NUMBERS, "-", "the row D, one number for each input; zero when absent", None),
         UNIT_OF_VALUE,
     ),
-    prepare=prepare_space,
+    prepare=lambda d, nodes, context: _packed(*matrices_of(d), context),
     check=check_space,
     reads=lambda d: d["inputs"],
     smooths=lambda d: not any(d["D"] or ()),
@@ -175,7 +165,7 @@ TRANSFER_FUNCTION = Kind(
         Field("denominator", NUMBERS, "-", "coefficients in ascending powers of s"),
         UNIT_OF_VALUE,
     ),
-    prepare=prepare_transfer,
+    prepare=lambda d, nodes, context: _packed(*canonical(d), context),
     check=check_transfer,
     reads=lambda d: [d["input"]],
     smooths=lambda d: len(d["numerator"]) < len(d["denominator"]),

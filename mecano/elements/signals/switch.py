@@ -29,11 +29,6 @@ def event_values(p, at, g):
     g[0], g[1] = at.q[U] - p.upper, p.lower - at.q[U]
 
 
-def prepare(d, nodes, context):
-    """Return the record: both levels."""
-    return {"upper": d["upper"], "lower": d["upper"] if d["lower"] is None else d["lower"]}
-
-
 def check(d, nodes):
     """Return errors for levels in the wrong order."""
     wrong = d["lower"] is not None and d["lower"] > d["upper"]
@@ -62,5 +57,6 @@ SWITCH = signal_of_input(
         Event("switches on", "low", "high", "the input rises through the upper level"),
         Event("switches off", "high", "low", "the input falls through the lower level"),
     ),
-    **named(prepare, check, residual, event_values, sample),
+    prepare=lambda d, nodes, context: {"upper": d["upper"], "lower": d["upper"] if d["lower"] is None else d["lower"]},
+    **named(check, residual, event_values, sample),
 )

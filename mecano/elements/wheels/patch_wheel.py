@@ -166,11 +166,6 @@ def prepare(d, nodes, context):
     }
 
 
-def start(p):
-    """Return the initial values of y, psi and bow."""
-    return p["start"]
-
-
 def check(d, nodes):
     """Return errors of any wheel with a tyre law, and in its lateral law."""
     law = d["tire_law"]
@@ -264,7 +259,8 @@ def patch_wheel(name, doc, massless, residual, observe, events=EVENTS, **constra
         phases=PHASES,
         events=events,
         start_warnings=start_warnings_of_patch,
-        **named(prepare, start, check, limits, remedies, end_conditions, sample),
+        start=lambda p: p["start"],
+        **named(prepare, check, limits, remedies, end_conditions, sample),
         **named(residual, observe, event_values),
         **constraints,
     )

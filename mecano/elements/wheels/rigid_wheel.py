@@ -121,11 +121,6 @@ def prepare(d, nodes, context):
     }  # fmt: skip
 
 
-def at_start(p):
-    """Return the initial phase: air if the rim is above the ground and the wheel may leave it."""
-    return p["in_air"]
-
-
 def parts(d, nodes, context):
     """Return the Parts: contact, no slip, and a level axle if requested."""
     disc = disc_record(d, nodes, context)
@@ -186,5 +181,6 @@ RIGID_WHEEL = Kind(
         Event("bend", "contact", "contact", "it rolls over a point where the curvature of the ground jumps"),
     ),
     memory=("bends_passed",),
-    **named(prepare, at_start, parts, check, end_conditions, observe, event_values, commit, sample),
+    at_start=lambda p: p["in_air"],
+    **named(prepare, parts, check, end_conditions, observe, event_values, commit, sample),
 )

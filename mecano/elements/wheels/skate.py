@@ -43,11 +43,6 @@ def observe(p, at, F, y, e):
     y[5] = lean_of(g)
 
 
-def prepare(d, nodes, context):
-    """Return the record: axis in the node's frame, normal."""
-    return {"axis": carried_axis(d, nodes), "normal": unit(d["ground"]["plane"]["normal"])}
-
-
 def check(d, nodes):
     """Return errors for a ground that is not a plane, or a blade that lies flat."""
     if d["ground"].get("profile"):
@@ -82,5 +77,6 @@ SKATE = Kind(
     ),
     multipliers=(Row("force across the blade", "N", "m/s"),),
     **no_slip(_contact, 1),
-    **named(prepare, check, end_conditions, observe, sample),
+    prepare=lambda d, nodes, context: {"axis": carried_axis(d, nodes), "normal": unit(d["ground"]["plane"]["normal"])},
+    **named(check, end_conditions, observe, sample),
 )
