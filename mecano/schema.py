@@ -143,21 +143,12 @@ class Field:
         return self.default is REQUIRED
 
 
-def positive(value: float) -> str | None:
-    """Check that the value is > 0."""
-    return None if value > 0 else "must be greater than zero"
+def requirement(holds: Callable[[Any], bool], text: str) -> ValueCheck:
+    """Return the check of a value for which ``holds(value)`` must be true; ``text`` is its error."""
+    return lambda value: None if holds(value) else text
 
 
-def not_negative(value: float) -> str | None:
-    """Check that the value is >= 0."""
-    return None if value >= 0 else "must not be negative"
-
-
-def not_zero(value: float) -> str | None:
-    """Check that the value is not zero."""
-    return None if value else "must not be zero"
-
-
-def share(value: float) -> str | None:
-    """Check that the value is between 0 and 1."""
-    return None if 0.0 <= value <= 1.0 else "must be from 0 to 1"
+positive = requirement(lambda value: value > 0, "must be greater than zero")
+not_negative = requirement(lambda value: value >= 0, "must not be negative")
+not_zero = requirement(lambda value: value != 0, "must not be zero")
+share = requirement(lambda value: 0.0 <= value <= 1.0, "must be from 0 to 1")

@@ -19,7 +19,7 @@ from mecano.element_interface import Kind
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import regularization, sticking
 from mecano.maths.dual import number, value
-from mecano.schema import NUMBER, Field, mapping
+from mecano.schema import NUMBER, Field, mapping, requirement
 
 
 @kernel
@@ -60,12 +60,10 @@ def tooth_friction_kind(mesh, dtype):
     )  # fmt: skip
 
 
-def _efficiency(value):
-    return None if 0.0 < value <= 1.0 else "must be greater than 0 and at most 1"
-
-
-def _backdriving(value):
-    return None if -1.0 < value <= 1.0 else "must be greater than -1 and at most 1; 0 or less locks itself"
+EFFICIENT = requirement(lambda eta: 0.0 < eta <= 1.0, "must be greater than 0 and at most 1")
+BACKDRIVING = requirement(
+    lambda eta: -1.0 < eta <= 1.0, "must be greater than -1 and at most 1; 0 or less locks itself"
+)
 
 
 def friction_field(backward, speed, doc):
@@ -74,9 +72,9 @@ def friction_field(backward, speed, doc):
         "friction",
         mapping(
             Field("efficiency", NUMBER, "-", "power that the driven part receives over that of the driving one",
-                  check=_efficiency),
+                  check=EFFICIENT),
             Field("backdriving_efficiency", NUMBER, "-", f"the same if power passes {backward}; 0 or less: it locks "
-                  "itself; 'efficiency' when absent", None, _backdriving),
+                  "itself; 'efficiency' when absent", None, BACKDRIVING),
             speed,
         ),
         "-", f"{doc}; none when absent", None,

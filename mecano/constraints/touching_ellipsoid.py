@@ -24,19 +24,14 @@ from mecano.constraints.touching import (
 )
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import Vec3, dot, mat, norm, vec
-from mecano.schema import NODE_VECTOR, POINT, Field, mapping
+from mecano.schema import NODE_VECTOR, POINT, Field, mapping, requirement
 
 ELLIPSOID_RECORD = {"axis": 3, "origin": 3, "origin_b": 3, "semi_axes": 3}
-
-
-def _all_positive(semi_axes):
-    return None if min(semi_axes) > 0.0 else "must be greater than zero, each of them"
-
-
+ALL_POSITIVE = requirement(lambda semi_axes: min(semi_axes) > 0.0, "must be greater than zero, each of them")
 ELLIPSOID = Field(
     "ellipsoid",
     mapping(
-        Field("semi_axes", NODE_VECTOR, "m", "along the axes of node b", check=_all_positive),
+        Field("semi_axes", NODE_VECTOR, "m", "along the axes of node b", check=ALL_POSITIVE),
         Field("center", POINT, "m", "centre at the start, inertial; node b when absent", None),
     ),
     "-", "ellipsoid fixed in node b, instead of a ball; for 'plane'", None,

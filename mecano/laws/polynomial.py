@@ -4,14 +4,9 @@ import numpy as np
 
 from mecano.jit.kernel import kernel
 from mecano.laws.term import ARGUMENT, OF_A_POWER, SLOPE, VALUE, Term
-from mecano.schema import COEFFICIENT_LIST, NUMBER, Field
+from mecano.schema import COEFFICIENT_LIST, NUMBER, Field, requirement
 
 SHOWN = 257  # number of arguments that resolve the shape of a polynomial
-
-
-def at_least_one(coefficients):
-    """Check that the list is not empty."""
-    return None if len(coefficients) else "must hold at least one coefficient"
 
 
 @kernel
@@ -48,7 +43,8 @@ def shape_of_polynomial(values, low, high):
 
 
 COEFFICIENTS = Field(
-    "coefficients", COEFFICIENT_LIST, OF_A_POWER, "c0, c1, c2 ..., in ascending powers p from 0", check=at_least_one,
+    "coefficients", COEFFICIENT_LIST, OF_A_POWER, "c0, c1, c2 ..., in ascending powers p from 0",
+    check=requirement(lambda coefficients: len(coefficients) > 0, "must hold at least one coefficient"),
 )  # fmt: skip
 
 CONSTANT = Term(

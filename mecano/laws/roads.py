@@ -6,7 +6,7 @@ import numpy as np
 
 from mecano.jit.kernel import kernel
 from mecano.laws.term import ARGUMENT, MOST_SHOWN, OF_A_WAVE, VALUE, Term
-from mecano.schema import INTEGER, NUMBER, Field, not_negative, positive
+from mecano.schema import INTEGER, NUMBER, Field, not_negative, positive, requirement
 
 
 @kernel
@@ -90,11 +90,6 @@ def check_random(values):
     return [] if values["highest"] > values["lowest"] else ["'highest' must be greater than 'lowest'"]
 
 
-def some(number):
-    """Check that the number is between 1 and 2000."""
-    return None if 1 <= number <= 2000 else "must lie between 1 and 2000"
-
-
 def shape_of_bump(values, low, high):
     """Return equally spaced arguments of the bump, from just after its start to just before its end."""
     start, end = values["start"], values["start"] + values["length"]
@@ -139,7 +134,8 @@ RANDOM = Term(
         Field("exponent", NUMBER, "-", "exponent of the decrease of the density with frequency", 2.0),
         Field("lowest", NUMBER, PER_ARGUMENT, "lowest frequency", 0.011, positive),
         Field("highest", NUMBER, PER_ARGUMENT, "highest frequency", 2.83, positive),
-        Field("waves", INTEGER, "-", "number of cosines", 100, some),
+        Field("waves", INTEGER, "-", "number of cosines", 100,
+              requirement(lambda n: 1 <= n <= 2000, "must lie between 1 and 2000")),
         Field("seed", INTEGER, "-", "seed of the random phases", 1, not_negative),
         Field("lead_in", NUMBER, ARGUMENT, "length over which the road rises smoothly from flat; endless without", 0.0,
               not_negative),

@@ -17,7 +17,7 @@ from mecano.constraints.along_coordinate.trigger import TRIGGER, check_trigger, 
 from mecano.constraints.stop_phases import FAR
 from mecano.element_interface import CONTACT, LOCK, Event, Kind, Output, Part, Row, record
 from mecano.jit.kernel import kernel
-from mecano.schema import NUMBER, Field, mapping, share
+from mecano.schema import NUMBER, Field, mapping, requirement, share
 
 LATCH_RECORD = {"value": (), "direction": ()}
 STOP_RECORD = {"lower": (), "upper": (), "restitution": ()}
@@ -146,38 +146,30 @@ def _samples(coordinate, phases):
     return lambda rng: [({**coordinate.sample(rng), **ends}, 2, phase) for phase in phases]
 
 
+LOCKED_LATER = requirement(
+    lambda value: value != 0.0, "must not be zero: for a joint locked from the start use another kind of joint"
+)
+BELOW = requirement(lambda value: value <= 0.0, "must not be greater than zero, the initial value")
+ABOVE = requirement(lambda value: value >= 0.0, "must not be less than zero, the initial value")
+SOME = requirement(lambda stops: stops["lower"] != -inf or stops["upper"] != inf, "'lower' or 'upper' must be given")
+
+
 def end_fields(coordinate):
     """Return the fields ``latch`` and ``stops`` of a joint for a coordinate."""
     quantity, unit = _quantity(coordinate), coordinate.unit
     latch = (
-        Field(quantity, NUMBER, unit, f"{quantity} since the start at which b locks to a", check=_not_zero),
+        Field(quantity, NUMBER, unit, f"{quantity} since the start at which b locks to a", check=LOCKED_LATER),
         Field("release", TRIGGER, "-", "when it unlocks for good: {time: ...} or {when: ...}; never when absent", None),
     )
     stops = (
-        Field("lower", NUMBER, unit, f"{quantity} since the start of the lower stop; none when absent", -inf, _below),
-        Field("upper", NUMBER, unit, f"{quantity} since the start of the upper stop; none when absent", inf, _above),
+        Field("lower", NUMBER, unit, f"{quantity} since the start of the lower stop; none when absent", -inf, BELOW),
+        Field("upper", NUMBER, unit, f"{quantity} since the start of the upper stop; none when absent", inf, ABOVE),
         Field("restitution", NUMBER, "-", "ratio of the speeds after and before a shock, 0 to 1", 0.0, share),
     )
     return (
         Field("latch", mapping(*latch), "-", "locks when reached, with a shock (docs/shocks.md)", None),
-        Field("stops", mapping(*stops), "-", "rigid stops, reached with a shock (docs/shocks.md)", None, _some),
+        Field("stops", mapping(*stops), "-", "rigid stops, reached with a shock (docs/shocks.md)", None, SOME),
     )
-
-
-def _not_zero(value):
-    return None if value else "must not be zero: for a joint locked from the start use another kind of joint"
-
-
-def _some(stops):
-    return "'lower' or 'upper' must be given" if stops["lower"] == -inf and stops["upper"] == inf else None
-
-
-def _below(value):
-    return None if value <= 0.0 else "must not be greater than zero, the initial value"
-
-
-def _above(value):
-    return None if value >= 0.0 else "must not be less than zero, the initial value"
 
 
 def check_ends(d):

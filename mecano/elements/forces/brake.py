@@ -35,7 +35,7 @@ from mecano.laws.table import curve
 from mecano.maths.dual import at_least, at_most, constant, select, sqrt
 from mecano.maths.surface import directions
 from mecano.maths.vector import add_vec, cross, dot, mat, norm, vec
-from mecano.schema import CURVE, DIRECTION, DRIVE, NODE_PAIR, NUMBER, WHEEL, Field, mapping, positive
+from mecano.schema import CURVE, DIRECTION, DRIVE, NODE_PAIR, NUMBER, WHEEL, Field, mapping, positive, requirement
 
 RECORD = record(
     axis=3, law="i", bound="i", bounded=(), rate_regularization=(), watches=(), slip_start=(), slip_width=(),
@@ -209,18 +209,16 @@ def sample(rng):
     return cases
 
 
-def check_slip(value):
-    """Check that the slip ratio is between rolling and locked."""
-    return None if 0.0 < value < 1.0 else "must lie between 0 and 1"
-
-
 LEAST_SPEED = 1.0  # m/s
 PARALLEL = 1e-6
 ANTI_SKID = mapping(
-    Field("slip", NUMBER, "-", "slip ratio above which the torque is reduced", check=check_slip),
+    Field(
+        "slip", NUMBER, "-", "slip ratio above which the torque is reduced",
+        check=requirement(lambda slip: 0.0 < slip < 1.0, "must lie between 0 and 1"),
+    ),
     Field("width", NUMBER, "-", "further slip over which it falls to zero", 0.1, positive),
     Field("least_speed", NUMBER, "m/s", "v_0 of the slip ratio, which fades at lower speeds", LEAST_SPEED, positive),
-)
+)  # fmt: skip
 FIELDS = (
     Field("nodes", NODE_PAIR, "-", "reference node (leg, arm) and node of the wheel"),
     Field("axis", DIRECTION, "-", "axle at the start, inertial"),

@@ -33,7 +33,7 @@ from mecano.elements.joints.lower_pair import LowerPair, rigid_pair
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number
 from mecano.maths.vector import put, vec
-from mecano.schema import DIRECTION, NUMBER, Field
+from mecano.schema import DIRECTION, NUMBER, Field, requirement
 
 HELD = "about_2", "about_1", "along_1", "along_2"
 
@@ -64,10 +64,6 @@ def _thread(d, p, context):
     return [Part(GEARED_SLIDE, BOTH, thread), *thread_friction_parts(d["friction"], thread, len(HELD))]
 
 
-def _has_pitch(value):
-    return None if value != 0.0 else "must not be zero; without a pitch use a hinge"
-
-
 def sample(rng):
     """Return a random axis next to the first node, either hand, the options."""
     nodes, d = two_places(rng), {"axis": rng.normal(size=3), "pitch": 4.0}
@@ -92,10 +88,13 @@ SCREW = rigid_pair(
         options=(Option((FRICTION,), _thread, (("friction", THREAD_FRICTION, ""),)), TURNING_LAW, SLIDE_ENDS),
         reactions=Outputs(REACTIONS, _put_reactions),
         fields=(
-            Field("pitch", NUMBER, "m", "advance along the axis in one turn; > 0: right-handed", check=_has_pitch),
+            Field(
+                "pitch", NUMBER, "m", "advance along the axis in one turn; > 0: right-handed",
+                check=requirement(lambda pitch: pitch != 0.0, "must not be zero; without a pitch use a hinge"),
+            ),
         ),
         record=record(travel=(), **AXES_FIELDS),
         place=_place,
     ),
     sample,
-)
+)  # fmt: skip

@@ -8,9 +8,11 @@ from mecano.constraints.triads import norm
 from mecano.elements.members.beam_line import check_line
 from mecano.elements.members.cross_section import constants
 from mecano.elements.members.heated_beam import check_heating
+from mecano.schema import requirement
 
 MOST_SLENDER = 1e7  # length over radius of gyration: stiffnesses differ by its square, and have 16 digits
 MOST_ELEMENTS = 10_000
+check_mesh = requirement(lambda n: 1 <= n <= MOST_ELEMENTS, f"must be 1 to {MOST_ELEMENTS}")
 LOST = 3e-17  # relative error of the deflection, per element and square of the slenderness of the beam (measured)
 INACCURATE = 1e-6  # of the deflection
 STOUT = 0.5  # length over radius of gyration: above 1 for a beam, a thousandth of that if the section is given in mm
@@ -86,8 +88,3 @@ def _inaccurate(d, nodes):
         f"it is {slenderness:.2g} radii of gyration of its section long: rounding leaves about {digits} digits of its "
         "deflections; is the 'section' intended? A cable has no bending stiffness to lose"
     ]
-
-
-def check_mesh(n):
-    """Check that the number of elements is in range."""
-    return None if 1 <= n <= MOST_ELEMENTS else f"must be 1 to {MOST_ELEMENTS}"

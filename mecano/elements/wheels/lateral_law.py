@@ -60,21 +60,15 @@ from mecano.jit.kernel import kernel
 from mecano.laws.friction import sticking
 from mecano.laws.table import curve
 from mecano.maths.vector import Vec3, add_vec, dot, mat, vec
-from mecano.schema import CURVE, NUMBER, NUMBERS, Field, mapping, not_negative, positive
+from mecano.schema import CURVE, NUMBER, NUMBERS, Field, mapping, not_negative, positive, requirement
 
 ABOUT_N = Vec3(0.0, 1.0, 0.0)
 LEAST_FORWARD = 0.1  # [m/s] speed of the axle from which on psi has turned over
 SINGULAR = 1e-12  # relative to the magnitudes of its rows, a determinant below this counts as zero
-
-
-def four(numbers):
-    """Check that there are 4 numbers: a 2 x 2 matrix, or four coefficients."""
-    return None if len(numbers) == 4 else "must hold 4 numbers"
-
-
+FOUR = requirement(lambda numbers: len(numbers) == 4, "must hold 4 numbers")  # a 2 x 2 matrix, or coefficients
 MATRICES = mapping(
-    Field("stiffness", NUMBERS, "N/m, N, N, N m", "A0 by rows: [F/y, F/psi, M/y, M/psi]", check=four),
-    Field("damping", NUMBERS, "N s/m, N s, N s, N m s", "A1 by rows, by the rates of y and psi", check=four),
+    Field("stiffness", NUMBERS, "N/m, N, N, N m", "A0 by rows: [F/y, F/psi, M/y, M/psi]", check=FOUR),
+    Field("damping", NUMBERS, "N s/m, N s, N s, N m s", "A1 by rows, by the rates of y and psi", check=FOUR),
 )
 MORELAND = mapping(
     Field("lateral_stiffness", NUMBER, "N/m", "K in F = K y + D dy/dt", check=positive),
@@ -103,7 +97,7 @@ LATERAL_FIELDS = (
     Field("damping_by_speed", CURVE, "-", FACTOR.format("A1", "the speed of the axle [m/s]"), 1.0, argument="m/s"),
     Field(
         "aligning_moment", NUMBERS, "N, N m/rad, N s, N m s/rad", "moment on the wheel about n by y, psi, their rates",
-        [0.0, 0.0, 0.0, 0.0], four,
+        [0.0, 0.0, 0.0, 0.0], FOUR,
     ),
     Field("relaxation_in_air", NUMBER, "s", "time in which y and psi decay where A1 is singular", 1.0e-3, positive),
 )  # fmt: skip

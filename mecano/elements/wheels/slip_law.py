@@ -15,7 +15,7 @@ from typing import NamedTuple
 from mecano.element_interface import recorded, recorded_values
 from mecano.immutable import immutable
 from mecano.jit.kernel import kernel
-from mecano.schema import NUMBER, NUMBERS, Field, Type, positive
+from mecano.schema import NUMBER, NUMBERS, Field, Type, positive, requirement
 
 LEAST_FORCE = 1e-9  # [N] lower bound of mu N, which is zero in the air
 
@@ -66,16 +66,11 @@ class Carcass(NamedTuple):
     creep: tuple  # (along t, along l) rolling distances in which a deflection decays under a constant force [m]
 
 
-def two_positive(numbers):
-    """Check that there are two numbers > 0."""
-    return None if len(numbers) == 2 and min(numbers) > 0.0 else "must hold 2 numbers greater than zero"
-
-
 CARCASS_FIELDS = (
     Field(
         "carcass_stiffness", NUMBERS, "N/m",
         "for a transient_wheel, K [along t, along l]: relaxation length C/K + creep_length",
-        None, two_positive,
+        None, requirement(lambda K: len(K) == 2 and min(K) > 0.0, "must hold 2 numbers greater than zero"),
     ),
     Field(
         "creep_length", NUMBER, "m", "rolling distance in which the carcass settles when the whole contact slides; "
