@@ -109,8 +109,7 @@ def path(p, at):
 @kernel
 def of_law(p, at):
     """Return the payout of a law of time, and its rate."""
-    paid_out, rate, _ = evaluate_curve(at.laws, p.payout, at.t)
-    return paid_out, rate
+    return evaluate_curve(at.laws, p.payout, at.t)[:2]
 
 
 @kernel

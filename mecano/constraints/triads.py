@@ -38,6 +38,11 @@ def cross(a, b):
     return np.array([a_2 * b_3 - a_3 * b_2, a_3 * b_1 - a_1 * b_3, a_1 * b_2 - a_2 * b_1])
 
 
+def hat(a):
+    """Return the matrix (3, 3) of b -> a x b."""
+    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
+
+
 def turned_onto(a, b):
     """Return the smallest rotation (3, 3) from the direction of ``a`` to that of ``b``."""
     a, b = triad(a)[2], triad(b)[2]
@@ -45,8 +50,7 @@ def turned_onto(a, b):
         mu = triad(a)
         return 2.0 * np.outer(mu[0], mu[0]) - np.eye(3)
     w = np.cross(a, b)
-    hat = np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
-    return np.eye(3) + hat + hat @ hat / (1.0 + a @ b)
+    return np.eye(3) + hat(w) + hat(w) @ hat(w) / (1.0 + a @ b)
 
 
 def not_flipped(p, q, R):

@@ -21,13 +21,13 @@ COLUMNS = 5  # numbers of each point: argument, acceleration, rate, displacement
 @kernel
 def _from(a, i, s):
     """Return s - t_j and, at t_j, acceleration, jerk, rate, displacement and its integral; from j on s is reached."""
-    n, first = int(a[i]), i + 1
+    n, first, acceleration, jerk = int(a[i]), i + 1, 0.0, 0.0
     if s < a[first] or s >= a[first + n - 1]:
         j = 0 if s < a[first] else n - 1
-        return s - a[first + j], 0.0, 0.0, a[first + 2 * n + j], a[first + 3 * n + j], a[first + 4 * n + j]
-    j = interval(a, first, n, s)
-    acceleration = a[first + n + j]
-    jerk = (a[first + n + j + 1] - acceleration) / (a[first + j + 1] - a[first + j])
+    else:
+        j = interval(a, first, n, s)
+        acceleration = a[first + n + j]
+        jerk = (a[first + n + j + 1] - acceleration) / (a[first + j + 1] - a[first + j])
     return s - a[first + j], acceleration, jerk, a[first + 2 * n + j], a[first + 3 * n + j], a[first + 4 * n + j]
 
 

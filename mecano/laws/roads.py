@@ -85,11 +85,6 @@ def pack_random(values):
     ]
 
 
-def check_random(values):
-    """Check that the range of frequencies is not empty."""
-    return [] if values["highest"] > values["lowest"] else ["'highest' must be greater than 'lowest'"]
-
-
 def shape_of_bump(values, low, high):
     """Return equally spaced arguments of the bump, from just after its start to just before its end."""
     start, end = values["start"], values["start"] + values["length"]
@@ -147,5 +142,5 @@ RANDOM = Term(
     shape=shape_of_random,
     frequency=lambda values: values["highest"] if values["density"] else 0.0,
     breakpoints=lambda values: [values["start"], values["start"] + values["lead_in"]] if values["lead_in"] else [],
-    check=check_random,
+    check=lambda values: [] if values["highest"] > values["lowest"] else ["'highest' must be greater than 'lowest'"],
 )  # fmt: skip

@@ -114,11 +114,6 @@ def end_of_edge(time, rise):
     return end if end - time >= rise else math.nextafter(end, math.inf)
 
 
-def end_after_start(values):
-    """Check that the ramp has a positive length."""
-    return [] if values["end"] > values["start"] else ["'end' must be greater than 'start'"]
-
-
 SINE = Term(
     name="sine",
     doc="y = offset + amplitude sin(2 pi frequency s + phase).",
@@ -147,7 +142,7 @@ RAMP = Term(
     ),
     evaluate=ramp,
     integral=ramp_integral,
-    check=end_after_start,
+    check=lambda values: [] if values["end"] > values["start"] else ["'end' must be greater than 'start'"],
     breakpoints=lambda values: [values["start"], values["end"]],
 )
 

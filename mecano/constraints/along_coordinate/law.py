@@ -40,8 +40,7 @@ LAW_RECORD = {"law": "i", "natural": (), "low": (), "high": (), "set_point": "i"
 @kernel
 def set_point_of_law(p, at):
     """Return the set point of a law of time, and its rate."""
-    n, rate, _ = evaluate_curve(at.laws, p.set_point, at.t)
-    return n, rate
+    return evaluate_curve(at.laws, p.set_point, at.t)[:2]
 
 
 @kernel
@@ -64,7 +63,8 @@ def report(p, at, set_point, coordinate, rate, y, e):
 
 
 @kernel
-def _as_it_is(m, c):
+def as_it_is(before, c):
+    """Return the value c of a coordinate that is not periodic."""
     return c
 
 
@@ -75,7 +75,7 @@ def _over_turns(m, c):
 
 def counted(coordinate):
     """Return the compiled function (p, at) -> c; an angle is continued over whole turns from the memory."""
-    value, turns = coordinate.value, _over_turns if coordinate.periodic else _as_it_is
+    value, turns = coordinate.value, _over_turns if coordinate.periodic else as_it_is
 
     @kernel
     def count(p, at):

@@ -31,6 +31,7 @@ from mecano.constraints.wheels import carried_axis
 from mecano.element_interface import Kind, Output, named, record
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, prepare_radial, radial_force, speed_over_ground
 from mecano.jit.kernel import kernel
+from mecano.laws.friction import sticking
 from mecano.laws.table import curve
 from mecano.maths.dual import at_least, at_most, constant, select, sqrt
 from mecano.maths.surface import directions
@@ -101,13 +102,6 @@ def _least(T, B):
     return select(positive > 0.0, 0.5 * (T + B - root), 0.0)
 
 
-@kernel
-def _sign(rate, eps):
-    """Return the smooth sign of the rate."""
-    x = at_most(abs(rate) / eps, 1.0)
-    return select(rate < 0.0, -1.0, 1.0) * x * (2.0 - x)
-
-
 def _functions(demand):
     """Return ``residual`` and ``observe`` of a brake with this demanded torque."""
 
@@ -118,7 +112,7 @@ def _functions(demand):
         rate = dot(vec(p.axis, 0), vec(at.v, SPIN)) - dot(b, vec(at.v, REFERENCE))
         T, bound = at_least(demand(p, at), 0.0), bound_of(p, at)
         T = bound.factor * select(p.bounded == UNBOUNDED, T, _least(T, bound.B))
-        return T * _sign(rate, p.rate_regularization), rate, b, bound
+        return T * sticking(p.rate_regularization, abs(rate)) * rate, rate, b, bound
 
     @kernel
     def residual(p, at, f):

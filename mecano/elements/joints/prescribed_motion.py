@@ -13,6 +13,7 @@ apart. Its power :math:`k\lambda\, \dot f` is supplied by the surroundings.
 import numpy as np
 
 from mecano.constraints.along_coordinate.hold import motion_values, with_motion
+from mecano.constraints.along_coordinate.law import as_it_is
 from mecano.constraints.along_coordinate.measure import angle_outputs
 from mecano.constraints.body_fixed import follow
 from mecano.constraints.coordinates.coordinate import rate_of
@@ -31,11 +32,6 @@ from mecano.schema import DIRECTION, MOTION, NODE, Field
 EQUATIONS = __doc__.partition("\n\n")[2]
 
 
-@kernel
-def _as_it_is(wanted, c):
-    return c
-
-
 def _prescribed(name, what, coordinate, constraint, motion_of, motions=("value",), **declared):
     """Return the Kind of a joint that drives a ``coordinate`` by the Part ``constraint``.
 
@@ -43,7 +39,7 @@ def _prescribed(name, what, coordinate, constraint, motion_of, motions=("value",
     ``motions`` are the fields that may give it, ``declared`` other fields of the Kind.
     """
     value, gradient, row = coordinate.value, coordinate.gradient, coordinate.row
-    nearest = follow if coordinate.periodic else _as_it_is
+    nearest = follow if coordinate.periodic else as_it_is
     on = tuple(range(len({slot[1] for slot in coordinate.layout})))
 
     def prepare(d, nodes, context):

@@ -23,6 +23,7 @@ import numpy as np
 from mecano.constraints.along_coordinate.demand import as_formula, is_formula
 from mecano.constraints.elastic_line import STRAIN_OF_STEEL
 from mecano.constraints.joint_samples import rotation
+from mecano.constraints.triads import hat
 from mecano.element_interface import Display, Kind, Output, named, record
 from mecano.elements.members.beam_checks import check, check_mesh, start_warnings
 from mecano.elements.members.beam_elastic import (
@@ -35,7 +36,7 @@ from mecano.elements.members.beam_elastic import (
     stresses,
     unstretched,
 )
-from mecano.elements.members.beam_flexibility import elastic_constants, hat
+from mecano.elements.members.beam_flexibility import elastic_constants
 from mecano.elements.members.beam_inertia import add_inertia, energies, inertia_record
 from mecano.elements.members.beam_line import screw, stations
 from mecano.elements.members.beam_section_forces import (

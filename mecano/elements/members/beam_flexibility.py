@@ -17,13 +17,10 @@ from functools import lru_cache
 
 import numpy as np
 
+from mecano.constraints.triads import hat
+
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(8)  # exact to round-off up to half a turn
 STRAIGHT = 1e-9  # rad: an element with a smaller rotation between its ends is straight
-
-
-def hat(a):
-    """Return the matrix (3, 3) of b -> a x b."""
-    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
 
 
 def adjoint(h):

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 from mecano.constraints.joint_nodes import PLACE, check_apart
-from mecano.constraints.triads import cross, norm, triad
+from mecano.constraints.triads import cross, hat, norm, triad
 from mecano.maths.so3 import log, tangent_inverse
 from mecano.maths.vector import mat, vec
 
@@ -41,10 +41,8 @@ def _shares(n):
 
 def _rotations(about, angles):
     """Return the rotations (n, 3, 3) by ``angles`` (n, 1) [rad] about a unit vector (Rodrigues)."""
-    x, y, z = about
-    hat = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     sines, versines = np.sin(angles)[..., None], (1.0 - np.cos(angles))[..., None]
-    return np.eye(3) + sines * hat + versines * (hat @ hat)
+    return np.eye(3) + sines * hat(about) + versines * (hat(about) @ hat(about))
 
 
 def screw(first, second):

@@ -75,8 +75,7 @@ def _fixed(p, at):
 
 @kernel
 def _of_law(p, at, i):
-    y, rate, _ = evaluate_curve(at.laws, int(p.natural[i]), at.t)
-    return y, rate
+    return evaluate_curve(at.laws, int(p.natural[i]), at.t)[:2]
 
 
 @kernel

@@ -70,8 +70,7 @@ INPUT = 6  # local index of a natural length that is a signal
 @kernel
 def _of_time(p, at):
     """Return the natural length of a law of time, and its rate."""
-    L, L_rate, _ = evaluate_curve(at.laws, p.law, at.t)
-    return L, L_rate
+    return evaluate_curve(at.laws, p.law, at.t)[:2]
 
 
 @kernel
