@@ -8,7 +8,8 @@ from scipy.integrate import quad, solve_ivp
 from scipy.spatial.transform import Rotation
 from time_runs import RecordedRun, deck, input_deck
 
-from mecano.constraints.touching_ellipsoid import ellipsoid_gap_at_start
+from mecano.constraints.touching import touch_at_start
+from mecano.constraints.touching_ellipsoid import ELLIPSOIDS
 from mecano.errors import DeckError
 
 S, g, a, b, c, TILT = "Contact", 9.81, 0.06, 0.04, 0.03, 0.5
@@ -31,7 +32,7 @@ def test_the_gap_is_the_height_of_the_lowest_point(seed):
     ball = np.stack([np.sin(u) * np.cos(v), np.sin(u) * np.sin(v), np.cos(u)], axis=-1).reshape(-1, 3)
     heights = (center + turn.apply(axes * ball) - x_a) @ (normal / np.linalg.norm(normal))
     d = {"plane": {"normal": normal, "point": None}, "ellipsoid": {"semi_axes": axes, "center": center}, "radius": 0.0}
-    gap, _ = ellipsoid_gap_at_start(d, [(x_a, np.eye(3)), (x_b, turn.as_matrix())])
+    gap = touch_at_start(ELLIPSOIDS, d, [(x_a, np.eye(3)), (x_b, turn.as_matrix())]).gap
     assert gap == pytest.approx(heights.min(), abs=2e-5)
 
 

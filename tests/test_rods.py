@@ -6,7 +6,8 @@ from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 from time_runs import RecordedRun, deck, input_deck
 
-from mecano.constraints.touching_rods import rod_gap_at_start
+from mecano.constraints.touching import touch_at_start
+from mecano.constraints.touching_rods import RODS
 from mecano.errors import DeckError
 
 g = 9.81
@@ -27,7 +28,7 @@ def test_the_gap_is_the_least_distance_of_both_lines(seed):
         "rod": {"axis": axes[1], "length": lengths[1], "center": None}, "radius": 0.02,
     }  # fmt: skip
     nodes = [(place, np.eye(3)) for place in x]
-    assert rod_gap_at_start(d, nodes)[0] == pytest.approx(np.sqrt(least) - 0.03, abs=1e-6)
+    assert touch_at_start(RODS, d, nodes).gap == pytest.approx(np.sqrt(least) - 0.03, abs=1e-6)
 
 
 def test_a_rod_falls_across_another_and_one_slides_on_rails(verify):

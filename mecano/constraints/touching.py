@@ -17,12 +17,15 @@ surface. The rate of the gap is
 """
 
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
 
 from mecano.constraints.stop_phases import FAR
+from mecano.element_interface import Context
 from mecano.jit.kernel import kernel
+from mecano.laws.table import LawTable
 from mecano.maths.dual import at_least, at_most
 from mecano.maths.vector import Vec3, cross, dot, mat, norm, vec
 from mecano.schema import BOOLEAN, CURVE, DIRECTION, NUMBER, POINT, Field, mapping, not_negative, positive
@@ -97,7 +100,6 @@ class Shapes(NamedTuple):
     record: dict  # fields of the record
     values: Callable  # (d, nodes, context) -> their values
     check: Callable  # (d, nodes) -> errors
-    gap_at_start: Callable  # (d, nodes) -> gap [m], a position
 
     @property
     def layout(self):
@@ -194,16 +196,12 @@ def surface_record(d, nodes, context=None):
     }  # fmt: skip
 
 
-def gap_at_start(d, nodes):
-    """Return the gap [m] at the start, and the distance [m] of node b from the middle of the surface."""
-    name, values = named_surface(d)
-    p, offset = surface_record(d, nodes), np.subtract(nodes[1][0], surface_point(values, nodes))
-    axis = nodes[0][1] @ p["axis"]
-    along = float(axis @ offset)
-    if name == "plane":
-        return along - d["radius"], along
-    away = float(np.linalg.norm(offset - min(max(along, p["first"]), p["last"]) * axis))
-    return p["side"] * (away - p["distance"]) - p["radius"], away
+def touch_at_start(shapes, d, nodes):
+    """Return the Touch of two Shapes at the start."""
+    laws, ((x_a, R_a), (x_b, R_b)) = LawTable(), nodes
+    p = SimpleNamespace(**shapes.values(d, nodes, Context(laws, np.zeros(3))))
+    q = np.concatenate([x_a, np.zeros(3), x_b, np.zeros(3)])
+    return shapes.touch(p, SimpleNamespace(q=q, R=(R_a, R_b), laws=laws.array()))
 
 
 def check_one_surface(d):
@@ -226,7 +224,7 @@ def check_side(d, nodes):
     if values.get("inside"):
         small = d["radius"] < values["radius"]
         return [] if small else [f"'radius' of the ball must be less than the radius of the {name} around it"]
-    away = gap_at_start(d, nodes)[1]
+    away = touch_at_start(BALL, d, nodes).gap + d["radius"] + values["radius"]
     if away >= (1.0 - PRESSED) * values["radius"] or "inside" not in values:
         return []
     return [
@@ -234,4 +232,4 @@ def check_side(d, nodes):
     ]
 
 
-BALL = Shapes("", touch, approach, False, SURFACE_RECORD, surface_record, check_side, gap_at_start)
+BALL = Shapes("", touch, approach, False, SURFACE_RECORD, surface_record, check_side)

@@ -11,8 +11,6 @@ b is the arm from node b to the point. As the ellipsoid is stationary there alon
 of the points of the bodies, :math:`\dot g = n \cdot (v_b + \omega_b \times b - v_a - \omega_a \times a)`.
 """
 
-import numpy as np
-
 from mecano.constraints.touching import (
     Shapes,
     Touch,
@@ -64,14 +62,6 @@ def ellipsoid_record(d, nodes, context=None):
     return {"axis": of_a["axis"], "origin": of_a["origin"], **of_b}
 
 
-def ellipsoid_gap_at_start(d, nodes):
-    """Return the gap [m] at the start, and the height [m] of the centre above the plane."""
-    p, (x_a, R_a), (x_b, R_b) = ellipsoid_record(d, nodes), *nodes
-    n = R_a @ p["axis"]
-    height = float(n @ (x_b + R_b @ p["origin_b"] - x_a - R_a @ p["origin"]))
-    return height - float(np.linalg.norm(p["semi_axes"] * (R_b.T @ n))), height
-
-
 def check_ellipsoid(d, nodes):
     """Return errors for an ellipsoid at a surface that is not a plane, with a radius, or without a position."""
     if named_surface(d)[0] != "plane":
@@ -81,7 +71,4 @@ def check_ellipsoid(d, nodes):
     return check_place_on_b(d, "ellipsoid")
 
 
-ELLIPSOIDS = Shapes(
-    "ellipsoid_", touch, approach_of_turning, True, ELLIPSOID_RECORD, ellipsoid_record, check_ellipsoid,
-    ellipsoid_gap_at_start,
-)  # fmt: skip
+ELLIPSOIDS = Shapes("ellipsoid_", touch, approach_of_turning, True, ELLIPSOID_RECORD, ellipsoid_record, check_ellipsoid)

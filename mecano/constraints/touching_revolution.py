@@ -14,14 +14,13 @@ s is 1 outside of the surface and -1 inside. This point is unique, and depends s
 smaller than the radius of curvature of the concave parts of the meridian.
 """
 
-import math
-
 import numpy as np
 
-from mecano.constraints.touching import CENTRED, Shapes, Touch, approach, surface_point
+from mecano.constraints.touching import CENTRED, Shapes, Touch, approach, surface_point, touch_at_start
+from mecano.constraints.triads import unit
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import corners, curve_at, shape_of_curve
-from mecano.laws.table import LawTable, curve_and_slope, evaluate_curve
+from mecano.laws.table import curve_and_slope, evaluate_curve
 from mecano.maths.dual import at_least, implicit, sqrt, value
 from mecano.maths.vector import dot, mat, norm, vec
 
@@ -82,18 +81,15 @@ def revolution_record(d, nodes, context):
     }  # fmt: skip
 
 
-def revolution_gap_at_start(d, nodes):
-    """Return the gap [m] at the start, and the place z [m] of the nearest point along the axis."""
-    values = d["revolution"]
-    axis, offset = np.array(values["axis"], float), np.subtract(nodes[1][0], surface_point(values, nodes))
-    along = float(axis @ offset / np.linalg.norm(axis))
-    away = math.sqrt(max(float(offset @ offset) - along**2, 0.0))
-    laws = LawTable()
-    profile = laws.add(values["profile"])
-    z = _nearest(laws.array(), profile, along, away)
-    rho, slope, _ = curve_at(values["profile"], z)
-    level = (away - rho - slope * (along - z)) / math.sqrt(1.0 + slope**2)
-    return _side(values) * level - d["radius"], z
+def nearest_at_start(d, nodes):
+    """Return the distance [m] of the centre of the ball from the surface, and z [m] of its nearest point, at the start.
+
+    The distance is negative on the wrong side.
+    """
+    values, touched = d["revolution"], touch_at_start(REVOLUTIONS, d, nodes)
+    distance = touched.gap + d["radius"]
+    point = np.subtract(nodes[1][0], surface_point(values, nodes)) - distance * np.array(touched.n)
+    return distance, float(point @ unit(values["axis"]))
 
 
 def check_revolution(d, nodes):
@@ -104,13 +100,13 @@ def check_revolution(d, nodes):
             f"'revolution.profile' has a jump or a corner at {places[0]:g} m; a ball needs a smooth one "
             "(a table: 'interpolation: spline' or 'cubic', and flat ends or 'beyond: extend')"
         ]
-    gap, z = revolution_gap_at_start(d, nodes)
+    distance, z = nearest_at_start(d, nodes)
     radius = curve_at(values["profile"], z)[0]
     if radius <= 0.0:
         return [
             f"'revolution.profile' is {radius:.4g} m at {z:.4g} m, next to node b; a radius must be greater than zero"
         ]
-    if gap + d["radius"] < 0.0:
+    if distance < 0.0:
         where, wanted = ("outside", "false") if values["inside"] else ("inside", "true")
         return [f"node b is {where} the surface 'revolution': move it, or write 'inside: {wanted}'"]
     return _too_narrow(d, z, BESIDE * radius)
@@ -134,7 +130,4 @@ def _side(values):
     return -1.0 if values["inside"] else 1.0
 
 
-REVOLUTIONS = Shapes(
-    "revolution_", touch, approach, False, REVOLUTION_RECORD, revolution_record, check_revolution,
-    revolution_gap_at_start,
-)  # fmt: skip
+REVOLUTIONS = Shapes("revolution_", touch, approach, False, REVOLUTION_RECORD, revolution_record, check_revolution)

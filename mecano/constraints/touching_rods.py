@@ -11,8 +11,6 @@ contact. Parallel lines touch along a part of both: the force then acts in its m
 Detection, 2005, section 5.1.9).
 """
 
-from types import SimpleNamespace
-
 import numpy as np
 
 from mecano.constraints.touching import (
@@ -25,6 +23,7 @@ from mecano.constraints.touching import (
     named_surface,
     origin_on_b,
     surface_record,
+    touch_at_start,
 )
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, at_most, select
@@ -81,18 +80,6 @@ def rod_record(d, nodes, context=None):
     return {**of_b, "length_b": rod["length"], **surface_record(d, nodes)}
 
 
-def rod_gap_at_start(d, nodes):
-    """Return the gap [m] at the start, and the distance [m] of both axes."""
-    p = rod_record(d, nodes)
-    (x_a, R_a), (x_b, R_b) = nodes
-    alpha, beta = R_a @ p["axis"], R_b @ p["axis_b"]
-    r = x_b + R_b @ p["origin_b"] - x_a - R_a @ p["origin"]
-    ends = SimpleNamespace(**p)
-    s, t = _nearest(ends, float(alpha @ r), float(beta @ r), float(alpha @ beta))
-    distance = float(np.linalg.norm(r + t * beta - s * alpha))
-    return distance - p["distance"] - p["radius"], distance
-
-
 def check_rod(d, nodes):
     """Return errors for a rod at a surface that is not a line, without a position, and for axes that meet."""
     name, values = named_surface(d)
@@ -105,9 +92,13 @@ def check_rod(d, nodes):
         return ["the 'radius' of a 'rod' must be greater than zero"]
     if unplaced := check_place_on_b(d, "rod"):
         return unplaced
-    gap, distance = rod_gap_at_start(d, nodes)
-    apart = distance > 0.5 * (distance - gap)
-    return [] if apart else [f"the axes of the rod and of the {name} are {distance:.3g} m apart: move them apart"]
+    radii = values["radius"] + d["radius"]
+    distance = touch_at_start(RODS, d, nodes).gap + radii
+    return (
+        []
+        if distance > 0.5 * radii
+        else [f"the axes of the rod and of the {name} are {distance:.3g} m apart: move them apart"]
+    )
 
 
-RODS = Shapes("rod_", touch, approach_of_turning, True, ROD_RECORD, rod_record, check_rod, rod_gap_at_start)
+RODS = Shapes("rod_", touch, approach_of_turning, True, ROD_RECORD, rod_record, check_rod)

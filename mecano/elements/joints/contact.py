@@ -39,7 +39,7 @@ from mecano.constraints.contact_functions import (
 )
 from mecano.constraints.contact_samples import samples
 from mecano.constraints.release import COMMAND, SAMPLE, with_release
-from mecano.constraints.touching import BALL, FIELDS, ROUNDING, check_one_surface
+from mecano.constraints.touching import BALL, FIELDS, ROUNDING, check_one_surface, touch_at_start
 from mecano.constraints.touching_ellipsoid import ELLIPSOID, ELLIPSOIDS
 from mecano.constraints.touching_revolution import REVOLUTIONS
 from mecano.constraints.touching_rods import ROD, RODS
@@ -97,7 +97,7 @@ def check(d, nodes):
     if d["law"] is None:
         texts += ["'damping' needs 'law': a rigid contact has none"] if d["damping"] else []
         texts += check_friction(d)
-        if not texts and not d["activate"] and (gap := shapes.gap_at_start(d, nodes)[0]) < -ROUNDING:
+        if not texts and not d["activate"] and (gap := touch_at_start(shapes, d, nodes).gap) < -ROUNDING:
             texts.append(f"the {_shape_of_b(d)} starts {-gap:.6g} m within the surface, which is rigid without 'law'")
         return texts
     if d["restitution"]:
