@@ -19,6 +19,7 @@ from mecano.constraints.of_coordinates import (
     TWIST_LAW,
     law_part,
 )
+from mecano.constraints.pair import coordinate_of
 from mecano.element_interface import Part
 from mecano.immutable import immutable
 
@@ -36,22 +37,12 @@ class Option:
     needs_reactions: bool = False  # along all axes that the joint holds
 
 
-def _about(place):
-    """Return the axes of the angle about the axis of a joint, and its initial value."""
-    return {"mu": place["mu"], "xi": place["xi"]}, 0.0
-
-
-def _along(place):
-    """Return the axes of the sliding along the axis of a joint, and its initial value."""
-    return {"mu": place["mu"][2]}, place["start"][2]
-
-
-def _law_option(fields, kind, of_place):
-    """Return the Option of a law along a coordinate; ``fields`` are those of the law and of its set point."""
+def _law_option(fields, kind, axis):
+    """Return the Option of a law about or along an ``axis`` (pair.py); ``fields``: of the law and of its set point."""
     law, set_point = (field.name for field in fields)
 
     def parts(d, place, context):
-        axes, start = of_place(place)
+        axes, start = coordinate_of(axis, place)
         return [] if d[law] is None else [law_part(kind, axes, d[law], d[set_point], context, start)]
 
     def check(d):
@@ -61,11 +52,11 @@ def _law_option(fields, kind, of_place):
     return Option(fields, parts, ((law, kind, ""),), check)
 
 
-def _end_option(coordinate, latches, stop, of_place):
+def _end_option(coordinate, latches, stop, axis):
     """Return the Option of the ends of a coordinate: Kinds of its latches, for good or released, and of its stops."""
 
     def parts(d, place, context):
-        return end_parts(d, coordinate, *of_place(place), latches, stop)
+        return end_parts(d, coordinate, *coordinate_of(axis, place), latches, stop)
 
     optional = (*(("latch", latch, "") for latch in latches), ("stops", stop, ""))
     return Option(end_fields(coordinate), parts, optional, check_ends)
@@ -86,7 +77,7 @@ def friction_option(kind, values, *geometry):
     return Option((friction_fields(*geometry),), parts, (("friction", kind, ""),), check_friction, True)
 
 
-TURNING_LAW = _law_option(TURNING_FIELDS, TWIST_LAW, _about)
-SLIDING_LAW = _law_option(SLIDING_FIELDS, SLIDE_LAW, _along)
-ANGLE_ENDS = _end_option(TWIST, (ANGLE_LATCH, ANGLE_LATCH_RELEASE), ANGLE_STOP, _about)
-SLIDE_ENDS = _end_option(SLIDE, (SLIDE_LATCH, SLIDE_LATCH_RELEASE), SLIDE_STOP, _along)
+TURNING_LAW = _law_option(TURNING_FIELDS, TWIST_LAW, "about_axis")
+SLIDING_LAW = _law_option(SLIDING_FIELDS, SLIDE_LAW, "along_axis")
+ANGLE_ENDS = _end_option(TWIST, (ANGLE_LATCH, ANGLE_LATCH_RELEASE), ANGLE_STOP, "about_axis")
+SLIDE_ENDS = _end_option(SLIDE, (SLIDE_LATCH, SLIDE_LATCH_RELEASE), SLIDE_STOP, "along_axis")
