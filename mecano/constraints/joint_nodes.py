@@ -7,6 +7,7 @@ from mecano.schema import NODE_PAIR, Field
 
 PLACE = 1e-6  # tolerance for nodes that share a position in the deck [m]
 ANGLE = 1e-6  # tolerance for nodes that share a rotation in the deck [rad]
+PERPENDICULAR = 1e-6  # cosine up to which two directions are perpendicular
 NODES = Field("nodes", NODE_PAIR, "-", "nodes a and b; either may be ground")
 ENDS = Field("nodes", NODE_PAIR, "-", "nodes a and b, not at the same place")
 
@@ -56,6 +57,15 @@ def check_apart(d, nodes):
         return []
     how = "'ground' is at the place of the other node; elsewhere use a node with 'fixed: true'"
     return [f"its nodes must not be at the same place ({how})"]
+
+
+def check_perpendicular(d, first, second):
+    """Return errors if the directions in the fields ``first`` and ``second`` of a joint are not perpendicular."""
+    cosine = triad(d[first])[2] @ triad(d[second])[2]
+    if abs(cosine) <= PERPENDICULAR:
+        return []
+    degrees = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))
+    return [f"{first!r} and {second!r} must be perpendicular; they are {degrees:.6g} degrees apart"]
 
 
 def check_axis_1(d, nodes):

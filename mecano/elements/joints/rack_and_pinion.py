@@ -20,13 +20,12 @@ from mecano.constraints.coordinates.slide import slide
 from mecano.constraints.coordinates.twist import turned
 from mecano.constraints.gear_teeth import Mesh, with_teeth
 from mecano.constraints.geared_slide import GEARED_SLIDE, slide_travel
+from mecano.constraints.joint_nodes import check_perpendicular
 from mecano.constraints.triads import triad
 from mecano.element_interface import Display, Kind, Output, named
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import vec
 from mecano.schema import DIRECTION, NODE_PAIR, NUMBER, Field, positive
-
-PERPENDICULAR = 1e-6  # cosine up to which axis and rack are perpendicular
 
 
 @kernel
@@ -44,15 +43,6 @@ def prepare(d, nodes, context):
     mu, sigma = triad(d["axis"]), triad(d["direction"])[2]
     along = sigma @ np.subtract(x_b, x_a)
     return {"mu": mu @ R_a, "xi": mu @ R_b, "sigma": sigma @ R_a, "offset": along, "travel": d["radius"]}
-
-
-def check(d, nodes):
-    """Check that the axis is perpendicular to the rack."""
-    cosine = abs(triad(d["axis"])[2] @ triad(d["direction"])[2])
-    if cosine <= PERPENDICULAR:
-        return []
-    degrees = np.degrees(np.arccos(min(1.0, cosine)))
-    return [f"'axis' and 'direction' must be perpendicular; they are {degrees:.6g} degrees apart"]
 
 
 def sample(rng):
@@ -83,6 +73,7 @@ _RIGID = Kind(
         Output("force", "N", "tangential force of the teeth of a on b, along the direction, without friction"),
     ),
     counts_angles=lambda d: [("axis", d["axis"], d["nodes"])],
-    **named(prepare, check, sample),
+    check=lambda d, nodes: check_perpendicular(d, "axis", "direction"),
+    **named(prepare, sample),
 )  # fmt: skip
 RACK_AND_PINION = with_teeth(_RIGID, Mesh(GEARED_SLIDE, slide_travel, driver=1), _put_motion, "radius")

@@ -23,7 +23,7 @@ from mecano.constraints.along_coordinate.measure import angle_outputs
 from mecano.constraints.body_fixed import follow, relative_rotation, turning_rate
 from mecano.constraints.coordinates.pin_angle import pin_angle, pin_gradient
 from mecano.constraints.coordinates.tilt import tilted
-from mecano.constraints.joint_nodes import NODES, check_one_place, one_position
+from mecano.constraints.joint_nodes import NODES, check_one_place, check_perpendicular, one_position
 from mecano.constraints.joint_samples import RUBBING, SPRUNG, STICKING, one_place
 from mecano.constraints.of_coordinates import ORTHOGONAL, PIN_LAW, TILT_LAW, law_part
 from mecano.constraints.pair import (
@@ -48,7 +48,6 @@ RECORD = record(mu=(3, 3), xi=(3, 3))
 CROSS = "about_cross"
 PIN_LENGTH = "distance of both ends of each pin, which carry the couple; when absent the couple causes no friction"
 ELASTIC = ("about_2", "along_1", "along_2", "along_axis")  # of pair.py; the first one stands for the cross
-PERPENDICULAR = 1e-6  # cosine up to which the pins are perpendicular
 
 
 @kernel
@@ -163,12 +162,7 @@ def parts_elastic(d, nodes, context):
 
 def check(d, nodes):
     """Check that the nodes coincide initially and that the pins are perpendicular."""
-    cosine = triad(d["axis_a"])[2] @ triad(d["axis_b"])[2]
-    texts = check_one_place(d, nodes) + check_friction(d)
-    if abs(cosine) > PERPENDICULAR:
-        degrees = np.degrees(np.arccos(cosine))
-        texts.append(f"'axis_a' and 'axis_b' must be perpendicular; they are {degrees:.6g} degrees apart")
-    return texts
+    return check_one_place(d, nodes) + check_friction(d) + check_perpendicular(d, "axis_a", "axis_b")
 
 
 def sample(rng):

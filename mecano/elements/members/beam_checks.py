@@ -42,12 +42,12 @@ def _too_slender(d, nodes, section):
 
 def start_warnings(d, nodes):
     """Return warnings about a beam that is too thick, or too slender for its numbers or for its elements."""
-    return [*_stout(d, nodes), *_inaccurate(d, nodes), *_hanging(d, nodes)]
-
-
-def _stout(d, nodes):
-    """Return a warning about a beam shorter than its section is thick."""
     slenderness = _slenderness(constants(d["section"]), *(node.x for node in nodes))
+    return [*_stout(slenderness), *_inaccurate(d, slenderness), *_hanging(d, nodes)]
+
+
+def _stout(slenderness):
+    """Return a warning about a beam shorter than its section is thick."""
     if slenderness >= STOUT:
         return []
     return [f"it is {slenderness:.2g} radii of gyration of its section long: are the dimensions of the 'section' in m?"]
@@ -73,13 +73,12 @@ def _hanging(d, nodes):
     ]
 
 
-def _inaccurate(d, nodes):
+def _inaccurate(d, slenderness):
     """Return a warning about a beam of whose deflections rounding leaves few digits.
 
     The bending stiffness is smaller than the axial one by the square of the slenderness, and follows from differences
     of the positions of nodes.
     """
-    slenderness = _slenderness(constants(d["section"]), *(node.x for node in nodes))
     error = LOST * d["mesh"] * slenderness**2
     if error <= INACCURATE:
         return []
