@@ -77,15 +77,11 @@ def load_installed():
         try:
             module = import_module(point.module)
         except Exception as error:
-            raise UsageError(f"plugin {point.name} ({point.value}) {_failed(error, module_file(point))}") from error
+            end_of_path = point.module.replace(".", os.sep)
+            raise UsageError(f"plugin {point.name} ({point.value}) {_failed(error, end_of_path)}") from error
         with open(module.__file__, "rb") as file:
             digest = hashlib.sha256(file.read()).hexdigest()
         _register(f"{point.dist.name if point.dist else point.name}:{point.module}", digest, module)
-
-
-def module_file(point):
-    """Return the end of the path of the module of an entry point."""
-    return point.module.replace(".", os.sep)
 
 
 def _any_installed():

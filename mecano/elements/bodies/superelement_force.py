@@ -62,7 +62,7 @@ def state_of(p, at, work, turns):
     R, centre, D_inverse = configuration(p, at.laws, at.q, at.R, work, turns)
     spin, load = frame_spin(p, at.laws, at.v, R, D_inverse, turns), R.T @ vec(p.gravity, 0)
     put_rates(p, at, R, spin, work, turns)
-    put_forces(p, at.laws, load, work)
+    put_products(p, at.laws, load, work, (U, U_RATE, V, V_RATE), FORCE)
     moment = vec(p.moment, 0) + first_moment(p, at.laws, work[U])
     nu = D_inverse @ frame_moment(p, at.laws, load, moment, work, turns)
     return State(R, centre, D_inverse, spin, load, moment, mean_force(p, load, work[FORCE]), nu, work, turns)
@@ -105,12 +105,6 @@ def put_products(p, laws, load, work, first, last):
     add_product(laws, stiffness + n * n, work[first[3]], inertia)
     if p.damped > 0:
         add_product(laws, stiffness + 2 * n * n, work[first[1]], force)
-
-
-@kernel
-def put_forces(p, laws, load, work):
-    """Write the rows FORCE, MOMENTUM, INERTIA."""
-    put_products(p, laws, load, work, (U, U_RATE, V, V_RATE), FORCE)
 
 
 @kernel

@@ -69,10 +69,6 @@ def _along_joint(output):
     return prepare
 
 
-def _along_line(d, nodes, context):
-    return {"law": law_of(d["value"], context)}
-
-
 def _sample(rng):
     """Return a load along a cylindrical joint."""
     return [({"joint": {"type": "cylindrical", "axis": rng.normal(size=3), "axis_1": None}}, 2, "")]
@@ -95,5 +91,5 @@ JOINT_FORCE = _load(
 LINE_FORCE = _load(
     "line_force", "Force along the line between two nodes, such as that of a hydraulic cylinder", DISTANCE,
     Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
-    _along_line, check_apart,
+    lambda d, nodes, context: {"law": law_of(d["value"], context)}, check_apart,
 )  # fmt: skip

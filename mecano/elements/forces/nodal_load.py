@@ -68,39 +68,33 @@ def _functions(directions, demand):
     return named(residual, observe)
 
 
-def prepare(d, nodes, context):
-    """Return the record of a dead load."""
-    return {"law": law_of(d["value"], context), "direction": unit(d["direction"])}
-
-
-def prepare_follower(d, nodes, context):
-    """Return the record of a follower: the direction in the axes of the node."""
-    values = prepare(d, nodes, context)
-    return {**values, "direction": nodes[0][1].T @ values["direction"]}
-
-
-def _load(quantity, unit, name, layout, directions, follows):
+def _load(quantity, unit_of_load, name, layout, directions, follows):
     """Return the Kind of a load, a ``quantity`` at a node, with these ``directions`` (``_functions``)."""
     carries = " and that carries its direction" if follows else ""
     given = "direction at the start, inertial" if follows else "direction, inertial"
     what = "that follows its node" if follows else "with a fixed direction"
+
+    def prepare(d, nodes, context):
+        direction = unit(d["direction"])
+        return {"law": law_of(d["value"], context), "direction": nodes[0][1].T @ direction if follows else direction}
+
     kind = Kind(
         name=name,
         section="loads",
         doc=f"{quantity.capitalize()} at a node, a function of time or a signal, {what}.\n\n{EQUATIONS}",
-        display=Display(force=quantity if unit == "N" else ""),
+        display=Display(force=quantity if unit_of_load == "N" else ""),
         dtype=RECORD,
         layout=layout,
         fields=(
             Field("node", NODE, "-", f"node that it acts on{carries}"),
             Field("direction", DIRECTION, "-", f"{given}, made a unit vector"),
-            Field("value", DRIVE, unit, f"{quantity}: a function of time [s], or a formula of signals"),
+            Field("value", DRIVE, unit_of_load, f"{quantity}: a function of time [s], or a formula of signals"),
         ),
         outputs=(
-            Output(quantity, unit, f"{quantity} on the node, inertial", (3,)),
+            Output(quantity, unit_of_load, f"{quantity} on the node, inertial", (3,)),
             Output("power", "W", "power given to the node"),
         ),
-        prepare=prepare_follower if follows else prepare,
+        prepare=prepare,
     )
     return on_demand(kind, partial(_functions, directions), "value", 3 * len(layout))
 

@@ -35,10 +35,6 @@ def _put_held(p, at, F, y, i):
     put(y, i + 3, axes @ pair_moment(p, at))
 
 
-def _place(d, nodes, context):
-    return {**axis_place(d, nodes, context), "start": np.zeros(3)}
-
-
 def sample(rng):
     """Return two equal nodes, joined rigidly, and by laws along all axes or some."""
     node = (rng.normal(size=3), ORIENTATIONS[1])
@@ -66,7 +62,7 @@ FIXED = sharing_pair(
             ),
             _put_held,
         ),
-        place=_place,
+        place=lambda d, nodes, context: {**axis_place(d, nodes, context), "start": np.zeros(3)},
     ),
     Shared(
         lambda d, nodes: one_position(d, nodes) + one_rotation(d, nodes),

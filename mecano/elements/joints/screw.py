@@ -54,10 +54,6 @@ def _put_reactions(p, at, F, y, i):
     put(y, i + 3, (-number(at.q[13]), number(at.q[12]), -p.travel * number(at.q[16])))
 
 
-def _place(d, nodes, context):
-    return {**axis_place(d, nodes, context), "travel": d["pitch"] / (2.0 * math.pi)}
-
-
 def _thread(d, p, context):
     axes = {"mu": p["mu"], "xi": p["xi"], "sigma": p["mu"][2]}
     thread = {**axes, "offset": p["start"][2], "travel": p["travel"]}
@@ -94,7 +90,7 @@ SCREW = rigid_pair(
             ),
         ),
         record=record(travel=(), **AXES_FIELDS),
-        place=_place,
+        place=lambda d, nodes, context: {**axis_place(d, nodes, context), "travel": d["pitch"] / (2.0 * math.pi)},
     ),
     sample,
 )  # fmt: skip

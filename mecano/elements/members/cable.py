@@ -133,11 +133,6 @@ def _cable_functions(natural):
     return named(residual, observe, event_values)
 
 
-def prepare_stress_free(d, nodes, context):
-    """Return the record of a cable that is activated stress-free."""
-    return {**line_record(d, nodes, context), "prestrain": prestrain(d)}
-
-
 def prepare_wound(d, nodes, context):
     """Return the record of a cable with winder or shock."""
     wound = d["payout_tension"] is not None
@@ -311,7 +306,8 @@ def _stress_free(natural):
 
     return {
         **_cable_functions(since_activation(natural, 0)), "memory": (SHIFT,), "commit": commit,
-        "dtype": record(**LINE_RECORD, prestrain=()), "prepare": prepare_stress_free,
+        "dtype": record(**LINE_RECORD, prestrain=()),
+        "prepare": lambda d, nodes, context: {**line_record(d, nodes, context), "prestrain": prestrain(d)},
     }  # fmt: skip
 
 

@@ -29,19 +29,13 @@ from mecano.schema import CONTINUOUS_DRIVE, LAW, NODE_PAIR, Field, not_negative
 RECORD = record(**LAW_RECORD)
 
 
-@kernel
-def _force(p, at, length, rate, point):
-    """Return the axial force at a length, its rate, and a set point (value, rate)."""
-    return law_force(at.laws, p.law, extension(p, point, length), rate - point[1])
-
-
 def _functions(set_point):
     """Return ``residual``, ``observe`` and ``event_values`` for a natural length (p, at) -> (value, rate)."""
 
     @kernel
     def residual(p, at, f):
-        length, rate, (_, u, _) = line(at.q, at.v)
-        add_line_force(f, _force(p, at, length, rate, set_point(p, at)), u)
+        (length, rate, (_, u, _)), point = line(at.q, at.v), set_point(p, at)
+        add_line_force(f, law_force(at.laws, p.law, extension(p, point, length), rate - point[1]), u)
 
     @kernel
     def observe(p, at, F, y, e):

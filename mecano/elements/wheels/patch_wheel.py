@@ -181,11 +181,6 @@ def limits(d):
     return [*found, ("divergence", 1.0, DIVERGENT)] if lateral and twists(lateral) else found
 
 
-def start_warnings_of_patch(d, nodes):
-    """Return warnings about the motion and deformation at the start, and about the twist of the patch."""
-    return [*start_warnings(d, nodes), *_twist_warnings(d, nodes)]
-
-
 def _twist_warnings(d, nodes):
     """Return a warning if the twist of a rolling wheel is damped too little at its initial slip angle.
 
@@ -258,7 +253,7 @@ def patch_wheel(name, doc, massless, residual, observe, events=EVENTS, **constra
         outputs=OUTPUTS,
         phases=PHASES,
         events=events,
-        start_warnings=start_warnings_of_patch,
+        start_warnings=lambda d, nodes: [*start_warnings(d, nodes), *_twist_warnings(d, nodes)],
         start=lambda p: p["start"],
         **named(prepare, check, limits, remedies, end_conditions, sample),
         **named(residual, observe, event_values),
