@@ -68,10 +68,8 @@ def _shapes(d):
 
 def prepare(d, nodes, context):
     """Return the record of one contact."""
-    values = {"damping": d["damping"], "restitution": d["restitution"]}
+    values = {"damping": d["damping"], "restitution": d["restitution"], "law": context.laws.add(d["law"])}
     values |= SHAPES[_shapes(d)].values(d, nodes, context)
-    if d["law"] is not None:
-        values["law"] = context.laws.add(d["law"])
     if d["friction"] is not None:
         values["coefficient"] = context.laws.add(d["friction"]["coefficient"])
         values["regularization"] = d["friction"]["regularization"]

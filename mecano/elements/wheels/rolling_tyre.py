@@ -110,12 +110,10 @@ def at_effective_radius(p, k):
 
 def _prepare(d, context):
     """Return the values of RECORD."""
-    coefficient, resistance = d.get("rolling_radius_coefficient"), d.get("rolling_resistance")
-    values = {"undeflected": 0.0 if coefficient is None else 1.0 - coefficient}
-    if resistance is None:
-        return {**values, "resistance": 0, "resistance_by_speed": 0, "resistance_speed": 1.0}
+    coefficient = d.get("rolling_radius_coefficient")
+    resistance = d.get("rolling_resistance") or {"coefficient": None, "by_speed": None, "least_speed": 1.0}
     return {
-        **values,
+        "undeflected": 0.0 if coefficient is None else 1.0 - coefficient,
         "resistance": context.laws.add(resistance["coefficient"]),
         "resistance_by_speed": context.laws.add(resistance["by_speed"]),
         "resistance_speed": resistance["least_speed"],

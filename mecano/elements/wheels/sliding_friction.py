@@ -10,6 +10,7 @@ of the axle over the ground, 1 by default: the paper's mu_0 exp(-kappa u) is fri
 {exponential: {start: 1, rate: kappa}}``.
 """
 
+from mecano.element_interface import recorded_values
 from mecano.elements.wheels.slip_law import SlipForces, SlipLaw
 from mecano.jit.kernel import kernel
 from mecano.laws.friction import sticking
@@ -33,11 +34,7 @@ RECORD = {"friction": "i", "friction_by_speed": "i", "slip_regularization": ()}
 
 def prepare(law, context):
     """Return the values of RECORD."""
-    return {
-        "friction": context.laws.add(law["friction"]),
-        "friction_by_speed": context.laws.add(law["friction_by_speed"]),
-        "slip_regularization": law["slip_regularization"],
-    }
+    return recorded_values(RECORD, FIELDS, law, context)
 
 
 def check(law):

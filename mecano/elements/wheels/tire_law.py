@@ -14,6 +14,7 @@ whose fields are listed here, or one under its own name, such as ``fiala``.
 
 import numpy as np
 
+from mecano.element_interface import recorded_values
 from mecano.elements.wheels.lateral_law import LATERAL_TYPE
 from mecano.elements.wheels.rolling_tyre import FIELDS as ROLLING_FIELDS
 from mecano.elements.wheels.rolling_tyre import check_rolling, is_given, rolling_law
@@ -77,11 +78,7 @@ def slip_law_of(values):
 
 def prepare_radial(law, context):
     """Return the values of RADIAL_RECORD."""
-    return {
-        "radius": law["radius"],
-        "radial": context.laws.add(law["radial"]),
-        "radial_damping": law["radial_damping"],
-    }
+    return recorded_values(RADIAL_RECORD, LAW_FIELDS, law, context)
 
 
 def check_tire_law(law):
