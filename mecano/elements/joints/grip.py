@@ -139,10 +139,7 @@ def _functions(layout, turns):
         if turns:
             put(m_out, 3, vec(at.m, 3) if at.phase == CLOSED else log(mat(at.R[0]).T @ mat(at.R[1])))
 
-    return {
-        "residual": residual, "constraints": constraints, "observe": observe, "event_values": event_values,
-        "commit": commit,
-    }  # fmt: skip
+    return named(residual, constraints, observe, event_values, commit)
 
 
 def prepare(d, nodes, context):

@@ -15,7 +15,7 @@ from dataclasses import replace
 
 from mecano.constraints.rolling import ROWS
 from mecano.constraints.tire_patch import patch
-from mecano.element_interface import GRIP, Event
+from mecano.element_interface import GRIP, Event, named
 from mecano.elements.wheels.lateral_law import relax
 from mecano.elements.wheels.patch_wheel import PatchFriction, add_load, check, load_of, patch_wheel, put_patch
 from mecano.elements.wheels.rolling_tyre import FIELDS as ROLLING_FIELDS
@@ -75,14 +75,12 @@ ADHESIVE_WHEEL = replace(
         "adhesive_wheel",
         __doc__,
         ("psi", "bow"),
-        residual,
-        observe,
         events=(
             Event("touch_down", "air", "contact", "the undeformed rim reaches the ground; a shock", GRIP),
             LIFT_OFF,
         ),
         multipliers=ROWS,
-        constraints=constraints,
+        **named(residual, observe, constraints),
     ),
     check=check_adhesive,
 )

@@ -31,7 +31,7 @@ from dataclasses import replace
 from functools import cache
 
 from mecano.constraints.tire_patch import patch
-from mecano.element_interface import record
+from mecano.element_interface import named, record
 from mecano.elements.wheels.lateral_law import relax
 from mecano.elements.wheels.patch_wheel import (
     RECORD,
@@ -76,21 +76,20 @@ def compiled(law):
         ground = forces(p, at.laws, seen)
         put_patch(p, at, k, load, PatchFriction(seen.v, ground.F, ground.lost), y, e)
 
-    return residual, observe
+    return named(residual, observe)
 
 
 @cache
 def rolling_kind():
     """Return the Kind of a wheel with a rolling radius or a rolling resistance."""
     law = rolling_law(SLIDING_FRICTION)
-    residual, observe = compiled(law)
 
     def prepare_all(d, nodes, context):
         return {**prepare(d, nodes, context), **law.prepare(d["tire_law"], context)}
 
     return replace(
         FLEXIBLE_WHEEL, name="flexible_wheel_rolling", dtype=record(**RECORD, **law.record), prepare=prepare_all,
-        residual=residual, observe=observe, variant=None,
+        variant=None, **compiled(law),
     )  # fmt: skip
 
 
@@ -105,7 +104,6 @@ def samples(rng):
     return [*found, with_rolling(found[0])]
 
 
-RESIDUAL, OBSERVE = compiled(SLIDING_FRICTION)
 FLEXIBLE_WHEEL = replace(
-    patch_wheel("flexible_wheel", __doc__, SCALARS, RESIDUAL, OBSERVE), variant=variant, sample=samples
+    patch_wheel("flexible_wheel", __doc__, SCALARS, **compiled(SLIDING_FRICTION)), variant=variant, sample=samples
 )

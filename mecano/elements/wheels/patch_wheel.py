@@ -238,8 +238,8 @@ def sample(rng):
     return [_sample(rng, *case) for case in cases]
 
 
-def patch_wheel(name, doc, massless, residual, observe, events=EVENTS, **constraints):
-    """Return the Kind of a wheel with a flexible patch; ``constraints``: multipliers and their derivatives."""
+def patch_wheel(name, doc, massless, events=EVENTS, **functions):
+    """Return the Kind of a wheel with a flexible patch; ``functions``: residual, observe, and those of constraints."""
     return Kind(
         name=name,
         section="elements",
@@ -256,6 +256,6 @@ def patch_wheel(name, doc, massless, residual, observe, events=EVENTS, **constra
         start_warnings=lambda d, nodes: [*start_warnings(d, nodes), *_twist_warnings(d, nodes)],
         start=lambda p: p["start"],
         **named(prepare, check, limits, remedies, end_conditions, sample),
-        **named(residual, observe, event_values),
-        **constraints,
+        event_values=event_values,
+        **functions,
     )

@@ -145,7 +145,6 @@ def wheel_with(law, compiled, own_record, prepare, **fields):
     ``compiled(law)``: its ``residual`` and ``observe``; ``own_record``: fields of its record besides the axis, the
     radial force and those of the law, all but the last from ``prepare``; ``fields``: of the Kind.
     """
-    residual, observe = compiled(law)
 
     def prepare_all(d, nodes, context):
         return {**prepare(d, nodes, context), **law.prepare(d["tire_law"], context)}
@@ -156,7 +155,8 @@ def wheel_with(law, compiled, own_record, prepare, **fields):
         phases=PHASES,
         events=EVENTS,
         prepare=prepare_all,
-        **named(limits, end_conditions, residual, observe),
+        **named(limits, end_conditions),
+        **compiled(law),
         **fields,
     )
 

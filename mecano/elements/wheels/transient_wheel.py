@@ -110,7 +110,7 @@ def compiled(law):
         e[1] += 0.5 * (p.stiffness[0] * at.q[X] * at.q[X] + p.stiffness[1] * at.q[Y] * at.q[Y])
         e[2] += d_t * x1 * x1 + d_l * y1 * y1
 
-    return residual, observe
+    return named(residual, observe)
 
 
 def check(d, nodes):

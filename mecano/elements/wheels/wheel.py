@@ -29,6 +29,7 @@ of the wheel.
 from functools import partial
 
 from mecano.constraints.ground import GROUND_RECORD
+from mecano.element_interface import named
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import (
     OUTPUTS,
@@ -66,7 +67,7 @@ def compiled(law):
         k = with_slip(k, slip(p, k.slip))
         put_rolling(p, at, with_slip(k, seen(p, k.slip)), forces(p, at.laws, k.slip), y, e)
 
-    return residual, observe
+    return named(residual, observe)
 
 
 def sample(rng):

@@ -107,7 +107,7 @@ def compiled(law):
         if put_rolling(p, at, with_slip(k, seen(p, k.slip)), ground, y, e):
             e[3] = ground.given
 
-    return residual, observe
+    return named(residual, observe)
 
 
 @kernel
