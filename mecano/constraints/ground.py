@@ -181,10 +181,8 @@ def _foot(p, laws, n0, d, a, z, centre):
 
 def normal_and_level(rng):
     """Return, for samples, a random unit normal of a ground and a random unit direction perpendicular to it."""
-    normal = rng.normal(size=3)
-    normal /= np.linalg.norm(normal)
-    level = np.cross(normal, rng.normal(size=3))
-    return normal, level / np.linalg.norm(level)
+    normal = unit(rng.normal(size=3))
+    return normal, unit(np.cross(normal, rng.normal(size=3)))
 
 
 def slope_below(rng, height=None):

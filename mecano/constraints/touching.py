@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mecano.constraints.stop_phases import FAR
+from mecano.constraints.triads import unit
 from mecano.element_interface import Context
 from mecano.jit.kernel import kernel
 from mecano.laws.table import LawTable
@@ -186,10 +187,10 @@ def check_place_on_b(d, name):
 def surface_record(d, nodes, context=None):
     """Return the values of SURFACE_RECORD."""
     (name, values), (x_a, R_a) = named_surface(d), nodes[0]
-    axis = np.array(values.get("normal", values.get("axis", (0.0, 0.0, 1.0))), float)
+    axis = unit(values.get("normal", values.get("axis", (0.0, 0.0, 1.0))))
     last = {"cylinder": FAR, "capsule": values.get("length")}.get(name, 0.0)
     return {
-        "axis": R_a.T @ axis / np.linalg.norm(axis), "origin": R_a.T @ (surface_point(values, nodes) - x_a),
+        "axis": R_a.T @ axis, "origin": R_a.T @ (surface_point(values, nodes) - x_a),
         "planar": float(name == "plane"), "side": -1.0 if values.get("inside") else 1.0,
         "distance": values.get("radius", 0.0), "first": -FAR if name == "cylinder" else 0.0, "last": last,
         "radius": d["radius"],

@@ -74,9 +74,8 @@ def touch(p, at):
 def revolution_record(d, nodes, context):
     """Return the values of REVOLUTION_RECORD."""
     values, (x_a, R_a) = d["revolution"], nodes[0]
-    axis = np.array(values["axis"], float)
     return {
-        "axis": R_a.T @ axis / np.linalg.norm(axis), "origin": R_a.T @ (surface_point(values, nodes) - x_a),
+        "axis": R_a.T @ unit(values["axis"]), "origin": R_a.T @ (surface_point(values, nodes) - x_a),
         "profile": context.laws.add(values["profile"]), "side": _side(values), "radius": d["radius"],
     }  # fmt: skip
 

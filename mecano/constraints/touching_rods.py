@@ -11,8 +11,6 @@ contact. Parallel lines touch along a part of both: the force then acts in its m
 Detection, 2005, section 5.1.9).
 """
 
-import numpy as np
-
 from mecano.constraints.touching import (
     SURFACE_RECORD,
     Shapes,
@@ -25,6 +23,7 @@ from mecano.constraints.touching import (
     surface_record,
     touch_at_start,
 )
+from mecano.constraints.triads import unit
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, at_most, select
 from mecano.maths.vector import dot, mat, norm, vec
@@ -75,8 +74,7 @@ def touch(p, at):
 def rod_record(d, nodes, context=None):
     """Return the values of ROD_RECORD."""
     rod, (_, R_b) = d["rod"], nodes[1]
-    axis = np.array(rod["axis"], float)
-    of_b = {"axis_b": R_b.T @ axis / np.linalg.norm(axis), "origin_b": origin_on_b(rod, nodes)}
+    of_b = {"axis_b": R_b.T @ unit(rod["axis"]), "origin_b": origin_on_b(rod, nodes)}
     return {**of_b, "length_b": rod["length"], **surface_record(d, nodes)}
 
 

@@ -11,6 +11,11 @@ def unit(a):
     return a / np.linalg.norm(a)
 
 
+def carried_axis(d, nodes):
+    """Return the unit vector (3,) along the ``axis`` of the deck, in the axes of the first node."""
+    return unit(np.asarray(nodes[0][1], float).T @ np.asarray(d["axis"], float))
+
+
 def triad(axis, first=None):
     """Return right-handed unit axes (3, 3), rows: mu_3 along ``axis``, mu_1 the component of ``first`` normal to it.
 

@@ -2,10 +2,8 @@
 
 from typing import NamedTuple
 
-import numpy as np
-
 from mecano.constraints.ground import LEAN, lean_of, prepare_ground, too_low
-from mecano.constraints.triads import unit
+from mecano.constraints.triads import carried_axis
 from mecano.element_interface import Display, Output
 from mecano.jit.kernel import kernel
 from mecano.maths.surface import directions
@@ -40,11 +38,6 @@ OUTPUTS = (
     *CONTACT_OUTPUTS,
     Output("friction_needed", "-", "tangential over normal force: the friction coefficient needed to prevent slip"),
 )
-
-
-def carried_axis(d, nodes):
-    """Return the unit axis of the deck in the axes of the first node."""
-    return unit(np.asarray(nodes[0][1], float).T @ np.asarray(d["axis"], float))
 
 
 def disc_record(d, nodes, context):

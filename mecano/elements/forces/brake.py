@@ -26,8 +26,7 @@ import numpy as np
 
 from mecano.constraints.along_coordinate.demand import law_of, on_demand
 from mecano.constraints.ground import GROUND_RECORD, prepare_ground, slope_below, touch
-from mecano.constraints.triads import unit
-from mecano.constraints.wheels import carried_axis
+from mecano.constraints.triads import carried_axis, unit
 from mecano.element_interface import Kind, Output, named, record
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, prepare_radial, radial_force, speed_over_ground
 from mecano.jit.kernel import kernel

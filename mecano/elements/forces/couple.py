@@ -8,9 +8,8 @@ so that node b is turned about +axis and node a about -axis; the surroundings (t
 :math:`M\, \mu \cdot (\omega_b - \omega_a)`.
 """
 
-import numpy as np
-
 from mecano.constraints.along_coordinate.demand import law_of, on_demand
+from mecano.constraints.triads import carried_axis
 from mecano.element_interface import Kind, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.vector import add_vec, dot, mat, vec
@@ -38,12 +37,6 @@ def _functions(demand):
     return named(residual, observe)
 
 
-def prepare(d, nodes, context):
-    """Return the record of one couple: the axis in the axes of the first node."""
-    axis = np.asarray(d["axis"], float)
-    return {"law": law_of(d["value"], context), "axis": nodes[0][1].T @ axis / np.linalg.norm(axis)}
-
-
 COUPLE = on_demand(
     Kind(
         name="couple", section="loads", doc=__doc__, dtype=RECORD, layout=("R0", "R1"),
@@ -60,7 +53,7 @@ COUPLE = on_demand(
             Output("rate", "rad/s", "angular velocity of b relative to a about the axis"),
             Output("power", "W", "power given to both nodes"),
         ),
-        prepare=prepare,
+        prepare=lambda d, nodes, context: {"law": law_of(d["value"], context), "axis": carried_axis(d, nodes)},
     ),
     _functions, "value", 6,
 )  # fmt: skip

@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mecano.constraints.triads import triad
+from mecano.constraints.triads import triad, unit
 from mecano.element_interface import Display, Kind, Output, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.inertia import inertia_matrix
@@ -87,8 +87,7 @@ def observe_body(p, at, F, y, e):
 def prepare(d, nodes, context):
     """Return the record of one body; u turns from ``radial`` to ``transverse`` by a quarter of the orbit."""
     normal = triad(d["normal"])[2]
-    radial = np.asarray(d["radial"], float) - normal * (normal @ d["radial"])
-    radial = radial / np.linalg.norm(radial)
+    radial = unit(np.asarray(d["radial"], float) - normal * (normal @ d["radial"]))
     return {
         "n": d["rate"], "mass": d["mass"], "center": np.zeros(3) if d["center"] is None else np.asarray(d["center"]),
         "radial": radial, "transverse": np.cross(normal, radial), "c": np.asarray(d["center_of_mass"], float),
@@ -98,9 +97,7 @@ def prepare(d, nodes, context):
 
 def check(d, nodes):
     """Return errors for a radial direction along the normal, and for a point mass away from its node."""
-    sine = (
-        np.linalg.norm(np.cross(d["normal"], d["radial"])) / np.linalg.norm(d["normal"]) / np.linalg.norm(d["radial"])
-    )
+    sine = np.linalg.norm(np.cross(unit(d["normal"]), unit(d["radial"])))
     texts = ["'radial' must not be along 'normal'"] if sine < LEAST_SINE else []
     if d["inertia"] is None and np.any(d["center_of_mass"]):
         texts.append("'center_of_mass' belongs to 'inertia'")

@@ -24,6 +24,7 @@ import numpy as np
 
 from mecano.constraints.joint_samples import rotation
 from mecano.constraints.line_of_nodes import check_line, nearest_station, smooth_line
+from mecano.constraints.triads import unit
 from mecano.element_interface import Display, Event, Kind, Output, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, number
@@ -163,7 +164,7 @@ def sample(rng):
     found = []
     for count, place in ((3, 0.0), (3, 1.6), (2, 0.0)):
         axis, across = rng.normal(size=(2, 3))
-        axis, across = axis / np.linalg.norm(axis), np.cross(axis, across) / np.linalg.norm(np.cross(axis, across))
+        axis, across = unit(axis), unit(np.cross(axis, across))
         line = [(axis * i + 0.2 * i * i * across, rotation(rng)) for i in range(count)]
         names = ["slider", *(f"node_{i}" for i in range(count))]
         nodes = [(axis * place + 0.2 * place**2 * across, np.eye(3)), *line]

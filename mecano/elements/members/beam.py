@@ -23,7 +23,7 @@ import numpy as np
 from mecano.constraints.along_coordinate.demand import as_formula, is_formula
 from mecano.constraints.elastic_line import STRAIN_OF_STEEL
 from mecano.constraints.joint_samples import rotation
-from mecano.constraints.triads import hat
+from mecano.constraints.triads import hat, unit
 from mecano.element_interface import Display, Kind, Output, named, record
 from mecano.elements.members.beam_checks import check, check_mesh, start_warnings
 from mecano.elements.members.beam_elastic import (
@@ -193,7 +193,7 @@ def sample(rng):
         "torsion_radius": 0.2, "points": [[0.1, 0.2], [-0.3, 0.1]], "damping": 0.1,
     }  # fmt: skip
     x, axis, across = rng.normal(size=(3, 3))
-    axis, across = axis / np.linalg.norm(axis), np.cross(axis, across) / np.linalg.norm(np.cross(axis, across))
+    axis, across = unit(axis), unit(np.cross(axis, across))
     nodes = [(x, rotation(rng)), (x + 1.4 * axis, rotation(rng))]
     sine = (("sine", {"amplitude": 0.1, "frequency": 0.4, "phase": 0.3, "offset": 0.05}),)
     heat = {"strain": sine, "curvature_2": 0.2, "curvature_3": sine}

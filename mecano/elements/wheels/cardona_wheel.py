@@ -16,8 +16,8 @@ from mecano.constraints.ground import check_axle, end_conditions, on_the_slope, 
 from mecano.constraints.no_slip import leaning, no_slip, on_a_plane
 from mecano.constraints.of_coordinates import HELD_COORDINATE
 from mecano.constraints.rolling import ROWS
-from mecano.constraints.triads import unit
-from mecano.constraints.wheels import FIELDS, OUTPUTS, WHEEL_DISPLAY, Wheel, carried_axis, check_touching, put_outputs
+from mecano.constraints.triads import carried_axis, unit
+from mecano.constraints.wheels import FIELDS, OUTPUTS, WHEEL_DISPLAY, Wheel, check_touching, put_outputs
 from mecano.element_interface import Kind, Part, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number

@@ -12,8 +12,7 @@ import numpy as np
 
 from mecano.constraints.ground import LEAN, check_axle, end_conditions, lean_of, slope_below
 from mecano.constraints.no_slip import no_slip, on_a_plane
-from mecano.constraints.triads import unit
-from mecano.constraints.wheels import carried_axis
+from mecano.constraints.triads import carried_axis, unit
 from mecano.element_interface import Display, Kind, Output, Row, named, record
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number

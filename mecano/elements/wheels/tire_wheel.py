@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from mecano.constraints.ground import check_axle, check_ground, prepare_ground, rim_above, slope_below, too_low
-from mecano.constraints.wheels import CONTACT_OUTPUTS, PLACED, WHEEL_DISPLAY, carried_axis, put_contact
+from mecano.constraints.triads import carried_axis
+from mecano.constraints.wheels import CONTACT_OUTPUTS, PLACED, WHEEL_DISPLAY, put_contact
 from mecano.element_interface import Event, Output
 from mecano.elements.wheels.ground_surface import check_surface, prepare_surface
 from mecano.elements.wheels.tire_law import check_tire_law, prepare_radial

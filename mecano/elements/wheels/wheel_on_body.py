@@ -32,8 +32,7 @@ from mecano.constraints.carried_surface import (
 )
 from mecano.constraints.ground import LEAST_Q, too_low
 from mecano.constraints.touching import check_one_surface, named_surface
-from mecano.constraints.triads import unit
-from mecano.constraints.wheels import carried_axis
+from mecano.constraints.triads import carried_axis, unit
 from mecano.element_interface import Display, named
 from mecano.elements.wheels.at_start import start_warnings_on_body
 from mecano.elements.wheels.ground_surface import Surface
