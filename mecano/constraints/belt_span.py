@@ -117,23 +117,13 @@ def _lost(at, stretch):
     return at.phase > SLACK and not math.isfinite(value(stretch))
 
 
-def _functions(geometry, angles, always):
-    """Return the functions of a span with this ``geometry`` and ``angles`` angles in its memory.
-
-    ``always``: the span acts in all of its phases, and a tangent always exists.
-    """
-
-    @kernel
-    def residual(p, at, f):
-        if at.phase == TAUT:
-            stretch, along, _, _, _ = geometry(p, at)
-            add_along(f, p.stiffness * (stretch + p.damping * rate_of(along, at.v)), along)
+def observed(stretch_of):
+    """Return ``observe`` and ``event_values`` for the stretch (p, at) -> value, rate, gradient, free length."""
 
     @kernel
     def observe(p, at, F, y, e):
         """Write tension, stretch, length, closeness, energy and dissipated power."""
-        stretch, along, L, _, _ = geometry(p, at)
-        rate = rate_of(along, at.v)
+        stretch, rate, _, L = stretch_of(p, at)
         y[3] = abs(p.radius_1 - p.radius_0) / norm(vec(at.q, 6) - vec(at.q, 0))
         if not math.isfinite(value(rate)):  # there is no tangent
             return
@@ -145,8 +135,28 @@ def _functions(geometry, angles, always):
 
     @kernel
     def event_values(p, at, g):
-        stretch, along, _, _, _ = geometry(p, at)
-        put_line_events(g, at.phase == TAUT, stretch, rate_of(along, at.v), p.damping)
+        stretch, rate, _, _ = stretch_of(p, at)
+        put_line_events(g, at.phase == TAUT, stretch, rate, p.damping)
+
+    return named(observe, event_values)
+
+
+def _functions(geometry, angles, always):
+    """Return the functions of a span with this ``geometry`` and ``angles`` angles in its memory.
+
+    ``always``: the span acts in all of its phases, and a tangent always exists.
+    """
+
+    @kernel
+    def stretch_of(p, at):
+        stretch, along, L, _, _ = geometry(p, at)
+        return stretch, rate_of(along, at.v), along, L
+
+    @kernel
+    def residual(p, at, f):
+        if at.phase == TAUT:
+            stretch, rate, along, _ = stretch_of(p, at)
+            add_along(f, p.stiffness * (stretch + p.damping * rate), along)
 
     @kernel
     def commit(p, at, m_out):
@@ -157,7 +167,7 @@ def _functions(geometry, angles, always):
         if angles > 1:
             m_out[1] = psi_1
 
-    return named(residual, observe, event_values, commit)
+    return {**named(residual, commit), **observed(stretch_of)}
 
 
 def _kind(name, doc, layout, geometry, radii):

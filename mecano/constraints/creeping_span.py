@@ -18,16 +18,15 @@ a drum, from which it leaves with its own tension.
 
 from dataclasses import replace
 
-from mecano.constraints.belt_span import BELT_END, BELT_SPAN, RECORD, between_pulleys, tangent_direction, to_a_point
+from mecano.constraints.belt_span import BELT_END, BELT_SPAN, between_pulleys, observed, tangent_direction, to_a_point
 from mecano.constraints.coordinates.coordinate import add_along, rate_of
-from mecano.constraints.line_phases import RELAXING, TAUT, put_line_events
+from mecano.constraints.line_phases import TAUT
 from mecano.element_interface import Output, named, with_fields
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select
-from mecano.maths.vector import cross, dot, mat, norm, vec
+from mecano.maths.vector import cross, dot, mat, vec
 
 CREEP = Output("creep", "m", "length by which creep has stretched the span since the start")
-CREEPING_RECORD = with_fields(RECORD, EA=())
 
 
 @kernel
@@ -73,45 +72,38 @@ def _functions(geometry, own, creep):
 
     @kernel
     def stretch_of(p, at):
-        stretch, along, _, _, _ = geometry(p, at)
-        return stretch + number(at.q[own]), rate_of(along, at.v) + number(at.v[own]), along
+        stretch, along, L, _, _ = geometry(p, at)
+        return stretch + number(at.q[own]), rate_of(along, at.v) + number(at.v[own]), along, L
+
+    without_creep = observed(stretch_of)
+    put = without_creep["observe"]
 
     @kernel
     def residual(p, at, f):
-        stretch, rate, along = stretch_of(p, at)
+        stretch, rate, along, _ = stretch_of(p, at)
         T = select(at.phase == TAUT, p.stiffness * (stretch + p.damping * rate), 0.0 * stretch)
-        if at.phase == TAUT:
-            add_along(f, T, along)
+        add_along(f, T, along)
         f[own] += number(at.v[own]) - creep(p, at, T)[0]
 
     @kernel
     def observe(p, at, F, y, e):
         """Write tension, stretch, length, closeness, creep, energy, dissipated and given power."""
-        stretch, rate, _ = stretch_of(p, at)
-        elastic = select(at.phase <= RELAXING, p.stiffness * stretch, 0.0 * stretch)
-        T = select(at.phase == TAUT, p.stiffness * (stretch + p.damping * rate), 0.0 * stretch)
-        y[0], y[1], y[2] = T, stretch, geometry(p, at)[2]
-        y[3] = abs(p.radius_1 - p.radius_0) / norm(vec(at.q, 6) - vec(at.q, 0))
-        y[4] = number(at.q[own])
-        e[1] = 0.5 * elastic * stretch
+        put(p, at, F, y, e)
+        T = number(y[0])
         loss = creep(p, at, T)[1]
-        e[2] = (T - elastic) * rate + loss
+        y[4] = number(at.q[own])
+        e[2] += loss
         e[3] = loss + T * number(at.v[own])
 
-    @kernel
-    def event_values(p, at, g):
-        stretch, rate, _ = stretch_of(p, at)
-        put_line_events(g, at.phase == TAUT, stretch, rate, p.damping)
-
-    return named(residual, observe, event_values)
+    return without_creep | named(residual, observe)
 
 
 def _creeping(name, doc, span, geometry):
     """Return the Kind of a ``span`` with this ``geometry`` on which the belt creeps."""
     own, pulleys = 3 * len(span.layout), len(span.memory)
     return replace(
-        span, name=name, doc=doc, dtype=CREEPING_RECORD, outputs=(*span.outputs, CREEP), scalars=("creep",),
-        states=("creep",), inputs=("tension_before", "tension_behind")[:pulleys],
+        span, name=name, doc=doc, dtype=with_fields(span.dtype, EA=()), outputs=(*span.outputs, CREEP),
+        scalars=("creep",), states=("creep",), inputs=("tension_before", "tension_behind")[:pulleys],
         sample=lambda rng: [({**values, "EA": 40.0}, nodes, phase) for values, nodes, phase in span.sample(rng)],
         **_functions(geometry, own, _creep(own + 1, pulleys)),
     )  # fmt: skip
