@@ -42,11 +42,11 @@ def releasable(kind):
     )  # fmt: skip
 
 
-def cut(kind, word):
+def detached(kind, word, forces):
     """Return the ``kind`` of an elastic element that is released into the additional phase "released".
 
-    In this phase its forces must vanish, and its ``observe`` must give neither force nor elastic energy. ``word`` is
-    its name in texts.
+    Once released, it has no force, energy or power; ``forces`` are the indices of its outputs that are zero then. If
+    ``forces`` is None, its own functions ensure this in any additional phase. ``word`` is its name in texts.
     """
     phases = kind.phases if kind.events else (ATTACHED_PHASE,)
     releases = tuple(
@@ -56,23 +56,13 @@ def cut(kind, word):
     return replace(
         kind, name=f"{kind.name}_release", phases=(*phases, RELEASED_PHASE), events=(*kind.events, *releases),
         inputs=(*kind.inputs, COMMAND), variant=None, reads=lambda d: [*kind.read(d), trigger_of(d[COMMAND])],
+        idle=kind.idle if forces is None else {**kind.idle, RELEASED_PHASE: forces},
     )  # fmt: skip
 
 
-def detached(kind, word, forces):
-    """Return the ``kind`` of an elastic element with a ``residual`` and a release, as ``cut`` does.
-
-    Once released, it has no force, energy or power; ``forces`` are the indices of its outputs that are zero then.
-    """
-    return replace(cut(kind, word), idle={**kind.idle, RELEASED_PHASE: forces})
-
-
 def with_release(kind, word, forces):
-    """Return the ``kind`` of an elastic element with the field ``release``; the arguments are those of ``detached``.
-
-    If ``forces`` is None, its own functions give no force in any additional phase, as ``cut`` requires.
-    """
-    released = cache(lambda base: cut(base, word) if forces is None else detached(base, word, forces))
+    """Return the ``kind`` of an elastic element with the field ``release``; the arguments are those of ``detached``."""
+    released = cache(lambda base: detached(base, word, forces))
 
     def variant(d):
         return kind.chosen(d) if d["release"] is None else released(kind.chosen(d))
