@@ -6,7 +6,7 @@ from mecano.jit.kernel import kernel
 from mecano.laws.friction import friction, regularization
 from mecano.laws.probe import negative_curves
 from mecano.maths.dual import sqrt
-from mecano.schema import CURVE, NUMBER, Field, mapping, not_negative, positive
+from mecano.schema import CURVE, NUMBER, REQUIRED, Field, mapping, not_negative, positive
 
 FRICTION_RECORD = {"coefficient": "i", "regularization": (), "inverse_length": ()}
 PADS = r"""
@@ -90,10 +90,9 @@ def friction_fields(*geometry):
     return Field("friction", mapping(*given), "-", doc, None)
 
 
-def radius(name, doc, default=None):
-    """Return the field of a radius at which friction acts; required without a default."""
-    given = {} if default is None else {"default": default}
-    return Field(name, NUMBER, "m", doc, check=not_negative if default == 0.0 else positive, **given)
+def radius(name, doc, default=REQUIRED):
+    """Return the field of a radius at which friction acts."""
+    return Field(name, NUMBER, "m", doc, default, not_negative if default == 0.0 else positive)
 
 
 LENGTH = Field(

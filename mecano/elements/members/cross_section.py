@@ -117,16 +117,6 @@ def _annulus(d, inner):
     return _homogeneous(d, area, second, second, 2.0 * second, (k, k), radius=outer, torsion_radius=outer)
 
 
-def circle(d):
-    """Return Constants of a solid round section."""
-    return _annulus(d, 0.0)
-
-
-def tube(d):
-    """Return Constants of a hollow round section."""
-    return _annulus(d, 0.5 * d["diameter"] - d["thickness"])
-
-
 def rectangle(d):
     """Return Constants of a rectangle: width along axis 2, height along axis 3."""
     b, h = d["width"], d["height"]
@@ -204,11 +194,11 @@ def _length(name, doc):
 SHAPES = {
     shape.name: shape
     for shape in (
-        Shape("circle", "Solid round section.", (_length("diameter", "diameter"), *MATERIAL, *DAMPING), circle,
-              material_check),
+        Shape("circle", "Solid round section.", (_length("diameter", "diameter"), *MATERIAL, *DAMPING),
+              lambda d: _annulus(d, 0.0), material_check),
         Shape("tube", "Hollow round section.",
               (_length("diameter", "outer diameter"), _length("thickness", "of the wall"), *MATERIAL, *DAMPING),
-              tube, check_tube),
+              lambda d: _annulus(d, 0.5 * d["diameter"] - d["thickness"]), check_tube),
         Shape("rectangle", "Solid rectangle.",
               (_length("width", "along axis 2"), _length("height", "along axis 3"), *MATERIAL, *DAMPING),
               rectangle, material_check),
