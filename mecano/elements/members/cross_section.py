@@ -9,6 +9,7 @@ import operator
 from collections.abc import Callable
 from dataclasses import field
 from functools import cached_property
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -242,13 +243,7 @@ def constants(d):
     return _last.constants
 
 
-class _Last:
-    """Values of the last section and its Constants."""
-
-    values, constants = (), None
-
-
-_last = _Last()
+_last = SimpleNamespace(values=(), constants=None)  # values of the last section, and its Constants
 TURN = np.array([[1.0, 0.0, 0.0], [0.0, np.cos(1.0), -np.sin(1.0)], [0.0, np.sin(1.0), np.cos(1.0)]])  # any, about 1
 TURN_OF_BOTH = np.kron(np.eye(2), TURN)  # of forces and of moments
 
