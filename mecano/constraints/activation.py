@@ -63,11 +63,9 @@ def with_activation(kind, word, forces, stress_free=None, free=STRESS_FREE):
         family, zero = families[is_stress_free(d)]
         return activated_once(family.chosen(d), word, zero)
 
-    def check(d, nodes):
-        return kind.check(d, nodes) + check_trigger("activate", d["activate"])
-
     return replace(
-        kind, fields=(*kind.fields, given), variant=variant, check=check,
+        kind, fields=(*kind.fields, given), variant=variant,
+        check=lambda d, nodes: kind.check(d, nodes) + check_trigger("activate", d["activate"]),
         sample=lambda rng: _with_samples(kind.sample(rng), bool(stress_free)),
     )  # fmt: skip
 

@@ -64,19 +64,17 @@ def with_release(kind, word, forces):
     """Return the ``kind`` of an elastic element with the field ``release``; the arguments are those of ``detached``."""
     released = cache(lambda base: detached(base, word, forces))
 
-    def variant(d):
-        return kind.chosen(d) if d["release"] is None else released(kind.chosen(d))
-
-    def check(d, nodes):
-        return kind.check(d, nodes) + check_trigger("release", d["release"])
-
     def sample(rng):
         given = kind.sample(rng)
         values, nodes, phase = given[0]
         phases = phase or ATTACHED_PHASE, RELEASED_PHASE
         return [*given, *(({**values, **SAMPLE}, nodes, phase) for phase in phases)]
 
-    return replace(kind, fields=(*kind.fields, elastic_release(word)), variant=variant, check=check, sample=sample)
+    return replace(
+        kind, fields=(*kind.fields, elastic_release(word)), sample=sample,
+        variant=lambda d: kind.chosen(d) if d["release"] is None else released(kind.chosen(d)),
+        check=lambda d, nodes: kind.check(d, nodes) + check_trigger("release", d["release"]),
+    )  # fmt: skip
 
 
 def check_release(d, options):

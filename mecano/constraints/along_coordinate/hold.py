@@ -129,11 +129,10 @@ def hold_kind(name, doc, coordinate, row):
 def release_kind(name, doc, coordinate, row):
     """Return the Kind that holds a coordinate at its ``offset`` in the phase "held", and not in the phase "free"."""
     kind = _kind(name, doc, coordinate, row, {"offset": ()}, holding(coordinate, _until_released))
-
-    def sample(rng):
-        return [(values, nodes, phase) for values, nodes, _ in kind.sample(rng) for phase in RELEASE_PHASES]
-
-    return replace(kind, phases=RELEASE_PHASES, sample=sample)
+    return replace(
+        kind, phases=RELEASE_PHASES,
+        sample=lambda rng: [(d, nodes, phase) for d, nodes, _ in kind.sample(rng) for phase in RELEASE_PHASES],
+    )  # fmt: skip
 
 
 def drive_kind(name, doc, coordinate, row, motion=BY_LAW):

@@ -84,11 +84,9 @@ def rolling_kind():
     """Return the Kind of a wheel with a rolling radius or a rolling resistance."""
     law = rolling_law(SLIDING_FRICTION)
 
-    def prepare_all(d, nodes, context):
-        return {**prepare(d, nodes, context), **law.prepare(d["tire_law"], context)}
-
     return replace(
-        FLEXIBLE_WHEEL, name="flexible_wheel_rolling", dtype=record(**RECORD, **law.record), prepare=prepare_all,
+        FLEXIBLE_WHEEL, name="flexible_wheel_rolling", dtype=record(**RECORD, **law.record),
+        prepare=lambda d, nodes, context: {**prepare(d, nodes, context), **law.prepare(d["tire_law"], context)},
         variant=None, **compiled(law),
     )  # fmt: skip
 

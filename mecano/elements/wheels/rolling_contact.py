@@ -145,16 +145,12 @@ def wheel_with(law, compiled, own_record, prepare, **fields):
     ``compiled(law)``: its ``residual`` and ``observe``; ``own_record``: fields of its record besides the axis, the
     radial force and those of the law, all but the last from ``prepare``; ``fields``: of the Kind.
     """
-
-    def prepare_all(d, nodes, context):
-        return {**prepare(d, nodes, context), **law.prepare(d["tire_law"], context)}
-
     return Kind(
         section="elements",
         dtype=record(axis=3, **own_record, **RADIAL_RECORD, **law.record),
         phases=PHASES,
         events=EVENTS,
-        prepare=prepare_all,
+        prepare=lambda d, nodes, context: {**prepare(d, nodes, context), **law.prepare(d["tire_law"], context)},
         **named(limits, end_conditions),
         **compiled(law),
         **fields,
