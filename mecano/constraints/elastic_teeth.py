@@ -72,8 +72,7 @@ TEETH = Field(
               not_negative),
         Field("impact_damping", NUMBER, "s/m", "with backlash: damping relative to the elastic force of the flanks",
               0.0, not_negative),
-        Field("number", NUMBER, "-", "number of teeth of a, or of the pinion; for 'variation'", None,
-              positive),
+        Field("number", NUMBER, "-", "number of teeth of a, or of the pinion; for 'variation'", None, positive),
         Field("variation", list_of(NUMBER), "-", "amplitudes of the harmonics 1, 2, ... of the tooth passing in the "
               "stiffness, over its mean", ()),
         Field("phases", list_of(NUMBER), "rad", "phases of these harmonics at the start; zero when absent", ()),

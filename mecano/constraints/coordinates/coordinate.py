@@ -7,6 +7,7 @@ coordinates, in along_coordinate/.
 
 from collections.abc import Callable
 
+from mecano.constraints.triads import triad
 from mecano.immutable import immutable
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import constant, number
@@ -20,7 +21,6 @@ class Coordinate:
     layout: tuple  # slots of its nodes, like those of a Kind
     unit: str  # m or rad
     axes: dict  # fields of the record that it uses: {name: shape}
-    sample: Callable  # rng -> values of these fields
     value: Callable  # (p, at) -> c
     gradient: Callable
     """(p, at) -> ((local index, b (3,)), ...): derivatives of c by position and material rotation of its slots"""
@@ -28,6 +28,11 @@ class Coordinate:
     """(p, at, g, K): add g times the derivative of the gradient to K; None if nothing holds the coordinate"""
     periodic: bool = False  # an angle, in (-pi, pi]
     inputs: int = 0  # number of inputs of the elements that hold it
+
+    def sample(self, rng):
+        """Return random values of its axes: vectors (3,), or unit triads (3, 3)."""
+        vectors = {name: rng.normal(size=3) for name in self.axes}
+        return {name: a if self.axes[name] == 3 else triad(a) for name, a in vectors.items()}
 
     @property
     def sliding(self):

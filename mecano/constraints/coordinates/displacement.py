@@ -20,8 +20,4 @@ def _add_curvature(p, at, g, K):
     pass
 
 
-def _sample(rng):
-    return {"direction": rng.normal(size=3), "origin": rng.normal(size=3)}
-
-
-DISPLACEMENT = Coordinate(("x0",), "m", {"direction": 3, "origin": 3}, _sample, _value, _gradient, _add_curvature)
+DISPLACEMENT = Coordinate(("x0",), "m", {"direction": 3, "origin": 3}, _value, _gradient, _add_curvature)

@@ -28,4 +28,4 @@ def _add_curvature(p, at, g, K):
             add_mat(K, i, j, s * s_j, across)
 
 
-DISTANCE = Coordinate(("x0", "x1"), "m", {}, lambda rng: {}, _value, _gradient, _add_curvature)
+DISTANCE = Coordinate(("x0", "x1"), "m", {}, _value, _gradient, _add_curvature)

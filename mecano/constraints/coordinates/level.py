@@ -24,8 +24,4 @@ def _add_curvature(p, at, g, K):
     add_mat(K, 0, 0, g, skew(vec(p.axis, 0)) @ skew(mat(at.R[0]).T @ vec(p.normal, 0)))
 
 
-def _sample(rng):
-    return {"axis": rng.normal(size=3), "normal": rng.normal(size=3)}
-
-
-LEVEL = Coordinate(("R0",), "rad", {"axis": 3, "normal": 3}, _sample, _value, _gradient, _add_curvature)
+LEVEL = Coordinate(("R0",), "rad", {"axis": 3, "normal": 3}, _value, _gradient, _add_curvature)

@@ -6,7 +6,6 @@ the gradient :math:`(u \nabla w - w \nabla u)/(u^2 + w^2)`: the rotation of the 
 
 from mecano.constraints.body_fixed import product_gradient, relative_rotation
 from mecano.constraints.coordinates.coordinate import Coordinate
-from mecano.constraints.triads import triad
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import atan2
 from mecano.maths.vector import dot, mat, vec
@@ -41,8 +40,4 @@ def _gradient(p, at):
     return (0, b_0), (3, b_1)
 
 
-def _sample(rng):
-    return {"mu": triad(rng.normal(size=3)), "xi": rng.normal(size=3)}
-
-
-PIN_ANGLE = Coordinate(("R0", "R1"), "rad", {"mu": (3, 3), "xi": 3}, _sample, _value, _gradient, periodic=True)
+PIN_ANGLE = Coordinate(("R0", "R1"), "rad", {"mu": (3, 3), "xi": 3}, _value, _gradient, periodic=True)

@@ -52,7 +52,4 @@ def _add_curvature(p, at, g, K):
     add_slide_curvature(K, g, at, vec(p.mu, 0))
 
 
-SLIDE = Coordinate(
-    ("x0", "R0", "x1"), "m", {"mu": 3}, lambda rng: {"mu": rng.normal(size=3)},
-    _value, _gradient, _add_curvature,
-)  # fmt: skip
+SLIDE = Coordinate(("x0", "R0", "x1"), "m", {"mu": 3}, _value, _gradient, _add_curvature)

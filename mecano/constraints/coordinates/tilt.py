@@ -41,8 +41,4 @@ def _add_curvature(p, at, g, K):
     add_blocks(K, 0, 3, g, product_curvature(A, vec(p.mu, 0), vec(p.xi, 0)))
 
 
-def _sample(rng):
-    return {"mu": rng.normal(size=3), "xi": rng.normal(size=3)}
-
-
-TILT = Coordinate(("R0", "R1"), "rad", {"mu": 3, "xi": 3}, _sample, _value, _gradient, _add_curvature)
+TILT = Coordinate(("R0", "R1"), "rad", {"mu": 3, "xi": 3}, _value, _gradient, _add_curvature)

@@ -12,7 +12,6 @@ alignment, up to :math:`\xi_3 = -\mu_3`. With :math:`g = (\mu_3 + \xi_3)/(1 + \m
 
 from mecano.constraints.body_fixed import add_blocks, relative_rotation, turning_rate
 from mecano.constraints.coordinates.coordinate import Coordinate
-from mecano.constraints.triads import triad
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import atan2
 from mecano.maths.vector import cross, dot, mat, outer, skew, vec
@@ -77,11 +76,4 @@ def _add_curvature(p, at, g, K):
     add_blocks(K, 0, 3, g, twist_curvature(A, vec(p.mu[2], 0), vec(p.xi[2], 0)))
 
 
-def _sample(rng):
-    return {"mu": triad(rng.normal(size=3)), "xi": triad(rng.normal(size=3))}
-
-
-TWIST = Coordinate(
-    ("R0", "R1"), "rad", {"mu": (3, 3), "xi": (3, 3)}, _sample,
-    _value, _gradient, _add_curvature, periodic=True,
-)  # fmt: skip
+TWIST = Coordinate(("R0", "R1"), "rad", {"mu": (3, 3), "xi": (3, 3)}, _value, _gradient, _add_curvature, periodic=True)

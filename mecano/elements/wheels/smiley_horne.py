@@ -47,10 +47,7 @@ FIELDS = (
         "lateral", choice("relaxation", "string", "straight_tangent", "moreland"), "-",
         "form of the lateral law of a patch, unless 'lateral' of the tyre law is given", "relaxation",
     ),
-    Field(
-        "deflection", NUMBER, "m",
-        "delta under the load; with F_z = load when absent", None, positive,
-    ),
+    Field("deflection", NUMBER, "m", "delta under the load; with F_z = load when absent", None, positive),
     Field(
         "cornering_stiffness", NUMBER, "N/rad",
         "N under the load; C_c (p + 0.44 p_r) w^2 (1.2 x - 8.8 x^2), x = delta/d up to 0.0875, C_c = 57 (I: 63), when "
@@ -60,10 +57,7 @@ FIELDS = (
         "relaxation_length", NUMBER, "m",
         "L_y under the load; (2.8 - 0.8 p/p_r) w 11 x, x up to 0.053, when absent", None, positive,
     ),
-    Field(
-        "contact_length", NUMBER, "m",
-        "2h under the load; 1.7 sqrt(delta (d - delta)) when absent", None, positive,
-    ),
+    Field("contact_length", NUMBER, "m", "2h under the load; 1.7 sqrt(delta (d - delta)) when absent", None, positive),
     Field(
         "lateral_stiffness", NUMBER, "N/m",
         "K_y under the load; tau w (p + 0.24 p_r) (1 - 0.7 delta/w), tau = 2 (I: 3), when absent", None, positive,
