@@ -52,35 +52,32 @@ ELASTIC = ("about_2", "along_1", "along_2", "along_axis")  # of pair.py; the fir
 
 @kernel
 def _angles(p, at):
-    """Return angle and rate of the cross about the pin of a, and of b about its pin relative to the cross."""
+    """Return angle and rate of the cross about the pin of a, and of b about its pin relative to the cross.
+
+    Both angles are continued over whole turns.
+    """
     mu, xi = mat(p.mu), mat(p.xi)
     A, omega_a, omega_b = relative_rotation(at), vec(at.v, 3), vec(at.v, 9)
     back = A.T
     first_rate = turning_rate(pin_gradient(A, mu, xi[2]), omega_a, omega_b)
     second_rate = turning_rate(pin_gradient(back, xi, mu[2]), omega_b, omega_a)
     # seen from b, the cross rotates the other way
-    return pin_angle(A, mu, xi[2]), first_rate, -pin_angle(back, xi, mu[2]), -second_rate
+    first, second = pin_angle(A, mu, xi[2]), -pin_angle(back, xi, mu[2])
+    return follow(at.m[0], first), first_rate, follow(at.m[1], second), -second_rate
 
 
 @kernel
 def observe(p, at, F, y, e):
     """Write both angles and the reactions."""
-    _put_angles(p, at, y)
+    y[0], y[1], y[2], y[3] = _angles(p, at)
     put(y, 4, -vec(F, 6))
     y[7] = number(at.q[12])
 
 
 @kernel
-def _put_angles(p, at, y):
-    first, y[1], second, y[3] = _angles(p, at)
-    y[0] = follow(at.m[0], first)
-    y[2] = follow(at.m[1], second)
-
-
-@kernel
 def observe_with_friction(p, at, F, y, e):
     """Write both angles and the reactions, if three multipliers hold the position."""
-    _put_angles(p, at, y)
+    y[0], y[1], y[2], y[3] = _angles(p, at)
     put(y, 4, vec(at.q, 13))
     y[7] = number(at.q[12])
 
@@ -88,7 +85,7 @@ def observe_with_friction(p, at, F, y, e):
 @kernel
 def observe_elastic(p, at, F, y, e):
     """Write both angles and the reactions, if laws hold some axes."""
-    _put_angles(p, at, y)
+    y[0], y[1], y[2], y[3] = _angles(p, at)
     put(y, 4, mat(at.R[0]) @ (mat(p.mu).T @ pair_force(p, at)))
     tilt, rate = tilted(at, vec(p.mu[2], 0), vec(p.xi[2], 0))
     y[7] = held(p, at, 0, tilt, rate)
@@ -96,10 +93,8 @@ def observe_elastic(p, at, F, y, e):
 
 @kernel
 def commit(p, at, m_out):
-    """Continue both angles over whole turns."""
-    first, _, second, _ = _angles(p, at)
-    m_out[0] = follow(at.m[0], first)
-    m_out[1] = follow(at.m[1], second)
+    """Write both angles."""
+    m_out[0], _, m_out[1], _ = _angles(p, at)
 
 
 def prepare(d, nodes, context):
