@@ -17,7 +17,7 @@ from mecano.laws.table import evaluate_curve, law_force, potential
 from mecano.maths.dual import value
 from mecano.schema import CONTINUOUS_DRIVE, LAW, Field
 
-SET_POINT = "at which the extension of the {} law is zero: a function of time [s], or a formula of signals"
+SET_POINT = "at which the extension of the {} law is zero"
 STILL = (0.0, 0.0)  # a set point that does not move, and its rate
 
 TURNING_FIELDS = (

@@ -215,7 +215,7 @@ ANTI_SKID = mapping(
 FIELDS = (
     Field("nodes", NODE_PAIR, "-", "reference node (leg, arm) and node of the wheel"),
     Field("axis", DIRECTION, "-", "axle at the start, inertial"),
-    Field("torque", DRIVE, "N m", "a function of time [s], or a formula of signals; zero where negative"),
+    Field("torque", DRIVE, "N m", "torque T that is demanded; zero where negative"),
     Field(
         "bound", CURVE, "N m", "upper bound of the torque, a curve of the speed [m/s] of the wheel", None,
         argument="m/s",

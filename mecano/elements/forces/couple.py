@@ -43,10 +43,7 @@ COUPLE = on_demand(
         fields=(
             Field("nodes", NODE_PAIR, "-", "nodes a (in which the axis is fixed) and b; either may be ground"),
             Field("axis", DIRECTION, "-", "axis at the start, inertial"),
-            Field(
-                "value", DRIVE, "N m",
-                "moment on b about the axis, and on a against it: a function of time [s], or a formula of signals",
-            ),
+            Field("value", DRIVE, "N m", "moment on b about the axis, and on a against it"),
         ),
         outputs=(
             Output("moment", "N m", "moment on b about the axis"),

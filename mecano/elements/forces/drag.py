@@ -80,10 +80,7 @@ DRAG = on_demand(
             Field("coefficient", NUMBER, "-", "c_d", check=positive),
             Field("density", NUMBER, "kg/m3", "rho of the fluid; air at sea level when absent", AIR, positive),
             Field("direction", DIRECTION, "-", "direction of the stream, inertial, made a unit vector", None),
-            Field(
-                "speed", DRIVE, "m/s",
-                "speed of the stream: a function of time [s], or a formula of signals; at rest when absent", None,
-            ),
+            Field("speed", DRIVE, "m/s", "speed of the stream; at rest when absent", None),
         ),
         outputs=(
             Output("force", "N", "drag on the node, inertial", (3,)),

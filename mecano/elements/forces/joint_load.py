@@ -48,7 +48,7 @@ def _load(name, what, coordinate, field, prepare, check, sample=None):
     kind = Kind(
         name=name, section="loads", doc=f"{what}.\n\n{EQUATIONS}", dtype=record(**coordinate.axes, law="i"),
         layout=coordinate.layout,
-        fields=(field, Field("value", DRIVE, unit, f"{quantity}: a function of time [s], or a formula of signals")),
+        fields=(field, Field("value", DRIVE, unit, f"{quantity} along the coordinate")),
         outputs=(
             Output(quantity, unit, f"{quantity} along the coordinate"),
             Output("rate", f"{coordinate.unit}/s", "rate of the coordinate"),

@@ -107,7 +107,7 @@ def _load(name, quantity, unit_of_load, dead, following):
         fields=(
             LINE_FIELD,
             Field("direction", DIRECTION, "-", "direction at the start, inertial, made a unit vector"),
-            Field("value", DRIVE, f"{unit_of_load}/m", f"{per}: a function of time [s], or a formula of signals"),
+            Field("value", DRIVE, f"{unit_of_load}/m", per),
             Field("follows", BOOLEAN, "-", "whether the direction turns with each node", False),
         ),
         outputs=(

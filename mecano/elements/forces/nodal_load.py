@@ -88,7 +88,7 @@ def _load(quantity, unit_of_load, name, layout, directions, follows):
         fields=(
             Field("node", NODE, "-", f"node that it acts on{carries}"),
             Field("direction", DIRECTION, "-", f"{given}, made a unit vector"),
-            Field("value", DRIVE, unit_of_load, f"{quantity}: a function of time [s], or a formula of signals"),
+            Field("value", DRIVE, unit_of_load, f"size of the {quantity}"),
         ),
         outputs=(
             Output(quantity, unit_of_load, f"{quantity} on the node, inertial", (3,)),

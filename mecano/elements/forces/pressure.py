@@ -120,7 +120,7 @@ PRESSURE = on_demand(
             LINE_FIELD,
             Field("across", DIRECTION, "-", "across the line, along the width of the side, at the start, inertial"),
             Field("width", NUMBER, "m", "width of the side", check=positive),
-            Field("value", DRIVE, "Pa", "pressure: a function of time [s], or a formula of signals"),
+            Field("value", DRIVE, "Pa", "pressure"),
         ),
         outputs=(
             Output("value", "Pa", "pressure"),

@@ -49,7 +49,7 @@ RECORD_BY_FORMULA = record(rate=6, drive=6, row=6, law=6, **AXES_FIELDS)
 DRIVABLE = ("along_1", "along_2", "along_axis", "about_axis")
 DRIVEN = mapping(
     *(
-        Field(axis, MOTION, unit, f"{what} since the start, a law or a formula of time [s]", None)
+        Field(axis, MOTION, unit, f"{what} since the start", None)
         for axis, unit, what in zip(DRIVABLE, ("m", "m", "m", "rad"), ("displacement",) * 3 + ("twist",), strict=True)
     )
 )

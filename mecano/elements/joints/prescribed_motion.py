@@ -120,7 +120,7 @@ PRESCRIBED_POSITION = _prescribed(
     fields=(
         Field("node", NODE, "-", "node that is moved"),
         Field("direction", DIRECTION, "-", "direction of the displacement, inertial"),
-        Field("value", MOTION, "m", "displacement from the position in the deck, a law or a formula of time [s]"),
+        Field("value", MOTION, "m", "displacement from the position in the deck"),
     ),
     outputs=(
         Output("displacement", "m", "displacement of the node along the direction", rate="velocity"),
@@ -138,7 +138,7 @@ PRESCRIBED_ANGLE = _prescribed(
     fields=(
         NODES,
         Field("axis", DIRECTION, "-", "axis at the start, inertial; fixed in both nodes"),
-        Field("value", MOTION, "rad", "rotation of b relative to a since the start, a law or a formula of time [s]"),
+        Field("value", MOTION, "rad", "rotation of b relative to a since the start"),
     ),
     outputs=(
         *angle_outputs("rotation of b relative to a about the axis since the start"),
@@ -152,8 +152,8 @@ PRESCRIBED_LENGTH = _prescribed(
     display=Display("line"),
     fields=(
         ENDS,
-        Field("value", MOTION, "m", "change of the distance since the start, a law or a formula of time [s]", None),
-        Field("length", MOTION, "m", "the distance itself, a law or a formula of time [s], instead of 'value'", None),
+        Field("value", MOTION, "m", "change of the distance since the start", None),
+        Field("length", MOTION, "m", "the distance itself, instead of 'value'", None),
     ),
     outputs=(
         Output("length", "m", "distance of the nodes", rate="rate"),

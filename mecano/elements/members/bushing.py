@@ -226,10 +226,9 @@ def sample(rng):
 
 
 NATURAL = (
-    Field(axis, CONTINUOUS_DRIVE, "m" if axis.startswith("along") else "rad",
-          f"{axis.split('_')[0]} this axis: a function of time [s], or a formula of signals", None)
+    Field(axis, CONTINUOUS_DRIVE, "m" if axis.startswith("along") else "rad", f"{axis.split('_')[0]} this axis", None)
     for axis in ORDER
-)  # fmt: skip
+)
 
 
 def _bushing(set_points):

@@ -228,10 +228,7 @@ FIELDS = (
     Field("axial_stiffness", NUMBER, "N", "EA: force per strain; or give E and area", None, positive),
     Field("E", NUMBER, "Pa", "modulus of elasticity, where axial_stiffness is not given", None, positive),
     Field("area", NUMBER, "m2", "area of the cross-section; without it the stress is written as zero", None, positive),
-    Field(
-        "natural_length", CONTINUOUS_DRIVE, "m",
-        "length without force: a function of time [s], or a formula of signals; when absent, from the pretension", None,
-    ),
+    Field("natural_length", CONTINUOUS_DRIVE, "m", "length without force; when absent, from the pretension", None),
     Field("pretension", NUMBER, "N", "tension at the start, at the initial distance", 0.0),
     DAMPING,
     Field("mass_per_length", NUMBER, "kg/m", "mass per natural length at t = 0", 0.0, not_negative),

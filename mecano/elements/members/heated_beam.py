@@ -30,7 +30,7 @@ THERMAL = Field(
     "thermal",
     mapping(
         *(
-            Field(name, CONTINUOUS_DRIVE, unit, f"{what}: a function of time [s], or a formula of signals", 0.0)
+            Field(name, CONTINUOUS_DRIVE, unit, what, 0.0)
             for name, unit, what in (
                 ("strain", "-", "elongation alpha dT of the free beam"),
                 ("curvature_2", "1/m", "alpha dT/dz, curvature about axis 2"),

@@ -281,8 +281,8 @@ FIELDS = (
     Field("axis", DIRECTION, "-", "axis of all pulleys at the start, inertial; fixed in their nodes"),
     AXIAL_STIFFNESS,
     Field("pretension", NUMBER, "N", "tension at the start, without payout and friction", 0.0, not_negative),
-    Field("payout", CONTINUOUS_DRIVE, "m", "natural length paid out at the first node since the start: a function of "
-          "time [s], or a formula of signals; a winch that hauls in has negative values", None),
+    Field("payout", CONTINUOUS_DRIVE, "m", "natural length paid out at the first node since the start; a winch that "
+          "hauls in has negative values", None),
     DAMPING,
     friction_field(),
     elastic_release("cable"),

@@ -114,8 +114,8 @@ def _spring(functions):
             Field("nodes", NODE_PAIR, "-", "its two nodes, not at the same place"),
             Field("law", LAW, "-", "axial force [N] from extension [m] and rate [m/s]; > 0 pulls the nodes together",
                   argument="m"),
-            Field("natural_length", CONTINUOUS_DRIVE, "m", "length at the extension zero: a function of time [s], or a "
-                  "formula of signals; the initial distance when absent", None),
+            Field("natural_length", CONTINUOUS_DRIVE, "m",
+                  "length at the extension zero; the initial distance when absent", None),
         ),
         outputs=(
             Output("length", "m", "distance of the nodes", rate="rate"),
