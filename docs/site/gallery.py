@@ -48,6 +48,7 @@ PLOTS = {
     "step_slip": "*.lateral_force",
     "step_steer": "*.lateral_force",
     "swept_sine": "mount.extension",
+    "turn_slip": "*.slip_moment.z",
     "yo_yo_despin": "axle.rate",
 }
 FILMS = (

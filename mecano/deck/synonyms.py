@@ -198,6 +198,9 @@ NOTES = {  # words with the same meaning: (targets, note)
     "reaction wheel, momentum wheel, control moment gyro, cmg, flywheel, gyroscope": (
         "rigid_body hinge joint_moment", "a rotor on a hinge; a joint_moment is its motor, whose value is a signal"
     ),
+    "turn slip, parking moment, parking torque, scrub moment, scrub torque, pivot turn, turning on the spot, towing": (
+        "fiala yawed_rolling", "'contact_width' of the slip law; docs/tyres.md, 'Turning on the spot, tight turns'"
+    ),
     "slip ratio, slip angle": ("wheel transient_wheel", "outputs of every wheel with a tyre law: tyre.slip_angle"),
     "yaw rate, lateral acceleration, sideslip, sideslip angle": (
         "signals",

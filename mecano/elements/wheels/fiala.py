@@ -20,10 +20,12 @@ is finite at rest, where the tyre therefore creeps. A tyre with the camber angle
 the side to which its top leans, by C_g gamma for small angles, within the same limit of friction; this camber thrust
 has no aligning moment. The force dissipates -F.v where it opposes the slip; the moment exchanges the power M.omega with
 the rolling, and so does the camber thrust the power with which it drives the slip. The friction mu is a curve of the
-slip speed.
+slip speed. With a ``contact_width`` the tyre has turn slip: G has a third component G_m, which adds M_s = k G_m
+(1 - x + x^2/3) to the moment, and G_l a part of the curved path (turn_slip.py).
 """
 
 from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipForces, SlipLaw
+from mecano.elements.wheels.turn_slip import CONTACT_WIDTH, TurnSlip, turn_slip
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import negative_curves
 from mecano.laws.table import curve
@@ -42,6 +44,7 @@ FIELDS = (
     Field("camber_stiffness", CURVE, "N/rad", "C_g, lateral force per camber; a curve of the normal force [N]", 0.0,
           argument="N"),
     Field("contact_length", NUMBER, "m", "2a, for the aligning moment", 0.0, not_negative),
+    CONTACT_WIDTH,
     Field("least_speed", NUMBER, "m/s", "v_0, speed below which the slip no longer grows as 1/speed", 0.1, positive),
     *CARCASS_FIELDS,
 )  # fmt: skip
@@ -62,28 +65,34 @@ def forces(p, laws, k):
     V = sqrt(rolling * rolling + p.least_speed * p.least_speed)
     load = at_least(k.N, 0.0)
     along = p.longitudinal_stiffness if p.longitudinal_stiffness > 0 else p.cornering_stiffness
-    G_t, G_s = -curve(laws, along, load) * v_t / V, -curve(laws, p.cornering_stiffness, load) * v_l / V
+    C_t, C_l = curve(laws, along, load), curve(laws, p.cornering_stiffness, load)
+    G_t, G_s = -C_t * v_t / V, -C_l * v_l / V
     camber, ahead = atan2(k.lean, sqrt(1.0 - k.lean * k.lean)), rolling / V
     G_l = G_s - curve(laws, p.camber_stiffness, load) * camber * (ahead * ahead)
     sliding = at_least(k.grip * at_least(curve(laws, p.friction, norm(k.v_0)), 0.0) * load, LEAST_FORCE)
-    x = sqrt(G_t * G_t + G_l * G_l) / (3.0 * sliding)
+    a, b, g = 0.5 * p.contact_length, 0.5 * p.contact_width, TurnSlip(0.0 * V, 0.0, G_l, 0.0 * V)
+    if b > 0.0:
+        g = turn_slip(k, a, b, C_t, C_l, G_t, G_l, V, rolling, 3.0 * sliding)
+    x = sqrt(G_t * G_t + g.G_l * g.G_l + g.G_m * g.G_m) / (3.0 * sliding)
     y = at_most(x, 1.0)
     share = select(x < 1.0, 1.0 - y + y * y / 3.0, 1.0 / (3.0 * at_least(x, 1.0)))
-    turn = -0.5 * p.contact_length / 3.0 * (1.0 - y) * (1.0 - y) * (1.0 - y) * G_s * ahead
-    F_t, F_l = share * G_t, share * G_l
+    spin = share * g.k * g.G_m
+    turn = spin - a / 3.0 * (1.0 - y) * (1.0 - y) * (1.0 - y) * G_s * ahead
+    F_t, F_l = share * G_t, share * g.G_l
     power = F_t * v_t + F_l * v_l
-    lost = at_least(-power, 0.0)
+    lost = at_least(-power, 0.0) - spin * g.W
     return SlipForces(F_t * k.t + F_l * k.l, turn * k.n, lost, lost + power + turn * dot(k.n, k.omega))
 
 
 def sample(rng):
-    """Return laws for adhesion with one stiffness and camber, and for sliding with two."""
+    """Return laws for adhesion with one stiffness and camber, for sliding with two, and with turn slip."""
     falling = (("exponential", {"start": 0.9, "limit": 0.5, "rate": 0.2, "origin": 0.0}),)
     rising = (("linear", {"slope": 0.5, "offset": 3e3}),)
     base = {"contact_length": 3.0, "least_speed": 0.5, "carcass_stiffness": [2e3, 3e3], "creep_length": 0.5}
     return [
         {"cornering_stiffness": rising, "camber_stiffness": rising, "friction": falling, **base},
         {"cornering_stiffness": 3e5, "longitudinal_stiffness": 5e5, "friction": 0.4, **base},
+        {"cornering_stiffness": rising, "camber_stiffness": rising, "friction": falling, "contact_width": 4.0, **base},
     ]
 
 

@@ -16,10 +16,13 @@ v_0^2) and the slip stiffness C_t:
 
 In pure side slip this is the law above, with the angle psi; in reverse the moment changes its sign. There is no camber
 thrust. The force dissipates -F.v >= 0; the moment exchanges the power M.omega with the rolling. The friction mu is a
-curve of the slip speed. With v_0 = ``least_speed`` the slip is finite at rest, where the tyre therefore creeps.
+curve of the slip speed. With v_0 = ``least_speed`` the slip is finite at rest, where the tyre therefore creeps. With a
+``contact_width`` the tyre has turn slip (turn_slip.py), with a = h: G has a third component G_m, and M_s =
+F(phi) k G_m/|G| is added to the moment.
 """
 
 from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipForces, SlipLaw
+from mecano.elements.wheels.turn_slip import CONTACT_WIDTH, TurnSlip, turn_slip
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import negative_curves
 from mecano.laws.table import curve
@@ -41,6 +44,7 @@ FIELDS = (
     ),
     Field("friction", CURVE, "-", "coefficient of friction mu, a curve of the slip speed [m/s]", argument="m/s"),
     Field("contact_share", NUMBER, "-", "c, length of the contact over that of the chord", 0.85, share),
+    CONTACT_WIDTH,
     Field("least_speed", NUMBER, "m/s", "v_0, speed below which the slip no longer grows as 1/speed", 0.1, positive),
     *CARCASS_FIELDS,
 )  # fmt: skip
@@ -63,14 +67,20 @@ def forces(p, laws, k):
     V = sqrt(rolling * rolling + p.least_speed * p.least_speed)
     w = at_least(k.w, LEAST_DEPTH * p.radius)
     along = p.longitudinal_stiffness if p.longitudinal_stiffness > 0 else p.cornering_stiffness
-    G_t = -at_least(curve(laws, along, w), 0.0) * v_t / V
-    G_l = -at_least(curve(laws, p.cornering_stiffness, w), 0.0) * atan2(v_l, V)
+    C_t, C_l = at_least(curve(laws, along, w), 0.0), at_least(curve(laws, p.cornering_stiffness, w), 0.0)
+    G_t, G_l = -C_t * v_t / V, -C_l * atan2(v_l, V)
     limit = at_least(k.grip * at_least(curve(laws, p.friction, norm(k.v_0)), 0.0) * at_least(k.N, 0.0), LEAST_FORCE)
-    phi = sqrt(G_t * G_t + G_l * G_l) / limit
+    h, b = p.contact_share * sqrt(w * (2.0 * p.radius - w)), 0.5 * p.contact_width
+    g = TurnSlip(0.0 * V, 0.0 * h, G_l, 0.0 * V)
+    if b > 0.0:
+        g = turn_slip(k, h, b, C_t, C_l, G_t, G_l, V, rolling, FULL * limit)
+    phi = sqrt(G_t * G_t + g.G_l * g.G_l + g.G_m * g.G_m) / limit
     used = select(phi < FULL, 1.0 - 4.0 / 27.0 * phi * phi, 1.0 / at_least(phi, FULL))
-    F_t, F_l = used * G_t, used * G_l
-    turn = -arm(phi) * p.contact_share * sqrt(w * (2.0 * p.radius - w)) * (rolling / V) * G_l
-    return SlipForces(F_t * k.t + F_l * k.l, turn * k.n, -(F_t * v_t + F_l * v_l), turn * dot(k.n, k.omega))
+    F_t, F_l, spin = used * G_t, used * g.G_l, used * g.k * g.G_m
+    turn = spin - arm(phi) * h * (rolling / V) * G_l
+    power = F_t * v_t + F_l * v_l
+    lost = at_least(-power, 0.0) - spin * g.W
+    return SlipForces(F_t * k.t + F_l * k.l, turn * k.n, lost, lost + power + turn * dot(k.n, k.omega))
 
 
 @kernel
@@ -82,14 +92,15 @@ def arm(phi):
 
 
 def sample(rng):
-    """Return laws for adhesion and for sliding, with one stiffness and with two."""
+    """Return laws for adhesion and for sliding, with one stiffness and with two, and with turn slip."""
     falling = (("exponential", {"start": 0.9, "limit": 0.5, "rate": 0.2, "origin": 0.0}),)
     rising = (("polynomial", {"coefficients": [1e3, 4e3, -300.0]}),)
     base = {"least_speed": 0.5, "carcass_stiffness": [2e3, 3e3], "creep_length": 0.5}
     return [
         {"cornering_stiffness": rising, "friction": falling, **base},
         {"cornering_stiffness": 3e5, "longitudinal_stiffness": 5e5, "friction": 0.4, **base},
+        {"cornering_stiffness": rising, "friction": falling, "contact_width": 4.0, **base},
     ]
 
 
-YAWED_ROLLING = SlipLaw("yawed_rolling", __doc__, mapping(*FIELDS), forces, check=check, sample=sample)
+YAWED_ROLLING = SlipLaw("yawed_rolling", __doc__, mapping(*FIELDS), forces, check=check, sample=sample, passive=False)
