@@ -32,6 +32,7 @@ PLOTS = {
     "bicycle": "frame.angular_velocity.x",
     "binding_strut": "rail_1.displacement,rail_2.displacement",
     "boom_in_sun": "tip.position.z",
+    "cleat": "tyre.contact_force.x,tyre.contact_force.z",
     "digital_control": "rail.displacement,shuttle_rail.displacement",
     "earthquake": "storey_1.displacement,storey_2.displacement",
     "elastic_drive": "drive.angle,copy.angle",

@@ -57,8 +57,8 @@ def check_ground(ground):
         texts.append("'ground.profile.direction' is along the normal of the plane; it must lie in the plane")
     if places := corners(profile["height"]):
         texts.append(
-            f"'ground.profile.height' has a jump or a corner at {places[0]:g} m; a wheel needs a smooth one "
-            "(a table: 'interpolation: cubic', and flat ends or 'beyond: extend')"
+            f"'ground.profile.height' has a jump or a corner at {places[0]:g} m; a wheel without 'enveloping' needs a "
+            "smooth one (a table: 'interpolation: cubic', and flat ends or 'beyond: extend')"
         )
     return texts
 

@@ -54,7 +54,7 @@ def check_profile_curvature(
     for name, d in values["elements"].items():
         if d["type"] not in wheels or ("elements", name) not in sound:
             continue
-        if not d["ground"]["profile"] or id(d["ground"]) in noted:
+        if not d["ground"]["profile"] or id(d["ground"]) in noted or d.get("tire_law", {}).get("enveloping"):
             continue
         radius = d.get("tire_law", d)["radius"]
         with np.errstate(all="ignore"):

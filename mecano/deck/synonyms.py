@@ -327,6 +327,9 @@ NOTES = {  # words with the same meaning: (targets, note)
     "knife edge, blade, nonholonomic, sled": ("skate", ""),
     "runway, road, terrain, track surface, ground plane, floor": ("grounds", ""),
     "bump road, obstacle, roughness, unevenness": ("grounds bump random", "the 'profile' of a ground"),
+    "cleat, short obstacle, kerb, curb, pothole, speed bump, arresting cable, cable crossing, runway cable": (
+        "tire_laws grounds", "'enveloping' of a tyre law; docs/tyres.md, 'Cleats, cables, kerbs'"
+    ),
     "orbit, tidal force, libration, clohessy wiltshire, hill equations, satellite": ("gravity_gradient", ""),
     "tether": ("gravity_gradient cable", ""),
     "load, external force, weight": ("force moment gravity", ""),

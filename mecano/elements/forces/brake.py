@@ -160,6 +160,8 @@ def check(d, nodes):
     texts = []
     if not wanted:
         texts.append("'wheel' has no effect without 'adhesion' or 'anti_skid'")
+    if wheel["ground"].get("profile") and wheel["tire_law"].get("enveloping"):
+        texts.append("'adhesion' and 'anti_skid' are not available on a 'profile' that the tyre of 'wheel' envelops")
     if wheel["ground"].get("motion"):
         texts.append("'adhesion' and 'anti_skid' hold for a ground at rest, but the ground of 'wheel' moves")
     if d["bound"] is not None and d["adhesion"] is not None:

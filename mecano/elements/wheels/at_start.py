@@ -7,6 +7,7 @@ import numpy as np
 from mecano.constraints.carried_surface import carried_record, contact_at_start, place_at_start
 from mecano.constraints.ground import rim_above
 from mecano.constraints.triads import unit
+from mecano.elements.wheels.enveloping import ground_of
 from mecano.laws.probe import curve_at
 
 BACKWARD = 1.0  # m/s: slower motions have no direction of their own
@@ -20,7 +21,7 @@ def start_warnings(d, nodes):
     axis, ground = node.R @ node.orientation.T @ unit(d["axis"]), d["ground"]
     normal = unit(ground["plane"]["normal"])
     backward = () if ground.get("motion") else _astray(d, normal, axis, node.v)
-    deep = _deep(d, *rim_above(ground, d["tire_law"]["radius"], node.x, axis))
+    deep = _deep(d, *rim_above(ground_of(d), d["tire_law"]["radius"], node.x, axis))
     return [*_falls_off(node.gravity, normal), *backward, *deep]
 
 

@@ -14,6 +14,7 @@ from mecano.constraints.tire_patch import Y, add_patch_force
 from mecano.constraints.wheels import Wheel
 from mecano.element_interface import Kind, Output, named, record
 from mecano.elements.wheels.at_start import start_warnings
+from mecano.elements.wheels.enveloping import refuse_enveloping
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD, surface_at
 from mecano.elements.wheels.lateral_law import (
     FORMS,
@@ -172,6 +173,7 @@ def check(d, nodes):
     slips = [] if law["friction"] is not None else [f"a {d['type']} needs 'tire_law.friction'"]
     if d["ground"].get("motion"):
         slips.append("'ground.motion' is available for the kinds wheel and transient_wheel only")
+    slips += refuse_enveloping(d)
     return slips + check_wheel(d, nodes) + check_lateral(law["lateral"])
 
 

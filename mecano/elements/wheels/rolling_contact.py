@@ -4,7 +4,7 @@ Their kinds have one variant for each slip law, in which the functions of that l
 """
 
 from dataclasses import replace
-from functools import cache, partial
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from mecano.constraints.ground import end_conditions, touch
 from mecano.constraints.wheels import Wheel
 from mecano.element_interface import Kind, Output, named, record
 from mecano.elements.wheels.at_start import start_warnings
+from mecano.elements.wheels.enveloping import effective_contact, rise_of_plane
 from mecano.elements.wheels.ground_surface import Surface, surface_at
 from mecano.elements.wheels.slip_law import Slip, default_values
 from mecano.elements.wheels.tire_law import RADIAL_RECORD, radial_force, slip_law_of
@@ -55,6 +56,7 @@ class Rolling(NamedTuple):
     w1: float  # dw/dt [m/s]
     F: float  # F_r [N]
     slip: Slip
+    rise: float  # velocity of the surface along its normal at C [m/s]
 
 
 @kernel
@@ -63,6 +65,20 @@ def rolling(p, at, touching):
     x, axis = vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)
     g = touch(p, at.laws, x, axis)
     return rolling_on(p, at, touching, g, axis, surface_at(p, at, g.n, x + g.arm), 0.0, 0.0)
+
+
+@kernel
+def enveloping(p, at, touching):
+    """Return the Rolling of a wheel on the effective plane of its cams."""
+    x, axis = vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0)
+    g, cams = effective_contact(p, at.laws, x, axis)
+    rise = rise_of_plane(p, cams, g, vec(at.v, 0), axis, mat(at.R[0]) @ vec(at.v, 3))
+    return rolling_on(p, at, touching, g, axis, surface_at(p, at, g.n, x + g.arm), rise, 0.0)
+
+
+def rolling_of(law):
+    """Return the kernel that gives the Rolling of a wheel with a SlipLaw."""
+    return enveloping if law.enveloping else rolling
 
 
 @kernel
@@ -81,13 +97,13 @@ def rolling_on(p, at, touching, g, axis, surface, rise, curvature):
     turning = omega - surface.omega
     spin = dot(omega, axis)
     slip = Slip(F / g.q, p.radius - g.r, surface.grip, v_C, v_C, u, turning, spin, g.s, t, l, g.n, curvature)
-    return Rolling(g, surface, axis, w1, F, slip)
+    return Rolling(g, surface, axis, w1, F, slip, rise)
 
 
 @kernel
 def with_slip(k, slip):
     """Return the Rolling with another Slip."""
-    return Rolling(k.g, k.surface, k.axis, k.w1, k.F, slip)
+    return Rolling(k.g, k.surface, k.axis, k.w1, k.F, slip, k.rise)
 
 
 @kernel
@@ -108,7 +124,7 @@ def put_rolling(p, at, k, ground, y, e):
     if pushes:
         t, l, M = k.slip.t, k.slip.l, ground.M
         put(y, FIRST, (dot(t, M), dot(l, M), dot(k.slip.n, M)))
-        e[3] = ground.given + dot(ground.F, k.surface.v) + dot(M, k.surface.omega)
+        e[3] = ground.given + dot(ground.F, k.surface.v) + dot(M, k.surface.omega) + k.slip.N * k.rise
         forward = dot(t, k.slip.u)
         V = sqrt(forward * forward + SLOW * SLOW)
         y[FIRST + 3] = -dot(t, k.slip.v_0) / V
@@ -120,6 +136,14 @@ def put_rolling(p, at, k, ground, y, e):
 def event_values(p, at, g):
     """Write w for the touch-down, -w for the lift-off [m]."""
     contact = touch(p, at.laws, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0))
+    g[0] = p.radius - contact.r
+    g[1] = contact.r - p.radius
+
+
+@kernel
+def effective_event_values(p, at, g):
+    """Write the same depths below the effective plane."""
+    contact, _ = effective_contact(p, at.laws, vec(at.q, 0), mat(at.R[0]) @ vec(p.axis, 0))
     g[0] = p.radius - contact.r
     g[1] = contact.r - p.radius
 
@@ -157,13 +181,18 @@ def wheel_with(law, compiled, own_record, prepare, **fields):
     )
 
 
-wheel_on_ground = partial(
-    wheel_with,
-    display=TYRE_DISPLAY,
-    layout=("x0", "R0"),
-    fields=FIELDS,
-    **named(start_warnings, event_values),
-)
+def wheel_on_ground(law, compiled, **fields):
+    """Return the Kind of a wheel of ``wheel_with`` on a ground."""
+    return wheel_with(
+        law,
+        compiled,
+        display=TYRE_DISPLAY,
+        layout=("x0", "R0"),
+        fields=FIELDS,
+        start_warnings=start_warnings,
+        event_values=effective_event_values if law.enveloping else event_values,
+        **fields,
+    )
 
 
 def by_slip_law(make, first):

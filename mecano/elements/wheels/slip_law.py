@@ -115,6 +115,9 @@ class SlipLaw:
     passive: bool = True
     """True if the force never drives the slip: lost = -F.v, given = M.omega"""
 
+    enveloping: bool = False
+    """True for a wheel on the effective plane of its cams (enveloping.py) in place of the ground"""
+
     def __post_init__(self):
         """Declare record, ``prepare`` and ``carcass`` by the fields if they are not given."""
         fields = self.type.options

@@ -15,6 +15,7 @@ whose fields are listed here, or one under its own name, such as ``fiala``.
 import numpy as np
 
 from mecano.element_interface import recorded_values
+from mecano.elements.wheels.enveloping import ENVELOPING, enveloping_law
 from mecano.elements.wheels.lateral_law import LATERAL_TYPE
 from mecano.elements.wheels.rolling_tyre import FIELDS as ROLLING_FIELDS
 from mecano.elements.wheels.rolling_tyre import check_rolling, is_given, rolling_law
@@ -47,6 +48,7 @@ LAW_FIELDS = (
         None, positive,
     ),
     *ROLLING_FIELDS,
+    ENVELOPING,
     Field("lateral", LATERAL_TYPE, "-", "lateral law of the patch: flexible wheels", None),
     SMILEY_HORNE,
 )  # fmt: skip
@@ -71,9 +73,10 @@ def register(law):
 
 
 def slip_law_of(values):
-    """Return the SlipLaw of the values of a tyre law, with its rolling radius and resistance if there are any."""
+    """Return the SlipLaw of the values of a tyre law, with rolling radius, resistance and cams if there are any."""
     law = given_law(values)
-    return rolling_law(law) if is_given(values) else law
+    law = rolling_law(law) if is_given(values) else law
+    return law if values.get("enveloping") is None else enveloping_law(law)
 
 
 def prepare_radial(law, context):

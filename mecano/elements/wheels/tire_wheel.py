@@ -9,6 +9,7 @@ from mecano.constraints.ground import check_axle, check_ground, prepare_ground, 
 from mecano.constraints.triads import carried_axis
 from mecano.constraints.wheels import CONTACT_OUTPUTS, PLACED, WHEEL_DISPLAY, put_contact
 from mecano.element_interface import Event, Output
+from mecano.elements.wheels.enveloping import check_enveloping, ground_of
 from mecano.elements.wheels.ground_surface import check_surface, prepare_surface
 from mecano.elements.wheels.tire_law import check_tire_law, prepare_radial
 from mecano.jit.kernel import kernel
@@ -75,7 +76,7 @@ def prepare_wheel(d, nodes, context):
     """Return the record: axis in the node's frame, ground, radial law."""
     return {
         "axis": carried_axis(d, nodes),
-        **prepare_ground(d["ground"], context),
+        **prepare_ground(ground_of(d), context),
         **prepare_surface(d["ground"], context),
         **prepare_radial(d["tire_law"], context),
     }
@@ -83,8 +84,10 @@ def prepare_wheel(d, nodes, context):
 
 def check_wheel(d, nodes):
     """Return errors for an unusable ground or tyre law, a wheel that lies flat or starts too far below the ground."""
-    place = d["ground"], nodes[0][0], d["axis"]
-    texts = check_ground(d["ground"]) + check_surface(d["ground"]) + check_axle(*place)
+    if texts := check_enveloping(d):
+        return check_tire_law(d["tire_law"]) + texts
+    place = ground_of(d), nodes[0][0], d["axis"]
+    texts = check_ground(place[0]) + check_surface(d["ground"]) + check_axle(*place)
     return check_tire_law(d["tire_law"]) + (texts or _check_deformation(d["tire_law"], *place))
 
 

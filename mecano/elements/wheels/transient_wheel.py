@@ -26,6 +26,7 @@ import numpy as np
 
 from mecano.constraints.ground import GROUND_RECORD
 from mecano.element_interface import Output, named
+from mecano.elements.wheels.enveloping import with_enveloping
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import (
     FIRST,
@@ -34,7 +35,7 @@ from mecano.elements.wheels.rolling_contact import (
     by_slip_law,
     law_samples,
     put_rolling,
-    rolling,
+    rolling_of,
     wheel_on_ground,
     with_slip,
 )
@@ -77,7 +78,7 @@ def damping(p, slip):
 
 def compiled(law):
     """Return ``residual`` and ``observe`` of a wheel with a SlipLaw."""
-    forces, slip, seen = law.forces, law.slip, law.seen
+    forces, slip, seen, rolling = law.forces, law.slip, law.seen, rolling_of(law)
 
     @kernel
     def residual(p, at, f):
@@ -134,7 +135,7 @@ def sample(rng):
     """Return large wheels with each slip law that has a carcass, in contact and in the air."""
     laws = [law for law in SLIP_LAWS.values() if law.carcass]
     found = [one for law, own in zip(laws, rng.spawn(len(laws)), strict=True) for one in law_samples(own, law)]
-    return [*found, with_rolling(found[0])]
+    return [*found, with_rolling(found[0]), with_enveloping(found[0])]
 
 
 def prepare(d, nodes, context):

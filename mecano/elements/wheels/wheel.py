@@ -30,6 +30,7 @@ from functools import partial
 
 from mecano.constraints.ground import GROUND_RECORD
 from mecano.element_interface import named
+from mecano.elements.wheels.enveloping import with_enveloping
 from mecano.elements.wheels.ground_surface import SURFACE_RECORD
 from mecano.elements.wheels.rolling_contact import (
     OUTPUTS,
@@ -37,7 +38,7 @@ from mecano.elements.wheels.rolling_contact import (
     by_slip_law,
     law_samples,
     put_rolling,
-    rolling,
+    rolling_of,
     wheel_on_ground,
     with_slip,
 )
@@ -49,7 +50,7 @@ from mecano.jit.kernel import kernel
 
 def compiled(law):
     """Return ``residual`` and ``observe`` of a wheel with a SlipLaw."""
-    forces, slip, seen = law.forces, law.slip, law.seen
+    forces, slip, seen, rolling = law.forces, law.slip, law.seen, rolling_of(law)
 
     @kernel
     def residual(p, at, f):
@@ -80,7 +81,7 @@ def sample(rng):
     ]
     for law, own in zip(SLIP_LAWS.values(), rng.spawn(len(SLIP_LAWS)), strict=True):
         found += law_samples(own, law)
-    return [*found, *(with_rolling(found[i]) for i in (0, 3))]
+    return [*found, *(with_rolling(found[i]) for i in (0, 3)), *(with_enveloping(found[i]) for i in (1, 2))]
 
 
 with_law = partial(

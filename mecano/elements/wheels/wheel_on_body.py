@@ -35,6 +35,7 @@ from mecano.constraints.touching import check_one_surface, named_surface
 from mecano.constraints.triads import carried_axis, unit
 from mecano.element_interface import Display, named
 from mecano.elements.wheels.at_start import start_warnings_on_body
+from mecano.elements.wheels.enveloping import refuse_enveloping
 from mecano.elements.wheels.ground_surface import Surface
 from mecano.elements.wheels.rolling_contact import (
     OUTPUTS,
@@ -119,7 +120,7 @@ def event_values(p, at, g):
 
 def check(d, nodes):
     """Return errors in the surface and the tyre law, for a wheel that lies flat or starts too far in the surface."""
-    texts = check_one_surface(d)
+    texts = check_one_surface(d) + refuse_enveloping(d)
     return texts + check_tire_law(d["tire_law"]) + ([] if texts else _check_place(d, nodes))
 
 
