@@ -29,8 +29,8 @@ def steer(radius):
     return {name: np.arctan2(x - REAR, radius - y) for name, (x, y) in WHEELS.items()}
 
 
-def car(torques, start, time="end: 1, step: 1 ms", radius=25.0):
-    """Return the deck; ``start`` is (u, v, yaw rate, spins (4,)), at y = 0 with the heading zero."""
+def car(torques, start, time="end: 1, step: 1 ms", radius=25.0, signals="{}", initial=""):
+    """Return the deck; ``start`` is (u, v, yaw rate, spins (4,)), at y = 0 with the heading zero, or ``initial``."""
     u, v, rate, *spins = (float(x) for x in start)
     left = {w: (-np.sin(angle), np.cos(angle)) for w, angle in steer(radius).items()}
     hinge = "{{type: hinge, nodes: [{w}_knuckle, {w}], axis: [{l[0]}, {l[1]}, 0]}}"
@@ -40,6 +40,10 @@ def car(torques, start, time="end: 1, step: 1 ms", radius=25.0):
     )
     joints = "".join(f"\n      {w}: " + hinge.format(w=w, l=left[w]) for w in WHEELS)
     spinning = "".join("\n        - " + turns.format(w=w, s=s, l=left[w]) for w, s in zip(WHEELS, spins, strict=True))
+    velocities = f"""
+      velocities:
+        - {{nodes: all, velocity: [{u}, {v}, 0], angular_velocity: [0, 0, {rate}], about: [0, 0, 0.3]}}
+        {spinning}"""
     moment = "{{type: joint_moment, joint: {w}, value: {t}}}"
     loads = ", ".join(f"{w}: " + moment.format(w=w, t=t) for w, t in zip(WHEELS, torques, strict=True))
     return deck(f"""
@@ -54,6 +58,7 @@ def car(torques, start, time="end: 1, step: 1 ms", radius=25.0):
       plane: {{type: planar, nodes: [ground, car], axis: [0, 0, 1]}}
       {joints}
     loads: {{{loads}}}
+    signals: {signals}
     tire_laws:
       rubber:
         radius: {HEIGHT + LOAD / 5e6}
@@ -61,10 +66,7 @@ def car(torques, start, time="end: 1, step: 1 ms", radius=25.0):
         fiala: {{cornering_stiffness: {LATERAL}, longitudinal_stiffness: {DRIVING}, friction: {FRICTION},
                 contact_length: {CONTACT}, least_speed: {SLOW}}}
     grounds: {{road: {{plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}}}}}
-    initial:
-      velocities:
-        - {{nodes: all, velocity: [{u}, {v}, 0], angular_velocity: [0, 0, {rate}], about: [0, 0, 0.3]}}
-        {spinning}
+    initial: {initial or velocities}
     time: {{{time}}}
     """)
 
@@ -157,3 +159,32 @@ def test_growth_that_inertial_axes_cause_is_reported():
         )
         text, _ = response(turning, None, request)
         assert ("Hz the response holds for this instant only" in text) == reported
+
+
+def turning(rate, centre, radius=25.0):
+    """Return the RecordedRun of a car that starts in a steady turn of the yaw ``rate`` about the ``centre`` (2,).
+
+    Its steering is that of a turn of ``radius``; an integrator finds the torque of the rear wheels.
+    """
+    signals = f"""
+      missing: {rate} - car.angular_velocity.z
+      stored: {{type: integrator, input: missing}}
+      torque: {{type: formula, value: 1000*stored, unit: N m}}"""
+    initial = f"{{steady: {{angular_velocity: [0, 0, {rate}], about: [{centre[0]}, {centre[1]}, 0]}}}}"
+    still = np.zeros(7)
+    return RecordedRun(car((0.0, 0.0, "torque", "torque"), still, "end: 0.5, step: 5 ms", radius, signals, initial))
+
+
+def test_a_car_starts_in_a_steady_turn(verify):
+    """Found from a place 6 m off, without slip: speed, slip angle and torque of the two-track equations; it goes on."""
+    torques, (u, v, rate, *_) = steady(25.0)
+    run = turning(rate, (0.0, 25.0))
+    place = run["nodes/car/position"][:, :2] - [0.0, 25.0]
+    speed, torque = np.linalg.norm(run["nodes/car/velocity"], axis=1), run["signals/torque/value"].ravel()
+    ahead = run["nodes/a_knuckle/position"][0, :2] - run["nodes/c_knuckle/position"][0, :2]
+    moves, most = run["nodes/car/velocity"][0, :2], np.hypot(u, v)
+    aside = (ahead[0] * moves[1] - ahead[1] * moves[0]) / np.linalg.norm(ahead)
+    found, exact = [speed[0], np.linalg.norm(place[0]), aside, torque[0]], [most, most / rate, v, torques[2]]
+    what = "car in a steady turn of given yaw rate: speed [m/s], radius [m], sideslip [m/s], torque [N m]"
+    verify("Tyres", what, np.array(found), np.array(exact), "two-track equations", relative=1e-6)
+    assert np.ptp(np.linalg.norm(place, axis=1)) < 1e-5 and np.ptp(speed) < 1e-5

@@ -46,8 +46,9 @@ def set_initial_state(prepared: "Prepared", disturbed: bool = True) -> tuple[str
 
 
 def _steady_motion(prepared):
-    """Return the steady motion that the deck requests, a Straight or a Rotation."""
+    """Return the steady motion that the deck requests: Straight, a Rotation, or, with wheels on a ground, a Turn."""
     from mecano.solve.modal.steady_rotation import Rotation
+    from mecano.solve.modal.steady_turn import Turn
     from mecano.solve.modal.straight_running import Straight
 
     requested, elements = prepared.deck.values["initial"]["steady"], prepared.deck.values["elements"]
@@ -57,7 +58,9 @@ def _steady_motion(prepared):
     for name, d in elements.items():
         if d.get("mesh", 1) > 1 and resting.issuperset(d["nodes"]):
             resting |= set(inner_names(name, d))
-    return Rotation(prepared.system, requested["angular_velocity"], requested["about"], resting)
+    on_wheels = any("ground" in d and "axis" in d for d in elements.values())
+    motion = Turn if on_wheels else Rotation
+    return motion(prepared.system, requested["angular_velocity"], requested["about"], resting)
 
 
 def _wobble_warnings(prepared):

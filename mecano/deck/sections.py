@@ -165,7 +165,14 @@ VELOCITY_FIELDS = (
 )  # fmt: skip
 STEADY_FIELDS = (
     Field("velocity", VECTOR, "m/s", "straight running: velocity of all nodes, along the road, inertial", None),
-    Field("angular_velocity", VECTOR, "rad/s", "rotation: angular velocity of all nodes that turn, inertial", None),
+    Field(
+        "angular_velocity",
+        VECTOR,
+        "rad/s",
+        "rotation: angular velocity of all nodes that turn, inertial; wheels on "
+        "a ground roll as well, in a steady turn",
+        None,
+    ),
     Field("about", VECTOR, "m", "rotation: a point of the axis", None),
     Field(
         "at_rest", NODES, "-", "rotation: nodes that do not turn, such as those of the support", None, check=distinct
@@ -179,8 +186,8 @@ INITIAL_FIELDS = (
     Field(
         "steady", mapping(*STEADY_FIELDS), "-",
         "start from straight steady running, solved for deflections, spins of the wheels and reactions, or from steady "
-        "rotation, solved for deflections under centrifugal and other forces; the velocities below are added as a "
-        "disturbance", None, check=check_steady,
+        "rotation or a steady turn, solved for deflections under centrifugal and other forces as well; the velocities "
+        "below are added as a disturbance", None, check=check_steady,
     ),
     Field(
         "from", TEXT, "-",

@@ -408,6 +408,9 @@ NOTES = {  # words with the same meaning: (targets, note)
         "", "mecano.run, modes, response and sweep; results become arrays, pandas or xarray: see docs/python.md"
     ),
     "report": ("", "`mecano post` with --report writes a page of a run, or of the table of a study"),
+    "steady turn, steady cornering, skid pad, skidpad, constant radius": (
+        "steady", "'initial: {steady: {angular_velocity: ..., about: ...}}' with wheels; docs/tyres.md, 'A car'"
+    ),
     "steady state, steady motion, trim": (
         "steady static", "'initial: {steady: ...}' starts in steady running or rotation, 'initial: static' at rest"
     ),

@@ -1,7 +1,8 @@
 r"""Steady motion: positions, reactions and spins that are constant in axes moving with the mechanism.
 
-The motion, straight running (straight_running.py) or rotation about a fixed axis (steady_rotation.py), gives velocities
-v(q) and accelerations a(q). Unknown are positions q, spins :math:`\sigma` along the directions N and reactions with
+The motion, straight running (straight_running.py), rotation about a fixed axis (steady_rotation.py) or a turn on wheels
+(steady_turn.py), gives velocities v(q) and accelerations a(q). Unknown are positions q, spins :math:`\sigma` along the
+directions N and reactions with
 
 .. math::
    f(q, v, a) - B^T \Lambda = 0, \quad \Phi(q) = 0, \quad \Phi_v(q, v) = 0, \quad v = v(q) + N \sigma.
@@ -56,7 +57,7 @@ class Tangent:
     """Derivatives and residuals of a state in steady motion."""
 
     K: np.ndarray  # (n, n) derivatives by positions, with v(q) and a(q), and multipliers
-    C: np.ndarray  # (n, n_q) derivatives by velocities
+    C: np.ndarray  # (n, n_q) derivatives by velocities, with a(q, v)
     k: float  # mean stiffness [N/m], which makes rows of forces and of constraints comparable
     f: np.ndarray  # (n_q,) out-of-balance forces
     size: np.ndarray  # (n_q,) sums of the magnitudes of the forces
@@ -190,7 +191,7 @@ class Steady:
         """Return the Tangent of a state."""
         C, _ = self.matrix(s, 0.0, 1.0, 0.0)
         K, assembly = self.matrix(s, 1.0, 0.0, 0.0)
-        K = self.motion.total_derivatives(self, s, K, C)
+        K, C = self.motion.total_derivatives(self, s, K, C), self.motion.derivatives_by_spins(self, s, C)
         f, size = assembly.residual[: self.n_q], assembly.size[: self.n_q]
         derivatives = self.system.constraint_derivatives(s)
         gap = np.where(self.of_rates, derivatives[:, 1] * self.length / self.speed, derivatives[:, 0])

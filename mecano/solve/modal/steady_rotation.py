@@ -44,6 +44,10 @@ class Rotation:
 
     relaxes = True  # a relaxed state is preferred to one of another shape, which may be unstable
     fading = 0.8  # additional factor on the drag in each step of the relaxation: arms may swing far
+    name = "steady rotation"
+    tries = (
+        "initial positions nearer to it; a drive that balances the moment of loads about the axis (prescribed_angle)"
+    )
 
     def __init__(self, system: "System", w: Sequence[float], about: Sequence[float], at_rest: Collection[str] = ()):
         of, self.n_q = system.numbering, system.n_q
@@ -99,17 +103,19 @@ class Rotation:
             K[:, d : d + 3] += C[:, d : d + 3] @ (s.R[r].T @ self.hat @ s.R[r])
         return K
 
+    def derivatives_by_spins(self, steady: "Steady", s: "State", C: np.ndarray) -> np.ndarray:
+        """Return the derivatives C (n, n) by velocities, unchanged: no part spins in the axes."""
+        return C
+
     def require_steady(self, steady: "Steady", s: "State", arrived: bool) -> None:
         """Raise ConvergenceError if the state is not in steady rotation."""
         system, at = steady.system, steady.tangent(s)
-        text = f"no steady rotation with the angular velocity {np.round(self.w, 9).tolist()} rad/s was found"
-        tries = "what to try: initial positions nearer to it; "
+        text = f"no {self.name} with the angular velocity {np.round(self.w, 9).tolist()} rad/s was found"
         if not arrived:
             assembly = system.assemble(s, cK=1.0)
             raise ConvergenceError(
                 f"{text}: forces remain out of balance or constraints violated; the worst equations:\n"
-                f"{worst_equations(system, assembly)}\n{tries}a drive that balances the moment of loads about the axis "
-                "(prescribed_angle)"
+                f"{worst_equations(system, assembly)}\nwhat to try: {self.tries}"
             )
         off = np.abs(at.rates) / steady.speed
         if off.max(initial=0.0) > STEADY:
@@ -135,9 +141,9 @@ class Rotation:
         later, n, n_q = s.copy(), steady.system.n, self.n_q
         Q = np.array(exp(Vec3(*(self.w / (np.linalg.norm(self.w) or 1.0)))))
         later.z[self.at] = self.about + (s.z[self.at] - self.about) @ Q.T
+        later.v[self.at], later.a[self.at] = s.v[self.at] @ Q.T, s.a[self.at] @ Q.T
         for r in self.rotations:
             later.R[r] = Q @ s.R[r]
-        self.begin(later)
         K, assembly = steady.matrix(later, 1.0, 0.0, 0.0)
         f, D = assembly.residual[:n_q].copy(), K[:n_q, n_q:n]
         own = steady.moving

@@ -6,9 +6,7 @@ by steady.py.
 
 The angular velocities that leave the forces constant follow from the tangent: with its columns K_x for displacements
 and K_r for rotations, :math:`K_r \omega = - K_x V` (in the rows of constraints on positions: minus their rates) has the
-minimum-norm solution :math:`\omega_0`, and N is the null space of K_r: the free spins. The force on a sliding wheel
-hardly depends on its spin. Therefore every iteration finds the spin of a wheel without a rolling constraint from the
-moment about its axle, which increases with the spin.
+minimum-norm solution :math:`\omega_0`, and N are the free spins (free_spins.py).
 """
 
 from collections.abc import Sequence
@@ -17,23 +15,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.errors import ConvergenceError, name_list
-from mecano.maths.root import root
-from mecano.maths.vector import skew
 from mecano.model.numbering import SIGNAL
 from mecano.solve.diagnostics.failure import worst_equations
-from mecano.solve.linear.rounding import ROUNDING
-from mecano.solve.modal.separated_basis import separated_basis
+from mecano.solve.modal.free_spins import roll, turning, unturned
 
 if TYPE_CHECKING:
     from mecano.model.state import State
     from mecano.model.system import System
     from mecano.solve.modal.steady import Steady, Tangent
 
-SPINS = 1e-9  # of the largest singular value: rotations below leave the forces constant
 STEADY = 1e-6  # largest relative change of forces per radian or length scale; of constraints relative to the speed
 DRAG = 0.5  # of the largest out-of-balance force: a smaller sum along the road is not its cause
 SHARE, MOST_NAMED = 0.1, 4  # of that sum: smaller forces of elements are not named; number of names
-WIDER, WIDENINGS = 2.0, 40  # factor on the bracket of a spin; number of times it is widened
 
 
 class Straight:
@@ -60,6 +53,10 @@ class Straight:
     def total_derivatives(self, steady: "Steady", s: "State", K: np.ndarray, C: np.ndarray) -> np.ndarray:
         """Return the derivatives K (n, n) by positions, with which the velocities do not change."""
         return K
+
+    def derivatives_by_spins(self, steady: "Steady", s: "State", C: np.ndarray) -> np.ndarray:
+        """Return the derivatives C (n, n) by velocities, with which the accelerations do not change."""
+        return C
 
     def without_drift(self, start: "State", s: "State") -> "State":
         """Return the state with the mean displacement along the road removed, which relaxation leaves arbitrary."""
@@ -88,10 +85,7 @@ class Straight:
         s.v[: self.n_q] = self.along[: self.n_q] + omega + N @ (np.linalg.pinv(N) @ (s.v[: self.n_q] - omega))
         at = steady.tangent(s)
         if N.shape[1]:
-            B = -np.where(steady.of_rates[:, None], at.C[self.n_q :], at.K[self.n_q :, : self.n_q]) @ N
-            s.v[: self.n_q] -= N @ np.linalg.lstsq(B, at.rates, rcond=SPINS)[0] if len(B) else 0.0
-            for j in np.flatnonzero(np.abs(B).max(axis=0, initial=0.0) <= SPINS * steady.length):
-                self._roll(steady, s, N[:, j], ROUNDING * steady.length * (at.size / steady.root).max())
+            roll(steady, s, N, at)
             at = steady.tangent(s)
         return s, N, at
 
@@ -99,23 +93,14 @@ class Straight:
         """Return the angular velocities (n_q,) that follow from V, and the free spins N (n_q, spins)."""
         running = s.copy()
         running.v[:] = self.along
-        K = at.K[:, : self.n_q].copy()
-        for d in steady.system.numbering.rotation_dof:
-            if d < self.n_q:  # out-of-balance moments are fixed in inertial axes: a spin does not rotate them
-                K[d : d + 3, d : d + 3] -= np.array(skew(tuple(at.f[d : d + 3])))
-        K = self._without_signals(K)
+        K = self._without_signals(unturned(steady, at))
         change = K @ self.along[: self.n_q]
         change[self.n_q :] = np.where(
             steady.of_rates, change[self.n_q :], -steady.system.constraint_derivatives(running)[:, 1]
         )
-        scale = np.concatenate([1.0 / (at.k * steady.root), np.ones(steady.system.n_l)])
-        U, sigma, Vt = np.linalg.svd(K[:, steady.turning] * scale[:, None] / steady.length, full_matrices=True)
-        rank = int(np.sum(sigma > SPINS * max(sigma.max(initial=0.0), 1e-300)))
-        omega, N = np.zeros(self.n_q), np.zeros((self.n_q, Vt.shape[0] - rank))
-        omega[steady.turning] = -Vt[:rank].T @ ((U[:, :rank].T @ (change * scale)) / sigma[:rank]) / steady.length
-        N[steady.turning] = Vt[rank:].T
-        spins = separated_basis(N.T).T
-        return omega, spins / np.linalg.norm(spins, axis=0)
+        t, omega = turning(steady, at, K), np.zeros(self.n_q)
+        omega[steady.turning] = -t.Vt.T @ ((t.U.T @ (change * t.scale)) / t.sigma) / steady.length
+        return omega, t.N
 
     def _without_signals(self, K):
         """Return the derivatives K (n, n_q) with algebraic signals as functions of the other unknowns.
@@ -128,28 +113,6 @@ class Straight:
         K = K - K[:, self.at_once] @ np.linalg.lstsq(own[:, self.at_once], own, rcond=None)[0]
         K[self.at_once] = K[:, self.at_once] = 0.0
         return K
-
-    def _roll(self, steady, s, direction, rounding):
-        """Set the spin of ``s`` along ``direction`` (n_q,), in place, so that the moment about it vanishes.
-
-        A moment below ``rounding`` [N m], as of a wheel in the air, determines no spin.
-        """
-        before = s.v[: self.n_q].copy()
-
-        def moment(spin):
-            s.v[: self.n_q] = before + spin * direction
-            assembly = steady.system.assemble(s)
-            return float(direction @ assembly.residual[: self.n_q])
-
-        here, width = moment(0.0), 1e-3 * steady.speed / steady.length
-        low = high = found = 0.0
-        for _ in range(WIDENINGS if abs(here) > rounding else 0):
-            low, high = high, -np.sign(here) * width
-            if np.sign(moment(high)) != np.sign(here):
-                found = root(moment, min(low, high), max(low, high))
-                break
-            width *= WIDER
-        s.v[: self.n_q] = before + found * direction
 
     def require_steady(self, steady: "Steady", s: "State", arrived: bool) -> None:
         """Raise ConvergenceError if the state is not in steady running."""
