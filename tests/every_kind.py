@@ -43,7 +43,10 @@ VALUES = {
     "tire_law": "tyre",
     "ground": "runway",
 }
-OTHER_WHEELS = ("wheel_on_body", "transient_wheel", "flexible_wheel", "adhesive_wheel", "rigid_wheel", "cardona_wheel")
+OTHER_WHEELS = (
+    "wheel_on_body", "transient_wheel", "flexible_wheel", "adhesive_wheel", "rigid_wheel", "cardona_wheel",
+    "mecanum_wheel",
+)  # fmt: skip
 ONE_WHEEL = {name: kind for name, kind in KINDS.items() if name not in OTHER_WHEELS}
 DECK_TEXT = "mecano: 1\n"
 TIMES = np.linspace(0.0, 2.0, 41)

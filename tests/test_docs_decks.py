@@ -64,7 +64,7 @@ def test_names_on_the_page_of_tyres():
     """Kinds, fields of tyre laws and outputs that the page recommends exist under these names."""
     for _, kinds, fields in rows_of("tyres.md", "## Which wheel"):
         assert words(kinds) and all(name in KINDS for name in words(kinds))
-        laws = {field.name for field in (*TIRE_LAW_FIELDS, *KINDS["rigid_wheel"].fields)}
+        laws = {field.name for field in (*TIRE_LAW_FIELDS, *KINDS["mecanum_wheel"].fields)}
         assert set(words(fields)) <= laws
     assert {name for row in rows_of("tyres.md", "## Tyre data") for name in words(row[1])} <= laws
     wheel = KINDS["flexible_wheel"]

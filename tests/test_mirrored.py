@@ -18,7 +18,7 @@ from mecano.constraints.triads import triad
 MIRROR, SHIFT = np.eye(3) - 2.0 * np.outer([0.6, -0.48, 0.64], [0.6, -0.48, 0.64]), np.array([0.3, -0.8, 0.5])
 S = np.diag([1.0, -1.0, 1.0])
 WHEELS = ("rigid_wheel", "cardona_wheel", "skate", "wheel", "transient_wheel", "flexible_wheel", "adhesive_wheel",
-          "wheel_on_body")  # fmt: skip
+          "wheel_on_body", "mecanum_wheel")  # fmt: skip
 AXIAL = {  # kinds: fields that are axes of rotation, or across a force
     ("hinge",): ("axis", "axis_b"), ("universal", "gear_pair"): ("axis_a", "axis_b"), ("pressure",): ("across",),
     ("rack_and_pinion", "prescribed_angle", "torsion_spring_damper", "belt", "reeved_cable", "couple", "brake"):
@@ -52,6 +52,8 @@ def mirrored(kind, d, flipped):
     if "ground" in d and d["ground"].get("motion"):
         motion = out["ground"]["motion"]
         out["ground"]["motion"] = {**motion, "rate": -motion["rate"]}
+    if d.get("roller_angle"):
+        out["roller_angle"] = np.pi - d["roller_angle"]
     if d.get("pitch"):
         out["pitch"] = -d["pitch"]
     if kind.name == "coupler":

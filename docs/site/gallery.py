@@ -56,8 +56,8 @@ FILMS = (
     "andrews", "ball_in_pipe", "beam_spin_up", "belt_drive", "bicycle", "block_and_tackle", "bricard", "cam",
     "car", "controlled_double_pendulum", "crane", "deployment_lock", "double_pendulum", "flat_follower",
     "flexible_pendulum", "flexible_ring", "flexible_slider_crank", "flyball_governor", "four_bar", "gears",
-    "heavy_top", "moving_load", "n_four_bar", "nose_gear_rigid", "nose_landing_gear", "paper_disc", "pendulum",
-    "reflector", "rocking_block", "rods", "rolling_disc", "slider_crank", "snap_pin", "solar_array",
+    "heavy_top", "mecanum", "moving_load", "n_four_bar", "nose_gear_rigid", "nose_landing_gear", "paper_disc",
+    "pendulum", "reflector", "rocking_block", "rods", "rolling_disc", "slider_crank", "snap_pin", "solar_array",
     "spherical_pendulum", "stewart", "synchronised_panels", "twin_wheel_gear", "woodpecker",
 )  # fmt: skip
 SIZE, DOTS = (3.6, 2.7), 160  # inches, per inch

@@ -105,6 +105,8 @@ EXAMPLES = {
     "brake": "brake: {type: brake, nodes: [crank, rod], axis: [0, 1, 0], torque: 400 N m}",
     "rigid_wheel": "disc: {type: rigid_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road}",
     "cardona_wheel": "disc: {type: cardona_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road}",
+    "mecanum_wheel":
+        "disc: {type: mecanum_wheel, node: wheel, radius: 0.3 m, axis: [0, 1, 0], ground: road, roller_angle: 45 deg}",
     "skate": "blade: {type: skate, node: slider, axis: [0, 1, 0], ground: road}",
     "wheel": "nose: {type: wheel, node: wheel, axis: [0, 1, 0], tire_law: tyre, ground: road}",
     "wheel_on_body":

@@ -278,9 +278,8 @@ NOTES = {  # words with the same meaning: (targets, note)
     "escapement, pawl, pallet": (
         "contact rigid_body hinge", "a tooth is a node 'attached' to its wheel, and touches a capsule of the other body"
     ),
-    "mecanum wheel, mecanum, omni wheel, omnidirectional wheel": (
-        "rigid_body hinge contact",
-        "each roller is a body on a hinge in the wheel, a ball with a contact, which has 'friction' and a 'law'",
+    "mecanum, omni wheel, omnidirectional wheel, swedish wheel, holonomic drive, kiwi drive, mobile robot": (
+        "mecanum_wheel", "'roller_angle: 45 deg' or '90 deg'; `mecano example mecanum` is a platform on four"
     ),
     "tracked vehicle, crawler, caterpillar, track chain": (
         "belt wheel", "not available; wheels that a belt joins turn and skid like those of a track"

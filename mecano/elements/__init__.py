@@ -55,6 +55,7 @@ MODULES = {
     "brake": "forces.brake",
     "rigid_wheel": "wheels.rigid_wheel",
     "cardona_wheel": "wheels.cardona_wheel",
+    "mecanum_wheel": "wheels.mecanum_wheel",
     "skate": "wheels.skate",
     "wheel": "wheels.wheel",
     "transient_wheel": "wheels.transient_wheel",
