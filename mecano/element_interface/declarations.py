@@ -65,6 +65,9 @@ class Event:
     one_sided: bool = False
     """True if the force beyond it would have the wrong sign: where a step begins beyond it, as after a shock, it
     happens at once, also if the motion departs from it before the end of the step"""
+    brief: bool = False
+    """True if bodies that pass one another may cause it and undo it within one step, in which it is then sought
+    (solve/events/passing.py)"""
     command: str = ""
     """input whose value is its number"""
     beyond: int = -1

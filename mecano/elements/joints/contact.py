@@ -51,7 +51,9 @@ from mecano.schema import CURVE, NODE_PAIR, NUMBER, Field, not_negative, share
 MATERIAL = {"law": "i", "damping": (), "restitution": (), "coefficient": "i", "regularization": ()}
 PHASES = ("open", "closed")
 NORMAL = Row("normal force of the contact", "N", "m", unilateral=True)
-CLOSES = Event("closes", "open", "closed", "the ball reaches the surface; a shock if it is rigid", SHOCK, "restitution")
+CLOSES = Event(
+    "closes", "open", "closed", "the ball reaches the surface; a shock if it is rigid", SHOCK, "restitution", brief=True
+)
 OPENS = Event("opens", "closed", "open", "the normal force falls to zero")
 SHAPES = {"rod": RODS, "ellipsoid": ELLIPSOIDS, "revolution": REVOLUTIONS, "ball": BALL}  # by fields of the deck
 
@@ -168,7 +170,7 @@ _ALWAYS_ACTIVE = Kind(
 ELASTIC = {
     "multipliers": (), "memory": (), "commit": None, "constraints": None,
     "events": (
-        Event("closes", "open", "closed", CLOSES.doc, elastic=True), replace(OPENS, elastic=True),
+        Event("closes", "open", "closed", CLOSES.doc, elastic=True, brief=True), replace(OPENS, elastic=True),
     ),
 }  # fmt: skip
 ROUGH_LAYOUT = RODS.layout

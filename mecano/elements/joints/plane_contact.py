@@ -88,7 +88,7 @@ PLANE_CONTACT = Kind(
     phases=("air", "contact"),
     events=(
         Event("touches", "air", "contact", "the ball reaches the plane: it stays or rebounds; a shock", CONTACT,
-              "restitution"),
+              "restitution", brief=True),
         Event("lifts off", "contact", "air", "the normal force falls to zero"),
     ),
     memory=("held",),

@@ -76,7 +76,7 @@ ADHESIVE_WHEEL = replace(
         __doc__,
         ("psi", "bow"),
         events=(
-            Event("touch_down", "air", "contact", "the undeformed rim reaches the ground; a shock", GRIP),
+            Event("touch_down", "air", "contact", "the undeformed rim reaches the ground; a shock", GRIP, brief=True),
             LIFT_OFF,
         ),
         multipliers=ROWS,

@@ -176,7 +176,7 @@ RIGID_WHEEL = Kind(
     outputs=OUTPUTS,
     phases=("contact", "air"),
     events=(
-        Event("touch_down", "air", "contact", "the rim reaches the ground; a shock", SHOCK, "restitution"),
+        Event("touch_down", "air", "contact", "the rim reaches the ground; a shock", SHOCK, "restitution", brief=True),
         Event("lift_off", "contact", "air", "the normal force falls to zero"),
         Event("bend", "contact", "contact", "it rolls over a point where the curvature of the ground jumps"),
     ),

@@ -23,7 +23,7 @@ AIR, CONTACT = 0, 1
 PHASES = ("air", "contact")
 MOST_DEFORMATION = 0.5  # of the radius: initially, for a law without a range of validity
 LIFT_OFF = Event("lift_off", "contact", "air", "the deformation returns to zero")
-EVENTS = (Event("touch_down", "air", "contact", "the undeformed rim reaches the ground"), LIFT_OFF)
+EVENTS = (Event("touch_down", "air", "contact", "the undeformed rim reaches the ground", brief=True), LIFT_OFF)
 FIELDS = (*PLACED, Field("tire_law", TIRE_LAW, "-", "law of the tyre: radius, forces, friction"))
 TYRE_DISPLAY = replace(WHEEL_DISPLAY, pictures=("wheels", "drop_test"))
 OUTPUTS = (

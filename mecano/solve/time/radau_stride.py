@@ -26,6 +26,7 @@ from mecano.solve.time.stride import (
     departs,
     exceeds_gap,
     happens,
+    passes,
     plan,
     take,
 )
@@ -90,7 +91,8 @@ def tried(m, w, r, o):
         w.h = retried(change, w.h, m.minimum)
         begin(m, w)
         return AGAIN
-    if happens(m, w, stage_of(w, r, 0)) or happens(m, w, stage_of(w, r, 1)) or happens(m, w, state_of(w, TRIAL)):
+    within = happens(m, w, stage_of(w, r, 0)) or happens(m, w, stage_of(w, r, 1))
+    if within or happens(m, w, state_of(w, TRIAL)) or passes(m, w):
         return REPEAT if m.rejections else DECIDE
     accept(m, w, r, o, change, share)
     return ADVANCED

@@ -15,14 +15,17 @@ from mecano.model.numbering import ROTATION, TRANSLATION
 from mecano.model.state import Instant
 from mecano.solve.events.compliance import soften
 from mecano.solve.events.events import some_happened
+from mecano.solve.events.passing import AFTER_START, BEFORE_END, SHARE, may_pass, passes_at, place_of_peak
 from mecano.solve.linear.newton import CONVERGED, DIVERGES, PAUSE, TOO_MANY
 from mecano.solve.time.contradictions import CREEPING, SLIPS
 from mecano.solve.time.error_bound import BOUND
+from mecano.solve.time.interpolate import between_states
 from mecano.solve.time.output import DONE, FULL, OUTPUT
 from mecano.solve.time.step_control import FORGOTTEN, HOLD, allowed, counted, factor, planned, retried
 from mecano.solve.time.step_info import MOST_TURN
 from mecano.solve.time.workspace import (
     BEGIN,
+    BETWEEN,
     RENEWED,
     STEP,
     TANGENT,
@@ -33,6 +36,7 @@ from mecano.solve.time.workspace import (
     state_of,
     system_of,
     time_of,
+    unknowns_of,
 )
 
 PROBE = 50  # steps between two computations of the bounded error of steps that their plain error keeps short
@@ -48,7 +52,7 @@ STRIDE = fields(
     "attempt attempt_words records record record_words bound bound_error bound_error_words "
     "n_events n_event_batches events event_batches before_values n_departing departing "
     "n_observed observed observed_batches n_committed committed committed_batches "
-    "checks_gaps share_of_gap n_released released along change_step change_step_words observation",
+    "n_brief brief checks_gaps share_of_gap n_released released along change_step change_step_words observation",
 )
 
 
@@ -119,7 +123,7 @@ def tried(m, w, o):
         if w.h <= m.minimum or not reject(m, w, plain, share):
             return REPEAT if m.rejections else DECIDE
         return AGAIN
-    if happens(m, w, state_of(w, TRIAL)):
+    if happens(m, w, state_of(w, TRIAL)) or passes(m, w):
         return REPEAT if m.rejections else DECIDE
     accept(m, w, o, bounded(m, w, plain) if is_probe(m, w, error, share) else error, share)
     return ADVANCED
@@ -196,6 +200,33 @@ def happens(m, w, s):
     values = floats(m.before_values, 2 * m.n_events)
     evaluate_events(m, w, s, values[m.n_events :])
     return some_happened(values[: m.n_events], values[m.n_events :])
+
+
+@kernel
+def passes(m, w):
+    """Return whether an event happens from BEGIN to TRIAL, and is undone; ``happens`` has shown none at TRIAL."""
+    if not m.n_brief:
+        return False
+    brief, values = integers(m.brief, m.n_brief), floats(m.before_values, (4, m.n_events))
+    if not may_pass(brief, values):
+        return False
+    evaluate_within(m, w, SHARE, values[AFTER_START])
+    evaluate_within(m, w, 1.0 - SHARE, values[BEFORE_END])
+    u = place_of_peak(brief, values)
+    if u < 0.0:
+        return False
+    evaluate_within(m, w, u, values[AFTER_START])
+    return passes_at(brief, values, values[AFTER_START:])
+
+
+@kernel
+def evaluate_within(m, w, u, out):
+    """Write the values of all events of the motion interpolated at the fraction u of the step."""
+    copy_state(w, TRIAL, BETWEEN)
+    s0, s1, s = state_of(w, BEGIN), state_of(w, TRIAL), state_of(w, BETWEEN)
+    h = s1.t - s0.t
+    between_states(u, h, unknowns_of(w), s0, s1, s)
+    evaluate_events(m, w, Instant(s0.t + u * h, s.z, s.v, s.a, s.R, s0.phases, s0.memory), out)
 
 
 @kernel

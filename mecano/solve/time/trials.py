@@ -9,6 +9,7 @@ from mecano.solve.diagnostics import failure
 from mecano.solve.events.capture import EventCapture
 from mecano.solve.events.events import EventMonitor
 from mecano.solve.events.location import Located, locate
+from mecano.solve.events.passing import passed
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.binding import refuse_binding
 from mecano.solve.time.rounding_limit import below_rounding
@@ -54,7 +55,7 @@ class Trials:
             smaller = self._size_to_retry(run, trial, h, cuts)
             if smaller is None:
                 g0 = self.shocks.departing(run.motion, self.monitor.values(run.motion))
-                within = self._event_within(run, g0, trial)
+                within = self._event_within(run, g0, trial, sought=not rejected)
                 if within is not None and h > self.control.minimum:
                     smaller = max(within.t - run.motion.t, self.control.minimum)
             if smaller is None:
@@ -78,15 +79,18 @@ class Trials:
         """Return the event values ``g0`` with nan for those that rounding decides in a step to ``s``: no event."""
         return np.where(self.shocks.undecided(g0, run.motion, s, run.history.k), np.nan, g0)
 
-    def _event_within(self, run, g0, trial):
-        """Return the first stage of a trial at which an event has happened that its end does not show, or None."""
+    def _event_within(self, run, g0, trial, sought):
+        """Return a state within a trial at which an event has happened that its end does not show, or None.
+
+        It is the first stage of such a kind; without one, brief events are looked for between the ends if ``sought``.
+        """
         s, _, info = trial
-        if not len(g0) or not info.stages or np.any(self.monitor.values(s) > 0.0):
+        if not len(g0) or np.any(self.monitor.values(s) > 0.0):
             return None
         for stage in info.stages:
             if np.any((self._decided(run, g0, stage) < 0.0) & (self.monitor.values(stage) >= 0.0)):
                 return stage
-        return None
+        return passed(self.monitor, run.motion, g0, s) if sought else None
 
     def _size_to_retry(self, run, trial, h, cuts):
         """Return the step size to try instead of h, or None if the trial is accepted; add failures to ``cuts``."""
