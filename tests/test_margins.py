@@ -140,6 +140,23 @@ loads: {{motor: {{type: joint_moment, joint: pin, value: torque}}}}
     assert weak.growing == 1 and [text for text in weak.warnings if "unstable already" in text]
 
 
+@pytest.mark.parametrize("late", ["", "late: {type: delay, input: torque, time: 1 ms}"])
+def test_growth_slower_than_the_equations_change_does_not_decide_on_stability(late):
+    """A falling pendulum turns the axes of its joint; with late feedback its pole is one of those counted."""
+    model = f"""
+mecano: 1
+gravity: [0, 0, -9.81]
+nodes: {{pivot: {{position: [0, 0, 0]}}}}
+elements: {{bob: {{type: rigid_body, node: pivot, mass: 2, inertia: [1, 1, 1], center_of_mass: [0, 0, 0.5]}}}}
+joints: {{pin: {{type: hinge, nodes: [ground, pivot], axis: [0, 1, 0]}}}}
+signals: {{torque: -9*pin.angle - 6*pin.rate{", " + late if late else ""}}}
+loads: {{motor: {{type: joint_moment, joint: pin, value: {"late" if late else "torque"}}}}}
+initial: {{velocities: [{{nodes: [pivot], angular_velocity: [0, 1, 0]}}]}}
+{TIME}
+"""
+    assert loop(model, "torque", 0.05, 20.0).growing is None
+
+
 def test_a_loop_without_damping():
     """L = kp/(m s^2): the phase margin is zero, the closed loop oscillates at sqrt(kp/m)."""
     late = "late: {type: formula, value: 300*error}"

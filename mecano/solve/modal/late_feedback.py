@@ -33,16 +33,21 @@ ENDED = 0.1  # distance of F from 1 there, at most
 def growing_poles(plant: Plant, low: float, high: float) -> int | None:
     """Return the number of growing poles; None if it is not determined.
 
-    It is not if F does not tend to 1, and for a large model none of whose modes nearest to zero grows.
+    It is not if F does not tend to 1, for a large model none of whose modes nearest to zero grows, and if a mode grows
+    more slowly than the equations change, unless another one grows faster and no entry is late.
 
     ``low``, ``high`` [rad/s]: range of frequencies of interest, beyond which the contour reaches.
     """
     lin = _without_late(plant)
     large = lin.n_q > DENSE
     values = solve(lin, NEAREST if large else 1, "sparse" if large else "dense").values
-    number = sum(1 + int(value.imag > 0.0) for value in values if unstable(value) and value.real > lin.pace)
+    growing = [value for value in values if unstable(value)]
+    faster = [value for value in growing if value.real > lin.pace]
+    number = sum(1 + int(value.imag > 0.0) for value in faster)
     if large:
         return number or None
+    if len(faster) < len(growing) and (plant.late or not faster):  # late entries turn the factor for all poles
+        return None
     turns = _turns(replace(plant, lin=lin), low, high) if plant.late else 0
     return None if turns is None else number + turns
 
