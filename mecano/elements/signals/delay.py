@@ -6,7 +6,8 @@ Before the start, the input has its initial value; in an equilibrium it has no o
 stored, at most one for each 1/256 of the delay, and both values at events where it jumps, and interpolated by cubics
 that do not overshoot. In a step longer than the delay, the value at its end is part of a linear interpolation. Steps do
 not end where a delayed input jumps: fixed steps miss a jump by part of a step, adaptive ones resolve it to their
-tolerance.
+tolerance. For a digital controller that computes for a time T, delay the input of its 'sample_and_hold', not its value:
+the loop is the same, sampled by T later, and steps end at its jumps.
 """
 
 from mecano.constraints.along_coordinate.signal import signal_of_input
