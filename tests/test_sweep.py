@@ -612,6 +612,16 @@ def test_a_mode_that_becomes_stable_where_no_critical_value_is_found(lost, tmp_p
     assert "grows below it" in text and "becomes" not in text
 
 
+@pytest.mark.parametrize(("values", "where"), [("-2,-1,0,1", "ends between damping -1 and 0"), ("0,1", "")])
+def test_growth_that_ends_at_a_value_of_the_sweep(values, where, tmp_path):
+    """Without stiffness and damping the mass is free: no branch leads from its growth to there."""
+    text = OSCILLATOR.replace("-100*", "-$damping*").replace(" - $damping*t.velocity", "")
+    (tmp_path / "o.yaml").write_text(textwrap.dedent(text))
+    (locus,) = sweep(tmp_path / "o.yaml", (), [f"damping={values}"]).loci
+    reason = "; the critical value was not refined, because no mode has a branch at both"
+    assert locus.unrefined == ([f"growth {where}{reason}"] if where else [])
+
+
 def test_values_of_a_sweep():
     names = {"speed": 1.0}
     np.testing.assert_allclose(Axis.parse("speed=10:80:10", names).values, np.arange(10.0, 81.0, 10.0))

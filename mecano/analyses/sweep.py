@@ -224,11 +224,12 @@ def _locus(case, axis, other, reported, orders=()):
     values, rows = loci(track(spectra, axis.values), spectra)
     described = [_described(row, spectra, motions) for row in rows]
     spectrum_at = lambda value: case.spectrum((*other, (axis.path, float(value))))[0]  # noqa: E731
+    growth, count, fastest = _growth(spectra)
     found, unrefined = _criticals(axis, rows, spectra, spectrum_at)
+    unrefined += _unseen(axis, count, rows, spectra)
     least = np.array([spectrum.least if spectrum else 0.0 for spectrum in spectra])
     kinds = _by_branch(rows, spectra, "families", -1)
     sure = _by_branch(rows, spectra, "converged", True)
-    growth, count, fastest = _growth(spectra)
     locus = Locus(
         axis, values, described, kinds, sure, found, unrefined, growth, count, fastest, least, np.array(variations)
     )
@@ -284,8 +285,8 @@ def _criticals(axis, rows, spectra, spectrum_at):
         return spectrum_at(place)
 
     for branch, row in enumerate(rows):
-        known, grows = (row[:-1] >= 0) & (row[1:] >= 0), growing(row, spectra)
-        for i in np.flatnonzero(known & np.diff(grows)).tolist():
+        grows = growing(row, spectra)
+        for i in np.flatnonzero(_crosses(row, grows)).tolist():
             left, right = (branch_end(spectra, axis.values, row, j) for j in (i, i + 1))
             at, cause = None, "the mode could not be followed from one to the other"
             try:
@@ -299,6 +300,24 @@ def _criticals(axis, rows, spectra, spectrum_at):
             between = f"between {axis.name} {left[0]:.9g} and {right[0]:.9g}"
             unrefined.append(f"{becomes} {between}; the critical value was not refined, because {cause}")
     return _distinct(sorted(found, key=lambda c: c.place)), unrefined
+
+
+def _crosses(row, grows):
+    """Return whether a branch that ``grows`` (n,) becomes unstable or stable in each interval (n - 1,)."""
+    return (row[:-1] >= 0) & (row[1:] >= 0) & np.diff(grows)
+
+
+def _unseen(axis, count, rows, spectra):
+    """Yield a text for each interval at one end of which alone modes grow, although no branch crosses it.
+
+    A mode that has no stiffness at the other end is a free motion there, and no branch leads to it.
+    """
+    crossed = np.any([_crosses(row, growing(row, spectra)) for row in rows], axis=0)
+    borders = (count[:-1] >= 0) & (count[1:] >= 0) & np.diff(count > 0) & ~crossed
+    for i in np.flatnonzero(borders).tolist():
+        what = f"growth {'begins' if count[i + 1] else 'ends'}"
+        between = f"between {axis.name} {axis.values[i]:.9g} and {axis.values[i + 1]:.9g}"
+        yield f"{what} {between}; the critical value was not refined, because no mode has a branch at both"
 
 
 def _first_line(error):
