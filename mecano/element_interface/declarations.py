@@ -68,8 +68,10 @@ class Event:
     brief: bool = False
     """True if bodies that pass one another may cause it and undo it within one step, in which it is then sought
     (solve/events/passing.py)"""
+    condition: bool = False
+    """True if its number is that of a signal, which may rise through zero and fall again within one step"""
     command: str = ""
-    """input whose value is its number"""
+    """input whose value is its number; then it is also a condition"""
     beyond: int = -1
     """index of an event: by command, this one replaces the first of the same command if that event would follow at
     once, its number being positive"""

@@ -197,9 +197,9 @@ GRIP = Kind(
     inputs=("closing", "opening"),
     phases=PHASES,
     events=(
-        Event("closes", "open", "closed", "the command to close; a shock", LOCK),
-        Event(RELEASES, "closed", "released", "the command to release"),
-        Event("opens", "closed", "open", "the condition becomes false"),
+        Event("closes", "open", "closed", "the command to close; a shock", LOCK, condition=True),
+        Event(RELEASES, "closed", "released", "the command to release", condition=True),
+        Event("opens", "closed", "open", "the condition becomes false", condition=True),
     ),
     memory=tuple(f"held_{i}" for i in range(1, 7)),
     variant=lambda d: GRIP if d["rotation"] else POSITION_GRIP,

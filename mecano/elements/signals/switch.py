@@ -54,8 +54,8 @@ SWITCH = signal_of_input(
     inputs=("input", "high", "low"),
     phases=("low", "high"),
     events=(
-        Event("switches on", "low", "high", "the input rises through the upper level"),
-        Event("switches off", "high", "low", "the input falls through the lower level"),
+        Event("switches on", "low", "high", "the input rises through the upper level", condition=True),
+        Event("switches off", "high", "low", "the input falls through the lower level", condition=True),
     ),
     prepare=lambda d, nodes, context: {"upper": d["upper"], "lower": d["upper"] if d["lower"] is None else d["lower"]},
     **named(check, residual, event_values, sample),

@@ -40,7 +40,8 @@ class EventMonitor:
         self.elastic = np.array([e.elastic for e in events], bool)
         self.smooth = np.array([e.elastic and not e.shock for e in events], bool)  # velocities stay
         self.one_sided = np.array([e.one_sided for e in events], bool)
-        self.brief = np.flatnonzero([e.brief for e in events])  # sought within steps, too
+        self.brief = np.flatnonzero([e.brief for e in events])  # sought within steps, as are the conditions
+        self.conditions = np.flatnonzero([e.condition or bool(e.command) for e in events])
         self.captures = False  # whether ``values`` omits elastic events
 
     def within_a_phase(self, hit: np.ndarray) -> bool:

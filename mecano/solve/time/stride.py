@@ -15,7 +15,7 @@ from mecano.model.numbering import ROTATION, TRANSLATION
 from mecano.model.state import Instant
 from mecano.solve.events.compliance import soften
 from mecano.solve.events.events import some_happened
-from mecano.solve.events.passing import AFTER_START, BEFORE_END, SHARE, may_pass, passes_at, place_of_peak
+from mecano.solve.events.passing import AFTER_START, BEFORE_END, SHARE, heads_for_zero, may_pass, may_peak
 from mecano.solve.linear.newton import CONVERGED, DIVERGES, PAUSE, TOO_MANY
 from mecano.solve.time.contradictions import CREEPING, SLIPS
 from mecano.solve.time.error_bound import BOUND
@@ -52,7 +52,8 @@ STRIDE = fields(
     "attempt attempt_words records record record_words bound bound_error bound_error_words "
     "n_events n_event_batches events event_batches before_values n_departing departing "
     "n_observed observed observed_batches n_committed committed committed_batches "
-    "n_brief brief checks_gaps share_of_gap n_released released along change_step change_step_words observation",
+    "n_brief brief n_conditions conditions "
+    "checks_gaps share_of_gap n_released released along change_step change_step_words observation",
 )
 
 
@@ -204,19 +205,19 @@ def happens(m, w, s):
 
 @kernel
 def passes(m, w):
-    """Return whether an event happens from BEGIN to TRIAL, and is undone; ``happens`` has shown none at TRIAL."""
-    if not m.n_brief:
-        return False
-    brief, values = integers(m.brief, m.n_brief), floats(m.before_values, (4, m.n_events))
-    if not may_pass(brief, values):
+    """Return whether an event may happen from BEGIN to TRIAL, and be undone; ``happens`` has shown none at TRIAL."""
+    brief, conditions = integers(m.brief, m.n_brief), integers(m.conditions, m.n_conditions)
+    values = floats(m.before_values, (4, m.n_events))
+    moving = may_pass(brief, values)
+    if not (moving or may_pass(conditions, values)):
         return False
     evaluate_within(m, w, SHARE, values[AFTER_START])
-    evaluate_within(m, w, 1.0 - SHARE, values[BEFORE_END])
-    u = place_of_peak(brief, values)
-    if u < 0.0:
+    if heads_for_zero(conditions, values):
+        return True
+    if not moving:
         return False
-    evaluate_within(m, w, u, values[AFTER_START])
-    return passes_at(brief, values, values[AFTER_START:])
+    evaluate_within(m, w, 1.0 - SHARE, values[BEFORE_END])
+    return may_peak(brief, values)
 
 
 @kernel

@@ -81,7 +81,9 @@ class StrideArrays(Pointers):
             tolerance=control.tolerance, duration=control.duration, minimum=control.minimum, maximum=control.maximum,
             turn=turn, attempt=attempt.function, attempt_words=attempt.words, observation=observation.record,
             n_departing=len(departing), departing=departing, n_events=system.n_events,
-            before_values=np.zeros((4, system.n_events)), n_brief=len(shocks.monitor.brief), brief=shocks.monitor.brief,
+            before_values=np.zeros((4, system.n_events)),
+            n_brief=len(shocks.monitor.brief), brief=shocks.monitor.brief,
+            n_conditions=len(shocks.monitor.conditions), conditions=shocks.monitor.conditions,
         )  # fmt: skip
         for name, own, purpose in (
             ("event_batches", "events", loops.event_values),
