@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from mecano.analyses.carry_over import carried_over
 from mecano.analyses.initial_velocities import changed_velocities
 from mecano.analyses.lint import suspicious_model
-from mecano.deck.build import build, set_velocities, time_breakpoints
+from mecano.deck.build import build, set_velocities, time_breakpoints, time_landmarks
 from mecano.deck.run_size import LOOSEST, size_warnings
 from mecano.deck.sections import finest_step
 from mecano.errors import AssemblyError, DeckError, Problem, name_list
@@ -151,7 +151,7 @@ def integrator_of(prepared: Prepared, observers: Iterable[Callable[[Accepted], o
         )  # fmt: skip
     return TimeIntegrator(
         system, method, control, tuple(observers), time_breakpoints(deck), values["rest_speed"],
-        most_located=values["located_events"],
+        most_located=values["located_events"], landmarks=time_landmarks(deck) if control.adaptive else (),
     )  # fmt: skip
 
 

@@ -9,7 +9,8 @@ from mecano.deck.physics import element_nodes, poses
 from mecano.deck.values import in_si
 from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
-from mecano.laws.table import LawTable, breakpoints
+from mecano.elements.signals.curve import CURVE
+from mecano.laws.table import LawTable, breakpoints, landmarks
 from mecano.model.model import Element, Model, Node
 
 if TYPE_CHECKING:
@@ -79,4 +80,16 @@ def time_breakpoints(deck: "Deck") -> tuple[float, ...]:
             times |= set(KINDS[d["type"]].times(d, run["start"], run["end"]))
             laws = (d[field.name] for field in KINDS[d["type"]].fields if field.type.name in ("curve", "drive"))
             times |= {t for law in laws if not is_formula(law) for t in breakpoints(law)}
+    return tuple(sorted(times))
+
+
+def time_landmarks(deck: "Deck") -> tuple[float, ...]:
+    """Return the times [s], ascending, at which adaptive steps end so that they do not pass over a pulse of a law."""
+    times = set()
+    for section in SECTIONS:
+        for d in deck.values[section].values():
+            laws = [d[field.name] for field in KINDS[d["type"]].fields if field.type.name == "drive"]
+            if d["type"] == CURVE.name and d["input"].strip() == "time":
+                laws.append(d["law"])
+            times |= {t for law in laws if law is not None and not is_formula(law) for t in landmarks(law)}
     return tuple(sorted(times))

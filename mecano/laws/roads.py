@@ -110,6 +110,7 @@ BUMP = Term(
     integral=bump_integral,
     shape=shape_of_bump,
     breakpoints=lambda values: [values["start"], values["start"] + values["length"]],
+    landmarks=lambda values: [values["start"] + 0.5 * values["length"]],
 )
 
 PER_ARGUMENT = "1 / unit of the argument"

@@ -70,6 +70,11 @@ def breakpoints(law):
     return sorted({float(x) for name, values in terms_of(law) for x in TERMS[name].breakpoints(values)})
 
 
+def landmarks(law):
+    """Return the arguments, ascending, at which adaptive steps end so that they do not pass over a pulse of a curve."""
+    return sorted({float(x) for name, values in terms_of(law) for x in TERMS[name].landmarks(values)})
+
+
 def chosen_by_code(functions, arguments, otherwise):
     """Return a compiled f(code, *arguments) that calls functions[code], or returns ``otherwise`` for an unknown code.
 

@@ -14,6 +14,7 @@ from mecano.laws.term import ARGUMENT, VALUE, Term
 from mecano.schema import COLUMNS, POINTS, TEXT, UNITS, Field, choice
 
 PARTS = 4  # subdivisions between points that resolve the shape of a table
+SEEN = 0.1  # of the range of a table: what steps that end at its landmarks see of it at least
 HEAD = 3  # numbers before the points: linear (0 or 1), hold (0 or 1), number of points
 
 
@@ -155,6 +156,26 @@ def table_breakpoints(values):
     return sorted(inner + ([x[0], x[-1]] if values["beyond"] == "hold" else []))
 
 
+def table_landmarks(values):
+    """Return points of a smooth table between which straight lines follow the others within SEEN of their range.
+
+    They are those of Douglas and Peucker (Cartographica 10, 1973).
+    """
+    if values["interpolation"] == "linear":
+        return []  # its points are corners
+    x, y = np.array(values["points"], float).T
+    chosen, parts = {0, len(x) - 1}, [(0, len(x) - 1)]
+    while parts:
+        i, j = parts.pop()
+        inner = slice(i + 1, j)
+        apart = np.abs(y[inner] - y[i] - (x[inner] - x[i]) * ((y[j] - y[i]) / (x[j] - x[i])))
+        if apart.max(initial=0.0) > SEEN * np.ptp(y):
+            k = i + 1 + int(apart.argmax())
+            chosen.add(k)
+            parts += [(i, k), (k, j)]
+    return x[sorted(chosen)].tolist()
+
+
 def shape_of_table(values, low, high):
     """Return both sides of every point, where the second derivative jumps, and points between, where it is linear."""
     x = np.array(values["points"], float)[:, 0]
@@ -190,4 +211,5 @@ TABLE = Term(
     shape=shape_of_table,
     check=some_points,
     breakpoints=table_breakpoints,
+    landmarks=table_landmarks,
 )

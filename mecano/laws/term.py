@@ -80,6 +80,8 @@ class Term:
     """{field: value} -> [(extension, stiffness)]: corners of a force; a stiffness < 0 marks a lower stop"""
     breakpoints: Callable = nothing
     """{field: value} -> [argument]: jumps and corners of a curve"""
+    landmarks: Callable = nothing
+    """{field: value} -> [argument]: further places at which adaptive steps in time end, lest they pass over a pulse"""
     shape: Callable = nothing
     """{field: value}, low, high -> [argument], in any order, between which the second derivative of a curve changes
     little: from ``low`` to ``high`` for unbounded terms (a sine), everything for bounded ones (a table, an edge)"""

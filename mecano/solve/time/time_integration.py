@@ -62,6 +62,7 @@ class TimeIntegrator:
     breakpoints: Sequence[float] = ()  # times that a step must end on: corners of laws of time
     rest: float = 1e-4  # of the length scale, or rad, per second: slower approaches do not rebound
     most_located: int = 100  # instants with elastic events, beyond one in each step, that are located (capture.py)
+    landmarks: Sequence[float] = ()  # further times that a step must end on: of pulses of laws of time
     pause: Callable[[RunState], object] = lambda run: (
         None
     )  # called within a step with the RunState before it; may raise
@@ -86,6 +87,7 @@ class TimeIntegrator:
     def __post_init__(self):
         self._corners = sorted(self.breakpoints)  # of a sampled signal there may be very many
         self._is_corner = frozenset(self._corners)
+        self._stops = sorted(self._is_corner.union(self.landmarks))
         self.observation, self.monitor = Observation(self.system), EventMonitor(self.system)
         self.capture = EventCapture(self.monitor, self.most_located)
         self.shocks = Shocks(self.system, self.method, self.monitor, self.rest)
@@ -151,8 +153,8 @@ class TimeIntegrator:
             run = self._start_again(run, run.motion)
         for corner in self._corners[bisect_right(self._corners, end) :][:1]:
             end = corner if corner - end < self._shortest(corner) else end  # rounding is no step
-        between = slice(bisect_right(self._corners, run.motion.t), bisect_left(self._corners, end))
-        stops = [*self._corners[between], end]
+        between = slice(bisect_right(self._stops, run.motion.t), bisect_left(self._stops, end))
+        stops = [*self._stops[between], end]
         for stop in stops:
             while run.motion.t < stop:
                 if stop - run.motion.t < self._shortest(stop):  # an event may be that close before it
@@ -162,7 +164,7 @@ class TimeIntegrator:
                 self.rounding.refuse(run, len(self.cuts))
                 for report in self.reporters:
                     report(run)
-            if stop < end:
+            if stop < end and stop in self._is_corner:
                 run = self._start_behind_corner(run)
         return run
 
