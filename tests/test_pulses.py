@@ -1,9 +1,10 @@
-"""Adaptive steps do not pass over a pulse of a law of time while nothing else happens."""
+"""Adaptive steps do not pass over pulses of laws of time, nor over bumps, while nothing else happens."""
 
 import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from time_runs import RecordedRun, deck
 
 from mecano.laws.table import landmarks
@@ -55,3 +56,43 @@ def test_landmarks_of_a_table_follow_it_within_a_tenth():
     law = (("table", {"points": list(zip(t, y, strict=True)), "interpolation": "spline", "beyond": "hold"}),)
     at = np.array(landmarks(law))
     assert np.abs(np.interp(t, at, np.interp(at, t, y)) - y).max() <= 0.1 * np.ptp(y) and len(at) < 20
+
+
+QUARTER_CAR = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {body: {position: [0, 0, 0.5]}, axle: {position: [0, 0, 0.3]}, hub: {position: [0, 0, 0.3]}}
+    elements:
+      body: {type: rigid_body, node: body, mass: 300, inertia: [10, 10, 10]}
+      axle: {type: rigid_body, node: axle, mass: 20, inertia: [1, 1, 1]}
+      rim: {type: rigid_body, node: hub, mass: 10, inertia: [0.4, 0.8, 0.4]}
+      tyre: {type: wheel, node: hub, axis: [0, 1, 0], tire_law: rubber, ground: road}
+    joints:
+      plane: {type: generic, nodes: [ground, body], axis: [0, 0, 1], axis_1: [1, 0, 0], free: [along_1, along_axis]}
+      strut: {type: prismatic, nodes: [body, axle], axis: [0, 0, 1], sliding_law: {spring: 2.0e4, damper: 1500}}
+      bearing: {type: hinge, nodes: [axle, hub], axis: [0, 1, 0]}
+    tire_laws: {rubber: {radius: 0.3, radial: {linear: {slope: 2.0e5}}, friction: 0.9, slip_regularization: 0.5}}
+    grounds:
+      road:
+        plane: {point: [0, 0, 0], normal: [0, 0, 1]}
+        profile: {direction: [1, 0, 0], height: {bump: {start: 6, length: 0.2, height: 1 mm}}}
+    initial: {steady: {velocity: [30, 0, 0]}}
+    time: {end: 0.4, step: 1 ms, adaptive: {tolerance: 1.0e-4}}
+"""
+
+
+def test_a_wheel_feels_a_bump_that_is_shorter_than_its_steps():
+    """At 30 m/s the bump of 0.2 m lasts 6.7 ms, and on the flat road a step could take 19 ms: two masses as linear."""
+
+    def rates(t, y):
+        body, axle, v_body, v_axle = y
+        s = (30.0 * t - 6.0) / 0.2
+        bump = 0.5e-3 * (1.0 - math.cos(2.0 * math.pi * s)) if 0.0 < s < 1.0 else 0.0
+        strut = 2.0e4 * (axle - body) + 1500.0 * (v_axle - v_body)
+        return v_body, v_axle, strut / 300.0, (2.0e5 * (bump - axle) - strut) / 30.0
+
+    found = solve_ivp(rates, (0.0, 0.4), np.zeros(4), max_step=1e-4, rtol=1e-8, atol=1e-12, dense_output=True)
+    recorded = RecordedRun(deck(QUARTER_CAR))
+    rise = recorded["nodes/axle/position"][:, 2] - recorded["nodes/axle/position"][0, 2]
+    np.testing.assert_allclose(rise, found.sol(recorded.time)[1], atol=5e-6)
+    assert np.abs(rise).max() > 1e-4

@@ -11,6 +11,7 @@ from mecano.analyses.lint import suspicious_model
 from mecano.deck.build import build, set_velocities, time_breakpoints, time_landmarks
 from mecano.deck.run_size import LOOSEST, size_warnings
 from mecano.deck.sections import finest_step
+from mecano.deck.short_bumps import turn_over_bumps
 from mecano.errors import AssemblyError, DeckError, Problem, name_list
 from mecano.model.model import title_of
 from mecano.model.sampler import row_size
@@ -149,6 +150,8 @@ def integrator_of(prepared: Prepared, observers: Iterable[Callable[[Accepted], o
             system, prepared.linear, METHODS[values["method"]](values["rho_inf"]), prepared.length, tolerances,
             k=k, penalty=penalty, compliance=prepared.compliance, duration=duration,
         )  # fmt: skip
+    if control.adaptive:
+        method.turn = min(method.turn, turn_over_bumps(deck))
     return TimeIntegrator(
         system, method, control, tuple(observers), time_breakpoints(deck), values["rest_speed"],
         most_located=values["located_events"], landmarks=time_landmarks(deck) if control.adaptive else (),
