@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from time_runs import RecordedRun, deck
 
+from mecano.deck.build import time_breakpoints, time_landmarks
 from mecano.laws.table import landmarks
 
 MASS = """
@@ -48,6 +49,39 @@ def test_a_foundation_that_jumps_once_shakes_what_it_carries():
     wanted = 4.0 * 0.005 / 2.0 * np.sin(2.0 * (recorded.time - 5.005)) * (recorded.time > 5.01)
     quiet = np.abs(recorded.time - 5.005) > 0.006
     np.testing.assert_allclose(recorded["nodes/m/position"][quiet, 0], wanted[quiet], atol=2e-4)
+
+
+PLACES = """
+    mecano: 1
+    gravity: none
+    sections: {wire: {type: circle, diameter: 1 mm, E: 1 MPa, nu: 0.3, density: 2700}}
+    nodes: {m: {position: [1, 0, 0]}, n: {position: [0, 1, 0]}, hub: {position: [0, 0, 0.3]}}
+    elements:
+      m: {type: rigid_body, node: m, mass: 1, inertia: [1, 1, 1]}
+      n: {type: rigid_body, node: n, mass: 1, inertia: [1, 1, 1]}
+      hub: {type: rigid_body, node: hub, mass: 1, inertia: [1, 1, 1]}
+      mount: {type: bushing, nodes: [ground, m], stiffness: [1, 1, 1, 1, 1, 1], natural: {along_1: jolt}}
+      wire: {type: beam, nodes: [m, n], section: wire, thermal: {strain: heat}}
+      tyre: {type: wheel, node: hub, axis: [0, 1, 0], tire_law: rubber, ground: belt}
+    joints:
+      drive: {type: generic, nodes: [ground, n], axis: [0, 0, 1], free: [along_2], driven: {along_1: shift}}
+    laws:
+      jolt: {bump: {start: 1, length: 0.5, height: 0.1}}
+      heat: {ramp: {start: 2, end: 3, from: 0, to: 1.0e-3}}
+      shift: {step: {time: 4, rise: 0.5, from: 0, to: 0.1}}
+      belt: {ramp: {start: 6, end: 8, from: 0, to: 1}}
+      grip: {table: {points: [[0, 1], [7, 0.5]]}}
+    tire_laws: {rubber: {radius: 0.3, radial: {linear: {slope: 1}}, friction: grip, slip_regularization: 1}}
+    grounds: {belt: {plane: {point: [0, 0, 0], normal: [0, 0, 1]}, motion: {direction: [1, 0, 0], speed: belt}}}
+    time: {end: 10, step: 1 ms}
+"""
+
+
+def test_laws_of_time_inside_mappings_and_of_grounds_have_corners_and_pulses():
+    """A curve of another variable, the friction over the slip speed, has no part in it."""
+    checked = deck(PLACES)
+    assert time_breakpoints(checked) == (1, 1.5, 2, 3, 4, 4.5, 6, 8)
+    assert time_landmarks(checked) == (1.25,)
 
 
 def test_landmarks_of_a_table_follow_it_within_a_tenth():

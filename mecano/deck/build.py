@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.constraints.along_coordinate.demand import is_formula
+from mecano.deck.laws_of_time import uses_of_time
 from mecano.deck.physics import element_nodes, poses
 from mecano.deck.values import in_si
 from mecano.element_interface import SECTIONS
@@ -74,22 +75,18 @@ def set_velocities(deck: "Deck", system: "System", s: "State") -> None:
 
 def time_breakpoints(deck: "Deck") -> tuple[float, ...]:
     """Return the times [s], ascending, of jumps and corners of laws of time, and of samples of signals."""
-    times, run = set(), deck.values["time"]
-    for section in SECTIONS:
-        for d in deck.values[section].values():
-            times |= set(KINDS[d["type"]].times(d, run["start"], run["end"]))
-            laws = (d[field.name] for field in KINDS[d["type"]].fields if field.type.name in ("curve", "drive"))
-            times |= {t for law in laws if not is_formula(law) for t in breakpoints(law)}
-    return tuple(sorted(times))
+    run = deck.values["time"]
+    entries = [d for section in SECTIONS for d in deck.values[section].values()]
+    times = {t for d in entries for t in KINDS[d["type"]].times(d, run["start"], run["end"])}
+    return tuple(sorted(times.union(*(breakpoints(law) for law in _laws_of_time(deck)))))
 
 
 def time_landmarks(deck: "Deck") -> tuple[float, ...]:
     """Return the times [s], ascending, at which adaptive steps end so that they do not pass over a pulse of a law."""
-    times = set()
-    for section in SECTIONS:
-        for d in deck.values[section].values():
-            laws = [d[field.name] for field in KINDS[d["type"]].fields if field.type.name == "drive"]
-            if d["type"] == CURVE.name and d["input"].strip() == "time":
-                laws.append(d["law"])
-            times |= {t for law in laws if law is not None and not is_formula(law) for t in landmarks(law)}
-    return tuple(sorted(times))
+    curves = [d for d in deck.values["signals"].values() if d["type"] == CURVE.name]
+    laws = [d["law"] for d in curves if d["input"].strip() == "time"]
+    return tuple(sorted({t for law in (*_laws_of_time(deck), *laws) for t in landmarks(law)}))
+
+
+def _laws_of_time(deck):
+    return (law for _, _, law in uses_of_time(deck.values, KINDS) if not is_formula(law))

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mecano.element_interface import SECTIONS, Kind
+from mecano.deck.laws_of_time import uses_of_time
+from mecano.element_interface import Kind
 from mecano.laws import TERMS
 from mecano.laws.formula import phase_rate, phases_of_time, read_formula
 from mecano.laws.formula_rate import LONGEST
-from mecano.schema import TIME_CURVE, Values
+from mecano.schema import Values
 
 if TYPE_CHECKING:
     from mecano.deck.lint import Remark
@@ -34,7 +35,7 @@ def unsampled(values: Values, kinds: Mapping[str, Kind]) -> "Iterator[Remark]":
         return
     step, key = longest_step(time)
     found: dict[int, tuple[float, tuple[str, ...], str, list[str]]] = {}  # frequency, path, first use, all uses
-    for owner, path, value in _uses(values, kinds):
+    for owner, path, value in uses_of_time(values, kinds):
         frequency = _frequency(value, time)
         if LEAST * frequency * step > 1.0 + ROUNDING:
             found.setdefault(id(value), (frequency, path, owner, []))[3].append(owner)
@@ -58,29 +59,6 @@ def longest_step(time: Values) -> tuple[float, str]:
     if isinstance(longest, float):
         return longest, "time.adaptive.maximum_step"
     return time["step"], "time.step, the first step" if time["adaptive"] else "time.step"
-
-
-def _uses(values, kinds):
-    """Yield (owner, path, value) of all checked laws and formulas of time."""
-    for section in SECTIONS:
-        for name, d in values[section].items():
-            for path, value in _of_time(kinds[d["type"]].fields, d, (section, name)):
-                yield f"{d['type']} '{name}'", path, value
-    for name, d in values["grounds"].items():
-        for key in ("speed", "rate"):
-            if d["motion"] and d["motion"][key] is not None:
-                yield f"ground '{name}'", ("grounds", name, "motion", key), d["motion"][key]
-
-
-def _of_time(fields, values, path):
-    for field in fields:
-        value = values[field.name]
-        if value is None:
-            continue
-        if field.type == TIME_CURVE or field.type.name in ("drive", "formula"):
-            yield (*path, field.name), value
-        elif field.type.name == "mapping":
-            yield from _of_time(field.type.options, value, (*path, field.name))
 
 
 def _frequency(value, time):
