@@ -235,6 +235,8 @@ class Events:
     """{phase: indices of values of the memory that ``commit`` does not change in it}"""
     times: Callable = nothing
     """(deck values, start, end) -> [time]: times between start and end of a run at which a step must end"""
+    arrivals: Callable = nothing
+    """(record, memory) -> [time]: further such times, which follow from the memory, as those of jumps that are late"""
 
 
 @immutable(kw_only=True)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from mecano.element_interface import Context
+from mecano.element_interface.kind import nothing
 from mecano.maths.distinct import distinct
 from mecano.model import assembly_driver, loops
 from mecano.model.assembly import Assembly, Observation
@@ -57,6 +58,7 @@ class System:
         partition = ReactionPartition(shared, fixed, self.n_slots)
         self.batches = batches(instances, self.numbering, self.n_slots, partition)
         self.massless = self._scalars(lambda kind: kind.massless)
+        self._batches_with_arrivals = [batch for batch in self.batches if batch.kind.arrivals is not nothing]
         self.signals = self.numbering.kind[: self.n_q] >= SIGNAL
         self.states = self.numbering.kind[: self.n_q] == STATE
         self._state_dofs = np.flatnonzero(self.states)
@@ -372,6 +374,16 @@ class System:
         if not any(batch.kind.follows_jumps for batch in self.batches):
             return s.memory
         return self._committed(self._commit_jumps, s)
+
+    def arrivals(self, memory: np.ndarray) -> list[float]:
+        """Return the times [s] at which steps must end that follow from the ``memory``."""
+        found: list[float] = []
+        for batch in self._batches_with_arrivals:
+            width = len(batch.kind.memory)
+            own = memory[batch.first_memory :][: width * len(batch.p)].reshape(-1, width)
+            for p, m in zip(batch.p, own, strict=True):
+                found += batch.kind.arrivals(p, m)
+        return found
 
     def _committed(self, driver, s):
         memory = s.memory.copy()

@@ -4,11 +4,11 @@ r"""Delay: the input at an earlier time.
 
 Before the start, the input has its initial value; in an equilibrium it has no other. The values of accepted steps are
 stored, at most one for each 1/256 of the delay, and both values at events where it jumps, and interpolated by cubics
-that do not overshoot. In a step longer than the delay, the value at its end is part of a linear interpolation. Steps do
-not end where a delayed input jumps: fixed steps miss a jump by part of a step, adaptive ones resolve it to their
-tolerance. For a digital controller that computes for a time T, delay the input of its 'sample_and_hold', not its value:
-the loop is the same, sampled by T later, and steps end at its jumps.
+that do not overshoot. In a step longer than the delay, the value at its end is part of a linear interpolation. Time
+steps end where a jump arrives, as that of a 'switch', of a 'sample_and_hold' or of a law of time.
 """
+
+import math
 
 from mecano.constraints.along_coordinate.signal import signal_of_input
 from mecano.element_interface import named
@@ -109,13 +109,31 @@ def commit(p, at, m_out):
     m_out[FIRST], m_out[FIRST + 1] = at.t, u
 
 
+def arrivals(p, m):
+    """Return the times [s] at which the jumps of the input that are kept reach the value."""
+    n = int(m[COUNT])
+    times = m[FIRST : FIRST + 2 * n : 2]  # newest first
+    before = times[1:][times[:-1] - times[1:] <= INSTANT * p["time"]]
+    return [_arrival(float(t), float(p["time"])) for t in before]
+
+
+def _arrival(t, late):
+    """Return the first time that is ``late`` by no less than rounding behind t: the value jumps there, not before."""
+    found = t + late
+    while found - late < t:
+        found = math.nextafter(found, math.inf)
+    while math.nextafter(found, -math.inf) - late >= t:
+        found = math.nextafter(found, -math.inf)
+    return found
+
+
 DELAY = signal_of_input(
     "delay",
     __doc__,
     Field("time", NUMBER, "s", "T, by which the value is late", check=positive),
     same_unit_as=lambda d: d["input"],
     memory=("count", *(f"{name}_{i}" for i in range(MOST) for name in ("time", "value"))),
-    **named(residual, commit),
+    **named(residual, commit, arrivals),
     follows_jumps=True,
     reads_past=True,
 )

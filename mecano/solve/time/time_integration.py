@@ -1,7 +1,7 @@
 """The time loop: the only place that accepts a step, commits memories, changes a phase or calls an observer."""
 
 import math
-from bisect import bisect_left, bisect_right
+from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
@@ -86,7 +86,7 @@ class TimeIntegrator:
 
     def __post_init__(self):
         self._corners = sorted(self.breakpoints)  # of a sampled signal there may be very many
-        self._is_corner = frozenset(self._corners)
+        self._is_corner = set(self._corners)  # with those that follow from the memory
         self._stops = sorted(self._is_corner.union(self.landmarks))
         self.observation, self.monitor = Observation(self.system), EventMonitor(self.system)
         self.capture = EventCapture(self.monitor, self.most_located)
@@ -144,6 +144,7 @@ class TimeIntegrator:
         if run.compliance is not self.method.compliance:
             self.method.use(run.compliance)
         self.method.pause = lambda: self.pause(self._before)
+        self._is_corner.update(t for t in self.system.arrivals(run.motion.memory) if t == run.motion.t)
         before_corner = run.motion.t in self._is_corner and run.history.known  # the last call ended there
         if memory is not None:
             run = replace(run, motion=replace(run.motion, memory=memory))
@@ -153,20 +154,28 @@ class TimeIntegrator:
             run = self._start_again(run, run.motion)
         for corner in self._corners[bisect_right(self._corners, end) :][:1]:
             end = corner if corner - end < self._shortest(corner) else end  # rounding is no step
-        between = slice(bisect_right(self._stops, run.motion.t), bisect_left(self._stops, end))
-        stops = [*self._stops[between], end]
-        for stop in stops:
-            while run.motion.t < stop:
-                if stop - run.motion.t < self._shortest(stop):  # an event may be that close before it
-                    run = replace(run, motion=replace(run.motion, t=stop))
-                    break
+        while run.motion.t < end:
+            stop = self._next_stop(run, end)
+            if stop - run.motion.t < self._shortest(stop):  # an event may be that close before it
+                run = replace(run, motion=replace(run.motion, t=stop))
+            else:
                 run = self._steps_towards(run, stop)
                 self.rounding.refuse(run, len(self.cuts))
                 for report in self.reporters:
                     report(run)
-            if stop < end and stop in self._is_corner:
+            if run.motion.t == stop < end and stop in self._is_corner:
                 run = self._start_behind_corner(run)
         return run
+
+    def _next_stop(self, run, end):
+        """Return the next time at which a step must end, ``end`` at the latest."""
+        i = bisect_right(self._stops, run.motion.t)
+        stop = min(self._stops[i], end) if i < len(self._stops) else end
+        for arrival in self.system.arrivals(run.motion.memory):
+            if run.motion.t < arrival < stop:
+                self._is_corner.add(arrival)
+                stop = arrival
+        return stop
 
     def _shortest(self, stop):
         """Return the least remaining time [s] to ``stop`` for which a step is made: less is rounding error."""

@@ -1,5 +1,6 @@
 """Trial steps from a state, until one has an admissible error and ends at its first event, if it has any."""
 
+from collections.abc import Set
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -37,7 +38,7 @@ class Trials:
     monitor: EventMonitor
     capture: EventCapture
     shocks: Shocks
-    corners: frozenset[float]
+    corners: Set[float]
 
     def acceptable(
         self, run: "RunState", stop: float, trial: "Trial | None", cuts: list[tuple[float, float]]
