@@ -173,6 +173,28 @@ def test_what_scalars_without_inertia_forget():
     assert StepControl.fixed(1e-3, 1e-9).forgotten(0.5, 1e-3) == 0.5
 
 
+DASHPOT = """
+mecano: 1
+gravity: none
+nodes: {a: {position: [0, 0, 0]}, b: {position: [1, 0, 0]}}
+elements:
+  a: {type: point_mass, node: a, mass: 1}
+  b: {type: point_mass, node: b, mass: 1}
+  damper: {type: spring_damper, nodes: [a, b], law: {damper: 5.0e+7}}
+initial: {velocities: [{nodes: [a], velocity: [0.1, 0, 0]}]}
+time: {end: 20, step: 1 ms, adaptive: {tolerance: 1.0e-6}}
+"""
+
+
+def test_a_damped_transient_much_faster_than_the_run():
+    """The relative velocity decays as exp(-r t), r = 2 c/m = 1e8/s, over 5e-10 m: positions within 1e-6."""
+    recorded = RecordedRun(deck(DASHPOT))
+    t, approach = recorded.time, 0.05 / 1e8 * -np.expm1(-1e8 * recorded.time)
+    assert np.abs(recorded["nodes/a/position"][:, 0] - 0.05 * t - approach).max() < 1e-6
+    assert np.abs(recorded["nodes/b/position"][:, 0] - 1.0 - 0.05 * t + approach).max() < 1e-6
+    assert t[1] < 1e-8
+
+
 STEERED = """
 mecano: 1
 gravity: none

@@ -16,19 +16,29 @@ LABORIOUS = 12  # Newton iterations of a step after which the next one shrinks: 
 EASE = 0.7  # by at least this factor
 FORGOTTEN = 1e-3  # of the tolerance: the error of a step in massless unknowns, which relax and so forget it
 SUDDEN = 1e-4  # of the tolerance: the error of a step in a signal whose rate may jump, which no step size mends
+LEAST = 1e-7  # of the tolerance: what any step may use of it, so that a run of ten million steps uses twice as much
 AT_ONCE = 1e-300  # s: the duration for which any step is long
+
+
+@kernel
+def portion(duration, h):
+    """Return the part of the run that counts as taken by a step of size h.
+
+    A damped transient of amplitude v/r after a shock would otherwise need errors below rounding in steps below 1/r.
+    """
+    return max(h / duration, LEAST)
 
 
 @kernel
 def allowed(tolerance, duration, h):
     """Return the share of the tolerance of a step of size h."""
-    return tolerance * h / duration
+    return tolerance * portion(duration, h)
 
 
 @kernel
 def counted(error, least, duration, h):
     """Return an ``error`` reduced in small steps, so that at least the part ``least`` of the tolerance is allowed."""
-    return error * min(h / duration / least, 1.0)
+    return error * min(portion(duration, h) / least, 1.0)
 
 
 @kernel
@@ -77,6 +87,8 @@ def retried(change, h, minimum):
 @immutable
 class StepControl:
     """Error per unit step: the local errors of a run of ``duration`` [s] add up to ``tolerance`` at most.
+
+    Steps shorter than 1e-7 of the run may use 1e-7 of the tolerance each.
 
     The tolerance is relative to the length scale of the mechanism (or to one radian). The sum of the local errors falls
     as h to the power ``order``. The error of fixed steps is not limited; they are shortened only where Newton's
