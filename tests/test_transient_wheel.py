@@ -77,9 +77,11 @@ def tyres():
     common = {"friction": None, "friction_by_speed": 1.0, "slip_regularization": None, "valid_deformation": None}
     one = {**common, **radial, "fiala": default_values(FIALA.type.options, fiala)}
     file = {**common, "magic_formula": default_values(MAGIC_FORMULA.type.options, {"coefficients": numbers})}
+    sliding = {"coefficients": {**numbers, "RBX1": 13.0, "RBX2": -14.0, "RCX1": 1.25, "RCY1": 1.2}}
+    steep = {**common, "magic_formula": default_values(MAGIC_FORMULA.type.options, sliding)}
     yawed = default_values(YAWED_ROLLING.type.options, fiala)
     return {
-        "fiala": one, "magic_formula": {**file, **completed(file)},
+        "fiala": one, "magic_formula": {**file, **completed(file)}, "falling_weights": {**steep, **completed(steep)},
         "yawed_rolling": {**common, **radial, "yawed_rolling": yawed},
     }  # fmt: skip
 
@@ -95,9 +97,14 @@ def damping_of_deflections(instance, q, v):
     return np.array(columns).T
 
 
-@pytest.mark.parametrize("name", ["fiala", "magic_formula", "yawed_rolling"])
-def test_rates_of_the_deflections_are_unique(name):
-    """The forces along x and y never fall with dx/dt and dy/dt: monotone, sliding or not, at all loads and speeds."""
+@pytest.mark.parametrize(
+    ("name", "angle"), [("fiala", 0.3), ("magic_formula", 0.3), ("yawed_rolling", 0.3), ("falling_weights", 30.0)]
+)
+def test_rates_of_the_deflections_are_unique(name, angle):
+    """The forces along x and y never fall with dx/dt and dy/dt: monotone, sliding or not, at all loads and speeds.
+
+    "falling_weights" are of a tyre that slides sideways, where cos(C atan ...) of combined slip is negative.
+    """
     rng, least = seed_of(name), []
     ground, normal, level = slope_below(rng)
     ground["plane"]["point"] = -0.3 * normal
@@ -110,7 +117,7 @@ def test_rates_of_the_deflections_are_unique(name):
         q, v = np.zeros(8), np.zeros(8)
         q[:3] = rng.uniform(-0.02, 0.015) * normal
         q[X], q[Y] = rng.normal(size=2) * 0.02
-        v[:3] = speed * (forward + rng.normal() * 0.3 * level)
+        v[:3] = speed * (forward + rng.normal() * angle * level)
         v[3:6] = level * speed / 0.3 * rng.uniform(0.0, 2.0)
         v[[X, Y]] = rng.normal(size=2) * speed * 10.0 ** rng.uniform(-3.0, -0.5)
         block = damping_of_deflections(instance, q, v)

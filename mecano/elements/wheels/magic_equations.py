@@ -101,14 +101,18 @@ def lateral(p, s, mu, gamma):
 
 @kernel
 def combined(p, s, side):
-    """Return the weights G of F_x0 and F_y0, and S_Vyk, (4.E50)-(4.E67)."""
+    """Return the weights G of F_x0 and F_y0, and S_Vyk, (4.E50)-(4.E67).
+
+    The weights are positive, (4.E51), (4.E59). With C > 1 their cosines are not beyond a large slip: a force along the
+    slip would drive a tyre that slides sideways, and the deflection of a carcass would have no unique rate.
+    """
     g = s.gamma
     B = (p.RBX1 + p.RBX3 * g * g) * cos(atan(p.RBX2 * s.kappa)) * p.LXAL
     E = p.REX1 + p.REX2 * s.df
-    G_x = cos(curved(B, p.RCX1, E, s.alpha + p.RHX1)) / cos(curved(B, p.RCX1, E, p.RHX1))
+    G_x = at_least(cos(curved(B, p.RCX1, E, s.alpha + p.RHX1)), 0.0) / cos(curved(B, p.RCX1, E, p.RHX1))
     B = (p.RBY1 + p.RBY4 * g * g) * cos(atan(p.RBY2 * (s.alpha - p.RBY3))) * p.LYKA
     E, shift = p.REY1 + p.REY2 * s.df, p.RHY1 + p.RHY2 * s.df
-    G_y = cos(curved(B, p.RCY1, E, s.kappa + shift)) / cos(curved(B, p.RCY1, E, shift))
+    G_y = at_least(cos(curved(B, p.RCY1, E, s.kappa + shift)), 0.0) / cos(curved(B, p.RCY1, E, shift))
     D = side.D * (p.RVY1 + p.RVY2 * s.df + p.RVY3 * g) * cos(atan(p.RVY4 * s.alpha))
     return G_x, G_y, D * sin(p.RVY5 * atan(p.RVY6 * s.kappa)) * p.LVYKA
 

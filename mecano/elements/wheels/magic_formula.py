@@ -11,13 +11,13 @@ rolling radius R_e, the slip velocity of the contact and V = sqrt(V_x^2 + v_0^2)
 
     F_x = G(alpha) F_x0(kappa),   F_y = G(kappa) F_y0(alpha, gamma) + S_Vyk,   M_z = -t F_y' + M_zr + s F_x
 
-in the axes (t, l, n), which are the axes of ISO 8855 used in such files. Turn slip is not implemented. A wheel that
-rolls backward is one that rolls forward in the axes (-t, -l, n), also in its asymmetries, which a file does not
-describe apart as conicity and ply steer; within -v_0 < V_x < v_0 forces and moments pass smoothly from one to the
-other. M_y, M_z and the shifts S_H, S_V of F_x0 and F_y0 (conicity, ply steer, camber) come from rolling: they have the
-factor V_x/V, so that a tyre at rest is without force. The formula is a fit: near zero slip its shifts may drive the
-wheel. The power that the force takes from the slip, and rolling resistance from the spin, counts as dissipated; the
-rest is exchanged with the rolling.
+in the axes (t, l, n), which are the axes of ISO 8855 used in such files; G is zero where it would be negative. Turn
+slip is not implemented. A wheel that rolls backward is one that rolls forward in the axes (-t, -l, n), also in its
+asymmetries, which a file does not describe apart as conicity and ply steer; within -v_0 < V_x < v_0 forces and moments
+pass smoothly from one to the other. M_y, M_z and the shifts S_H, S_V of F_x0 and F_y0 (conicity, ply steer, camber)
+come from rolling: they have the factor V_x/V, so that a tyre at rest is without force. The formula is a fit: near zero
+slip its shifts may drive the wheel. The power that the force takes from the slip, and rolling resistance from the spin,
+counts as dissipated; the rest is exchanged with the rolling.
 """
 
 import math
