@@ -30,7 +30,6 @@ def warmup(decks: Sequence[str] = (), overrides: Sequence[str] = ()) -> Iterator
 
     Raises the errors of reading and running a deck.
     """
-    before = store.size()
     if decks:
         for path in decks:
             yield f"running the first steps of {path}"
@@ -44,8 +43,7 @@ def warmup(decks: Sequence[str] = (), overrides: Sequence[str] = ()) -> Iterator
         for name, text in starters().items():
             file, data = f"{name}.yaml", text.encode()
             _compile_and_step(deck_of_bytes(data, file, overrides=_shortened(deck_of_bytes(data, file))))
-    after = store.size()
-    yield f"compiled code is in {store.folder()}: {after / 1e6:.0f} MB, {(after - before) / 1e6:.0f} new"
+    yield f"compiled code is in {store.folder()}: {store.size() / 1e6:.0f} MB"
 
 
 def share(folder: str | os.PathLike[str]) -> str:
