@@ -10,7 +10,6 @@ from mecano.deck.physics import element_nodes, poses
 from mecano.deck.values import in_si
 from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
-from mecano.elements.signals.curve import CURVE
 from mecano.laws.table import LawTable, breakpoints, landmarks
 from mecano.model.model import Element, Model, Node
 
@@ -83,7 +82,7 @@ def time_breakpoints(deck: "Deck") -> tuple[float, ...]:
 
 def time_landmarks(deck: "Deck") -> tuple[float, ...]:
     """Return the times [s], ascending, at which adaptive steps end so that they do not pass over a pulse of a law."""
-    curves = [d for d in deck.values["signals"].values() if d["type"] == CURVE.name]
+    curves = [d for d in deck.values["signals"].values() if d["type"] == "curve"]
     laws = [d["law"] for d in curves if d["input"].strip() == "time"]
     return tuple(sorted({t for law in (*_laws_of_time(deck), *laws) for t in landmarks(law)}))
 
