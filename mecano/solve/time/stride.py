@@ -19,7 +19,7 @@ from mecano.solve.events.passing import AFTER_START, BEFORE_END, SHARE, heads_fo
 from mecano.solve.linear.newton import CONVERGED, DIVERGES, PAUSE, TOO_MANY
 from mecano.solve.time.contradictions import CREEPING, SLIPS
 from mecano.solve.time.error_bound import BOUND
-from mecano.solve.time.interpolate import between_states
+from mecano.solve.time.increments import extrapolate
 from mecano.solve.time.output import DONE, FULL, OUTPUT
 from mecano.solve.time.step_control import FORGOTTEN, HOLD, allowed, counted, factor, planned, retried
 from mecano.solve.time.step_info import MOST_TURN
@@ -36,7 +36,6 @@ from mecano.solve.time.workspace import (
     state_of,
     system_of,
     time_of,
-    unknowns_of,
 )
 
 PROBE = 50  # steps between two computations of the bounded error of steps that their plain error keeps short
@@ -211,23 +210,15 @@ def passes(m, w):
     moving = may_pass(brief, values)
     if not (moving or may_pass(conditions, values)):
         return False
-    evaluate_within(m, w, SHARE, values[AFTER_START])
+    extrapolate(w, BEGIN, SHARE * (time_of(w, TRIAL)[0] - time_of(w, BEGIN)[0]), BETWEEN)
+    evaluate_events(m, w, state_of(w, BETWEEN), values[AFTER_START])
     if heads_for_zero(conditions, values):
         return True
-    if not moving:
+    if not (moving and heads_for_zero(brief, values)):
         return False
-    evaluate_within(m, w, 1.0 - SHARE, values[BEFORE_END])
+    extrapolate(w, TRIAL, -SHARE * (time_of(w, TRIAL)[0] - time_of(w, BEGIN)[0]), BETWEEN)
+    evaluate_events(m, w, state_of(w, BETWEEN), values[BEFORE_END])
     return may_peak(brief, values)
-
-
-@kernel
-def evaluate_within(m, w, u, out):
-    """Write the values of all events of the motion interpolated at the fraction u of the step."""
-    copy_state(w, TRIAL, BETWEEN)
-    s0, s1, s = state_of(w, BEGIN), state_of(w, TRIAL), state_of(w, BETWEEN)
-    h = s1.t - s0.t
-    between_states(u, h, unknowns_of(w), s0, s1, s)
-    evaluate_events(m, w, Instant(s0.t + u * h, s.z, s.v, s.a, s.R, s0.phases, s0.memory), out)
 
 
 @kernel
