@@ -35,13 +35,6 @@ def check(d, nodes):
     return ["'lower' must not be greater than 'upper'"] if wrong else []
 
 
-def sample(rng):
-    """Return a switch in both phases."""
-    return [
-        ({"input": "a", "upper": 0.5, "lower": -0.5, "high": "b", "low": "c"}, 1, phase) for phase in ("low", "high")
-    ]
-
-
 SWITCH = signal_of_input(
     "switch",
     __doc__,
@@ -58,5 +51,5 @@ SWITCH = signal_of_input(
         Event("switches off", "high", "low", "the input falls through the lower level", condition=True),
     ),
     prepare=lambda d, nodes, context: {"upper": d["upper"], "lower": d["upper"] if d["lower"] is None else d["lower"]},
-    **named(check, residual, event_values, sample),
+    **named(check, residual, event_values),
 )
