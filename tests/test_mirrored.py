@@ -52,6 +52,8 @@ def mirrored(kind, d, flipped):
     if "ground" in d and d["ground"].get("motion"):
         motion = out["ground"]["motion"]
         out["ground"]["motion"] = {**motion, "rate": -motion["rate"]}
+    if d.get("cam"):
+        out["cam"] = {**out["cam"], "axis": -out["cam"]["axis"]}
     if d.get("roller_angle"):
         out["roller_angle"] = np.pi - d["roller_angle"]
     if d.get("pitch"):

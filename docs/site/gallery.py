@@ -32,6 +32,7 @@ PLOTS = {
     "bicycle": "frame.angular_velocity.x",
     "binding_strut": "rail_1.displacement,rail_2.displacement",
     "boom_in_sun": "tip.position.z",
+    "cam_float": "profile.normal_force,profile.gap",
     "cleat": "tyre.contact_force.x,tyre.contact_force.z",
     "digital_control": "rail.displacement,shuttle_rail.displacement",
     "earthquake": "storey_1.displacement,storey_2.displacement",
@@ -54,7 +55,7 @@ PLOTS = {
 }
 FILMS = (
     "andrews", "ball_in_pipe", "beam_spin_up", "belt_drive", "bicycle", "block_and_tackle", "bricard", "cam",
-    "car", "controlled_double_pendulum", "crane", "deployment_lock", "double_pendulum", "flat_follower",
+    "cam_float", "car", "controlled_double_pendulum", "crane", "deployment_lock", "double_pendulum", "flat_follower",
     "flexible_pendulum", "flexible_ring", "flexible_slider_crank", "flyball_governor", "four_bar", "gears",
     "heavy_top", "mecanum", "moving_load", "n_four_bar", "nose_gear_rigid", "nose_landing_gear", "paper_disc",
     "pendulum", "reflector", "rocking_block", "rods", "rolling_disc", "slider_crank", "snap_pin", "solar_array",

@@ -13,7 +13,7 @@ def samples(rng):
     """Return (deck values, nodes, phase) of rigid and elastic contacts, those of balls first."""
     x = rng.normal(size=3)
     nodes = [(x - [0.0, 0.1, 0.0], np.eye(3)), (x + [0.3, 0.4, 0.6], np.eye(3))]
-    found = [*_balls(x), *_rods(x), *_balls_on_revolutions(x), *_ellipsoids(x)]
+    found = [*_balls(x), *_rods(x), *_balls_on_revolutions(x), *_ellipsoids(x), *_balls_on_cams(x)]
     return [(values, nodes, phase) for values, phase in found]
 
 
@@ -55,6 +55,22 @@ def _balls_on_revolutions(x):
         *(({**surface, **small}, phase) for surface in surfaces for phase in PHASES),
         *(({**surface, **small, **DRY}, "closed") for surface in surfaces),
     ]
+
+
+def _balls_on_cams(x):
+    cam = {"axis": AXIS, "zero": np.array([0.6, -0.8, 0.0]), "center": x}
+    surfaces = [{"cam": {**cam, "profile": _lobes(number)}} for number in (2, 3, 5)]
+    small = {"nodes": ["a", "b"], "radius": 0.01}
+    return [
+        *(({**surfaces[1], **of, "radius": 0.15}, "closed") for of in (ROUGH, ELASTIC)),
+        *(({**surfaces[1], **small}, phase) for phase in PHASES),
+        *(({**surface, **small, **DRY}, phase) for surface in surfaces for phase in PHASES),
+    ]
+
+
+def _lobes(number):
+    """Return the profile of a cam with this number of lobes."""
+    return (("sine", {"amplitude": 0.08, "frequency": number / (2.0 * np.pi), "phase": 0.4, "offset": 0.45}),)
 
 
 def _barrel(radius):

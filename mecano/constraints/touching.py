@@ -71,6 +71,15 @@ SURFACES = {
         _at("center", "the point of the axis from which distances are measured"),
         INSIDE,
     ),
+    "cam": mapping(
+        Field("axis", DIRECTION, "-", "axis at the start, inertial"),
+        Field("zero", DIRECTION, "-", "direction of the angle 0 across the axis, at the start, inertial"),
+        Field(
+            "profile", CURVE, "m", "radius, a curve of the angle [rad] about the axis, from 0 to 2 pi (360 deg)",
+            argument="rad",
+        ),
+        _at("center", "a point of the axis"),
+    ),
 }  # fmt: skip
 FIELDS = (
     Field("plane", SURFACES["plane"], "-", "plane fixed in node a", None),
@@ -78,6 +87,7 @@ FIELDS = (
     Field("cylinder", SURFACES["cylinder"], "-", "cylinder without ends, fixed in node a", None),
     Field("capsule", SURFACES["capsule"], "-", "cylinder with rounded ends, fixed in node a", None),
     Field("revolution", SURFACES["revolution"], "-", "surface of revolution without ends, fixed in node a", None),
+    Field("cam", SURFACES["cam"], "-", "cam of any width, a cylinder over a closed curve, fixed in node a", None),
     Field("radius", NUMBER, "m", "of the ball around node b", 0.0, not_negative),
 )
 

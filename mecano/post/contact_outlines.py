@@ -38,6 +38,8 @@ def surface_outlines(motion: "AnyMotion", d: "Values", radius: float) -> list[np
     middle, (main, across, along) = _directions(d, places)
     if name == "revolution":
         lines = _turned(motion.run.deck, surface, places[b] - middle, np.stack([main, along, across]))
+    elif name == "cam":
+        lines = [_cam(motion.run.deck, surface)]
     elif name == "plane":
         farthest = max(float(np.linalg.norm(x - middle)) for x in places.values())
         lines = [np.array([-1.0, 1.0])[:, None] * BEYOND * max(radius, farthest) * along]
@@ -58,8 +60,9 @@ def _directions(d, places):
     main = np.array(surface.get("normal", surface.get("axis", places[b] - middle)), float)
     main /= np.linalg.norm(main)
     extent = np.ptp(np.stack(list(places.values())), axis=0)
-    across = main if name == "cylinder" else _across(main, extent)
-    return middle, (main, across, np.cross(across, _across(main, extent) if name == "cylinder" else main))
+    round_it = name in ("cylinder", "cam")  # seen along its axis
+    across = main if round_it else _across(main, extent)
+    return middle, (main, across, np.cross(across, _across(main, extent) if round_it else main))
 
 
 def _turned(deck, surface, b, axes):
@@ -79,6 +82,17 @@ def _turned(deck, surface, b, axes):
     sides = [z[:, None] * axes[0] + side * radius[:, None] * axes[1] for side in (1.0, -1.0)]
     circles = [z[i] * axes[0] + _stadium(radius[i], 0.0, axes[1], axes[2]) for i in (0, -1)]
     return [*sides, *circles]
+
+
+def _cam(deck, surface):
+    """Return the closed curve (n, 3) of a cam, relative to its 'center'."""
+    axis, zero = (np.array(surface[name], float) for name in ("axis", "zero"))
+    axis /= np.linalg.norm(axis)
+    zero -= (zero @ axis) * axis
+    zero /= np.linalg.norm(zero)
+    angle = np.linspace(0.0, 2.0 * np.pi, 2 * POINTS)
+    radius = curve_values(deck, surface["profile"], angle)
+    return (radius * np.cos(angle))[:, None] * zero + (radius * np.sin(angle))[:, None] * np.cross(axis, zero)
 
 
 def _on_b(motion, d, places, across, along):

@@ -15,7 +15,9 @@ by Coulomb's law.
 Node a needs an orientation (a body, a beam or the ground), with friction, a rod or an ellipsoid node b, too. A capsule
 or a box that touches a plane is a ball at each end or corner, on nodes attached to the body. The surface of a cylinder
 has no ends; a pin in a hole is a ball of the radius of the pin ``inside`` of a cylinder. The radius of a ``revolution``
-(a drum, cone or groove) is its ``profile``; it is touched in the nearest point of its meridian. A ``rod`` in place of
+(a drum, cone or groove) is its ``profile``; it is touched in the nearest point of its meridian. A ``cam`` has a radius
+that depends on the angle about its axis; a follower with a roller, the ball, leaves it where the cam would have to
+pull. A ``rod`` in place of
 the ball, a capsule, touches another capsule or cylinder in one point. Where both are parallel, the force acts in the
 middle of the part along which they touch, and does not resist their turning: two long parallel bodies need a contact
 near each end.
@@ -40,6 +42,7 @@ from mecano.constraints.contact_functions import (
 from mecano.constraints.contact_samples import samples
 from mecano.constraints.release import COMMAND, SAMPLE, with_release
 from mecano.constraints.touching import BALL, FIELDS, ROUNDING, check_one_surface, touch_at_start
+from mecano.constraints.touching_cam import CAMS
 from mecano.constraints.touching_ellipsoid import ELLIPSOID, ELLIPSOIDS
 from mecano.constraints.touching_revolution import REVOLUTIONS
 from mecano.constraints.touching_rods import ROD, RODS
@@ -55,7 +58,13 @@ CLOSES = Event(
     "closes", "open", "closed", "the ball reaches the surface; a shock if it is rigid", SHOCK, "restitution", brief=True
 )
 OPENS = Event("opens", "closed", "open", "the normal force falls to zero")
-SHAPES = {"rod": RODS, "ellipsoid": ELLIPSOIDS, "revolution": REVOLUTIONS, "ball": BALL}  # by fields of the deck
+SHAPES = {
+    "rod": RODS,
+    "ellipsoid": ELLIPSOIDS,
+    "revolution": REVOLUTIONS,
+    "cam": CAMS,
+    "ball": BALL,
+}  # by fields of the deck
 
 
 def _record(shapes):
