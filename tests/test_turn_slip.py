@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
-from time_runs import RecordedRun, input_deck
+from time_runs import INPUTS, RecordedRun, deck, input_deck
 
 from mecano.analyses.law_tests import Tyre
 from mecano.elements.wheels.fiala import FIALA
 from mecano.elements.wheels.slip_law import default_values
 from mecano.elements.wheels.turn_slip import reach
 from mecano.elements.wheels.yawed_rolling import YAWED_ROLLING
+from mecano.errors import DeckError
 
 MU, LOAD, HALF, WIDE, C = 0.8, 4000.0, 0.06, 0.05, 6e4  # friction, N [N], a, b [m], slip stiffness [N/rad]
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(60)
@@ -141,3 +142,30 @@ def test_tyres_on_a_turning_carriage_have_the_moments_of_bristles():
         np.testing.assert_allclose(moments, [expected, -expected], rtol=share)
     np.testing.assert_allclose(run["elements/rolling_tyre/lateral_force"].ravel()[times], circle[1], rtol=0.05)
     assert np.ptp(run["energy/balance"]) < 1e-4 * run["energy/dissipated"].ravel()[-1]
+
+
+def test_a_carcass_winds_up_before_the_contact_slides():
+    """A parked ``transient_wheel``, steered to and fro by A: elastic up to mu N k, then sliding.
+
+    The loop of an elastic, ideally plastic spring has the area 4 M (A - M/K).
+    """
+    K, A = 6e3, 0.05
+    text = (INPUTS / "turn_slip.yaml").read_text().replace("swing: 0.5 rad", f"swing: {A}")
+    carcass = f"least_speed: 0.02 mm/s, carcass_stiffness: [2.0e5, 2.0e5], creep_length: 1 mm, torsional_stiffness: {K}"
+    text = text.replace("type: wheel,", "type: transient_wheel,").replace("least_speed: 1 mm/s", carcass)
+    run = RecordedRun(deck(text.replace("end: $period", "end: 2*$period")))
+    angle, moment = run["joints/steering/angle"].ravel(), run["elements/parked_tyre/slip_moment"][:, 2]
+    most, first = MU * LOAD * reach(HALF, WIDE), run.time < 0.12
+    assert np.abs(moment).max() == pytest.approx(most, rel=1e-6)
+    np.testing.assert_allclose(moment[first], -K * angle[first], atol=0.04 * most)
+    np.testing.assert_allclose(run["elements/parked_tyre/psi"].ravel(), moment / K, atol=0.01 * most / K)
+    last = run.time >= 4.0
+    work = -np.sum(0.5 * (moment[last][1:] + moment[last][:-1]) * np.diff(angle[last]))
+    assert work == pytest.approx(4.0 * most * (A - most / K), rel=0.03)
+
+
+def test_a_twist_needs_a_moment():
+    changes = (f"tire_laws.brush.fiala.{change}" for change in ("torsional_stiffness=100", "contact_width=0"))
+    with pytest.raises(DeckError) as info:
+        input_deck("turn_slip", *changes)
+    assert "'tire_law.fiala.torsional_stiffness' needs 'contact_width'" in info.value.problems[0].message

@@ -24,7 +24,7 @@ slip speed. With a ``contact_width`` the tyre has turn slip: G has a third compo
 (1 - x + x^2/3) to the moment, and G_l a part of the curved path (turn_slip.py).
 """
 
-from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipForces, SlipLaw
+from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipForces, SlipLaw, check_twist
 from mecano.elements.wheels.turn_slip import CONTACT_WIDTH, TurnSlip, turn_slip
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import negative_curves
@@ -54,7 +54,7 @@ def check(law):
     """Return errors for negative friction or stiffness."""
     d = law["fiala"]
     names = ("cornering_stiffness", "longitudinal_stiffness", "camber_stiffness", "friction")
-    return negative_curves("tire_law.fiala", {name: d[name] for name in names})
+    return check_twist("fiala", d) + negative_curves("tire_law.fiala", {name: d[name] for name in names})
 
 
 @kernel
@@ -92,8 +92,9 @@ def sample(rng):
     return [
         {"cornering_stiffness": rising, "camber_stiffness": rising, "friction": falling, **base},
         {"cornering_stiffness": 3e5, "longitudinal_stiffness": 5e5, "friction": 0.4, **base},
-        {"cornering_stiffness": rising, "camber_stiffness": rising, "friction": falling, "contact_width": 4.0, **base},
-    ]
+        {"cornering_stiffness": rising, "camber_stiffness": rising, "friction": falling, "contact_width": 4.0, **base,
+         "torsional_stiffness": 4e3},
+    ]  # fmt: skip
 
 
 FIALA = SlipLaw("fiala", __doc__, mapping(*FIELDS), forces, check=check, sample=sample, passive=False)

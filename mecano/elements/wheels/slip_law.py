@@ -76,7 +76,19 @@ CARCASS_FIELDS = (
         "creep_length", NUMBER, "m", "rolling distance in which the carcass settles when the whole contact slides; "
         "its share of the relaxation length acts at once", 0.02, positive,
     ),
+    Field(
+        "torsional_stiffness", NUMBER, "N m/rad",
+        "for a transient_wheel with a contact_width: moment per twist of the contact before it slides; rigid when "
+        "absent", None, positive,
+    ),
 )  # fmt: skip
+
+
+def check_twist(name, d):
+    """Return an error for a torsional stiffness among the values ``d`` of the law ``name`` without turn slip."""
+    if d["torsional_stiffness"] is None or d["contact_width"] > 0.0:
+        return []
+    return [f"'tire_law.{name}.torsional_stiffness' needs 'contact_width': without it no moment twists the contact"]
 
 
 def carcass_of(d):
@@ -117,6 +129,8 @@ class SlipLaw:
 
     enveloping: bool = False
     """True for a wheel on the effective plane of its cams (enveloping.py) in place of the ground"""
+    twists: bool = False
+    """True if the contact of a ``transient_wheel`` is twisted against the torsional stiffness of its carcass"""
 
     def __post_init__(self):
         """Declare record, ``prepare`` and ``carcass`` by the fields if they are not given."""

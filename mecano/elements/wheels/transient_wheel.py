@@ -17,10 +17,15 @@ falls with the slip, the deflection settles over the distance b; without b, its 
 loses F.v_C: the carcass stores (K_t x^2 + K_l y^2)/2, its damping and the slip dissipate the rest, for any variation of
 the load. The force acts at the undeflected contact. Stiffnesses are those at the nominal load of a .tir file.
 
-In the phase "air" both deflections decay in 1 ms.
-"""
+With a torsional stiffness K_a of the tyre law the contact is also twisted by psi about n relative to the wheel. Its
+turn slip is that of the rate of the wheel plus dpsi/dt, and its moment about n is that of the carcass:
 
-from functools import partial
+    M.n = K_a (psi + b (dpsi/dt)/V)
+
+A wheel that is steered on the spot then winds up before it slides, and stays wound up when the steering stops.
+
+In the phase "air" all deflections decay in 1 ms.
+"""
 
 import numpy as np
 
@@ -40,7 +45,7 @@ from mecano.elements.wheels.rolling_contact import (
     with_slip,
 )
 from mecano.elements.wheels.rolling_tyre import with_rolling
-from mecano.elements.wheels.slip_law import slipping
+from mecano.elements.wheels.slip_law import Slip, slipping
 from mecano.elements.wheels.slip_laws import SLIP_LAWS, given_law
 from mecano.elements.wheels.tire_law import slip_law_of
 from mecano.elements.wheels.tire_wheel import AIR, CONTACT, check_wheel, prepare_wheel
@@ -48,7 +53,7 @@ from mecano.jit.kernel import kernel
 from mecano.maths.dual import number, select, sqrt
 from mecano.maths.vector import dot
 
-X, Y = 6, 7  # local unknowns
+X, Y, PSI = 6, 7, 8  # local unknowns
 SCALARS = ("x", "y")
 DECAY = 1e-3  # [s] time constant in the air
 LEAST_SPEED = 1.0  # [m/s] v_0
@@ -58,6 +63,8 @@ CARCASS_OUTPUTS = (
     Output("y", "m", "deflection of the contact along l relative to the wheel", rate="y_rate"),
     Output("x_rate", "m/s", "rate of x"),
     Output("y_rate", "m/s", "rate of y"),
+    Output("psi", "rad", "twist of the contact about n relative to the wheel; 0 if rigid", rate="psi_rate"),
+    Output("psi_rate", "rad/s", "rate of psi"),
 )
 BEHIND = FIRST + 5  # index of the first of these outputs
 
@@ -69,47 +76,77 @@ def carried(at, slip):
 
 
 @kernel
-def damping(p, slip):
-    """Return the damping of the carcass along t and l [N s/m]."""
+def twisted(at, k):
+    """Return the Slip ``k`` of a contact that turns with its twist."""
+    omega = k.omega + number(at.v[PSI]) * k.n
+    return Slip(k.N, k.w, k.grip, k.v, k.v_0, k.u, omega, k.spin, k.lean, k.t, k.l, k.n, k.curvature)
+
+
+@kernel
+def untwisted(at, k):
+    """Return the Slip ``k`` of a contact that does not twist."""
+    return k
+
+
+@kernel
+def decay(p, at, slip):
+    """Return b/V [s] along t and l, in which the carcass settles under a constant force; in the air DECAY."""
     forward = dot(slip.t, slip.u)
-    V = sqrt(forward * forward + LEAST_SPEED * LEAST_SPEED)
-    return p.stiffness[0] * p.creep[0] / V, p.stiffness[1] * p.creep[1] / V
+    V, air = sqrt(forward * forward + LEAST_SPEED * LEAST_SPEED), at.phase == AIR
+    return select(air, DECAY, p.creep[0] / V), select(air, DECAY, p.creep[1] / V)
+
+
+@kernel
+def add_spring(f, at, i, K, tau, force):
+    """Add the force of a part of the carcass for the unknown ``i``, of the stiffness ``K``, less that of the ground."""
+    f[i] += K * (number(at.q[i]) + tau * number(at.v[i])) - force
+
+
+@kernel
+def put_spring(e, at, i, K, tau):
+    """Add the energies of this part of the carcass to ``e``."""
+    e[1] += 0.5 * K * at.q[i] * at.q[i]
+    e[2] += K * tau * at.v[i] * at.v[i]
 
 
 def compiled(law):
     """Return ``residual`` and ``observe`` of a wheel with a SlipLaw."""
     forces, slip, seen, rolling = law.forces, law.slip, law.seen, rolling_of(law)
+    twists, twist = law.twists, twisted if law.twists else untwisted
 
     @kernel
     def residual(p, at, f):
         """Add the forces of ground and carcass; see element_interface."""
-        x, y, x1, y1 = number(at.q[X]), number(at.q[Y]), number(at.v[X]), number(at.v[Y])
         if at.phase == AIR:
-            f[X] += p.stiffness[0] * (x + DECAY * x1)
-            f[Y] += p.stiffness[1] * (y + DECAY * y1)
+            add_spring(f, at, X, p.stiffness[0], DECAY, 0.0)
+            add_spring(f, at, Y, p.stiffness[1], DECAY, 0.0)
+            if twists:
+                add_spring(f, at, PSI, p.torsion, DECAY, 0.0)
             return
         k = rolling(p, at, True)
         k = with_slip(k, slip(p, k.slip))
-        ground = forces(p, at.laws, carried(at, k.slip))
+        ground = forces(p, at.laws, twist(at, carried(at, k.slip)))
         add_ground(f, at, k, ground)
-        d_t, d_l = damping(p, k.slip)
-        f[X] += p.stiffness[0] * x + d_t * x1 - dot(ground.F, k.slip.t)
-        f[Y] += p.stiffness[1] * y + d_l * y1 - dot(ground.F, k.slip.l)
+        tau_t, tau_l = decay(p, at, k.slip)
+        add_spring(f, at, X, p.stiffness[0], tau_t, dot(ground.F, k.slip.t))
+        add_spring(f, at, Y, p.stiffness[1], tau_l, dot(ground.F, k.slip.l))
+        if twists:
+            add_spring(f, at, PSI, p.torsion, tau_t, dot(ground.M, k.slip.n))
 
     @kernel
     def observe(p, at, F, y, e):
         """Write outputs and energies."""
         k = rolling(p, at, at.phase == CONTACT)
         k = with_slip(k, slip(p, k.slip))
-        ground = forces(p, at.laws, carried(at, k.slip))
+        ground = forces(p, at.laws, twist(at, carried(at, k.slip)))
         put_rolling(p, at, with_slip(k, seen(p, k.slip)), ground, y, e)
-        x1, y1 = at.v[X], at.v[Y]
-        y[BEHIND], y[BEHIND + 1], y[BEHIND + 2], y[BEHIND + 3] = at.q[X], at.q[Y], x1, y1
-        c_t, c_l = damping(p, k.slip)
-        d_t = select(at.phase == AIR, DECAY * p.stiffness[0], c_t)
-        d_l = select(at.phase == AIR, DECAY * p.stiffness[1], c_l)
-        e[1] += 0.5 * (p.stiffness[0] * at.q[X] * at.q[X] + p.stiffness[1] * at.q[Y] * at.q[Y])
-        e[2] += d_t * x1 * x1 + d_l * y1 * y1
+        y[BEHIND], y[BEHIND + 1], y[BEHIND + 2], y[BEHIND + 3] = at.q[X], at.q[Y], at.v[X], at.v[Y]
+        tau_t, tau_l = decay(p, at, k.slip)
+        put_spring(e, at, X, p.stiffness[0], tau_t)
+        put_spring(e, at, Y, p.stiffness[1], tau_l)
+        if twists:
+            y[BEHIND + 4], y[BEHIND + 5] = at.q[PSI], at.v[PSI]
+            put_spring(e, at, PSI, p.torsion, tau_t)
 
     return named(residual, observe)
 
@@ -148,15 +185,20 @@ def prepare(d, nodes, context):
     }
 
 
-with_law = partial(
-    wheel_on_ground,
-    compiled=compiled,
-    own_record={**CARCASS_RECORD, **GROUND_RECORD, **SURFACE_RECORD},
-    name="transient_wheel",
-    doc=__doc__,
-    scalars=SCALARS,
-    massless=SCALARS,
-    outputs=(*OUTPUTS, *CARCASS_OUTPUTS),
-    **named(prepare, check, sample),
-)
+def with_law(law):
+    """Return the Kind with a SlipLaw, whose contact is twisted if the law says so."""
+    scalars = (*SCALARS, "psi") if law.twists else SCALARS
+    return wheel_on_ground(
+        law,
+        compiled,
+        own_record={**CARCASS_RECORD, **GROUND_RECORD, **SURFACE_RECORD},
+        name="transient_wheel",
+        doc=__doc__,
+        scalars=scalars,
+        massless=scalars,
+        outputs=(*OUTPUTS, *CARCASS_OUTPUTS),
+        **named(prepare, check, sample),
+    )
+
+
 TRANSIENT_WHEEL = by_slip_law(with_law, SLIP_LAWS["fiala"])

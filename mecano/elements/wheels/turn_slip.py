@@ -28,6 +28,8 @@ W is the rate of the plane of the wheel about n, without the part of the spin of
 camber thrust: W = n.omega - (s/q) l.omega with the sine s and the cosine q of the camber. The moment dissipates -M_s W.
 """
 
+from dataclasses import replace
+from functools import cache
 from typing import NamedTuple
 
 from mecano.jit.kernel import kernel
@@ -39,6 +41,17 @@ CONTACT_WIDTH = Field(
     "contact_width", NUMBER, "m", "2b, for turn slip: the moment of a tyre that turns on the spot or in a tight turn; "
     "none when 0", 0.0, not_negative,
 )  # fmt: skip
+
+
+@cache
+def twisting_law(law):
+    """Return the SlipLaw ``law`` for a contact that the carcass of a ``transient_wheel`` lets twist."""
+
+    def prepare(d, context):
+        return {**law.prepare(d, context), "torsion": d[law.name]["torsional_stiffness"]}
+
+    record = {**law.record, "torsion": ()}
+    return replace(law, name=f"{law.name}_twisting", record=record, prepare=prepare, twists=True)
 
 
 class TurnSlip(NamedTuple):

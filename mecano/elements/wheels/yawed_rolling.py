@@ -21,7 +21,7 @@ curve of the slip speed. With v_0 = ``least_speed`` the slip is finite at rest, 
 F(phi) k G_m/|G| is added to the moment.
 """
 
-from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipForces, SlipLaw
+from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipForces, SlipLaw, check_twist
 from mecano.elements.wheels.turn_slip import CONTACT_WIDTH, TurnSlip, turn_slip
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import negative_curves
@@ -53,7 +53,7 @@ FIELDS = (
 def check(law):
     """Return errors for a missing cornering stiffness and for negative friction."""
     d = law["yawed_rolling"]
-    texts = []
+    texts = check_twist("yawed_rolling", d)
     if d["cornering_stiffness"] is None:
         texts.append("'tire_law.yawed_rolling' has no 'cornering_stiffness': give it, or 'smiley_horne', which does")
     return texts + negative_curves("tire_law.yawed_rolling", {"friction": d["friction"]})
@@ -99,8 +99,9 @@ def sample(rng):
     return [
         {"cornering_stiffness": rising, "friction": falling, **base},
         {"cornering_stiffness": 3e5, "longitudinal_stiffness": 5e5, "friction": 0.4, **base},
-        {"cornering_stiffness": rising, "friction": falling, "contact_width": 4.0, **base},
-    ]
+        {"cornering_stiffness": rising, "friction": falling, "contact_width": 4.0, **base,
+         "torsional_stiffness": 4e3},
+    ]  # fmt: skip
 
 
 YAWED_ROLLING = SlipLaw("yawed_rolling", __doc__, mapping(*FIELDS), forces, check=check, sample=sample, passive=False)
