@@ -21,7 +21,7 @@ power, and the effective plane is its tangent.
 """
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -100,8 +100,27 @@ def ground_of(d):
     cams, ground = d["tire_law"].get("enveloping"), d["ground"]
     if cams is None or not ground.get("profile"):
         return ground
-    height = cam_path(ground["profile"]["height"], cams, d["tire_law"]["radius"])
+    height = _kept_path(_Same(ground["profile"]["height"]), tuple(cams.items()), d["tire_law"]["radius"])
     return {**ground, "profile": {**ground["profile"], "height": height}}
+
+
+class _Same:
+    """A law that equals itself only: laws are not hashable, and their comparison takes long."""
+
+    def __init__(self, law):
+        self.law = law
+
+    def __hash__(self):
+        return id(self.law)
+
+    def __eq__(self, other):
+        return self.law is other.law
+
+
+@lru_cache(maxsize=16)
+def _kept_path(same, cams, radius):
+    """Return the path of a cam as ``cam_path``, of the same law once: checks and wheels ask for it several times."""
+    return cam_path(same.law, dict(cams), radius)
 
 
 def with_enveloping(sample):
@@ -124,7 +143,9 @@ def cam_path(law, cams, radius):
     s = corners[0] + step * np.arange(-2 * reach, int(np.ceil((corners[-1] - corners[0]) / step)) + 2 * reach + 1)
     rise = outline(step * np.arange(-reach, reach + 1), cams, radius)
     H, n = curve_values(law, s)[:, 0], len(s) - 2 * reach
-    Z = np.max([H[i : i + n] - rise[i] for i in range(2 * reach + 1)], axis=0)
+    Z = H[reach : reach + n].copy()
+    for i in range(2 * reach + 1):
+        np.maximum(Z, H[i : i + n] - rise[i], out=Z)
     s = s[reach : reach + n]
     for corner, height in zip(corners, curve_values(law, corners)[:, 0], strict=True):
         near = slice(*np.searchsorted(s, (corner - half, corner + half)))
