@@ -1,5 +1,6 @@
 """Preparation of a run: from a checked deck to a model with an initial state and a time integration."""
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -42,6 +43,7 @@ METHODS = {
 }
 ORDERS = {"radau": 5}  # 2 for the others
 SMALLEST_STEP = 1e-7  # of the first step, unless given in the deck
+RESTART = 10.0  # first steps: longest one behind a corner of a law of time, or a condition, in an adaptive run
 MOVED = 1e-6  # of the length scale: larger displacements by the assembly are reported
 MOST_NAMES = 8  # constraints named in a warning
 AUTOMATIC = "automatic"
@@ -155,6 +157,7 @@ def integrator_of(prepared: Prepared, observers: Iterable[Callable[[Accepted], o
     return TimeIntegrator(
         system, method, control, tuple(observers), time_breakpoints(deck), values["rest_speed"],
         most_located=values["located_events"], landmarks=time_landmarks(deck) if control.adaptive else (),
+        longest_restart=RESTART * values["step"] if control.adaptive else math.inf,
     )  # fmt: skip
 
 

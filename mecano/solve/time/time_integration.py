@@ -62,6 +62,7 @@ class TimeIntegrator:
     breakpoints: Sequence[float] = ()  # times that a step must end on: corners of laws of time
     rest: float = 1e-4  # of the length scale, or rad, per second: slower approaches do not rebound
     most_located: int = 100  # instants with elastic events, beyond one in each step, that are located (capture.py)
+    longest_restart: float = math.inf  # step [s] with which adaptive steps restart where functions of time may begin
     landmarks: Sequence[float] = ()  # further times that a step must end on: of pulses of laws of time
     pause: Callable[[RunState], object] = lambda run: (
         None
@@ -262,6 +263,7 @@ class TimeIntegrator:
         s = run.motion
         if self.shocks.impact_candidates.among(found.hit):
             s = self._consistent(s, run.h, impact=True)
+        run = self._slowed(run, found.hit)
         run, s, event_records, consistent = self.events.apply(run, s, found.hit, at_once=True)
         new = self._start_again(run, s, consistent)
         self._notify(Accepted(run.motion, new, info, 0.0, rejected, tuple(event_records)))
@@ -277,11 +279,18 @@ class TimeIntegrator:
         here = self.monitor.values(s)
         new = self._stepped(run, s, history, run.h, h, info, reached)
         hit = self.monitor.together(hit, self.monitor.values(run.motion), here, self.monitor.values(s))
-        after, s, event_records, consistent = self.events.apply(new, s, hit)
+        after, s, event_records, consistent = self.events.apply(self._slowed(new, hit), s, hit)
         if self.monitor.captures:
             self.capture.accepted(info.event_records, whole=False)
         self._notify(Accepted(run.motion, new, info, h, rejected, (*info.event_records, *event_records)))
         return self._start_again(after, s, consistent)
+
+    def _slowed(self, run, hit):
+        """Return the run with a step no longer than a restart allows if some events ``hit`` are conditions.
+
+        They may switch on what is zero at the ends of a long step, such as a wave.
+        """
+        return replace(run, h=min(run.h, self.longest_restart)) if np.any(hit[self.monitor.conditions]) else run
 
     def _consistent(self, s, h, impact=False):
         """Return ``s`` with consistent accelerations and multipliers.
@@ -327,7 +336,8 @@ class TimeIntegrator:
 
         At the corner itself a table that holds its last value still has the slope before it.
         """
-        return self._start_again(run, replace(run.motion, t=np.nextafter(run.motion.t, math.inf)))
+        behind = replace(run.motion, t=np.nextafter(run.motion.t, math.inf))
+        return self._start_again(replace(run, h=min(run.h, self.longest_restart)), behind)
 
     def _passes(self, s, h):
         """Return whether another event follows at the same instant."""
