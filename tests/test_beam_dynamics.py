@@ -6,6 +6,8 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
 from time_runs import RecordedRun, deck, input_deck
 
+from mecano.analyses.modal import modes
+
 THREADS = {  # flexible_pendulum without the shear and the rotary inertia of its section
     "type": "stiffness", "EA": 7853.981633974483, "GA2": 2.7e6, "GA3": 2.7e6, "GJ": 0.0377610413,
     "EI2": 0.04908738521234052, "EI3": 0.04908738521234052, "mass_per_length": 0.08639379797371933,
@@ -285,3 +287,32 @@ def test_spaghetti_to_the_accuracy_of_the_reference():
     for time, (off, energy) in fine.items():
         assert off < 1.5e-4 and energy < 1e-4
         assert coarse[time][0] / off == pytest.approx(4.0, abs=1.0)
+
+
+@pytest.mark.parametrize("mesh", [1, 3])
+def test_a_disc_on_a_shaft_without_mass(mesh):
+    """Overhung by 0.4 m: the flexibility of a cantilever with shear, mass and inertia of the disc; then its drop."""
+    L, EI, GA, mass, inertia = 0.4, 2e3, 1e6, 8.0, 0.06
+    text = f"""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        sections:
+          shaft: {{type: stiffness, EA: 1.0e8, GA2: {GA}, GA3: {GA}, GJ: 1600, EI2: {EI}, EI3: {EI}, mass_per_length: 0,
+                   rotary_inertia: [0, 0, 0]}}
+        nodes: {{root: {{position: [0, 0, 0]}}, disc: {{position: [{L}, 0, 0]}}}}
+        elements:
+          shaft: {{type: beam, nodes: [root, disc], section: shaft, up: [0, 0, 1], mesh: {mesh}}}
+          disc: {{type: rigid_body, node: disc, mass: {mass}, inertia: [0.1, {inertia}, {inertia}]}}
+        joints: {{clamp: {{type: fixed, nodes: [ground, root]}}}}
+        time: {{end: 0.05, step: 0.1 ms, method: radau, adaptive: {{tolerance: 1.0e-6}}}}
+    """
+    flexibility = np.array([[L**3 / 3, L**2 / 2], [L**2 / 2, L]]) / EI + np.diag([L / GA, 0.0])
+    squares, shapes = eigh(np.linalg.inv(flexibility), np.diag([mass, inertia]))
+    found = modes(deck(text), None, number=5)[1].values.imag
+    wanted = np.sqrt([squares[0], squares[0], 1600 / (L * 0.1), squares[1], squares[1]])  # the third one is torsion
+    np.testing.assert_allclose(np.sort(found), wanted, rtol=1e-9)
+    recorded = RecordedRun(deck(text))
+    sag = flexibility @ [-mass * 9.81, 0.0]
+    parts = shapes[0] * (shapes.T @ np.diag([mass, inertia]) @ sag)
+    wanted = sag[0] - np.cos(np.outer(recorded.time, np.sqrt(squares))) @ parts
+    np.testing.assert_allclose(recorded["nodes/disc/position"][:, 2], wanted, atol=1e-6)

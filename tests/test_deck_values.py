@@ -11,7 +11,7 @@ from mecano.deck.check import CHECKS
 from mecano.deck.physics import element_nodes, poses
 from mecano.deck.sections import SECTIONS
 from mecano.elements import KINDS
-from mecano.elements.members.cross_section import positive_all
+from mecano.elements.members.cross_section import none_negative
 from mecano.errors import DeckError
 from mecano.laws import TERMS
 from mecano.schema import Field
@@ -244,5 +244,5 @@ def test_sections_may_be_exchanged():
 
 
 def test_the_components_that_are_wrong_are_named():
-    assert positive_all([0.5, 0.05, 0.45]) is None
-    assert positive_all([0.5, 0.0, -0.45]) == "must be greater than zero, but [1] is 0 and [2] is -0.45"
+    assert none_negative([0.5, 0.0, 0.45]) is None
+    assert none_negative([0.5, -1.0, -0.45]) == "must not be negative, but [1] is -1 and [2] is -0.45"

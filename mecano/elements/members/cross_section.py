@@ -182,10 +182,10 @@ def check_matrix(d):
     return check_given(d)
 
 
-def positive_all(values):
-    """Check that all values are > 0."""
-    wrong = [f"[{i}] is {value:g}" for i, value in enumerate(values) if not value > 0]
-    return f"must be greater than zero, but {' and '.join(wrong)}" if wrong else None
+def none_negative(values):
+    """Check that all values are >= 0."""
+    wrong = [f"[{i}] is {value:g}" for i, value in enumerate(values) if not value >= 0]
+    return f"must not be negative, but {' and '.join(wrong)}" if wrong else None
 
 
 def _length(name, doc):
@@ -210,8 +210,8 @@ SHAPES = {
                Field("GJ", NUMBER, "N m2", "torsional stiffness", check=positive),
                Field("EI2", NUMBER, "N m2", "bending stiffness about axis 2", check=positive),
                Field("EI3", NUMBER, "N m2", "bending stiffness about axis 3", check=positive),
-               Field("mass_per_length", NUMBER, "kg/m", "mass per length", check=positive),
-               Field("rotary_inertia", TRIPLE, "kg m", "rotary inertia per length", check=positive_all),
+               Field("mass_per_length", NUMBER, "kg/m", "mass per length", check=not_negative),
+               Field("rotary_inertia", TRIPLE, "kg m", "rotary inertia per length", check=none_negative),
                *STRESS, *DAMPING),
               stiffness, check_given),
         Shape("matrix", "Section given by matrices, in the order (N, V_2, V_3, T, M_2, M_3).",
@@ -228,8 +228,8 @@ def check_section(d):
 
 
 def _out_of_range(section):
-    """Return a text if stiffnesses or the mass of Constants overflow or vanish, else None."""
-    numbers = np.array([*np.diag(section.C), section.mass])
+    """Return a text if stiffnesses of Constants, or a mass that is not zero, overflow or vanish, else None."""
+    numbers = np.array([*np.diag(section.C), *[section.mass] * (section.mass != 0.0)])
     if (numbers > SMALLEST).all() and (numbers < 1.0 / SMALLEST).all():
         return None
     return f"gives stiffnesses or a mass that overflow or vanish: {', '.join(f'{number:g}' for number in numbers)}"
