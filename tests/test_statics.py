@@ -496,6 +496,23 @@ def test_loads_that_ramp_over_time_start_from_their_value_at_the_start():
     np.testing.assert_allclose(path.turns_about_y("pin"), (1.0 + 2.0 * np.linspace(1, 3, 5)) / 6.0, atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    "load",
+    [
+        "{table: {points: [[0, 0], [3, 0], [3.2, 60], [3.4, 0], [10, 0]], interpolation: linear}}",
+        "{table: {points: [[0, 0], [3, 0], [3.2, 60], [3.4, 0], [10, 0]]}}",
+        "{bump: {start: 3, length: 0.4, height: 60}}",
+    ],
+    ids=["linear", "cubic", "bump"],
+)
+def test_automatic_steps_over_time_meet_the_peak_of_a_load(load):
+    """Elsewhere nothing changes, and steps would grow beyond the peak; the arm has a spring of 6 N m/rad."""
+    loads = f"loads: {{a: {{type: couple, nodes: [ground, pin], axis: [0, 1, 0], value: {load}}}}}"
+    path = Path(arm("static: {over: time, end: 10}", gravity=0.0, more=loads.replace("60", "0.6")))
+    assert path.turns_about_y("pin").max() == pytest.approx(0.1, abs=1e-9)
+    assert len(path.points) < 16
+
+
 def standing_wheel(method):
     """The wheel of inputs/wheel_drop.yaml, without speed."""
     text = input_deck("wheel_drop").text

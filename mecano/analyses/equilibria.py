@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.analyses.prepare import AUTOMATIC, Prepared, or_default
+from mecano.deck.build import places_of_laws
 from mecano.model.output_limits import ended, has_watched_outputs, watched_outputs
 from mecano.model.sampler import Sampler, StaticSample
 from mecano.solve.diagnostics.failure import worst_equations
@@ -174,9 +175,10 @@ def _statics(prepared: Prepared, values: "Values", loading: Loading, past: bool 
 
 def _steps(prepared: Prepared, values: "Values") -> Steps:
     count = or_default(values["steps"], FIRST_STEPS)
-    start = values["start"] if values.get("over") == "time" else 0.0
-    minimum = values["minimum_step"] * (values["end"] - start) / count
-    return Steps(values["end"], count, minimum, grow=values["steps"] == AUTOMATIC)
+    over_time = values.get("over") == "time"
+    minimum = values["minimum_step"] * (values["end"] - (values["start"] if over_time else 0.0)) / count
+    through = places_of_laws(prepared.deck) if over_time else ()
+    return Steps(values["end"], count, minimum, grow=values["steps"] == AUTOMATIC, through=through)
 
 
 def _relaxation(prepared: Prepared, values: "Values") -> Relaxation:

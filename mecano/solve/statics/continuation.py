@@ -215,18 +215,23 @@ class Follower:
 
 @dataclass
 class Steps:
-    """Continuation to ``end`` in ``count`` equal steps, smaller if necessary; with ``grow``, also larger ones."""
+    """Continuation to ``end`` in ``count`` equal steps, smaller if necessary; with ``grow``, also larger ones.
+
+    Steps that grow end at the places ``through``.
+    """
 
     end: float
     count: int
     minimum: float
     grow: bool = False
+    through: Sequence[float] = ()
     hint: str = "the units of loads and stiffness (N, N/m, Pa)"
 
     def follow(self, follower: Follower, point: Point) -> tuple[Point, str]:
         """Return (last Point, reason of the end). Raises ConvergenceError, NonFiniteError."""
         start, equal = point.parameter, (self.end - point.parameter) / self.count
-        targets = [self.end] if self.grow else [start + i * equal for i in range(1, self.count)] + [self.end]
+        between = self.through if self.grow else [start + i * equal for i in range(1, self.count)]
+        targets = [*(p for p in between if start < p < self.end), self.end]
         h = equal
         for target in targets:
             while point.parameter < target:
