@@ -336,6 +336,32 @@ BELT = """
 """
 
 
+GROOVE = """
+mecano: 1
+gravity: [0, 0, -9.81]
+nodes: {{ball: {{position: [0, 0, 0.5]}}}}
+elements:
+  ball: {{type: rigid_body, node: ball, mass: 2, inertia: [0.01, 0.01, 0.01]}}
+  left: {{type: contact, nodes: [ground, ball], plane: {{normal: [{c}, 0, {s}], point: [0, 0, 0]}}, {rough}}}
+  right: {{type: contact, nodes: [ground, ball], plane: {{normal: [-{c}, 0, {s}], point: [0, 0, 0]}}, {rough}}}
+time: {{end: 0.21, step: 1 ms}}
+"""
+
+
+@pytest.mark.parametrize("mu", [0.2, 0.33, 0.37, 1.5])
+def test_a_ball_jams_in_a_groove_narrower_than_its_friction_cone(mu):
+    """Two walls at 20 degrees: each pushes with m (1 + e) v/2/(sin a - mu cos a), or for e = 0 if that is negative."""
+    a = np.radians(20.0)
+    rough = f"radius: 0.1, restitution: 0.5, friction: {{coefficient: {mu}, regularization: 1 mm/s}}"
+    run = RecordedRun(deck(GROOVE.format(c=np.cos(a), s=np.sin(a), rough=rough)))
+    speed, rebounds = 9.81 * run.event_records[0].t, mu < np.tan(a)
+    pushes = 1.5 / (np.sin(a) - mu * np.cos(a)) if rebounds else 1.0 / np.sin(a)
+    assert [event.impulse for event in run.event_records] == pytest.approx([speed * pushes] * 2, rel=1e-6)
+    assert sum(event.lost for event in run.event_records) == pytest.approx((0.75 if rebounds else 1.0) * speed**2)
+    expected = 0.5 * speed - 9.81 * (0.21 - run.event_records[0].t) if rebounds else 0.0
+    assert run["nodes/ball/velocity"][-1, 2] == pytest.approx(expected, abs=1e-9)
+
+
 def test_friction_presses_what_would_part_without_it():
     """A belt carries a puck uphill against a stop: the impact closes it for good, though gravity pulls it away."""
     run = RecordedRun(deck(BELT.replace("FRICTION", "{coefficient: 0.8, regularization: 1.0e-3}")))

@@ -25,8 +25,10 @@ ACCELERATED = 60  # first sweeps, with Anderson acceleration
 SHARES = 1.0, 0.3, 0.1  # relaxation factors of the sweeps, tried one after the other
 SWEEPS = 300  # largest number of sweeps with one of these factors
 ROUNDING = 1e-13  # of the largest impulse: a sweep that changes less has converged
-ACCEPTED = 1e-2  # of the largest impulse: redundant contacts, such as four corners of a box, converge slowly
+ACCEPTED = 1e-2  # of the largest impulse, or velocity: redundant contacts, as corners of a box, converge slowly
 DIVERGED = 1e3  # of the largest impulse: the sweeps with this factor diverge
+PRESSED = 1e6  # times the impulse that stops the contacts one by one: beyond, velocities lose ten digits by rounding
+REPEATED = 1e-9  # relative: changes of two sweeps that differ by less are equal
 TINY = 1e-300  # least impulse [N s] used as a divisor
 MASSLESS = 1e-14  # of the largest response: a contact that moves no mass along its surface is without friction
 
@@ -83,26 +85,35 @@ def solve_with_friction(
     ``normal(b)`` solves the problem of the normals for rates b (n,) without their impulses; W_nt (n, 2 m) and
     W_tt (2 m, 2 m) are responses to impulses along the surfaces, u (2 m,) the velocities of sliding without impulses.
     Alternates between normals and surfaces (block Gauss-Seidel), at first with Anderson acceleration, then without it,
-    and under-relaxed if that does not converge. Raises AssemblyError if the impulses along the surfaces stay
-    undetermined by more than ``ACCEPTED``.
+    and under-relaxed if that does not converge. Raises AssemblyError if the impulses along the surfaces, or the
+    velocities, stay undetermined by more than ``ACCEPTED``, or if the impulses grow without limit.
     """
     bound_of, mu = [contact.contact for contact in contacts], np.array([contact.mu for contact in contacts])
+    fastest = max(-b.min(initial=0.0), np.abs(u).max(initial=0.0))
+    most = _largest_impulse(W_tt, fastest)
 
     def sweep(along):
         pushes = normal(b + W_nt @ along)
         change = _along_surfaces(W_tt, u + W_nt.T @ pushes, mu * pushes[bound_of], along) - along
+        largest = pushes.max(initial=0.0)
         with np.errstate(over="ignore"):  # of sweeps that diverge
-            size = np.abs(change).max() / max(pushes.max(initial=0.0), TINY)
+            size = np.abs(change).max() / max(largest, TINY) if largest <= most else np.inf
         return size, change, pushes, along
 
     best = last = sweep(np.zeros(len(u)))
     points: list[np.ndarray] = []
     changes: list[np.ndarray] = []
+    stride, former = 1.0, np.inf
     for _ in range(ACCELERATED):
         if best[0] <= ROUNDING or last[0] > DIVERGED:
             break
         points, changes = [*points, last[3]][-len(u) - 1 :], [*changes, last[1]][-len(u) - 1 :]
-        last = sweep(_extrapolated(points, changes))
+        if last[0] > 0.1 * former and _repeats(changes):
+            stride *= 2.0
+        elif stride > 1.0:  # a contact slips
+            points, changes, stride = points[-1:], changes[-1:], 1.0
+        former = last[0]
+        last = sweep(_extrapolated(points, changes) if stride == 1.0 else last[3] + stride * last[1])
         best = min(best, last, key=lambda found: found[0])
     for share in SHARES:
         last = best
@@ -111,13 +122,28 @@ def solve_with_friction(
                 break
             last = sweep(last[-1] + share * last[1])
             best = min(best, last, key=lambda found: found[0])
-    if best[0] > ACCEPTED:
+    if best[0] > ROUNDING and max(best[0], np.abs(W_tt @ best[1]).max() / max(fastest, TINY)) > ACCEPTED:
         raise AssemblyError(
             "the friction in an impact presses the bodies together more and more: give the contact a 'law', which "
             "resolves the impact in time",
             Failure.NOT_CONVERGED,
         )
     return best[2], best[3]
+
+
+def _largest_impulse(W, fastest):
+    """Return the largest impulse [N s] to accept, for responses W along the surfaces and speeds up to ``fastest``."""
+    responses = np.diag(W)
+    massive = responses[responses > MASSLESS * responses.max(initial=0.0)]
+    return PRESSED * fastest / massive.min() if len(massive) else np.inf
+
+
+def _repeats(changes):
+    """Return whether the last change (k,) is the one before: friction grows by the same amount in each sweep.
+
+    It does so between contacts that stick, until one of them slips.
+    """
+    return len(changes) > 1 and np.abs(changes[-1] - changes[-2]).max() <= REPEATED * np.abs(changes[-1]).max()
 
 
 def _extrapolated(points, changes):

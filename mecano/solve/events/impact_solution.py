@@ -125,7 +125,8 @@ class ImpactSolution:
     def _impulses(self, change):
         """Return the impulses along the normals and the surfaces; ``change`` (n_q,) is that of v without them.
 
-        If the rebound with friction creates energy, e is reduced to the value at which it conserves energy.
+        If the rebound with friction creates energy, e is reduced to the value at which it conserves energy. If friction
+        prevents a rebound, as in a groove narrower than its cone, whatever the impulses, e is zero.
         """
         free = self._rates(self._moved(change))[self.leads]
         free[np.abs(free) <= STILL * self.shocks.least[self.leads]] = 0.0  # rounding, which friction might amplify
@@ -143,7 +144,13 @@ class ImpactSolution:
             x = np.concatenate(impulses)
             return -0.5 * x @ (unpushed + self.W @ x)
 
-        impulses = solved(1.0)
+        try:
+            impulses = solved(1.0)
+        except AssemblyError:
+            if not self.e.any():
+                raise
+            self.e = 0.0 * self.e
+            return solved(0.0)
         if not self.e.any() or lost(impulses) >= 0.0:
             return impulses
         plastic = lost(solved(0.0))
