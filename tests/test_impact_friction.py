@@ -362,6 +362,28 @@ def test_a_ball_jams_in_a_groove_narrower_than_its_friction_cone(mu):
     assert run["nodes/ball/velocity"][-1, 2] == pytest.approx(expected, abs=1e-9)
 
 
+def test_impacts_that_run_to_and_fro_between_balls_end():
+    """Three balls wedged between walls: impacts pass along the chain at one instant; no impact creates energy."""
+    rough, places = "restitution: 0.3, friction: {coefficient: 1.5, regularization: 1 mm/s}", [0.052, 0.075, 0.052]
+    walls = {"floor": ("[0, 0, 1]", 0.0), "left": ("[1, 0, 0]", 0.0), "right": ("[-1, 0, 0]", 0.168)}
+    lines = ["mecano: 1", "gravity: [0, 0, -9.81]", "nodes:"]
+    lines += [f"  b{i}: {{position: [{x}, 0, {0.06 + 0.11 * i}]}}" for i, x in enumerate(places)]
+    lines += ["elements:"]
+    for i in range(3):
+        lines += [f"  b{i}: {{type: rigid_body, node: b{i}, mass: 0.5, inertia: [5.0e-4, 5.0e-4, 5.0e-4]}}"]
+        surfaces = {
+            f"{name}{i}": ("ground", f"plane: {{normal: {n}, point: [{x}, 0, 0]}}") for name, (n, x) in walls.items()
+        }
+        surfaces |= {f"pair{j}{i}": (f"b{j}", "sphere: {radius: 0.05}") for j in range(i)}
+        lines += [
+            f"  {name}: {{type: contact, nodes: [{on}, b{i}], {surface}, radius: 0.05, {rough}}}"
+            for name, (on, surface) in surfaces.items()
+        ]
+    run = RecordedRun(deck("\n".join([*lines, "time: {end: 0.22, step: 1 ms, adaptive: {tolerance: 1.0e-3}}"])))
+    energy = run["energy/kinetic"] + run["energy/potential"]
+    assert (energy - np.minimum.accumulate(energy)).max() < 1e-4 * energy[0]
+
+
 def test_friction_presses_what_would_part_without_it():
     """A belt carries a puck uphill against a stop: the impact closes it for good, though gravity pulls it away."""
     run = RecordedRun(deck(BELT.replace("FRICTION", "{coefficient: 0.8, regularization: 1.0e-3}")))

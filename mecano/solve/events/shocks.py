@@ -131,7 +131,9 @@ class Shocks:
         """Return the events ``hit`` with the impacts that would follow within TOGETHER of a step ``h`` [s].
 
         The motions of identical parts of a model differ by rounding; this makes them lock at the same instant. A
-        contact that touches at rest is not added: if the impact reaches it, it follows.
+        contact that touches at rest is not added: if the impact reaches it, it follows. Once impacts of a contact have
+        repeated at this instant until its rebound is suppressed, all contacts that touch are solved for together, as
+        impacts that run to and fro between contacts would fade without end.
         """
         hit, g = hit.copy(), self.monitor.values(s)
         due, hitting = self.impact_candidates.due(hit, g), self.impact_candidates.split(hit)[0]
@@ -141,6 +143,8 @@ class Shocks:
             for c in due:
                 rate = -rates[c.lead] if c.restitution >= 0.0 else abs(rates[c.lead])
                 hit[c.event] |= rate > least and -g[c.event] <= max(TOGETHER * h * rate, self.near[c.lead])
+        if np.isinf(self.rest).any():
+            hit[[c.event for c in self.impact_candidates.opening if abs(g[c.event]) <= self.near[c.lead]]] = True
         return hit
 
     def _derivatives(self, s, candidates):
