@@ -29,7 +29,7 @@ from mecano.solve.time.modal_filter import (
     negative_pivots,
     resolve,
 )
-from mecano.solve.time.step_control import FORGOTTEN, counted, portion
+from mecano.solve.time.step_control import FORGOTTEN, allowed, counted
 from mecano.solve.time.workspace import STEP, TRIAL, history_of, state_of
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def bound_error(bound: Records(BOUND), work: Records(STEP)):
     resolve(w, b, change, part)
     resolve(w, b, part, twice)
     share = min((size(w, b, twice) + oscillation / (limit * summed)) / whole, 1.0)
-    b.bounded = max(plain * share, plain * portion(w.duration, w.h))
+    b.bounded = max(plain * share, plain * allowed(1.0, w.duration, w.h))
 
 
 @kernel

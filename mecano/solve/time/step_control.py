@@ -21,24 +21,18 @@ AT_ONCE = 1e-300  # s: the duration for which any step is long
 
 
 @kernel
-def portion(duration, h):
-    """Return the part of the run that counts as taken by a step of size h.
+def allowed(tolerance, duration, h):
+    """Return the share of the tolerance of a step of size h: its part of the run, or LEAST.
 
     A damped transient of amplitude v/r after a shock would otherwise need errors below rounding in steps below 1/r.
     """
-    return max(h / duration, LEAST)
-
-
-@kernel
-def allowed(tolerance, duration, h):
-    """Return the share of the tolerance of a step of size h."""
-    return tolerance * portion(duration, h)
+    return tolerance * max(h / duration, LEAST)
 
 
 @kernel
 def counted(error, least, duration, h):
     """Return an ``error`` reduced in small steps, so that at least the part ``least`` of the tolerance is allowed."""
-    return error * min(portion(duration, h) / least, 1.0)
+    return error * min(max(h / duration, LEAST) / least, 1.0)
 
 
 @kernel
