@@ -145,7 +145,8 @@ class TimeIntegrator:
         if run.compliance is not self.method.compliance:
             self.method.use(run.compliance)
         self.method.pause = lambda: self.pause(self._before)
-        self._is_corner.update(t for t in self.system.arrivals(run.motion.memory) if t == run.motion.t)
+        if run.motion.t in self.system.arrivals(run.motion.memory):
+            self._is_corner.add(run.motion.t)
         before_corner = run.motion.t in self._is_corner and run.history.known  # the last call ended there
         if memory is not None:
             run = replace(run, motion=replace(run.motion, memory=memory))
