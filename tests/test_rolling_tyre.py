@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from time_runs import INPUTS, RecordedRun, deck, input_deck
 
 from mecano.errors import DeckError
-from mecano.solve.modal.straight_running import Straight
+from mecano.solve.modal.free_spins import roll_one
 
 FORMULA = "{FNOMIN: 4e3, UNLOADED_RADIUS: 0.3, PCX1: 1.6, PDX1: 1, PKX1: 20, PCY1: 1.3, PDY1: 1, PKY1: -20, PKY2: 2}"
 ROLL = (INPUTS / "landing_roll.yaml").read_text()
@@ -111,6 +111,6 @@ def test_errors_in_a_rolling_tyre(old, new, said):
 def test_moments_that_are_rounding_leave_the_spin_alone():
     """A moment of 1e-14 N m, of a wheel that hardly touches the ground, vanishes at no spin of a wheel."""
     system = SimpleNamespace(assemble=lambda s: SimpleNamespace(residual=1e-14 - 1e-23 * s.v))
-    steady, s = SimpleNamespace(system=system, speed=20.0, length=1.0), SimpleNamespace(v=np.array([3.0]))
-    Straight._roll(SimpleNamespace(n_q=1), steady, s, np.ones(1), 1e-12)
+    steady, s = SimpleNamespace(system=system, speed=20.0, length=1.0, n_q=1), SimpleNamespace(v=np.array([3.0]))
+    roll_one(steady, s, np.ones(1), 1e-12)
     assert s.v == [3.0]

@@ -63,10 +63,10 @@ def roll(steady: "Steady", s: "State", N: np.ndarray, at: "Tangent") -> None:
     if held.any():  # the others would only balance rounding errors
         s.v[:n_q] -= N[:, held] @ np.linalg.lstsq(B[:, held], at.rates, rcond=SPINS)[0]
     for j in np.flatnonzero(~held):
-        _roll_one(steady, s, N[:, j], ROUNDING * steady.length * (at.size / steady.root).max())
+        roll_one(steady, s, N[:, j], ROUNDING * steady.length * (at.size / steady.root).max())
 
 
-def _roll_one(steady, s, direction, rounding):
+def roll_one(steady, s, direction, rounding):
     """Set the spin of ``s`` along ``direction`` (n_q,), in place, so that the moment about it vanishes.
 
     A moment below ``rounding`` [N m], as of a wheel in the air, determines no spin.
