@@ -7,6 +7,7 @@ from time_runs import INPUTS, RecordedRun, deck, input_deck
 from mecano.analyses.law_tests import Tyre
 from mecano.elements.wheels.fiala import FIALA
 from mecano.elements.wheels.slip_law import default_values
+from mecano.elements.wheels.tire_law import slip_law_of
 from mecano.elements.wheels.turn_slip import reach
 from mecano.elements.wheels.yawed_rolling import YAWED_ROLLING
 from mecano.errors import DeckError
@@ -20,7 +21,8 @@ def fiala(**fields):
         "cornering_stiffness": C, "friction": MU, "contact_length": 2 * HALF, "contact_width": 2 * WIDE,
         "least_speed": 1e-6, **fields,
     }  # fmt: skip
-    return Tyre(FIALA, {"fiala": default_values(FIALA.type.options, values)})
+    law = {"fiala": default_values(FIALA.type.options, values)}
+    return Tyre(slip_law_of(law), law)
 
 
 def over_contact(a=HALF, b=WIDE):
@@ -125,7 +127,8 @@ def test_a_leaning_wheel_that_runs_straight_has_no_turn_slip():
 def test_an_aircraft_tyre_turns_on_the_spot_with_the_moment_of_its_contact():
     """``yawed_rolling`` with the half length 0.85 sqrt(w (2r - w)) of its deflection: mu N k of this contact."""
     values = {"cornering_stiffness": C, "friction": MU, "contact_width": 2 * WIDE, "least_speed": 1e-6}
-    tyre = Tyre(YAWED_ROLLING, {"yawed_rolling": default_values(YAWED_ROLLING.type.options, values)})
+    law = {"yawed_rolling": default_values(YAWED_ROLLING.type.options, values)}
+    tyre = Tyre(slip_law_of(law), law)
     x, y, share = over_contact(0.85 * np.sqrt(0.02 * (0.6 - 0.02)))
     k = tyre.forces(LOAD, (0.0, 0.0), (0.0, 0.0), (0.0, 0.0, 0.5))
     assert k.M[2] == pytest.approx(-MU * LOAD * (share * np.hypot(x, y)).sum(), rel=0.012)

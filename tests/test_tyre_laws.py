@@ -13,6 +13,7 @@ from mecano.elements.wheels.flexible_wheel import FLEXIBLE_WHEEL
 from mecano.elements.wheels.rolling_contact import law_samples
 from mecano.elements.wheels.slip_law import default_values
 from mecano.elements.wheels.slip_laws import SLIP_LAWS
+from mecano.elements.wheels.tire_law import slip_law_of
 from mecano.laws.table import LawTable
 
 FRICTION = {
@@ -26,7 +27,7 @@ def tyres():
     found = [Tyre(SLIP_LAWS["friction"], FRICTION)]
     for law in SLIP_LAWS.values():
         for wheel, _, _ in law_samples(np.random.default_rng(4), law):
-            found.append(Tyre(law, wheel["tire_law"]))
+            found.append(Tyre(slip_law_of(wheel["tire_law"]), wheel["tire_law"]))
     return found
 
 

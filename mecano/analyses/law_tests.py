@@ -9,6 +9,7 @@ from mecano.analyses.kind_samples import GRAVITY, seed_of
 from mecano.element_interface import Context, record
 from mecano.elements.wheels.rolling_contact import law_samples
 from mecano.elements.wheels.slip_law import Slip, SlipForces, SlipLaw
+from mecano.elements.wheels.tire_law import slip_law_of
 from mecano.laws.table import LawTable, breakpoints, evaluate_curve, evaluate_force, potential
 from mecano.maths.vector import Vec3
 
@@ -52,7 +53,8 @@ class Tyre:
 
 def tyres(law: SlipLaw) -> list[Tyre]:
     """Return the Tyres of the samples of a SlipLaw."""
-    return [Tyre(law, wheel["tire_law"]) for wheel, _, _ in law_samples(np.random.default_rng(4), law)]
+    found = (wheel["tire_law"] for wheel, _, _ in law_samples(np.random.default_rng(4), law))
+    return [Tyre(slip_law_of(values), values) for values in found]
 
 
 def check_stated_power(law: SlipLaw) -> None:

@@ -57,31 +57,36 @@ def check(law):
     return check_twist("fiala", d) + negative_curves("tire_law.fiala", {name: d[name] for name in names})
 
 
-@kernel
-def forces(p, laws, k):
-    """Return the SlipForces of the Slip ``k``."""
-    v_t, v_l = dot(k.t, k.v), dot(k.l, k.v)
-    rolling = dot(k.t, k.u) - dot(k.t, k.v_0)
-    V = sqrt(rolling * rolling + p.least_speed * p.least_speed)
-    load = at_least(k.N, 0.0)
-    along = p.longitudinal_stiffness if p.longitudinal_stiffness > 0 else p.cornering_stiffness
-    C_t, C_l = curve(laws, along, load), curve(laws, p.cornering_stiffness, load)
-    G_t, G_s = -C_t * v_t / V, -C_l * v_l / V
-    camber, ahead = atan2(k.lean, sqrt(1.0 - k.lean * k.lean)), rolling / V
-    G_l = G_s - curve(laws, p.camber_stiffness, load) * camber * (ahead * ahead)
-    sliding = at_least(k.grip * at_least(curve(laws, p.friction, norm(k.v_0)), 0.0) * load, LEAST_FORCE)
-    a, b, g = 0.5 * p.contact_length, 0.5 * p.contact_width, TurnSlip(0.0 * V, 0.0, G_l, 0.0 * V)
-    if b > 0.0:
-        g = turn_slip(k, a, b, C_t, C_l, G_t, G_l, V, rolling, 3.0 * sliding)
-    x = sqrt(G_t * G_t + g.G_l * g.G_l + g.G_m * g.G_m) / (3.0 * sliding)
-    y = at_most(x, 1.0)
-    share = select(x < 1.0, 1.0 - y + y * y / 3.0, 1.0 / (3.0 * at_least(x, 1.0)))
-    spin = share * g.k * g.G_m
-    turn = spin - a / 3.0 * (1.0 - y) * (1.0 - y) * (1.0 - y) * G_s * ahead
-    F_t, F_l = share * G_t, share * g.G_l
-    power = F_t * v_t + F_l * v_l
-    lost = at_least(-power, 0.0) - spin * g.W
-    return SlipForces(F_t * k.t + F_l * k.l, turn * k.n, lost, lost + power + turn * dot(k.n, k.omega))
+def forces_of(turns):
+    """Return ``forces``, with turn slip if the contact ``turns``."""
+
+    @kernel
+    def forces(p, laws, k):
+        """Return the SlipForces of the Slip ``k``."""
+        v_t, v_l = dot(k.t, k.v), dot(k.l, k.v)
+        rolling = dot(k.t, k.u) - dot(k.t, k.v_0)
+        V = sqrt(rolling * rolling + p.least_speed * p.least_speed)
+        load = at_least(k.N, 0.0)
+        along = p.longitudinal_stiffness if p.longitudinal_stiffness > 0 else p.cornering_stiffness
+        C_t, C_l = curve(laws, along, load), curve(laws, p.cornering_stiffness, load)
+        G_t, G_s = -C_t * v_t / V, -C_l * v_l / V
+        camber, ahead = atan2(k.lean, sqrt(1.0 - k.lean * k.lean)), rolling / V
+        G_l = G_s - curve(laws, p.camber_stiffness, load) * camber * (ahead * ahead)
+        sliding = at_least(k.grip * at_least(curve(laws, p.friction, norm(k.v_0)), 0.0) * load, LEAST_FORCE)
+        a, b, g = 0.5 * p.contact_length, 0.5 * p.contact_width, TurnSlip(0.0 * V, 0.0, G_l, 0.0 * V)
+        if turns:
+            g = turn_slip(k, a, b, C_t, C_l, G_t, G_l, V, rolling, 3.0 * sliding)
+        x = sqrt(G_t * G_t + g.G_l * g.G_l + g.G_m * g.G_m) / (3.0 * sliding)
+        y = at_most(x, 1.0)
+        share = select(x < 1.0, 1.0 - y + y * y / 3.0, 1.0 / (3.0 * at_least(x, 1.0)))
+        spin = share * g.k * g.G_m
+        turn = spin - a / 3.0 * (1.0 - y) * (1.0 - y) * (1.0 - y) * G_s * ahead
+        F_t, F_l = share * G_t, share * g.G_l
+        power = F_t * v_t + F_l * v_l
+        lost = at_least(-power, 0.0) - spin * g.W
+        return SlipForces(F_t * k.t + F_l * k.l, turn * k.n, lost, lost + power + turn * dot(k.n, k.omega))
+
+    return forces
 
 
 def sample(rng):
@@ -97,4 +102,7 @@ def sample(rng):
     ]  # fmt: skip
 
 
-FIALA = SlipLaw("fiala", __doc__, mapping(*FIELDS), forces, check=check, sample=sample, passive=False)
+FIALA = SlipLaw(
+    "fiala", __doc__, mapping(*FIELDS), forces_of(False), check=check, sample=sample,
+    turning=forces_of(True), passive=False,
+)  # fmt: skip

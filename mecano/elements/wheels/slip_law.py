@@ -127,6 +127,8 @@ class SlipLaw:
     passive: bool = True
     """True if the force never drives the slip: lost = -F.v, given = M.omega"""
 
+    turning: Callable | None = None
+    """as ``forces``, with turn slip: for tyre laws with a 'contact_width' (turn_slip.py)"""
     enveloping: bool = False
     """True for a wheel on the effective plane of its cams (enveloping.py) in place of the ground"""
     twists: bool = False

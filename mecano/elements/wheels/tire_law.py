@@ -22,7 +22,7 @@ from mecano.elements.wheels.rolling_tyre import check_rolling, is_given, rolling
 from mecano.elements.wheels.sliding_friction import FIELDS as FRICTION_FIELDS
 from mecano.elements.wheels.slip_laws import SLIP_LAWS, given_law
 from mecano.elements.wheels.smiley_horne import SMILEY_HORNE
-from mecano.elements.wheels.turn_slip import twisting_law
+from mecano.elements.wheels.turn_slip import turning_law, twisting_law
 from mecano.jit.kernel import kernel
 from mecano.laws.contact_force import contact_force
 from mecano.laws.probe import curve_at, curve_values
@@ -74,10 +74,11 @@ def register(law):
 
 
 def slip_law_of(values):
-    """Return the SlipLaw of the values of a tyre law, with twist, rolling radius, resistance and cams if any."""
+    """Return the SlipLaw of the values of a tyre law, with turn slip, rolling radius, resistance, cams."""
     law = given_law(values)
-    own = values[law.name]
-    law = twisting_law(law) if isinstance(own, dict) and own.get("torsional_stiffness") else law
+    own = values[law.name] if law.turning else {}
+    if own.get("contact_width"):
+        law = twisting_law(law) if own.get("torsional_stiffness") else turning_law(law)
     law = rolling_law(law) if is_given(values) else law
     return law if values.get("enveloping") is None else enveloping_law(law)
 

@@ -44,14 +44,21 @@ CONTACT_WIDTH = Field(
 
 
 @cache
+def turning_law(law):
+    """Return the SlipLaw ``law`` with turn slip."""
+    return replace(law, name=f"{law.name}_turning", forces=law.turning)
+
+
+@cache
 def twisting_law(law):
     """Return the SlipLaw ``law`` for a contact that the carcass of a ``transient_wheel`` lets twist."""
+    field = law.name
 
     def prepare(d, context):
-        return {**law.prepare(d, context), "torsion": d[law.name]["torsional_stiffness"]}
+        return {**law.prepare(d, context), "torsion": d[field]["torsional_stiffness"]}
 
     record = {**law.record, "torsion": ()}
-    return replace(law, name=f"{law.name}_twisting", record=record, prepare=prepare, twists=True)
+    return turning_law(replace(law, name=f"{field}_twisting", record=record, prepare=prepare, twists=True))
 
 
 class TurnSlip(NamedTuple):

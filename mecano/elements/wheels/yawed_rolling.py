@@ -59,28 +59,33 @@ def check(law):
     return texts + negative_curves("tire_law.yawed_rolling", {"friction": d["friction"]})
 
 
-@kernel
-def forces(p, laws, k):
-    """Return the SlipForces of the Slip ``k``."""
-    v_t, v_l = dot(k.t, k.v), dot(k.l, k.v)
-    rolling = dot(k.t, k.u) - dot(k.t, k.v_0)
-    V = sqrt(rolling * rolling + p.least_speed * p.least_speed)
-    w = at_least(k.w, LEAST_DEPTH * p.radius)
-    along = p.longitudinal_stiffness if p.longitudinal_stiffness > 0 else p.cornering_stiffness
-    C_t, C_l = at_least(curve(laws, along, w), 0.0), at_least(curve(laws, p.cornering_stiffness, w), 0.0)
-    G_t, G_l = -C_t * v_t / V, -C_l * atan2(v_l, V)
-    limit = at_least(k.grip * at_least(curve(laws, p.friction, norm(k.v_0)), 0.0) * at_least(k.N, 0.0), LEAST_FORCE)
-    h, b = p.contact_share * sqrt(w * (2.0 * p.radius - w)), 0.5 * p.contact_width
-    g = TurnSlip(0.0 * V, 0.0 * h, G_l, 0.0 * V)
-    if b > 0.0:
-        g = turn_slip(k, h, b, C_t, C_l, G_t, G_l, V, rolling, FULL * limit)
-    phi = sqrt(G_t * G_t + g.G_l * g.G_l + g.G_m * g.G_m) / limit
-    used = select(phi < FULL, 1.0 - 4.0 / 27.0 * phi * phi, 1.0 / at_least(phi, FULL))
-    F_t, F_l, spin = used * G_t, used * g.G_l, used * g.k * g.G_m
-    turn = spin - arm(phi) * h * (rolling / V) * G_l
-    power = F_t * v_t + F_l * v_l
-    lost = at_least(-power, 0.0) - spin * g.W
-    return SlipForces(F_t * k.t + F_l * k.l, turn * k.n, lost, lost + power + turn * dot(k.n, k.omega))
+def forces_of(turns):
+    """Return ``forces``, with turn slip if the contact ``turns``."""
+
+    @kernel
+    def forces(p, laws, k):
+        """Return the SlipForces of the Slip ``k``."""
+        v_t, v_l = dot(k.t, k.v), dot(k.l, k.v)
+        rolling = dot(k.t, k.u) - dot(k.t, k.v_0)
+        V = sqrt(rolling * rolling + p.least_speed * p.least_speed)
+        w = at_least(k.w, LEAST_DEPTH * p.radius)
+        along = p.longitudinal_stiffness if p.longitudinal_stiffness > 0 else p.cornering_stiffness
+        C_t, C_l = at_least(curve(laws, along, w), 0.0), at_least(curve(laws, p.cornering_stiffness, w), 0.0)
+        G_t, G_l = -C_t * v_t / V, -C_l * atan2(v_l, V)
+        limit = at_least(k.grip * at_least(curve(laws, p.friction, norm(k.v_0)), 0.0) * at_least(k.N, 0.0), LEAST_FORCE)
+        h, b = p.contact_share * sqrt(w * (2.0 * p.radius - w)), 0.5 * p.contact_width
+        g = TurnSlip(0.0 * V, 0.0 * h, G_l, 0.0 * V)
+        if turns:
+            g = turn_slip(k, h, b, C_t, C_l, G_t, G_l, V, rolling, FULL * limit)
+        phi = sqrt(G_t * G_t + g.G_l * g.G_l + g.G_m * g.G_m) / limit
+        used = select(phi < FULL, 1.0 - 4.0 / 27.0 * phi * phi, 1.0 / at_least(phi, FULL))
+        F_t, F_l, spin = used * G_t, used * g.G_l, used * g.k * g.G_m
+        turn = spin - arm(phi) * h * (rolling / V) * G_l
+        power = F_t * v_t + F_l * v_l
+        lost = at_least(-power, 0.0) - spin * g.W
+        return SlipForces(F_t * k.t + F_l * k.l, turn * k.n, lost, lost + power + turn * dot(k.n, k.omega))
+
+    return forces
 
 
 @kernel
@@ -104,4 +109,7 @@ def sample(rng):
     ]  # fmt: skip
 
 
-YAWED_ROLLING = SlipLaw("yawed_rolling", __doc__, mapping(*FIELDS), forces, check=check, sample=sample, passive=False)
+YAWED_ROLLING = SlipLaw(
+    "yawed_rolling", __doc__, mapping(*FIELDS), forces_of(False), check=check, sample=sample,
+    turning=forces_of(True), passive=False,
+)  # fmt: skip
