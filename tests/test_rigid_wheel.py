@@ -12,6 +12,8 @@ from scipy.optimize import brentq
 from small_motions import eigenvalues
 from time_runs import RecordedRun, deck, input_deck
 
+from mecano.analyses.modal import modes
+
 TIMES = [0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0]
 CENTRE = [
     [0.9624148165043946, 0.3331484723178318, 0.30556510781523577],
@@ -392,3 +394,34 @@ def test_a_level_axle_needs_a_moment():
     np.testing.assert_allclose(np.hypot(x[:, 0], x[:, 1] - 2.0), 2.0, rtol=1e-5)
     np.testing.assert_allclose(x[:, 2], 0.3, rtol=1e-12)
     np.testing.assert_allclose(recorded["elements/rim/lateral_force"], 10.0 * 1.0 * 0.5, rtol=3e-5)
+
+
+@pytest.mark.parametrize("trail", [0.08, -0.08])
+def test_a_light_caster_follows_its_cart_or_turns_over(trail, verify):
+    """Without stiffness, and with next to no inertia: e psi' = -V psi; a caster that is pushed turns to the rear."""
+    text = f"""
+        mecano: 1
+        gravity: [0, 0, -9.81]
+        nodes:
+          cart: {{position: [0, 0, 0.5]}}
+          fork: {{position: [0, 0, 0.5]}}
+          axle: {{position: [{-trail}, 0, 0.1]}}
+          hub: {{position: [{-trail}, 0, 0.1]}}
+        elements:
+          cart: {{type: rigid_body, node: cart, mass: 50, inertia: [10, 10, 10]}}
+          fork: {{type: rigid_body, node: fork, mass: 1.0e-3, inertia: [1.0e-6, 1.0e-6, 1.0e-6], attached: [axle]}}
+          rim: {{type: rigid_body, node: hub, mass: 1.0e-3, inertia: [1.0e-6, 1.0e-6, 1.0e-6]}}
+          wheel: {{type: rigid_wheel, node: hub, axis: [0, 1, 0], radius: 0.1, ground: floor}}
+        joints:
+          rail:
+            {{type: generic, nodes: [ground, cart], axis: [0, 0, 1], axis_1: [1, 0, 0], free: [along_1, along_axis]}}
+          swivel: {{type: hinge, nodes: [cart, fork], axis: [0, 0, 1]}}
+          bearing: {{type: hinge, nodes: [axle, hub], axis: [0, 1, 0]}}
+        grounds: {{floor: {{plane: {{point: [0, 0, 0], normal: [0, 0, 1]}}}}}}
+        initial: {{steady: {{velocity: [1.5, 0, 0]}}}}
+        time: {{end: 1, step: 1 ms}}
+    """
+    found = modes(deck(text), None)[1].values
+    assert np.sum(found == 0.0) == 2
+    swings = found[found != 0.0]
+    verify("Rolling", f"caster, trail {trail} m: eigenvalue [1/s]", swings, -1.5 / trail, "V/e", relative=1e-9)

@@ -218,7 +218,8 @@ def _on_velocities(E, F, D, M, C, K):
     L = null_space(D.T).T
     M, C, K = L @ M, L @ (C + M @ G), L @ (M @ G @ G + C @ G + K)
     mass = np.abs(M).max(initial=0.0) or 1.0
-    rate = np.sqrt(np.abs(K).max(initial=0.0) / mass) or 1.0  # makes the rows, and p and r, comparable
+    own = np.sqrt(np.abs(K).max(initial=0.0) / mass)
+    rate = max(own, np.abs(G).max(initial=0.0)) or 1.0  # makes the rows, and p and r, comparable
     A = np.block([[G / rate, N], [-K / (mass * rate**2), -C @ N / (mass * rate)]])
     E = la.block_diag(np.eye(len(G)), M @ N / mass)
     values, vectors = _without_zeros(A, E, ZERO * np.linalg.norm(A, 2), _finite)
