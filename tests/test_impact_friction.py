@@ -320,6 +320,29 @@ def test_balls_settle_in_a_box():
     assert min(run[f"elements/{name}{i}/gap"].min() for i in range(4) for name in WALLS) > -1e-7
 
 
+ROLLING_OVER = """
+mecano: 1
+gravity: [0, 0, -9.81]
+nodes: {{low: {{position: [0, 0, 0.2]}}, high: {{position: [0.001, 0, 0.45]}}}}
+elements:
+  a: {{type: rigid_body, node: low, mass: 1.5, inertia: [0.004, 0.004, 0.004]}}
+  b: {{type: rigid_body, node: high, mass: 1.4, inertia: [0.004, 0.004, 0.004]}}
+  floor: {{type: contact, nodes: [ground, low], plane: {{normal: [0, 0, 1], point: [0, 0, 0]}}, {rough}}}
+  pair: {{type: contact, nodes: [low, high], sphere: {{radius: 0.1}}, {rough}}}
+initial: {{velocities: [{{nodes: all, velocity: [1.5, 0, 0]}}]}}
+time: {{end: 0.2, step: 1 ms, adaptive: {{tolerance: 1.0e-4}}, rho_inf: 0}}
+"""
+
+
+@pytest.mark.parametrize("e", [0.12, 0.15, 0.2])
+def test_a_long_step_leads_through_no_surface_and_back(e):
+    """Balls bounce on one another in ever shorter hops: steps of 15 ms pass through the side of the lower one."""
+    rough = f"radius: 0.1, restitution: {e}, friction: {{coefficient: 1, regularization: 1 mm/s}}"
+    run = RecordedRun(deck(ROLLING_OVER.format(rough=rough)))
+    assert run["elements/pair/gap"].min() > -1e-10 and run["elements/floor/gap"].min() > -1e-10
+    assert len(run.event_records) > 10
+
+
 BELT = """
     mecano: 1
     gravity: [-3, 0, -9.3]

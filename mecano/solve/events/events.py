@@ -39,6 +39,7 @@ class EventMonitor:
         self.changes_energy = np.array([e.changes_energy for e in events], bool)
         self.elastic = np.array([e.elastic for e in events], bool)
         self.smooth = np.array([e.elastic and not e.shock for e in events], bool)  # velocities stay
+        self.impacts = np.array([bool(e.shock) for e in events], bool)
         self.one_sided = np.array([e.one_sided for e in events], bool)
         self.brief = np.flatnonzero([e.brief for e in events])  # sought within steps, as are the conditions
         self.conditions = np.flatnonzero([e.condition or bool(e.command) for e in events])

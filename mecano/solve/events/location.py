@@ -26,6 +26,7 @@ BRIEFLY = 1e-3  # of a step: a one-sided event from which the motion departs wit
 PAST = 0.01  # of the tolerance: after a step that just misses the event, the next one aims past it by this
 MIDDLE = 0.5  # of the tolerance: the same for events without a jump of velocities, in every step
 TOGETHER = 1e-6  # of its change in the step: event values nearer to zero cross with the located one
+UNSEEN = 1e-3  # of the gap at the beginning: a smaller overlap of a contact may be rounding
 MOST_INTERPOLATED = 2  # steps that end where the interpolated motion crosses zero
 MOST_GUESSES = 6  # with those that end where a line through the last two crosses zero
 MOST_STEPS = 60
@@ -80,8 +81,9 @@ def locate(
         return Located(search.failed[0].t - s0.t, search.failed, crossed)
     late, hit = search.late, crossed.copy()
     assert late.trial is not None, "the late end is that of a step"
-    unseen = monitor.elastic & ~crossed  # other values are reactions, dominated by rounding errors in very short steps
-    if np.any(unseen & (g0 < 0.0) & (monitor.values(late.state) > 0.0)):
+    least = np.where(monitor.impacts, UNSEEN * np.abs(g0), 0.0)  # of contacts that have just opened, above rounding
+    unseen = (monitor.elastic | monitor.impacts) & ~crossed  # values of others are reactions, rounded in short steps
+    if np.any(unseen & (g0 < 0.0) & (monitor.values(late.state) > least)):
         return locate(monitor, step, s0, g0, late.trial, late.h)
     rise = g1[crossed] - np.maximum(g0[crossed], -g1[crossed])
     level = np.where(monitor.within[crossed], 0.0, -TOGETHER * rise)

@@ -11,7 +11,7 @@ import numpy as np
 from mecano.model.numbering import LENGTH_CONSTRAINT
 from mecano.solve.diagnostics.scales import constraint_scale
 from mecano.solve.events.events import EventMonitor
-from mecano.solve.events.impact_candidates import ImpactCandidates
+from mecano.solve.events.impact_candidates import ImpactCandidate, ImpactCandidates
 from mecano.solve.events.redundancy import reanalyse_redundancy
 from mecano.solve.linear.rounding import ROUNDING
 from mecano.solve.time.increments import reach_of
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 TOGETHER = 1e-6  # of a step: impacts closer in time than this are simultaneous
 NEAR = 10.0  # times the tolerance of constraints: impacts of contacts with a smaller gap are simultaneous, too
+CLOSE = 1e-6  # length scales, or rad: contacts with a smaller gap nearly touch
 STILL = 1e-10  # of the largest approach: a rate below this is zero
 STANDS = 1e-4  # of the gap within which contacts touch: a smaller change in a step by an acceleration is rounding error
 
@@ -46,7 +47,7 @@ class Shocks:
         self.system, self.linear, self.monitor, self.length = system, method.linear, monitor, method.length
         scale = constraint_scale(system, method.length)
         self.least, self.near = rest * scale, touching_gaps(system, method.tolerances.constraint, method.length)
-        self.rest = self.least
+        self.rest, self.close = self.least, CLOSE * scale
         self.unit = method.length / scale  # of reactions: moments count as forces at the length scale
         self.impact_candidates = ImpactCandidates(system)
         self.touching = self.impact_candidates.touching(self.near)
@@ -74,6 +75,18 @@ class Shocks:
             if rate > 0.0 or (rate >= -self.rest[candidate.lead] and second > 0.0):
                 g[candidate.event] = -self.near[candidate.lead]
         return g
+
+    def approaching(self, s: "State", g: np.ndarray) -> dict[ImpactCandidate, float]:
+        """Return the rates of open contacts that nearly touch and approach at ``s``, with event values ``g`` there.
+
+        The motion of a long step may lead through such a surface and back, as over the side of a ball, which the event
+        values at the ends of the step do not show. A single contact has just opened where it touches.
+        """
+        if len(self.impact_candidates.opening) < 2:
+            return {}
+        close = [c for c in self.impact_candidates.opening if -self.close[c.lead] < g[c.event] != -self.near[c.lead]]
+        rates = self._derivatives(s, close)[:, 1] if close else self.least
+        return {c: rates[c.lead] for c in close if rates[c.lead] < -self.least[c.lead]}
 
     def undecided(self, g0: np.ndarray, s0: "State", s: "State", k: float) -> np.ndarray:
         """Return the events (n_events,) bool of contacts that touch without force over a step from ``s0`` to ``s``.

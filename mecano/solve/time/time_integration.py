@@ -204,8 +204,9 @@ class TimeIntegrator:
 
     def ordinary(self, run: RunState, stop: float) -> "tuple[RunState, Trial | None, bool]":
         """Make ordinary steps towards ``stop`` (``OrdinarySteps.advance``), one at a time if there are observers."""
-        if self.monitor.captures:
-            return run, None, True
+        starts = not run.history.known and len(self.shocks.impact_candidates.opening) > 1
+        if self.monitor.captures or starts and self.shocks.approaching(run.motion, self.monitor.values(run.motion)):
+            return run, None, True  # a contact might close and open again within a first step
         if self._ordinary_steps is None:
             given = self.control, self.shocks, self.observation, self.recorder
             self._ordinary_steps = self.method.ordinary_steps(*given)

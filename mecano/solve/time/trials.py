@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from mecano.solve.time.run_state import Method, RunState
     from mecano.solve.time.step_info import Trial
 
+BEYOND = 2.0  # times to an impact that a long step would not show, at the present rate, at which it is sought
 NEGLIGIBLE_TIME = 1e-6  # of a step: no step is made for a remaining time below
 
 
@@ -70,11 +71,39 @@ class Trials:
         """Return the first event in a ``trial`` step as Located, or None."""
         if not len(g0):
             return None
-        g0 = self._decided(run, g0, trial[0])
         if self.monitor.captures:
-            return locate(self.monitor, lambda d: self._step(run, d), run.motion, g0, trial, h)
-        step = self.method.repeated(run.motion, run.history, trial[0])
-        return locate(self.monitor, lambda d: self._with_error(step(d), d), run.motion, g0, trial, h)
+
+            def step(d):
+                return self._step(run, d)
+        else:
+            repeated = self.method.repeated(run.motion, run.history, trial[0])
+
+            def step(d):
+                return self._with_error(repeated(d), d)
+
+        approaching = self.shocks.approaching(run.motion, g0)
+        found = self._returning(run, g0, trial[0], h, step, approaching) if approaching else None
+        return found or locate(self.monitor, step, run.motion, self._decided(run, g0, trial[0]), trial, h)
+
+    def _returning(self, run, g0, s, h, step, approaching):
+        """Return the first event as Located if one of the contacts ``approaching`` is open at the end ``s``, or None.
+
+        Contacts that touch close at the beginning. The others are sought in a step to twice the time after which they
+        close at their present rates.
+        """
+        g, near = self.monitor.values(s), self.shocks.near
+        back = {c: g0[c.event] / rate for c, rate in approaching.items() if g[c.event] < 0.0}
+        if not back:
+            return None
+        hit = np.zeros(len(g), bool)
+        hit[[c.event for c in back if -g0[c.event] <= near[c.lead]]] = True
+        if hit.any():
+            return Located(0.0, None, hit)
+        sooner = BEYOND * min(back.values())
+        trial = step(sooner) if sooner < h else None
+        if trial is None or not trial[2].ok:
+            return None
+        return locate(self.monitor, step, run.motion, self._decided(run, g0, trial[0]), trial, sooner)
 
     def _decided(self, run, g0, s):
         """Return the event values ``g0`` with nan for those that rounding decides in a step to ``s``: no event."""
