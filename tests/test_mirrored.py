@@ -30,7 +30,7 @@ POLAR_AXIS = "along_2", "about_1", "about_axis", "angle"  # mu_2 = axis x mu_1
 FLIPPED = {
     "hinge": ("along_axis", "about_1", "about_2"), "universal": ("along_1", "along_2", "along_axis"),
     "beam": ("curvature_3",), "flexible_wheel": ("y", "psi", "bow"), "adhesive_wheel": ("y", "psi", "bow"),
-    "transient_wheel": ("y",), "joint_moment": ("value",),
+    "transient_wheel": ("y", "psi"), "joint_moment": ("value",),
     **dict.fromkeys(("cylindrical", "prismatic", "planar", "screw", "fixed", "generic", "bushing"), POLAR_AXIS),
 }  # fmt: skip
 SIX = "along_1", "along_2", "along_axis", "about_1", "about_2", "about_axis"

@@ -229,7 +229,7 @@ def check_section(d):
 
 def _out_of_range(section):
     """Return a text if stiffnesses of Constants, or a mass that is not zero, overflow or vanish, else None."""
-    numbers = np.array([*np.diag(section.C), *[section.mass] * (section.mass != 0.0)])
+    numbers = np.append(np.diag(section.C), [section.mass] if section.mass else [])
     if (numbers > SMALLEST).all() and (numbers < 1.0 / SMALLEST).all():
         return None
     return f"gives stiffnesses or a mass that overflow or vanish: {', '.join(f'{number:g}' for number in numbers)}"

@@ -66,7 +66,7 @@ def roll(steady: "Steady", s: "State", N: np.ndarray, at: "Tangent") -> None:
         roll_one(steady, s, N[:, j], ROUNDING * steady.length * (at.size / steady.root).max())
 
 
-def roll_one(steady, s, direction, rounding):
+def roll_one(steady: "Steady", s: "State", direction: np.ndarray, rounding: float) -> None:
     """Set the spin of ``s`` along ``direction`` (n_q,), in place, so that the moment about it vanishes.
 
     A moment below ``rounding`` [N m], as of a wheel in the air, determines no spin.
