@@ -24,13 +24,13 @@ slip speed. With a ``contact_width`` the tyre has turn slip: G has a third compo
 (1 - x + x^2/3) to the moment, and G_l a part of the curved path (turn_slip.py).
 """
 
-from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipForces, SlipLaw, check_twist
-from mecano.elements.wheels.turn_slip import CONTACT_WIDTH, TurnSlip, turn_slip
+from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipLaw, check_twist
+from mecano.elements.wheels.turn_slip import CONTACT_WIDTH, TurnSlip, slip_speeds, turn_slip, with_powers
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import negative_curves
 from mecano.laws.table import curve
 from mecano.maths.dual import at_least, at_most, atan2, select, sqrt
-from mecano.maths.vector import dot, norm
+from mecano.maths.vector import norm
 from mecano.schema import CURVE, NUMBER, Field, mapping, not_negative, positive
 
 FIELDS = (
@@ -63,9 +63,7 @@ def forces_of(turns):
     @kernel
     def forces(p, laws, k):
         """Return the SlipForces of the Slip ``k``."""
-        v_t, v_l = dot(k.t, k.v), dot(k.l, k.v)
-        rolling = dot(k.t, k.u) - dot(k.t, k.v_0)
-        V = sqrt(rolling * rolling + p.least_speed * p.least_speed)
+        v_t, v_l, rolling, V = slip_speeds(p, k)
         load = at_least(k.N, 0.0)
         along = p.longitudinal_stiffness if p.longitudinal_stiffness > 0 else p.cornering_stiffness
         C_t, C_l = curve(laws, along, load), curve(laws, p.cornering_stiffness, load)
@@ -82,9 +80,7 @@ def forces_of(turns):
         spin = share * g.k * g.G_m
         turn = spin - a / 3.0 * (1.0 - y) * (1.0 - y) * (1.0 - y) * G_s * ahead
         F_t, F_l = share * G_t, share * g.G_l
-        power = F_t * v_t + F_l * v_l
-        lost = at_least(-power, 0.0) - spin * g.W
-        return SlipForces(F_t * k.t + F_l * k.l, turn * k.n, lost, lost + power + turn * dot(k.n, k.omega))
+        return with_powers(k, (F_t, F_l), (v_t, v_l), turn, -spin * g.W)
 
     return forces
 

@@ -32,8 +32,9 @@ from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
+from mecano.elements.wheels.slip_law import SlipForces
 from mecano.jit.kernel import kernel
-from mecano.maths.dual import sqrt
+from mecano.maths.dual import at_least, sqrt
 from mecano.maths.vector import dot
 from mecano.schema import NUMBER, Field, not_negative
 
@@ -82,6 +83,24 @@ def turn_slip(slip, a, b, C_t, C_l, G_t, G_l, V, V_r, full):
     G_l = G_l - a / 3.0 * C_l * (W / V) * (V_r / V) / sqrt(1.0 + 2.0 * x_m * x_m)
     x2 = (G_t * G_t + G_l * G_l) / (full * full) + x_m * x_m
     return TurnSlip(W, k, G_l, -turn * (shear + (k - shear) * x2 / (1.0 + x2)))
+
+
+@kernel
+def slip_speeds(p, k):
+    """Return the slip velocities of the Slip ``k`` along t and l, V_r and V [m/s]; ``p`` has ``least_speed``."""
+    rolling = dot(k.t, k.u) - dot(k.t, k.v_0)
+    return dot(k.t, k.v), dot(k.l, k.v), rolling, sqrt(rolling * rolling + p.least_speed * p.least_speed)
+
+
+@kernel
+def with_powers(k, F, v, M, turning):
+    """Return the SlipForces of the force F and the slip velocity v along (t, l), and of the moment M about n.
+
+    Slip that the force drives dissipates nothing; ``turning`` [W] is dissipated by turn slip.
+    """
+    power = F[0] * v[0] + F[1] * v[1]
+    lost = at_least(-power, 0.0) + turning
+    return SlipForces(F[0] * k.t + F[1] * k.l, M * k.n, lost, lost + power + M * dot(k.n, k.omega))
 
 
 @kernel

@@ -21,13 +21,13 @@ curve of the slip speed. With v_0 = ``least_speed`` the slip is finite at rest, 
 F(phi) k G_m/|G| is added to the moment.
 """
 
-from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipForces, SlipLaw, check_twist
-from mecano.elements.wheels.turn_slip import CONTACT_WIDTH, TurnSlip, turn_slip
+from mecano.elements.wheels.slip_law import CARCASS_FIELDS, LEAST_FORCE, SlipLaw, check_twist
+from mecano.elements.wheels.turn_slip import CONTACT_WIDTH, TurnSlip, slip_speeds, turn_slip, with_powers
 from mecano.jit.kernel import kernel
 from mecano.laws.probe import negative_curves
 from mecano.laws.table import curve
 from mecano.maths.dual import at_least, atan2, select, sqrt
-from mecano.maths.vector import dot, norm
+from mecano.maths.vector import norm
 from mecano.schema import CURVE, NUMBER, Field, mapping, positive, share
 
 LEAST_DEPTH = 1e-9  # lower bound of the deformation in h, over the radius: the root has a slope at zero
@@ -65,9 +65,7 @@ def forces_of(turns):
     @kernel
     def forces(p, laws, k):
         """Return the SlipForces of the Slip ``k``."""
-        v_t, v_l = dot(k.t, k.v), dot(k.l, k.v)
-        rolling = dot(k.t, k.u) - dot(k.t, k.v_0)
-        V = sqrt(rolling * rolling + p.least_speed * p.least_speed)
+        v_t, v_l, rolling, V = slip_speeds(p, k)
         w = at_least(k.w, LEAST_DEPTH * p.radius)
         along = p.longitudinal_stiffness if p.longitudinal_stiffness > 0 else p.cornering_stiffness
         C_t, C_l = at_least(curve(laws, along, w), 0.0), at_least(curve(laws, p.cornering_stiffness, w), 0.0)
@@ -81,9 +79,7 @@ def forces_of(turns):
         used = select(phi < FULL, 1.0 - 4.0 / 27.0 * phi * phi, 1.0 / at_least(phi, FULL))
         F_t, F_l, spin = used * G_t, used * g.G_l, used * g.k * g.G_m
         turn = spin - arm(phi) * h * (rolling / V) * G_l
-        power = F_t * v_t + F_l * v_l
-        lost = at_least(-power, 0.0) - spin * g.W
-        return SlipForces(F_t * k.t + F_l * k.l, turn * k.n, lost, lost + power + turn * dot(k.n, k.omega))
+        return with_powers(k, (F_t, F_l), (v_t, v_l), turn, -spin * g.W)
 
     return forces
 
