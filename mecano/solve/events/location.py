@@ -56,13 +56,20 @@ class Point(NamedTuple):
 
 
 def locate(
-    monitor: EventMonitor, step: "Callable[[float], Trial]", s0: "State", g0: np.ndarray, trial: "Trial", h: float
+    monitor: EventMonitor,
+    step: "Callable[[float], Trial]",
+    s0: "State",
+    g0: np.ndarray,
+    trial: "Trial",
+    h: float,
+    level: np.ndarray | float = 0.0,
 ) -> Located | None:
     """Return the first event in a trial step as Located, or None if there is none.
 
-    step(h) -> trial, whose first item is the state; trial = step(h); g0: event values at s0.
+    step(h) -> trial, whose first item is the state; trial = step(h); g0: event values at s0. An event happens where its
+    value reaches its ``level`` (n_events,).
     """
-    g1 = monitor.values(trial[0])
+    g1 = monitor.values(trial[0]) - level
     if not some_happened(g0, g1):
         return None
     later, ahead = look_ahead(monitor, s0, g0, h)
@@ -75,7 +82,7 @@ def locate(
         return None
     behind, largest = np.all((monitor.elastic & (ahead < 0.0))[crossed]), float(g0[crossed].max())
     early = Point(AT_ONCE * h, largest, later) if behind else Point(0.0, largest, s0)
-    search = Search(monitor, step, crossed, early, trial, h)
+    search = Search(monitor, step, crossed, early, trial, h, level)
     if not search.succeeds():
         assert search.failed is not None, "Newton's iteration has failed in a step"
         return Located(search.failed[0].t - s0.t, search.failed, crossed)
@@ -83,11 +90,11 @@ def locate(
     assert late.trial is not None, "the late end is that of a step"
     least = np.where(monitor.impacts, UNSEEN * np.abs(g0), 0.0)  # of contacts that have just opened, above rounding
     unseen = (monitor.elastic | monitor.impacts) & ~crossed  # values of others are reactions, rounded in short steps
-    if np.any(unseen & (g0 < 0.0) & (monitor.values(late.state) > least)):
-        return locate(monitor, step, s0, g0, late.trial, late.h)
+    reached = monitor.values(late.state) - level
+    if np.any(unseen & (g0 < 0.0) & (reached > least)):
+        return locate(monitor, step, s0, g0, late.trial, late.h, level)
     rise = g1[crossed] - np.maximum(g0[crossed], -g1[crossed])
-    level = np.where(monitor.within[crossed], 0.0, -TOGETHER * rise)
-    hit[crossed] = monitor.values(late.state)[crossed] >= level
+    hit[crossed] = reached[crossed] >= np.where(monitor.within[crossed], 0.0, -TOGETHER * rise)
     # an event within a phase is recorded only by the memory that a step commits: it needs a step, however short
     at_once = late.h <= AT_ONCE * h and not monitor.within_a_phase(hit)
     return Located(0.0, None, hit) if at_once else Located(late.h, late.trial, hit)
@@ -122,7 +129,9 @@ class Search:
         early: Point,
         trial: "Trial",
         h: float,
+        level: np.ndarray | float = 0.0,
     ):
+        self.level = np.broadcast_to(level, crossed.shape)[crossed]
         self.monitor, self.step, self.crossed = monitor, step, crossed
         self.failed: Trial | None = None
         self.smooth = bool(np.all(monitor.smooth[crossed]))
@@ -198,4 +207,4 @@ class Search:
 
     def _value(self, s):
         """Return the largest of the event values that crossed zero."""
-        return float(self.monitor.values(s)[self.crossed].max())
+        return float((self.monitor.values(s)[self.crossed] - self.level).max())

@@ -70,7 +70,7 @@ def bound_error(bound: Records(BOUND), work: Records(STEP)):
     resolve(w, b, change, part)
     resolve(w, b, part, twice)
     share = min((size(w, b, twice) + oscillation / (limit * summed)) / whole, 1.0)
-    b.bounded = max(plain * share, plain * allowed(1.0, w.duration, w.h))
+    b.bounded = max(plain * share, allowed(plain, w.duration, w.h))
 
 
 @kernel

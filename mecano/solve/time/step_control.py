@@ -26,7 +26,7 @@ def allowed(tolerance, duration, h):
 
     A damped transient of amplitude v/r after a shock would otherwise need errors below rounding in steps below 1/r.
     """
-    return tolerance * max(h / duration, LEAST)
+    return max(tolerance * h / duration, LEAST * tolerance)
 
 
 @kernel

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from mecano.solve.time.step_info import Trial
 
 BEYOND = 2.0  # times to an impact that a long step would not show, at the present rate, at which it is sought
+OVERLAP = 1e-3  # of the gap up to which contacts touch: one that has opened closes again where it overlaps by more
 NEGLIGIBLE_TIME = 1e-6  # of a step: no step is made for a remaining time below
 
 
@@ -56,19 +57,24 @@ class Trials:
             iterations += trial[2].iterations
             smaller = self._size_to_retry(run, trial, h, cuts)
             if smaller is None:
-                g0 = self.shocks.departing(run.motion, self.monitor.values(run.motion))
+                raw = self.monitor.values(run.motion)
+                g0 = self.shocks.departing(run.motion, raw)
                 within = self._event_within(run, g0, trial, sought=not rejected)
                 if within is not None and h > self.control.minimum:
                     smaller = max(within.t - run.motion.t, self.control.minimum)
             if smaller is None:
-                found = self._locate(run, g0, trial, h)
+                found = self._locate(run, g0, trial, h, raw)
                 if found is None or found.ok:
                     return h, trial, found, rejected, iterations
                 smaller = self._smaller(found.trial[2], run.motion, h, cuts)
             h, rejected = smaller, rejected + 1
 
-    def _locate(self, run, g0, trial, h):
-        """Return the first event in a ``trial`` step as Located, or None."""
+    def _locate(self, run, g0, trial, h, raw):
+        """Return the first event in a ``trial`` step as Located, or None.
+
+        ``g0`` (n_events,) are the ``raw`` event values at its beginning, with those of departing contacts. If such a
+        contact seems to close at once, it closes where it overlaps by more than at the beginning, and than rounding.
+        """
         if not len(g0):
             return None
         if self.monitor.captures:
@@ -83,7 +89,12 @@ class Trials:
 
         approaching = self.shocks.approaching(run.motion, g0)
         found = self._returning(run, g0, trial[0], h, step, approaching) if approaching else None
-        return found or locate(self.monitor, step, run.motion, self._decided(run, g0, trial[0]), trial, h)
+        if found is None:
+            decided = self._decided(run, g0, trial[0])
+            found = locate(self.monitor, step, run.motion, decided, trial, h)
+            if found and found.trial is None and np.any(found.hit & (g0 < raw)):
+                found = locate(self.monitor, step, run.motion, decided, trial, h, _closing_levels(raw, g0))
+        return found
 
     def _returning(self, run, g0, s, h, step, approaching):
         """Return the first event as Located if one of the contacts ``approaching`` is open at the end ``s``, or None.
@@ -192,3 +203,10 @@ class Trials:
             raise failure.no_step(self.system, self.method.assembly, info, s.t, h)
         cuts.append((s.t, smaller))
         return smaller
+
+
+def _closing_levels(raw, g0):
+    """Return the event values (n_events,) at which departing contacts, with values ``g0`` below ``raw``, close."""
+    level, departing = np.zeros(len(raw)), g0 < raw
+    level[departing] = raw[departing] - OVERLAP * g0[departing]
+    return level
