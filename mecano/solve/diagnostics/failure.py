@@ -56,9 +56,11 @@ def no_step(
 
 
 def of_equations(error: Failed, system: "System", rows: Iterable[int]) -> Failed:
-    """Return the ``error`` with the places of the equations of motion ``rows``, and the elements acting there."""
+    """Return the ``error`` with the elements that act in the equations of motion ``rows``, and all of their places."""
     error.elements = tuple(dict.fromkeys(title for i in rows for title in acting_elements(system, i)))
-    error.places = tuple(dict.fromkeys(system.numbering.name[i].place for i in rows if i < system.n_q))
+    moving = [i for i in rows if i < system.n_q]
+    own = [system.numbering.name[i].place for i in moving]
+    error.places = tuple(dict.fromkeys([*own, *(place for i in moving for place in _joined_to(system, i))]))
     return error
 
 
@@ -193,9 +195,7 @@ def minimum_step(
         f"what to try: {smaller}laws without jumps near this state; a fixed step, if the mechanism passes a singular "
         "position"
     )
-    failed = of_equations(failed, system, [worst])
-    failed.places = tuple(dict.fromkeys((*failed.places, *_joined_to(system, worst))))
-    return failed
+    return of_equations(failed, system, [worst])
 
 
 def _joined_to(system, i):
