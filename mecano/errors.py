@@ -30,6 +30,14 @@ class Problem:
     mark: Mark | None = None
     hint: str = ""
 
+    def __post_init__(self):
+        """Replace characters of the deck that cannot be printed by "?"."""
+        for name in ("message", "hint"):
+            text = getattr(self, name)
+            if not text.isprintable():
+                shown = "".join(c if c.isprintable() or c == "\n" else "?" for c in text)
+                object.__setattr__(self, name, shown)
+
 
 class Failure(Enum):
     """Reason why equations could not be solved, on which the advice depends."""

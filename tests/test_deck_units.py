@@ -297,3 +297,10 @@ def test_levels_and_limits_of_signals_take_the_unit_of_input_or_value(signal, fi
     text = f"parameters: {{most: 30 deg}}\n{text}"
     given = deck_of_bytes(text.encode(), "deck.yaml")
     assert given.values["signals"]["s"][field] == pytest.approx(wanted, rel=1e-14)
+
+
+def test_letters_that_cannot_be_printed_are_replaced():
+    text = VALID.replace("mass: 7e1", "mass: 4.0e\ua6ff")
+    assert text != VALID
+    messages = problems_of(text)
+    assert any("'e?' is not a unit" in message for message in messages) and all(map(str.isprintable, messages))
