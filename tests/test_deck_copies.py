@@ -542,3 +542,9 @@ def test_a_misspelt_section_of_templates_is_one_error(key):
     with pytest.raises(DeckError) as error:
         deck_of_bytes(dedent(text).encode(), "test.yaml")
     assert [problem.message for problem in error.value.problems] == [f"unknown key '{key}'"]
+
+
+def test_a_misspelt_place_is_not_taken_for_laws():
+    with pytest.raises(DeckError) as error:
+        deck_of_bytes(b"{mecano: 1, nodes: {}, elements: {}, laws: {}, time: {end: 1}, lace: {}}", "test.yaml")
+    assert "unknown key 'lace'; did you mean 'place'?" in deck_error_text(error.value)

@@ -85,10 +85,9 @@ def _meant(key, known, fields, field, scope):
     for keys, (there, hint) in ELSEWHERE.items():
         if key in keys and there in known:
             return hint
-    near = similar(key, sorted(known))
-    if not near and (kinds := _kinds_with(key, field, scope)):
+    if not similar(key, sorted(known)) and (kinds := _kinds_with(key, field, scope)):
         return f"it is a field of {', '.join(kinds)}"
-    near = near or ([] if field.name else similar(key, EXPANDED_KEYS))
+    near = similar(key, sorted(allowed))
     inside = [f"{outer.name}.{key}" for outer in fields if key in _keys_of(outer)]
     meant = inside or [inner.name for inner in fields if re.match(rf"{re.escape(key)}\b", inner.doc)]
     return f"did you mean {quoted(meant[0])}?" if meant and not near else scope.suggest(key, near or sorted(known))
