@@ -76,22 +76,23 @@ def may_peak(events: Indices, values: Matrix) -> bool:
     return False
 
 
-def passed(monitor: "EventMonitor", s0: "State", g0: np.ndarray, s1: "State") -> "State | None":
+def passed(monitor: "EventMonitor", s0: "State", g0: np.ndarray, s1: "State", g1: np.ndarray) -> "State | None":
     """Return a state between ``s0`` and ``s1``, the ends of a step, at which an event has happened, or None.
 
-    ``g0``: event values at ``s0``. Events are those sought within steps: brief ones and conditions.
+    ``g0``, ``g1``: event values there. Events are those sought within steps: brief ones and conditions.
     """
     events, system = np.concatenate([monitor.brief, monitor.conditions]), monitor.system
-    if not len(events):
-        return None
-    g1 = monitor.values(s1)
-    if not may_pass(events, np.array([g0, g1, g0, g1])):
+    values = np.array([g0, g1, g0, g1])
+    if not may_pass(events, values):
         return None
 
     def within(u):
         return solve_signals(system, interpolate(s0, s1, s0.t + u * (s1.t - s0.t), system.numbering))
 
-    values = np.array([g0, g1, monitor.values(within(SHARE)), monitor.values(within(1.0 - SHARE))])
+    values[AFTER_START] = monitor.values(within(SHARE))
+    if not heads_for_zero(events, values):
+        return None
+    values[BEFORE_END] = monitor.values(within(1.0 - SHARE))
     for i in events:
         if may_peak(np.array([i]), values):
             found = _above_zero(lambda s, i=i: float(monitor.values(s)[i]), within, values[:, i])

@@ -126,12 +126,12 @@ class Trials:
         It is the first stage of such a kind; without one, brief events are looked for between the ends if ``sought``.
         """
         s, _, info = trial
-        if not len(g0) or np.any(self.monitor.values(s) > 0.0):
+        if not len(g0) or np.any((g1 := self.monitor.values(s)) > 0.0):
             return None
         for stage in info.stages:
             if np.any((self._decided(run, g0, stage) < 0.0) & (self.monitor.values(stage) >= 0.0)):
                 return stage
-        return passed(self.monitor, run.motion, self._decided(run, g0, s), s) if sought else None
+        return passed(self.monitor, run.motion, self._decided(run, g0, s), s, g1) if sought else None
 
     def _size_to_retry(self, run, trial, h, cuts):
         """Return the step size to try instead of h, or None if the trial is accepted; add failures to ``cuts``."""
