@@ -100,36 +100,47 @@ def _directions(values):
 
 def check_cam(d, nodes):
     """Return errors for a profile that is not closed, smooth and positive, or too narrow, and for a ball inside."""
-    values = d["cam"]
-    if np.linalg.norm(np.cross(unit(values["axis"]), unit(values["zero"]))) < ROUNDING:
+    if np.linalg.norm(np.cross(unit(d["cam"]["axis"]), unit(d["cam"]["zero"]))) < ROUNDING:
         return ["'cam.zero' must not be along 'cam.axis': it is a direction across it"]
-    places = [s for s in corners(values["profile"]) if 0.0 < s < TURN]
+    if texts := _not_smooth(d["cam"]["profile"]) or _too_narrow(d["cam"]["profile"], d["radius"]):
+        return texts
+    gap = touch_at_start(CAMS, d, nodes).gap
+    return ["node b is inside the cam: move it outside"] if gap + d["radius"] < 0.0 else []
+
+
+def _not_smooth(profile):
+    """Return errors for a profile with a jump or a corner, or that does not end as it begins."""
+    places = [s for s in corners(profile) if 0.0 < s < TURN]
     if places:
         return [
             f"'cam.profile' has a jump or a corner at {math.degrees(places[0]):g} deg; a roller needs a smooth one (a "
             "table: 'interpolation: spline' or 'cubic')"
         ]
-    (start, first, _), (end, last, _) = curve_values(values["profile"], np.array([0.0, TURN])).tolist()
+    (start, first, _), (end, last, _) = curve_values(profile, np.array([0.0, TURN])).tolist()
     if max(abs(end - start), abs(last - first)) > CLOSED * abs(start):
         return [
             f"'cam.profile' must be closed: its radius and slope are {start:.6g} m and {first:.6g} m/rad at 0, but "
             f"{end:.6g} m and {last:.6g} m/rad after a turn (360 deg)"
         ]
+    return []
+
+
+def _too_narrow(profile, radius):
+    """Return errors for radii of the profile that are not positive, or hollows narrower than a ball of this radius."""
     s = np.linspace(0.0, TURN, PROBES)
-    s = np.sort(np.append(s, np.clip(shape_of_curve(values["profile"], 0.0, TURN)[0], 0.0, TURN)))
-    rho, slope, bend = curve_values(values["profile"], s).T
+    s = np.sort(np.append(s, np.clip(shape_of_curve(profile, 0.0, TURN)[0], 0.0, TURN)))
+    rho, slope, bend = curve_values(profile, s).T
     if rho.min() <= 0.0:
         angle = math.degrees(s[np.argmin(rho)])
         return [f"'cam.profile' is {rho.min():.4g} m at {angle:.4g} deg; a radius must be greater than zero"]
     hollow = -(rho**2 + 2.0 * slope**2 - rho * bend) / (rho**2 + slope**2) ** 1.5
-    if hollow.max() * d["radius"] > 1.0 + ROUNDING:
+    if hollow.max() * radius > 1.0 + ROUNDING:
         return [
             f"'cam.profile' has a hollow at {math.degrees(s[np.argmax(hollow)]):.4g} deg whose radius, "
             f"{1.0 / hollow.max():.4g} m, is less than that of the ball, which would touch both of its sides, but has "
             "only one contact"
         ]
-    gap = touch_at_start(CAMS, d, nodes).gap
-    return ["node b is inside the cam: move it outside"] if gap + d["radius"] < 0.0 else []
+    return []
 
 
 CAMS = Shapes("cam_", touch, approach, False, CAM_RECORD, cam_record, check_cam)
