@@ -82,19 +82,21 @@ def time_breakpoints(deck: "Deck") -> tuple[float, ...]:
 
 def time_landmarks(deck: "Deck") -> tuple[float, ...]:
     """Return the times [s], ascending, at which adaptive steps end so that they do not pass over a pulse of a law."""
-    return tuple(sorted({t for law in (*_laws_of_time(deck), *_laws_of_signals(deck)) for t in landmarks(law)}))
+    return tuple(sorted({t for law in _all_laws_of_time(deck) for t in landmarks(law)}))
 
 
 def places_of_laws(deck: "Deck") -> tuple[float, ...]:
     """Return the times [s], ascending, of corners and pulses of laws of time."""
-    laws = (*_laws_of_time(deck), *_laws_of_signals(deck))
-    return tuple(sorted({t for law in laws for t in (*breakpoints(law), *landmarks(law))}))
+    return tuple(sorted({t for law in _all_laws_of_time(deck) for t in (*breakpoints(law), *landmarks(law))}))
 
 
 def _laws_of_time(deck):
     return (law for _, _, law in uses_of_time(deck.values, KINDS) if not is_formula(law))
 
 
-def _laws_of_signals(deck):
-    curves = (d for d in deck.values["signals"].values() if d["type"] == "curve")
-    return (d["law"] for d in curves if d["input"].strip() == "time")
+def _all_laws_of_time(deck):
+    """Yield the laws of time, and those of signals that are curves of the time."""
+    yield from _laws_of_time(deck)
+    for d in deck.values["signals"].values():
+        if d["type"] == "curve" and d["input"].strip() == "time":
+            yield d["law"]
