@@ -69,8 +69,7 @@ def prepare(d, nodes, context):
 
 def parts(d, nodes, context):
     """Return the Parts: contact, no slip along the roller."""
-    own = prepare(d, nodes, context)
-    disc = {name: value for name, value in own.items() if name != "along"}
+    disc, own = disc_record(d, nodes, context), prepare(d, nodes, context)
     return [Part(ROLLING_RADIUS, (0,), disc), Part(ROLLER, (0,), own)]
 
 
