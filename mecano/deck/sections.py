@@ -166,18 +166,14 @@ VELOCITY_FIELDS = (
 STEADY_FIELDS = (
     Field("velocity", VECTOR, "m/s", "straight running: velocity of all nodes, along the road, inertial", None),
     Field(
-        "angular_velocity",
-        VECTOR,
-        "rad/s",
-        "rotation: angular velocity of all nodes that turn, inertial; wheels on "
-        "a ground roll as well, in a steady turn",
-        None,
+        "angular_velocity", VECTOR, "rad/s", "rotation: angular velocity of all nodes that turn, inertial; wheels on a "
+        "ground roll as well, in a steady turn", None,
     ),
     Field("about", VECTOR, "m", "rotation: a point of the axis", None),
     Field(
         "at_rest", NODES, "-", "rotation: nodes that do not turn, such as those of the support", None, check=distinct
     ),
-)
+)  # fmt: skip
 INITIAL_FIELDS = (
     Field(
         "static", shorthand(mapping(*INITIAL_STATIC_FIELDS), {True: {}}), "-",

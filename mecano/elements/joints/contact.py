@@ -17,10 +17,9 @@ or a box that touches a plane is a ball at each end or corner, on nodes attached
 has no ends; a pin in a hole is a ball of the radius of the pin ``inside`` of a cylinder. The radius of a ``revolution``
 (a drum, cone or groove) is its ``profile``; it is touched in the nearest point of its meridian. A ``cam`` has a radius
 that depends on the angle about its axis; a follower with a roller, the ball, leaves it where the cam would have to
-pull. A ``rod`` in place of
-the ball, a capsule, touches another capsule or cylinder in one point. Where both are parallel, the force acts in the
-middle of the part along which they touch, and does not resist their turning: two long parallel bodies need a contact
-near each end.
+pull. A ``rod`` in place of the ball, a capsule, touches another capsule or cylinder in one point. Where both are
+parallel, the force acts in the middle of the part along which they touch, and does not resist their turning: two long
+parallel bodies need a contact near each end.
 An ``ellipsoid`` in place of the ball touches a plane in the point whose normal is that of the plane.
 With ``activate`` a contact has no force before, with ``release`` none after it. A rigid contact that overlaps when it
 is activated begins to act where it no longer does, whether or not the condition still holds there.
@@ -58,13 +57,9 @@ CLOSES = Event(
     "closes", "open", "closed", "the ball reaches the surface; a shock if it is rigid", SHOCK, "restitution", brief=True
 )
 OPENS = Event("opens", "closed", "open", "the normal force falls to zero")
-SHAPES = {
-    "rod": RODS,
-    "ellipsoid": ELLIPSOIDS,
-    "revolution": REVOLUTIONS,
-    "cam": CAMS,
-    "ball": BALL,
-}  # by fields of the deck
+SHAPES = {  # by fields of the deck
+    "rod": RODS, "ellipsoid": ELLIPSOIDS, "revolution": REVOLUTIONS, "cam": CAMS, "ball": BALL,
+}  # fmt: skip
 
 
 def _record(shapes):

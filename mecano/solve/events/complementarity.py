@@ -14,9 +14,9 @@ def solve_complementarity(W: np.ndarray, b: np.ndarray, unit: np.ndarray | None 
     """Return the reactions (n,) of n unilateral constraints; W (n, n) symmetric, positive semidefinite, b (n,).
 
     In most cases all contacts push. Otherwise the equivalent convex minimization is solved as a problem of nonnegative
-    least squares in a factor of W. If contacts are redundant, the reactions are those of least
-    norm, in units of ``unit`` (n,), among the contacts that push, so that equal contacts share equally. Raises
-    AssemblyError for a W that is not semidefinite, or not finite.
+    least squares in a factor of W. If contacts are redundant, the reactions are those of least norm, in units of
+    ``unit`` (n,), among the contacts that push, so that equal contacts share equally. Raises AssemblyError for a W that
+    is not semidefinite, or not finite.
     """
     if b.min(initial=0.0) >= 0.0:
         return np.zeros(len(b))
