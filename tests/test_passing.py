@@ -1,4 +1,4 @@
-"""Contacts and conditions that begin and end within what would be one step of the motion without them."""
+"""Contacts, taut cables and conditions that begin and end within what would be one step of the motion without them."""
 
 import math
 
@@ -29,6 +29,17 @@ CEILING = """
     grounds: {ceiling: {plane: {point: [0, 0, 0.51], normal: [0, 0, -1]}}}
     initial: {velocities: [{nodes: [ball], velocity: [0, 0, 3.2]}]}
     time: {end: 0.52, step: 130 ms}
+"""
+TETHER = """
+    mecano: 1
+    gravity: [0, 0, -9.81]
+    nodes: {foot: {position: [0, 0, -1], fixed: true}, ball: {position: [0, 0, 0]}}
+    elements:
+      ball: {type: point_mass, node: ball, mass: 1}
+      tether:
+        {type: cable, nodes: [foot, ball], axial_stiffness: 1.0e+5, natural_length: 1.51, at_full_length: CAUGHT}
+    initial: {velocities: [{nodes: [ball], velocity: [0, 0, 3.2]}]}
+    time: {end: 0.52, step: 130 ms, METHOD}
 """
 BAR = """
     mecano: 1
@@ -67,6 +78,23 @@ def test_a_ball_bounces_off_a_ceiling_that_it_would_pass_up_and_down_in_one_step
     (met,) = recorded.event_records
     assert met.t == pytest.approx((3.2 - speed) / G, abs=1e-9)
     assert recorded["nodes/ball/velocity"][-1, 2] == pytest.approx(-0.5 * speed - G * (0.52 - met.t), abs=1e-9)
+
+
+@pytest.mark.parametrize("caught", ["shock", "hold"])
+@pytest.mark.parametrize("method", ["rho_inf: 0.8", "method: radau"])
+def test_a_ball_pulls_a_cable_taut_that_would_be_slack_at_both_ends_of_a_step(method, caught):
+    """It rises to 0.522 m, the cable ends at 0.51 m; without restitution it falls from there."""
+    recorded = RecordedRun(deck(TETHER.replace("METHOD", method).replace("CAUGHT", caught)))
+    taut = (3.2 - math.sqrt(3.2**2 - 2.0 * G * 0.51)) / G
+    assert recorded.event_records[0].t == pytest.approx(taut, abs=1e-9)
+    height = 0.51 - 0.5 * G * (0.52 - taut) ** 2
+    assert recorded["nodes/ball/position"][-1, 2] == pytest.approx(height, abs=1e-9)
+
+
+def test_an_elastic_cable_goes_taut_within_a_step():
+    recorded = RecordedRun(deck(TETHER.replace("METHOD", "rho_inf: 0.8").replace("CAUGHT", "stretch")))
+    taut = (3.2 - math.sqrt(3.2**2 - 2.0 * G * 0.51)) / G
+    assert recorded.event_records[0].t == pytest.approx(taut, abs=1e-9)
 
 
 def test_a_bar_that_turns_strikes_the_floor_with_its_end():

@@ -12,7 +12,7 @@ from mecano.jit.kernel import kernel
 TAUT, RELAXING, SLACK = range(3)
 PHASES = ("taut", "relaxing", "slack")
 EVENTS = (
-    Event("goes taut", "slack", "taut", "the length rises to the natural length", elastic=True),
+    Event("goes taut", "slack", "taut", "the length rises to the natural length", elastic=True, brief=True),
     Event("goes taut", "relaxing", "taut", "the damped tension rises from zero again", elastic=True),
     Event("goes slack", "taut", "slack", "the tension falls to zero", elastic=True, one_sided=True),
     Event("goes slack", "taut", "relaxing", "the same, with damping, above the natural length", elastic=True,

@@ -53,8 +53,9 @@ EVENTS = (
     Event(FULLY, "paying out", "taut", "the same, with a shock", CONTACT, through="held"),
     Event(FULLY, "paying out", "held", "the same, with a shock", CONTACT),
     Event("becomes taut at full length", "slack", "taut", "the distance rises to the full length; a shock", CONTACT,
-          through="held", elastic=True),
-    Event("becomes taut at full length", "slack", "held", "the distance rises to the full length; a shock", CONTACT),
+          through="held", elastic=True, brief=True),
+    Event("becomes taut at full length", "slack", "held", "the distance rises to the full length; a shock", CONTACT,
+          brief=True),
     Event("goes slack", "held", "slack", "the tension falls to zero"),
 )  # fmt: skip
 # [m] natural length; distance minus full length at the last step in which it was not held, and when last held
