@@ -17,6 +17,7 @@ from mecano.solve.events.events import EventMonitor, EventRecord
 from mecano.solve.events.location import look_ahead
 from mecano.solve.events.shocks import Shocks
 from mecano.solve.time.binding import refuse_binding
+from mecano.solve.time.driven_jumps import work_of_jumps
 from mecano.solve.time.increments import longest_step
 from mecano.solve.time.rounding_limit import RoundingLimit
 from mecano.solve.time.run_state import Method, RunState
@@ -338,8 +339,9 @@ class TimeIntegrator:
 
         At the corner itself a table that holds its last value still has the slope before it.
         """
-        behind = replace(run.motion, t=np.nextafter(run.motion.t, math.inf))
-        return self._start_again(replace(run, h=min(run.h, self.longest_restart)), behind)
+        behind, h = replace(run.motion, t=np.nextafter(run.motion.t, math.inf)), min(run.h, self.longest_restart)
+        given = run.given + work_of_jumps(self.system, self.method, run.motion, behind, h)
+        return self._start_again(replace(run, h=h, given=given), behind)
 
     def _passes(self, s, h):
         """Return whether another event follows at the same instant."""
