@@ -8,6 +8,8 @@ from scipy.integrate import solve_ivp
 from time_runs import RecordedRun, deck
 
 from mecano.deck.build import time_breakpoints, time_landmarks
+from mecano.laws.formula import read_formula
+from mecano.laws.formula_pulses import pulses
 from mecano.laws.table import landmarks
 
 MASS = """
@@ -47,6 +49,35 @@ def test_a_wave_that_is_switched_on_acts_although_it_vanishes_at_the_ends_of_lon
         time: {{end: 2, step: 1 ms, {method}, adaptive: {{tolerance: 1.0e-2, length_scale: 1}}}}
     """
     assert RecordedRun(deck(text))["nodes/m/velocity"][-1, 0] == pytest.approx(25.0, rel=1e-2)
+
+
+@pytest.mark.parametrize("method", ["rho_inf: 0.8", "method: radau"])
+@pytest.mark.parametrize(
+    "value",
+    [
+        "1/(0.003*sqrt(pi))*exp(-((time - 3.87654)/0.003)**2)",
+        "1/(0.003*sqrt(pi))*exp(-(time - 3.9)*(time - 3.9)/0.000009) + 2*pi*sin(2*pi*time)",
+        "200*max(0, 1 - abs(time - 7.01)/0.005)",
+        "100*(tanh((time - 5.01)/0.0004) - tanh((time - 5.015)/0.0004))",
+    ],
+)
+def test_a_pulse_of_a_formula_gives_its_impulse(value, method):
+    """Its area is 1 N s, and that of the wave beside it zero."""
+    recorded = RecordedRun(deck(MASS.replace("VALUE", f'"{value}"').replace("METHOD", method)))
+    assert recorded["nodes/m/velocity"][-1, 0] == pytest.approx(0.5, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "text", ["sin(time)", "tanh((time - 5)/0.001)", "50*(1 - cos(2*pi*50*time))", "exp(-time)*cos(3*time)", "x*time"]
+)
+def test_waves_and_edges_are_no_pulses(text):
+    assert pulses(read_formula(text).program, 0.0, 10.0) == []
+
+
+def test_pulses_are_found_between_the_edges_of_a_gate():
+    """The two halves of the wave are too short to be sampled; the middle of the gate is its peak."""
+    text = "max(0, sin(2*pi*(time - 4)/0.02))*(sign(time - 4) - sign(time - 4.01))"
+    assert pulses(read_formula(text).program, 0.0, 10.0) == pytest.approx([4.005], abs=1e-9)
 
 
 def test_a_foundation_that_jumps_once_shakes_what_it_carries():

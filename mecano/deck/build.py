@@ -10,6 +10,8 @@ from mecano.deck.physics import element_nodes, poses
 from mecano.deck.values import in_si
 from mecano.element_interface import SECTIONS
 from mecano.elements import KINDS
+from mecano.laws.formula import read_formula
+from mecano.laws.formula_rate import LONGEST
 from mecano.laws.table import LawTable, breakpoints, landmarks
 from mecano.model.model import Element, Model, Node
 
@@ -81,8 +83,20 @@ def time_breakpoints(deck: "Deck") -> tuple[float, ...]:
 
 
 def time_landmarks(deck: "Deck") -> tuple[float, ...]:
-    """Return the times [s], ascending, at which adaptive steps end so that they do not pass over a pulse of a law."""
-    return tuple(sorted({t for law in _all_laws_of_time(deck) for t in landmarks(law)}))
+    """Return the times [s], ascending, at which adaptive steps end so that they do not pass over a pulse.
+
+    The pulses are those of laws, and of formulas as far as these depend on the time itself.
+    """
+    found = {t for law in _all_laws_of_time(deck) for t in landmarks(law)}
+    formulas = {law for _, _, law in uses_of_time(deck.values, KINDS) if is_formula(law) and "time" in law}
+    if formulas:
+        from mecano.laws.formula_pulses import pulses  # few runs need it
+
+        run = deck.values["time"]
+        found.update(
+            t for text in formulas for t in pulses(read_formula(text, LONGEST).program, run["start"], run["end"])
+        )
+    return tuple(sorted(found))
 
 
 def places_of_laws(deck: "Deck") -> tuple[float, ...]:
