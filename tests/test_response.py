@@ -427,6 +427,33 @@ initial: static
     assert state_space_error(found) < 1e-7
 
 
+CANTILEVER = f"""
+mecano: 1
+gravity: none
+parameters: {{length: LENGTH, side: $length/50}}
+nodes: {{root: {{position: [0, 0, 0]}}, tip: {{position: [$length, 0, 0]}}}}
+sections:
+  silicon: {{type: rectangle, width: $side, height: $side, E: 160 GPa, nu: 0.3, density: 2330, damping: 1.0e-4*$length}}
+elements: {{beam: {{type: beam, nodes: [root, tip], section: silicon, up: [0, 0, 1], mesh: 4}}}}
+joints: {{clamp: {{type: fixed, nodes: [ground, root]}}}}
+loads: {{push: {{type: force, node: tip, direction: [0, 0, 1], value: 0}}}}
+{TIME}
+"""
+
+
+def test_section_forces_of_a_microbeam():
+    """Statics of a cantilever of 0.1 mm, and, over frequencies times length, the values of a large one: similarity."""
+    given, outputs = ["push.value"], ["beam.1.force.z", "beam.1.moment_start.y"]
+    large, small = (
+        respond(CANTILEVER.replace("LENGTH", str(x)), given, outputs, 10.0 / x, 500.0 / x, number=9, refined=False)
+        for x in (1.0, 1e-4)
+    )
+    assert small.static[:, 0] == pytest.approx([1.0, -1e-4], rel=1e-8)
+    np.testing.assert_allclose(small.values[:, 0], large.values[:, 0], rtol=1e-8)
+    np.testing.assert_allclose(small.values[:, 1] * 1e4, large.values[:, 1], rtol=1e-8)
+    assert np.abs(large.values[:, 0]).max() > 1.5  # masses and damping count
+
+
 def test_forces_of_superelements():
     """Those on both sides of a node are opposite, those at a shaft that is held balance its moment."""
     push = "loads={push: {type: force, node: tip, direction: [0, 1, 0], value: 0}}"

@@ -14,6 +14,7 @@ import scipy.sparse as sp
 
 from mecano.errors import UsageError
 from mecano.model.measured_outputs import AXES, index_of
+from mecano.model.numbering import ROTATION, TRANSLATION
 from mecano.solve.modal.linearize import by_motions
 from mecano.solve.time.increments import displaced
 
@@ -22,10 +23,12 @@ if TYPE_CHECKING:
     from mecano.model.state import State
     from mecano.model.system import System
 
+    Change = Callable[[System, State, int, float], State]
+
 NODE = re.compile(r"(?:nodes\.)?(\w+(?:\.\d+)?)\.(position|rotation|velocity)\.([xyz])")
 MEMBER = re.compile(r"(?:elements\.)?(\w+(?:\.\d+)?)\.(\w+(?:\.[xyz])?)")
 UNITS = {"position": "m", "rotation": "rad", "velocity": "m/s"}
-STEP = 1e-4  # [m], [rad], [m/s], ...: of fourth-order differences, with errors of about 1e-7 of stiffer forces
+STEP = 1e-4  # [rad], and of the length of the member: of differences, with errors of about 1e-7 of stiffer forces
 SMOOTH = 1e-3  # of a derivative: difference between both sides of the state
 CURVED = 1.5  # ratio of that difference for twice the step: 1 at a corner, 2 of a curve
 
@@ -66,32 +69,70 @@ class MemberOutput:
         """Return R0, R1, R2, each (1, n), in axes that turn with ``w`` (3,). Raises UsageError at a corner."""
         b, e, index = _locate(system, self.path, self.what)
         place, own = b.first_output + e * b.n_outputs + index, np.unique(b.dofs[e][b.dofs[e] < system.n_q])
-        base = displaced(s, np.zeros(system.n_q), system.numbering)
+        base, steps = displaced(s, np.zeros(system.n_q), system.numbering), STEP * _sizes(system, s, b.dofs[e], own)
 
-        def value(moved: "State") -> float:
-            return float(system.observe(moved).outputs[place])
+        def values(change: "Change", steps: np.ndarray) -> np.ndarray:
+            """Return the outputs (n, 2) on both sides of the state, at ``steps`` of the n unknowns."""
+            sides = [
+                [system.observe(change(system, base, i, sign * step)).outputs[place] for sign in (1.0, -1.0)]
+                for i, step in zip(own.tolist(), steps.tolist(), strict=True)
+            ]
+            return np.array(sides, float).reshape(-1, 2)
 
-        q, v, a = (self._slopes(system, base, own, change, value) for change in (_moved, _faster, _accelerated))
+        middle = float(system.observe(base).outputs[place])
+        q = self._slopes(values, middle, _moved, steps)
+        reach = np.abs(q * steps).max(initial=0.0)
+        v, a = (
+            self._slopes(values, middle, change, _lengthened(steps, reach, values(change, steps)))
+            for change in (_faster, _accelerated)
+        )
+        q, v, a = (_row(system, own, slopes) for slopes in (q, v, a))
         P, V, A0, A1 = by_motions(system, base, w)
         return [sp.csr_matrix(row) for row in (q @ P + v @ V + a @ A0, v @ P + a @ A1, a @ P)]
 
-    def _slopes(self, system, base, own, change, value):
-        """Return the derivatives (1, n) by the unknowns ``own``, each changed by ``change``."""
-        middle = value(base)
+    def _slopes(self, values, middle, change, steps):
+        """Return the derivatives (n,) by n unknowns, each changed by ``change``; ``middle``: the value at the state."""
 
-        def slopes(step: float) -> tuple[np.ndarray, np.ndarray]:
+        def slopes(factor: float) -> tuple[np.ndarray, np.ndarray]:
             """Return the mean of the slopes on both sides, and their difference."""
-            sides = [[value(change(system, base, i, sign * step)) for sign in (1.0, -1.0)] for i in own.tolist()]
-            above, below = np.array(sides).reshape(-1, 2).T
-            return (above - below) / (2.0 * step), (above - 2.0 * middle + below) / step
+            above, below = values(change, factor * steps).T
+            return (above - below) / (2.0 * factor * steps), (above - 2.0 * middle + below) / (factor * steps)
 
-        (near, bend), (far, further) = slopes(STEP), slopes(2.0 * STEP)
-        found = np.zeros((1, system.n))
-        found[0, own] = (4.0 * near - far) / 3.0
-        largest = np.abs(bend).max(initial=0.0)
-        if largest > SMOOTH * np.abs(found).max() and np.abs(further).max(initial=0.0) < CURVED * largest:
+        (near, bend), (far, further) = slopes(1.0), slopes(2.0)
+        found = (4.0 * near - far) / 3.0
+        # in changes of the output, which have one unit for all unknowns
+        largest = np.abs(bend * steps).max(initial=0.0)
+        if (
+            largest > SMOOTH * np.abs(found * steps).max(initial=0.0)
+            and np.abs(further * steps).max(initial=0.0) < CURVED * largest
+        ):
             raise UsageError(f"output {self.name}: it has a corner at this state, like a magnitude that is zero")
-        return sp.csr_matrix(found)
+        return found
+
+
+def _sizes(system, s, dofs, own):
+    """Return the size (n,) of each unknown ``own`` of a member: 1 rad of rotations, its length of all others."""
+    kind = system.numbering.kind
+    x = s.z[dofs[kind[dofs] == TRANSLATION]].reshape(-1, 3)
+    length = float(np.linalg.norm(np.ptp(x, axis=0))) if len(x) else 0.0
+    return np.where(kind[own] == ROTATION, 1.0, length or 1.0)
+
+
+def _lengthened(steps, reach, sides):
+    """Return steps of rates which change an output by ``reach``, as motions do, if ``steps`` give the values ``sides``.
+
+    It is of the first degree in accelerations and of the second in velocities, of which differences are exact; small
+    steps would drown in the rounding of the forces of stiff members.
+    """
+    change = np.abs(sides[:, 0] - sides[:, 1]).max(initial=0.0) / 2.0
+    return steps * max(reach / change, 1.0) if change > 0.0 else steps
+
+
+def _row(system, own, slopes):
+    """Return derivatives by the unknowns ``own`` as a sparse row (1, n)."""
+    found = np.zeros((1, system.n))
+    found[0, own] = slopes
+    return sp.csr_matrix(found)
 
 
 def _moved(system, s, i, step):
