@@ -15,8 +15,11 @@ def read(path):
     return {key: float(text) for key, text in found}
 
 
-def forces(given, Fz, kappa, alpha, gamma, Vx, pressure, version=6.1, Vs=0.0):  # noqa: PLR0915 as it is printed
-    """(Fx, Fy, Mx, My, Mz) at arrays of load, slips, camber [N, -, rad, rad] and speed [m/s], pressure [Pa]."""
+def forces(given, Fz, kappa, alpha, gamma, Vx, pressure, version=6.1, Vs=0.0, turn=None):  # noqa: PLR0915 as printed
+    """(Fx, Fy, Mx, My, Mz) at arrays of load, slips, camber [N, -, rad, rad] and speed [m/s], pressure [Pa].
+
+    ``turn``: (rate of yaw, spin of the wheel) [rad/s] with turn slip, (4.75)-(4.106), the rate in the axes of ISO.
+    """
 
     def c(name, default=0.0):
         return given.get(name, default)
@@ -32,36 +35,57 @@ def forces(given, Fz, kappa, alpha, gamma, Vx, pressure, version=6.1, Vs=0.0):  
     slow = 1.0 + c("LMUV") * Vs / V0  # (4.E7)
     l_mux, l_muy = scale("LMUX") / slow, scale("LMUY") / slow
 
+    # turn slip, (4.75)-(4.79), (4.90), (4.91), (4.102), (4.105), (4.106)
+    z0 = z1 = z2 = z3 = z5 = z6 = 1.0
+    if turn:
+        Vc, eps = Vx / np.cos(alpha), c("PECP1") * (1 + c("PECP2") * df)
+        phit = turn[0] / Vc
+        phi = (turn[0] + (1 - eps) * turn[1] * np.sin(gamma)) / Vc
+        Bxp = c("PDXP1") * (1 + c("PDXP2") * df) * np.cos(np.arctan(c("PDXP3") * kappa))
+        Byp = c("PDYP1") * (1 + c("PDYP2") * df) * np.cos(np.arctan(c("PDYP3") * np.tan(alpha)))
+        z0, z1 = 0.0, np.cos(np.arctan(Bxp * R0 * phi))
+        z2 = np.cos(np.arctan(Byp * (R0 * np.abs(phi) + c("PDYP4") * np.sqrt(R0 * np.abs(phi)))))
+        z3 = np.cos(np.arctan(c("PKYP1") * R0**2 * phi**2))
+        z5, z6 = np.cos(np.arctan(c("QDTP1") * R0 * phi)), np.cos(np.arctan(c("QBRP1") * R0 * phi))
+
     # longitudinal force in pure slip, (4.E9)-(4.E18)
     g = scale("LGAX") * gamma
     kx = kappa + (c("PHX1") + c("PHX2") * df) * scale("LHX")
     Cx = c("PCX1") * scale("LCX")
     mux = (c("PDX1") + c("PDX2") * df) * (1 + c("PPX3") * dp + c("PPX4") * dp**2) * (1 - c("PDX3") * g**2) * l_mux
-    Dx = mux * Fz
+    Dx = mux * Fz * z1
     Ex = np.minimum((c("PEX1") + c("PEX2") * df + c("PEX3") * df**2) * (1 - c("PEX4") * np.sign(kx)) * scale("LEX"), 1)
     Kx = Fz * (c("PKX1") + c("PKX2") * df) * np.exp(c("PKX3") * df) * (1 + c("PPX1") * dp + c("PPX2") * dp**2)
     Kx = Kx * scale("LKX")
     Bx = Kx / (Cx * Dx)
-    SVx = Fz * (c("PVX1") + c("PVX2") * df) * scale("LVX") * l_mux
+    SVx = Fz * (c("PVX1") + c("PVX2") * df) * scale("LVX") * l_mux * z1
     Fx0 = Dx * np.sin(Cx * np.arctan(Bx * kx - Ex * (Bx * kx - np.arctan(Bx * kx)))) + SVx
 
-    def side(gamma):
+    def side(gamma, turn, z0, z2, z3):
         """Lateral force in pure slip, (4.E19)-(4.E30), of version 5.2 (4.E19)-(4.E30) of 2006."""
         g = scale("LGAY") * gamma
         Cy = c("PCY1") * scale("LCY")
         mu = (c("PDY1") + c("PDY2") * df) * (1 - c("PDY3") * g**2) * (1 + c("PPY3") * dp + c("PPY4") * dp**2) * l_muy
-        Dy = mu * Fz
+        Dy = mu * Fz * z2
         load = Fz / Fz0_ / ((c("PKY2") + c("PKY5") * g**2) * (1 + c("PPY2") * dp))
         Ky = c("PKY1") * Fz0_ * (1 + c("PPY1") * dp) * (1 - c("PKY3") * np.abs(g)) * scale("LKY")
-        Ky = Ky * np.sin(c("PKY4", 2.0) * np.arctan(load))
-        SVg = Fz * (c("PVY3") + c("PVY4") * df) * g * scale("LKYC") * l_muy
-        SVy = Fz * (c("PVY1") + c("PVY2") * df) * scale("LVY") * l_muy + SVg
+        Ky = Ky * np.sin(c("PKY4", 2.0) * np.arctan(load)) * z3
+        SVg = Fz * (c("PVY3") + c("PVY4") * df) * g * scale("LKYC") * l_muy * z2
+        SVy = Fz * (c("PVY1") + c("PVY2") * df) * scale("LVY") * l_muy * z2 + SVg
         SHy = (c("PHY1") + c("PHY2") * df) * scale("LHY")
         if version < 6:
             SHy = SHy + c("PHY3") * g
         else:
             Kyg = Fz * (c("PKY6") + c("PKY7") * df) * (1 + c("PPY5") * dp) * scale("LKYC")
-            SHy = SHy + (Kyg * g - SVg) / Ky
+            z4 = 1.0
+            if turn:  # (4.80), (4.84)-(4.89)
+                upright = Fz / Fz0_ / (c("PKY2") * (1 + c("PPY2") * dp))
+                Ky0 = c("PKY1") * Fz0_ * (1 + c("PPY1") * dp) * scale("LKY") * z3
+                Ky0 = Ky0 * np.sin(c("PKY4", 2.0) * np.arctan(upright))
+                CH, DH, EH = c("PHYP1"), c("PHYP2") + c("PHYP3") * df, c("PHYP4")
+                x = Kyg / (1 - eps) / (CH * DH * Ky0) * R0 * phi
+                z4 = 1 + DH * np.sin(CH * np.arctan(x - EH * (x - np.arctan(x)))) - SVg / Ky
+            SHy = SHy + (Kyg * g - SVg) / Ky * z0 + z4 - 1
         ay = alpha + SHy
         Ey = (c("PEY1") + c("PEY2") * df) * scale("LEY")
         Ey = np.minimum(Ey * (1 + c("PEY5") * g**2 - (c("PEY3") + c("PEY4") * g) * np.sign(ay)), 1)
@@ -69,7 +93,7 @@ def forces(given, Fz, kappa, alpha, gamma, Vx, pressure, version=6.1, Vs=0.0):  
         F = Dy * np.sin(Cy * np.arctan(By * ay - Ey * (By * ay - np.arctan(By * ay)))) + SVy
         return F, mu, Ky, By * Cy, SHy, SVy
 
-    Fy0, muy, Ky, ByCy, SHy, SVy = side(gamma)
+    Fy0, muy, Ky, ByCy, SHy, SVy = side(gamma, turn, z0, z2, z3)
 
     # combined slip, (4.E50)-(4.E67)
     Bxa = (c("RBX1") + c("RBX3") * gamma**2) * np.cos(np.arctan(c("RBX2") * kappa)) * scale("LXAL")
@@ -81,7 +105,7 @@ def forces(given, Fz, kappa, alpha, gamma, Vx, pressure, version=6.1, Vs=0.0):  
     k_s = kappa + SHyk
     G0 = np.cos(c("RCY1") * np.arctan(Byk * SHyk - Eyk * (Byk * SHyk - np.arctan(Byk * SHyk))))
     Gyk = np.cos(c("RCY1") * np.arctan(Byk * k_s - Eyk * (Byk * k_s - np.arctan(Byk * k_s)))) / G0
-    DVyk = muy * Fz * (c("RVY1") + c("RVY2") * df + c("RVY3") * gamma) * np.cos(np.arctan(c("RVY4") * alpha))
+    DVyk = muy * Fz * z2 * (c("RVY1") + c("RVY2") * df + c("RVY3") * gamma) * np.cos(np.arctan(c("RVY4") * alpha))
     SVyk = DVyk * np.sin(c("RVY5") * np.arctan(c("RVY6") * kappa)) * scale("LVYKA")
     Fy = Gyk * Fy0 + SVyk
 
@@ -106,7 +130,7 @@ def forces(given, Fz, kappa, alpha, gamma, Vx, pressure, version=6.1, Vs=0.0):  
     Bt = (c("QBZ1") + c("QBZ2") * df + c("QBZ3") * df**2) * (1 + c("QBZ4") * g + c("QBZ5") * np.abs(g))
     Bt = Bt * scale("LKY") / l_muy
     Dt = (c("QDZ1") + c("QDZ2") * df) * (1 - c("PPZ1") * dp) * (1 + c("QDZ3") * g + c("QDZ4") * g**2)
-    Dt = Dt * Fz * R0 / Fz0_ * scale("LTR")
+    Dt = Dt * Fz * R0 / Fz0_ * scale("LTR") * z5
     at = alpha + c("QHZ1") + c("QHZ2") * df + (c("QHZ3") + c("QHZ4") * df) * g
     Et = 1 + (c("QEZ4") + c("QEZ5") * g) * 2 / np.pi * np.arctan(Bt * c("QCZ1") * at)
     Et = np.minimum((c("QEZ1") + c("QEZ2") * df + c("QEZ3") * df**2) * Et, 1)
@@ -117,13 +141,22 @@ def forces(given, Fz, kappa, alpha, gamma, Vx, pressure, version=6.1, Vs=0.0):  
     z = Bt * equivalent(at)
     t = Dt * np.cos(c("QCZ1") * np.arctan(z - Et * (z - np.arctan(z)))) * np.cos(alpha)
     ar = alpha + SHy + SVy / Ky
-    Br = c("QBZ9") * scale("LKY") / l_muy + c("QBZ10") * ByCy
+    Br = (c("QBZ9") * scale("LKY") / l_muy + c("QBZ10") * ByCy) * z6
     of_camber = (c("QDZ8") + c("QDZ9") * df) * (1 + c("PPZ2") * dp) + (c("QDZ10") + c("QDZ11") * df) * np.abs(g)
-    Dr = (c("QDZ6") + c("QDZ7") * df) * scale("LRES") + of_camber * g * scale("LKZC")
-    Dr = Fz * R0 * Dr * l_muy * np.cos(alpha)
+    Dr = (c("QDZ6") + c("QDZ7") * df) * scale("LRES") * z2 + of_camber * g * scale("LKZC") * z0
+    Dr, Cr = Fz * R0 * Dr * l_muy * np.cos(alpha), 1.0
+    if turn:  # (4.92)-(4.99), (4.103), (4.104)
+        full = c("QCRP1") * np.abs(muy) * R0 * Fz * np.sqrt(Fz / Fz0_) * scale("LMP")
+        CD, ED = c("QDRP1"), c("QDRP2")
+        DD = full / np.sin(0.5 * np.pi * CD)
+        Kz = Fz * R0 * (c("QDZ8") + c("QDZ9") * df + (c("QDZ10") + c("QDZ11") * df) * np.abs(g)) * scale("LKZC")
+        x = Kz / (CD * DD * (1 - eps)) * R0 * phi
+        Drp = DD * np.sin(CD * np.arctan(x - ED * (x - np.arctan(x))))
+        full = full * 2 / np.pi * np.arctan(c("QCRP2") * R0 * np.abs(phit)) * Gyk
+        Dr, Cr = Dr + Drp, 2 / np.pi * np.arccos(np.minimum(full / np.abs(Drp), 1.0))
     s = R0 * (c("SSZ1") + c("SSZ2") * Fy / Fz0 + (c("SSZ3") + c("SSZ4") * df) * g) * scale("LS")
-    trailing = Fy - SVyk if version < 6 else Gyk * side(0.0 * gamma)[0]  # (4.E74)
-    Mz = -t * trailing + Dr * np.cos(np.arctan(Br * equivalent(ar))) + s * Fx
+    trailing = Fy - SVyk if version < 6 else Gyk * side(0.0 * gamma, None, 1.0, 1.0, 1.0)[0]  # (4.E74)
+    Mz = -t * trailing + Dr * np.cos(Cr * np.arctan(Br * equivalent(ar))) + s * Fx
     return Fx, Fy, Mx, My, Mz
 
 

@@ -14,27 +14,39 @@ from mecano.deck.deck import Deck
 from mecano.deck.read import deck_of_bytes, read_deck
 from mecano.elements.wheels.magic_formula import EXAMPLE, MAGIC_FORMULA, relaxation_lengths, slip_stiffness
 from mecano.elements.wheels.slip_law import Slip, default_values
+from mecano.elements.wheels.tire_law import slip_law_of
 from mecano.errors import DeckError
 from mecano.maths.vector import Vec3
 
 CAR = read(INPUTS / "passenger_car.tir")
+TURN = {  # plausible values of a car
+    "PECP1": 0.7, "PDXP1": 0.4, "PDXP3": 1.5, "PKYP1": 1.0, "PDYP1": 0.4, "PDYP4": 0.1, "PHYP1": 1.0, "PHYP2": 0.15,
+    "PHYP4": -4.0, "QDTP1": 10.0, "QCRP1": 0.2, "QCRP2": 0.1, "QBRP1": 0.1, "QDRP1": 1.0, "QDRP2": -1.5,
+}  # fmt: skip
 SOURCE = "Pacejka 2012, (4.E9)-(4.E78), written once more"
+TURNED = "Pacejka 2012, (4.75)-(4.106), written once more"
 
 
 def tyre(numbers, version, **options):
     given = {"coefficients": {**numbers, "VERSION": version}, "least_speed": 1e-9, **options}
     values = {"magic_formula": default_values(MAGIC_FORMULA.type.options, given), "radius": numbers["UNLOADED_RADIUS"]}
     assert MAGIC_FORMULA.check(values) == []
-    return Tyre(MAGIC_FORMULA, values)
+    return Tyre(slip_law_of(values), values)
 
 
-def at(tyre, numbers, load, kappa, alpha, gamma, V, side=1.0):
-    """(Fx, Fy, Mx, My, Mz) of mecano at slips of the file, in its axes."""
+def spin(numbers, load, kappa, V):
+    """Spin [rad/s] that has the slip: its rolling radius grows with it."""
     omega = 20.0
-    for _ in range(60):  # the spin that has the slip: its rolling radius grows with it
+    for _ in range(60):
         omega = V * (1.0 + kappa) / rolling_radius(numbers, load, omega)
-    v = 0.0, V * math.tan(alpha)
-    k = tyre.forces(load, v, (V, v[1]), (0.0, omega, 0.0), side * math.sin(gamma), omega)
+    return omega
+
+
+def at(tyre, numbers, load, kappa, alpha, gamma, V, yaw=0.0):
+    """(Fx, Fy, Mx, My, Mz) of mecano at slips of the file, in its axes."""
+    v, omega = (0.0, V * math.tan(alpha)), spin(numbers, load, kappa, V)
+    turning = 0.0, omega * math.cos(gamma), omega * math.sin(gamma) + yaw
+    k = tyre.forces(load, v, (V, v[1]), turning, math.sin(gamma), omega)
     return np.array([k.F[0], k.F[1], *k.M])
 
 
@@ -270,3 +282,79 @@ def test_the_ranges_of_a_file_are_watched(tmp_path):
     law = with_file(tmp_path, ORIGINAL).values["tire_laws"]["car"]
     watched_outputs = {output: value for output, value, _ in MAGIC_FORMULA.limits(law)}
     assert watched_outputs == {"slip_ratio": 1.5, "slip_angle": 0.5, "lean": 0.2, "normal_force": 9000.0}
+
+
+YAW = 1.2  # most rate of yaw [rad/s] at the points of ``points``
+
+
+@pytest.mark.parametrize(("name", "numbers", "V_scale"), [("car", CAR, 1.0), ("all terms", EXAMPLE, 0.1)])
+def test_turn_slip_at_50_points(name, numbers, V_scale, verify):
+    """Turns of both senses with combined slip, camber and load."""
+    numbers, found, expected = {**TURN, **numbers, "LMUV": 0.0}, [], []
+    one, rng = tyre(numbers, 6.1, turn_slip=True), np.random.default_rng(5)
+    for load, kappa, alpha, gamma, V in points(50, numbers["FNOMIN"]):
+        V, yaw = V * V_scale, rng.uniform(-YAW, YAW)
+        found.append(at(one, numbers, load, kappa, alpha, gamma, V, yaw))
+        turn = yaw, spin(numbers, load, kappa, V)
+        expected.append(forces(numbers, load, kappa, alpha, gamma, V, one.p[0].pressure, turn=turn))
+    found, expected = np.array(found), np.array(expected)
+    size = np.abs(expected).max(axis=0)
+    for i, what in enumerate(("F_x", "F_y", "M_x", "M_y", "M_z")):
+        label = f"Magic Formula 6.1 with turn slip, {name}: {what} at 50 points, over the largest"
+        verify("Tyres", label, found[:, i] / size[i], expected[:, i] / size[i], TURNED, absolute=1e-6)
+
+
+def test_a_tyre_on_the_spot_has_the_moment_of_the_file():
+    """QCRP1 mu_y R0 N sqrt(N/F_z0) against the turn, (4.95), also of a mirrored tyre; no other force or moment.
+
+    Spins of the rest vanish as 1/(R0 W/v_0), 1e-4 here.
+    """
+    numbers = {**TURN, **CAR}
+    for mirrored in (False, True):
+        car = tyre(numbers, 6.1, turn_slip=True, least_speed=1e-5, mirrored=mirrored)
+        for load, W in ((4e3, 0.3), (6e3, -0.3)):
+            k = car.forces(load, (0.0, 0.0), (0.0, 0.0), (0.0, 0.0, W), spin=0.0)
+            dp, df = car.p[0].pressure / numbers["NOMPRES"] - 1.0, load / 4e3 - 1.0
+            mu = (numbers["PDY1"] + numbers["PDY2"] * df) * (1 + numbers["PPY3"] * dp + numbers["PPY4"] * dp**2)
+            most = 0.2 * mu * 0.32 * load * math.sqrt(load / 4e3)
+            assert k.M[2] == pytest.approx(-math.copysign(most, W), rel=2e-3)
+            assert k.lost == pytest.approx(most * abs(W), rel=2e-3)
+            assert np.abs([k.F[0], k.F[1], k.M[1]]).max() < 1e-3 * load
+
+
+def test_turn_slip_without_a_turn_is_the_formula_without():
+    """An upright tyre that runs straight has the same forces to 1e-6; the residual moment apart."""
+    numbers = {**TURN, **CAR, "QDZ6": 0.0, "QDZ7": 0.0}
+    for load, kappa, alpha, _, V in points(10, 4e3):
+        one, other = (at(tyre(numbers, 6.1, turn_slip=on), numbers, load, kappa, alpha, 0.0, V) for on in (True, False))
+        np.testing.assert_allclose(one, other, rtol=1e-5)
+
+
+@pytest.mark.parametrize(("mode", "turns"), [(4, False), (25, True), (-15, True), (124, False)])
+def test_the_file_says_whether_it_has_turn_slip(tmp_path, mode, turns):
+    """USE_MODE 25 is that of combined slip with transients and turn slip."""
+    lines = "".join(f"{name} = {number}\n" for name, number in TURN.items())
+    text = ORIGINAL.replace("FITTYP ", f"USE_MODE = {mode}\nFITTYP ") + lines + "YAW_STIFFNESS = 4700\n"
+    law = with_file(tmp_path, text).values["tire_laws"]["car"]["magic_formula"]
+    assert law["turn_slip"] is turns and law["torsional_stiffness"] == (4700.0 if turns else None)
+    named = {name: law["coefficients"][name] for name in TURN}
+    assert named == TURN
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("own.tir}", "own.tir, turn_slip: true}", "has no PHYP1, PHYP2, QCRP1, QDRP1, or zero"),
+        ("own.tir}", "own.tir, torsional_stiffness: 9}", "needs 'turn_slip'"),
+    ],
+)
+def test_what_is_wrong_with_turn_slip(tmp_path, old, new, said):
+    with pytest.raises(DeckError) as error:
+        with_file(tmp_path, ORIGINAL, DECK.replace(old, new))
+    assert said in str(error.value)
+
+
+def test_turn_slip_needs_version_6(tmp_path):
+    text = ORIGINAL.replace("FITTYP                   = 61 ", "FITTYP                   = 6 ")
+    with pytest.raises(DeckError, match=r"available for files of version 6.1 and 6.2, not of 5.2"):
+        with_file(tmp_path, text, DECK.replace("own.tir}", "own.tir, turn_slip: true}"))

@@ -201,7 +201,8 @@ NOTES = {  # words with the same meaning: (targets, note)
         "rigid_body hinge joint_moment", "a rotor on a hinge; a joint_moment is its motor, whose value is a signal"
     ),
     "turn slip, parking moment, parking torque, scrub moment, scrub torque, pivot turn, turning on the spot, towing": (
-        "fiala yawed_rolling", "'contact_width' of the slip law; docs/tyres.md, 'Turning on the spot, tight turns'"
+        "fiala yawed_rolling magic_formula",
+        "'contact_width' of a brush tyre, 'turn_slip' of a file; docs/tyres.md, 'Turning on the spot, tight turns'"
     ),
     "slip ratio, slip angle": ("wheel transient_wheel", "outputs of every wheel with a tyre law: tyre.slip_angle"),
     "yaw rate, lateral acceleration, sideslip, sideslip angle": (

@@ -26,6 +26,7 @@ POWERS = {  # of length, force, angle, time in the unit of a key; numbers withou
     "UNLOADED_RADIUS": (1, 0, 0, 0), "FNOMIN": (0, 1, 0, 0), "FZMIN": (0, 1, 0, 0), "FZMAX": (0, 1, 0, 0),
     **dict.fromkeys(("NOMPRES", "INFLPRES", "PRESMIN", "PRESMAX"), (-2, 1, 0, 0)),
     **dict.fromkeys(("LONGVL", "VXLOW"), (1, 0, 0, -1)), "VERTICAL_DAMPING": (-1, 1, 0, 1),
+    "YAW_STIFFNESS": (1, 1, -1, 0),
     **dict.fromkeys(("VERTICAL_STIFFNESS", "LONGITUDINAL_STIFFNESS", "LATERAL_STIFFNESS"), (-1, 1, 0, 0)),
     **dict.fromkeys(("ALPMIN", "ALPMAX", "CAMMIN", "CAMMAX"), (0, 0, 1, 0)),
 }  # fmt: skip

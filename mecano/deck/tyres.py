@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from mecano.deck.scope import Scope
     from mecano.schema import Values
 
+WITH_TURN_SLIP = 5  # last digit of USE_MODE
 REQUIRED = {"radius": "undeformed radius [m]", "radial": "radial force [N], a curve of the radial deformation [m]"}
 
 
@@ -76,4 +77,10 @@ def _with_file(values, entry, scope):
         if found is None:
             return False
         values |= {"coefficients": found, "file": None}
+    given = values["coefficients"]
+    if values["turn_slip"] is None:
+        known = abs(int(given.get("USE_MODE", 0))) % 10 == WITH_TURN_SLIP
+        values["turn_slip"] = known and given.get("VERSION", 0.0) >= 6.0
+    if values["turn_slip"] and values["torsional_stiffness"] is None:
+        values["torsional_stiffness"] = given.get("YAW_STIFFNESS")
     return True

@@ -24,6 +24,32 @@ class Slips(NamedTuple):
     alpha: float
     gamma: float
     rolls: float  # V_x/V: share of the shifts, which a tyre at rest has not
+    turn: float  # turn slip W/V [1/m]
+    spin: float  # turn slip with the part of the camber [1/m]
+
+
+class Turn(NamedTuple):
+    """Factors of turn slip, (4.76)-(4.106): ``zeta_i`` of the book, and the shift S_Hyphi of the slip angle."""
+
+    zeta_0: float
+    zeta_1: float
+    zeta_2: float
+    zeta_3: float
+    zeta_5: float
+    zeta_6: float
+    shift: float
+
+
+@kernel
+def straight(p, s):
+    """Return the Turn of a tyre without turn slip."""
+    return Turn(1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0)
+
+
+@kernel
+def no_moment(p, s, most, G_y):
+    """Return the peak of the moment of turn slip and zeta_7 of a tyre without turn slip."""
+    return 0.0, 1.0
 
 
 @kernel
@@ -53,16 +79,16 @@ def curved(B, C, E, x):
 
 
 @kernel
-def longitudinal(p, s, mu):
+def longitudinal(p, s, mu, turn):
     """Return F_x0 and the slip stiffness, (4.E9)-(4.E18)."""
     camber = p.LGAX * s.gamma
     by_pressure = 1.0 + p.PPX3 * s.dp + p.PPX4 * s.dp * s.dp
-    D = (p.PDX1 + p.PDX2 * s.df) * by_pressure * (1.0 - p.PDX3 * camber * camber) * p.LMUX * mu * s.N
+    D = (p.PDX1 + p.PDX2 * s.df) * by_pressure * (1.0 - p.PDX3 * camber * camber) * p.LMUX * mu * s.N * turn.zeta_1
     x = s.kappa + s.rolls * (p.PHX1 + p.PHX2 * s.df) * p.LHX
     E = (p.PEX1 + p.PEX2 * s.df + p.PEX3 * s.df * s.df) * (1.0 - p.PEX4 * sign(x)) * p.LEX
     K = s.N * (p.PKX1 + p.PKX2 * s.df) * exp(p.PKX3 * s.df) * (1.0 + p.PPX1 * s.dp + p.PPX2 * s.dp * s.dp) * p.LKX
     C = p.PCX1 * p.LCX
-    shift = s.rolls * s.N * (p.PVX1 + p.PVX2 * s.df) * p.LVX * p.LMUX * mu
+    shift = s.rolls * s.N * (p.PVX1 + p.PVX2 * s.df) * p.LVX * p.LMUX * mu * turn.zeta_1
     return D * sin(curved(K / (C * D + EPSILON), C, E, x)) + shift, K
 
 
@@ -78,17 +104,28 @@ class Side(NamedTuple):
 
 
 @kernel
-def lateral(p, s, mu, gamma):
+def cornering_stiffness(p, s, g):
+    """Return K_y of a scaled camber angle without turn slip, (4.E25)."""
+    F_0 = p.LFZO * p.FNOMIN
+    K = p.PKY1 * F_0 * (1.0 + p.PPY1 * s.dp) * (1.0 - p.PKY3 * g * sign(g)) * p.LKY
+    return K * sin(p.PKY4 * atan(s.N / F_0 / ((p.PKY2 + p.PKY5 * g * g) * (1.0 + p.PPY2 * s.dp))))
+
+
+@kernel
+def camber_stiffness(p, s):
+    """Return K_ygamma0, (4.E30)."""
+    return s.N * (p.PKY6 + p.PKY7 * s.df) * (1.0 + p.PPY5 * s.dp) * p.LKYC
+
+
+@kernel
+def lateral(p, s, mu, gamma, turn):
     """Return the Side at a camber angle, (4.E19)-(4.E30)."""
     old = p.VERSION < 6.0
-    g = p.LGAY * gamma
-    size, F_0, friction = g * sign(g), p.LFZO * p.FNOMIN, p.LMUY * mu
-    flat = 1.0 - p.PKY3 * size
-    K = p.PKY1 * F_0 * (1.0 + p.PPY1 * s.dp) * flat * p.LKY
-    K = K * sin(p.PKY4 * atan(s.N / F_0 / ((p.PKY2 + p.PKY5 * g * g) * (1.0 + p.PPY2 * s.dp))))
+    g, friction = p.LGAY * gamma, p.LMUY * mu * turn.zeta_2
+    K = cornering_stiffness(p, s, g) * turn.zeta_3
     thrust = s.N * (p.PVY3 + p.PVY4 * s.df) * g * p.LKYC * friction
-    by_camber = s.N * (p.PKY6 + p.PKY7 * s.df) * (1.0 + p.PPY5 * s.dp) * p.LKYC * g
-    turned = select(old, p.PHY3 * g, (by_camber - thrust) / (K + EPSILON * sign(K)))
+    by_camber = turn.zeta_0 * camber_stiffness(p, s) * g
+    turned = select(old, p.PHY3 * g, (by_camber - thrust) / (K + EPSILON * sign(K)) + turn.shift)
     S_H = s.rolls * ((p.PHY1 + p.PHY2 * s.df) * p.LHY + turned)
     S_V = s.rolls * (s.N * (p.PVY1 + p.PVY2 * s.df) * p.LVY * friction + thrust)
     x, C = s.alpha + S_H, p.PCY1 * p.LCY
@@ -126,26 +163,28 @@ def equivalent(x, ratio, kappa):
 
 
 @kernel
-def aligning(p, s, mu, side, ratio, F_x, F_y, F_side):
-    """Return M_z for forward rolling, (4.E31)-(4.E49), (4.E71)-(4.E78); ``F_side``: force on the pneumatic trail."""
+def aligning(p, s, mu, side, ratio, F_x, F_y, F_side, turn, twist):
+    """Return M_z for forward rolling and its part of turn slip, (4.E31)-(4.E49), (4.E71)-(4.E78).
+
+    ``F_side``: force on the pneumatic trail; ``twist``: peak of the moment of turn slip, zeta_7.
+    """
     R0, g = p.UNLOADED_RADIUS, p.LGAZ * s.gamma
     size, straight, scale = g * sign(g), cos(s.alpha), p.LKY / (p.LMUY * mu)
     B = (p.QBZ1 + p.QBZ2 * s.df + p.QBZ3 * s.df * s.df) * (1.0 + p.QBZ4 * g + p.QBZ5 * size) * scale
     D = s.N * (p.QDZ1 + p.QDZ2 * s.df) * (1.0 - p.PPZ1 * s.dp) * (1.0 + p.QDZ3 * g + p.QDZ4 * g * g)
-    D = D * R0 / (p.LFZO * p.FNOMIN) * p.LTR
+    D = D * R0 / (p.LFZO * p.FNOMIN) * p.LTR * turn.zeta_5
     x = s.alpha + p.QHZ1 + p.QHZ2 * s.df + (p.QHZ3 + p.QHZ4 * s.df) * g
     bent = 1.0 + (p.QEZ4 + p.QEZ5 * g) * (2.0 / math.pi) * atan(B * p.QCZ1 * x)
     E = (p.QEZ1 + p.QEZ2 * s.df + p.QEZ3 * s.df * s.df) * bent
     trail = D * cos(curved(B, p.QCZ1, E, equivalent(x, ratio, s.kappa))) * straight
     x = s.alpha + side.S_H + side.S_V / (side.K + EPSILON * sign(side.K))
-    residual = (p.QDZ6 + p.QDZ7 * s.df) * p.LRES
-    residual = (
-        residual + ((p.QDZ8 + p.QDZ9 * s.df) * (1.0 + p.PPZ2 * s.dp) + (p.QDZ10 + p.QDZ11 * s.df) * size) * g * p.LKZC
-    )
+    by_camber = (p.QDZ8 + p.QDZ9 * s.df) * (1.0 + p.PPZ2 * s.dp) + (p.QDZ10 + p.QDZ11 * s.df) * size
+    residual = (p.QDZ6 + p.QDZ7 * s.df) * p.LRES * turn.zeta_2 + by_camber * g * p.LKZC * turn.zeta_0
     D = s.N * R0 * residual * p.LMUY * mu * straight
-    B = p.QBZ9 * scale + p.QBZ10 * side.BC
+    B = (p.QBZ9 * scale + p.QBZ10 * side.BC) * turn.zeta_6
     arm = R0 * (p.SSZ1 + p.SSZ2 * F_y / p.FNOMIN + (p.SSZ3 + p.SSZ4 * s.df) * g) * p.LS
-    return D * cos(atan(B * equivalent(x, ratio, s.kappa))) - trail * F_side + arm * F_x
+    fall = cos(twist[1] * atan(B * equivalent(x, ratio, s.kappa)))
+    return D * fall - trail * F_side + arm * F_x, twist[0] * fall
 
 
 @kernel
@@ -179,15 +218,22 @@ def rolling_radius(p, N, spin):
     return p.UNLOADED_RADIUS * (p.Q_RE0 + p.Q_V1 * rim * rim) - pressed
 
 
-@kernel
-def formula(p, s, mu, V_x):
-    """Return (F_x, F_y, M_x, M_y, M_z) of Slips in the axes of the file, rolling forward."""
-    F_x0, K_x = longitudinal(p, s, mu)
-    side = lateral(p, s, mu, s.gamma)
-    upright = lateral(p, s, mu, 0.0 * s.gamma)
-    G_x, G_y, S = combined(p, s, side)
-    F_x, F_y = G_x * F_x0, G_y * side.F + S
-    F_side = G_y * select(p.VERSION < 6.0, side.F, upright.F)
-    ratio = K_x / (side.K + EPSILON * sign(side.K))
-    M_z = aligning(p, s, mu, side, ratio, F_x, F_y, F_side)
-    return F_x, F_y, overturning(p, s, F_y), rolling_resistance(p, s, F_x, V_x), M_z
+def formula_of(factors, moment):
+    """Return the formula with turn slip or without: ``factors`` gives the Turn, ``moment`` its peak and zeta_7."""
+
+    @kernel
+    def formula(p, s, mu, V_x):
+        """Return (F_x, F_y, M_x, M_y, M_z, part of M_z that is not from rolling) of Slips, rolling forward."""
+        turn = factors(p, s)
+        F_x0, K_x = longitudinal(p, s, mu, turn)
+        side = lateral(p, s, mu, s.gamma, turn)
+        upright = lateral(p, s, mu, 0.0 * s.gamma, straight(p, s))
+        G_x, G_y, S = combined(p, s, side)
+        F_x, F_y = G_x * F_x0, G_y * side.F + S
+        F_side = G_y * select(p.VERSION < 6.0, side.F, upright.F)
+        ratio = K_x / (side.K + EPSILON * sign(side.K))
+        twist = moment(p, s, side.D / turn.zeta_2, G_y)
+        M_z, M_turn = aligning(p, s, mu, side, ratio, F_x, F_y, F_side, turn, twist)
+        return F_x, F_y, overturning(p, s, F_y), rolling_resistance(p, s, F_x, V_x), M_z, M_turn
+
+    return formula

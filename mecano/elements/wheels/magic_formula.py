@@ -11,19 +11,26 @@ rolling radius R_e, the slip velocity of the contact and V = sqrt(V_x^2 + v_0^2)
 
     F_x = G(alpha) F_x0(kappa),   F_y = G(kappa) F_y0(alpha, gamma) + S_Vyk,   M_z = -t F_y' + M_zr + s F_x
 
-in the axes (t, l, n), which are the axes of ISO 8855 used in such files; G is zero where it would be negative. Turn
-slip is not implemented. A wheel that rolls backward is one that rolls forward in the axes (-t, -l, n), also in its
-asymmetries, which a file does not describe apart as conicity and ply steer; within -v_0 < V_x < v_0 forces and moments
-pass smoothly from one to the other. M_y, M_z and the shifts S_H, S_V of F_x0 and F_y0 (conicity, ply steer, camber)
-come from rolling: they have the factor V_x/V, so that a tyre at rest is without force. The formula is a fit: near zero
-slip its shifts may drive the wheel. The power that the force takes from the slip, and rolling resistance from the spin,
-counts as dissipated; the rest is exchanged with the rolling.
+in the axes (t, l, n), which are the axes of ISO 8855 used in such files; G is zero where it would be negative. A wheel
+that rolls backward is one that rolls forward in the axes (-t, -l, n), also in its asymmetries, which a file does not
+describe apart as conicity and ply steer; within -v_0 < V_x < v_0 forces and moments pass smoothly from one to the
+other. M_y, M_z and the shifts S_H, S_V of F_x0 and F_y0 (conicity, ply steer, camber) come from rolling: they have the
+factor V_x/V, so that a tyre at rest is without force. The formula is a fit: near zero slip its shifts may drive the
+wheel. The power that the force takes from the slip, rolling resistance from the spin, and the moment of turn slip from
+the turning counts as dissipated; the rest is exchanged with the rolling.
+
+With ``turn_slip``, the curvature W/V of the path of the contact changes all forces and moments by (4.76)-(4.106) of the
+book (magic_turn_slip.py); a tyre that turns on the spot then has the moment QCRP1 R0 mu N sqrt(N/F_z0).
 """
 
 import math
 
-from mecano.elements.wheels.magic_equations import Slips, atan, formula, rolling_radius
-from mecano.elements.wheels.slip_law import Carcass, SlipForces, SlipLaw, slipping
+from mecano.elements.wheels.magic_equations import Slips, atan, formula_of, no_moment, rolling_radius, straight
+from mecano.elements.wheels.magic_turn_slip import COEFFICIENTS as OF_TURN_SLIP
+from mecano.elements.wheels.magic_turn_slip import check as check_turn_slip
+from mecano.elements.wheels.magic_turn_slip import of_camber, turned, turning_moment
+from mecano.elements.wheels.slip_law import TORSIONAL_STIFFNESS, Carcass, SlipForces, SlipLaw, check_twist, slipping
+from mecano.elements.wheels.turn_slip import turning_rate
 from mecano.jit.kernel import kernel
 from mecano.maths.dual import at_least, at_most, atan2, sqrt, value
 from mecano.maths.vector import dot
@@ -32,7 +39,7 @@ from mecano.schema import BOOLEAN, NUMBER, TEXT, Field, mapping, named, positive
 NEEDED = "FNOMIN UNLOADED_RADIUS PCX1 PDX1 PKX1 PCY1 PDY1 PKY1 PKY2".split()
 ONE = (  # coefficients, such as scaling factors, that are 1 if a file does not give them
     "LFZO LCX LMUX LEX LKX LHX LVX LCY LMUY LEY LKY LKYC LHY LVY LTR LRES LKZC LXAL LYKA LVYKA LS LMX LVMX LMY "
-    "LGAX LGAY LGAZ LSGKP LSGAL Q_RE0 QSY7 NOMPRES INFLPRES"
+    "LGAX LGAY LGAZ LSGKP LSGAL LMP Q_RE0 QSY7 NOMPRES INFLPRES"
 ).split()
 ZERO = (
     "PDX2 PDX3 PEX1 PEX2 PEX3 PEX4 PKX2 PKX3 PHX1 PHX2 PVX1 PVX2 PPX1 PPX2 PPX3 PPX4 "
@@ -46,12 +53,17 @@ ZERO = (
     "VERTICAL_STIFFNESS VERTICAL_DAMPING Q_FZ1 Q_FZ2 PFZ1 LONGITUDINAL_STIFFNESS LATERAL_STIFFNESS PCFX3 PCFY3 "
     "PTX1 PTX2 PTX3 PTY1 PTY2 VERSION"
 ).split()
-DEFAULTS = {**dict.fromkeys(ONE, 1.0), **dict.fromkeys(ZERO, 0.0), "PKY4": 2.0, "LONGVL": 16.7}
+DEFAULTS = {
+    **dict.fromkeys(ONE, 1.0), **dict.fromkeys((*ZERO, *OF_TURN_SLIP), 0.0), "PKY4": 2.0, "LONGVL": 16.7
+}  # fmt: skip
 RANGES = {  # key of the upper bound of a range: (output in this range, key of the lower bound, description)
     "KPUMAX": ("slip_ratio", "KPUMIN", "slip ratio"), "ALPMAX": ("slip_angle", "ALPMIN", "slip angle [rad]"),
     "CAMMAX": ("lean", "CAMMIN", "camber angle [rad]"), "FZMAX": ("normal_force", "FZMAX", "normal force [N]"),
 }  # fmt: skip
-OTHERS = {*RANGES, *(low for _, low, _ in RANGES.values()), "FZMIN", "PRESMIN", "PRESMAX", "VXLOW", "FITTYP"}
+OTHERS = {
+    *RANGES, *(low for _, low, _ in RANGES.values()), "FZMIN", "PRESMIN", "PRESMAX", "VXLOW", "FITTYP", "USE_MODE",
+    "YAW_STIFFNESS",
+}  # fmt: skip
 KNOWN = {*NEEDED, *DEFAULTS, *OTHERS}
 LEAST_LOAD = 1e-3  # of the nominal load: below it, force and moments are proportional to the load
 LEAST_GRIP = 1e-6  # lower bound of the factor on the friction
@@ -64,7 +76,12 @@ FIELDS = (
     Field("pressure", NUMBER, "Pa", "inflation pressure; that of the file when absent", None, positive),
     Field("mirrored", BOOLEAN, "-", "true for a tyre on the other side of the vehicle than in the file", False),
     Field("least_speed", NUMBER, "m/s", "v_0, speed below which slips no longer grow as 1/speed", 1.0, positive),
-)
+    Field(
+        "turn_slip", BOOLEAN, "-", "true for turn slip by the coefficients of the file, of version 6.1 or 6.2; when "
+        "absent, true if the last digit of USE_MODE in the file is 5", None,
+    ),
+    TORSIONAL_STIFFNESS,
+)  # fmt: skip
 
 
 def coefficients(law):
@@ -92,7 +109,8 @@ def check(law):
         return [f"'tire_law.magic_formula' has no {', '.join(missing)}"]
     found = coefficients(law)
     wrong = [name for name in ("FNOMIN", "UNLOADED_RADIUS", "PCX1", "PCY1", "NOMPRES", "LONGVL") if found[name] <= 0.0]
-    return [f"'tire_law.magic_formula': {name} must be greater than zero, got {found[name]:g}" for name in wrong]
+    texts = [f"'tire_law.magic_formula': {name} must be greater than zero, got {found[name]:g}" for name in wrong]
+    return texts or (check_turn_slip(found) if d["turn_slip"] else check_twist("magic_formula", d, "turn_slip"))
 
 
 def limits(law):
@@ -161,25 +179,18 @@ def carcass(law):
 
 
 def sample(rng):
-    """Return tyres of version 6.1 with all terms and of version 5.2, for a large wheel under about 10 kN."""
+    """Return tyres of versions 6.1, 5.2, and 6.2 with turn slip, for a large wheel under about 10 kN."""
     numbers = dict(EXAMPLE)
     return [
         {"coefficients": {**numbers, "VERSION": 6.1}, "least_speed": 0.5, "pressure": 2.5e5},
         {"coefficients": {**numbers, "VERSION": 5.2, "PHY3": 0.03}, "least_speed": 0.5, "mirrored": True},
+        {
+            "coefficients": {**numbers, "VERSION": 6.2},
+            "least_speed": 0.5,
+            "turn_slip": True,
+            "torsional_stiffness": 4e3,
+        },
     ]
-
-
-@kernel
-def forces(p, laws, k):
-    """Return the SlipForces of the Slip ``k``."""
-    backward = _ramp(0.5 - 0.5 * dot(k.t, k.u) / p.least_speed)
-    F, M, lost = 0.0 * k.v, 0.0 * k.v, 0.0 * k.N
-    for way in (1.0, -1.0):
-        part = 1.0 - backward if way > 0.0 else backward
-        if value(part) > 0.0:
-            F_way, M_way, lost_way = _rolling(p, k, way)
-            F, M, lost = F + part * F_way, M + part * M_way, lost + part * lost_way
-    return SlipForces(F, M, lost, lost + dot(F, k.v) + dot(M, k.omega))
 
 
 @kernel
@@ -198,25 +209,56 @@ def _ramp(x):
 
 
 @kernel
-def _rolling(p, k, way):
-    """Return force [N], moment [N m] and dissipated power [W] of a wheel that rolls along ``way`` t, 1 or -1."""
-    V_x, V_sy = way * dot(k.t, k.u), way * dot(k.l, k.v)
-    least = LEAST_LOAD * p.FNOMIN
-    N = at_least(k.N, least)
-    V_sx = way * dot(k.t, k.v) + (V_x - way * dot(k.t, k.v_0)) - rolling_radius(p, N, k.spin) * way * k.spin
-    V = sqrt(V_x * V_x + p.least_speed * p.least_speed)
-    lean = way * atan2(k.lean, sqrt(1.0 - k.lean * k.lean))
-    mu = at_least(k.grip, LEAST_GRIP) / (1.0 + p.LMUV * sqrt(V_sx * V_sx + V_sy * V_sy) / p.LONGVL)
-    df, dp = N / (p.LFZO * p.FNOMIN) - 1.0, p.pressure / p.NOMPRES - 1.0
-    forward = V_x / V
-    s = Slips(N, df, dp, -V_sx / V, p.side * atan(V_sy / V), p.side * lean, forward)
-    F_x, F_y, M_x, M_y, M_z = formula(p, s, mu, V_x)
-    share = at_least(at_most(k.N / least, 1.0), 0.0)
-    F_t, F_l = share * F_x, share * p.side * F_y
-    along, across = way * k.t, way * k.l
-    M = (share * p.side * M_x) * along + (share * forward * M_y) * across + (share * p.side * forward * M_z) * k.n
-    lost = at_least(-(F_t * V_sx + F_l * V_sy) - share * forward * M_y * dot(across, k.omega), 0.0)
-    return F_t * along + F_l * across, M, lost
+def no_spin(p, k, V, df):
+    """Return the rate of turning [rad/s], the turn slip and the spin [1/m] of a tyre without turn slip."""
+    return 0.0, 0.0, 0.0
+
+
+@kernel
+def spin_of(p, k, V, df):
+    """Return the rate of turning [rad/s], the turn slip and the spin [1/m] of the Slip ``k``."""
+    W = turning_rate(k)
+    return W, p.side * W / V, p.side * (W + of_camber(p, df) * k.spin * k.lean) / V
+
+
+def forces_of(formula, spin):
+    """Return ``forces`` by a formula, with turn slip or without."""
+
+    @kernel
+    def forces(p, laws, k):
+        """Return the SlipForces of the Slip ``k``."""
+        backward = _ramp(0.5 - 0.5 * dot(k.t, k.u) / p.least_speed)
+        F, M, lost = 0.0 * k.v, 0.0 * k.v, 0.0 * k.N
+        for way in (1.0, -1.0):
+            part = 1.0 - backward if way > 0.0 else backward
+            if value(part) > 0.0:
+                F_way, M_way, lost_way = rolling(p, k, way)
+                F, M, lost = F + part * F_way, M + part * M_way, lost + part * lost_way
+        return SlipForces(F, M, lost, lost + dot(F, k.v) + dot(M, k.omega))
+
+    @kernel
+    def rolling(p, k, way):
+        """Return force [N], moment [N m] and dissipated power [W] of a wheel that rolls along ``way`` t, 1 or -1."""
+        V_x, V_sy = way * dot(k.t, k.u), way * dot(k.l, k.v)
+        least = LEAST_LOAD * p.FNOMIN
+        N = at_least(k.N, least)
+        V_sx = way * dot(k.t, k.v) + (V_x - way * dot(k.t, k.v_0)) - rolling_radius(p, N, k.spin) * way * k.spin
+        V = sqrt(V_x * V_x + p.least_speed * p.least_speed)
+        lean = way * atan2(k.lean, sqrt(1.0 - k.lean * k.lean))
+        mu = at_least(k.grip, LEAST_GRIP) / (1.0 + p.LMUV * sqrt(V_sx * V_sx + V_sy * V_sy) / p.LONGVL)
+        df, dp = N / (p.LFZO * p.FNOMIN) - 1.0, p.pressure / p.NOMPRES - 1.0
+        forward, (W, turn, phi) = V_x / V, spin(p, k, sqrt(V * V + V_sy * V_sy), df)
+        s = Slips(N, df, dp, -V_sx / V, p.side * atan(V_sy / V), p.side * lean, forward, turn, phi)
+        F_x, F_y, M_x, M_y, M_z, M_turn = formula(p, s, mu, V_x)
+        share = at_least(at_most(k.N / least, 1.0), 0.0)
+        F_t, F_l, twist = share * F_x, share * p.side * F_y, share * p.side * M_turn
+        along, across = way * k.t, way * k.l
+        upright = share * p.side * forward * M_z + twist
+        M = (share * p.side * M_x) * along + (share * forward * M_y) * across + upright * k.n
+        lost = -(F_t * V_sx + F_l * V_sy) - share * forward * M_y * dot(across, k.omega) - twist * W
+        return F_t * along + F_l * across, M, at_least(lost, 0.0)
+
+    return forces
 
 
 EXAMPLE = {  # plausible values, with all terms of the formula nonzero
@@ -237,12 +279,16 @@ EXAMPLE = {  # plausible values, with all terms of the formula nonzero
     "QHZ2": -0.002, "QHZ3": 0.1, "QHZ4": 0.02, "PPZ1": -0.3, "PPZ2": 0.2, "SSZ1": 0.03, "SSZ2": 0.005, "SSZ3": 0.5,
     "SSZ4": -0.2, "QSX1": 0.01, "QSX2": 0.8, "QSX3": 0.05, "QSX4": 0.02, "QSX5": 1.2, "QSX6": 0.9, "QSX7": 2.0,
     "QSX8": 0.8, "QSX9": 1.5, "QSX10": 0.2, "QSX11": 1.1, "QSX12": 0.1, "QSX13": 0.01, "QSX14": 0.02, "PPMX1": 0.1,
+    "PECP1": 0.6, "PECP2": 0.1, "PDXP1": 0.4, "PDXP2": 0.1, "PDXP3": 2.0, "PKYP1": 0.8, "PDYP1": 0.5, "PDYP2": 0.1,
+    "PDYP3": 3.0, "PDYP4": 0.2, "PHYP1": 1.1, "PHYP2": 0.15, "PHYP3": 0.02, "PHYP4": -2.0, "QDTP1": 5.0, "QCRP1": 0.2,
+    "QCRP2": 0.4, "QBRP1": 0.3, "QDRP1": 1.1, "QDRP2": -1.5, "LMP": 0.9,
     "QSY1": 0.01, "QSY2": 0.02, "QSY3": 0.001, "QSY4": 1e-4, "QSY5": 0.1, "QSY6": 0.05, "QSY7": 0.85, "QSY8": -0.4,
     "BREFF": 8.0, "DREFF": 0.25, "FREFF": 0.07, "VERTICAL_STIFFNESS": 2e4, "Q_RE0": 0.995, "Q_V1": 0.001,
     "LONGITUDINAL_STIFFNESS": 9e3, "LATERAL_STIFFNESS": 5e3,
 }  # fmt: skip
 
 MAGIC_FORMULA = SlipLaw(
-    "magic_formula", __doc__, mapping(*FIELDS), forces, RECORD, prepare, check, limits, carcass, completed, sample,
-    seen=at_effective_radius, passive=False,
+    "magic_formula", __doc__, mapping(*FIELDS), forces_of(formula_of(straight, no_moment), no_spin), RECORD, prepare,
+    check, limits, carcass, completed, sample, seen=at_effective_radius, passive=False,
+    turning=forces_of(formula_of(turned, turning_moment), spin_of),
 )  # fmt: skip

@@ -66,6 +66,11 @@ class Carcass(NamedTuple):
     creep: tuple  # (along t, along l) rolling distances in which a deflection decays under a constant force [m]
 
 
+TORSIONAL_STIFFNESS = Field(
+    "torsional_stiffness", NUMBER, "N m/rad",
+    "for a transient_wheel with turn slip: moment per twist of the contact before it slides; rigid when absent", None,
+    positive,
+)  # fmt: skip
 CARCASS_FIELDS = (
     Field(
         "carcass_stiffness", NUMBERS, "N/m",
@@ -76,19 +81,15 @@ CARCASS_FIELDS = (
         "creep_length", NUMBER, "m", "rolling distance in which the carcass settles when the whole contact slides; "
         "its share of the relaxation length acts at once", 0.02, positive,
     ),
-    Field(
-        "torsional_stiffness", NUMBER, "N m/rad",
-        "for a transient_wheel with a contact_width: moment per twist of the contact before it slides; rigid when "
-        "absent", None, positive,
-    ),
+    TORSIONAL_STIFFNESS,
 )  # fmt: skip
 
 
-def check_twist(name, d):
+def check_twist(name, d, needed="contact_width"):
     """Return an error for a torsional stiffness among the values ``d`` of the law ``name`` without turn slip."""
-    if d["torsional_stiffness"] is None or d["contact_width"] > 0.0:
+    if d["torsional_stiffness"] is None or d[needed]:
         return []
-    return [f"'tire_law.{name}.torsional_stiffness' needs 'contact_width': without it no moment twists the contact"]
+    return [f"'tire_law.{name}.torsional_stiffness' needs '{needed}': without it no moment twists the contact"]
 
 
 def carcass_of(d):
@@ -128,7 +129,7 @@ class SlipLaw:
     """True if the force never drives the slip: lost = -F.v, given = M.omega"""
 
     turning: Callable | None = None
-    """as ``forces``, with turn slip: for tyre laws with a 'contact_width' (turn_slip.py)"""
+    """as ``forces``, with turn slip: for tyre laws with a 'contact_width' (turn_slip.py) or 'turn_slip'"""
     enveloping: bool = False
     """True for a wheel on the effective plane of its cams (enveloping.py) in place of the ground"""
     twists: bool = False

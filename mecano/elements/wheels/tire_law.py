@@ -77,7 +77,7 @@ def slip_law_of(values):
     """Return the SlipLaw of the values of a tyre law, with turn slip, rolling radius, resistance, cams."""
     law = given_law(values)
     own = values[law.name] if law.turning else {}
-    if own.get("contact_width"):
+    if own.get("contact_width") or own.get("turn_slip"):
         law = twisting_law(law) if own.get("torsional_stiffness") else turning_law(law)
     law = rolling_law(law) if is_given(values) else law
     return law if values.get("enveloping") is None else enveloping_law(law)
