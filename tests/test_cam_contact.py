@@ -10,6 +10,7 @@ from time_runs import RecordedRun, input_deck
 from mecano.analyses.dynamic import run
 from mecano.constraints.touching import touch_at_start
 from mecano.constraints.touching_cam import CAMS
+from mecano.constraints.touching_face import FACES
 from mecano.errors import DeckError
 from mecano.post.contact_outlines import outlines
 from mecano.post.runs import open_runs
@@ -95,4 +96,67 @@ CHANGES = [
 def test_cams_that_a_roller_cannot_follow_are_refused(change, message):
     with pytest.raises(DeckError) as info:
         input_deck("cam_float", change)
+    assert any(message in problem.message for problem in info.value.problems)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_gap_of_a_face_is_to_the_farthest_point_of_the_profile(seed):
+    """The least distance from the face of many points of the curve, also of a face that is not parallel to the axis."""
+    rng = np.random.default_rng(seed)
+    profile = (("sine", {"amplitude": 0.04, "frequency": 3.0 / (2.0 * np.pi), "phase": 0.4, "offset": 0.5}),)
+    axis, zero = np.linalg.qr(rng.normal(size=(3, 2)))[0].T
+    middle, place, on_face = rng.normal(size=(3, 3))
+    normal = place + 0.2 * axis
+    d = {
+        "cam": {"axis": axis, "zero": zero, "profile": profile, "center": middle},
+        "face": {"normal": -normal, "center": on_face}, "radius": 0.0,
+    }  # fmt: skip
+    angle = np.linspace(0.0, 2.0 * np.pi, 200001)[:, None]
+    rho = 0.5 + 0.04 * np.sin(3.0 * angle + 0.4)
+    curve = middle + rho * (np.cos(angle) * zero + np.sin(angle) * np.cross(axis, zero))
+    least = ((on_face - curve) @ normal).min() / np.linalg.norm(normal)
+    nodes = [(np.zeros(3), np.eye(3)), (rng.normal(size=3), np.eye(3))]
+    assert touch_at_start(FACES, d, nodes).gap == pytest.approx(least, abs=1e-8)
+
+
+FACE = (
+    "elements.profile={type: contact, nodes: [shaft, roller], cam: {axis: [0, 1, 0], zero: [0, 0, 1], profile: lift}, "
+)
+FLAT = (
+    f"{FACE}face: {{normal: [0, 0, -1]}}}}", "nodes.roller.position=[0, 0, 30 mm]",
+    "laws.lift={sine: {amplitude: 1 mm, frequency: 1/pi, phase: -90 deg, offset: 31 mm}}",
+)  # fmt: skip
+
+
+def test_a_flat_follower_rides_on_a_cam_of_any_profile(verify):
+    """A tappet under a spring that never lets it go: the highest point of the turned cam, and the force of its lift."""
+    run = RecordedRun(input_deck("cam_float", *FLAT, "elements.spring.law.spring.stiffness=15 kN/m", "time.end=15 ms"))
+    angle, t = np.linspace(0.0, 2.0 * np.pi, 400001), run.time[2:-2:5]
+
+    def lift(t):
+        return ((0.031 - 0.001 * np.cos(2.0 * angle)) * np.cos(angle + RATE * t)).max()
+
+    high, up = (np.array([lift(s + h) for s in t]) for h in (0.0, 1e-4))
+    down = np.array([lift(s - 1e-4) for s in t])
+    force = MASS * (G + (up - 2.0 * high + down) / 1e-8) + PRELOAD + 15e3 * (high - 0.030)
+    found = run["nodes/roller/position"][2:-2:5, 2], run["elements/profile/normal_force"].ravel()[2:-2:5]
+    np.testing.assert_allclose(found[0], high, atol=1e-8)
+    source = "highest point of the turned profile, differences of it"
+    what = "flat tappet on a cam of two lobes: force of the cam over the largest [-]"
+    verify("Contact", what, found[1] / force.max(), force / force.max(), source, absolute=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (("laws.lift={sine: {amplitude: 8 mm, frequency: 1/pi, offset: 33 mm}}",), "a face touches convex cams only"),
+        ((f"{FACE}radius: 1 mm, face: {{normal: [0, 0, -1]}}}}",), "'radius' is that of a ball or rod"),
+        ((f"{FACE}face: {{normal: [0, 1, 0]}}}}",), "'face.normal' must not be along 'cam.axis'"),
+        ((f"{FACE}face: {{normal: [0, 0, -1]}}, rod: {{axis: [0, 1, 0], length: 1}}}}",), "give only one of 'rod'"),
+        (("nodes.roller.position=[0, 0, 29 mm]",), "the face starts 0.001 m within the surface"),
+    ],
+)
+def test_faces_that_cannot_follow_a_cam_are_refused(changes, message):
+    with pytest.raises(DeckError) as info:
+        input_deck("cam_float", *FLAT, *changes)
     assert any(message in problem.message for problem in info.value.problems)

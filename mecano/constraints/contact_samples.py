@@ -13,7 +13,7 @@ def samples(rng):
     """Return (deck values, nodes, phase) of rigid and elastic contacts, those of balls first."""
     x = rng.normal(size=3)
     nodes = [(x - [0.0, 0.1, 0.0], np.eye(3)), (x + [0.3, 0.4, 0.6], np.eye(3))]
-    found = [*_balls(x), *_rods(x), *_balls_on_revolutions(x), *_ellipsoids(x), *_balls_on_cams(x)]
+    found = [*_balls(x), *_rods(x), *_balls_on_revolutions(x), *_ellipsoids(x), *_balls_on_cams(x), *_faces(x)]
     return [(values, nodes, phase) for values, phase in found]
 
 
@@ -68,9 +68,21 @@ def _balls_on_cams(x):
     ]
 
 
-def _lobes(number):
+def _faces(x):
+    cam = {"axis": AXIS, "zero": np.array([0.6, -0.8, 0.0]), "center": x, "profile": _lobes(3, 0.04)}
+    face = {"normal": -np.array([0.6, 0.8, 0.2]), "center": None}
+    deep, apart, farther = ({**face, "center": x + [0.3 * away, 0.4 * away, 0.6]} for away in (0.4, 0.8, 0.9))
+    surface = {"cam": cam, "radius": 0.0, "nodes": ["a", "b"]}
+    return [
+        *(({**surface, "face": deep, **of}, "closed") for of in (ROUGH, ELASTIC)),
+        *(({**surface, "face": apart}, phase) for phase in PHASES),
+        *(({**surface, "face": one, **DRY}, "closed") for one in (apart, farther)),
+    ]
+
+
+def _lobes(number, amplitude=0.08):
     """Return the profile of a cam with this number of lobes."""
-    return (("sine", {"amplitude": 0.08, "frequency": number / (2.0 * np.pi), "phase": 0.4, "offset": 0.45}),)
+    return (("sine", {"amplitude": amplitude, "frequency": number / (2.0 * np.pi), "phase": 0.4, "offset": 0.45}),)
 
 
 def _barrel(radius):

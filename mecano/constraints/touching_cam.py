@@ -100,12 +100,18 @@ def _directions(values):
 
 def check_cam(d, nodes):
     """Return errors for a profile that is not closed, smooth and positive, or too narrow, and for a ball inside."""
-    if np.linalg.norm(np.cross(unit(d["cam"]["axis"]), unit(d["cam"]["zero"]))) < ROUNDING:
-        return ["'cam.zero' must not be along 'cam.axis': it is a direction across it"]
-    if texts := _not_smooth(d["cam"]["profile"]) or _too_narrow(d["cam"]["profile"], d["radius"]):
+    both = "is less than that of the ball, which would touch both of its sides, but has only one contact"
+    if texts := check_cam_for(d, d["radius"], both):
         return texts
     gap = touch_at_start(CAMS, d, nodes).gap
     return ["node b is inside the cam: move it outside"] if gap + d["radius"] < 0.0 else []
+
+
+def check_cam_for(d, radius, because):
+    """Return errors for a cam that a follower of this radius [m] cannot follow, ``because`` of its hollows."""
+    if np.linalg.norm(np.cross(unit(d["cam"]["axis"]), unit(d["cam"]["zero"]))) < ROUNDING:
+        return ["'cam.zero' must not be along 'cam.axis': it is a direction across it"]
+    return _not_smooth(d["cam"]["profile"]) or _too_narrow(d["cam"]["profile"], radius, because)
 
 
 def _not_smooth(profile):
@@ -113,8 +119,8 @@ def _not_smooth(profile):
     places = [s for s in corners(profile) if 0.0 < s < TURN]
     if places:
         return [
-            f"'cam.profile' has a jump or a corner at {math.degrees(places[0]):g} deg; a roller needs a smooth one (a "
-            "table: 'interpolation: spline' or 'cubic')"
+            f"'cam.profile' has a jump or a corner at {math.degrees(places[0]):g} deg; a follower needs a smooth one "
+            "(a table: 'interpolation: spline' or 'cubic')"
         ]
     (start, first, _), (end, last, _) = curve_values(profile, np.array([0.0, TURN])).tolist()
     if max(abs(end - start), abs(last - first)) > CLOSED * abs(start):
@@ -125,8 +131,8 @@ def _not_smooth(profile):
     return []
 
 
-def _too_narrow(profile, radius):
-    """Return errors for radii of the profile that are not positive, or hollows narrower than a ball of this radius."""
+def _too_narrow(profile, radius, because):
+    """Return errors for radii of the profile that are not positive, or hollows narrower than this radius."""
     s = np.linspace(0.0, TURN, PROBES)
     s = np.sort(np.append(s, np.clip(shape_of_curve(profile, 0.0, TURN)[0], 0.0, TURN)))
     rho, slope, bend = curve_values(profile, s).T
@@ -135,11 +141,8 @@ def _too_narrow(profile, radius):
         return [f"'cam.profile' is {rho.min():.4g} m at {angle:.4g} deg; a radius must be greater than zero"]
     hollow = -(rho**2 + 2.0 * slope**2 - rho * bend) / (rho**2 + slope**2) ** 1.5
     if hollow.max() * radius > 1.0 + ROUNDING:
-        return [
-            f"'cam.profile' has a hollow at {math.degrees(s[np.argmax(hollow)]):.4g} deg whose radius, "
-            f"{1.0 / hollow.max():.4g} m, is less than that of the ball, which would touch both of its sides, but has "
-            "only one contact"
-        ]
+        place = math.degrees(s[np.argmax(hollow)])
+        return [f"'cam.profile' has a hollow at {place:.4g} deg whose radius, {1.0 / hollow.max():.4g} m, {because}"]
     return []
 
 

@@ -1,4 +1,4 @@
-"""Outlines of a contact as lines in space: the ball, rod or ellipsoid, and the surface on which it may lie."""
+"""Outlines of a contact as lines in space: the ball or other shape, and the surface on which it may lie."""
 
 from typing import TYPE_CHECKING
 
@@ -28,6 +28,8 @@ def outlines(motion: "AnyMotion", d: "Values") -> list[np.ndarray]:
     _, (_, across, along) = _directions(d, places)
     if d.get("ellipsoid"):
         return [*surface_outlines(motion, d, max(d["ellipsoid"]["semi_axes"])), *_ellipsoid(motion, d, places)]
+    if d.get("face"):
+        return [*surface_outlines(motion, d, 0.0), _face(motion, d, places)]
     ball = _on_b(motion, d, places, np.cross(along, across), along)
     return [*surface_outlines(motion, d, d["radius"]), ball]
 
@@ -104,6 +106,14 @@ def _on_b(motion, d, places, across, along):
     side = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     outline = _stadium(d["radius"], rod["length"], axis, side / np.linalg.norm(side))
     return _carried(motion, b, _middle(rod, places[b]) + outline)
+
+
+def _face(motion, d, places):
+    """Return the line of the face on node b, across the axis of the cam, as wide as the cam."""
+    face, cam = d["face"], _cam(motion.run.deck, d["cam"])
+    along = np.cross(d["cam"]["axis"], face["normal"])
+    line = np.outer([-1.0, 1.0], along / np.linalg.norm(along)) * np.linalg.norm(cam, axis=1).max()
+    return _carried(motion, d["nodes"][1], _middle(face, places[d["nodes"][1]]) + line)
 
 
 def _ellipsoid(motion, d, places):

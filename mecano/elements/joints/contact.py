@@ -1,4 +1,4 @@
-r"""Contact of a ball, rod or ellipsoid at node b with a surface of node a: plane, sphere, cylinder, capsule, profile.
+r"""Contact of a ball, rod, ellipsoid or face at node b with a surface of node a: plane, sphere, cylinder, cam.
 
 Without ``law`` the contact is rigid: it closes with a shock (docs/shocks.md), rebounds with the coefficient of
 ``restitution``, and opens where the normal force N, its multiplier, falls to zero. While closed it is held at the gap
@@ -20,7 +20,8 @@ that depends on the angle about its axis; a follower with a roller, the ball, le
 pull. A ``rod`` in place of the ball, a capsule, touches another capsule or cylinder in one point. Where both are
 parallel, the force acts in the middle of the part along which they touch, and does not resist their turning: two long
 parallel bodies need a contact near each end.
-An ``ellipsoid`` in place of the ball touches a plane in the point whose normal is that of the plane.
+An ``ellipsoid`` in place of the ball touches a plane in the point whose normal is that of the plane. A ``face`` in its
+place, a flat follower, touches a convex cam in the point that is farthest along its normal.
 With ``activate`` a contact has no force before, with ``release`` none after it. A rigid contact that overlaps when it
 is activated begins to act where it no longer does, whether or not the condition still holds there.
 """
@@ -43,6 +44,7 @@ from mecano.constraints.release import COMMAND, SAMPLE, with_release
 from mecano.constraints.touching import BALL, FIELDS, ROUNDING, check_one_surface, touch_at_start
 from mecano.constraints.touching_cam import CAMS
 from mecano.constraints.touching_ellipsoid import ELLIPSOID, ELLIPSOIDS
+from mecano.constraints.touching_face import FACE, FACES
 from mecano.constraints.touching_revolution import REVOLUTIONS
 from mecano.constraints.touching_rods import ROD, RODS
 from mecano.element_interface import CONTACT as SHOCK
@@ -58,7 +60,7 @@ CLOSES = Event(
 )
 OPENS = Event("opens", "closed", "open", "the normal force falls to zero")
 SHAPES = {  # by fields of the deck
-    "rod": RODS, "ellipsoid": ELLIPSOIDS, "revolution": REVOLUTIONS, "cam": CAMS, "ball": BALL,
+    "rod": RODS, "ellipsoid": ELLIPSOIDS, "face": FACES, "revolution": REVOLUTIONS, "cam": CAMS, "ball": BALL,
 }  # fmt: skip
 
 
@@ -102,7 +104,8 @@ def check(d, nodes):
         texts += ["'damping' needs 'law': a rigid contact has none"] if d["damping"] else []
         texts += check_friction(d)
         if not texts and not d["activate"] and (gap := touch_at_start(shapes, d, nodes).gap) < -ROUNDING:
-            texts.append(f"the {_shape_of_b(d)} starts {-gap:.6g} m within the surface, which is rigid without 'law'")
+            shape = (*_shapes_of_b(d), "ball")[0]
+            texts.append(f"the {shape} starts {-gap:.6g} m within the surface, which is rigid without 'law'")
         return texts
     if d["restitution"]:
         texts.append("'restitution' applies to a rigid contact only; with 'law' give 'damping'")
@@ -112,14 +115,13 @@ def check(d, nodes):
     return texts + check_friction(d)
 
 
-def _shape_of_b(d):
-    return next((name for name in ("rod", "ellipsoid") if d[name] is not None), "ball")
+def _shapes_of_b(d):
+    return [name for name in ("rod", "ellipsoid", "face") if d[name] is not None]
 
 
 def _check_shape_of_b(d):
-    """Return an error for two shapes on node b."""
-    both = d["rod"] is not None and d["ellipsoid"] is not None
-    return ["give 'rod' or 'ellipsoid', not both"] if both else []
+    """Return an error for several shapes on node b."""
+    return [] if len(_shapes_of_b(d)) < 2 else ["give only one of 'rod', 'ellipsoid' and 'face'"]
 
 
 def sample_in_time(rng):
@@ -139,10 +141,11 @@ _ALWAYS_ACTIVE = Kind(
     dtype=_record(BALL),
     layout=BALL.layout,
     fields=(
-        Field("nodes", NODE_PAIR, "-", "node a, which carries the surface, and node b, of the ball, rod or ellipsoid"),
+        Field("nodes", NODE_PAIR, "-", "node a, which carries the surface, and node b, of the ball or other shape"),
         *FIELDS,
         ROD,
         ELLIPSOID,
+        FACE,
         Field(
             "law", CURVE, "N", "normal force, a curve of the depth [m], zero at zero; rigid when absent", None,
             argument="m",
