@@ -7,7 +7,7 @@ import numpy as np
 
 from mecano.maths.so3 import exp
 from mecano.maths.vector import Vec3
-from mecano.results.energy_balance import EXCHANGED, scale_of_balance
+from mecano.results.energy_balance import energy_ranges, scale_of_balance
 
 if TYPE_CHECKING:
     from mecano.model.extremes import Extremes
@@ -39,12 +39,11 @@ def circle_warnings(
     system, h, spins, s = method.system, values["step"], _spins(sampler), run.motion
     if not np.any(_off(method, _rates(spins, extremes) * h) > OFF):
         return
-    starts = {column.path: column.start for column in sampler.columns}
     mass = system.assemble(s, cM=1.0).data[system.diagonal[: system.n_q]]
     circles = []
     for i, (column, x) in enumerate(zip(spins, np.asarray(sampler.nodes.x).tolist(), strict=True)):
         if 0 <= x < system.n_q and mass[x] > 0.0:
-            about = _circle(column, starts, extremes), _turning_circle(run, i, x, sampler.nodes)
+            about = _circle(column, sampler.starts, extremes), _turning_circle(run, i, x, sampler.nodes)
             circles += [(*circle, mass[x], column.path) for circle in about]
     rate, radius, m, path = max(circles, key=lambda circle: circle[0] ** 2 * circle[1] * circle[2], default=(0,) * 4)
     [off] = _off(method, np.array([rate * h]))
@@ -80,11 +79,10 @@ def unstable_turning_warnings(values: "Values", sampler: "Sampler", extremes: "E
 
 def _has_grown(sampler, extremes):
     """Return whether the sum of the energies has grown by much of what was exchanged."""
-    at = {column.path: column.start for column in sampler.columns}
-    high, low, balance = extremes.high, extremes.low, at["energy/balance"]
-    ranges = {name: (low[at[f"energy/{name}"]], high[at[f"energy/{name}"]]) for name in (*EXCHANGED, "balance")}
+    balance = sampler.starts["energy/balance"]
     grows = extremes.high_time[balance] > extremes.low_time[balance]
-    return grows and high[balance] - low[balance] > GROWN * scale_of_balance(ranges)[1]
+    ranges = energy_ranges(sampler, extremes)
+    return grows and np.ptp(ranges["balance"]) > GROWN * scale_of_balance(ranges)[1]
 
 
 def _off(method, phases):

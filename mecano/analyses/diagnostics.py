@@ -12,7 +12,7 @@ from mecano.element_interface import SECTIONS, WAITS
 from mecano.elements import KINDS
 from mecano.errors import name_list
 from mecano.model.output_limits import watched_outputs
-from mecano.results.energy_balance import EXCHANGED, scale_of_balance
+from mecano.results.energy_balance import EXCHANGED, energy_ranges, scale_of_balance
 
 if TYPE_CHECKING:
     from mecano.deck.deck import Deck
@@ -65,7 +65,7 @@ def capture_warnings(values: "Values", capture: "EventCapture") -> Iterator[str]
 
 def untouched_ground_warnings(deck: "Deck", sampler: "Sampler", extremes: "Extremes") -> Iterator[str]:
     """Yield a warning if the model has wheels, but their loads were always zero: none touched its ground."""
-    at = {column.path: column.start for column in sampler.columns}
+    at = sampler.starts
     wheels = [n for n, d in deck.values["elements"].items() if "wheels" in KINDS[d["type"]].display.pictures]
     loads = [at.get(f"elements/{name}/radial_force", at.get(f"elements/{name}/normal_force")) for name in wheels]
     if wheels and not any(i is None or extremes.high[i] or extremes.low[i] for i in loads):
@@ -74,9 +74,8 @@ def untouched_ground_warnings(deck: "Deck", sampler: "Sampler", extremes: "Extre
 
 def wrap_warnings(deck: "Deck", sampler: "Sampler", extremes: "Extremes") -> Iterator[str]:
     """Yield warnings on angles in formulas that jumped by a turn, because they are known within one turn only."""
-    at = {column.path: column.start for column in sampler.columns}
     for section, name, kind, output in _wrapping(deck) if deck.formulas else ():
-        i, read = at[f"{section}/{name}/{output}"], re.compile(rf"(?<![\w.]){re.escape(name)}\.{output}\b")
+        i, read = sampler.starts[f"{section}/{name}/{output}"], re.compile(rf"(?<![\w.]){re.escape(name)}\.{output}\b")
         formulas = [f"'{text}'" for text in deck.formulas if read.search(text)]
         if formulas and extremes.high[i] - extremes.low[i] > WRAPPED:
             yield (
@@ -95,12 +94,9 @@ def _wrapping(deck):
 
 def energy_warnings(values: "Values", sampler: "Sampler", extremes: "Extremes") -> Iterator[str]:
     """Yield a warning if the integration lost or created energy; ``values`` are the section ``time`` of the deck."""
-    at = {column.path: column.start for column in sampler.columns}
-    high, low, balance = extremes.high, extremes.low, at["energy/balance"]
-    energies, off = [at[f"energy/{name}"] for name in EXCHANGED], high[balance] - low[balance]
-    ranges = {name: (low[at[f"energy/{name}"]], high[at[f"energy/{name}"]]) for name in (*EXCHANGED, "balance")}
-    compared, scale = scale_of_balance(ranges)
-    if not off > max(UNBALANCED * scale, NOISE * max(max(high[i], -low[i]) for i in energies)):
+    ranges, balance = energy_ranges(sampler, extremes), sampler.starts["energy/balance"]
+    off, (compared, scale) = np.ptp(ranges["balance"]), scale_of_balance(ranges)
+    if not off > max(UNBALANCED * scale, NOISE * np.abs([ranges[name] for name in EXCHANGED]).max()):
         return
     first, last = extremes.high_time[balance], extremes.low_time[balance]
     what = "Integration error creates energy"
@@ -135,8 +131,10 @@ def oscillation_warnings(
     largest = {unit: max((x for c, x in zip(of, ringing.largest, strict=True) if c.unit == unit), default=0.0)
                for unit in FORCES}  # fmt: skip
     largest["N m"] = max(largest["N m"], length * largest["N"])
-    moving = next(extremes.high[c.start] for c in sampler.columns if c.path == "energy/kinetic")
-    work = max(ROUNDED * moving, mass * (length / values["step"]) ** 2 * ROUNDED_POSITIONS)
+    work = max(
+        ROUNDED * extremes.high[sampler.starts["energy/kinetic"]],
+        mass * (length / values["step"]) ** 2 * ROUNDED_POSITIONS,
+    )
     rounding = {"N": work / length, "N m": work, "Pa": 0.0}
     found = ringing.found(np.array([max(LEAST_SWING * largest[c.unit], rounding[c.unit]) for c in of]))
     if not found:
@@ -220,7 +218,7 @@ def open_latch_warnings(deck: "Deck", row: np.ndarray, sampler: "Sampler") -> It
 
     Latches with a release may have been closed before.
     """
-    columns, found = {column.path: column.start for column in sampler.columns}, []
+    columns, found = sampler.starts, []
     joints = deck.values["joints"].items()
     latched = {name: d for name, d in joints if d.get("latch") and not d["latch"]["release"]}
     for name, d in latched.items():

@@ -83,7 +83,7 @@ class StaticSample:
 
 
 class Sampler:
-    """Builder of the row; ``columns`` describe it."""
+    """Builder of the row; ``columns`` describe it, ``starts`` are the indices of their first numbers by path."""
 
     def __init__(self, system: "System"):
         self.system, self.columns, units = system, [], system.signal_units
@@ -101,8 +101,8 @@ class Sampler:
         self._declare("energy", [(*item, (), "", False) for item in ENERGIES])
         self.row = np.zeros(self._size())
         self._fill = fill.bind(self.row, self.nodes)
-        starts = {column.path: column.start for column in self.columns}
-        rated = [(column.start, starts[column.rate], column.size) for column in self.columns if column.rate]
+        self.starts = {column.path: column.start for column in self.columns}
+        rated = [(column.start, self.starts[column.rate], column.size) for column in self.columns if column.rate]
         pairs = [(first + i, rate + i) for first, rate, size in rated for i in range(size)]
         self.pairs = np.array(pairs, np.int64).reshape(-1, 2)
         turned = [c.start for c in self.columns if c.shape == QUATERNION and c.start >= self.node_size]

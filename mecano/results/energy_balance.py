@@ -1,9 +1,20 @@
 """Scale of an error of the energy balance, for warnings, summaries and pictures."""
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mecano.model.extremes import Extremes
+    from mecano.model.sampler import Sampler
 
 EXCHANGED = ("kinetic", "potential", "dissipated", "given")
 OF_OTHERS = 0.1  # of an error of the balance: smaller changes of the other energies count as zero
+
+
+def energy_ranges(sampler: "Sampler", extremes: "Extremes") -> dict[str, tuple[float, float]]:
+    """Return {name: (smallest, largest)} [J] of the energies and of their balance, for ``scale_of_balance``."""
+    places = {name: sampler.starts[f"energy/{name}"] for name in (*EXCHANGED, "balance")}
+    return {name: (extremes.low[i], extremes.high[i]) for name, i in places.items()}
 
 
 def scale_of_balance(ranges: Mapping[str, tuple[float, float]]) -> tuple[str, float]:
