@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.analyses.differences import difference
 from mecano.analyses.kind_samples import GRAVITY, seed_of
 from mecano.element_interface import Context, record
 from mecano.elements.wheels.rolling_contact import law_samples
@@ -104,23 +105,19 @@ def _close(found, expected, what):
     assert abs(found - expected) <= 1e-6 * (1.0 + abs(expected)), f"{what}: {found:.9g} instead of {expected:.9g}"
 
 
-def _difference(function, x):
-    near, far = (function(x + s) - function(x - s) for s in (STEP, 2.0 * STEP))
-    return (8.0 * near - far) / (12.0 * STEP)
-
-
 def check_derivatives(term: "Term") -> None:
     """The derivatives of the term are those of its value."""
     for laws, start, arguments, _ in _trials(term):
         for s in arguments:
             if term.role == "curve":
                 _, d, h = evaluate_curve(laws, start, s)
-                _close(d, _difference(lambda x: evaluate_curve(laws, start, x)[0], s), "dy/ds")  # noqa: B023
-                _close(h, _difference(lambda x: evaluate_curve(laws, start, x)[1], s), "d2y/ds2")  # noqa: B023
+                slopes = difference(lambda h: np.array(evaluate_curve(laws, start, s + h)), STEP)  # noqa: B023
+                _close(d, slopes[0], "dy/ds")
+                _close(h, slopes[1], "d2y/ds2")
             else:
                 _, by_s, by_v = evaluate_force(laws, start, s, 0.7)
-                _close(by_s, _difference(lambda x: evaluate_force(laws, start, x, 0.7)[0], s), "dF/ds")  # noqa: B023
-                _close(by_v, _difference(lambda v: evaluate_force(laws, start, s, v)[0], 0.7), "dF/dv")  # noqa: B023
+                _close(by_s, difference(lambda h: evaluate_force(laws, start, s + h, 0.7)[0], STEP), "dF/ds")  # noqa: B023
+                _close(by_v, difference(lambda h: evaluate_force(laws, start, s, 0.7 + h)[0], STEP), "dF/dv")  # noqa: B023
 
 
 def check_potential(term: "Term") -> None:
