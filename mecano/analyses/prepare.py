@@ -210,7 +210,7 @@ def startup_warnings(prepared: Prepared, start: "RunState | None" = None, begun:
             f"{group.count} redundant constraint(s) among: {joints}. The motion is not affected; the reactions of "
             "these constraints are not unique"
         )
-        texts += _friction_of(prepared.system, group) + _read_by_signals(prepared.system, group)
+        texts += _dependent_on_reactions(prepared.system, group)
     if not analysis.complete:
         texts.append(
             f"more than {DENSE_ROWS} constraints form closed loops: their redundancy is not analysed, and the run "
@@ -282,33 +282,25 @@ def _moves(motion):
     return isinstance(motion, str) or any(term != "constant" for term, _ in motion)
 
 
-def _friction_of(system, group):
-    """Return a list with a warning if friction depends on the reactions of a redundant group; [] otherwise."""
-    owners = _owners(system, system.coupled_multipliers, group)
-    if not owners:
-        return []
-    return [
-        f"the friction of {', '.join(owners)} depends on reactions that are not unique: friction and motion depend on "
-        "how equal compliances of the redundant constraints distribute the reactions; release redundant constraints, "
-        "or give other joints of the group a 'compliance'"
-    ]
+def _dependent_on_reactions(system, group):
+    """Yield warnings if friction or signals depend on the reactions of a redundant group."""
+    if owners := _owners(system, system.coupled_multipliers, group):
+        yield (
+            f"the friction of {', '.join(owners)} depends on reactions that are not unique: friction and motion depend "
+            "on how equal compliances of the redundant constraints distribute the reactions; release redundant "
+            "constraints, or give other joints of the group a 'compliance'"
+        )
+    if owners := _owners(system, system.sensed_multipliers, group):
+        yield (
+            f"signals read reactions of {', '.join(owners)} that are not unique: they depend on how equal compliances "
+            "of the redundant constraints distribute the reactions"
+        )
 
 
 def _owners(system, multipliers, group):
     """Return the elements of a redundant group to which some of the ``multipliers`` belong."""
     names = {system.numbering.name[system.n_q + i] for i in multipliers}
     return sorted({name.place for name in names & set(group.names)})
-
-
-def _read_by_signals(system, group):
-    """Return a list with a warning if signals read reactions of a redundant group; [] otherwise."""
-    owners = _owners(system, system.sensed_multipliers, group)
-    if not owners:
-        return []
-    return [
-        f"signals read reactions of {', '.join(owners)} that are not unique: they depend on how equal compliances of "
-        "the redundant constraints distribute the reactions"
-    ]
 
 
 def chosen_values(prepared: Prepared, integrator: TimeIntegrator, start: "RunState") -> dict[str, float]:
