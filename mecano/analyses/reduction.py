@@ -9,12 +9,12 @@ import numpy as np
 from mecano.deck.build import build
 from mecano.deck.physics import element_nodes
 from mecano.elements import KINDS
-from mecano.errors import ResultsError, UsageError
+from mecano.errors import UsageError
 from mecano.model.mesh import divided, inner_names
 from mecano.model.model import Model, Node
 from mecano.model.quantity_names import UnknownQuantity
 from mecano.model.system import System
-from mecano.results.whole_file import atomic_file, exists, refuse_other_than_file
+from mecano.results.whole_file import atomic_file, refuse_present
 from mecano.solve.diagnostics.scales import length_scale
 from mecano.solve.modal.reduction import Reduction, reduce
 
@@ -54,9 +54,7 @@ def new_file(path: "str | os.PathLike[str]", force: bool) -> Path:
     path = Path(path)
     if path.suffix not in (".npz", ".h5"):
         raise UsageError(f"reduced matrices are written to .npz or .h5 files, not '{path.name}'")
-    refuse_other_than_file(path)
-    if exists(path) and not force:
-        raise ResultsError(f"{path} exists; --force replaces it")
+    refuse_present(path, force)
     return path
 
 

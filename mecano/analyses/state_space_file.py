@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mecano.errors import ConvergenceError, ResultsError, UsageError
+from mecano.errors import ConvergenceError, UsageError
 from mecano.model.numbering import ROTATION, TRANSLATION
-from mecano.results.whole_file import atomic_file, exists
+from mecano.results.whole_file import atomic_file, refuse_present
 from mecano.solve.modal.frequency_response import TransferFunction
 from mecano.solve.modal.state_space import ImproperError, StateSpace, state_space
 
@@ -31,8 +31,7 @@ def refuse(path: "str | os.PathLike[str]", force: bool) -> None:
     """Raise UsageError for an ending not in ENDINGS, and ResultsError if the file exists, unless ``force``."""
     if Path(path).suffix not in ENDINGS:
         raise UsageError(f"--state-space {os.fspath(path)}: the name of the file ends with {' or '.join(ENDINGS)}")
-    if exists(path) and not force:
-        raise ResultsError(f"{os.fspath(path)} already exists; give another name, or --force to replace it")
+    refuse_present(path, force)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from mecano.results.disk import atomic_hdf5_file
 from mecano.results.file_names import refuse_existing
 from mecano.results.lock import locked
 from mecano.results.vtk_group import add_grids, write_grids
-from mecano.results.whole_file import exists, refuse_other_than_file, write_csv
+from mecano.results.whole_file import exists, refuse_other_than_file, refuse_present, write_csv
 
 if TYPE_CHECKING:
     import os
@@ -91,13 +91,12 @@ def _check(target, series, vtk):
 
 
 def _refuse(run, target, force):
-    refuse_other_than_file(target)
     if exists(target) and target.samefile(run.results.path):
         raise UsageError(f"-o {target} is the results file itself")
     if target.suffix == OF_CELLS:
         refuse_existing(target, force)
-    elif exists(target) and not force:
-        raise ResultsError(f"{target} already exists; give another name, or --force to replace it")
+    else:
+        refuse_present(target, force)
 
 
 def _into_results(run, force):

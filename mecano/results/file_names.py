@@ -10,7 +10,7 @@ from mecano.errors import ResultsError, UsageError
 from mecano.results.disk import SIGNATURE
 from mecano.results.lock import locked
 from mecano.results.provenance import is_running
-from mecano.results.whole_file import exists, hidden_name, refuse_other_than_file
+from mecano.results.whole_file import exists, first_bytes, hidden_name, refuse_other_than_file
 
 _EXISTS = "{} already exists; give another name, or --force (in Python force=True) to replace it"
 OTHERS = (".csv", ".txt", ".xlsx", ".mat", ".json", ".yaml", ".yml", ".png", ".html", ".vtkhdf")  # of other formats
@@ -30,12 +30,7 @@ def refuse_existing(path: str | os.PathLike[str], force: bool) -> None:
         return
     if not force:
         raise ResultsError(_EXISTS.format(path))
-    try:
-        with open(path, "rb") as file:
-            begins = file.read(len(SIGNATURE))
-    except OSError as error:
-        raise ResultsError(f"cannot read {path}, which would be replaced: {error.strerror}") from error
-    if begins != SIGNATURE:
+    if first_bytes(path, len(SIGNATURE)) != SIGNATURE:
         raise ResultsError(f"{path} already exists and is not a results file; give another name")
 
 

@@ -79,17 +79,21 @@ def refuse_foreign(path: "Path", force: bool, heading: Sequence[str] | None = No
     if force or not exists(path):
         return
     expected = MARK if heading is None else csv_line(heading).encode()
-    try:
-        with open(path, "rb") as file:
-            begins = file.read(BEGINNING if heading is None else len(expected))
-    except OSError as error:
-        raise ResultsError(f"cannot read {path}, which would be replaced: {error.strerror}") from error
-    if expected not in begins:
+    if expected not in first_bytes(path, BEGINNING if heading is None else len(expected)):
         other = ", and is not known to be written by mecano" if path.suffix in MARKED else ""
         raise ResultsError(f"{path} already exists{other}; --force replaces it")
 
 
-def refuse_present(path: "Path", force: bool) -> None:
+def first_bytes(path: str | os.PathLike[str], count: int) -> bytes:
+    """Return the first bytes of a file that would be replaced. Raises ResultsError."""
+    try:
+        with open(path, "rb") as file:
+            return file.read(count)
+    except OSError as error:
+        raise ResultsError(f"cannot read {path}, which would be replaced: {error.strerror}") from error
+
+
+def refuse_present(path: str | os.PathLike[str], force: bool) -> None:
     """Raise ResultsError if a file ``path`` exists, whatever it contains, unless ``force`` is True."""
     refuse_other_than_file(path)
     if exists(path) and not force:
