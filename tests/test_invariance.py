@@ -42,7 +42,7 @@ def turned(deck):
     values["initial"] = {**values["initial"], "velocities": velocities}
     for section in SECTIONS:
         items = values[section].items()
-        values[section] = {name: turned_values(KINDS[d["type"]], d, Q, SHIFT) for name, d in items}
+        values[section] = {name: turned_values(KINDS[d["type"]].fields, d, Q, SHIFT) for name, d in items}
     return replace(deck, values=values)
 
 

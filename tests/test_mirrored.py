@@ -38,7 +38,7 @@ SIX = "along_1", "along_2", "along_axis", "about_1", "about_2", "about_axis"
 
 def mirrored(kind, d, flipped):
     """The deck values of an element in the mirror."""
-    out = turned_values(kind, d, MIRROR, SHIFT)
+    out = turned_values(kind.fields, d, MIRROR, SHIFT)
     for name in AXIAL.get(kind.name, ()):
         out[name] = None if d.get(name) is None else -out[name]
     for field in kind.fields:  # in the axes of the node

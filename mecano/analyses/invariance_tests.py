@@ -9,7 +9,7 @@ from mecano.analyses.constraint_tests import is_inactive
 from mecano.analyses.kind_samples import GRAVITY, PENALTY, Instance, Motion, expand, samples, seed_of
 from mecano.analyses.power_tests import energies
 from mecano.element_interface import Kind
-from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL, Values
+from mecano.schema import DIRECTION, GROUND, POINT, VECTOR, WHEEL, Field, Values
 
 
 def check_invariance(kind: Kind) -> None:
@@ -17,7 +17,7 @@ def check_invariance(kind: Kind) -> None:
     rng = seed_of("turn")
     Q, shift = Rotation.random(None, rng).as_matrix(), rng.normal(size=3)
     for sample in samples(kind):
-        values = turned_values(kind, sample.values, Q, shift)
+        values = turned_values(kind.fields, sample.values, Q, shift)
         nodes = [(Q @ x + shift, Q @ R) for x, R in sample.nodes]
         twins = expand(kind, values, nodes, sample.phase, Q @ GRAVITY, seed_of("unused"))
         here, there = sample.motion, sample.motion.moved(Q, shift)
@@ -82,18 +82,13 @@ def force_on_nodes(instances: Iterable[Instance], motion: Motion, penalty: float
     return [force, moment, np.concatenate([*scalars, np.zeros(0)]), np.sqrt(size)]
 
 
-def turned_values(kind: Kind, values: Values, Q: np.ndarray, shift: np.ndarray) -> Values:
-    """Return the deck values with all inertial quantities rotated by Q and shifted."""
-    return _turned(kind.fields, values, Q, shift)
-
-
-def _turned(fields, values, Q, shift):
-    """Return ``values`` of these ``fields``, rotated and shifted."""
+def turned_values(fields: Iterable[Field], values: Values, Q: np.ndarray, shift: np.ndarray) -> Values:
+    """Return deck values of these ``fields`` with all inertial quantities rotated by Q and shifted."""
     out = dict(values)
     for field in fields:
         value = values.get(field.name)
         if value is not None and field.type.name == "mapping":
-            out[field.name] = _turned(field.type.options, value, Q, shift)
+            out[field.name] = turned_values(field.type.options, value, Q, shift)
         if value is not None and field.type in (VECTOR, DIRECTION):
             out[field.name] = Q @ np.asarray(value, float)
         if value is not None and field.type == POINT:
