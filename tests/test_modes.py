@@ -632,13 +632,13 @@ def test_info_of_a_file_of_modes(tmp_path):
 
 
 def test_pictures(tmp_path):
-    from mecano.post.mode_shapes import draw_modes
+    from mecano.post.pictures import draw_alone
 
     modes(deck(column(1.0)), tmp_path / "c.h5")
-    picture = draw_modes(tmp_path / "c.h5")
+    picture = draw_alone(tmp_path / "c.h5")
     assert picture == tmp_path / "c.png" and picture.stat().st_size > 10_000
     with pytest.raises(ResultsError, match="is not a file of modes|is not a results file"):
-        draw_modes(picture)
+        read_modes(picture)
 
 
 @pytest.mark.parametrize(("slowest", "zeros"), [(-1.0, 1), (-3e-9, 0)])

@@ -14,7 +14,7 @@ from mecano.cli import commands
 from mecano.commands.solving import About
 from mecano.deck.read import read_deck
 from mecano.errors import ConvergenceError, ResultsError, UsageError
-from mecano.post.mode_shapes import draw_modes
+from mecano.post.pictures import draw_alone
 
 FOLDED = 0.9 * np.pi
 ROOT, FLAP = 8.0, 3.0  # N m/rad
@@ -165,7 +165,7 @@ def test_where_nothing_moves_there_are_no_shapes_to_draw(tmp_path, capsys):
     assert capsys.readouterr()[0].rstrip().endswith("\nnothing moves, so there are no shapes to draw")
     assert not modes_file.with_suffix(".png").exists()
     with pytest.raises(ResultsError, match="nothing moves"):
-        draw_modes(modes_file)
+        draw_alone(modes_file)
 
 
 def test_a_model_without_mass_has_no_modes():

@@ -17,7 +17,8 @@ from mecano.elements.bodies.reduced_matrices import buckling_load, first_clamped
 from mecano.elements.bodies.superelement import SUPERELEMENT
 from mecano.errors import AssemblyError, UsageError
 from mecano.model.system import System
-from mecano.post.mode_shapes import AMPLITUDE, draw_modes, mode_sketches
+from mecano.post.mode_shapes import AMPLITUDE, mode_sketches
+from mecano.post.pictures import draw_alone
 from mecano.post.quantity import find
 from mecano.post.recovered import recover
 from mecano.results.modes_file import read_modes
@@ -310,7 +311,7 @@ def test_modes_of_a_deck_and_of_a_saved_state(tmp_path):
     expected = modes(full, None, number=3)[1].frequency
     found = modes(small, tmp_path / "modes.h5", number=3)[1]
     np.testing.assert_allclose(found.frequency, expected, rtol=1e-7)
-    assert draw_modes(tmp_path / "modes.h5").stat().st_size > 10_000
+    assert draw_alone(tmp_path / "modes.h5").stat().st_size > 10_000
     modes(full, tmp_path / "full_modes.h5", number=3)
     own, whole = read_modes(tmp_path / "modes.h5"), read_modes(tmp_path / "full_modes.h5")
     names = small.values["elements"]["s"]["file"]["interior_names"]

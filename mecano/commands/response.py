@@ -97,9 +97,9 @@ def response(
     request = ResponseRequest(refined=not unrefined, **requested)
     path = _compute(find, request, deck, overrides, "response", written, state_space=matrices)
     if written.plot:
-        from mecano.post.bode import draw_response
+        from mecano.post.pictures import draw_alone
 
-        show(str(draw_response(path)))
+        show(str(draw_alone(path)))
 
 
 @click.command(short_help="Compute gain, phase and delay margins of a loop.")
@@ -127,9 +127,9 @@ def margins(deck: str, written: Written, overrides: tuple[str, ...], **requested
 
     path = _compute(find, LoopRequest(**requested), deck, overrides, "margins", written)
     if written.plot:
-        from mecano.post.nyquist import draw_margins
+        from mecano.post.pictures import draw_alone
 
-        show(str(draw_margins(path)))
+        show(str(draw_alone(path)))
 
 
 def _compute(

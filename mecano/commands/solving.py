@@ -170,16 +170,17 @@ def modes(
         path = output or f"{stem}_sweep.h5"
         _sweep(path, deck, overrides, swept, quiet, number=number, **options)
         if plot:
-            from mecano.post.loci import draw_sweep
+            from mecano.post.pictures import draw_alone
 
-            show(str(draw_sweep(path, below=swept.below)))
+            show(str(draw_alone(path, below=swept.below)))
     else:
         path = output or f"{stem}_modes{about.suffix}.h5"
         found = _modes_about(path, deck, overrides, quiet, number=number or 10, **about._asdict(), **options)
         if plot:
-            from mecano.post.mode_shapes import NO_SHAPES, draw_modes
+            from mecano.post.mode_shapes import NO_SHAPES
+            from mecano.post.pictures import draw_alone
 
-            show(str(draw_modes(path)) if len(found.values) else NO_SHAPES)
+            show(str(draw_alone(path)) if len(found.values) else NO_SHAPES)
 
 
 def _refuse_unfit(about, swept):

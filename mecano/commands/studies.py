@@ -156,9 +156,9 @@ def _finish(table, plot):
 
     show(table.summary())
     if plot:
-        from mecano.post.study_plots import draw_study
+        from mecano.post.pictures import draw_alone
 
-        show(str(draw_study(table.folder.table)))
+        show(str(draw_alone(table.folder.table)))
     require_success(table)
 
 

@@ -1,6 +1,5 @@
 """Bode diagram of a file of a response: magnitude and phase of its transfer functions over the frequency."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import matplotlib
@@ -8,13 +7,11 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFormatter
 
-from mecano.post.figure import plain_figure, save_beside
+from mecano.post.figure import plain_figure
 from mecano.post.style import COLOURS, DASHES, LEGEND, SETTINGS, legend_columns, power_of_ten
-from mecano.results.response_file import ResponseFile, ratio_unit, read_response
+from mecano.results.response_file import ResponseFile, ratio_unit
 
 if TYPE_CHECKING:
-    import os
-
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -26,14 +23,6 @@ LINE = 0.2  # inches of the legend
 RANGE = 1e4  # of magnitudes that are shown, below their median
 FEW = 20  # frequencies up to which each is marked
 ROUND = (30.0, 45.0, 90.0, 180.0, 360.0)  # deg, steps of the axis of the phase
-
-
-def draw_response(
-    path: "str | os.PathLike[str]", output: "str | os.PathLike[str] | None" = None, kind: str = "png"
-) -> Path:
-    """Draw the picture of a response next to its file, or at ``output``; return its Path. Raises ResultsError."""
-    file = read_response(path)
-    return save_beside(response_figure(file), file.path, output, kind)
 
 
 def response_figure(file: ResponseFile) -> "Figure":

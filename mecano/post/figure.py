@@ -17,7 +17,7 @@ from mecano.post.sheet import Panel, Sheet
 from mecano.post.style import GREY, LEGEND, LINE_OF_TEXT, SETTINGS, legend_columns
 
 if TYPE_CHECKING:
-    import os
+    pass
 
 PANEL = (4.6, 2.35)  # inches
 SKETCH_WIDTH, LOWEST, HIGHEST = 9.5, 2.0, 7.0
@@ -80,13 +80,6 @@ def save(figure: Figure, target: Path | IO[bytes], kind: str = "") -> None:
             figure.savefig(target, format=kind, metadata=METADATA[kind])
         except OSError as error:
             raise ResultsError(f"cannot write {target}: {error.strerror}") from error
-
-
-def save_beside(figure: Figure, path: Path, output: "str | os.PathLike[str] | None", kind: str) -> Path:
-    """Write a figure at ``output``, by default next to the file ``path``, and return its Path. Raises ResultsError."""
-    target = Path(output) if output else path.with_suffix(f".{kind}")
-    save(figure, target)
-    return target
 
 
 def _room(sheet, styles, cells, width):

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import matplotlib
@@ -14,14 +13,12 @@ from matplotlib.ticker import MaxNLocator
 from mecano.deck.unit_of import parameters_of, unit_of
 from mecano.errors import UsageError
 from mecano.post.campbell import campbell_figure
-from mecano.post.figure import plain_figure, save_beside
+from mecano.post.figure import plain_figure
 from mecano.post.style import COLOURS, DASHES, GREY, INK, SETTINGS, note_below, with_unit
 from mecano.results.opening import open_checked
-from mecano.results.sweep_file import SweepFile, read_sweep
+from mecano.results.sweep_file import SweepFile
 
 if TYPE_CHECKING:
-    import os
-
     from matplotlib.figure import Figure
 
 SIZE, MAP_SIZE = (9.6, 7.2), (6.8, 4.6)  # inches
@@ -39,23 +36,11 @@ ABOVE = 3.0  # times the frequency of the growing or least damped modes: faster 
 ROUNDED = 1e-6  # damping ratio that counts as zero
 
 
-def draw_sweep(
-    path: "str | os.PathLike[str]",
-    output: "str | os.PathLike[str] | None" = None,
-    kind: str = "png",
-    below: float | None = None,
-) -> Path:
-    """Draw the picture of a sweep next to its file, or at ``output``, and return its Path.
-
-    Modes of higher frequency than ``below`` [Hz] are omitted, see ``shown_modes``. Raises ResultsError, and UsageError
-    for a map of stability with ``below``.
-    """
-    file = read_sweep(path)
-    return save_beside(sweep_figure(file, below), file.path, output, kind)
-
-
 def sweep_figure(file: SweepFile, below: float | None = None) -> "Figure":
-    """Return the figure of a SweepFile; see ``draw_sweep``. Raises ResultsError, UsageError."""
+    """Return the figure of a SweepFile, without modes of higher frequency than ``below`` [Hz], see ``shown_modes``.
+
+    Raises ResultsError, and UsageError for a map of stability with ``below``.
+    """
     units, is_map = _units(file), len(file.names) == 2
     if is_map and below is not None:
         raise UsageError(f"--below: {file.path} is a map of stability, which shows the least stable of all modes")

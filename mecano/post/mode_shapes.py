@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, NoReturn
 
@@ -13,15 +12,15 @@ import numpy as np
 
 from mecano.errors import ResultsError
 from mecano.post.draw_sketch import draw_sketch
-from mecano.post.figure import plain_figure, save_beside
+from mecano.post.figure import plain_figure
 from mecano.post.runs import SECTIONS
 from mecano.post.shapes import apart, shapes
 from mecano.post.sketch import Sketch
 from mecano.post.style import SETTINGS
-from mecano.results.modes_file import ModesFile, read_modes
+from mecano.results.modes_file import ModesFile
 
 if TYPE_CHECKING:
-    import os
+    from matplotlib.figure import Figure
 
     from mecano.schema import Values
 
@@ -81,19 +80,6 @@ class ModeMotion:
         raise ResultsError(f"'{path}' is not in a file of modes")
 
 
-def draw_modes(
-    path: "str | os.PathLike[str]", output: "str | os.PathLike[str] | None" = None, kind: str = "png"
-) -> Path:
-    """Draw all modes of a file in one picture next to it, or at ``output``, and return its Path.
-
-    Raises ResultsError, also for a file without modes.
-    """
-    file = read_modes(path)
-    if not len(file.values):
-        raise ResultsError(f"{path}: {NO_SHAPES}")
-    return save_beside(_figure(file, mode_sketches(file)), file.path, output, kind)
-
-
 def mode_sketches(file: ModesFile) -> list[Sketch]:
     """Return a Sketch for each mode of a ModesFile at PHASES; the largest displacement is AMPLITUDE of the size."""
     things = {f"{s}/{name}": d for s in SECTIONS for name, d in file.resolved.get(s, {}).items()}
@@ -145,8 +131,12 @@ def _named(file, mode):
     return text + (", flutter" if file.kinds[mode] == "flutter" else "")
 
 
-def _figure(file, sketches):
-    columns = min(COLUMNS, max(len(sketches), 1))
+def modes_figure(file: ModesFile) -> "Figure":
+    """Return the figure of all modes of a ModesFile. Raises ResultsError if it has none."""
+    if not len(file.values):
+        raise ResultsError(f"{file.path}: {NO_SHAPES}")
+    sketches = mode_sketches(file)
+    columns = min(COLUMNS, len(sketches))
     rows = math.ceil(len(sketches) / columns)
     with matplotlib.rc_context(SETTINGS):
         title, heading = file.title or file.path.stem, f"modes about: {file.about}"

@@ -1,32 +1,21 @@
 """Bode and Nyquist diagrams of a file of margins: the loop transfer function, its crossovers and its margins."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import matplotlib
 import numpy as np
 
 from mecano.post.bode import frequency_axis, magnitude_axis, phase_axis, unwrapped
-from mecano.post.figure import plain_figure, save_beside
+from mecano.post.figure import plain_figure
 from mecano.post.style import COLOURS, GREY, INK, LEGEND, SETTINGS
-from mecano.results.margins_file import MarginsFile, read_margins
+from mecano.results.margins_file import MarginsFile
 
 if TYPE_CHECKING:
-    import os
-
     from matplotlib.figure import Figure
 
 SIZE = 11.0, 5.0  # inches
 CENTRE = -90.0  # deg: a loop of negative feedback begins within half a turn of it
 NEAR, FAR = 1.6, 3.0  # limits of the Nyquist diagram, at least and at most
-
-
-def draw_margins(
-    path: "str | os.PathLike[str]", output: "str | os.PathLike[str] | None" = None, kind: str = "png"
-) -> Path:
-    """Draw the picture of a file of margins beside it, or at ``output``; return its Path. Raises ResultsError."""
-    file = read_margins(path)
-    return save_beside(margins_figure(file), file.path, output, kind)
 
 
 def margins_figure(file: MarginsFile) -> "Figure":

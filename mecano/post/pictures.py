@@ -1,38 +1,44 @@
 """Pictures and tables of results files, written to files."""
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from mecano.errors import ResultsError, UsageError
-from mecano.post.bode import draw_response
+from mecano.post.bode import response_figure
 from mecano.post.columns import columns_of
 from mecano.post.configurations import configurations_figure, times_of
 from mecano.post.figure import overview_figure, save, sheet_figure
 from mecano.post.info import one_line
-from mecano.post.loci import draw_sweep
-from mecano.post.mode_shapes import draw_modes
-from mecano.post.nyquist import draw_margins
+from mecano.post.loci import sweep_figure
+from mecano.post.mode_shapes import modes_figure
+from mecano.post.nyquist import margins_figure
 from mecano.post.request import Request, requested_sheet
 from mecano.post.runs import Run, opened_runs
 from mecano.post.sheets import default_sheets, overview
 from mecano.post.spectrum import spectrum_sheet
-from mecano.post.study_plots import draw_study
+from mecano.post.study_plots import study_figure
 from mecano.post.study_requests import requested_figures
 from mecano.results import margins_file, modes_file, response_file, study_file, sweep_file
 from mecano.results.opening import format_of
 from mecano.results.whole_file import make_folder, refuse_foreign, write_csv
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from mecano.post.sheet import Sheet
 
 FORMATS = ("png", "svg")
 OTHER_FORMATS = ("jpg", "jpeg", "pdf", "eps", "ps", "tif", "tiff", "gif", "bmp", "webp")  # other dots are in names
-ALONE = {
-    modes_file.FORMAT: draw_modes, sweep_file.FORMAT: draw_sweep, study_file.FORMAT: draw_study,
-    response_file.FORMAT: draw_response, margins_file.FORMAT: draw_margins,
-}  # fmt: skip
+ALONE: "dict[str, tuple[Callable[..., Any], Callable[..., Figure | None]]]" = {
+    modes_file.FORMAT: (modes_file.read_modes, modes_figure),
+    sweep_file.FORMAT: (sweep_file.read_sweep, sweep_figure),
+    study_file.FORMAT: (study_file.read_study, study_figure),
+    response_file.FORMAT: (response_file.read_response, response_figure),
+    margins_file.FORMAT: (margins_file.read_margins, margins_figure),
+}
+"""By the format of a file that is drawn by itself: the functions that read and draw it."""
 LONGEST_STEM = 60
 
 
@@ -118,7 +124,9 @@ def _of_runs(runs, pictures, times, output, kind, columns, title, force):
     for (sheet, draw), target in zip(pictures, targets, strict=False):
         yield _save(draw(sheet, title), target)
         if sheet.table or (columns and sheet.curves and draw is sheet_figure):
-            yield _save_columns(sheet, target.with_suffix(".csv"), force)
+            table = target.with_suffix(".csv")
+            write_csv(table, sheet.table or columns_of(sheet.curves, sheet.run_labels), force)
+            yield table
 
 
 def requested_sheets(plots: Iterable[str], spectra: Iterable[str], runs: Sequence[Run]) -> "list[Sheet]":
@@ -152,12 +160,20 @@ def _of_others(paths, output, kind, below, force):
     for path in paths:
         target = Path(output) / f"{Path(path).stem}.{kind}" if folder else _named(output, kind)
         target = target or Path(path).with_suffix(f".{kind}")
-        make_folder(target.parent)
         refuse_foreign(target, force)
-        if below is not None:
-            yield draw_sweep(path, target, kind, below)
-        else:
-            yield ALONE[format_of(path)](path, target, kind)
+        yield draw_alone(path, target, below)
+
+
+def draw_alone(path: str | os.PathLike[str], target: Path | None = None, below: float | None = None) -> Path:
+    """Draw a file of modes, a response, margins, a sweep or a study beside it, or at ``target``; return the Path.
+
+    ``below`` as in ``post``. Raises ResultsError, also if there is nothing to draw.
+    """
+    read, figure_of = ALONE[format_of(path)]
+    figure = figure_of(read(path)) if below is None else figure_of(read(path), below)
+    if figure is None:
+        raise ResultsError(f"there is nothing to draw in {path}: it has no outputs, or nothing is varied")
+    return _save(figure, target or Path(path).with_suffix(".png"))
 
 
 def _of_studies(paths, plots, output, kind, force):
@@ -227,9 +243,4 @@ def _stem(runs):
 def _save(figure, path):
     make_folder(path.parent)
     save(figure, path)
-    return path
-
-
-def _save_columns(sheet, path, force):
-    write_csv(path, sheet.table or columns_of(sheet.curves, sheet.run_labels), force)
     return path

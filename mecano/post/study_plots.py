@@ -7,17 +7,14 @@ from typing import TYPE_CHECKING
 import matplotlib
 import numpy as np
 
-from mecano.errors import ResultsError
-from mecano.post.figure import plain_figure, save_beside
+from mecano.post.figure import plain_figure
 from mecano.post.study_bars import bar_figure
 from mecano.post.study_outputs import displayed_outputs, near_limits
 from mecano.post.style import COLOURS, DASHES, GREY, LIMIT, SETTINGS, shown_unit, with_unit
 from mecano.post.value_labels import legible
-from mecano.results.study_file import Column, StudyTable, read_study
+from mecano.results.study_file import Column, StudyTable
 
 if TYPE_CHECKING:
-    import os
-
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -27,17 +24,6 @@ MOST_TICKS = 5  # intervals between the numbers below a panel
 BESIDE_ONE_ANOTHER = 36  # characters of texts below a panel; more of them are turned
 IN_A_ROW = 56  # characters of a row of a legend
 MOST_JOINED = 2  # number of parameters up to which dots that differ in one of them are joined by lines
-
-
-def draw_study(
-    path: "str | os.PathLike[str]", output: "str | os.PathLike[str] | None" = None, kind: str = "png"
-) -> Path:
-    """Draw the picture of the table of a study next to it, or at ``output``; return its Path. Raises ResultsError."""
-    table = read_study(path)
-    figure = study_figure(table)
-    if figure is None:
-        raise ResultsError(f"there is nothing to draw in {path}: it has no outputs, or nothing is varied")
-    return save_beside(figure, Path(path), output, kind)
 
 
 def study_figure(table: StudyTable) -> "Figure | None":
