@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mecano.constraints.touching import named_surface
+from mecano.constraints.triads import triad, unit
 from mecano.deck.physics import rotations
 from mecano.post.curve_values import checked_law, curve_values
 
@@ -59,8 +60,7 @@ def _directions(d, places):
     (a, b), (name, surface) = d["nodes"], named_surface(d)
     middle = surface.get("point", surface.get("center"))
     middle = places[a] if middle is None else np.array(middle, float)
-    main = np.array(surface.get("normal", surface.get("axis", places[b] - middle)), float)
-    main /= np.linalg.norm(main)
+    main = unit(surface.get("normal", surface.get("axis", places[b] - middle)))
     extent = np.ptp(np.stack(list(places.values())), axis=0)
     round_it = name in ("cylinder", "cam")  # seen along its axis
     across = main if round_it else _across(main, extent)
@@ -88,13 +88,10 @@ def _turned(deck, surface, b, axes):
 
 def _cam(deck, surface):
     """Return the closed curve (n, 3) of a cam, relative to its 'center'."""
-    axis, zero = (np.array(surface[name], float) for name in ("axis", "zero"))
-    axis /= np.linalg.norm(axis)
-    zero -= (zero @ axis) * axis
-    zero /= np.linalg.norm(zero)
+    zero, other, _ = triad(surface["axis"], surface["zero"])
     angle = np.linspace(0.0, 2.0 * np.pi, 2 * POINTS)
     radius = curve_values(deck, surface["profile"], angle)
-    return (radius * np.cos(angle))[:, None] * zero + (radius * np.sin(angle))[:, None] * np.cross(axis, zero)
+    return (radius * np.cos(angle))[:, None] * zero + (radius * np.sin(angle))[:, None] * other
 
 
 def _on_b(motion, d, places, across, along):
@@ -102,9 +99,8 @@ def _on_b(motion, d, places, across, along):
     b, rod = d["nodes"][1], d.get("rod")
     if rod is None:
         return motion.position(b)[:, None] + _stadium(d["radius"], 0.0, across, along)
-    axis = np.array(rod["axis"], float) / np.linalg.norm(rod["axis"])
-    side = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
-    outline = _stadium(d["radius"], rod["length"], axis, side / np.linalg.norm(side))
+    _, side, axis = triad(rod["axis"])
+    outline = _stadium(d["radius"], rod["length"], axis, side)
     return _carried(motion, b, _middle(rod, places[b]) + outline)
 
 
@@ -135,8 +131,7 @@ def _across(main, extent):
     """Return the unit vector, normal to ``main``, along which the ``extent`` (3,) of the mechanism is least."""
     free = np.abs(main) < 0.9
     axis = np.eye(3)[np.flatnonzero(free)[np.argmin((extent + PREFERRED * (1.0 + extent.max()))[free])]]
-    normal = axis - (axis @ main) * main
-    return normal / np.linalg.norm(normal)
+    return triad(main, axis)[0]
 
 
 def _stadium(radius, length, axis, side):

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from mecano.constraints.triads import triad
+from mecano.post.ground import plane_of
 from mecano.post.panels import with_peaks
 from mecano.post.quantity import SAVED, Quantity, find, time_of
 from mecano.post.runs import Run
@@ -148,8 +149,7 @@ def _axle_drag(one):
 def _heading(one):
     """Return the unit directions (n, 3) of motion of the wheel along the ground."""
     d = one.run.deck["elements"][one.wheel]
-    normal = np.array(one.run.deck["grounds"][d["ground"]]["plane"]["normal"], float)
-    normal /= np.linalg.norm(normal)
+    _, normal = plane_of(one.run.deck["grounds"][d["ground"]])
     velocity = one.run.results.find(f"nodes/{d['node']}/velocity").values
     along = velocity - np.outer(velocity @ normal, normal)
     return along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mecano.constraints.ground import in_plane
+from mecano.constraints.triads import triad, unit
 from mecano.post.curve_values import curve_values
 
 if TYPE_CHECKING:
@@ -26,26 +28,19 @@ def ground_line(
     and up, ``half_width`` [m] the extent to both sides.
     """
     right, up = axes
-    normal = np.array(ground["plane"]["normal"], float)
-    normal /= np.linalg.norm(normal)
+    point, normal = plane_of(ground)
     if abs(normal[up]) < STEEPEST:
         return None
-    profile, point = ground.get("profile"), np.array(ground["plane"]["point"], float)
-    points = np.tile(np.array(centre, float), (POINTS if profile else 2, 1))
+    points = np.tile(np.array(centre, float), (POINTS if ground.get("profile") else 2, 1))
     points[:, right] += np.linspace(-half_width, half_width, len(points))
     points[:, up] -= (points - point) @ normal / normal[up]
-    return _raised(deck, profile, points, point, normal)[:, axes]
+    return _raised(deck, ground, points)[:, axes]
 
 
 def ground_patch(deck: Mapping[str, Any], ground: "Values", points: np.ndarray) -> np.ndarray:
     """Return the outline (k, 3) [m] of the ground below ``points`` (n, 3), with a margin on all sides."""
-    normal = np.array(ground["plane"]["normal"], float)
-    normal /= np.linalg.norm(normal)
-    profile, point = ground.get("profile"), np.array(ground["plane"]["point"], float)
-    first = np.eye(3)[np.argmin(np.abs(normal))]
-    first -= (first @ normal) * normal
-    first /= np.linalg.norm(first)
-    axes = np.stack([first, np.cross(normal, first)])
+    point, normal = plane_of(ground)
+    axes = triad(normal)[:2]
     low, high = (points @ axes.T).min(axis=0), (points @ axes.T).max(axis=0)
     room = ROUND * (high - low).max()
     (a, b), (c, d) = low - room, high + room
@@ -53,35 +48,37 @@ def ground_patch(deck: Mapping[str, Any], ground: "Values", points: np.ndarray) 
     corners = np.array([(a, b), (c, b), (c, d), (a, d), (a, b)])
     outline = np.concatenate([p + s * (q - p) for p, q in zip(corners[:-1], corners[1:], strict=True)]) @ axes
     outline += (point @ normal) * normal
-    return _raised(deck, profile, outline, point, normal)
+    return _raised(deck, ground, outline)
 
 
 def ground_path(deck: Mapping[str, Any], ground: "Values", centres: np.ndarray, radius: float) -> Iterator[np.ndarray]:
     """Yield lines (k, 3) on the ground along the path of a wheel with ``centres`` (n, 3) and ``radius`` [m]."""
-    normal = np.array(ground["plane"]["normal"], float)
-    normal /= np.linalg.norm(normal)
-    profile, point = ground.get("profile"), np.array(ground["plane"]["point"], float)
+    point, normal = plane_of(ground)
     way = (centres[:, -1] - centres[:, 0]).mean(axis=0)
     centres = centres.reshape(-1, 3)
     way -= (way @ normal) * normal
     if np.linalg.norm(way) < radius:
-        way = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+        way = triad(normal)[1]
     way /= np.linalg.norm(way)
     across, middle = np.cross(normal, way), centres.mean(axis=0)
     along, aside = (centres - middle) @ way, np.abs((centres - middle) @ across).max() + BESIDE * radius
     ends = along.min() - BESIDE * radius, along.max() + BESIDE * radius
-    distances = np.linspace(*ends, POINTS_OF_WAY if profile else 2)[:, None]
+    distances = np.linspace(*ends, POINTS_OF_WAY if ground.get("profile") else 2)[:, None]
     for offset in (-aside, 0.0, aside):
         points = middle + distances * way + offset * across
         points -= ((points - point) @ normal)[:, None] * normal
-        yield _raised(deck, profile, points, point, normal)
+        yield _raised(deck, ground, points)
 
 
-def _raised(deck, profile, points, point, normal):
-    """Return points (n, 3) of a plane, raised along its normal to the profile, if any."""
-    if not profile:
+def plane_of(ground: "Values") -> tuple[np.ndarray, np.ndarray]:
+    """Return a point (3,) [m] of the plane of a ground, and its unit normal (3,)."""
+    return np.array(ground["plane"]["point"], float), unit(ground["plane"]["normal"])
+
+
+def _raised(deck, ground, points):
+    """Return points (n, 3) of the plane of a ground, raised along its normal to the profile, if any."""
+    if not (profile := ground.get("profile")):
         return points
-    direction = np.array(profile["direction"], float)
-    direction -= (direction @ normal) * normal
-    heights = curve_values(deck, profile["height"], (points - point) @ (direction / np.linalg.norm(direction)))
+    point, normal = plane_of(ground)
+    heights = curve_values(deck, profile["height"], (points - point) @ unit(in_plane(profile["direction"], normal)))
     return points + heights[:, None] * normal

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from mecano.constraints.triads import triad
 from mecano.element_interface import RELEASES
 from mecano.elements.joints.guiding_curve import drawn
 from mecano.model.mesh import divided_nodes, inner_names
 from mecano.post.belt_lines import belt_lines
 from mecano.post.contact_outlines import outlines, surface_outlines
+from mecano.post.ground import plane_of
 from mecano.post.recovered import lines, nodes_inside, recovered
 
 if TYPE_CHECKING:
@@ -273,10 +275,8 @@ def _tread(motion, d, node):
 
 def _rim(motion, node, axis, radius):
     """Return points (instants, RIM_POINTS, 3) of a circle about an axis fixed in a node, inertial at the start."""
-    axis = np.array(axis, float)
-    spoke = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
-    other = np.cross(axis, spoke)
-    e1, e2 = (motion.turned(node, v / np.linalg.norm(v)) for v in (spoke, other))
+    mu_1, mu_2, _ = triad(axis)
+    e1, e2 = motion.turned(node, mu_2), motion.turned(node, -mu_1)
     angle = np.linspace(0.0, 2.0 * np.pi, RIM_POINTS)[:, None]
     return motion.position(node)[:, None] + radius * (np.cos(angle) * e1[:, None] + np.sin(angle) * e2[:, None])
 
@@ -291,9 +291,8 @@ def _flattened(points, ground):
     """Return the points, with those below a flat ground raised onto it."""
     if ground.get("profile"):
         return points
-    normal = np.array(ground["plane"]["normal"], float)
-    normal /= np.linalg.norm(normal)
-    depth = np.maximum(0.0, (ground["plane"]["point"] - points) @ normal)
+    point, normal = plane_of(ground)
+    depth = np.maximum(0.0, (point - points) @ normal)
     return points + depth[..., None] * normal
 
 
