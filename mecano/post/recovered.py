@@ -36,6 +36,8 @@ def recover(results: "Results", name: str, d: "Values") -> Inner:
 
 def recovered(d: "Values", value: Callable[[str], np.ndarray]) -> Inner:
     """Return the Inner of a superelement with deck values ``d``; ``value(output)`` gives its outputs (times, ...)."""
+    from scipy.spatial.transform import Rotation  # takes 0.2 s to import, and few models have superelements
+
     reduced = d["file"]
     X = np.array(reduced["positions"], float)
     places = np.array(reduced["interior_positions"], float).reshape(-1, 3) - X.mean(axis=0)
@@ -44,20 +46,9 @@ def recovered(d: "Values", value: Callable[[str], np.ndarray]) -> Inner:
     pairs = [value(f"{what}_{i}") for i in range(1, n_nodes + 1) for what in ("displacement", "rotation")]
     amplitudes = [value(f"amplitude_{i}")[:, None] for i in range(1, basis.shape[1] - 6 * n_nodes + 1)]
     displacements = (np.hstack([*pairs, *amplitudes]) @ basis.T).reshape(-1, *places.shape)
-    origin, turn = value("frame_origin"), _matrices(value("frame_rotation"))
+    origin, turn = value("frame_origin"), Rotation.from_quat(np.roll(value("frame_rotation"), -1, axis=1)).as_matrix()
     positions = origin[:, None] + np.einsum("tij,tnj->tni", turn, places + displacements)
     return Inner(nodes_inside(d), positions, displacements)
-
-
-def _matrices(quaternions):
-    """Return the rotation matrices (n, 3, 3) of unit quaternions (n, 4)."""
-    w, x, y, z = quaternions.T
-    rows = (
-        (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
-        (2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)),
-        (2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
-    )
-    return np.moveaxis(np.array(rows), -1, 0)
 
 
 MOTIONS = {
