@@ -4,6 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.post.text_table import aligned
+
 if TYPE_CHECKING:
     from mecano.analyses.margins import Margins
 
@@ -20,8 +22,8 @@ def table(found: "Margins") -> list[str]:
     rows = [HEAD, *_margins(found)]
     crossovers = [CROSSOVERS, *(_crossover(one) for one in found.crossovers)]
     return [
-        f"{head}{high:.6g} Hz", f"closed loop: {stability(found.growing)}", "", *_aligned(rows, "<><>"), "",
-        *(_aligned(crossovers, "<>>>>>>") if found.crossovers else ["no crossovers in this range"]),
+        f"{head}{high:.6g} Hz", f"closed loop: {stability(found.growing)}", "", *aligned(rows, "<><>"), "",
+        *(aligned(crossovers, "<>>>>>>") if found.crossovers else ["no crossovers in this range"]),
     ]  # fmt: skip
 
 
@@ -55,9 +57,3 @@ def _crossover(one):
     phase = f"{np.degrees(np.angle(one.value)) if one.gain else -180.0:.4f}"
     value = f"{abs(one.value):.6g}"
     return "gain" if one.gain else "phase", f"{one.frequency:.6g}", value, phase, *(_number(x, "") for x in numbers)
-
-
-def _aligned(rows, signs):
-    widths = [max(len(row[i]) for row in rows) for i in range(len(signs))]
-    lines = ["  ".join(f"{x:{s}{w}}" for x, s, w in zip(row, signs, widths, strict=True)) for row in rows]
-    return [line.rstrip() for line in lines]

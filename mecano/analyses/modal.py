@@ -14,6 +14,7 @@ from mecano.analyses.small_motion_warnings import (
     sticking_warnings,
 )
 from mecano.analyses.source import source_of
+from mecano.post.text_table import aligned
 from mecano.process.interrupt import call_interruptibly
 from mecano.results.file_names import to_be_written
 from mecano.results.modes_file import write_modes
@@ -83,8 +84,7 @@ def table(system: "System", s: "State", found: Modes, lin: Linearization) -> lis
         ratio_text = "" if value == 0.0 else f"{round(float(ratio), 5) + 0.0:.5f}"
         numbers = (str(i), f"{damped:.6g}", f"{natural:.6g}", ratio_text, f"{value.real + 0.0:.4g}", f"{residual:.1e}")
         rows.append((*numbers, kind if converged else f"{kind}, {NOT_CONVERGED}", what))
-    widths = [max(len(row[i]) for row in rows) for i in range(7)]
-    return ["  ".join([*(f"{row[i]:>{widths[i]}}" for i in range(7)), row[7]]) for row in rows]
+    return aligned(rows, ">>>>>>><")
 
 
 def largest_motions(system: "System", s: "State", lin: Linearization, value: complex, shape: np.ndarray) -> str:

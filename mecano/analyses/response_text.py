@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.post.text_table import aligned
 from mecano.results.response_file import ratio_unit
 
 if TYPE_CHECKING:
@@ -24,12 +25,10 @@ def table(found: "Response") -> list[str]:
             first = (source, output, unit, "-" if np.isnan(static) else f"{static + 0.0:.6g}", _bandwidth(found, i, j))
             for k, peak in enumerate(peaks or [None]):
                 rows.append((*(first if k == 0 else ("",) * 5), *_peak(peak)))
-    widths = [max(len(row[i]) for row in rows) for i in range(len(HEAD))]
-    signs = "<<<>>>>>"
-    lines = ["  ".join(f"{x:{s}{w}}" for x, s, w in zip(row, signs, widths, strict=True)) for row in rows]
+
     low, high = found.frequency[[0, -1]]
     head = f"response about: {found.about}; {len(found.frequency)} frequencies from {low:.6g} to {high:.6g} Hz"
-    return [head, *(line.rstrip() for line in lines)]
+    return [head, *aligned(rows, "<<<>>>>>")]
 
 
 def _highest(peaks):

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mecano.post.text_table import aligned
 from mecano.results.sweep_file import whirl_word
 from mecano.solve.modal.families import FAMILIES
 from mecano.solve.modal.tracking import damping, least_damped
@@ -51,9 +52,7 @@ def _state_lines(axis, locus):
         mark = "" if locus.converged[b, i] else " not converged"
         frequency, ratio = _numbers(of[b])
         rows.append((f"{value:.9g}", str(locus.count[i]), str(b + 1), f"{of[b].real:.6g}", frequency, ratio + mark))
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows[: MOST_ROWS + 1]:
-        yield "  ".join(f"{text:>{width}}" for text, width in zip(row, widths, strict=True))
+    yield from aligned(rows, ">" * len(rows[0]))[: MOST_ROWS + 1]
     if len(rows) > MOST_ROWS + 1:
         yield f"... and {len(rows) - 1 - MOST_ROWS} more, which are in the file"
 
@@ -100,10 +99,8 @@ def _numbers(value):
 
 
 def _aligned(rows):
-    """Yield rows of texts aligned in columns, the last of them to the left."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        yield "  ".join([*(f"{text:>{width}}" for text, width in zip(row[:-1], widths, strict=False)), row[-1]])
+    """Return the lines of rows of texts aligned to the right, the last column to the left."""
+    return aligned(rows, ">" * (len(rows[0]) - 1) + "<")
 
 
 def _critical(name, locus):
@@ -132,7 +129,7 @@ def _resonance_lines(sweep, locus):
     for one in locus.resonances:
         numbers = f"{one.place:.9g}", f"{one.speed:.9g}", f"{one.speed * 30.0 / math.pi:.7g}"
         rows.append((f"{one.order:g}", str(one.branch + 1), whirl_word(one.whirl), *numbers, *_numbers(one.value), ""))
-    yield from (row.rstrip() for row in _aligned(rows))
+    yield from _aligned(rows)
 
 
 def known_digits(value: float, error: float) -> str:

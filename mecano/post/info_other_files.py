@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import h5py
 
+from mecano.post.text_table import aligned
 from mecano.results import modes_file
 from mecano.results.modes_file import read_modes
 from mecano.results.opening import format_of, open_checked
@@ -48,10 +49,9 @@ def _modes(file):
             for name, number in zip(NUMBERS, numbers, strict=True)
         ]
         rows.append((str(i + 1), *texts, kind if file.converged[i] else f"{kind}, not converged"))
-    widths = [max(len(row[i]) for row in rows) for i in range(len(HEAD))]
-    lines = ["  ".join(f"{text:>{width}}" for text, width in zip(row, widths, strict=True)) for row in rows]
+
     inside = "".join(f", {len(one['position'])} inside {name}" for name, one in file.inner.items())
-    return [*lines, "", f"shapes of {len(file.nodes)} nodes{inside}; `mecano post` draws them"]
+    return [*aligned(rows, ">" * len(HEAD)), "", f"shapes of {len(file.nodes)} nodes{inside}; `mecano post` draws them"]
 
 
 def _contents(path):
